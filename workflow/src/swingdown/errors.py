@@ -1,0 +1,17 @@
+"""What is raised when an input cannot be used."""
+
+
+class InputError(ValueError):
+    """An input that cannot be used, told as: where, what is wrong, what was expected, the mend.
+
+    ``where`` names the file, row, column or key; the other parts are plain sentences without a final full stop.
+    """
+
+    def __init__(self, where, problem, expected="", mend=""):
+        self.where, self.problem, self.expected, self.mend = str(where), problem, expected, mend
+        parts = [f"{where}: {problem}."]
+        if expected:
+            parts.append(f"Expected: {expected}.")
+        if mend:
+            parts.append(f"Mend: {mend}.")
+        super().__init__(" ".join(parts))
