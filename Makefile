@@ -1,0 +1,57 @@
+# make            set up .venv and run the study (the paper's tables, figures and report appear in results/)
+# make test       set up .venv and run the tests; make test-all runs the slow ones too
+# make lock       resolve the versions again after a change of pyproject.toml
+# make clean      remove what was computed; make distclean removes .venv as well
+#
+# TARGET=report, CORES=4 and ARGS="--configfile mine.yaml" are passed on to snakemake; TESTS=tests/test_fit.py to pytest.
+
+PYTHON ?= python3
+CORES ?= 2
+TARGET ?= all
+ARGS ?=
+TESTS ?= tests
+
+BIN := .venv/bin
+# Named after the locks' contents and this folder, so that the environment is laid anew when, and only when, they change.
+READY := .venv/ready-$(shell (pwd; cat requirements.lock requirements-uv.lock pyproject.toml) | cksum | cut -d' ' -f1)
+
+.PHONY: run venv test test-all lock clean distclean
+.DELETE_ON_ERROR:
+
+run: $(READY)
+	@$(BIN)/snakemake -c$(CORES) $(TARGET) $(ARGS)
+
+venv: $(READY)
+
+$(READY):
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11) and "Python 3.11 or newer is needed; this is %s. Mend: make PYTHON=/path/to/a/newer/python3" % sys.version.split()[0])'
+	@echo "Setting up .venv (once; the versions are those of requirements.lock) ..."
+	@$(PYTHON) -m venv --clear .venv
+	@if $(BIN)/python -m pip install -q --disable-pip-version-check --require-hashes -r requirements-uv.lock \
+	  && $(BIN)/uv pip sync -q --system-certs --require-hashes --python $(BIN)/python requirements.lock requirements-uv.lock; then :; \
+	else echo "uv did not manage; falling back to pip, which is slower ..." \
+	  && $(BIN)/python -m pip install -q --disable-pip-version-check --require-hashes -r requirements.lock; fi
+	@$(BIN)/python -m pip install -q --disable-pip-version-check --no-deps --no-build-isolation -e .
+	@touch $@
+
+test: $(READY)
+	@$(BIN)/python -m pytest $(TESTS)
+
+test-all: $(READY)
+	@SWINGDOWN_SLOW=1 $(BIN)/python -m pytest $(TESTS)
+
+lock:
+	@$(PYTHON) -m venv --clear .venv
+	@$(BIN)/python -m pip install -q --disable-pip-version-check uv
+	@$(BIN)/uv pip compile -q pyproject.toml --extra test --output-file requirements.lock $(LOCK)
+	@$(BIN)/uv --version | sed 's/^uv \([^ ]*\).*/uv==\1/' | $(BIN)/uv pip compile -q - --output-file requirements-uv.lock $(LOCK)
+
+LOCK := --system-certs --upgrade --universal --python-version 3.11 --generate-hashes \
+  --no-emit-index-url --no-emit-find-links --no-header --no-annotate
+
+clean:
+	@find results -mindepth 1 ! -name README.md -delete
+	@rm -rf .snakemake .pytest_cache .ruff_cache
+
+distclean: clean
+	@rm -rf .venv
