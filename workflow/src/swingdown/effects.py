@@ -12,7 +12,6 @@ what it means:
 from dataclasses import dataclass
 from math import inf, pi
 
-from . import formula
 from .errors import InputError
 
 VARIABLES = {"theta": "1", "thetadot": "1/s", "t": "s", "duration": "s", "omega_n": "1/s"}
@@ -21,7 +20,7 @@ ACTS_ON = {"torque": "1/s**2", "sensor": "1", "clock": "s"}
 
 @dataclass(frozen=True)
 class Parameter:
-    """A number an effect has: its name in files, its symbol in formulas, unit, and admissible bounds."""
+    """A number an effect has: its name in files, its symbol in formulas, unit, admissible bounds, and typical size."""
 
     name: str
     symbol: str
@@ -29,6 +28,7 @@ class Parameter:
     lower: float = -inf
     upper: float = inf
     text: str = ""
+    typical: float = 0.01
 
 
 @dataclass(frozen=True)
@@ -49,6 +49,8 @@ class Effect:
 
     def expression(self, form="consistent"):
         """The term as a sympy expression in the chosen form (``consistent`` or ``printed``)."""
+        from . import formula  # here, because sympy takes half a second and only a changed catalogue needs it
+
         text = self.printed if form == "printed" and self.printed else self.term
         names = (*VARIABLES, *(parameter.symbol for parameter in self.parameters))
         return formula.parse(text, names, where=f"effect {self.name}")

@@ -1,0 +1,253 @@
+/* Least squares: one Levenberg-Marquardt with an active set of bounds, for swings and for any other residual. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "swing.h"
+
+/* Half the sum of squares at x; with gradient, also J'r and J'J (n by n). Not finite where x cannot be computed. */
+typedef double (*Cost)(void *of, const double *x, double *gradient, double *hessian);
+
+typedef struct {
+    int converged;   /* 1: stationary to the tolerance; 0: out of iterations; -1: cannot be computed at the start */
+    int evaluations;
+    double predicted; /* relative fall that the last full step promised */
+} Outcome;
+
+/* Solve A d = -b for the free variables (the rest of d is given), by Cholesky; 0 where A is not positive definite. */
+static int step(int n, const double *hessian, const double *gradient, double damping, const unsigned char *held, double *d,
+                double *work) {
+    int index[MAX_PARAMETERS * 4], k = 0;
+    for (int i = 0; i < n; i++)
+        if (!held[i]) index[k++] = i;
+    for (int i = 0; i < k; i++) {
+        double b = -gradient[index[i]];
+        for (int j = 0; j < n; j++)
+            if (held[j]) b -= hessian[index[i] * n + j] * d[j];
+        work[k * k + i] = b;
+        for (int j = 0; j <= i; j++) work[i * k + j] = hessian[index[i] * n + index[j]];
+        work[i * k + i] += damping * hessian[index[i] * n + index[i]] + 1e-300;
+    }
+    for (int i = 0; i < k; i++)
+        for (int j = 0; j <= i; j++) {
+            double sum = work[i * k + j];
+            for (int l = 0; l < j; l++) sum -= work[i * k + l] * work[j * k + l];
+            if (i != j) work[i * k + j] = sum / work[j * k + j];
+            else if (sum > 1e-15 * work[i * k + i]) work[i * k + i] = sqrt(sum);
+            else return 0;
+        }
+    for (int i = 0; i < k; i++) {
+        for (int l = 0; l < i; l++) work[k * k + i] -= work[i * k + l] * work[k * k + l];
+        work[k * k + i] /= work[i * k + i];
+    }
+    for (int i = k - 1; i >= 0; i--) {
+        for (int l = i + 1; l < k; l++) work[k * k + i] -= work[l * k + i] * work[k * k + l];
+        d[index[i]] = (work[k * k + i] /= work[i * k + i]);
+    }
+    return 1;
+}
+
+static double promise(int n, const double *gradient, const double *hessian, const double *d) {
+    double fall = 0.0;
+    for (int i = 0; i < n; i++) {
+        double row = 0.0;
+        for (int j = 0; j < n; j++) row += hessian[i * n + j] * d[j];
+        fall -= d[i] * (gradient[i] + 0.5 * row);
+    }
+    return fall;
+}
+
+/* The minimum of cost within lower..upper from x, in place; returns half the sum of squares. hessian: J'J there. */
+double minimise(Cost cost, void *of, int n, double *x, const double *lower, const double *upper, int most, double tolerance,
+                double *hessian, Outcome *outcome) {
+    const size_t nn = (size_t)n * n;
+    double *memory = malloc((3 * nn + 7 * (size_t)n + 8) * sizeof(double));
+    *outcome = (Outcome){-1, 0, INFINITY};
+    if (!memory || n > MAX_PARAMETERS * 4) { free(memory); return NAN; }
+    double *g = memory, *trial_g = g + n, *trial_h = trial_g + n, *work = trial_h + nn, *d = work + nn + n, *trial = d + n;
+    unsigned char held[MAX_PARAMETERS * 4];
+    double damping = 1e-4, grow = 4.0;
+    for (int i = 0; i < n; i++) x[i] = fmin(fmax(x[i], lower[i]), upper[i]);
+    double value = cost(of, x, g, hessian);
+    outcome->evaluations = 1;
+    if (isfinite(value)) outcome->converged = 0;
+    while (outcome->converged == 0 && outcome->evaluations < most) {
+        for (int i = 0; i < n; i++) {
+            held[i] = (x[i] <= lower[i] && g[i] > 0.0) || (x[i] >= upper[i] && g[i] < 0.0);
+            d[i] = 0.0;
+        }
+        int ok = 1;
+        for (int again = 1; again && ok;) { /* a variable that would cross its bound stops there, the rest is solved anew */
+            ok = step(n, hessian, g, damping, held, d, work);
+            again = 0;
+            for (int i = 0; i < n && ok; i++) {
+                if (held[i]) continue;
+                const double low = lower[i] - x[i], high = upper[i] - x[i];
+                if (d[i] < low || d[i] > high) {
+                    d[i] = d[i] < low ? low : high;
+                    held[i] = 1;
+                    again = 1;
+                }
+            }
+        }
+        double expected = ok ? promise(n, g, hessian, d) : 0.0;
+        if (ok) {
+            int all_held = 1;
+            for (int i = 0; i < n; i++) all_held &= d[i] == 0.0;
+            if (all_held) { outcome->converged = 1; outcome->predicted = 0.0; break; }
+        }
+        double found = INFINITY;
+        if (ok && expected > 0.0) {
+            for (int i = 0; i < n; i++) trial[i] = fmin(fmax(x[i] + d[i], lower[i]), upper[i]);
+            found = cost(of, trial, trial_g, trial_h);
+            outcome->evaluations++;
+        }
+        const double gain = (value - found) / expected;
+        const double relative = expected / (value + 1e-300);
+        if (isfinite(found) && found <= value) {
+            memcpy(x, trial, n * sizeof(double));
+            memcpy(g, trial_g, n * sizeof(double));
+            memcpy(hessian, trial_h, nn * sizeof(double));
+            const double fall = (value - found) / (value + 1e-300);
+            value = found;
+            outcome->predicted = relative;
+            if (relative < tolerance && fall < tolerance && damping < 1.0) outcome->converged = 1;
+            if (value == 0.0) outcome->converged = 1;
+            const double cube = 2.0 * gain - 1.0;
+            damping = fmax(1e-14, damping * fmax(0.05, 1.0 - cube * cube * cube));
+            grow = 4.0;
+        } else {
+            /* the promise is within the rounding of the sum itself: nothing more to gain */
+            if (ok && expected > 0.0 && relative < tolerance && damping < 1.0) { outcome->converged = 1; outcome->predicted = relative; break; }
+            damping *= grow;
+            grow *= 2.0;
+            if (damping > 1e18) { outcome->converged = relative < 1e-8; outcome->predicted = relative; break; }
+        }
+    }
+    free(memory);
+    return value;
+}
+
+/* One or more swings with a common model. values[k]: the model's parameters, release angle and release velocity of
+ * swing k; where[k]: for each of them the index of the free variable it is, or -1 where it stays as given. */
+typedef struct {
+    const Model *model; /* one a swing: they differ in duration */
+    int n_swings;
+    const int *n;
+    const double *const *times, *const *angles;
+    double *values;
+    const int *where;
+    int n_free, panels, failures;
+    double *series, *slopes; /* room for the longest swing */
+} Swings;
+
+static double dot(const double *a, const double *b, int n) {
+    double lane[8] = {0.0}, sum = 0.0; /* a fixed order of summation: the same bits on every machine */
+    int i = 0;
+    for (; i + 8 <= n; i += 8)
+        for (int k = 0; k < 8; k++) lane[k] += a[i + k] * b[i + k];
+    for (; i < n; i++) sum += a[i] * b[i];
+    for (int k = 0; k < 8; k++) sum += lane[k];
+    return sum;
+}
+
+static double swings_cost(void *of, const double *x, double *gradient, double *hessian) {
+    Swings *f = of;
+    double value = 0.0;
+    const int n_free = f->n_free;
+    if (gradient) {
+        memset(gradient, 0, n_free * sizeof(double));
+        memset(hessian, 0, (size_t)n_free * n_free * sizeof(double));
+    }
+    for (int k = 0; k < f->n_swings; k++) {
+        const int np = f->model[k].n_parameters, n = f->n[k];
+        double *p = f->values + (size_t)k * (np + 2);
+        const int *where = f->where + (size_t)k * (np + 2);
+        int own[MAX_PARAMETERS], place[MAX_PARAMETERS], m = 0;
+        for (int i = 0; i < np + 2; i++)
+            if (where[i] >= 0) {
+                p[i] = x[where[i]];
+                place[m] = where[i];
+                own[m++] = i < np ? i : (i == np ? RELEASE_ANGLE : RELEASE_VELOCITY);
+            }
+        Report report;
+        if (swing_trajectory(&f->model[k], p, p[np], p[np + 1], f->times[k], n, m, own, f->series, gradient ? f->slopes : NULL, &report)) {
+            f->failures++;
+            return INFINITY;
+        }
+        f->panels += report.panels;
+        const double *y = f->angles[k];
+        for (int i = 0; i < n; i++) f->series[i] -= y[i];
+        value += 0.5 * dot(f->series, f->series, n);
+        if (!gradient) continue;
+        for (int i = 0; i < m; i++) {
+            const double *row = f->slopes + (size_t)i * n;
+            gradient[place[i]] += dot(row, f->series, n);
+            for (int j = 0; j <= i; j++) {
+                const double product = dot(row, f->slopes + (size_t)j * n, n);
+                hessian[(size_t)place[i] * n_free + place[j]] += product;
+                if (i != j) hessian[(size_t)place[j] * n_free + place[i]] += product;
+            }
+        }
+    }
+    return value;
+}
+
+/* Fit swings from each of n_starts starts; the best is left in best (values), with its J'J. Returns its sum of squares. */
+double fit_swings(const Model *models, int n_swings, const int *n, const double *const *times, const double *const *angles,
+                  double *values, const int *where, int n_free, int n_starts, const double *starts, const double *lower,
+                  const double *upper, int most, double tolerance, double *best, double *hessian, double *all, Outcome *outcome) {
+    int longest = 0;
+    for (int k = 0; k < n_swings; k++) longest = n[k] > longest ? n[k] : longest;
+    Swings f = {models, n_swings, n, times, angles, values, where, n_free, 0, 0, NULL, NULL};
+    int widest = 0;
+    for (int k = 0, np = models[0].n_parameters; k < n_swings; k++) {
+        int m = 0;
+        for (int i = 0; i < np + 2; i++) m += where[(size_t)k * (np + 2) + i] >= 0;
+        widest = m > widest ? m : widest;
+    }
+    *outcome = (Outcome){-1, 0, INFINITY};
+    const size_t nn = (size_t)n_free * n_free;
+    f.series = malloc((size_t)longest * (1 + widest) * sizeof(double));
+    double *room = malloc((nn + n_free) * sizeof(double));
+    double least = INFINITY;
+    int evaluations = 0;
+    for (int s = 0; s < n_starts && f.series && room && widest <= MAX_PARAMETERS; s++) {
+        double *x = room + nn;
+        Outcome one;
+        f.slopes = f.series + longest;
+        memcpy(x, starts + (size_t)s * n_free, n_free * sizeof(double));
+        const double value = minimise(swings_cost, &f, n_free, x, lower, upper, most, tolerance, room, &one);
+        evaluations += one.evaluations;
+        all[s] = 2.0 * value;
+        if (isfinite(value) && (value < least || (value == least && one.converged > outcome->converged))) {
+            least = value;
+            memcpy(best, x, n_free * sizeof(double));
+            memcpy(hessian, room, nn * sizeof(double));
+            *outcome = one;
+        }
+    }
+    outcome->evaluations = evaluations;
+    free(f.series);
+    free(room);
+    return 2.0 * least;
+}
+
+/* Many series of one swing's shape, one after the other, each from the same start. */
+int fit_batch(const Model *model, int n, const double *times, int n_series, const double *series, double *values, const int *where,
+              int n_free, const double *starts, int own_starts, const double *lower, const double *upper, int most, double tolerance,
+              double *best, double *squares, int *converged, int *evaluations) {
+    double *hessian = malloc((size_t)n_free * n_free * sizeof(double));
+    if (!hessian) return NO_MEMORY;
+    for (int k = 0; k < n_series; k++) {
+        const double *y = series + (size_t)k * n;
+        Outcome outcome;
+        double every;
+        squares[k] = fit_swings(model, 1, &n, &times, &y, values, where, n_free, 1, starts + (own_starts ? (size_t)k * n_free : 0), lower,
+                                upper, most, tolerance, best + (size_t)k * n_free, hessian, &every, &outcome);
+        converged[k] = outcome.converged;
+        evaluations[k] = outcome.evaluations;
+    }
+    free(hessian);
+    return DONE;
+}

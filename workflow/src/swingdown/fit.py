@@ -1,0 +1,269 @@
+"""Fits of models to swings: trajectory least squares with exact sensitivities, and the paper's Nelder-Mead."""
+
+import ctypes
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.optimize import minimize
+
+from .engine import build
+from .errors import InputError
+from .guess import first_guess
+from .model import Model
+from .trajectory import Compiled, TrajectoryError, checked_times, doubles, engine, sensitivities, simulate
+
+STARTS = ("free", "rest")
+_SMALLEST_FREQUENCY = 1e-3  # rad/s; a pendulum slower than an hour is none
+
+
+@dataclass(frozen=True)
+class Fit:
+    """A model fitted to one swing, or to several at once (then ``release_*``, ``angle`` and ``swing_rms`` are tuples).
+
+    ``free`` names the fitted values: the model's parameters, then ``release_angle`` (rad) and ``release_velocity``
+    (rad/s) where these are free, of each swing in turn. ``covariance`` is s^2 (J'J)^-1 with s^2 = rss / (n - k): it
+    takes the residuals for independent. ``rss`` in rad^2, ``rms`` in rad; ``angle`` is the fitted series in rad.
+    """
+
+    model: Model
+    method: str
+    free: tuple
+    values: np.ndarray
+    covariance: np.ndarray
+    rss: float
+    n: int
+    release_angle: float | tuple
+    release_velocity: float | tuple
+    angle: np.ndarray | tuple
+    swing_rms: float | tuple
+    converged: bool
+    message: str
+    evaluations: int
+
+    @property
+    def rms(self):
+        """Root mean square of data minus fit, rad."""
+        return float(np.sqrt(self.rss / self.n))
+
+    @property
+    def standard_errors(self):
+        """Standard errors in the order of ``free``; not finite where the data do not determine a value."""
+        return np.sqrt(np.diag(self.covariance))
+
+    @property
+    def correlation(self):
+        """The correlation matrix in the order of ``free``."""
+        errors = self.standard_errors
+        return self.covariance / np.outer(errors, errors)
+
+    @property
+    def bic(self):
+        """Bayesian information criterion, n ln(rss/n) + k ln n, for independent residuals of one unknown variance."""
+        return self.n * np.log(self.rss / self.n) + len(self.free) * np.log(self.n)
+
+    @property
+    def aicc(self):
+        """Akaike's criterion with the correction for small samples."""
+        k = len(self.free) + 1
+        return self.n * np.log(self.rss / self.n) + 2 * k + 2 * k * (k + 1) / (self.n - k - 1)
+
+
+def checked_swing(times, angle):
+    """Times (s) and angles (rad) as contiguous arrays; InputError unless they match, are finite and increase."""
+    times, angle = checked_times(times), np.ascontiguousarray(angle, dtype=float)
+    if angle.shape != times.shape:
+        raise InputError("swing", f"{angle.size} angles for {times.size} times", "one angle for each time")
+    if not np.all(np.isfinite(angle)):
+        raise InputError("swing", "an angle is not finite", "numbers only")
+    return times, angle
+
+
+class _Problem:
+    """The free variables of a fit and where each sits in every swing's values."""
+
+    def __init__(self, model, swings, start, bounded):
+        if start not in STARTS:
+            raise InputError("fit, start", f"unknown start {start!r}", " or ".join(STARTS))
+        self.model, self.swings, self.start = model, [checked_swing(*swing) for swing in swings], start
+        size, count = len(model.parameters), len(self.swings)
+        self.where = np.full((count, size + 2), -1, dtype=np.int32)
+        self.where[:, :size] = np.arange(size)
+        self.given = np.zeros((count, size + 2))
+        self.given[:, size] = [angle[0] for _, angle in self.swings]
+        self.free = list(model.parameters)
+        if start == "free":
+            self.where[:, size:] = size + np.arange(2 * count).reshape(count, 2)
+            self.free += ["release_angle", "release_velocity"] * count
+        n = sum(times.size for times, _ in self.swings)
+        if n <= len(self.free):
+            raise InputError("fit", f"{n} samples for {len(self.free)} free values", "more samples than free values")
+        self.n = n
+        definitions = model.definitions
+        self.lower, self.upper = np.full(len(self.free), -np.inf), np.full(len(self.free), np.inf)
+        if bounded:
+            self.lower[:size] = [d.lower for d in definitions]
+            self.upper[:size] = [d.upper for d in definitions]
+        self.lower[0] = max(self.lower[0], _SMALLEST_FREQUENCY)
+        self.compiled = [Compiled(model, float(times[-1] - times[0])) for times, _ in self.swings]
+
+    def variables(self, values, releases):
+        """The vector of free variables for parameter values (by name, 0 where absent) and the swings' releases."""
+        shared = [values.get(name, 0.0) for name in self.model.parameters]
+        own = [value for release in releases for value in release] if self.start == "free" else []
+        return np.clip(np.array([*shared, *own], dtype=float), self.lower, self.upper)
+
+    def releases(self, x):
+        """The (release angle, release velocity) of each swing at the free variables x."""
+        size = len(self.model.parameters)
+        return [tuple(x[size + 2 * k : size + 2 * k + 2]) if self.start == "free" else (self.given[k, size], 0.0)
+                for k in range(len(self.swings))]  # fmt: skip
+
+
+def _starts(problem, guess):
+    """Starting points: the guess if there is one, else the seen decay laid on each damping effect in turn and on all."""
+    found = [first_guess(times, angle, problem.model.restoring) for times, angle in problem.swings]
+    releases = [(g.release_angle, g.release_velocity) for g in found]
+    shares = [g.damping(problem.model) for g in found]
+    loss = {name: float(np.mean([share[name] for share in shares])) for name in shares[0]}
+    frequency = {"natural_frequency": float(np.mean([g.natural_frequency for g in found]))}
+    split = frequency | {name: value / max(1, len(loss)) for name, value in loss.items()}
+    alone = [frequency | {name: value if name == only else 0.0 for name, value in loss.items()} for only in loss]
+    starts = [split, *(alone if len(loss) > 1 else [])]
+    if guess is not None:
+        known = guess if isinstance(guess, (list, tuple)) else [guess]
+        starts = [*(dict(model.values) for model in known), *starts]
+    return np.array([problem.variables(values, releases) for values in starts])
+
+
+def _pointers(arrays):
+    return (ctypes.POINTER(ctypes.c_double) * len(arrays))(*(doubles(array) for array in arrays))
+
+
+def _least_squares(problem, starts, most, tolerance):
+    count, size = len(problem.swings), len(problem.free)
+    models = (build.CModel * count)(*(compiled.c for compiled in problem.compiled))
+    lengths = (ctypes.c_int * count)(*(times.size for times, _ in problem.swings))
+    values, best, hessian = problem.given.copy(), np.zeros(size), np.zeros((size, size))
+    starts, squares, outcome = np.ascontiguousarray(starts), np.zeros(len(starts)), build.COutcome()
+    rss = engine().fit_swings(
+        models, ctypes.c_int(count), lengths, _pointers([times for times, _ in problem.swings]),
+        _pointers([angle for _, angle in problem.swings]), doubles(values),
+        problem.where.ctypes.data_as(ctypes.POINTER(ctypes.c_int)), ctypes.c_int(size), ctypes.c_int(len(starts)),
+        doubles(starts), doubles(problem.lower), doubles(problem.upper), ctypes.c_int(most), ctypes.c_double(tolerance),
+        doubles(best), doubles(hessian), doubles(squares), ctypes.byref(outcome),
+    )  # fmt: skip
+    return rss, best, hessian, squares, outcome
+
+
+def _covariance(hessian, rss, freedom, lower, upper, best):
+    """s^2 (J'J)^-1 over the variables that no bound holds; NaN for those held or undetermined."""
+    free = (best > lower) & (best < upper)
+    covariance = np.full(hessian.shape, np.nan)
+    scale = np.sqrt(np.diag(hessian))
+    free &= scale > 0
+    if not free.any():
+        return covariance
+    scaled = hessian[np.ix_(free, free)] / np.outer(scale[free], scale[free])
+    try:
+        inverse = np.linalg.inv(scaled)
+    except np.linalg.LinAlgError:
+        return covariance
+    if np.linalg.cond(scaled) < 1e15:
+        covariance[np.ix_(free, free)] = inverse / np.outer(scale[free], scale[free]) * rss / freedom
+    return covariance
+
+
+def _result(problem, method, best, covariance, rss, converged, message, evaluations):
+    names = problem.model.parameters
+    errors = np.sqrt(np.diag(covariance))
+    model = problem.model.with_values(
+        dict(zip(names, map(float, best), strict=False)), dict(zip(names, map(float, errors), strict=False))
+    )
+    releases = problem.releases(best)
+    series = tuple(simulate(model, times, *release) for (times, _), release in zip(problem.swings, releases, strict=True))
+    spread = tuple(float(np.sqrt(np.mean((fit - y) ** 2))) for fit, (_, y) in zip(series, problem.swings, strict=True))
+    angles, velocities = (tuple(float(value) for value in column) for column in zip(*releases, strict=True))
+    return Fit(model, method, tuple(problem.free), best, covariance, float(rss), problem.n, angles, velocities, series, spread,
+               bool(converged), message, int(evaluations))  # fmt: skip
+
+
+def _single(fit):
+    parts = {name: getattr(fit, name)[0] for name in ("release_angle", "release_velocity", "angle", "swing_rms")}
+    return Fit(**{name: getattr(fit, name) for name in fit.__dataclass_fields__} | parts)
+
+
+def fit_jointly(effects, swings, *, start="free", guess=None, restoring="sine", form="consistent", bounded=False,
+                most=200, tolerance=1e-10):  # fmt: skip
+    """The ``Fit`` of one model to several swings at once: shared parameters, each swing its own release.
+
+    ``effects`` a label or names; ``swings`` a list of (times in s, angles in rad). ``start``: ``free`` fits each
+    release angle and velocity, ``rest`` starts each swing at rest at its first sample. ``guess``: a model, or several,
+    to start from besides the decay seen in the data. ``bounded`` keeps parameters within the catalogue's bounds.
+    Raises InputError for swings that cannot be fitted and TrajectoryError where no start gives a trajectory.
+    """
+    problem = _Problem(Model(effects, restoring=restoring, form=form), swings, start, bounded)
+    starts = _starts(problem, guess)
+    rss, best, hessian, squares, outcome = _least_squares(problem, starts, most, tolerance)
+    if outcome.converged < 0:
+        raise TrajectoryError(f"model {problem.model.label}: no start of {len(starts)} gives a trajectory")
+    agreeing = int(np.sum(squares <= rss * (1 + 1e-6)))
+    message = f"{agreeing} of {len(starts)} starts reached the best optimum; "
+    message += "stationary" if outcome.converged else f"not stationary after {most} evaluations"
+    covariance = _covariance(hessian, rss, problem.n - len(problem.free), problem.lower, problem.upper, best)
+    return _result(problem, "least squares", best, covariance, rss, outcome.converged, message, outcome.evaluations)
+
+
+def fit_trajectory(effects, times, angle, **options):
+    """The ``Fit`` of a model to one swing by trajectory least squares; options as in ``fit_jointly``."""
+    return _single(fit_jointly(effects, [(times, angle)], **options))
+
+
+def fit_nelder_mead(effects, times, angle, *, start="free", guess=None, restoring="sine", form="consistent", bounded=False,
+                    restarts=20):  # fmt: skip
+    """The ``Fit`` of a model to one swing by the Nelder-Mead simplex, as in the paper, restarted until stationary.
+
+    Options as in ``fit_trajectory``. A simplex with steps in proportion to each value is started again from where the
+    last one ended until that gains less than 1e-8 of the sum of squares; ``message`` says how many it took.
+    """
+    problem = _Problem(Model(effects, restoring=restoring, form=form), [(times, angle)], start, bounded)
+    (times, angle) = problem.swings[0]
+    model = problem.model
+
+    def squares(x):
+        if np.any(x < problem.lower) or np.any(x > problem.upper):
+            return np.inf
+        try:
+            fitted = simulate(model.with_values(dict(zip(model.parameters, x, strict=False))), times, *problem.releases(x)[0])
+        except TrajectoryError:
+            return np.inf
+        return float(np.sum((fitted - angle) ** 2))
+
+    best = min(_starts(problem, guess), key=squares)
+    # steps in proportion to each value; a coefficient that starts at zero still gets a step of its usual size
+    scale = np.maximum(np.abs(best), [*(d.typical for d in model.definitions), *[0.1] * (best.size - len(model.parameters))])
+    value, evaluations, converged, step = squares(best), 0, False, 0.05
+    for count in range(1, restarts + 1):
+        origin = best / scale
+        found = minimize(
+            lambda z: squares(z * scale), origin, method="Nelder-Mead",
+            options={"initial_simplex": np.vstack([origin, origin + step * np.eye(best.size)]), "xatol": 1e-6, "fatol": 1e-9 * value,
+                     "maxfev": 4000},
+        )  # fmt: skip
+        evaluations += found.nfev
+        gain = value - found.fun
+        if gain > 0:
+            value, best = float(found.fun), found.x * scale
+        if count > 1 and gain <= 1e-8 * value:
+            converged = True
+            break
+        step = -0.4 * step
+    covariance = _slopes_covariance(problem, best, value)
+    message = f"stationary after {count} simplexes" if converged else f"not stationary after {restarts} simplexes"
+    return _single(_result(problem, "Nelder-Mead", best, covariance, value, converged, message, evaluations))
+
+
+def _slopes_covariance(problem, best, rss):
+    (times, _) = problem.swings[0]
+    model = problem.model.with_values(dict(zip(problem.model.parameters, best, strict=False)))
+    _, slopes = sensitivities(model, times, *problem.releases(best)[0], free=problem.free)
+    return _covariance(slopes @ slopes.T, rss, problem.n - len(problem.free), problem.lower, problem.upper, best)

@@ -1,0 +1,127 @@
+"""Trajectories of a model: the angle over time, exact at velocity reversals and with sticking, and its sensitivities."""
+
+import ctypes
+from dataclasses import dataclass
+
+import numpy as np
+
+from . import effects
+from .engine import build
+from .engine.rows import entries
+from .errors import InputError
+
+_STATUS = {
+    1: "the accuracy could not be kept (the motion is not that of a pendulum at these parameters)",
+    2: "the motion ran away",
+    3: "the clock runs backwards at these parameters",
+    4: "the model has more parameters than the engine takes",
+    5: "out of memory",
+}
+
+
+class TrajectoryError(ArithmeticError):
+    """A trajectory that cannot be computed to the engine's accuracy; the message says why."""
+
+
+@dataclass(frozen=True)
+class Effort:
+    """What a trajectory took and how good it is: panels, right-hand sides, reversals, estimated error (rad), sticking (s)."""
+
+    panels: int
+    rejected: int
+    evaluations: int
+    reversals: int
+    error: float
+    stuck_after: float | None
+
+
+def engine():
+    """The compiled engine for the catalogue (compiled at the first use on a machine)."""
+    return build.load(tuple(effects.CATALOGUE.values()), tuple(effects.GRAVITY.values()))
+
+
+class Compiled:
+    """A model as the engine takes it: which effects act where, and where each one's parameters begin."""
+
+    def __init__(self, model, duration):
+        rows = {(effect.name, form): k for k, (effect, form) in enumerate(entries(effects.CATALOGUE.values(), effects.GRAVITY.values()))}
+        places = {"torque": [(rows[effects.GRAVITY[model.restoring].name, "consistent"], 1)], "sensor": [], "clock": []}
+        first = 1
+        for name in model.effects:
+            effect = effects.effect(name)
+            form = model.form if effect.printed else "consistent"
+            places[effect.acts_on].append((rows[name, form], first))
+            first += len(effect.parameters)
+        self.model, self.n_parameters = model, first
+        self.c = build.CModel(n_parameters=first, duration=duration)
+        self._kept = []
+        for kind, found in places.items():
+            setattr(self.c, f"n_{kind}s", len(found))
+            for field, column in ((f"{kind}s", 0), (f"{kind}_first", 1)):
+                array = (ctypes.c_int * max(1, len(found)))(*(entry[column] for entry in found))
+                self._kept.append(array)
+                setattr(self.c, field, ctypes.cast(array, ctypes.POINTER(ctypes.c_int)))
+
+
+def doubles(array):
+    """A pointer to the contiguous float64 array's first element."""
+    return array.ctypes.data_as(ctypes.POINTER(ctypes.c_double))
+
+
+def checked_times(times):
+    """The times (s) as a contiguous float64 array; InputError unless finite and increasing."""
+    times = np.ascontiguousarray(times, dtype=float)
+    if times.ndim != 1 or times.size < 1:
+        raise InputError("times", f"an array of shape {times.shape}", "one dimension, at least one time")
+    if not np.all(np.isfinite(times)) or np.any(np.diff(times) <= 0):
+        raise InputError("times", "not finite and increasing", "sample times in seconds, each later than the one before")
+    return times
+
+
+def _run(model, times, release_angle, release_velocity, free):
+    times = checked_times(times)
+    compiled = Compiled(model, float(times[-1] - times[0]))
+    values = np.array(model.vector())
+    if not (np.all(np.isfinite(values)) and np.isfinite(release_angle) and np.isfinite(release_velocity)):
+        raise InputError(f"model {model.label}", "a value is not finite", "finite parameters and release")
+    codes = {"release_angle": -1, "release_velocity": -2} | {name: k for k, name in enumerate(model.parameters)}
+    chosen = (ctypes.c_int * max(1, len(free)))(*(codes[name] for name in free))
+    angles, slopes = np.empty(times.size), np.empty((len(free), times.size))
+    report = build.CReport()
+    status = engine().swing_trajectory(
+        ctypes.byref(compiled.c), doubles(values), ctypes.c_double(release_angle), ctypes.c_double(release_velocity),
+        doubles(times), ctypes.c_int(times.size), ctypes.c_int(len(free)), chosen, doubles(angles),
+        doubles(slopes) if free else None, ctypes.byref(report),
+    )  # fmt: skip
+    if status:
+        stated = ", ".join(f"{name} {value:.6g}" for name, value in zip(model.parameters, values, strict=True))
+        raise TrajectoryError(f"model {model.label} with {stated}: {_STATUS[status]}")
+    effort = Effort(
+        report.panels, report.rejected, report.evaluations, report.reversals, report.error,
+        report.stuck_after if report.stuck_after >= 0 else None,
+    )  # fmt: skip
+    return angles, slopes, effort
+
+
+def simulate(model, times, release_angle, release_velocity=0.0):
+    """The angle read at each time, in rad; an array of the shape of ``times``.
+
+    ``times`` in s, increasing, the release at the first; ``release_angle`` in rad, ``release_velocity`` in rad/s.
+    Raises InputError for bad times or a model without values, TrajectoryError where the accuracy cannot be kept.
+    """
+    return _run(model, times, release_angle, release_velocity, ())[0]
+
+
+def sensitivities(model, times, release_angle, release_velocity=0.0, free=None):
+    """The angle (rad) and its derivatives by each free value: arrays of shapes (n,) and (len(free), n).
+
+    ``free`` names parameters of the model, ``release_angle`` or ``release_velocity``; all of them by default. The
+    units of a row are rad over the parameter's unit. Exact (the variational equations), the jump at reversals included.
+    """
+    free = (*model.parameters, "release_angle", "release_velocity") if free is None else tuple(free)
+    return _run(model, times, release_angle, release_velocity, free)[:2]
+
+
+def effort(model, times, release_angle, release_velocity=0.0):
+    """What the trajectory takes: an ``Effort``."""
+    return _run(model, times, release_angle, release_velocity, ())[2]
