@@ -41,26 +41,30 @@ def engine():
 
 
 class Compiled:
-    """A model as the engine takes it: which effects act where, and where each one's parameters begin."""
+    """A model as the engine takes it: which effects act where, and where each one's parameters and states begin."""
 
     def __init__(self, model, duration):
-        rows = {(effect.name, form): k for k, (effect, form) in enumerate(entries(effects.CATALOGUE.values(), effects.GRAVITY.values()))}
-        places = {"torque": [(rows[effects.GRAVITY[model.restoring].name, "consistent"], 1)], "sensor": [], "clock": []}
-        first = 1
-        for name in model.effects:
-            effect = effects.effect(name)
-            form = model.form if effect.printed else "consistent"
-            places[effect.acts_on].append((rows[name, form], first))
-            first += len(effect.parameters)
-        self.model, self.n_parameters = model, first
-        self.c = build.CModel(n_parameters=first, duration=duration)
+        gravity = effects.GRAVITY[model.restoring]
+        rows = {(e.name, form): k for k, (e, form) in enumerate(entries(effects.CATALOGUE.values(), effects.GRAVITY.values()))}
+        parts = {"motions": [(rows[gravity.name, "consistent"], 1, 0)], "sensors": [], "clocks": []}
+        play, parameter, state = -1, 1, 0
+        for effect in map(effects.effect, model.effects):
+            part = (rows[effect.name, model.form if effect.printed else "consistent"], parameter, state)
+            if effect.acts_on == "torque" or effect.states:
+                parts["motions"].append(part)
+            if effect.acts_on in ("sensor", "clock"):
+                parts[f"{effect.acts_on}s"].append(part)
+            if effect.acts_on == "play":
+                play = parameter
+            parameter, state = parameter + len(effect.parameters), state + len(effect.states)
+        self.model, self.n_parameters = model, parameter
+        self.c = build.CModel(n_parameters=parameter, n_states=state, play=play, duration=duration)
         self._kept = []
-        for kind, found in places.items():
-            setattr(self.c, f"n_{kind}s", len(found))
-            for field, column in ((f"{kind}s", 0), (f"{kind}_first", 1)):
-                array = (ctypes.c_int * max(1, len(found)))(*(entry[column] for entry in found))
-                self._kept.append(array)
-                setattr(self.c, field, ctypes.cast(array, ctypes.POINTER(ctypes.c_int)))
+        for kind, found in parts.items():
+            array = (build.CPart * max(1, len(found)))(*found)
+            self._kept.append(array)
+            setattr(self.c, f"n_{kind}", len(found))
+            setattr(self.c, kind, ctypes.cast(array, ctypes.POINTER(build.CPart)))
 
 
 def doubles(array):

@@ -47,7 +47,7 @@ def library(catalogue, gravity):
 
     EngineError where there is no compiler or it fails.
     """
-    parts = {name: (_HERE / name).read_text() for name in ("swing.h", "swing.c", "fit.c")}
+    parts = {name: (_HERE / name).read_text() for name in ("swing.h", "points.h", "swing.c", "fit.c")}
     header = _header(tuple(catalogue), tuple(gravity), hashlib.sha256((_HERE / "generate.py").read_bytes()).hexdigest())
     flags = (*_FLAGS, "-march=native")
     key = hashlib.sha256("\0".join([header, *parts.values(), *flags, _processor()]).encode()).hexdigest()[:20]
@@ -86,13 +86,14 @@ def _compile(path, parts, flags):
         os.replace(Path(work) / "engine.so", path)
 
 
+class CPart(ctypes.Structure):
+    _fields_ = [(name, ctypes.c_int) for name in ("row", "first_parameter", "first_state")]
+
+
 class CModel(ctypes.Structure):
-    _fields_ = [(name, ctypes.c_int) for name in ("n_torques", "n_sensors", "n_clocks", "n_parameters")]
-    _fields_ += [
-        (name, ctypes.POINTER(ctypes.c_int))
-        for name in ("torques", "torque_first", "sensors", "sensor_first", "clocks", "clock_first")
-    ]
-    _fields_ += [("duration", ctypes.c_double)]
+    _fields_ = [(name, ctypes.c_int) for name in ("n_motions", "n_sensors", "n_clocks", "n_parameters", "n_states")]
+    _fields_ += [(name, ctypes.POINTER(CPart)) for name in ("motions", "sensors", "clocks")]
+    _fields_ += [("play", ctypes.c_int), ("duration", ctypes.c_double)]
 
 
 class CReport(ctypes.Structure):

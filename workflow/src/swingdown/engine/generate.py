@@ -1,4 +1,4 @@
-"""The catalogue as C source: each formula and its exact partial derivatives, one loop over the nodes each."""
+"""The catalogue as C source: each formula and its exact partial derivatives, one loop over the points each."""
 
 import sympy
 from sympy.printing.c import C99CodePrinter
@@ -7,23 +7,12 @@ from ..formula import symbol
 from . import tables
 from .rows import entries
 
-_THETA, _VELOCITY = symbol("theta"), symbol("thetadot")
-_DIRECTION, _TRUE_TIME = symbol("direction"), symbol("t")
+_THETA, _VELOCITY, _ACCELERATION = symbol("theta"), symbol("thetadot"), symbol("thetaddot")
+_TIME, _DIRECTION, _OMEGA = symbol("t"), symbol("direction"), symbol("omega_n")
 _SINE, _COSINE = symbol("sine_theta"), symbol("cosine_theta")
-
-
-def switches(expression):
-    """The arguments of abs and sign in a formula, the velocity apart: where its slope or value jumps."""
-    arguments = {call.args[0] for call in expression.atoms(sympy.Abs, sympy.sign)} - {_VELOCITY}
-    return sorted(arguments, key=sympy.default_sort_key)
-
-
-def _frozen(expression):
-    """The formula with each abs and sign replaced by its frozen sign: smooth between switches."""
-    signs = {_VELOCITY: _DIRECTION} | {argument: symbol(f"sign_{k}") for k, argument in enumerate(switches(expression))}
-    for argument, sign in signs.items():
-        expression = expression.subs({sympy.Abs(argument): sign * argument, sympy.sign(argument): sign})
-    return expression
+_POINTS = {_THETA: "q->th", _VELOCITY: "q->v", _ACCELERATION: "q->a", _TIME: "q->t", _SINE: "q->sn", _COSINE: "q->cs"}
+_VALUES = "(const Points *q, const double *p, const double *sign, double *out, Part at)"
+_DERIVATIVES = "(const Points *q, const double *p, const double *sign, const Slopes *d, Part at)"
 
 
 class _Printer(C99CodePrinter):
@@ -45,83 +34,112 @@ class _Printer(C99CodePrinter):
         if power.exp.is_Integer and 2 <= abs(power.exp) <= 8:
             product = "*".join([f"({self._print(power.base)})"] * abs(int(power.exp)))
             return f"({product})" if power.exp > 0 else f"(1.0/({product}))"
+        if not power.exp.is_Integer and power.base.has(_DIRECTION):
+            # |thetadot| to a broken power: past the reversal, where the sign is frozen, there is no such number
+            return f"pow(fmax({self._print(power.base)}, 1e-300), {self._print(power.exp)})"
         return super()._print_Pow(power)
 
 
 _printer = _Printer()
 
 
-def _loop(assignments, count="q->n"):
-    """C lines of one loop over the points that computes each (target, expression) with shared subexpressions."""
-    targets = [target for target, _ in assignments]
-    expressions = [
-        expression.subs({sympy.sin(_THETA): _SINE, sympy.cos(_THETA): _COSINE}) for _, expression in assignments
-    ]
-    shared, reduced = sympy.cse(expressions, symbols=sympy.numbered_symbols("x", real=True), list=True)
-    lines = [f"for (int i = 0; i < {count}; i++) {{"]
-    used = set().union(*(e.free_symbols for e in reduced), *(e.free_symbols for _, e in shared)) if reduced else set()
-    for name, array in ((_THETA, "th"), (_VELOCITY, "v"), (_TRUE_TIME, "t"), (_SINE, "sn"), (_COSINE, "cs")):
-        if name in used:
-            lines.append(f"    const double {_printer.doprint(name)} = {array}[i];")
-    lines += [f"    const double {_printer.doprint(name)} = {_printer.doprint(value)};" for name, value in shared]
-    lines += [f"    {target} {_printer.doprint(value)};" for target, value in zip(targets, reduced, strict=True)]
+def switches(*expressions):
+    """The arguments of abs and sign in the formulas, the velocity apart: where a slope or value jumps."""
+    calls = set().union(*(expression.atoms(sympy.Abs, sympy.sign) for expression in expressions))
+    return sorted({call.args[0] for call in calls} - {_VELOCITY}, key=sympy.default_sort_key)
+
+
+def _frozen(expression, arguments):
+    """The formula with each abs and sign replaced by its frozen sign: smooth between switches."""
+    signs = {_VELOCITY: _DIRECTION} | {argument: symbol(f"sign_{k}") for k, argument in enumerate(arguments)}
+    for argument, sign in signs.items():
+        expression = expression.subs({sympy.Abs(argument): sign * argument, sympy.sign(argument): sign})
+    return expression
+
+
+def _function(name, signature, effect, assignments):
+    """A C function that does each (target, operator, expression) at every point, subexpressions shared."""
+    assignments = [(t, o, e.subs({sympy.sin(_THETA): _SINE, sympy.cos(_THETA): _COSINE})) for t, o, e in assignments]
+    shared, reduced = sympy.cse([e for *_, e in assignments], symbols=sympy.numbered_symbols("x", real=True), list=True)
+    used = set().union(*(e.free_symbols for e in reduced), *(e.free_symbols for _, e in shared))
+    arrays = _POINTS | {symbol(state.symbol): f"(q->z + {k} * q->stride)" for k, state in enumerate(effect.states)}
+    scalars = {_OMEGA: "q->omega_n", symbol("duration"): "q->duration", _DIRECTION: "q->direction"}
+    scalars |= {symbol(parameter.symbol): f"p[{k}]" for k, parameter in enumerate(effect.parameters)}
+    scalars |= {symbol(f"sign_{k}"): f"sign[{k}]" for k in range(8)}
+    lines = [f"static void {name}{signature} {{", "(void)q; (void)p; (void)sign; (void)at;"]
+    lines += [f"const double {_printer.doprint(key)} = {value};" for key, value in scalars.items() if key in used]
+    lines += [f"const double *restrict in{k} = {array};" for k, (key, array) in enumerate(arrays.items()) if key in used]
+    lines += [f"double *restrict out{k} = {target};" for k, (target, *_) in enumerate(assignments)]
+    if assignments:
+        lines.append("for (int i = 0; i < q->n; i++) {")
+        lines += [f"const double {_printer.doprint(key)} = in{k}[i];" for k, key in enumerate(arrays) if key in used]
+        lines += [f"const double {_printer.doprint(key)} = {_printer.doprint(value)};" for key, value in shared]
+        lines += [f"out{k}[i] {assignments[k][1]} {_printer.doprint(value)};" for k, value in enumerate(reduced)]
+        lines.append("}")
+    else:
+        lines.append("(void)" + ("d;" if "Slopes" in signature else "out;"))
     return [*lines, "}"]
 
 
-def _function(signature, effect, body, signs=0):
-    head = [f"static void {signature} {{"]
-    head += [
-        "const double *restrict th = q->th, *restrict v = q->v, *restrict t = q->t, *restrict sn = q->sn, *restrict cs = q->cs;",
-        "const double s_omega_n = q->omega_n, s_duration = q->duration, s_direction = q->direction;",
-    ]
-    head += [f"const double s_{parameter.symbol} = p[{k}];" for k, parameter in enumerate(effect.parameters)]
-    head += [f"const double s_sign_{k} = sign[{k}];" for k in range(signs)]
-    unused = ["th", "v", "t", "sn", "cs", "s_omega_n", "s_duration", "s_direction", "p", "sign"]
-    unused += [f"s_{parameter.symbol}" for parameter in effect.parameters] + [f"s_sign_{k}" for k in range(signs)]
-    head.append(" ".join(f"(void){name};" for name in unused))
-    return [*head, *body, "}"]
+def _slopes(outputs, inputs, parameters):
+    """The assignments of all derivatives that are not zero: outputs and inputs as {row: expression or symbol}."""
+    found = []
+    for row, expression in outputs.items():
+        found += [(f"BY({row}, {column})", "+=", expression.diff(of)) for column, of in inputs.items()]
+        found.append((f"BY_PARAMETER({row}, 0)", "+=", expression.diff(_OMEGA)))
+        found += [
+            (f"BY_PARAMETER({row}, at.first_parameter + {k})", "=", expression.diff(symbol(parameter.symbol)))
+            for k, parameter in enumerate(parameters)
+        ]
+    return [(target, operator, derivative) for target, operator, derivative in found if derivative != 0]
 
 
 def _effect(number, effect, form):
     """C source of one entry and the initialiser of its row in the table of effects."""
-    expression = effect.expression(form)
-    arguments = switches(expression)
-    smooth = _frozen(expression)
-    parameters = [symbol(parameter.symbol) for parameter in effect.parameters]
-    name = f"e{number}"
-    common = "const Points *restrict q, const double *restrict p, const double *restrict sign"
-    value_target = "out[i] +=" if effect.acts_on == "torque" else "out[i] ="
-    value = _function(f"{name}_value({common}, double *restrict out)", effect, _loop([(value_target, smooth)]), len(arguments))
-    base = {"torque": _THETA, "sensor": _THETA, "clock": _TRUE_TIME}[effect.acts_on]
-    add = "+=" if effect.acts_on == "torque" else "="
-    partials = [(f"d_theta[i] {add}", smooth.diff(base))]
-    if effect.acts_on == "torque":
-        partials += [("d_v[i] +=", smooth.diff(_VELOCITY)), ("d_wn[i] +=", smooth.diff(symbol("omega_n")))]
-    partials = [(target, derivative) for target, derivative in partials if derivative != 0 or add == "="]
-    partials += [(f"d_p[{k} * stride + i] =", smooth.diff(parameter)) for k, parameter in enumerate(parameters)]
-    slopes = _function(
-        f"{name}_partials({common}, double *restrict d_theta, double *restrict d_v, double *restrict d_wn, double *restrict d_p, int stride)",
-        effect,
-        ["(void)d_theta; (void)d_v; (void)d_wn; (void)d_p; (void)stride;", *(_loop(partials) if partials else [])],
-        len(arguments),
-    )  # fmt: skip
-    body = []
-    for k, argument in enumerate(arguments):
-        body += _loop([(f"out[{k} * stride + i] =", argument)])
-    where = _function(f"{name}_switches({common}, double *restrict out, int stride)", effect, ["(void)out; (void)stride;", *body], 0)
-    timed = int(bool(expression.has(_TRUE_TIME)))
-    row = f"{{{name}_value, {name}_partials, {name}_switches, {len(parameters)}, {len(arguments)}, {timed}}},"
-    return [*value, *slopes, *where], row
+    formulas = effect.expressions(form)
+    arguments = switches(*formulas.motion.values(), *formulas.rates)
+    states = {f"3 + at.first_state + {k}": symbol(state.symbol) for k, state in enumerate(effect.states)}
+    outputs = {row: formulas.motion[kind] for row, kind in (("0", "torque"), ("1", "inertia")) if kind in formulas.motion}
+    outputs |= {f"2 + at.first_state + {k}": rate for k, rate in enumerate(formulas.rates)}
+    outputs = {row: _frozen(expression, arguments) for row, expression in outputs.items()}
+    moves = {"0": _THETA, "1": _VELOCITY, "2": _ACCELERATION} | states
+    first = {f"{k}": value for k, value in enumerate(formulas.initial)}
+    reads = {} if formulas.reading is None else {"0": formulas.reading}
+    read_inputs = {"0": _TIME} if effect.acts_on == "clock" else {"0": _THETA} | states
+
+    def values(outputs):
+        return [(f"out + ({row}) * q->stride", "+=", expression) for row, expression in outputs.items()]
+
+    def signed(outputs):  # a reading is taken point by point, so its signs are those of each point
+        return {row: expression.replace(sympy.sign, lambda x: 2 * sympy.Heaviside(x, 1) - 1) for row, expression in outputs.items()}
+
+    functions = {
+        "motion": (_VALUES, values(outputs)),
+        "reading": (_VALUES, values(signed(reads))),
+        "initial": (_VALUES, values(first)),
+        "switches": (_VALUES, [(f"out + {k} * q->stride", "=", argument) for k, argument in enumerate(arguments)]),
+        "motion_slopes": (_DERIVATIVES, _slopes(outputs, moves, effect.parameters)),
+        "reading_slopes": (_DERIVATIVES, _slopes(signed(reads), read_inputs, effect.parameters)),
+        "initial_slopes": (_DERIVATIVES, _slopes(first, {"0": _THETA, "1": _VELOCITY}, effect.parameters)),
+    }
+    lines = []
+    for kind, (signature, assignments) in functions.items():
+        lines += _function(f"e{number}_{kind}", signature, effect, assignments)
+    timed = any(expression.has(_TIME) for expression in outputs.values())
+    counts = (len(effect.parameters), len(effect.states), len(arguments), int(timed), int("1" in outputs))
+    names = ", ".join(f".{kind} = e{number}_{kind}" for kind in functions)
+    fields = ("n_parameters", "n_states", "n_switches", "timed", "inertial")
+    return lines, f"{{{names}, {', '.join(f'.{key} = {value}' for key, value in zip(fields, counts, strict=True))}}},"
 
 
 def source(catalogue, gravity):
     """The generated C header: collocation tables, then every effect's functions and the table of effects."""
     lines = ["/* Generated from the catalogue of effects; edit that instead. */", f"#define N {tables.NODES}"]
     for name, values in tables.collocation().items():
-        matrix = isinstance(values[0], list)
-        # stored by column, so that the loop over the nodes is the inner, contiguous one
-        flat = [value for column in zip(*values, strict=True) for value in column] if matrix and name != "tail" else values
-        flat = [value for row in values for value in row] if name == "tail" else flat
+        if name != "tail" and isinstance(values[0], list):
+            # stored by column, so that the loop over the nodes is the inner, contiguous one
+            values = list(zip(*values, strict=True))
+        flat = [value for row in values for value in row] if isinstance(values[0], (list, tuple)) else values
         lines.append(f"static const double T_{name}[] = {{{', '.join(value.hex() for value in flat)}}};")
     rows = []
     for number, (effect, form) in enumerate(entries(catalogue, gravity)):

@@ -1,11 +1,12 @@
 /* Trajectories of one pendulum, exact at reversals, with their sensitivities.
  *
- * A panel is the time from a reversal to just past the next one (or a part of it). The acceleration on it is a
- * polynomial through N Gauss-Legendre nodes that satisfies the equation of motion at each node; the signs of the
- * velocity and of every abs() in the model are frozen, so the right-hand side is smooth even past the reversal. The
- * nodes are solved by Newton's iteration with the inverse Jacobian kept from panel to panel: successive half-swings
- * are nearly alike, so four or five cheap sweeps do. The same inverse gives the sensitivities exactly. The reversal is
- * the root of the velocity polynomial; the next panel starts there with the other sign, or the pendulum sticks.
+ * A panel is the time from a reversal to just past the next one (or a part of it). The acceleration on it, and the
+ * rate of every state an effect has, is a polynomial through N Gauss-Legendre nodes that satisfies the equations of
+ * motion at each node; the signs of the velocity and of every abs() in the model are frozen, so the right-hand side is
+ * smooth even past the reversal. The nodes are solved by Newton's iteration with the inverse Jacobian kept from panel
+ * to panel: successive half-swings are nearly alike, so four or five cheap sweeps do. The same inverse gives the
+ * sensitivities exactly. The reversal is the root of the velocity polynomial; the next panel starts there with the
+ * other sign, or the pendulum sticks: then its panels have no acceleration until a torque frees it.
  */
 #include "swing.h"
 
@@ -13,154 +14,214 @@
 #include <stdlib.h>
 #include <string.h>
 
-typedef struct {
-    int n;
-    const double *th, *v, *t, *sn, *cs;
-    double omega_n, duration, direction;
-} Points;
-
-typedef struct {
-    void (*value)(const Points *, const double *, const double *, double *);
-    void (*partials)(const Points *, const double *, const double *, double *, double *, double *, double *, int);
-    void (*switches)(const Points *, const double *, const double *, double *, int);
-    int n_parameters, n_switches, timed;
-} Effect;
-
-/* Sine and cosine that compilers vectorise and that give the same bits on every machine: reduce by whole turns,
- * take a quarter of the angle (Cephes polynomials on +-pi/4), double twice. */
-static inline void sine_cosine(double x, double *s, double *c) {
-    const double big = 6755399441055744.0; /* 1.5 * 2^52: adding it rounds to whole numbers */
-    double turns = x * 0.15915494309189535 + big;
-    turns -= big;
-    double z = ((x - turns * 6.28318530717958623) - turns * 2.44929359829470635e-16) * 0.25;
-    double zz = z * z;
-    double ps = ((((1.58962301576546568060e-10 * zz - 2.50507477628578072866e-8) * zz + 2.75573136213857245213e-6) * zz
-                  - 1.98412698295895385996e-4) * zz + 8.33333333332211858878e-3) * zz - 1.66666666666666307295e-1;
-    double pc = ((((-1.13585365213876817300e-11 * zz + 2.08757008419747316778e-9) * zz - 2.75573141792967388112e-7) * zz
-                  + 2.48015872888517045348e-5) * zz - 1.38888888888730564116e-3) * zz + 4.16666666666665929218e-2;
-    double s0 = z + z * zz * ps, c0 = 1.0 - 0.5 * zz + zz * zz * pc;
-    double s1 = 2.0 * s0 * c0, c1 = 1.0 - 2.0 * s0 * s0;
-    *s = 2.0 * s1 * c1;
-    *c = 1.0 - 2.0 * s1 * s1;
-}
-static inline double sine(double x) { double s, c; sine_cosine(x, &s, &c); return s; }
-static inline double cosine(double x) { double s, c; sine_cosine(x, &s, &c); return c; }
+#include "points.h"
 
 #include "catalogue.h"
 
-#define OVERSHOOT 1.012      /* a panel reaches this far past the reversal that is expected */
-#define SOLVED 1e-11         /* residual of the collocation equations against the acceleration, before the last sweep */
-#define TAIL 3e-6            /* last two Legendre coefficients of the acceleration against its size */
+#define OVERSHOOT 1.012 /* a panel reaches this far past the reversal that is expected */
+#define SOLVED 1e-11    /* residual of the collocation equations against their size, before the last sweep */
+#define TAIL 3e-6       /* last two Legendre coefficients of a rate against its size */
 #define SWEEPS 14
 #define CHUNK 64
+#define ROWS (2 + MAX_STATES)
+#define BLOCKS (1 + MAX_STATES)
 
 typedef struct {
     const Model *m;
     const double *p;
     double direction;
     double sign[MAX_SWITCHES];
-    int n_switches, switch_torque[MAX_SWITCHES], switch_local[MAX_SWITCHES], sign_first[MAX_PARAMETERS];
-    int timed;
+    int sign_first[MAX_PARTS], n_switches, timed, inertial, held, blocks;
 } Pendulum;
 
+/* Where the motion is: time, angle, velocity, states. */
 typedef struct {
-    double t0, h, th0, v0;
-    double a[N], th[N], v[N], t[N];
-    double theta_poly[N + 2], v_poly[N + 1];
-    double d_theta[N], d_v[N], d_p[MAX_PARAMETERS * N]; /* row 0: omega_n */
-    double inverse[N * N];
+    double t, th, v, z[MAX_STATES];
+} Place;
+
+typedef struct {
+    double h;
+    Place from;
+    double u[BLOCKS * N]; /* the unknowns: acceleration, then the states' rates, at the nodes */
+    double th[N], v[N], t[N], z[MAX_STATES * N];
+    double th_poly[N + 2], v_poly[N + 1], z_poly[MAX_STATES][N + 1];
+    double by[BLOCKS * (3 + MAX_STATES) * N], by_parameter[BLOCKS * MAX_PARAMETERS * N];
+    double inverse[BLOCKS * N * BLOCKS * N];
     int has_inverse;
 } Panel;
 
-static void accelerations(const Pendulum *s, int n, const double *th, const double *v, const double *t, double *a) {
-    double sn[N], cs[N];
+/* Accelerations and states' rates at n points, row by row; `a` is what the states' equations take for theta''. */
+static void rates(const Pendulum *s, int n, const double *th, const double *v, const double *a, const double *t, const double *z,
+                  double *out, double *share) {
+    double sn[N], cs[N], sum[ROWS * N];
+    const int nz = s->m->n_states;
     for (int i = 0; i < n; i++) sine_cosine(th[i], &sn[i], &cs[i]);
-    const Points q = {n, th, v, t, sn, cs, s->p[0], s->m->duration, s->direction};
-    for (int i = 0; i < n; i++) a[i] = 0.0;
-    for (int k = 0; k < s->m->n_torques; k++)
-        EFFECTS[s->m->torques[k]].value(&q, s->p + s->m->torque_first[k], s->sign + s->sign_first[k], a);
+    memset(sum, 0, (2 + nz) * N * sizeof(double));
+    for (int k = 0; k < s->m->n_motions; k++) {
+        const Part at = s->m->motions[k];
+        const Points q = {n, N, th, v, a, t, sn, cs, z + at.first_state * N, s->p[0], s->m->duration, s->direction};
+        EFFECTS[at.row].motion(&q, s->p + at.first_parameter, s->sign + s->sign_first[k], sum, at);
+    }
+    if (s->inertial)
+        for (int i = 0; i < n; i++) {
+            const double part = 1.0 / (1.0 + sum[N + i]);
+            if (share) share[i] = part;
+            sum[i] *= part;
+        }
+    if (s->held)
+        for (int i = 0; i < n; i++) sum[i] = 0.0;
+    memcpy(out, sum, N * sizeof(double));
+    memcpy(out + N, sum + 2 * N, nz * N * sizeof(double));
 }
 
-static double acceleration(Pendulum *s, double th, double v, double t, double direction) {
-    double a, kept = s->direction;
+/* The same at one place, for one direction of motion; the states' rates take the acceleration found first. */
+static double rates_at(Pendulum *s, const Place *x, double direction, double *out) {
+    double z[MAX_STATES * N], rows[BLOCKS * N], a = 0.0;
+    const double kept = s->direction;
     s->direction = direction;
-    accelerations(s, 1, &th, &v, &t, &a);
+    for (int k = 0; k < s->m->n_states; k++) z[k * N] = x->z[k];
+    for (int again = 0; again < (s->m->n_states && out ? 2 : 1); again++) {
+        rates(s, 1, &x->th, &x->v, &a, &x->t, z, rows, NULL);
+        a = rows[0];
+    }
+    for (int k = 0; out && k < s->blocks; k++) out[k] = rows[k * N];
     s->direction = kept;
     return a;
 }
 
-static void partials(const Pendulum *s, Panel *b) {
-    double sn[N], cs[N];
+/* Derivatives of every rate at the nodes by angle, velocity, acceleration, states and parameters. */
+static void slopes_at_nodes(const Pendulum *s, Panel *b) {
+    double sn[N], cs[N], by[ROWS * (3 + MAX_STATES) * N], share[N], f[BLOCKS * N];
+    const int nz = s->m->n_states, inputs = 3 + nz, np = s->m->n_parameters, rows = 2 + nz;
     for (int i = 0; i < N; i++) sine_cosine(b->th[i], &sn[i], &cs[i]);
-    const Points q = {N, b->th, b->v, b->t, sn, cs, s->p[0], s->m->duration, s->direction};
-    memset(b->d_theta, 0, sizeof b->d_theta);
-    memset(b->d_v, 0, sizeof b->d_v);
-    memset(b->d_p, 0, N * sizeof(double));
-    for (int k = 0; k < s->m->n_torques; k++) {
-        const int first = s->m->torque_first[k];
-        EFFECTS[s->m->torques[k]].partials(&q, s->p + first, s->sign + s->sign_first[k], b->d_theta, b->d_v, b->d_p,
-                                           b->d_p + first * N, N);
+    memset(by, 0, rows * inputs * N * sizeof(double));
+    const int plain = !s->inertial && !nz; /* then the parameters' rows are where the effects write them */
+    double room[plain ? 1 : ROWS * MAX_PARAMETERS * N];
+    double *parameters = plain ? b->by_parameter : room;
+    memset(parameters, 0, (plain ? 1 : rows) * np * N * sizeof(double));
+    const Slopes d = {by, parameters, inputs, np, N};
+    for (int k = 0; k < s->m->n_motions; k++) {
+        const Part at = s->m->motions[k];
+        const Points q = {N, N, b->th, b->v, b->u, b->t, sn, cs, b->z + at.first_state * N, s->p[0], s->m->duration, s->direction};
+        EFFECTS[at.row].motion_slopes(&q, s->p + at.first_parameter, s->sign + s->sign_first[k], &d, at);
+    }
+    if (s->inertial) { /* the acceleration is torque / (1 + inertia) */
+        rates(s, N, b->th, b->v, b->u, b->t, b->z, f, share);
+        for (int k = 0; k < inputs; k++)
+            for (int i = 0; i < N; i++)
+                by[k * N + i] = (by[k * N + i] - f[i] * by[(inputs + k) * N + i]) * share[i];
+        for (int k = 0; k < np; k++)
+            for (int i = 0; i < N; i++)
+                parameters[k * N + i] = (parameters[k * N + i] - f[i] * parameters[(np + k) * N + i]) * share[i];
+    }
+    if (s->held) {
+        memset(by, 0, inputs * N * sizeof(double));
+        memset(parameters, 0, np * N * sizeof(double));
+    }
+    memcpy(b->by, by, inputs * N * sizeof(double));
+    memcpy(b->by + inputs * N, by + 2 * inputs * N, nz * inputs * N * sizeof(double));
+    if (!plain) {
+        memcpy(b->by_parameter, parameters, np * N * sizeof(double));
+        memcpy(b->by_parameter + np * N, parameters + 2 * np * N, nz * np * N * sizeof(double));
     }
 }
 
-static void switch_values(const Pendulum *s, int n, const double *th, const double *v, const double *t, double *out) {
+static void switch_values(const Pendulum *s, int n, const double *th, const double *v, const double *t, const double *z, double *out) {
     double sn[N], cs[N];
-    if (!s->n_switches) return;
     for (int i = 0; i < n; i++) sine_cosine(th[i], &sn[i], &cs[i]);
-    const Points q = {n, th, v, t, sn, cs, s->p[0], s->m->duration, s->direction};
-    for (int k = 0; k < s->m->n_torques; k++)
-        EFFECTS[s->m->torques[k]].switches(&q, s->p + s->m->torque_first[k], s->sign + s->sign_first[k],
-                                           out + s->sign_first[k] * N, N);
+    for (int k = 0; k < s->m->n_motions; k++) {
+        const Part at = s->m->motions[k];
+        const Points q = {n, N, th, v, v, t, sn, cs, z + at.first_state * N, s->p[0], s->m->duration, s->direction};
+        if (EFFECTS[at.row].n_switches)
+            EFFECTS[at.row].switches(&q, s->p + at.first_parameter, s->sign + s->sign_first[k], out + s->sign_first[k] * N, at);
+    }
 }
 
-/* out = base + sum over j of weight[j] * column j of table */
+static void switches_at(const Pendulum *s, const Place *x, double *out) {
+    double z[MAX_STATES * N], rows[MAX_SWITCHES * N];
+    for (int k = 0; k < s->m->n_states; k++) z[k * N] = x->z[k];
+    switch_values(s, 1, &x->th, &x->v, &x->t, z, rows);
+    for (int k = 0; k < s->n_switches; k++) out[k] = rows[k * N];
+}
+
+/* out[i] = sum over j of weight[j] * table[j * size + i], for size rows and columns */
+static inline void combine_sized(int size, const double *restrict table, const double *restrict weight, double *restrict out) {
+    for (int i = 0; i < size; i++) out[i] = 0.0;
+    for (int j = 0; j < size; j++)
+        for (int i = 0; i < size; i++) out[i] += table[j * size + i] * weight[j];
+}
 static inline void combine(const double *restrict table, const double *restrict weight, double *restrict out) {
     double sum[N] = {0.0};
     for (int j = 0; j < N; j++)
         for (int i = 0; i < N; i++) sum[i] += table[j * N + i] * weight[j];
     memcpy(out, sum, sizeof sum);
 }
+static void apply_inverse(const Panel *b, int blocks, const double *in, double *out) {
+    if (blocks == 1) combine(b->inverse, in, out);
+    else combine_sized(blocks * N, b->inverse, in, out);
+}
 
-static void states_at_nodes(Panel *b) {
+static void states_at_nodes(Panel *b, int n_states) {
     double once[N], twice[N];
-    combine(T_first, b->a, once);
-    combine(T_second, b->a, twice);
+    combine(T_first, b->u, once);
+    combine(T_second, b->u, twice);
     for (int i = 0; i < N; i++) {
-        b->v[i] = b->v0 + b->h * once[i];
-        b->th[i] = b->th0 + b->h * (b->v0 * T_nodes[i] + b->h * twice[i]);
+        b->v[i] = b->from.v + b->h * once[i];
+        b->th[i] = b->from.th + b->h * (b->from.v * T_nodes[i] + b->h * twice[i]);
+    }
+    for (int k = 0; k < n_states; k++) {
+        combine(T_first, b->u + (1 + k) * N, once);
+        for (int i = 0; i < N; i++) b->z[k * N + i] = b->from.z[k] + b->h * once[i];
     }
 }
 
-/* Inverse of I - h^2 diag(a_theta) A2 - h diag(a_v) A1, by Gauss-Jordan with pivoting; stored by column. */
-static int invert(Panel *b) {
-    double g[N][2 * N];
-    for (int j = 0; j < N; j++) {
-        for (int i = 0; i < N; i++)
-            g[j][i] = (i == j) - b->h * (b->h * b->d_theta[i] * T_second[j * N + i] + b->d_v[i] * T_first[j * N + i]);
-        for (int i = 0; i < N; i++) g[j][N + i] = i == j;
-    }
-    for (int c = 0; c < N; c++) {
+/* Inverse of 1 - d(rates)/d(unknowns) by Gauss-Jordan with pivoting, stored by column; room for size x 2 size. */
+static int gauss_jordan(int size, double *g, double *inverse) {
+    const int wide = 2 * size;
+    for (int c = 0; c < size; c++) {
         int pivot = c;
-        for (int r = c + 1; r < N; r++)
-            if (fabs(g[r][c]) > fabs(g[pivot][c])) pivot = r;
-        if (!(fabs(g[pivot][c]) > 1e-300)) return 0;
-        if (pivot != c) {
-            double row[2 * N];
-            memcpy(row, g[c], sizeof row);
-            memcpy(g[c], g[pivot], sizeof row);
-            memcpy(g[pivot], row, sizeof row);
-        }
-        const double unit = 1.0 / g[c][c];
-        for (int i = 0; i < 2 * N; i++) g[c][i] *= unit;
-        for (int r = 0; r < N; r++) {
-            const double factor = g[r][c];
+        for (int r = c + 1; r < size; r++)
+            if (fabs(g[r * wide + c]) > fabs(g[pivot * wide + c])) pivot = r;
+        if (!(fabs(g[pivot * wide + c]) > 1e-300)) return 0;
+        if (pivot != c)
+            for (int i = 0; i < wide; i++) {
+                const double kept = g[c * wide + i];
+                g[c * wide + i] = g[pivot * wide + i];
+                g[pivot * wide + i] = kept;
+            }
+        double *restrict row = g + c * wide;
+        const double unit = 1.0 / row[c];
+        for (int i = 0; i < wide; i++) row[i] *= unit;
+        for (int r = 0; r < size; r++) {
+            double *restrict other = g + r * wide;
+            const double factor = other[c];
             if (r == c || factor == 0.0) continue;
-            for (int i = 0; i < 2 * N; i++) g[r][i] -= factor * g[c][i];
+            for (int i = 0; i < wide; i++) other[i] -= factor * row[i];
         }
     }
-    for (int j = 0; j < N; j++) memcpy(b->inverse + j * N, g[j] + N, N * sizeof(double));
-    b->has_inverse = 1;
+    for (int j = 0; j < size; j++) memcpy(inverse + j * size, g + j * wide + size, size * sizeof(double));
     return 1;
+}
+
+static int invert(Panel *b, int n_states) {
+    const int blocks = 1 + n_states, size = blocks * N, inputs = 3 + n_states;
+    double g[size * 2 * size];
+    for (int block = 0; block < blocks; block++)
+        for (int j = 0; j < N; j++) {
+            double *row = g + (block * N + j) * 2 * size;
+            for (int o = 0; o < blocks; o++) {
+                const double *by = b->by + o * inputs * N;
+                for (int i = 0; i < N; i++) {
+                    const double through = block
+                        ? b->h * by[(2 + block) * N + i] * T_first[j * N + i]
+                        : b->h * (b->h * by[i] * T_second[j * N + i] + by[N + i] * T_first[j * N + i]) + (i == j) * by[2 * N + i];
+                    row[o * N + i] = (o == block && i == j) - through;
+                }
+            }
+            for (int i = 0; i < size; i++) row[size + i] = i == block * N + j;
+        }
+    b->has_inverse = gauss_jordan(size, g, b->inverse);
+    return b->has_inverse;
 }
 
 static double largest(const double *x) {
@@ -169,27 +230,33 @@ static double largest(const double *x) {
     return most;
 }
 
-/* Solve the panel from the guess in b->a; 0 where the iteration does not converge. */
+/* Solve the panel from the guess in b->u; 0 where the iteration does not converge. */
 static int solve(const Pendulum *s, Panel *b, Report *report) {
-    double f[N], residual[N], step[N], last = INFINITY;
+    double f[BLOCKS * N], residual[BLOCKS * N], step[BLOCKS * N], last = INFINITY;
+    const int blocks = s->blocks;
     int fresh = 0;
-    for (int i = 0; i < N; i++) b->t[i] = b->t0 + b->h * T_nodes[i];
+    for (int i = 0; i < N; i++) b->t[i] = b->from.t + b->h * T_nodes[i];
     for (int sweep = 0; sweep < SWEEPS; sweep++) {
-        states_at_nodes(b);
-        accelerations(s, N, b->th, b->v, b->t, f);
+        double error = 0.0;
+        states_at_nodes(b, blocks - 1);
+        rates(s, N, b->th, b->v, b->u, b->t, b->z, f, NULL);
         report->evaluations++;
-        for (int i = 0; i < N; i++) residual[i] = f[i] - b->a[i];
-        const double error = largest(residual), size = largest(f);
-        if (!isfinite(error)) return 0;
-        if (!b->has_inverse || (error > 0.2 * last && !fresh && error > SOLVED * size)) {
-            partials(s, b);
-            if (!invert(b)) return 0;
+        for (int k = 0; k < blocks; k++) {
+            for (int i = k * N; i < (k + 1) * N; i++) residual[i] = f[i] - b->u[i];
+            const double off = largest(residual + k * N), size = largest(f + k * N);
+            if (!isfinite(off)) return 0;
+            if (off > 1e-200) error = fmax(error, off / (size + 1e-200));
+        }
+        const int solved = error <= SOLVED;
+        if (!b->has_inverse || (!solved && error > 0.2 * last && !fresh)) {
+            slopes_at_nodes(s, b);
+            if (!invert(b, blocks - 1)) return 0;
             fresh = 2;
         }
-        combine(b->inverse, residual, step);
-        for (int i = 0; i < N; i++) b->a[i] += step[i];
-        if (error <= SOLVED * size || error < 1e-290) {
-            states_at_nodes(b);
+        apply_inverse(b, blocks, residual, step);
+        for (int i = 0; i < blocks * N; i++) b->u[i] += step[i];
+        if (solved) {
+            states_at_nodes(b, blocks - 1);
             return 1;
         }
         last = error;
@@ -198,22 +265,26 @@ static int solve(const Pendulum *s, Panel *b, Report *report) {
     return 0;
 }
 
-static void integrate_poly(const double *a, double h, double v0, double th0, double *v, double *th) {
-    double c[N];
-    combine(T_monomial, a, c);
-    const double half = 0.5 * h;
+/* Coefficients, in powers of the position -1..1, of the integral that starts at `start`, of a rate given by them. */
+static void integrate(const double *rate, int degree, double h, double start, double *out) {
     double at_start = 0.0;
-    for (int k = 0; k < N; k++) {
-        v[k + 1] = half * c[k] / (k + 1);
-        at_start += k % 2 ? v[k + 1] : -v[k + 1];
+    for (int k = 0; k <= degree; k++) {
+        out[k + 1] = 0.5 * h * rate[k] / (k + 1);
+        at_start += k % 2 ? out[k + 1] : -out[k + 1];
     }
-    v[0] = v0 - at_start;
-    at_start = 0.0;
-    for (int k = 0; k <= N; k++) {
-        th[k + 1] = half * v[k] / (k + 1);
-        at_start += k % 2 ? th[k + 1] : -th[k + 1];
+    out[0] = start - at_start;
+}
+
+static void polynomials(const double *u, int n_states, double h, double th, double v, const double *z, double *th_poly,
+                        double *v_poly, double (*z_poly)[N + 1]) {
+    double c[N];
+    combine(T_monomial, u, c);
+    integrate(c, N - 1, h, v, v_poly);
+    integrate(v_poly, N, h, th, th_poly);
+    for (int k = 0; k < n_states; k++) {
+        combine(T_monomial, u + (1 + k) * N, c);
+        integrate(c, N - 1, h, z[k], z_poly[k]);
     }
-    th[0] = th0 - at_start;
 }
 
 static inline double horner(const double *c, int degree, double x) {
@@ -222,12 +293,22 @@ static inline double horner(const double *c, int degree, double x) {
     return value;
 }
 
-/* How far the last Legendre coefficients of the acceleration stand out of its size. */
-static double tail(const Panel *b) {
-    double c[2] = {0.0, 0.0};
-    for (int k = 0; k < 2; k++)
-        for (int j = 0; j < N; j++) c[k] += T_tail[k * N + j] * b->a[j];
-    return (fabs(c[0]) + fabs(c[1])) / (largest(b->a) + 1e-300);
+static Place place_at(const Panel *b, int n_states, double x) {
+    Place at = {b->from.t + 0.5 * b->h * (x + 1.0), horner(b->th_poly, N + 1, x), horner(b->v_poly, N, x), {0.0}};
+    for (int k = 0; k < n_states; k++) at.z[k] = horner(b->z_poly[k], N, x);
+    return at;
+}
+
+/* How far the last Legendre coefficients of the rates stand out of their sizes. */
+static double tail(const Panel *b, int blocks) {
+    double most = 0.0;
+    for (int block = 0; block < blocks; block++) {
+        double c[2] = {0.0, 0.0};
+        for (int k = 0; k < 2; k++)
+            for (int j = 0; j < N; j++) c[k] += T_tail[k * N + j] * b->u[block * N + j];
+        most = fmax(most, (fabs(c[0]) + fabs(c[1])) / (largest(b->u + block * N) + 1e-12));
+    }
+    return most;
 }
 
 /* Root of the velocity in [low, high] (positions in -1..1), where direction * v is >= 0 at low and < 0 at high. */
@@ -249,35 +330,29 @@ static double velocity_root(const Panel *b, double direction, double low, double
 }
 
 static double switch_at(const Pendulum *s, const Panel *b, int k, double x) {
-    double th = horner(b->theta_poly, N + 1, x), v = horner(b->v_poly, N, x), t = b->t0 + 0.5 * b->h * (x + 1.0);
-    double g[MAX_SWITCHES * N];
-    switch_values(s, 1, &th, &v, &t, g);
-    return g[k * N];
+    double g[MAX_SWITCHES];
+    const Place at = place_at(b, s->m->n_states, x);
+    switches_at(s, &at, g);
+    return g[k];
 }
 
-static double switch_root(const Pendulum *s, const Panel *b, int k, double low, double high) {
-    for (int step = 0; step < 60 && high - low > 1e-15; step++) {
-        const double middle = 0.5 * (low + high);
-        if (s->sign[k] * switch_at(s, b, k, middle) >= 0.0) low = middle; else high = middle;
-    }
-    return high;
-}
-
-/* The first event on the solved panel: its position in (-1, 1], or 2 for none; what: -1 the reversal, else a switch. */
+/* The first event on the solved panel: its position in (-1, 1], or 2 for none; what: REVERSAL or the switch. */
+enum { REVERSAL = -1, NOTHING = -2 };
 static double first_event(const Pendulum *s, const Panel *b, int *what) {
     double at = 2.0, low = -1.0, g[MAX_SWITCHES * N];
-    for (int i = 0; i <= N; i++) {
+    *what = NOTHING;
+    for (int i = 0; i <= N && !s->held; i++) {
         const double x = i < N ? 2.0 * T_nodes[i] - 1.0 : 1.0;
         const double v = i < N ? b->v[i] : horner(b->v_poly, N, 1.0);
         if (s->direction * v < 0.0) {
             at = velocity_root(b, s->direction, low, x);
-            *what = -1;
+            *what = REVERSAL;
             break;
         }
         low = x;
     }
     if (!s->n_switches) return at;
-    switch_values(s, N, b->th, b->v, b->t, g);
+    switch_values(s, N, b->th, b->v, b->t, b->z, g);
     for (int k = 0; k < s->n_switches; k++) {
         low = -1.0;
         for (int i = 0; i <= N; i++) {
@@ -286,8 +361,12 @@ static double first_event(const Pendulum *s, const Panel *b, int *what) {
             if (past) x = at;
             const double value = (i < N && !past) ? g[k * N + i] : switch_at(s, b, k, x);
             if (s->sign[k] * value < 0.0) {
-                const double root = switch_root(s, b, k, low, x);
-                if (root < at) { at = root; *what = k; }
+                double high = x;
+                for (int step = 0; step < 60 && high - low > 1e-15; step++) {
+                    const double middle = 0.5 * (low + high);
+                    if (s->sign[k] * switch_at(s, b, k, middle) >= 0.0) low = middle; else high = middle;
+                }
+                if (high < at) { at = high; *what = k; }
                 break;
             }
             if (past) break;
@@ -312,11 +391,36 @@ static double frequency_guess(double omega_n, double th, double v) {
 }
 
 /* Which way the pendulum leaves rest: 1, -1, or 0 where friction holds it. */
-static int leaves_rest(Pendulum *s, double th, double t, double from) {
-    const double up = acceleration(s, th, 0.0, t, 1.0), down = acceleration(s, th, 0.0, t, -1.0);
+static int leaves_rest(Pendulum *s, const Place *x, double from) {
+    const int held = s->held;
+    s->held = 0;
+    const double up = rates_at(s, x, 1.0, NULL), down = rates_at(s, x, -1.0, NULL);
+    s->held = held;
     const int first = from != 0.0 ? (from > 0.0 ? -1 : 1) : (up + down >= 0.0 ? 1 : -1);
     if (first > 0) return up > 0.0 ? 1 : (down < 0.0 ? -1 : 0);
     return down < 0.0 ? -1 : (up > 0.0 ? 1 : 0);
+}
+
+/* While held: the first position on the panel where a torque frees the pendulum, or 2. */
+static double breakaway(Pendulum *s, const Panel *b) {
+    double low = -1.0;
+    for (int i = 0; i <= N; i++) {
+        const double x = i < N ? 2.0 * T_nodes[i] - 1.0 : 1.0;
+        Place at = place_at(b, s->m->n_states, x);
+        at.v = 0.0;
+        if (leaves_rest(s, &at, 0.0)) {
+            double high = x;
+            for (int k = 0; k < 60 && high - low > 1e-15; k++) {
+                const double middle = 0.5 * (low + high);
+                at = place_at(b, s->m->n_states, middle);
+                at.v = 0.0;
+                if (leaves_rest(s, &at, 0.0)) high = middle; else low = middle;
+            }
+            return high;
+        }
+        low = x;
+    }
+    return 2.0;
 }
 
 /* The clock's true times of the samples and, by row, their derivatives by the free values. */
@@ -325,22 +429,24 @@ static int true_times(const Model *m, const double *p, const double *times, int 
     for (int i = 0; i < n; i++) out[i] = times[i] - times[0];
     if (slopes) memset(slopes, 0, (size_t)n_free * n * sizeof(double));
     for (int c = 0; c < m->n_clocks; c++) {
-        const Effect *e = &EFFECTS[m->clocks[c]];
+        const Part at = m->clocks[c];
+        const Effect *e = &EFFECTS[at.row];
         for (int start = 0; start < n; start += CHUNK) {
             const int size = n - start < CHUNK ? n - start : CHUNK;
-            double stamped[CHUNK], zero[CHUNK] = {0.0}, d_t[CHUNK], d_v[CHUNK], d_p[MAX_PARAMETERS * CHUNK];
+            double stamped[CHUNK], zero[CHUNK] = {0.0}, by[CHUNK] = {0.0}, by_p[MAX_PARAMETERS * CHUNK];
             memcpy(stamped, out + start, size * sizeof(double));
-            const Points q = {size, zero, zero, stamped, zero, zero, p[0], m->duration, 1.0};
-            e->value(&q, p + m->clock_first[c], NULL, out + start);
+            const Points q = {size, CHUNK, zero, zero, zero, stamped, zero, zero, zero, p[0], m->duration, 1.0};
+            memset(out + start, 0, size * sizeof(double));
+            e->reading(&q, p + at.first_parameter, NULL, out + start, at);
             if (!slopes) continue;
-            e->partials(&q, p + m->clock_first[c], NULL, d_t, d_v, d_v, d_p, CHUNK);
-            for (int f = 0; f < n_free; f++) {
-                const int own = free_values[f] - m->clock_first[c];
+            memset(by_p, 0, m->n_parameters * CHUNK * sizeof(double));
+            const Slopes d = {by, by_p, 1, m->n_parameters, CHUNK};
+            e->reading_slopes(&q, p + at.first_parameter, NULL, &d, at);
+            for (int f = 0; f < n_free; f++)
                 for (int i = 0; i < size; i++) {
                     double *slope = slopes + (size_t)f * n + start + i;
-                    *slope = *slope * d_t[i] + (own >= 0 && own < e->n_parameters ? d_p[own * CHUNK + i] : 0.0);
+                    *slope = *slope * by[i] + (free_values[f] >= 0 ? by_p[free_values[f] * CHUNK + i] : 0.0);
                 }
-            }
         }
     }
     for (int i = 1; i < n; i++)
@@ -348,42 +454,55 @@ static int true_times(const Model *m, const double *p, const double *times, int 
     return 1;
 }
 
-/* What the sensors make of the angles, one after the other, with the slopes by the chain rule. */
+/* What the sensors make of the angles, one after the other, with the slopes by the chain rule. z: the states' rows. */
 static void read_out(const Model *m, const double *p, const double *times, int n, int n_free, const int *free_values,
-                     double *y, double *slopes) {
+                     const double *z, const double *z_slopes, double *y, double *slopes) {
     for (int k = 0; k < m->n_sensors; k++) {
-        const Effect *e = &EFFECTS[m->sensors[k]];
+        const Part at = m->sensors[k];
+        const Effect *e = &EFFECTS[at.row];
+        const int nz = m->n_states, inputs = 3 + nz;
         for (int start = 0; start < n; start += CHUNK) {
             const int size = n - start < CHUNK ? n - start : CHUNK;
-            double th[CHUNK], sn[CHUNK], cs[CHUNK], d_th[CHUNK], d_v[CHUNK], zero[CHUNK] = {0.0}, d_p[MAX_PARAMETERS * CHUNK];
+            double th[CHUNK], sn[CHUNK], cs[CHUNK], t[CHUNK], zero[CHUNK] = {0.0}, states[(MAX_STATES + 1) * CHUNK];
+            double by[(3 + MAX_STATES) * CHUNK], by_p[MAX_PARAMETERS * CHUNK];
             memcpy(th, y + start, size * sizeof(double));
-            for (int i = 0; i < size; i++) sine_cosine(th[i], &sn[i], &cs[i]);
-            const Points q = {size, th, zero, times + start, sn, cs, p[0], m->duration, 1.0};
-            e->value(&q, p + m->sensor_first[k], NULL, y + start);
+            for (int i = 0; i < size; i++) {
+                sine_cosine(th[i], &sn[i], &cs[i]);
+                t[i] = times[start + i] - times[0];
+            }
+            for (int j = 0; z && j < nz; j++) memcpy(states + j * CHUNK, z + (size_t)j * n + start, size * sizeof(double));
+            const Points q = {size, CHUNK, th, zero, zero, t, sn, cs, states + at.first_state * CHUNK, p[0], m->duration, 1.0};
+            memset(y + start, 0, size * sizeof(double));
+            e->reading(&q, p + at.first_parameter, NULL, y + start, at);
             if (!slopes) continue;
-            e->partials(&q, p + m->sensor_first[k], NULL, d_th, d_v, d_v, d_p, CHUNK);
+            memset(by, 0, inputs * CHUNK * sizeof(double));
+            memset(by_p, 0, m->n_parameters * CHUNK * sizeof(double));
+            const Slopes d = {by, by_p, inputs, m->n_parameters, CHUNK};
+            e->reading_slopes(&q, p + at.first_parameter, NULL, &d, at);
             for (int f = 0; f < n_free; f++) {
-                const int own = free_values[f] - m->sensor_first[k];
                 double *row = slopes + (size_t)f * n + start;
-                for (int i = 0; i < size; i++)
-                    row[i] = row[i] * d_th[i] + (own >= 0 && own < e->n_parameters ? d_p[own * CHUNK + i] : 0.0);
+                for (int i = 0; i < size; i++) row[i] *= by[i];
+                for (int j = 0; z && j < nz; j++)
+                    for (int i = 0; i < size; i++)
+                        row[i] += by[(3 + j) * CHUNK + i] * z_slopes[((size_t)j * n_free + f) * n + start + i];
+                if (free_values[f] >= 0)
+                    for (int i = 0; i < size; i++) row[i] += by_p[free_values[f] * CHUNK + i];
             }
         }
     }
 }
 
-/* Sensitivities along the solved panel: the linear problem with the panel's own inverse. */
-static void panel_slopes(const Panel *b, int n_free, const int *free_values, const double *dth, const double *dv,
-                         double (*th_poly)[N + 2], double (*v_poly)[N + 1]) {
-    for (int f = 0; f < n_free; f++) {
-        double rhs[N], da[N];
-        for (int i = 0; i < N; i++)
-            rhs[i] = b->d_theta[i] * (dth[f] + dv[f] * b->h * T_nodes[i]) + b->d_v[i] * dv[f];
-        if (free_values[f] >= 0)
-            for (int i = 0; i < N; i++) rhs[i] += b->d_p[free_values[f] * N + i];
-        combine(b->inverse, rhs, da);
-        integrate_poly(da, b->h, dv[f], dth[f], v_poly[f], th_poly[f]);
-    }
+/* Play between the pendulum and its sensor: the reading follows only when pushed, a half width behind. */
+typedef struct {
+    int parameter; /* index of the width, or -1 */
+    double reading, slope[MAX_PARAMETERS];
+} Play;
+
+static void push(Play *play, double half, double th, int n_free, const int *free_values, const double *slopes, size_t stride) {
+    const double side = play->reading > th + half ? 1.0 : (play->reading < th - half ? -1.0 : 0.0);
+    if (side == 0.0) return;
+    play->reading = th + side * half;
+    for (int f = 0; f < n_free; f++) play->slope[f] = slopes[f * stride] + side * 0.5 * (free_values[f] == play->parameter);
 }
 
 static void sample(const double *poly, int degree, const double *x, int n, double *out) {
@@ -398,209 +517,300 @@ static void sample(const double *poly, int degree, const double *x, int n, doubl
     }
 }
 
-/* At a switch other than the reversal the acceleration may jump: rescale the velocity's slopes (saltation). */
-static void cross_switch(Pendulum *s, const Panel *b, int k, double x, int n_free, const int *free_values,
-                         const double *dth, double *dv) {
-    const double th = horner(b->theta_poly, N + 1, x), v = horner(b->v_poly, N, x), t = b->t0 + 0.5 * b->h * (x + 1.0);
-    const double before = acceleration(s, th, v, t, s->direction);
-    s->sign[k] = -s->sign[k];
-    const double after = acceleration(s, th, v, t, s->direction);
-    const double jump = after - before;
-    if (!n_free || fabs(jump) < 1e-9 * (fabs(before) + fabs(after))) return;
-    const double e = 1e-6;
-    double out[MAX_SWITCHES * N], q[MAX_PARAMETERS];
-#define G(TH, V, TT) (switch_values(s, 1, (double[]){TH}, (double[]){V}, (double[]){TT}, out), out[k * N])
-    const double g_th = (G(th + e, v, t) - G(th - e, v, t)) / (2 * e), g_v = (G(th, v + e, t) - G(th, v - e, t)) / (2 * e);
-    const double g_t = (G(th, v, t + e) - G(th, v, t - e)) / (2 * e);
-    const double rate = g_th * v + g_v * before + g_t;
-    const double *kept = s->p;
-    for (int f = 0; f < n_free; f++) {
-        double g_p = 0.0;
-        if (free_values[f] >= 0) {
-            memcpy(q, kept, s->m->n_parameters * sizeof(double));
-            s->p = q;
-            q[free_values[f]] = kept[free_values[f]] + e;
-            const double high = G(th, v, t);
-            q[free_values[f]] = kept[free_values[f]] - e;
-            g_p = (high - G(th, v, t)) / (2 * e);
-            s->p = kept;
+/* Sensitivities: of angle, velocity and states by each free value, now and along the panel. */
+typedef struct {
+    int n;
+    const int *by;
+    double th[MAX_PARAMETERS], v[MAX_PARAMETERS], z[MAX_PARAMETERS][MAX_STATES];
+    double th_poly[MAX_PARAMETERS][N + 2], v_poly[MAX_PARAMETERS][N + 1], z_poly[MAX_PARAMETERS][MAX_STATES][N + 1];
+} Sensitivities;
+
+/* Along the solved panel: the linear problem with the panel's own inverse. */
+static void propagate(const Panel *b, int n_states, int n_parameters, Sensitivities *d) {
+    const int blocks = 1 + n_states, inputs = 3 + n_states;
+    for (int f = 0; f < d->n; f++) {
+        double rhs[BLOCKS * N], du[BLOCKS * N];
+        for (int o = 0; o < blocks; o++) {
+            const double *by = b->by + o * inputs * N;
+            double *out = rhs + o * N;
+            for (int i = 0; i < N; i++) out[i] = by[i] * (d->th[f] + d->v[f] * b->h * T_nodes[i]) + by[N + i] * d->v[f];
+            for (int k = 0; k < n_states; k++)
+                for (int i = 0; i < N; i++) out[i] += by[(3 + k) * N + i] * d->z[f][k];
+            if (d->by[f] >= 0)
+                for (int i = 0; i < N; i++) out[i] += b->by_parameter[(o * n_parameters + d->by[f]) * N + i];
         }
-        const double later = -(g_th * dth[f] + g_v * dv[f] + g_p) / rate;
-        dv[f] -= jump * later;
+        apply_inverse(b, blocks, rhs, du);
+        polynomials(du, n_states, b->h, d->th[f], d->v[f], d->z[f], d->th_poly[f], d->v_poly[f], d->z_poly[f]);
     }
-#undef G
+}
+
+static void move_to(Sensitivities *d, int n_states, double x) {
+    for (int f = 0; f < d->n; f++) {
+        d->th[f] = horner(d->th_poly[f], N + 1, x);
+        d->v[f] = horner(d->v_poly[f], N, x);
+        for (int k = 0; k < n_states; k++) d->z[f][k] = horner(d->z_poly[f][k], N, x);
+    }
+}
+
+/* The rates jump at an event that comes `later[f]` for a change of free value f: saltation. */
+static void jump(Sensitivities *d, int blocks, const double *before, const double *after, const double *later) {
+    for (int f = 0; f < d->n; f++) {
+        d->v[f] += (before[0] - after[0]) * later[f];
+        for (int k = 1; k < blocks; k++) d->z[f][k - 1] += (before[k] - after[k]) * later[f];
+    }
+}
+
+/* Cross a switch other than the reversal; where the rates jump there, so do the sensitivities. */
+static void cross_switch(Pendulum *s, const Place *x, int k, Sensitivities *d) {
+    double before[BLOCKS], after[BLOCKS], high[MAX_SWITCHES], low[MAX_SWITCHES], later[MAX_PARAMETERS], moved[MAX_PARAMETERS];
+    rates_at(s, x, s->direction, before);
+    s->sign[k] = -s->sign[k];
+    rates_at(s, x, s->direction, after);
+    double difference = 0.0, size = 0.0;
+    for (int j = 0; j < s->blocks; j++) {
+        difference = fmax(difference, fabs(after[j] - before[j]) / (fabs(before[j]) + fabs(after[j]) + 1e-12));
+        size = fmax(size, fabs(before[j]));
+    }
+    if (!d->n || difference < 1e-9) return;
+    /* differences of the switch's own formula, which is smooth: by angle, velocity, time, states and parameters */
+    const double e = 1e-6;
+    double g_z[MAX_STATES], g_th, g_v, g_t;
+#define DIFFERENCE(FIELD, INTO) { Place up = *x, down = *x; up.FIELD += e; down.FIELD -= e; switches_at(s, &up, high); \
+        switches_at(s, &down, low); INTO = (high[k] - low[k]) / (2.0 * e); }
+    DIFFERENCE(th, g_th)
+    DIFFERENCE(v, g_v)
+    DIFFERENCE(t, g_t)
+    double rate = g_th * x->v + g_v * before[0] + g_t;
+    for (int j = 0; j < s->m->n_states; j++) {
+        DIFFERENCE(z[j], g_z[j])
+        rate += g_z[j] * before[1 + j];
+    }
+#undef DIFFERENCE
+    const double *given = s->p;
+    for (int f = 0; f < d->n; f++) {
+        double change = g_th * d->th[f] + g_v * d->v[f];
+        for (int j = 0; j < s->m->n_states; j++) change += g_z[j] * d->z[f][j];
+        if (d->by[f] >= 0) {
+            memcpy(moved, given, s->m->n_parameters * sizeof(double));
+            s->p = moved;
+            moved[d->by[f]] = given[d->by[f]] + e;
+            switches_at(s, x, high);
+            moved[d->by[f]] = given[d->by[f]] - e;
+            switches_at(s, x, low);
+            s->p = given;
+            change += (high[k] - low[k]) / (2.0 * e);
+        }
+        later[f] = -change / rate;
+    }
+    jump(d, s->blocks, before, after, later);
+}
+
+/* The states at the release, and their sensitivities. */
+static void release(const Pendulum *s, Place *x, Sensitivities *d) {
+    double sn, cs;
+    sine_cosine(x->th, &sn, &cs);
+    for (int k = 0; k < s->m->n_motions; k++) {
+        const Part at = s->m->motions[k];
+        const Effect *e = &EFFECTS[at.row];
+        if (!e->n_states) continue;
+        const double zero = 0.0;
+        double by[MAX_STATES * 2] = {0.0}, by_p[MAX_STATES * MAX_PARAMETERS] = {0.0};
+        const Points q = {1, 1, &x->th, &x->v, &zero, &x->t, &sn, &cs, &zero, s->p[0], s->m->duration, 1.0};
+        const Slopes slopes = {by, by_p, 2, s->m->n_parameters, 1};
+        e->initial(&q, s->p + at.first_parameter, NULL, x->z + at.first_state, at);
+        e->initial_slopes(&q, s->p + at.first_parameter, NULL, &slopes, at);
+        for (int f = 0; f < d->n; f++)
+            for (int j = 0; j < e->n_states; j++)
+                d->z[f][at.first_state + j] = by[2 * j] * d->th[f] + by[2 * j + 1] * d->v[f]
+                                              + (d->by[f] >= 0 ? by_p[j * s->m->n_parameters + d->by[f]] : 0.0);
+    }
+}
+
+static int prepare(Pendulum *s, const Model *m, const double *p, int n_free) {
+    *s = (Pendulum){.m = m, .p = p, .blocks = 1 + m->n_states};
+    if (m->n_parameters > MAX_PARAMETERS || n_free > MAX_PARAMETERS || m->n_states > MAX_STATES || m->n_motions > MAX_PARTS) return 0;
+    for (int k = 0; k < m->n_motions; k++) {
+        const Effect *e = &EFFECTS[m->motions[k].row];
+        s->sign_first[k] = s->n_switches;
+        s->n_switches += e->n_switches;
+        s->timed |= e->timed;
+        s->inertial |= e->inertial;
+        if (s->n_switches > MAX_SWITCHES) return 0;
+    }
+    return 1;
 }
 
 int swing_trajectory(const Model *m, const double *p, double release_angle, double release_velocity,
                      const double *times, int n, int n_free, const int *free_values,
                      double *angles, double *slopes, Report *report) {
-    Pendulum s = {.m = m, .p = p};
-    Panel b = {.has_inverse = 0};
-    double dth[MAX_PARAMETERS], dv[MAX_PARAMETERS];
-    double th_slopes[MAX_PARAMETERS][N + 2], v_slopes[MAX_PARAMETERS][N + 1];
-    double t = 0.0, th = release_angle, v = release_velocity, omega, since = -1.0, longest = INFINITY;
-    double previous_h = 0.0, previous_start = 0.0;
-    int next = 0, from_rest = 0;
-
-    *report = (Report){.stuck_after = -1.0};
+    Pendulum s;
+    Panel b;
+    Sensitivities d;
+    const int nz = m->n_states;
     if (!slopes) n_free = 0;
-    if (m->n_parameters > MAX_PARAMETERS || n_free > MAX_PARAMETERS) return report->status = TOO_LARGE;
-    for (int k = 0; k < m->n_torques; k++) {
-        const Effect *e = &EFFECTS[m->torques[k]];
-        s.sign_first[k] = s.n_switches;
-        s.timed |= e->timed;
-        if (s.n_switches + e->n_switches > MAX_SWITCHES) return report->status = TOO_LARGE;
-        s.n_switches += e->n_switches;
-    }
-    /* local time, position on the panel, velocity, and the clock's slopes, for every sample */
-    double *work = malloc((size_t)n * (3 + (m->n_clocks ? n_free : 0)) * sizeof(double));
+    *report = (Report){.stuck_after = -1.0};
+    if (!prepare(&s, m, p, n_free)) return report->status = TOO_LARGE;
+    d.n = n_free;
+    d.by = free_values;
+    b.has_inverse = 0;
+
+    int reads_states = 0;
+    for (int k = 0; k < m->n_sensors; k++) reads_states |= EFFECTS[m->sensors[k].row].n_states > 0;
+    const int with_clock = m->n_clocks && n_free, kept_states = reads_states ? nz : 0;
+    /* for every sample: true time, position on its panel, velocity, the clock's slopes, the states and theirs */
+    double *work = malloc((size_t)n * (3 + (with_clock ? n_free : 0) + kept_states * (1 + n_free)) * sizeof(double));
     if (!work) return report->status = NO_MEMORY;
-    double *at = work, *x = work + n, *speed = work + 2 * (size_t)n;
-    double *clock_slopes = m->n_clocks && n_free ? work + 3 * (size_t)n : NULL;
-    int status = DONE;
-    if (!true_times(m, p, times, n, n_free, free_values, at, clock_slopes)) status = CLOCK_RUNS_BACK;
+    double *at = work, *x = at + n, *speed = x + n, *clock_slopes = with_clock ? speed + n : NULL;
+    double *z = kept_states ? speed + (size_t)n * (1 + (with_clock ? n_free : 0)) : NULL, *z_slopes = z ? z + (size_t)kept_states * n : NULL;
+    int status = true_times(m, p, times, n, n_free, free_values, at, clock_slopes) ? DONE : CLOCK_RUNS_BACK;
 
-    memset(b.d_p, 0, sizeof b.d_p);
+    Place here = {at[0], release_angle, release_velocity, {0.0}};
     for (int f = 0; f < n_free; f++) {
-        dth[f] = free_values[f] == RELEASE_ANGLE;
-        dv[f] = free_values[f] == RELEASE_VELOCITY;
+        d.th[f] = free_values[f] == RELEASE_ANGLE;
+        d.v[f] = free_values[f] == RELEASE_VELOCITY;
+        for (int k = 0; k < nz; k++) d.z[f][k] = 0.0;
     }
-    omega = frequency_guess(p[0], th, v);
-    t = at[0];
-    s.direction = v > 0.0 ? 1.0 : (v < 0.0 ? -1.0 : 0.0);
+    if (nz) release(&s, &here, &d);
+    s.direction = here.v > 0.0 ? 1.0 : (here.v < 0.0 ? -1.0 : 0.0);
     if (s.n_switches) { /* the side each switch starts on; exactly on it, the side it moves to */
-        double g[MAX_SWITCHES * N], ahead = th + 1e-9 * (v != 0.0 ? v : -th);
-        switch_values(&s, 1, &th, &v, &t, g);
-        for (int k = 0; k < s.n_switches; k++) {
-            if (g[k * N] == 0.0) switch_values(&s, 1, &ahead, &v, &t, g);
-            s.sign[k] = g[k * N] < 0.0 ? -1.0 : 1.0;
-        }
+        double g[MAX_SWITCHES], ahead[MAX_SWITCHES];
+        Place next = here;
+        next.th += 1e-9 * (here.v != 0.0 ? here.v : -here.th);
+        switches_at(&s, &here, g);
+        switches_at(&s, &next, ahead);
+        for (int k = 0; k < s.n_switches; k++) s.sign[k] = (g[k] != 0.0 ? g[k] : ahead[k]) < 0.0 ? -1.0 : 1.0;
     }
+    Play play = {m->play, here.th, {0.0}};
+    for (int f = 0; f < n_free; f++) play.slope[f] = d.th[f];
 
+    double omega = frequency_guess(p[0], here.th, here.v), since = -1.0, longest = INFINITY;
+    double last_h = 0.0, last_start = 0.0; /* of the last panel, if it began at rest */
+    int next = 0, at_rest = 0;
     while (next < n && status == DONE) {
-        if (v == 0.0) {
-            const int way = leaves_rest(&s, th, t, s.direction);
-            if (!way) { /* held by friction: for good, or until a changing torque frees it */
-                report->stuck_after = t + times[0];
-                for (int f = 0; f < n_free; f++) dv[f] = 0.0;
-                double free_at = INFINITY;
-                if (s.timed) {
-                    const double step = fmin(0.02 * 6.283185307179586 / omega, n > 1 ? (at[n - 1] - at[0]) / (n - 1) : 1.0);
-                    for (double u = t + step; u < at[n - 1] + step; u += step)
-                        if (leaves_rest(&s, th, u, s.direction)) {
-                            double low = u - step;
-                            for (int k = 0; k < 60 && u - low > 1e-15 * u; k++) {
-                                const double middle = 0.5 * (low + u);
-                                if (leaves_rest(&s, th, middle, s.direction)) u = middle; else low = middle;
-                            }
-                            free_at = u;
-                            break;
-                        }
-                }
-                for (; next < n && at[next] <= free_at; next++) {
-                    angles[next] = th;
-                    for (int f = 0; f < n_free; f++) slopes[(size_t)f * n + next] = dth[f];
-                    speed[next] = 0.0;
-                }
-                if (next >= n) break;
-                t = free_at;
-                since = -1.0;
-                s.direction = leaves_rest(&s, th, t, s.direction);
-                if (s.direction == 0.0) { status = LOST_ACCURACY; break; }
-            } else {
-                /* the jump of the acceleration at the reversal rescales the velocity's slopes */
-                if (s.direction != 0.0 && n_free) {
-                    const double ratio = acceleration(&s, th, 0.0, t, way) / acceleration(&s, th, 0.0, t, s.direction);
-                    for (int f = 0; f < n_free; f++) dv[f] *= ratio;
-                }
-                s.direction = way;
+        at_rest = here.v == 0.0;
+        if (at_rest) {
+            double before[BLOCKS], after[BLOCKS], later[MAX_PARAMETERS];
+            const int was_held = s.held, way = leaves_rest(&s, &here, s.held ? 0.0 : s.direction);
+            if (n_free && s.direction != 0.0) rates_at(&s, &here, s.direction, before);
+            s.held = way == 0;
+            if (n_free && s.direction != 0.0) { /* the rates jump at the reversal, which comes later by -dv/a */
+                rates_at(&s, &here, way ? way : s.direction, after);
+                for (int f = 0; f < n_free; f++) later[f] = before[0] != 0.0 ? -d.v[f] / before[0] : 0.0;
+                if (!was_held) jump(&d, s.blocks, before, after, later);
+                if (s.held)
+                    for (int f = 0; f < n_free; f++) d.v[f] = 0.0;
             }
-            from_rest = 1;
+            if (s.held) {
+                if (!was_held) report->stuck_after = here.t + times[0];
+                since = -1.0;
+                if (!s.timed && !nz) { /* nothing changes any more */
+                    for (; next < n; next++) {
+                        angles[next] = m->play >= 0 ? play.reading : here.th;
+                        speed[next] = 0.0;
+                        for (int f = 0; f < n_free; f++) slopes[(size_t)f * n + next] = m->play >= 0 ? play.slope[f] : d.th[f];
+                    }
+                    break;
+                }
+            } else
+                s.direction = way;
         }
-        const double a0 = acceleration(&s, th, v, t, s.direction);
-        const double left = time_to_reversal(s.direction, v, a0, omega) * OVERSHOOT;
+        double start[BLOCKS];
+        rates_at(&s, &here, s.direction, start);
+        const double left = s.held ? 3.0 / omega : time_to_reversal(s.direction, here.v, start[0], omega) * OVERSHOOT;
         double h = left / fmax(1.0, ceil(left / longest));
-        if (!(h > 0.0)) h = 1e-12;
-        b.t0 = t, b.th0 = th, b.v0 = v;
+        if (!(h > 1e-12)) h = 1e-12;
+        b.from = here;
 
         /* guess: the last panel's shape where this is its mirror image, else a harmonic */
-        const int alike = from_rest && previous_h > 0.0 && fabs(h - previous_h) < 0.1 * h;
-        int solved = 0;
+        const int alike = at_rest && !s.held && last_h > 0.0 && fabs(h - last_h) < 0.1 * h;
         double shape[N], excess = 0.0;
-        memcpy(shape, b.a, sizeof shape);
+        int solved = 0;
+        memcpy(shape, b.u, sizeof shape);
         for (int attempt = 0; attempt < 60; attempt++) {
             b.h = h;
             if (alike && attempt == 0)
-                for (int i = 0; i < N; i++) b.a[i] = shape[i] * (a0 / previous_start);
+                for (int i = 0; i < N; i++) b.u[i] = shape[i] * (start[0] / last_start);
             else
                 for (int i = 0; i < N; i++)
-                    b.a[i] = a0 * cos(omega * h * T_nodes[i]) - omega * v * sin(omega * h * T_nodes[i]);
-            if (attempt > 0 || fabs(h - previous_h) > 0.1 * h) b.has_inverse = 0;
+                    b.u[i] = s.held ? 0.0 : start[0] * cos(omega * h * T_nodes[i]) - omega * here.v * sin(omega * h * T_nodes[i]);
+            for (int i = N; i < s.blocks * N; i++) b.u[i] = start[i / N];
+            if (attempt > 0 || !alike) b.has_inverse = 0;
             if (solve(&s, &b, report)) {
-                excess = tail(&b) / TAIL;
+                excess = tail(&b, s.blocks) / TAIL;
                 if (excess <= 1.0) { solved = 1; break; }
                 h *= fmin(0.7, fmax(0.2, 0.8 * pow(excess, -1.0 / 14)));
-                longest = h;
             } else
-                longest = h *= 0.5;
+                h *= 0.5;
+            longest = h;
             report->rejected++;
         }
         if (!solved) { status = LOST_ACCURACY; break; }
         /* a short last panel says little about how long the next one may be */
         const double allowed = h * 0.95 * pow(fmax(excess, 1e-12), -1.0 / 14);
         if (excess > 0.05 || allowed > longest) longest = allowed;
-        previous_h = from_rest ? h : 0.0;
-        previous_start = a0;
+        last_h = at_rest && !s.held ? h : 0.0;
+        last_start = start[0];
         report->panels++;
 
-        integrate_poly(b.a, h, v, th, b.v_poly, b.theta_poly);
-        int what = -2;
-        const double event = first_event(&s, &b, &what);
-        const double x_end = event <= 1.0 ? event : 1.0, t_end = event <= 1.0 ? t + 0.5 * h * (event + 1.0) : t + h;
-        report->error += excess * TAIL * largest(b.a) * h * h / (64.0 * N * N);
+        polynomials(b.u, nz, h, here.th, here.v, here.z, b.th_poly, b.v_poly, b.z_poly);
+        int what;
+        double event = first_event(&s, &b, &what);
+        if (s.held) {
+            const double freed = breakaway(&s, &b);
+            if (freed < event) { event = freed; what = REVERSAL; }
+        }
+        const double x_end = fmin(event, 1.0), t_end = event <= 1.0 ? here.t + 0.5 * h * (event + 1.0) : here.t + h;
+        report->error += excess * TAIL * largest(b.u) * h * h / (64.0 * N * N);
         if (n_free) {
-            partials(&s, &b);
-            if (!invert(&b)) { status = LOST_ACCURACY; break; }
-            panel_slopes(&b, n_free, free_values, dth, dv, th_slopes, v_slopes);
+            slopes_at_nodes(&s, &b);
+            if (!invert(&b, nz)) { status = LOST_ACCURACY; break; }
+            propagate(&b, nz, m->n_parameters, &d);
         }
         int last = next;
         while (last < n && at[last] <= t_end) {
-            x[last] = 2.0 * (at[last] - t) / h - 1.0;
+            x[last] = 2.0 * (at[last] - here.t) / h - 1.0;
             last++;
         }
-        sample(b.theta_poly, N + 1, x + next, last - next, angles + next);
-        if (clock_slopes) sample(b.v_poly, N, x + next, last - next, speed + next);
-        for (int f = 0; f < n_free; f++) sample(th_slopes[f], N + 1, x + next, last - next, slopes + (size_t)f * n + next);
-        next = last;
-
-        th = horner(b.theta_poly, N + 1, x_end);
-        v = horner(b.v_poly, N, x_end);
+        const int size = last - next;
+        sample(b.th_poly, N + 1, x + next, size, angles + next);
+        if (with_clock) sample(b.v_poly, N, x + next, size, speed + next);
+        for (int k = 0; k < kept_states; k++) sample(b.z_poly[k], N, x + next, size, z + (size_t)k * n + next);
         for (int f = 0; f < n_free; f++) {
-            dth[f] = horner(th_slopes[f], N + 1, x_end);
-            dv[f] = horner(v_slopes[f], N, x_end);
+            sample(d.th_poly[f], N + 1, x + next, size, slopes + (size_t)f * n + next);
+            for (int k = 0; k < kept_states; k++)
+                sample(d.z_poly[f][k], N, x + next, size, z_slopes + ((size_t)k * n_free + f) * n + next);
         }
-        from_rest = 0;
-        if (what == -1 && event <= 1.0) {
-            v = 0.0;
-            report->reversals++;
-            if (since >= 0.0) omega = 3.141592653589793 / (t_end - since);
-            since = t_end;
-        } else if (what >= 0 && event <= 1.0) {
-            t = t_end;
-            cross_switch(&s, &b, what, x_end, n_free, free_values, dth, dv);
+        here = place_at(&b, nz, x_end);
+        here.t = t_end;
+        if (n_free) move_to(&d, nz, x_end);
+        if (m->play >= 0) {
+            const double half = 0.5 * p[m->play];
+            for (int i = next; i < last; i++) {
+                push(&play, half, angles[i], n_free, free_values, slopes + i, n);
+                angles[i] = play.reading;
+                for (int f = 0; f < n_free; f++) slopes[(size_t)f * n + i] = play.slope[f];
+            }
+            push(&play, half, here.th, n_free, free_values, d.th, 1);
         }
-        t = t_end;
-        if (!(fabs(th) < 1e4) || !(fabs(v) < 1e8)) status = RAN_AWAY;
+        next = last;
+        if (event <= 1.0 && what == REVERSAL) {
+            here.v = 0.0;
+            if (!s.held) {
+                report->reversals++;
+                if (since >= 0.0) omega = 3.141592653589793 / (t_end - since);
+                since = t_end;
+            }
+        } else if (event <= 1.0 && what >= 0)
+            cross_switch(&s, &here, what, &d);
+        if (!(fabs(here.th) < 1e4) || !(fabs(here.v) < 1e8)) status = RAN_AWAY;
     }
     if (status == DONE) {
-        for (int f = 0; f < n_free && clock_slopes; f++)
+        for (int f = 0; f < n_free && with_clock; f++)
             for (int i = 0; i < n; i++) slopes[(size_t)f * n + i] += speed[i] * clock_slopes[(size_t)f * n + i];
-        read_out(m, p, times, n, n_free, free_values, angles, slopes);
+        read_out(m, p, times, n, n_free, free_values, z, z_slopes, angles, n_free ? slopes : NULL);
     } else {
-        for (int i = 0; i < n; i++)
-            if (i >= next) angles[i] = NAN;
-        if (slopes)
-            for (size_t i = 0; i < (size_t)n_free * n; i++) slopes[i] = NAN;
+        for (int i = next; i < n; i++) angles[i] = NAN;
+        for (size_t i = 0; i < (size_t)n_free * n; i++) slopes[i] = NAN;
     }
     free(work);
     return report->status = status;

@@ -2,23 +2,28 @@
 #ifndef SWING_H
 #define SWING_H
 
-/* A pendulum model: rows of the table EFFECTS, each with the index of its first parameter. Parameter 0 is omega_n. */
+/* An effect of the model: its row in the table EFFECTS, and where its parameters and its states begin. */
 typedef struct {
-    int n_torques, n_sensors, n_clocks, n_parameters;
-    const int *torques, *torque_first;
-    const int *sensors, *sensor_first;
-    const int *clocks, *clock_first;
+    int row, first_parameter, first_state;
+} Part;
+
+/* A pendulum model. Parameter 0 is omega_n. motions: what changes the motion or has states; sensors and clocks: what
+ * changes the reading, in the order in which they act. */
+typedef struct {
+    int n_motions, n_sensors, n_clocks, n_parameters, n_states;
+    const Part *motions, *sensors, *clocks;
+    int play;        /* parameter that is the width of play before the sensors, or -1 */
     double duration; /* s */
 } Model;
 
 enum { DONE = 0, LOST_ACCURACY = 1, RAN_AWAY = 2, CLOCK_RUNS_BACK = 3, TOO_LARGE = 4, NO_MEMORY = 5 };
-enum { MAX_PARAMETERS = 64, MAX_SWITCHES = 16 };
+enum { MAX_PARAMETERS = 48, MAX_SWITCHES = 12, MAX_STATES = 5, MAX_PARTS = 32 };
 
 typedef struct {
     int status;
     int panels;         /* accepted */
     int rejected;       /* tried and shortened */
-    int evaluations;    /* of the whole right-hand side at N points */
+    int evaluations;    /* of the whole right-hand side at all nodes */
     int reversals;
     double error;       /* estimated angle error summed over the panels, rad */
     double stuck_after; /* s; time of the last sticking, or -1 */
