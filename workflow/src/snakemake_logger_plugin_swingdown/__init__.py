@@ -1,0 +1,64 @@
+"""What a person watching a run sees: a line when a job starts, how far the run is, and what stopped it.
+
+Snakemake finds the module by its name (``--logger swingdown``; ``profiles/default`` asks for it). What a job found is
+printed by the job itself, see ``swingdown.console``. The full story is in ``.snakemake/log``.
+"""
+
+import logging
+import sys
+
+from snakemake_interface_logger_plugins.base import LogHandlerBase
+from snakemake_interface_logger_plugins.common import LogEvent
+
+
+class LogHandler(LogHandlerBase):
+    """Snakemake's records, shortened; a dry run and ``--verbose`` are shown in full."""
+
+    writes_to_stream = True
+    writes_to_file = False
+    has_filter = (
+        False  # Snakemake then gives it its own filter and formatter, so that --quiet keeps its meaning
+    )
+    has_formatter = False
+    needs_rulegraph = False
+
+    def __post_init__(self):
+        self.stream = sys.stdout if self.common_settings.stdout else sys.stderr
+        self.done, self.total = 0, 0
+
+    def emit(self, record):
+        in_full = self.common_settings.dryrun or self.common_settings.verbose
+        if line := self.format(record) if in_full else self._line(record):
+            print(line, file=self.stream, flush=True)
+
+    def _line(self, record):
+        """The line that a record is worth, or nothing."""
+        event, text = getattr(record, "event", None), record.getMessage()
+        if event == LogEvent.RUN_INFO:
+            self.total = record.stats.get("total", 0)
+            return f"{self.total} jobs to run"
+        if event == LogEvent.PROGRESS:
+            self.done, self.total = record.done, record.total
+            return f"{self.done} of {self.total} jobs done" if self.done == self.total else ""
+        if event == LogEvent.JOB_INFO:
+            width = len(str(self.total))
+            doing = f"{record.rule_msg}" if record.rule_msg else ""
+            return doing and f"[{self.done:{width}}/{self.total}] {doing}"
+        if event == LogEvent.JOB_ERROR:
+            logs = f" (log: {', '.join(record.log)})" if record.log else ""
+            return f"FAILED: rule {record.rule_name} for {', '.join(record.output)}{logs}"
+        if event == LogEvent.ERROR:
+            return self._error(text)
+        if text.startswith("Exiting because a job execution failed"):
+            return ""  # the job and the line above have said so
+        if text.startswith("Nothing to be done"):
+            return "Nothing to do: everything asked for is up to date."
+        return text if record.levelno >= logging.WARNING else ""
+
+    def _error(self, text):
+        if "CalledProcessError" in text and ".snakemake/scripts" in text:
+            return ""  # the job has printed what went wrong; this only repeats the command
+        if "At least one job did not complete successfully" in text:
+            done = f"{self.done} of {self.total} jobs are done and kept"
+            return f"Stopped. {done}; mend what is told above and run the same command again."
+        return text
