@@ -1,0 +1,67 @@
+"""What several tests share: where the recordings of real pendulums lie, a run of the workflow, and the slow switch."""
+
+import os
+import subprocess
+import sys
+import warnings
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[1]
+
+
+def pytest_collection_modifyitems(config, items):
+    """Slow tests are left out unless SWINGDOWN_SLOW is set or they are asked for by mark."""
+    if os.environ.get("SWINGDOWN_SLOW") or "slow" in (config.option.markexpr or ""):
+        return
+    for item in items:
+        if "slow" in item.keywords:
+            item.add_marker(pytest.mark.skip(reason="slow; set SWINGDOWN_SLOW=1 (make test-all)"))
+
+
+@pytest.fixture(scope="session")
+def shared_data():
+    """The folder of recordings and published cases that come beside the project, not with it."""
+    folder = Path(os.environ.get("SWINGDOWN_SHARED", ROOT.parent / "shared" / "data"))
+    if not folder.is_dir():
+        reason = f"NOT TESTED: no folder {folder} with recordings and published cases (set SWINGDOWN_SHARED)"
+        warnings.warn(reason, stacklevel=1)
+        pytest.skip(reason)
+    return folder
+
+
+@pytest.fixture(scope="session")
+def root():
+    """The project's folder."""
+    return ROOT
+
+
+@pytest.fixture(scope="session")
+def snakemake():
+    """A function that runs snakemake in the project's folder on other files; returns what it printed and its code."""
+
+    def run(*arguments, directory, cores=2, check=True):
+        command = [
+            sys.executable,
+            "-m",
+            "snakemake",
+            f"-c{cores}",
+            "--nolock",
+            "--directory",
+            directory,
+            *arguments,
+        ]
+        done = subprocess.run(
+            list(map(str, command)),
+            cwd=ROOT,
+            text=True,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            timeout=900,
+        )
+        if check and done.returncode:
+            pytest.fail(f"{' '.join(map(str, command))} ended with {done.returncode}:\n{done.stdout}")
+        return done
+
+    return run

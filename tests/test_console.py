@@ -1,0 +1,33 @@
+"""A job tells the terminal and its log the same: what it found, or why it stopped."""
+
+import pytest
+
+from swingdown import console
+from swingdown.errors import InputError
+
+
+def test_a_finding_is_printed_and_kept(tmp_path, capsys):
+    with console.job(tmp_path / "logs" / "job.log") as say:
+        say("swing_01: 0.131(12)°")
+    assert "swing_01: 0.131(12)°" in capsys.readouterr().err
+    assert (tmp_path / "logs" / "job.log").read_text() == "swing_01: 0.131(12)°\n"
+
+
+def test_an_unusable_input_ends_the_job_with_one_block_and_no_traceback(tmp_path, capsys):
+    log = tmp_path / "job.log"
+    with pytest.raises(SystemExit) as stopped, console.job(log) as say:
+        say("so far")
+        raise InputError("sheet.csv, line 3", "no column 'angel'", "one of angle, time", "correct the sheet")
+    assert stopped.value.code == 1
+    shown = capsys.readouterr().err
+    for part in ("sheet.csv, line 3", "no column 'angel'", "one of angle, time", "correct the sheet"):
+        assert shown.count(part) == 1
+        assert part in log.read_text()
+    assert "Traceback" not in shown
+    assert log.read_text().startswith("so far\n")
+
+
+def test_a_fault_of_the_program_keeps_its_traceback(tmp_path):
+    with pytest.raises(ZeroDivisionError), console.job(tmp_path / "job.log"):
+        1 / 0  # noqa: B018
+    assert "Traceback" in (tmp_path / "job.log").read_text()

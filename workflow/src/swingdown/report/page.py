@@ -1,0 +1,132 @@
+"""The form of the report: sections of texts, tables and figures, rendered into one self-contained HTML file."""
+
+import base64
+import os
+import re
+from dataclasses import dataclass
+from pathlib import Path
+
+import jinja2
+from docutils.core import publish_parts
+from markupsafe import Markup
+
+from ..paths import PROJECT
+
+TEMPLATE = PROJECT / "workflow" / "report" / "report.html.j2"
+_MEDIA = {".png": "image/png", ".svg": "image/svg+xml"}
+
+
+@dataclass(frozen=True)
+class Text:
+    """A paragraph."""
+
+    text: str
+    kind = "text"
+
+
+@dataclass(frozen=True)
+class Findings:
+    """What a reader in a hurry takes away: a few sentences."""
+
+    lines: list
+    kind = "findings"
+
+
+@dataclass(frozen=True)
+class Listing:
+    """Text as it stands in a file."""
+
+    text: str
+    kind = "listing"
+
+
+@dataclass(frozen=True)
+class Column:
+    """A table's column: its head, the unit under it, and ``n`` (number) or ``code`` as style."""
+
+    head: str
+    unit: str = ""
+    style: str = ""
+
+
+@dataclass(frozen=True)
+class Table:
+    """A table of texts; ``groups`` are the rows that open a group, ``notes`` stand below it."""
+
+    label: str
+    caption: str
+    columns: list
+    rows: list
+    notes: tuple = ()
+    groups: tuple = ()
+    kind = "table"
+
+    @property
+    def anchor(self):
+        return _anchor(self.label)
+
+
+@dataclass(frozen=True)
+class Figure:
+    """A figure file and its caption (reStructuredText)."""
+
+    label: str
+    path: str
+    text: str
+    kind = "figure"
+
+    @property
+    def anchor(self):
+        return _anchor(self.label)
+
+    @property
+    def source(self):
+        path = Path(self.path)
+        return f"data:{_MEDIA[path.suffix]};base64,{base64.b64encode(path.read_bytes()).decode()}"
+
+    @property
+    def caption(self):
+        return Markup(rst(self.text))
+
+
+@dataclass(frozen=True)
+class Section:
+    """A heading and what stands under it."""
+
+    title: str
+    items: list
+
+    @property
+    def anchor(self):
+        return _anchor(self.title)
+
+    @property
+    def listed(self):
+        return [item for item in self.items if item.kind in ("table", "figure")]
+
+
+def rst(text):
+    """The HTML of a caption in reStructuredText; mathematics becomes MathML, which browsers draw themselves."""
+    options = {"math_output": "MathML", "report_level": 3, "halt_level": 5, "file_insertion_enabled": False}
+    body = publish_parts(text, writer="html5", settings_overrides=options)["body"].strip()
+    single = re.fullmatch(r"<p>(.*)</p>", body, re.DOTALL)
+    return single[1] if single and "<p>" not in single[1] else body
+
+
+def write(path, sections, **head):
+    """The path written: the report with its sections; ``head`` fills title, subtitle, notices and footer."""
+    environment = jinja2.Environment(autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True)
+    html = environment.from_string(TEMPLATE.read_text(encoding="utf-8")).render(sections=sections, **head)
+    path = Path(path)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    partial = path.with_name(f".{path.name}.{os.getpid()}.part")
+    try:
+        partial.write_text(html, encoding="utf-8")
+        partial.replace(path)
+    finally:
+        partial.unlink(missing_ok=True)
+    return path
+
+
+def _anchor(label):
+    return re.sub(r"[^a-z0-9]+", "-", label.lower()).strip("-")
