@@ -111,7 +111,7 @@ def records():
         short = np.arange(int(TOWER_SECONDS * RATE)) / RATE
         angle = tower_angle(height)
         truth = {"height_m": height, "angle_deg": degrees(angle)}
-        yield f"tower_{number}", short, lambda a=angle, n=len(short): np.full(n, a), rng, truth
+        yield f"tower_{number}", short, lambda a=angle, t=short: np.full_like(t, a), rng, truth
     rng = np.random.default_rng([SEED, 200])
     yield "rest", seconds, lambda: np.full(len(seconds), REST_ANGLE), rng, {"angle_deg": degrees(REST_ANGLE)}
 
