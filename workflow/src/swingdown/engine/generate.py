@@ -9,7 +9,7 @@ from .rows import entries
 
 _THETA, _VELOCITY, _ACCELERATION = symbol("theta"), symbol("thetadot"), symbol("thetaddot")
 _TIME, _DIRECTION, _OMEGA = symbol("t"), symbol("direction"), symbol("omega_n")
-_SINE, _COSINE = symbol("sine_theta"), symbol("cosine_theta")
+_SINE, _COSINE, _SPEED = symbol("sine_theta"), symbol("cosine_theta"), symbol("speed")
 _POINTS = {_THETA: "q->th", _VELOCITY: "q->v", _ACCELERATION: "q->a", _TIME: "q->t", _SINE: "q->sn", _COSINE: "q->cs"}
 _VALUES = "(const Points *q, const double *p, const double *sign, double *out, Part at)"
 _DERIVATIVES = "(const Points *q, const double *p, const double *sign, const Slopes *d, Part at)"
@@ -34,9 +34,6 @@ class _Printer(C99CodePrinter):
         if power.exp.is_Integer and 2 <= abs(power.exp) <= 8:
             product = "*".join([f"({self._print(power.base)})"] * abs(int(power.exp)))
             return f"({product})" if power.exp > 0 else f"(1.0/({product}))"
-        if not power.exp.is_Integer and power.base.has(_DIRECTION):
-            # |thetadot| to a broken power: past the reversal, where the sign is frozen, there is no such number
-            return f"pow(fmax({self._print(power.base)}, 1e-300), {self._print(power.exp)})"
         return super()._print_Pow(power)
 
 
@@ -57,9 +54,21 @@ def _frozen(expression, arguments):
     return expression
 
 
+def _with_shared_points(expression):
+    """The formula in the sine and cosine of the angle, and in the speed where it is raised to a broken power: past the
+    reversal, where the direction is still frozen, such a power is no number, and it counts as zero there."""
+
+    def broken(part):
+        return part.is_Pow and not part.exp.is_Integer and part.base == _DIRECTION * _VELOCITY
+
+    expression = expression.subs({sympy.sin(_THETA): _SINE, sympy.cos(_THETA): _COSINE})
+    expression = expression.replace(broken, lambda part: _SPEED**part.exp)
+    return expression.replace(sympy.log(_DIRECTION * _VELOCITY), sympy.log(_SPEED))
+
+
 def _function(name, signature, effect, assignments):
     """A C function that does each (target, operator, expression) at every point, subexpressions shared."""
-    assignments = [(t, o, e.subs({sympy.sin(_THETA): _SINE, sympy.cos(_THETA): _COSINE})) for t, o, e in assignments]
+    assignments = [(target, operator, _with_shared_points(formula)) for target, operator, formula in assignments]
     shared, reduced = sympy.cse([e for *_, e in assignments], symbols=sympy.numbered_symbols("x", real=True), list=True)
     used = set().union(*(e.free_symbols for e in reduced), *(e.free_symbols for _, e in shared))
     arrays = _POINTS | {symbol(state.symbol): f"(q->z + {k} * q->stride)" for k, state in enumerate(effect.states)}
@@ -73,6 +82,8 @@ def _function(name, signature, effect, assignments):
     if assignments:
         lines.append("for (int i = 0; i < q->n; i++) {")
         lines += [f"const double {_printer.doprint(key)} = in{k}[i];" for k, key in enumerate(arrays) if key in used]
+        if _SPEED in used:
+            lines.append("const double s_speed = fmax(q->direction * q->v[i], 1e-300);")
         lines += [f"const double {_printer.doprint(key)} = {_printer.doprint(value)};" for key, value in shared]
         lines += [f"out{k}[i] {assignments[k][1]} {_printer.doprint(value)};" for k, value in enumerate(reduced)]
         lines.append("}")

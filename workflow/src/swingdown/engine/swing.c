@@ -22,6 +22,7 @@
 #define SOLVED 1e-11    /* residual of the collocation equations against their size, before the last sweep */
 #define TAIL 3e-6       /* last two Legendre coefficients of a rate against its size */
 #define SWEEPS 14
+#define MOST_PANELS 1000000
 #define CHUNK 64
 #define ROWS (2 + MAX_STATES)
 #define BLOCKS (1 + MAX_STATES)
@@ -230,6 +231,13 @@ static double largest(const double *x) {
     return most;
 }
 
+/* The size against which a block's errors count: of the acceleration itself; of a state's rate, or of what would
+ * change the state by its own size over the panel, for a state that has settled has no rate to speak of. */
+static double size_of(const Panel *b, int block, const double *rates) {
+    const double size = largest(rates + block * N);
+    return (block ? fmax(size, largest(b->z + (block - 1) * N) / b->h) : size) + 1e-12;
+}
+
 /* Solve the panel from the guess in b->u; 0 where the iteration does not converge. */
 static int solve(const Pendulum *s, Panel *b, Report *report) {
     double f[BLOCKS * N], residual[BLOCKS * N], step[BLOCKS * N], last = INFINITY;
@@ -243,9 +251,9 @@ static int solve(const Pendulum *s, Panel *b, Report *report) {
         report->evaluations++;
         for (int k = 0; k < blocks; k++) {
             for (int i = k * N; i < (k + 1) * N; i++) residual[i] = f[i] - b->u[i];
-            const double off = largest(residual + k * N), size = largest(f + k * N);
+            const double off = largest(residual + k * N);
             if (!isfinite(off)) return 0;
-            if (off > 1e-200) error = fmax(error, off / (size + 1e-200));
+            error = fmax(error, off / size_of(b, k, f));
         }
         const int solved = error <= SOLVED;
         if (!b->has_inverse || (!solved && error > 0.2 * last && !fresh)) {
@@ -306,7 +314,7 @@ static double tail(const Panel *b, int blocks) {
         double c[2] = {0.0, 0.0};
         for (int k = 0; k < 2; k++)
             for (int j = 0; j < N; j++) c[k] += T_tail[k * N + j] * b->u[block * N + j];
-        most = fmax(most, (fabs(c[0]) + fabs(c[1])) / (largest(b->u + block * N) + 1e-12));
+        most = fmax(most, (fabs(c[0]) + fabs(c[1])) / size_of(b, block, b->u));
     }
     return most;
 }
@@ -802,6 +810,7 @@ int swing_trajectory(const Model *m, const double *p, double release_angle, doub
             }
         } else if (event <= 1.0 && what >= 0)
             cross_switch(&s, &here, what, &d);
+        if (report->panels + report->rejected > MOST_PANELS) status = LOST_ACCURACY;
         if (!(fabs(here.th) < 1e4) || !(fabs(here.v) < 1e8)) status = RAN_AWAY;
     }
     if (status == DONE) {
