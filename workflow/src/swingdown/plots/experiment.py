@@ -1,0 +1,141 @@
+"""Figures 10 to 15: what each damping model makes of the recorded swings."""
+
+import numpy as np
+
+from ..model import symbol
+from . import style
+from .calibration import recording_note
+
+DATA = "#a9b0b7"
+EARLY_AND_LATE = 3.0  # seconds enlarged at each end of a swing
+ERROR_BOUNDS = "error_bounds"
+
+
+def fig10(fits, angles):
+    """The best viscous fit on one swing (the paper's Figure 10); see ``fit_of``."""
+    return fit_of("viscous", fits, angles)
+
+
+def fig11(fits, angles):
+    """The best quadratic fit on one swing (the paper's Figure 11); see ``fit_of``."""
+    return fit_of("quadratic_drag", fits, angles)
+
+
+def fig12(fits, angles):
+    """The best Coulomb fit on one swing (the paper's Figure 12); see ``fit_of``."""
+    return fit_of("load_coulomb", fits, angles)
+
+
+def fig13(fits, angles, norms):
+    """The fit of the pair of effects with the lowest mean norm (the paper's Figure 13); see ``fit_of``."""
+    return _pair(0, fits, angles, norms)
+
+
+def fig14(fits, angles, norms):
+    """The fit of the pair of effects with the second lowest mean norm (the paper's Figure 14); see ``fit_of``."""
+    return _pair(1, fits, angles, norms)
+
+
+def _pair(rank, fits, angles, norms):
+    mean = _of_campaign(norms, angles.attrs.get("campaign"))["norm"].mean("recording").to_series()
+    pairs = mean[[label for label in mean.index if label.count("+") == 1]].sort_values(kind="stable")
+    if len(pairs) <= rank:
+        return style.absent("This study fits too few models with two effects.")
+    return fit_of(pairs.index[rank], fits, angles, ("best pair", "second best pair")[rank] + " of effects")
+
+
+def _of_campaign(norms, campaign):
+    """The runs of one campaign; all of them where the dataset does not tell campaigns apart."""
+    if campaign is None or "campaign" not in norms.coords:
+        return norms
+    return norms.isel(recording=np.flatnonzero(norms["campaign"].values == campaign))
+
+
+@style.styled
+def fit_of(label, fits, angles, remark=""):
+    """A figure of one model's best fit on one swing: the whole, both ends enlarged, and the residual.
+
+    ``fits`` holds ``fit`` and ``residual`` (fitted, time; rad) and ``norm`` (fitted; degrees), ``angles`` the same
+    swing's ``angle`` and ``angle_bound`` (time; rad). The band behind the residual is the angle's error bound.
+    """
+    if label not in fits["fitted"].values:
+        return style.absent(f"This study does not fit the {style.name(label)} model.")
+    one = fits.sel(fitted=label)
+    time = fits["time"].values
+    time = time - time[0]
+    angle, bound = style.degrees(angles["angle"]), style.degrees(angles["angle_bound"])
+    fit, residual = style.degrees(one["fit"]), style.degrees(one["residual"])
+    colour = style.colour(label)
+
+    figure = style.new_figure(12)
+    grid = figure.add_gridspec(3, 2, height_ratios=(1.1, 1.25, 0.95))
+    whole, strip = figure.add_subplot(grid[0, :]), figure.add_subplot(grid[2, :])
+    early = figure.add_subplot(grid[1, 0])
+    late = figure.add_subplot(grid[1, 1])
+    shown = min(EARLY_AND_LATE, 0.4 * time[-1])
+    for axes in (whole, early, late):
+        axes.plot(time, angle, color=DATA, lw=2.4 if axes is whole else 4)
+        axes.plot(time, fit, color=colour, lw=0.9 if axes is whole else 1.3)
+        axes.grid(True, axis="y")
+        axes.set_ylabel(r"angle $\theta$ (°)")
+    whole.set_xlim(time[0], time[-1])
+    early.set(xlim=(0, shown), title=f"(a) first {shown:g} s")
+    late.set(xlim=(time[-1] - shown, time[-1]), title=f"(b) last {shown:g} s", ylabel="")
+    for axes in (early, late):
+        inside = (time >= axes.get_xlim()[0]) & (time <= axes.get_xlim()[1])
+        style.symmetric(axes, np.concatenate([angle[inside], fit[inside]]))
+    strip.fill_between(time, -bound, bound, color=style.FAINT, alpha=0.75, lw=0)
+    strip.axhline(0, color=style.GREY, lw=0.6)
+    strip.plot(time, residual, color=colour, lw=0.7)
+    strip.set(xlim=(time[0], time[-1]), xlabel=style.TIME, ylabel="data − fit (°)", title="(c) residual")
+    strip.grid(True, axis="y")
+    style.symmetric(strip, np.concatenate([residual, bound]))
+    figure.align_ylabels((whole, early, strip))
+    handles = [
+        whole.plot([], [], color=DATA, lw=4, label="measured angle")[0],
+        whole.plot([], [], color=colour, label="fit")[0],
+        whole.fill_between([], [], color=style.FAINT, alpha=0.75, lw=0, label="error bound of the angle"),
+    ]
+    legend = figure.legend(handles=handles, loc="outside upper left", ncols=3, title_fontsize=10.5, alignment="left")
+    words = f"{symbol(label, mathtext=True)}  {style.name(label)} damping: norm {float(one['norm']):.3g}° (RMS)"
+    legend.set_title(words + (f" — {remark}" if remark else ""))
+    return style.footnote(figure, recording_note(angles))
+
+
+@style.styled
+def fig15(norms, table3, campaign=None):
+    """The norms of all models, run by run and as mean ± standard deviation (the paper's Figure 15).
+
+    ``norms`` has ``norm`` (fitted, recording) and ``error_bound_norm`` (recording), in degrees; ``table3`` has the
+    campaign's mean and std, and the paper's, by fitted model and for ``error_bounds``. ``campaign`` is by default the
+    first of the table.
+    """
+    campaign = table3["campaign"].iloc[0] if campaign is None else campaign
+    norms, table = _of_campaign(norms, campaign), table3[table3["campaign"] == campaign].set_index("fitted")
+    fitted = [str(label) for label in norms["fitted"].values]
+    figure = style.new_figure(10)
+    axes = figure.subplots()
+    places = {ERROR_BOUNDS: 0} | {label: number + 1 for number, label in enumerate(fitted)}
+    benchmark = table.loc[ERROR_BOUNDS] if ERROR_BOUNDS in table.index else None
+    if benchmark is not None:
+        low, high = benchmark["mean"] - benchmark["std"], benchmark["mean"] + benchmark["std"]
+        axes.axhspan(low, high, color=style.FAINT, alpha=0.6, lw=0, zorder=0)
+        axes.axhline(benchmark["mean"], color=style.GREY, lw=0.8, ls=(0, (4, 2)), zorder=1)
+    for label, place in places.items():
+        values = norms["error_bound_norm"] if label == ERROR_BOUNDS else norms["norm"].sel(fitted=label)
+        style.runs(axes, place, values.values, style.GREY if label == ERROR_BOUNDS else style.colour(label), "o")
+        if label in table.index:
+            style.published(axes, place - 0.24, table.loc[label, "published_mean"], table.loc[label, "published_std"])
+    axes.set_yscale("log")
+    axes.axvline(0.5, color=style.FAINT, lw=0.8)
+    style.model_axis(axes, [(r"$\pm U$", "error\nbounds"), *fitted])
+    axes.set_ylabel("norm: RMS of data − fit (°)")
+    style.decimal_log(axes.yaxis)
+    axes.grid(True, axis="y", which="major")
+    handles = [
+        style.mark("o", style.GREY, "mean ± standard deviation"),
+        style.mark(".", style.FAINT, f"each of {norms.sizes['recording']} runs"),
+        style.mark("s", style.INK, "paper's apparatus (another pendulum)", hollow=True),
+    ]
+    style.legend_above(axes, handles)
+    return style.footnote(figure, f"campaign {campaign}", style.emulated_note(norms), "dashed: the error bounds, the benchmark for a fit")

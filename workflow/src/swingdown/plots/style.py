@@ -1,0 +1,242 @@
+"""How every figure looks: sizes, type, the models' colours, the small notes, and saving without a trace of the day."""
+
+import os
+from functools import wraps
+from pathlib import Path
+
+import matplotlib
+import numpy as np
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
+
+from ..model import symbol
+
+WIDTH_CM = 16.0
+DPI = 200
+TIME = "time $t$ since the first sample (s)"
+EMULATED = "emulated bench: computed, not measured on a real apparatus"
+INK, GREY, FAINT, PALE = "#1f2328", "#6b7177", "#c3c8cd", "#eef0f2"
+
+# Okabe and Ito's colours (distinguishable with any colour vision); one model, one colour, in every figure.
+COLOURS = {
+    "viscous": "#0072B2",
+    "quadratic_drag": "#D55E00",
+    "load_coulomb": "#009E73",
+    "viscous+quadratic_drag": "#CC79A7",
+    "viscous+load_coulomb": "#56B4E9",
+    "quadratic_drag+load_coulomb": "#E69F00",
+    "viscous+quadratic_drag+load_coulomb": "#4d4d4d",
+}
+NAMES = {
+    "viscous": "viscous",
+    "quadratic_drag": "quadratic",
+    "load_coulomb": "Coulomb",
+    "constant_coulomb": "constant Coulomb",
+}
+
+# Only fonts that come with matplotlib, so that a figure looks the same, byte for byte, on every machine.
+RC = {
+    "font.family": "STIXGeneral",
+    "mathtext.fontset": "stix",
+    "font.size": 10,
+    "axes.labelsize": 10,
+    "axes.titlesize": 10,
+    "axes.titlelocation": "left",
+    "xtick.labelsize": 9,
+    "ytick.labelsize": 9,
+    "legend.fontsize": 9,
+    "legend.frameon": False,
+    "legend.handlelength": 1.8,
+    "legend.borderaxespad": 0.2,
+    "legend.columnspacing": 1.6,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.linewidth": 0.7,
+    "axes.edgecolor": GREY,
+    "axes.labelcolor": INK,
+    "axes.axisbelow": True,
+    "axes.unicode_minus": True,
+    "text.color": INK,
+    "xtick.color": GREY,
+    "ytick.color": GREY,
+    "xtick.labelcolor": INK,
+    "ytick.labelcolor": INK,
+    "xtick.major.width": 0.7,
+    "ytick.major.width": 0.7,
+    "xtick.major.size": 3,
+    "ytick.major.size": 3,
+    "xtick.minor.size": 1.8,
+    "ytick.minor.size": 1.8,
+    "grid.color": "#e3e6e9",
+    "grid.linewidth": 0.6,
+    "lines.linewidth": 1.2,
+    "lines.solid_capstyle": "round",
+    "hatch.linewidth": 0.6,
+    "savefig.facecolor": "white",
+    "svg.hashsalt": "swingdown",
+    "svg.fonttype": "path",
+}
+
+
+def styled(function):
+    """The function, run with this module's settings whatever the caller's matplotlib is set to."""
+
+    @wraps(function)
+    def run(*args, **kwargs):
+        with matplotlib.rc_context():
+            matplotlib.rcdefaults()
+            matplotlib.rcParams.update(RC)
+            return function(*args, **kwargs)
+
+    return run
+
+
+def new_figure(height_cm):
+    """An empty figure as wide as the report's column (``WIDTH_CM``), laid out so that nothing overlaps."""
+    figure = Figure(figsize=(WIDTH_CM / 2.54, height_cm / 2.54), dpi=DPI, layout="constrained")
+    figure.get_layout_engine().set(w_pad=0.06, h_pad=0.06, wspace=0.03, hspace=0.03)
+    return figure
+
+
+def colour(label):
+    """The colour of a model, by its label; dark grey for a model that is not one of the paper's seven."""
+    return COLOURS.get(label, COLOURS["viscous+quadratic_drag+load_coulomb"])
+
+
+def name(label):
+    """A model's name in words: ``viscous + Coulomb``."""
+    return " + ".join(NAMES.get(term, term.replace("_", " ")) for term in label.split("+"))
+
+
+def model_axis(axes, entries):
+    """The axes with one place a model: its symbol, and below it its effects in words, one a line.
+
+    ``entries`` are model labels, or (head, words) for what is not a model.
+    """
+    pairs = [(symbol(e, mathtext=True), name(e).replace(" + ", " +\n")) if isinstance(e, str) else e for e in entries]
+    axes.set_xticks(range(len(pairs)), [head for head, _ in pairs], fontsize=11)
+    axes.tick_params(axis="x", length=0)
+    axes.set_xlim(-0.5, len(pairs) - 0.5)
+    for place, (_, words) in enumerate(pairs):
+        for line, text in enumerate(words.split("\n")):  # line by line, so that all stand on the same baselines
+            axes.annotate(text, (place, 0), xytext=(0, -26 - 10.5 * line), xycoords=("data", "axes fraction"),
+                          textcoords="offset points", ha="center", va="baseline", fontsize=9, annotation_clip=False)  # fmt: skip
+    return axes
+
+
+def degrees(radians):
+    """Radians in degrees, as a plain array."""
+    return np.degrees(np.asarray(radians, float))
+
+
+def symmetric(axes, values, room=1.12):
+    """The axes with zero in the middle and all ``values`` in view."""
+    reach = room * float(np.nanmax(np.abs(values))) or 1.0
+    axes.set_ylim(-reach, reach)
+    return axes
+
+
+def mark(marker, colour, label, hollow=False):
+    """A legend entry: one marker without a line."""
+    face = "white" if hollow else colour
+    size = {".": 4.5, "D": 4.6}.get(marker, 5.5)
+    return Line2D([], [], ls="", marker=marker, ms=size, color=colour, mfc=face, mew=1.0, label=label)
+
+
+def legend_above(axes, handles=None):
+    """A one-line legend above the axes, where it cannot cover data."""
+    marks_only = handles is not None
+    handles = axes.get_legend_handles_labels()[0] if handles is None else handles
+    return axes.legend(
+        handles=handles, loc="lower left", bbox_to_anchor=(0, 1.005), ncols=len(handles), handletextpad=0.5,
+        borderpad=0.1, handlelength=1.0 if marks_only else 1.8,
+    )  # fmt: skip
+
+
+def runs(axes, place, values, colour, marker):
+    """One model's runs on a category axis: a faint dot each, and their mean with a bar of ± one standard deviation.
+
+    The dots are spread sideways by rank, not at random, so that a figure is the same each time.
+    """
+    values = np.sort(np.asarray(values, float)[np.isfinite(values)])
+    if not values.size:
+        return
+    spread = 0.09 + 0.05 * (((np.arange(values.size) * 0.618034) % 1) - 0.5)
+    axes.plot(place + spread, values, ".", color=colour, alpha=0.38, ms=4.5, mew=0, zorder=2)
+    deviation = values.std(ddof=1) if values.size > 1 else np.nan
+    axes.errorbar(
+        place, values.mean(), deviation, fmt=marker, color=colour, mfc=colour, mec="white", mew=0.5,
+        ms={"D": 4.6}.get(marker, 5.4), capsize=2.8, elinewidth=1.2, capthick=1.2, zorder=4,
+    )  # fmt: skip
+
+
+def published(axes, place, mean, deviation):
+    """The paper's mean ± standard deviation as a hollow square, nothing where the paper gives none."""
+    if np.isfinite(mean):
+        axes.errorbar(
+            place, mean, deviation, fmt="s", color=INK, mfc="white", mec=INK, mew=0.9, ms=4.8, capsize=2.8,
+            elinewidth=0.9, capthick=0.9, zorder=3,
+        )  # fmt: skip
+
+
+def decimal_log(axis):
+    """A logarithmic axis marked 0.1, 0.2, 0.5, 1 … instead of in powers of ten."""
+    axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0), numticks=20))
+    axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    axis.set_minor_locator(LogLocator(subs=np.arange(1, 10), numticks=20))
+    axis.set_minor_formatter(NullFormatter())
+
+
+def footnote(figure, *parts):
+    """The figure with the given remarks (empty ones left out) in small type along its lower edge."""
+    lines = [""]
+    for part in filter(None, parts):
+        joined = f"{lines[-1]} · {part}" if lines[-1] else part
+        lines[-1:] = [joined] if len(joined) <= 118 or not lines[-1] else [lines[-1], part]
+    if lines[0]:
+        figure.supxlabel("\n".join(lines), x=0.012, ha="left", fontsize=8, color=GREY, linespacing=1.25)
+    return figure
+
+
+def emulated_note(data):
+    """What is said of data that no real apparatus stands behind, where they say so of themselves; else nothing.
+
+    ``data`` is a dataset, or a mapping such as an apparatus sheet.
+    """
+    stated = getattr(data, "attrs", data).get("emulated", "no")
+    return EMULATED if str(stated).lower() in ("yes", "true", "1") else ""
+
+
+@styled
+def absent(message):
+    """A figure that says why there is nothing to see, for a study that leaves a model out."""
+    figure = new_figure(4)
+    figure.text(0.5, 0.5, message, ha="center", va="center", color=GREY)
+    return figure
+
+
+@styled
+def save(figure, path):
+    """The two paths written, ``path`` with ``.svg`` and ``.png``: the same bytes each time, whole or not at all.
+
+    ``path`` has no suffix. The layout is settled once, so that both files show the same picture.
+    """
+    path = Path(path)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    figure.draw_without_rendering()
+    figure.set_layout_engine("none")
+    written = []
+    for suffix, metadata in ((".svg", {"Date": None, "Creator": None}), (".png", {"Software": None})):
+        target = path.with_name(path.name + suffix)
+        partial = target.with_name(f".{target.name}.{os.getpid()}.part")
+        try:
+            with open(partial, "wb") as file:
+                figure.savefig(file, format=suffix[1:], dpi=DPI, metadata=metadata)
+                file.flush()
+                os.fsync(file.fileno())
+            partial.replace(target)
+        finally:
+            partial.unlink(missing_ok=True)
+        written.append(target)
+    return written
