@@ -1,0 +1,50 @@
+# The paper's figures, in its numbering.
+# needs: the datasets and tables of the stages that are part of this study
+# makes: results/figures/fig01 … fig15 (.svg and .png)
+
+# A figure, and what its function in swingdown.plots takes, by the names of its arguments. A further figure is a line
+# here, that function, and a caption in workflow/report/.
+DRAWN = {"fig01": {}}
+
+if config["simulation"]["simulated"]:
+    norms = {"norms": "results/simulation/norms.nc", "table2": "results/tables/table2.csv"}
+    DRAWN["fig02"] = {"realizations": "results/simulation/realizations.nc"}
+    DRAWN |= {"fig03": norms, "fig04": norms, "fig05": norms}
+
+if PLAN.in_volts:
+    DRAWN |= {"fig06": {}, "fig07": {"apparatus": str(find(PLAN.apparatus))}}
+    DRAWN["fig08"] = {"calibration": "results/calibration/calibration.nc"}
+
+if PLAN.campaigns:
+    shown = PLAN.swings()[0]  # the paper shows one swing; the fits of all are in results/experiment/fits/
+    swing = {"fits": f"results/experiment/fits/{shown}.nc", "angles": f"results/angles/{shown}.nc"}
+    norms = {"norms": "results/experiment/norms.nc"}
+    DRAWN["fig09"] = {"angles": swing["angles"]}
+    DRAWN |= {"fig10": swing, "fig11": swing, "fig12": swing, "fig13": swing | norms, "fig14": swing | norms}
+    DRAWN["fig15"] = norms | {"table3": "results/tables/table3.csv"}
+
+
+FIGURES += expand("results/figures/{name}.{ending}", name=DRAWN, ending=["svg", "png"])
+
+
+for name, needed in DRAWN.items():
+
+    rule:
+        name:
+            name
+        message: f"Drawing Figure {int(name.removeprefix('fig'))}"
+        input:
+            **needed,
+            code=code("figure"),
+        output:
+            svg=report(
+                f"results/figures/{name}.svg",
+                caption=f"../report/{name}.rst",
+                category="Figures",
+                labels={"figure": str(int(name.removeprefix("fig")))},
+            ),
+            png=f"results/figures/{name}.png",
+        log: f"results/logs/figures/{name}.log"
+        params:
+            data=needed,
+        script: "../scripts/figure.py"

@@ -1,0 +1,62 @@
+# From files to angles.
+# needs: the recordings' files; for recordings in volts the apparatus sheet and the tower records it names
+# makes: results/recordings/, results/angles/, results/calibration/, results/tables/uncertainty_budget.csv
+
+from swingdown.apparatus import read_apparatus
+from swingdown.paths import is_url
+
+
+def raw(name):
+    """The input file of a recording, or nothing where a URL is read."""
+    file = PLAN.rows[name]["file"]
+    return [] if is_url(file) else str(find(file))
+
+
+rule record:
+    message: "Reading {wildcards.recording}"
+    input:
+        file=lambda wildcards: raw(wildcards.recording),
+        code=code("record"),
+    output: "results/recordings/{recording}.nc"
+    log: "results/logs/record/{recording}.log"
+    params:
+        row=lambda wildcards: PLAN.rows[wildcards.recording],
+        sheet=config.get("recordings"),
+    script: "../scripts/record.py"
+
+
+rule angle:
+    message: "From signal to angle: {wildcards.recording}"
+    input:
+        recording="results/recordings/{recording}.nc",
+        calibration=lambda wildcards: (
+            "results/calibration/calibration.nc" if wildcards.recording in PLAN.in_volts else []
+        ),
+        code=code("angle"),
+    output: "results/angles/{recording}.nc"
+    log: "results/logs/angle/{recording}.log"
+    params:
+        mode=config["calibration"]["mode"],
+    script: "../scripts/angle.py"
+
+
+if PLAN.in_volts:
+
+    TABLES += ["results/tables/uncertainty_budget.csv"]
+
+    rule calibrate:
+        message: "Calibrating: heights to angles, angles and voltages to a line"
+        input:
+            apparatus=str(find(PLAN.apparatus)),
+            towers=[str(find(point["file"])) for point in read_apparatus(PLAN.apparatus)["points"]],
+            static=expand("results/recordings/{recording}.nc", recording=PLAN.statics()),
+            code=code("calibrate"),
+        output:
+            calibration="results/calibration/calibration.nc",
+            budget=report("results/tables/uncertainty_budget.csv", category="Tables", labels={"table": "budget"}),
+        log: "results/logs/calibrate.log"
+        params:
+            mode=config["calibration"]["mode"],
+            draws=config["calibration"]["draws"],
+            seed=config["seed"],
+        script: "../scripts/calibrate.py"

@@ -1,0 +1,29 @@
+"""All models fitted to the swings of one campaign together: shared parameters, a release for each swing."""
+
+import numpy as np
+
+from swingdown import console, dataset, experiment
+from swingdown.model import symbol
+
+
+def fit_campaign(angles, campaign, fitted, start, model, output):
+    fits = experiment.fit_campaign([dataset.read(path) for path in angles], fitted, start=start, **model)
+    dataset.write(fits, output)
+    norms = np.sqrt((fits["norm"] ** 2).mean("recording"))
+    best = str(norms["fitted"].values[norms.argmin("fitted")])
+    return f"{campaign}: {len(angles)} swings together: {symbol(best)} leaves least, {float(norms.min()):.4f}° RMS"
+
+
+if __name__ == "__main__":
+    with console.job(snakemake.log[0]) as say:
+        params, campaign = snakemake.params, snakemake.wildcards.campaign
+        say(
+            fit_campaign(
+                snakemake.input.angles,
+                campaign,
+                params.fitted,
+                params.start,
+                params.model,
+                snakemake.output[0],
+            )
+        )

@@ -1,0 +1,27 @@
+"""The norms of every model fitted to the noisy swings of one simulated damping term."""
+
+from swingdown import console, dataset
+from swingdown.model import symbol
+from swingdown.simulation import simulation_norms
+
+
+def fit_simulated(realizations, simulated, fitted, start, output):
+    norms = simulation_norms(dataset.read(realizations), simulated, fitted, start=start)
+    dataset.write(norms, output)
+    means = norms["norm"].mean("realization").sel(simulated=simulated)
+    best = str(means["fitted"].values[means.argmin("fitted")])
+    return (
+        f"simulated {simulated}: {means.size} models × {norms.sizes['realization']} swings; "
+        f"{symbol(best)} is closest to the truth ({float(means.min()):.3f}° RMS)"
+    )
+
+
+if __name__ == "__main__":
+    with console.job(snakemake.log[0]) as say:
+        params = snakemake.params
+        simulated = snakemake.wildcards.simulated
+        say(
+            fit_simulated(
+                snakemake.input.realizations, simulated, params.fitted, params.start, snakemake.output[0]
+            )
+        )

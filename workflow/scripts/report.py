@@ -1,0 +1,34 @@
+"""The report: every table and figure of the run, its settings and what it rests on, in one HTML file."""
+
+from pathlib import Path
+
+from swingdown import console, dataset
+from swingdown.report import contents, page
+
+
+def report(tables, figures, captions, recordings, told, settings, output):
+    material = contents.Material(
+        tables=contents.read_tables(tables),
+        figures={
+            Path(path).stem: (path, Path(caption).read_text(encoding="utf-8"))
+            for path, caption in zip(figures, captions, strict=True)
+        },
+        recordings=[dataset.read(path).attrs for path in recordings],
+        settings=settings,
+        inputs=told,
+    )
+    sections = contents.sections(material)
+    page.write(output, sections, **contents.head(material))
+    size = Path(output).stat().st_size / 1e6
+    return "\n".join([*contents.plain_findings(material), f"all of it: {output} ({size:.1f} MB)"])
+
+
+if __name__ == "__main__":
+    with console.job(snakemake.log[0]) as say:
+        files = snakemake.input
+        say(
+            report(
+                files.tables, files.figures, files.captions, files.recordings, files.told,
+                snakemake.params.settings, snakemake.output[0],
+            )
+        )  # fmt: skip
