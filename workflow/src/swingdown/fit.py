@@ -1,6 +1,7 @@
 """Fits of models to swings: trajectory least squares with exact sensitivities, and the paper's Nelder-Mead."""
 
 import ctypes
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 
 import numpy as np
@@ -260,6 +261,62 @@ def fit_nelder_mead(effects, times, angle, *, start="free", guess=None, restorin
     covariance = _slopes_covariance(problem, best, value)
     message = f"stationary after {count} simplexes" if converged else f"not stationary after {restarts} simplexes"
     return _single(_result(problem, "Nelder-Mead", best, covariance, value, converged, message, evaluations))
+
+
+@dataclass(frozen=True)
+class BatchFit:
+    """Many series fitted alike: ``values`` (series, free), and of each series rss (rad^2), converged, evaluations."""
+
+    free: tuple
+    values: np.ndarray
+    rss: np.ndarray
+    converged: np.ndarray
+    evaluations: np.ndarray
+
+
+def fit_batch(guess, times, series, release_angle, release_velocity=0.0, *, start="free", bounded=False, workers=1,
+              most=100, tolerance=1e-10):  # fmt: skip
+    """The ``BatchFit`` of one model to each of many series of angles over the same times, for Monte-Carlo studies.
+
+    ``guess`` is the model with the values to start from, ``release_angle`` (rad) and ``release_velocity`` (rad/s) the
+    release to start from; ``series`` in rad, of shape (series, n). ``workers`` threads share the series; the numbers do
+    not depend on how many. Raises InputError for arrays that do not fit together.
+    """
+    times, series = checked_times(times), np.ascontiguousarray(series, dtype=float)
+    if series.ndim != 2 or series.shape[1] != times.size or not np.all(np.isfinite(series)):
+        raise InputError("series", f"an array of shape {series.shape}", f"finite angles of shape (any, {times.size})")
+    size, count = len(guess.parameters), len(series)
+    free = guess.parameters + (("release_angle", "release_velocity") if start == "free" else ())
+    first = np.array([*guess.vector(), release_angle, release_velocity], dtype=float)
+    starts = np.tile(first, (count, 1))
+    starts[:, size] = release_angle if start == "free" else series[:, 0]
+    bounds = guess.definitions if bounded else ()
+    lower = np.array([d.lower for d in bounds] + [-np.inf] * (size + 2 - len(bounds)))
+    upper = np.array([d.upper for d in bounds] + [np.inf] * (size + 2 - len(bounds)))
+    compiled = Compiled(guess, float(times[-1] - times[0]))
+    where = np.arange(size + 2, dtype=np.int32)
+    where[len(free) :] = -1
+    values, rss = np.zeros((count, len(free))), np.zeros(count)
+    converged, evaluations = np.zeros(count, dtype=np.int32), np.zeros(count, dtype=np.int32)
+    integers = ctypes.POINTER(ctypes.c_int)
+    library = engine()
+
+    def work(part):
+        library.fit_batch(
+            ctypes.byref(compiled.c), ctypes.c_int(times.size), doubles(times), ctypes.c_int(part.stop - part.start),
+            doubles(series[part]), doubles(starts[part]), where.ctypes.data_as(integers), ctypes.c_int(len(free)),
+            doubles(lower), doubles(upper), ctypes.c_int(most), ctypes.c_double(tolerance), doubles(values[part]),
+            doubles(rss[part]), converged[part].ctypes.data_as(integers), evaluations[part].ctypes.data_as(integers),
+        )  # fmt: skip
+
+    edges = np.linspace(0, count, min(workers, count) * 8 + 1).astype(int) if workers > 1 else [0, count]
+    parts = [slice(int(a), int(b)) for a, b in zip(edges, edges[1:], strict=False) if b > a]
+    if len(parts) > 1:
+        with ThreadPoolExecutor(workers) as pool:
+            list(pool.map(work, parts))
+    elif parts:
+        work(parts[0])
+    return BatchFit(free, values, rss, converged == 1, evaluations)
 
 
 def _slopes_covariance(problem, best, rss):

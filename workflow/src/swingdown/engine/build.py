@@ -48,7 +48,7 @@ def library(catalogue, gravity):
     EngineError where there is no compiler or it fails.
     """
     parts = {name: (_HERE / name).read_text() for name in ("swing.h", "points.h", "swing.c", "fit.c")}
-    header = _header(tuple(catalogue), tuple(gravity), hashlib.sha256((_HERE / "generate.py").read_bytes()).hexdigest())
+    header = _header(tuple(catalogue), tuple(gravity))
     flags = (*_FLAGS, "-march=native")
     key = hashlib.sha256("\0".join([header, *parts.values(), *flags, _processor()]).encode()).hexdigest()[:20]
     path = folder() / f"engine-{key}.so"
@@ -57,9 +57,10 @@ def library(catalogue, gravity):
     return path
 
 
-def _header(catalogue, gravity, generator):
+def _header(catalogue, gravity):
     """The generated header, kept beside the libraries under the formulas' hash: sympy is imported only when they change."""
-    key = hashlib.sha256(repr((catalogue, gravity, generator)).encode()).hexdigest()[:20]
+    writers = [(_HERE / name).read_text() for name in ("generate.py", "tables.py", "rows.py", "../formula.py")]
+    key = hashlib.sha256("\0".join([repr((catalogue, gravity)), *writers]).encode()).hexdigest()[:20]
     path = folder() / f"catalogue-{key}.h"
     if path.exists():
         return path.read_text()

@@ -233,18 +233,22 @@ double fit_swings(const Model *models, int n_swings, const int *n, const double 
     return 2.0 * least;
 }
 
-/* Many series of one swing's shape, one after the other, each from the same start. */
+/* Many series over the same times: values[k] holds the start of series k (parameters and release), where what is free. */
 int fit_batch(const Model *model, int n, const double *times, int n_series, const double *series, double *values, const int *where,
-              int n_free, const double *starts, int own_starts, const double *lower, const double *upper, int most, double tolerance,
-              double *best, double *squares, int *converged, int *evaluations) {
+              int n_free, const double *lower, const double *upper, int most, double tolerance, double *best, double *squares,
+              int *converged, int *evaluations) {
+    const int np = model->n_parameters;
+    double start[MAX_PARAMETERS + 2], every;
     double *hessian = malloc((size_t)n_free * n_free * sizeof(double));
     if (!hessian) return NO_MEMORY;
     for (int k = 0; k < n_series; k++) {
+        double *own = values + (size_t)k * (np + 2);
         const double *y = series + (size_t)k * n;
         Outcome outcome;
-        double every;
-        squares[k] = fit_swings(model, 1, &n, &times, &y, values, where, n_free, 1, starts + (own_starts ? (size_t)k * n_free : 0), lower,
-                                upper, most, tolerance, best + (size_t)k * n_free, hessian, &every, &outcome);
+        for (int i = 0; i < np + 2; i++)
+            if (where[i] >= 0) start[where[i]] = own[i];
+        squares[k] = fit_swings(model, 1, &n, &times, &y, own, where, n_free, 1, start, lower, upper, most, tolerance,
+                                best + (size_t)k * n_free, hessian, &every, &outcome);
         converged[k] = outcome.converged;
         evaluations[k] = outcome.evaluations;
     }

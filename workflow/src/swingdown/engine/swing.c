@@ -19,7 +19,7 @@
 #include "catalogue.h"
 
 #define OVERSHOOT 1.012 /* a panel reaches this far past the reversal that is expected */
-#define SOLVED 1e-11    /* residual of the collocation equations against their size, before the last sweep */
+#define SOLVED 1e-12    /* residual of the collocation equations against their size, after the last sweep */
 #define TAIL 3e-6       /* last two Legendre coefficients of a rate against its size */
 #define SWEEPS 14
 #define MOST_PANELS 1000000
@@ -176,52 +176,62 @@ static void states_at_nodes(Panel *b, int n_states) {
     }
 }
 
-/* Inverse of 1 - d(rates)/d(unknowns) by Gauss-Jordan with pivoting, stored by column; room for size x 2 size. */
-static int gauss_jordan(int size, double *g, double *inverse) {
-    const int wide = 2 * size;
+/* Invert the size x size matrix in place by Gauss-Jordan with row pivoting; 0 where it is singular. */
+static inline int gauss_jordan(int size, double *restrict g) {
+    int swapped[BLOCKS * N];
     for (int c = 0; c < size; c++) {
         int pivot = c;
         for (int r = c + 1; r < size; r++)
-            if (fabs(g[r * wide + c]) > fabs(g[pivot * wide + c])) pivot = r;
-        if (!(fabs(g[pivot * wide + c]) > 1e-300)) return 0;
+            if (fabs(g[r * size + c]) > fabs(g[pivot * size + c])) pivot = r;
+        swapped[c] = pivot;
+        if (!(fabs(g[pivot * size + c]) > 1e-300)) return 0;
+        double *restrict row = g + c * size;
         if (pivot != c)
-            for (int i = 0; i < wide; i++) {
-                const double kept = g[c * wide + i];
-                g[c * wide + i] = g[pivot * wide + i];
-                g[pivot * wide + i] = kept;
+            for (int i = 0; i < size; i++) {
+                const double kept = row[i];
+                row[i] = g[pivot * size + i];
+                g[pivot * size + i] = kept;
             }
-        double *restrict row = g + c * wide;
         const double unit = 1.0 / row[c];
-        for (int i = 0; i < wide; i++) row[i] *= unit;
+        row[c] = 1.0;
+        for (int i = 0; i < size; i++) row[i] *= unit;
         for (int r = 0; r < size; r++) {
-            double *restrict other = g + r * wide;
+            double *restrict other = g + r * size;
             const double factor = other[c];
             if (r == c || factor == 0.0) continue;
-            for (int i = 0; i < wide; i++) other[i] -= factor * row[i];
+            other[c] = 0.0;
+            for (int i = 0; i < size; i++) other[i] -= factor * row[i];
         }
     }
-    for (int j = 0; j < size; j++) memcpy(inverse + j * size, g + j * wide + size, size * sizeof(double));
+    for (int c = size - 1; c >= 0; c--)
+        if (swapped[c] != c)
+            for (int r = 0; r < size; r++) {
+                const double kept = g[r * size + c];
+                g[r * size + c] = g[r * size + swapped[c]];
+                g[r * size + swapped[c]] = kept;
+            }
     return 1;
 }
 
+/* The inverse of 1 - d(rates)/d(unknowns), stored by column. */
 static int invert(Panel *b, int n_states) {
     const int blocks = 1 + n_states, size = blocks * N, inputs = 3 + n_states;
-    double g[size * 2 * size];
     for (int block = 0; block < blocks; block++)
         for (int j = 0; j < N; j++) {
-            double *row = g + (block * N + j) * 2 * size;
+            double *column = b->inverse + (block * N + j) * size;
             for (int o = 0; o < blocks; o++) {
                 const double *by = b->by + o * inputs * N;
                 for (int i = 0; i < N; i++) {
                     const double through = block
                         ? b->h * by[(2 + block) * N + i] * T_first[j * N + i]
-                        : b->h * (b->h * by[i] * T_second[j * N + i] + by[N + i] * T_first[j * N + i]) + (i == j) * by[2 * N + i];
-                    row[o * N + i] = (o == block && i == j) - through;
+                        : b->h * (b->h * by[i] * T_second[j * N + i] + by[N + i] * T_first[j * N + i]);
+                    column[o * N + i] = -through;
                 }
+                if (block == 0) column[o * N + j] -= by[2 * N + j];
             }
-            for (int i = 0; i < size; i++) row[size + i] = i == block * N + j;
+            column[block * N + j] += 1.0;
         }
-    b->has_inverse = gauss_jordan(size, g, b->inverse);
+    b->has_inverse = n_states ? gauss_jordan(size, b->inverse) : gauss_jordan(N, b->inverse);
     return b->has_inverse;
 }
 
@@ -240,7 +250,7 @@ static double size_of(const Panel *b, int block, const double *rates) {
 
 /* Solve the panel from the guess in b->u; 0 where the iteration does not converge. */
 static int solve(const Pendulum *s, Panel *b, Report *report) {
-    double f[BLOCKS * N], residual[BLOCKS * N], step[BLOCKS * N], last = INFINITY;
+    double f[BLOCKS * N], residual[BLOCKS * N], step[BLOCKS * N], last = 0.0;
     const int blocks = s->blocks;
     int fresh = 0;
     for (int i = 0; i < N; i++) b->t[i] = b->from.t + b->h * T_nodes[i];
@@ -255,8 +265,9 @@ static int solve(const Pendulum *s, Panel *b, Report *report) {
             if (!isfinite(off)) return 0;
             error = fmax(error, off / size_of(b, k, f));
         }
-        const int solved = error <= SOLVED;
-        if (!b->has_inverse || (!solved && error > 0.2 * last && !fresh)) {
+        /* the step about to be taken leaves an error smaller by the factor that the last one gained */
+        const int solved = error * fmin(1.0, error / last) <= SOLVED;
+        if (!b->has_inverse || (!solved && sweep && error > 0.2 * last && !fresh)) {
             slopes_at_nodes(s, b);
             if (!invert(b, blocks - 1)) return 0;
             fresh = 2;
@@ -277,7 +288,7 @@ static int solve(const Pendulum *s, Panel *b, Report *report) {
 static void integrate(const double *rate, int degree, double h, double start, double *out) {
     double at_start = 0.0;
     for (int k = 0; k <= degree; k++) {
-        out[k + 1] = 0.5 * h * rate[k] / (k + 1);
+        out[k + 1] = 0.5 * h * rate[k] * T_reciprocal[k];
         at_start += k % 2 ? out[k + 1] : -out[k + 1];
     }
     out[0] = start - at_start;

@@ -10,7 +10,7 @@ NODES = 16
 @cache
 def collocation():
     """The tables by name: ``nodes``, ``first`` and ``second`` (integrals of the Lagrange basis up to each node, once
-    and twice), ``monomial`` (node values to coefficients of powers of 2x - 1) and ``tail`` (node values to the
+    and twice), ``reciprocal`` (of 1, 2, ...), ``monomial`` (node values to coefficients of powers of 2x - 1) and ``tail`` (node values to the
     last two Legendre coefficients). Lists of floats, or of lists of floats, row by row.
     """
     with mpmath.workdps(60):
@@ -40,5 +40,6 @@ def collocation():
             "first": rows(first),
             "second": rows(second),
             "monomial": rows(monomial),
+            "reciprocal": [1 / (k + 1) for k in range(NODES + 2)],
             "tail": [[float(value) for value in row] for row in tail],
         }
