@@ -77,7 +77,7 @@ def apparatus():
     return {
         "emulated": True,
         "lengths": {name: {"value": value, "limit": limit} for name, (value, limit) in lengths.items()},
-        "tower": [{"height": height, "limit": 4e-5} for height in (0.0195, 0.02385, 0.03445, 0.0509)],
+        "points": [{"height": height, "limit": 4e-5} for height in (0.0195, 0.02385, 0.03445, 0.0509)],
     }
 
 

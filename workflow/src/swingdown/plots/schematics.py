@@ -94,7 +94,7 @@ def fig07(apparatus):
     """Which lengths make the angle, and how well each is known (the paper's Figure 7).
 
     ``apparatus`` is an apparatus sheet as read: ``lengths`` (arm, shaft_diameter, over_shaft, bob_diameter; each with
-    ``value`` and ``limit``, in m) and ``tower`` (a list of ``height`` and ``limit``, in m).
+    ``value`` and ``limit``, in m) and ``points`` (the tower's: a list of ``height`` and ``limit``, in m).
     """
     figure = style.new_figure(9.4)
     drawing, words = figure.subplots(1, 2, width_ratios=(2.05, 1))
@@ -142,7 +142,7 @@ def _layout(axes):
 
 def _length_table(axes, apparatus):
     rows = [(name, entry["value"], entry["limit"]) for name, entry in apparatus["lengths"].items()]
-    rows += [("tower", entry["height"], entry["limit"]) for entry in apparatus["tower"]]
+    rows += [("tower", point["height"], point["limit"]) for point in apparatus["points"]]
     axes.text(0, 0.985, "measured (mm)", color=style.COLOURS["quadratic_drag"], va="top")
     y, step = 0.88, min(0.062, 0.5 / len(rows))
     for name, mark in _SYMBOLS.items():

@@ -216,27 +216,30 @@ def absent(message):
     return figure
 
 
+# What is left out of each format's metadata: it would differ from day to day or from version to version.
+_NO_TRACE = {".svg": {"Date": None, "Creator": None}, ".png": {"Software": None}}
+
+
 @styled
 def save(figure, path):
-    """The two paths written, ``path`` with ``.svg`` and ``.png``: the same bytes each time, whole or not at all.
+    """The paths written: ``path`` as SVG or PNG by its suffix, or both if it has neither, whole or not at all.
 
-    ``path`` has no suffix. The layout is settled once, so that both files show the same picture.
+    The same figure gives the same bytes each time. The layout is settled at the first call, so that all files of a
+    figure show the same picture.
     """
     path = Path(path)
     path.parent.mkdir(parents=True, exist_ok=True)
     figure.draw_without_rendering()
     figure.set_layout_engine("none")
-    written = []
-    for suffix, metadata in ((".svg", {"Date": None, "Creator": None}), (".png", {"Software": None})):
-        target = path.with_name(path.name + suffix)
+    targets = [path] if path.suffix in _NO_TRACE else [path.with_name(path.name + suffix) for suffix in _NO_TRACE]
+    for target in targets:
         partial = target.with_name(f".{target.name}.{os.getpid()}.part")
         try:
             with open(partial, "wb") as file:
-                figure.savefig(file, format=suffix[1:], dpi=DPI, metadata=metadata)
+                figure.savefig(file, format=target.suffix[1:], dpi=DPI, metadata=_NO_TRACE[target.suffix])
                 file.flush()
                 os.fsync(file.fileno())
             partial.replace(target)
         finally:
             partial.unlink(missing_ok=True)
-        written.append(target)
-    return written
+    return targets

@@ -1,0 +1,161 @@
+"""Each figure shows what the paper's shows: labels with units, every model and point, and where its data come from."""
+
+import inspect
+
+import numpy as np
+import pytest
+import xarray as xr
+from matplotlib.text import Text
+
+from swingdown.model import PAPER_MODELS, symbol
+from swingdown.plots import FIGURES, style
+
+EMULATED = {"fig07", "fig08", "fig09", "fig10", "fig11", "fig12", "fig13", "fig14", "fig15"}
+WITH_AXES = set(FIGURES) - {"fig01", "fig06", "fig07"}
+
+
+@pytest.fixture
+def draw(request):
+    """Draws a figure, by name, from the small datasets; ``changed`` replaces some of them."""
+
+    def draw(name, **changed):
+        wanted = inspect.signature(FIGURES[name]).parameters.values()
+        needed = [p.name for p in wanted if p.default is p.empty]
+        source = {"norms": "norms" if name < "fig10" else "run_norms"}
+        data = {key: request.getfixturevalue(source.get(key, key)) for key in needed if key not in changed}
+        return FIGURES[name](**data, **changed)
+
+    return draw
+
+
+def texts(figure):
+    """Everything that is written on a figure."""
+    return [text.get_text() for text in figure.findobj(Text) if text.get_text().strip()]
+
+
+def said(figure):
+    return "\n".join(texts(figure))
+
+
+def test_the_fifteen_figures_of_the_paper_are_there():
+    assert sorted(FIGURES) == [f"fig{number:02d}" for number in range(1, 16)]
+
+
+@pytest.mark.parametrize("name", sorted(WITH_AXES))
+def test_every_axis_says_its_quantity_and_unit(draw, name):
+    for axes in draw(name).axes:
+        named = [axes.get_ylabel()] + ([] if "κ" in said(axes) or r"\kappa" in said(axes) else [axes.get_xlabel()])
+        for label in filter(None, named):
+            assert label.endswith(("(s)", "(°)", "(V)")), label
+    assert any(axes.get_ylabel().endswith("(°)") for axes in draw(name).axes)
+
+
+@pytest.mark.parametrize("name", sorted(FIGURES))
+def test_emulated_data_are_called_emulated_and_no_others(draw, name):
+    assert ("emulated bench" in said(draw(name))) == (name in EMULATED)
+
+
+def test_a_real_recording_is_not_called_emulated(draw, angles):
+    assert "emulated" not in said(draw("fig09", angles=angles.assign_attrs(emulated="no")))
+
+
+@pytest.mark.parametrize("name", ["fig02", "fig03", "fig04", "fig05"])
+def test_a_simulation_says_that_settings_were_inferred(draw, name, realizations, norms):
+    assert "inferred from its Table 2" in said(draw(name))
+    known = {"realizations": realizations} if name == "fig02" else {"norms": norms}
+    (key, data), = known.items()
+    assert "inferred" not in said(draw(name, **{key: data.drop_attrs(deep=False)}))
+
+
+@pytest.mark.parametrize("name", sorted(FIGURES))
+def test_nothing_that_is_written_overlaps_or_leaves_the_figure(draw, name, monkeypatch):
+    figure, written = draw(name), []
+    figure.draw_without_rendering()  # settles the layout
+    plain = Text.draw
+    monkeypatch.setattr(Text, "draw", lambda self, renderer: (written.append(self), plain(self, renderer)))
+    figure.draw_without_rendering()
+    boxes = [(text.get_text(), Text.get_window_extent(text)) for text in written if text.get_text().strip()]
+    width, height = figure.bbox.width, figure.bbox.height
+    assert len(boxes) > 10
+    for text, box in boxes:
+        assert box.x0 >= -1 and box.y0 >= -1 and box.x1 <= width + 1 and box.y1 <= height + 1, text
+    for number, (one, box) in enumerate(boxes):
+        for other, rival in boxes[number + 1 :]:
+            wide = min(box.x1, rival.x1) - max(box.x0, rival.x0)
+            high = min(box.y1, rival.y1) - max(box.y0, rival.y0)
+            assert min(wide, high) < 3, f"{one!r} lies on {other!r}"
+
+
+@pytest.mark.parametrize(("name", "label"), list(zip(["fig10", "fig11", "fig12"], PAPER_MODELS[:3], strict=True)))
+def test_a_fit_shows_its_model_norm_and_residual_in_the_models_colour(draw, name, label, fits):
+    figure = draw(name)
+    assert f"{float(fits['norm'].sel(fitted=label)):.3g}°" in said(figure)
+    strip = next(axes for axes in figure.axes if axes.get_ylabel().startswith("data − fit"))
+    drawn = [line for line in strip.lines if len(line.get_xdata()) == fits.sizes["time"]]
+    assert [line.get_color() for line in drawn] == [style.colour(label)]
+    np.testing.assert_allclose(drawn[0].get_ydata(), np.degrees(fits["residual"].sel(fitted=label)))
+
+
+def test_the_pairs_shown_are_the_best_of_the_swings_own_campaign(draw, run_norms):
+    best = {"viscous+load_coulomb": 0.01, "viscous+quadratic_drag": 0.02}
+    norms = run_norms.copy(deep=True)
+    for label, value in best.items():
+        norms["norm"].loc[{"fitted": label}] = value
+    other = norms.copy(deep=True).assign_coords(recording=[f"other-{k}" for k in range(10)], campaign=("recording", ["other"] * 10))
+    other["norm"].loc[{"fitted": "quadratic_drag+load_coulomb"}] = 0.0
+    both = xr.concat([norms, other], "recording")
+    for name, label in zip(("fig13", "fig14"), best, strict=True):
+        assert symbol(label, mathtext=True) in said(draw(name, norms=both))
+
+
+def test_the_true_model_and_the_papers_values_are_marked(draw, table2):
+    figure = draw("fig04")
+    assert "the true model" in said(figure)
+    hollow = [line for line in figure.axes[0].lines if line.get_marker() == "s" and len(line.get_xdata())]
+    rows = table2[table2["simulated"] == "quadratic_drag"]
+    assert sorted(float(line.get_ydata()[0]) for line in hollow) == sorted(rows["published_mean"])
+
+
+def test_both_methods_and_every_realisation_are_drawn(draw, norms):
+    axes = draw("fig03").axes[0]
+    count = {marker: [line for line in axes.lines if line.get_marker() == marker] for marker in "oD."}
+    assert len(count["o"]) == len(count["D"]) == len(PAPER_MODELS)
+    assert sum(len(line.get_xdata()) for line in count["."]) == 2 * len(PAPER_MODELS) * norms.sizes["realization"]
+
+
+def test_flagged_points_are_told_apart(draw, calibration):
+    assert "flagged" in said(draw("fig08"))
+    none = calibration.assign(flagged=("point", [False] * 4))
+    assert "flagged" not in said(draw("fig08", calibration=none))
+
+
+def test_the_calibration_shows_the_mode_that_was_asked_for(draw, calibration):
+    assert "monte-carlo" in said(draw("fig08", mode="monte-carlo"))
+    assert "gum" in said(draw("fig08", calibration=calibration.assign_attrs(mode="gum")))
+
+
+def test_every_length_stands_with_its_limit(draw):
+    words = said(draw("fig07"))
+    for text in ("208.00", "12.700", "246.35", "25.400", "19.50", "50.90", "± 0.002", "± 0.04"):
+        assert text in words
+
+
+def test_the_papers_own_norms_are_not_taken_for_this_benchs(draw):
+    assert "paper's apparatus" in said(draw("fig15"))
+
+
+@pytest.mark.parametrize("name", ["fig04", "fig05"])
+def test_a_study_that_leaves_a_model_out_says_so(draw, name, norms):
+    assert "does not simulate" in said(draw(name, norms=norms.sel(simulated=["viscous"])))
+
+
+@pytest.mark.parametrize("name", ["fig11", "fig14"])
+def test_a_fit_that_was_not_made_is_not_drawn(draw, name, fits, run_norms):
+    one = ["viscous", "viscous+load_coulomb"]
+    given = {"fits": fits.sel(fitted=one)} | ({"norms": run_norms.sel(fitted=one)} if name == "fig14" else {})
+    assert "This study" in said(draw(name, **given))
+
+
+def test_each_of_the_seven_models_has_a_colour_of_its_own():
+    assert list(style.COLOURS) == list(PAPER_MODELS)
+    assert len(set(style.COLOURS.values())) == len(PAPER_MODELS)

@@ -1,0 +1,61 @@
+"""A figure is the same file each time, whatever matplotlib is set to, and never half a file."""
+
+import ast
+from pathlib import Path
+
+import matplotlib
+import pytest
+
+from swingdown import plots
+from swingdown.plots import FIGURES, save, style
+
+
+def test_two_runs_write_the_same_bytes(tmp_path, realizations):
+    for run in ("one", "two"):
+        save(FIGURES["fig02"](realizations), tmp_path / run / "fig02")
+    for suffix in (".svg", ".png"):
+        first, second = ((tmp_path / run / f"fig02{suffix}").read_bytes() for run in ("one", "two"))
+        assert first == second
+    assert b"<dc:date>" not in first
+
+
+def test_the_callers_settings_change_nothing(tmp_path, realizations):
+    save(FIGURES["fig02"](realizations), tmp_path / "plain.svg")
+    with matplotlib.rc_context({"font.size": 20, "svg.hashsalt": "other", "axes.grid": True, "mathtext.fontset": "cm"}):
+        save(FIGURES["fig02"](realizations), tmp_path / "set.svg")
+    assert (tmp_path / "plain.svg").read_bytes() == (tmp_path / "set.svg").read_bytes()
+
+
+def test_the_suffix_chooses_the_format(tmp_path):
+    assert [path.name for path in save(FIGURES["fig01"](), tmp_path / "fig01")] == ["fig01.svg", "fig01.png"]
+    assert save(FIGURES["fig01"](), tmp_path / "only.png") == [tmp_path / "only.png"]
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["fig01.png", "fig01.svg", "only.png"]
+
+
+def test_a_png_is_as_wide_as_the_column_at_200_dpi(tmp_path):
+    (path,) = save(FIGURES["fig01"](), tmp_path / "fig01.png")
+    width = int.from_bytes(path.read_bytes()[16:20], "big")
+    assert width / 200 * 2.54 == pytest.approx(style.WIDTH_CM, abs=0.02)
+
+
+def test_a_failed_save_leaves_the_old_file_and_nothing_else(tmp_path, monkeypatch):
+    figure = FIGURES["fig01"]()
+    (path,) = save(figure, tmp_path / "fig01.png")
+    before = path.read_bytes()
+    monkeypatch.setattr(style.os, "fsync", lambda _: (_ for _ in ()).throw(OSError("the disk is full")))
+    with pytest.raises(OSError):
+        save(figure, path)
+    assert path.read_bytes() == before
+    assert list(tmp_path.iterdir()) == [path]
+
+
+def test_plots_rest_on_datasets_and_the_models_symbols_alone():
+    allowed = {"matplotlib", "numpy", "pandas", "xarray", "os", "functools", "pathlib"}
+    for file in Path(plots.__file__).parent.glob("*.py"):
+        for node in ast.walk(ast.parse(file.read_text())):
+            if isinstance(node, ast.Import):
+                assert {alias.name.split(".")[0] for alias in node.names} <= allowed, file.name
+            elif isinstance(node, ast.ImportFrom) and node.level == 0:
+                assert node.module.split(".")[0] in allowed, file.name
+            elif isinstance(node, ast.ImportFrom) and node.level == 2:
+                assert node.module == "model", file.name
