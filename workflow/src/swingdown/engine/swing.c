@@ -145,21 +145,34 @@ static void switches_at(const Pendulum *s, const Place *x, double *out) {
     for (int k = 0; k < s->n_switches; k++) out[k] = rows[k * N];
 }
 
-/* out[i] = sum over j of weight[j] * table[j * size + i], for size rows and columns */
-static inline void combine_sized(int size, const double *restrict table, const double *restrict weight, double *restrict out) {
-    for (int i = 0; i < size; i++) out[i] = 0.0;
-    for (int j = 0; j < size; j++)
-        for (int i = 0; i < size; i++) out[i] += table[j * size + i] * weight[j];
+/* Eight doubles at once (GCC's and Clang's vectors, on any processor; each lane rounds as a double alone would). */
+typedef double Lanes __attribute__((vector_size(64), aligned(8), may_alias));
+#define LANES(array, k) (((Lanes *)(array))[k])
+#define READ_LANES(array, k) (((const Lanes *)(array))[k])
+#define LANES_OF(size) ((size) / 8)
+
+/* out[i] = sum over j of weight[j] * table[j * N + i] */
+static inline void combine(const double *table, const double *weight, double *out) {
+    Lanes low = {0.0}, high = {0.0};
+    for (int j = 0; j < N; j++) {
+        low += READ_LANES(table + j * N, 0) * weight[j];
+        high += READ_LANES(table + j * N, 1) * weight[j];
+    }
+    LANES(out, 0) = low;
+    LANES(out, 1) = high;
 }
-static inline void combine(const double *restrict table, const double *restrict weight, double *restrict out) {
-    double sum[N] = {0.0};
-    for (int j = 0; j < N; j++)
-        for (int i = 0; i < N; i++) sum[i] += table[j * N + i] * weight[j];
-    memcpy(out, sum, sizeof sum);
+/* the same for a table of several blocks of N rows and columns */
+static void combine_blocks(int blocks, const double *table, const double *weight, double *out) {
+    const int size = blocks * N;
+    for (int k = 0; k < LANES_OF(size); k++) {
+        Lanes sum = {0.0};
+        for (int j = 0; j < size; j++) sum += READ_LANES(table + j * size, k) * weight[j];
+        LANES(out, k) = sum;
+    }
 }
 static void apply_inverse(const Panel *b, int blocks, const double *in, double *out) {
     if (blocks == 1) combine(b->inverse, in, out);
-    else combine_sized(blocks * N, b->inverse, in, out);
+    else combine_blocks(blocks, b->inverse, in, out);
 }
 
 static void states_at_nodes(Panel *b, int n_states) {
@@ -177,7 +190,7 @@ static void states_at_nodes(Panel *b, int n_states) {
 }
 
 /* Invert the size x size matrix in place by Gauss-Jordan with row pivoting; 0 where it is singular. */
-static inline int gauss_jordan(int size, double *restrict g) {
+static inline int gauss_jordan(int size, double *g) {
     int swapped[BLOCKS * N];
     for (int c = 0; c < size; c++) {
         int pivot = c;
@@ -185,7 +198,7 @@ static inline int gauss_jordan(int size, double *restrict g) {
             if (fabs(g[r * size + c]) > fabs(g[pivot * size + c])) pivot = r;
         swapped[c] = pivot;
         if (!(fabs(g[pivot * size + c]) > 1e-300)) return 0;
-        double *restrict row = g + c * size;
+        double *row = g + c * size;
         if (pivot != c)
             for (int i = 0; i < size; i++) {
                 const double kept = row[i];
@@ -193,15 +206,16 @@ static inline int gauss_jordan(int size, double *restrict g) {
                 g[pivot * size + i] = kept;
             }
         const double unit = 1.0 / row[c];
-        row[c] = 1.0;
-        for (int i = 0; i < size; i++) row[i] *= unit;
+        Lanes pivot_row[LANES_OF(BLOCKS * N)];
+        for (int k = 0; k < LANES_OF(size); k++) pivot_row[k] = READ_LANES(row, k) * unit;
+        ((double *)pivot_row)[c] = 1.0 + unit; /* so that each other row's own entry, factor, becomes -factor * unit */
         for (int r = 0; r < size; r++) {
-            double *restrict other = g + r * size;
-            const double factor = other[c];
-            if (r == c || factor == 0.0) continue;
-            other[c] = 0.0;
-            for (int i = 0; i < size; i++) other[i] -= factor * row[i];
+            double *other = g + r * size;
+            const double factor = r == c ? 0.0 : other[c];
+            for (int k = 0; k < LANES_OF(size); k++) LANES(other, k) -= pivot_row[k] * factor;
         }
+        for (int k = 0; k < LANES_OF(size); k++) LANES(row, k) = pivot_row[k];
+        row[c] = unit;
     }
     for (int c = size - 1; c >= 0; c--)
         if (swapped[c] != c)
@@ -287,10 +301,8 @@ static int solve(const Pendulum *s, Panel *b, Report *report) {
 /* Coefficients, in powers of the position -1..1, of the integral that starts at `start`, of a rate given by them. */
 static void integrate(const double *rate, int degree, double h, double start, double *out) {
     double at_start = 0.0;
-    for (int k = 0; k <= degree; k++) {
-        out[k + 1] = 0.5 * h * rate[k] * T_reciprocal[k];
-        at_start += k % 2 ? out[k + 1] : -out[k + 1];
-    }
+    for (int k = 0; k <= degree; k++) out[k + 1] = 0.5 * h * rate[k] * T_reciprocal[k];
+    for (int k = 0; k <= degree; k++) at_start += k % 2 ? out[k + 1] : -out[k + 1];
     out[0] = start - at_start;
 }
 
@@ -524,15 +536,14 @@ static void push(Play *play, double half, double th, int n_free, const int *free
     for (int f = 0; f < n_free; f++) play->slope[f] = slopes[f * stride] + side * 0.5 * (free_values[f] == play->parameter);
 }
 
+/* The polynomial at n positions; room for whole lanes must follow the positions. */
 static void sample(const double *poly, int degree, const double *x, int n, double *out) {
-    for (int start = 0; start < n; start += CHUNK) {
-        const int size = n - start < CHUNK ? n - start : CHUNK;
-        double value[CHUNK];
-        const double *xs = x + start;
-        for (int i = 0; i < size; i++) value[i] = poly[degree];
-        for (int k = degree - 1; k >= 0; k--)
-            for (int i = 0; i < size; i++) value[i] = value[i] * xs[i] + poly[k];
-        memcpy(out + start, value, size * sizeof(double));
+    for (int start = 0; start < n; start += 8) {
+        const Lanes at = READ_LANES(x + start, 0);
+        Lanes value = poly[degree] - (Lanes){0.0};
+        for (int k = degree - 1; k >= 0; k--) value = value * at + poly[k];
+        if (n - start >= 8) LANES(out + start, 0) = value;
+        else memcpy(out + start, &value, (n - start) * sizeof(double));
     }
 }
 
@@ -677,7 +688,7 @@ int swing_trajectory(const Model *m, const double *p, double release_angle, doub
     for (int k = 0; k < m->n_sensors; k++) reads_states |= EFFECTS[m->sensors[k].row].n_states > 0;
     const int with_clock = m->n_clocks && n_free, kept_states = reads_states ? nz : 0;
     /* for every sample: true time, position on its panel, velocity, the clock's slopes, the states and theirs */
-    double *work = malloc((size_t)n * (3 + (with_clock ? n_free : 0) + kept_states * (1 + n_free)) * sizeof(double));
+    double *work = malloc((8 + (size_t)n * (3 + (with_clock ? n_free : 0) + kept_states * (1 + n_free))) * sizeof(double));
     if (!work) return report->status = NO_MEMORY;
     double *at = work, *x = at + n, *speed = x + n, *clock_slopes = with_clock ? speed + n : NULL;
     double *z = kept_states ? speed + (size_t)n * (1 + (with_clock ? n_free : 0)) : NULL, *z_slopes = z ? z + (size_t)kept_states * n : NULL;
