@@ -1,0 +1,142 @@
+"""Calibration: tower heights and voltages to a line, with its uncertainty in three labelled modes.
+
+- ``paper``: the limits themselves, added and propagated as the paper prints it (Eqs. 7-11 in absolute form);
+- ``gum``: limits as distributions, first order, covariances and degrees of freedom (JCGM 100), U = k u;
+- ``monte-carlo``: every input drawn once a draw and carried through the whole chain (JCGM 101).
+"""
+
+import numpy as np
+import pandas as pd
+
+from ..errors import InputError
+from ..line import FEWEST
+from ..recording import ingest
+from ..uncertainty import mean_of_samples
+from . import layout, modes
+from .chain import OUTPUTS, measurement
+from .modes import MODES
+
+__all__ = ["MODES", "budget", "calibrate", "tower"]
+
+
+def calibrate(apparatus, rest=None, draws=200_000, seed=150, mode="gum"):
+    """The calibration dataset and the uncertainty budget (DataFrame) of an apparatus.
+
+    ``apparatus`` as read by ``read_apparatus``; ``rest`` the recording dataset of the pendulum hanging still,
+    or None: then the line's own zero is used. ``mode`` is only noted, as the one that is used downstream. A
+    point is flagged where the intervals of GUM and Monte Carlo differ by more than a tenth of a standard
+    uncertainty, or where some draws have the drop longer than the arm; where more than 1 % have, the point is
+    left out of the line. InputError if fewer than three points are left, or if a recording is none in volts.
+    """
+    towers = [tower(apparatus, number) for number in range(1, len(apparatus["points"]) + 1)]
+    means = [mean_of_samples(record["signal"].values) for record in towers]
+    if rest is not None and rest.attrs["campaign"] not in apparatus["campaigns"]:
+        rest = None  # another pendulum's
+    still = _mean_at_rest(rest)
+    noise = _noise(towers, rest)
+    points = modes.judge(apparatus, draws, seed)
+    used = [k for k in range(len(towers)) if not points.refused[k]]
+    if len(used) < FEWEST:
+        raise InputError(
+            f"{apparatus['path']}, key points",
+            f"{len(used)} of {len(towers)} points can be used: {'; '.join(r for r in points.reasons if r)}",
+            f"at least {FEWEST}",
+            "use higher towers, or measure the lengths more closely",
+        )
+    chosen = {**apparatus, "points": [apparatus["points"][k] for k in used]}
+    chain = measurement(chosen, [means[k] for k in used], still, noise)
+    results = {
+        "paper": modes.paper(chosen, chain, still),
+        "gum": modes.gum(chain),
+        "monte-carlo": modes.monte_carlo(chain, apparatus, noise, draws, seed),
+    }
+    dataset = layout.dataset(apparatus, points, results, means, chain, used, noise, still)
+    emulated = apparatus["emulated"] or any(
+        record.attrs["emulated"] == "yes" for record in [*towers, rest] if record is not None
+    )
+    dataset.attrs |= {
+        "apparatus": apparatus["name"],
+        "campaigns": ",".join(apparatus["campaigns"]),
+        "emulated": "yes" if emulated else "no",
+        "source": f"{apparatus['path']} and the tower records it names",
+        "mode": mode,
+        "draws": draws,
+        "seed": seed,
+        "rest_voltage_from": rest.attrs["recording"] if rest is not None else "the line",
+    }
+    return dataset, budget(results["gum"].propagation)
+
+
+def tower(apparatus, number):
+    """The recording dataset of one tower height, the first being number 1; it must be in volts."""
+    point = apparatus["points"][number - 1]
+    row = {
+        "recording": f"tower_{number}",
+        "campaign": apparatus["campaigns"][0],
+        "file": point["file"],
+        "time_column": point.get("time_column", ""),
+        "time_unit": point.get("time_unit", "s"),
+        "signal_column": point.get("signal_column", ""),
+        "signal_unit": "V",
+        "counts_per_revolution": np.nan,
+        "start_s": np.nan,
+        "stop_s": np.nan,
+        "role": "static",
+        "sha256": point.get("sha256", ""),
+    }
+    return ingest(row, f"{apparatus['path']}, key points[{number}]")
+
+
+def budget(propagation):
+    """The uncertainty budget, a row for each output and source: limit, divisor, u, sensitivity, contribution,
+    share.
+
+    ``share`` is the source's part of the output's variance; ``contribution`` = sensitivity times u, in the
+    unit of the output.
+    """
+    units = dict(zip(OUTPUTS, ("rad", "rad/V", "V", "rad", "rad"), strict=True))
+    rows = []
+    for k, quantity in enumerate(OUTPUTS):
+        variance = np.sum(propagation.contributions[k] ** 2)
+        for i, source in enumerate(propagation.inputs):
+            contribution = propagation.contributions[k, i]
+            if contribution == 0:
+                continue
+            rows.append(
+                {
+                    "quantity": quantity,
+                    "source": source.name,
+                    "limit": source.limit,
+                    "unit": source.unit,
+                    "distribution": source.distribution,
+                    "divisor": source.divisor,
+                    "standard_uncertainty": source.standard_uncertainty,
+                    "dof": source.dof,
+                    "sensitivity": propagation.sensitivity[k, i],
+                    "contribution": contribution,
+                    "contribution_unit": units[quantity],
+                    "share": contribution**2 / variance,
+                    "kind": source.kind,
+                }
+            )
+    return pd.DataFrame(rows)
+
+
+def _mean_at_rest(rest):
+    if rest is None:
+        return None
+    if (unit := rest["signal"].attrs["units"]) != "V":
+        raise InputError(
+            rest.attrs.get("file", "static record"),
+            f"the pendulum at rest is recorded in {unit}",
+            "volts, as the tower heights",
+            "correct signal_unit, or the recording's campaign",
+        )
+    return mean_of_samples(rest["signal"].values)
+
+
+def _noise(towers, rest):
+    """The standard deviation (V) of a sample about its mean, pooled over all records in which nothing moves."""
+    records = [record["signal"].values for record in [*towers, rest] if record is not None]
+    squares = sum(np.sum((x - x.mean()) ** 2) for x in records)
+    return float(np.sqrt(squares / sum(len(x) - 1 for x in records)))

@@ -1,0 +1,35 @@
+"""From the height of the tower under the bob to the angle of the arm (Eqs. 7-10)."""
+
+import numpy as np
+
+
+def arm_angle(over_shaft, shaft_diameter, bob_diameter, arm, height):
+    """The angle (rad) of the arm from the vertical; NaN where the drop is longer than the arm. Lengths in m.
+
+    Eqs. 7a, 8, 9, 10. ``height`` is of the tower the bob rests on, ``over_shaft`` of the shaft's top. A drop
+    longer than the arm is impossible and says that the lengths are not known well enough there: it is not
+    clipped.
+    """
+    drop = drop_below_shaft(over_shaft, shaft_diameter, bob_diameter, height)
+    ratio = drop / arm
+    return np.arccos(np.where(np.abs(ratio) <= 1, ratio, np.nan))
+
+
+def drop_below_shaft(over_shaft, shaft_diameter, bob_diameter, height):
+    """The height (m) of the shaft's centre above the bob's (Eqs. 8-10)."""
+    return (over_shaft - shaft_diameter / 2) - (height + bob_diameter / 2)
+
+
+def printed_bound(lengths, limits, height, height_limit, signed=True):
+    """The limit of error (rad) of the angle as Eq. 7b prints it, limits added as in Eqs. 9 and 10.
+
+    ``lengths`` and ``limits`` are over_shaft, shaft_diameter, bob_diameter and arm (m). Eq. 10's "½ δh_bob"
+    is read as ½ δd_bob. ``signed`` keeps the printed signs, by which the two terms cancel in part, so that
+    the bound is too small; False adds their sizes, the worst case.
+    """
+    over_shaft, shaft, bob, arm = lengths
+    drop = drop_below_shaft(over_shaft, shaft, bob, height)
+    drop_limit = (limits[0] + limits[1] / 2) + (height_limit + limits[2] / 2)
+    root = np.sqrt(1 - (drop / arm) ** 2)
+    by_drop, by_arm = -drop_limit / (arm * root), drop * limits[3] / (arm**2 * root)
+    return abs(by_drop + by_arm) if signed else abs(by_drop) + abs(by_arm)

@@ -1,0 +1,124 @@
+"""How a calibration is laid out as a dataset: every number with its unit and what it is."""
+
+import numpy as np
+import xarray as xr
+
+from .deviation import KINDS, deviation_lines
+from .modes import COVERAGE, MODES
+
+
+def dataset(apparatus, points, results, means, chain, used, noise, still):
+    n = len(means)
+
+    def each(pick):
+        return np.array([pick(results[mode]) for mode in MODES])
+
+    def over_points(pick):
+        filled = np.full((len(MODES), n), np.nan)
+        filled[:, used] = each(pick)
+        return filled
+
+    deviation = {}
+    for mode in MODES:
+        found = results[mode]
+        x, y = chain.voltages(chain.values), chain.angles(chain.values)
+        deviation[mode] = deviation_lines(found.line, x, y, *found.boxes)
+    angle_u = over_points(lambda r: r.boxes[1])
+    angle_u[1], angle_u[2] = points.gum, points.monte_carlo
+    worst = np.full(n, np.nan)
+    worst[used] = results["paper"].worst
+    volts = [m.value for m in means]
+    two = ("coefficient", "coefficient_2")
+    gum, drawn = results["gum"], results["monte-carlo"]
+    line_zero = [r.line.inverse(0.0) for r in results.values()]
+    names = ["intercept", "slope", "rest_voltage"]
+    v = {
+        "height": ("point", [p["height"] for p in apparatus["points"]], "m", "height of the calibration tower"),
+        "height_limit": ("point", [p["limit"] for p in apparatus["points"]], "m", "limit of error of the height"),
+        "angle": ("point", points.angle, "rad", "angle of the arm from the lengths (Eq. 7a)"),
+        "angle_uncertainty": (("mode", "point"), angle_u, "rad", "uncertainty of the angle; mode paper: limit of error"),
+        "angle_worst_case": ("point", worst, "rad", "limit of error of the angle, sizes of all terms added"),
+        "angle_correlation": (("point", "point_2"), points.correlation, "1", "correlation of the angles by shared lengths"),
+        "voltage": ("point", volts, "V", "mean voltage on the tower"),
+        "voltage_uncertainty": (("mode", "point"), over_points(lambda r: r.boxes[0]), "V",
+                                "uncertainty of the voltage; mode paper: limit of error"),
+        "voltage_random_uncertainty": ("point", [m.standard_uncertainty for m in means], "V",
+                                       "Type A uncertainty of the mean voltage, autocorrelation included"),
+        "voltage_lag_1": ("point", [m.lag_1 for m in means], "1", "lag-1 autocorrelation of the voltage"),
+        "probability_impossible": ("point", points.impossible, "1", "share of draws with the drop longer than the arm"),
+        "disagreement": ("point", points.disagreement, "1",
+                         "distance of GUM and Monte-Carlo interval ends, in standard uncertainties"),
+        "residual": (("mode", "point"), over_points(lambda r: chain.angles(chain.values) - r.line.predict(chain.voltages(chain.values))[0]),
+                     "rad", "point minus line"),
+        "deviation_line_factor": ("mode", [deviation[m][1] for m in MODES], "1",
+                                  "what the error boxes were multiplied by for a line to pass through all"),
+        "chi2": ("mode", each(lambda r: r.line.chi2), "1", "chi-squared of the line"),
+        "line_rest_voltage": ("mode", [z[0] for z in line_zero], "V", "voltage where the line is zero"),
+        "line_rest_voltage_uncertainty": ("mode", [z[1] for z in line_zero], "V", "uncertainty of line_rest_voltage"),
+        "rest_voltage": ("mode", each(lambda r: r.values[2]), "V", "voltage V0 of the vertical arm (Eq. 11)"),
+        "rest_voltage_uncertainty": ("mode", each(lambda r: np.sqrt(r.covariance[2, 2])), "V", "uncertainty of rest_voltage"),
+        "slope_rest_covariance": ("mode", each(lambda r: r.covariance[1, 2]), "rad", "covariance of slope and rest_voltage"),
+        "coverage_factor": ("mode", each(lambda r: r.factor), "1",
+                            "k of U = k u for 95 %; mode paper: 1, its uncertainties being limits"),
+        "effective_dof": ("mode", each(lambda r: r.dof), "1", "degrees of freedom of an angle (Welch-Satterthwaite)"),
+        "noise_voltage": ((), noise, "V", "standard deviation of a single sample with nothing moving"),
+        "encoder_up_to": ("range", [e["up_to"] for e in apparatus["encoder"]["limits"]], "V", "upper end of a range"),
+        "encoder_limit": ("range", [e["limit"] for e in apparatus["encoder"]["limits"]], "V", "limit of the encoder's error"),
+        "grid_angle": ("grid", drawn.grid[0], "rad", "mean angle of one sample by Monte Carlo"),
+        "grid_uncertainty": ("grid", drawn.grid[1], "rad", "standard deviation of that angle"),
+        "grid_low": ("grid", drawn.grid[2], "rad", "lower end of its 95 % interval"),
+        "grid_high": ("grid", drawn.grid[3], "rad", "upper end of its 95 % interval"),
+    }  # fmt: skip
+    variables = {
+        k: (d, np.asarray(a, dtype=float), {"units": u, "long_name": t}) for k, (d, a, u, t) in v.items()
+    }
+    mixed = "rad for the intercept, rad V-1 for the slope"
+    variables |= {
+        "line": (
+            ("mode", "coefficient"),
+            each(lambda r: [r.line.intercept, r.line.slope]),
+            {"units": mixed, "long_name": "angle = intercept + slope voltage"},
+        ),
+        "line_covariance": (
+            ("mode", *two),
+            each(lambda r: r.covariance[:2, :2]),
+            {"units": "products of the units of the coefficients", "long_name": "covariance of the line"},
+        ),
+        "deviation_line": (
+            ("mode", "kind", "side", "coefficient"),
+            np.array([deviation[m][0] for m in MODES]),
+            {"units": mixed, "long_name": "lines of maximum deviation"},
+        ),
+        "flagged": (
+            "point",
+            [bool(r) for r in points.reasons],
+            {"long_name": "point where the angle's uncertainty is in doubt"},
+        ),
+        "used": ("point", [k in used for k in range(n)], {"long_name": "point used for the line"}),
+        "flag_reason": (
+            "point",
+            np.array(points.reasons, dtype="U"),
+            {"long_name": "why the point is flagged"},
+        ),
+    }
+    coords = {
+        "mode": list(MODES),
+        "point": np.arange(1, n + 1),
+        "point_2": np.arange(1, n + 1),
+        "coefficient": names[:2],
+        "coefficient_2": names[:2],
+        "kind": list(KINDS),
+        "side": ["lower", "upper"],
+        "range": np.arange(len(apparatus["encoder"]["limits"])),
+        "grid": ("grid", drawn.grid_voltage, {"units": "V", "long_name": "voltage of the sample"}),
+    }
+    attrs = {
+        "dof": chain.line.dof,
+        "encoder_kind": apparatus["encoder"]["kind"],
+        "draws_left_out": float(drawn.left_out),
+        "coverage": COVERAGE,
+    }
+    if still is not None:
+        difference = gum.line.inverse(0.0)[0] - gum.values[2]
+        attrs["zero_difference_over_u"] = float(abs(difference) / gum.line.inverse(0.0)[1])
+    return xr.Dataset(variables, coords, attrs)
