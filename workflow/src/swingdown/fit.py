@@ -23,7 +23,8 @@ class Fit:
 
     ``free`` names the fitted values: the model's parameters, then ``release_angle`` (rad) and ``release_velocity``
     (rad/s) where these are free, of each swing in turn. ``covariance`` is s^2 (J'J)^-1 with s^2 = rss / (n - k): it
-    takes the residuals for independent. ``rss`` in rad^2, ``rms`` in rad; ``angle`` is the fitted series in rad.
+    takes the residuals for independent. ``rss`` in rad^2, ``rms`` in rad; ``angle`` is the fitted series in rad. ``own``
+    holds for each swing, by name, the parameters that were not shared; the model has their means.
     """
 
     model: Model
@@ -40,6 +41,7 @@ class Fit:
     converged: bool
     message: str
     evaluations: int
+    own: tuple = ()
 
     @property
     def rms(self):
@@ -80,44 +82,62 @@ def checked_swing(times, angle):
 
 
 class _Problem:
-    """The free variables of a fit and where each sits in every swing's values."""
+    """The free variables of a fit and where each sits in every swing's values.
 
-    def __init__(self, model, swings, start, bounded):
+    The variables are the shared parameters, then for each swing in turn its own ones and its release where that is free.
+    """
+
+    def __init__(self, model, swings, start, bounded, own=()):
         if start not in STARTS:
             raise InputError("fit, start", f"unknown start {start!r}", " or ".join(STARTS))
+        if unknown := [name for name in own if name not in model.parameters]:
+            raise InputError("fit, own", f"no parameter {unknown[0]!r} in {model.label}", ", ".join(model.parameters))
         self.model, self.swings, self.start = model, [checked_swing(*swing) for swing in swings], start
-        size, count = len(model.parameters), len(self.swings)
-        self.where = np.full((count, size + 2), -1, dtype=np.int32)
-        self.where[:, :size] = np.arange(size)
-        self.given = np.zeros((count, size + 2))
-        self.given[:, size] = [angle[0] for _, angle in self.swings]
-        self.free = list(model.parameters)
-        if start == "free":
-            self.where[:, size:] = size + np.arange(2 * count).reshape(count, 2)
-            self.free += ["release_angle", "release_velocity"] * count
-        n = sum(times.size for times, _ in self.swings)
-        if n <= len(self.free):
-            raise InputError("fit", f"{n} samples for {len(self.free)} free values", "more samples than free values")
-        self.n = n
-        definitions = model.definitions
-        self.lower, self.upper = np.full(len(self.free), -np.inf), np.full(len(self.free), np.inf)
-        if bounded:
-            self.lower[:size] = [d.lower for d in definitions]
-            self.upper[:size] = [d.upper for d in definitions]
-        self.lower[0] = max(self.lower[0], _SMALLEST_FREQUENCY)
+        self.shared = [name for name in model.parameters if name not in own]
+        self.own = [name for name in model.parameters if name in own]
+        release = ["release_angle", "release_velocity"]
+        slots = [*model.parameters, *release]
+        each = [*self.own, *(release if start == "free" else [])]
+        count = len(self.swings)
+        self.free = self.shared + each * count
+        self.given = np.zeros((count, len(slots)))
+        self.given[:, slots.index("release_angle")] = [angle[0] for _, angle in self.swings]
+        self.where = np.full(self.given.shape, -1, dtype=np.int32)
+        for k in range(count):
+            place = {name: i for i, name in enumerate(self.shared)}
+            place |= {name: len(self.shared) + k * len(each) + i for i, name in enumerate(each)}
+            self.where[k] = [place.get(name, -1) for name in slots]
+        self.n = sum(times.size for times, _ in self.swings)
+        if self.n <= len(self.free):
+            raise InputError("fit", f"{self.n} samples for {len(self.free)} free values", "more samples than free values")
+        definitions = {definition.name: definition for definition in model.definitions} if bounded else {}
+        limit = lambda name, side, otherwise: getattr(definitions[name], side) if name in definitions else otherwise  # noqa: E731
+        self.lower = np.array([limit(name, "lower", -np.inf) for name in self.free])
+        self.upper = np.array([limit(name, "upper", np.inf) for name in self.free])
+        frequencies = np.array(self.free) == "natural_frequency"
+        self.lower[frequencies] = np.maximum(self.lower[frequencies], _SMALLEST_FREQUENCY)
         self.compiled = [Compiled(model, float(times[-1] - times[0])) for times, _ in self.swings]
 
     def variables(self, values, releases):
-        """The vector of free variables for parameter values (by name, 0 where absent) and the swings' releases."""
-        shared = [values.get(name, 0.0) for name in self.model.parameters]
-        own = [value for release in releases for value in release] if self.start == "free" else []
-        return np.clip(np.array([*shared, *own], dtype=float), self.lower, self.upper)
+        """The vector of free variables for parameter values (by name, 0 where absent) and the swings' releases.
+
+        ``values`` is one dict, or one for each swing.
+        """
+        each = [values] * len(self.swings) if isinstance(values, dict) else values
+        slots = np.array([[one.get(name, 0.0) for name in self.model.parameters] + list(release)
+                          for one, release in zip(each, releases, strict=True)])  # fmt: skip
+        x = np.zeros(len(self.free))
+        taken = self.where >= 0
+        x[self.where[taken]] = slots[taken]
+        return np.clip(x, self.lower, self.upper)
+
+    def slots(self, x):
+        """Every swing's values at the free variables: parameters, release angle, release velocity; (swing, slot)."""
+        return np.where(self.where >= 0, np.asarray(x)[self.where], self.given)
 
     def releases(self, x):
-        """The (release angle, release velocity) of each swing at the free variables x."""
-        size = len(self.model.parameters)
-        return [tuple(x[size + 2 * k : size + 2 * k + 2]) if self.start == "free" else (self.given[k, size], 0.0)
-                for k in range(len(self.swings))]  # fmt: skip
+        """The (release angle, release velocity) of each swing at the free variables."""
+        return [tuple(row[-2:]) for row in self.slots(x)]
 
 
 def _starts(problem, guess):
@@ -130,10 +150,19 @@ def _starts(problem, guess):
     split = frequency | {name: value / max(1, len(loss)) for name, value in loss.items()}
     alone = [frequency | {name: value if name == only else 0.0 for name, value in loss.items()} for only in loss]
     starts = [split, *(alone if len(loss) > 1 else [])]
-    if guess is not None:
-        known = guess if isinstance(guess, (list, tuple)) else [guess]
-        starts = [*(dict(model.values) for model in known), *starts]
-    return np.array([problem.variables(values, releases) for values in starts])
+    starts = [problem.variables(values, releases) for values in starts]
+    known = guess if isinstance(guess, (list, tuple)) else [] if guess is None else [guess]
+    return np.array([*(_from_guess(problem, one, releases) for one in known), *starts])
+
+
+def _from_guess(problem, guess, releases):
+    """The free variables of a model, with the releases seen in the data, or of a fit, with its own."""
+    if isinstance(guess, Model):
+        return problem.variables(guess.values, releases)
+    several = isinstance(guess.release_angle, tuple)
+    angles, velocities = (value if several else (value,) for value in (guess.release_angle, guess.release_velocity))
+    own = guess.own or ({},) * len(angles)
+    return problem.variables([guess.model.values | one for one in own], zip(angles, velocities, strict=True))
 
 
 def _pointers(arrays):
@@ -175,17 +204,17 @@ def _covariance(hessian, rss, freedom, lower, upper, best):
 
 
 def _result(problem, method, best, covariance, rss, converged, message, evaluations):
-    names = problem.model.parameters
-    errors = np.sqrt(np.diag(covariance))
-    model = problem.model.with_values(
-        dict(zip(names, map(float, best), strict=False)), dict(zip(names, map(float, errors), strict=False))
-    )
-    releases = problem.releases(best)
-    series = tuple(simulate(model, times, *release) for (times, _), release in zip(problem.swings, releases, strict=True))
+    names, slots = problem.model.parameters, problem.slots(best)
+    errors = dict(zip(problem.free, np.sqrt(np.diag(covariance)), strict=True))
+    values = {name: float(value) for name, value in zip(names, slots[:, :-2].mean(axis=0), strict=True)}
+    model = problem.model.with_values(values, {name: float(errors[name]) for name in problem.shared})
+    each = [model.with_values(dict(zip(names, map(float, row[:-2]), strict=True))) for row in slots]
+    series = tuple(simulate(one, times, *row[-2:]) for one, (times, _), row in zip(each, problem.swings, slots, strict=True))
     spread = tuple(float(np.sqrt(np.mean((fit - y) ** 2))) for fit, (_, y) in zip(series, problem.swings, strict=True))
-    angles, velocities = (tuple(float(value) for value in column) for column in zip(*releases, strict=True))
+    own = tuple({name: one.values[name] for name in problem.own} for one in each)
+    angles, velocities = (tuple(map(float, column)) for column in slots[:, -2:].T)
     return Fit(model, method, tuple(problem.free), best, covariance, float(rss), problem.n, angles, velocities, series, spread,
-               bool(converged), message, int(evaluations))  # fmt: skip
+               bool(converged), message, int(evaluations), own)  # fmt: skip
 
 
 def _single(fit):
@@ -194,15 +223,16 @@ def _single(fit):
 
 
 def fit_jointly(effects, swings, *, start="free", guess=None, restoring="sine", form="consistent", bounded=False,
-                most=200, tolerance=1e-10):  # fmt: skip
+                own=(), most=200, tolerance=1e-10):  # fmt: skip
     """The ``Fit`` of one model to several swings at once: shared parameters, each swing its own release.
 
     ``effects`` a label or names; ``swings`` a list of (times in s, angles in rad). ``start``: ``free`` fits each
-    release angle and velocity, ``rest`` starts each swing at rest at its first sample. ``guess``: a model, or several,
-    to start from besides the decay seen in the data. ``bounded`` keeps parameters within the catalogue's bounds.
+    release angle and velocity, ``rest`` starts each swing at rest at its first sample. ``guess``: a model or a fit, or
+    several, to start from besides the decay seen in the data. ``bounded`` keeps parameters within the catalogue's bounds. ``own``
+    names parameters that each swing has for itself, such as a phase.
     Raises InputError for swings that cannot be fitted and TrajectoryError where no start gives a trajectory.
     """
-    problem = _Problem(Model(effects, restoring=restoring, form=form), swings, start, bounded)
+    problem = _Problem(Model(effects, restoring=restoring, form=form), swings, start, bounded, own)
     starts = _starts(problem, guess)
     rss, best, hessian, squares, outcome = _least_squares(problem, starts, most, tolerance)
     if outcome.converged < 0:
@@ -234,7 +264,9 @@ def fit_nelder_mead(effects, times, angle, *, start="free", guess=None, restorin
         if np.any(x < problem.lower) or np.any(x > problem.upper):
             return np.inf
         try:
-            fitted = simulate(model.with_values(dict(zip(model.parameters, x, strict=False))), times, *problem.releases(x)[0])
+            *values, release_angle, release_velocity = problem.slots(x)[0]
+            one = model.with_values(dict(zip(model.parameters, values, strict=True)))
+            fitted = simulate(one, times, release_angle, release_velocity)
         except TrajectoryError:
             return np.inf
         return float(np.sum((fitted - angle) ** 2))
@@ -320,7 +352,7 @@ def fit_batch(guess, times, series, release_angle, release_velocity=0.0, *, star
 
 
 def _slopes_covariance(problem, best, rss):
-    (times, _) = problem.swings[0]
-    model = problem.model.with_values(dict(zip(problem.model.parameters, best, strict=False)))
-    _, slopes = sensitivities(model, times, *problem.releases(best)[0], free=problem.free)
+    (times, _), (*values, release_angle, release_velocity) = problem.swings[0], problem.slots(best)[0]
+    model = problem.model.with_values(dict(zip(problem.model.parameters, values, strict=True)))
+    _, slopes = sensitivities(model, times, release_angle, release_velocity, free=problem.free)
     return _covariance(slopes @ slopes.T, rss, problem.n - len(problem.free), problem.lower, problem.upper, best)
