@@ -1,12 +1,13 @@
-"""Checks of a series before anything is computed from it: its times, and whether the sensor was at its rail."""
+"""Checks of a series before anything is computed from it: its times, and whether the sensor was at its rail.
+"""
 
 import numpy as np
 
 from .errors import InputError
 
 GAP = 1.5  # times the usual interval: a sample is missing
-PLATEAU = 5  # equal samples at an extreme before it is looked at
-CORNER = 8  # quantisation steps that a smooth turning point cannot fall in the time given
+PLATEAU = 4  # samples at the highest value of one top before it is looked at
+STEPS = 8  # quantisation steps below it that are compared with it
 
 
 def check_times(times, lines, place):
@@ -55,44 +56,45 @@ def check_signal(times, signal, place, static=False):
             first, length = runs[0]
             raise InputError(
                 f"{place}, {times[first]:.6g} s",
-                f"the signal is saturated: {length} samples at its {word} value {signal[first]:g}, "
-                f"with corners ({len(runs)} such flat tops)",
+                f"the signal is saturated: {length} samples at its {word} value {signal[first]:g} ({len(runs)} such tops)",
                 "rounded turning points",
                 "record with a wider range, or leave the part out with start_s and stop_s",
             )
 
 
 def saturated_runs(signal):
-    """The flat tops cut off by a rail, as (first sample, length) pairs; empty if every top is rounded.
+    """The flat tops cut off by a rail, as (first sample, samples at the rail) pairs; empty if every top is
+    rounded.
 
-    A flat top of a coarsely quantised swing is a parabola seen in steps: half a plateau further out on either
-    side it has fallen by at most four steps. A signal cut off at a rail falls much further, and leaves the
-    rail in a straight line. Tops at the signal's highest value are looked at. A plateau that touches the
-    first or last sample is judged by its other side alone, and one that starts the record with a release from
-    rest is none.
+    A rounded top seen in steps spends at least twice as long in the eight steps below the highest as at the
+    highest itself, for its distance from the turning point grows with the square of the time. A rail gathers
+    the samples that would lie above it, so the highest value has more than the eight below it together, noise
+    or not. Two such tops are a rail; a single one may be a bob held before its release, and is a rail only if
+    the signal also leaves it in a straight line, where a release starts from rest.
     """
     top, span = signal.max(), np.ptp(signal)
-    values = np.unique(np.round(signal / span, 9)) * span
-    step = np.diff(values).min()
-    at_top = np.concatenate(([0], (signal >= top - 1e-9 * span).astype(int), [0]))
-    edges = np.diff(at_top)
-    starts, stops = np.flatnonzero(edges == 1), np.flatnonzero(edges == -1)
-    found = []
-    for start, stop in zip(starts, stops, strict=True):
-        length = stop - start
-        if length < PLATEAU:
-            continue
-        whole = start == 0 or stop == len(signal)
-        sides = [side for side in (signal[:start][::-1], signal[stop:]) if len(side)]
-        if sides and all(_corner(top, side, length if whole else length // 2, step) for side in sides):
-            found.append((int(start), int(length)))
-    return found
+    step = np.diff(np.unique(np.round(signal / span, 9))).min() * span
+    if span < 4 * (STEPS + 1) * step:  # too coarse to tell a rail from a step
+        return []
+    at_top = signal >= top - 1e-9 * span
+    near = signal >= top - (STEPS + 0.5) * step
+    away = np.concatenate(([0], np.cumsum(signal < top - span / 4)))[
+        1:
+    ]  # counts up between one visit and the next
+    cut = []
+    for visit in np.unique(away[at_top]):
+        own = away == visit
+        here = np.flatnonzero(own & at_top)
+        if len(here) >= PLATEAU and np.sum(own & near) < 2 * len(here):
+            cut.append((int(here[0]), len(here)))
+    if len(cut) == 1:
+        here = np.flatnonzero(at_top & (away == away[cut[0][0]]))
+        sides = [side for side in (signal[: here[0]][::-1], signal[here[-1] + 1 :]) if len(side) > 3]
+        return cut if sides and all(_corner(side, step) for side in sides) else []
+    return cut
 
 
-def _corner(top, side, half, step):
-    """True if the samples beyond a plateau fall away from it faster than a turning point can."""
-    fallen = top - side[: max(half, 4)]
-    if len(fallen) < 4 or fallen[min(half, len(fallen)) - 1] <= CORNER * step:
-        return False
-    second, third = fallen[1] - fallen[0], fallen[2] - fallen[1]  # the first step is cut short by the rail
+def _corner(side, step):
+    """True if the samples beyond a plateau leave it in a straight line, faster than a few steps a sample."""
+    second, third = side[0] - side[1], side[1] - side[2]  # the first step is cut short by the rail
     return second > 3 * abs(third - second) and second > 2 * step

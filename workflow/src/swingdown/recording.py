@@ -53,11 +53,9 @@ def from_bytes(payload, row, place, digest):
     table, about = _netcdf(payload, name) if name.lower().endswith(NETCDF) else _csv(payload, name)
     time_column = _column(table, row["time_column"], 0, name, place, "time_column")
     signal_column = _column(table, row["signal_column"], 1, name, place, "signal_column")
-    time_unit, signal_unit = row["time_unit"], row["signal_unit"]
-    if not row["time_column"]:
-        _check_unit(time_column, time_unit, TIME_UNITS, name, place, "time_unit")
-    if not row["signal_column"]:
-        _check_unit(signal_column, signal_unit, SIGNAL_UNITS, name, place, "signal_unit")
+    time_unit = row["time_unit"] or unit_of(time_column, TIME_UNITS) or "s"
+    signal_unit = row["signal_unit"] or unit_of(signal_column, SIGNAL_UNITS) or "rad"
+    _check_unit(row, signal_column, signal_unit, name, place)
 
     lines = table.attrs["first_line"] + np.arange(len(table))
     times = _numbers(table[time_column], lines, name, time_column) * TIME_UNITS[time_unit]
@@ -169,9 +167,8 @@ def _csv(payload, name):
 def _netcdf(payload, name):
     try:
         with netCDF4.Dataset(name, memory=payload) as file:
-            data = xr.load_dataset(
-                xr.backends.NetCDF4DataStore(file), decode_times=False, decode_timedelta=False
-            )
+            store = xr.backends.NetCDF4DataStore(file)
+            data = xr.open_dataset(store, decode_times=False, decode_timedelta=False).load()
     except (OSError, ValueError, RuntimeError) as error:
         raise InputError(name, f"it cannot be read ({error})", "a netCDF file", "convert it again") from error
     series = {key: data[key] for key in (*data.coords, *data.data_vars) if data[key].ndim == 1}
@@ -209,14 +206,21 @@ def _numbers(column, lines, name, key):
     return values
 
 
-def _check_unit(column, unit, known, name, place, key):
-    """Refuses a default unit that the name of the file's column contradicts; what the sheet says itself
-    stands.
+def _check_unit(row, column, unit, name, place):
+    """Refuses units that need more than the file tells: they are stated in the sheet, where the workflow sees
+    them.
     """
-    if (told := unit_of(column, known)) and told != unit:
+    if not row["signal_unit"] and unit == "V":
         raise InputError(
-            f"{name} ({place}, column {key})",
-            f"the file's column {column!r} seems to be in {told}, the sheet gives no unit and the default is {unit}",
-            f"{key} in the sheet, or the column's name",
-            f"write {told} in the cell {key}",
+            f"{name} ({place}, column signal_unit)",
+            f"the column {column!r} seems to be in V and the sheet does not say so",
+            "V in signal_unit: recordings in volts need a calibration",
+            "write the unit of the signal in the cell signal_unit",
+        )
+    if unit == "counts" and not row["counts_per_revolution"] > 0:
+        raise InputError(
+            f"{name} ({place}, column counts_per_revolution)",
+            f"the column {column!r} seems to be in counts and the sheet has no counts_per_revolution",
+            "the encoder's counts per revolution",
+            "fill it in, or write the unit in the cell signal_unit",
         )

@@ -33,6 +33,7 @@ _NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]*")
 def read_sheet(path, check_files=True):
     """A DataFrame indexed by recording: the sheet's columns with defaults filled in, and each row's ``line``.
 
+    A unit that neither its cell nor the named column tells is "": the file's own column name then decides.
     Text columns hold str ("" = none), numbers float (NaN = none); ``file`` stays as written (``paths.find``
     finds it). ``.attrs["sheet"]`` is the sheet's path. Whatever is not as ``config/README.md`` says raises
     InputError with the sheet, line and column. ``check_files=False`` leaves out the check that each file is
@@ -136,8 +137,8 @@ def _row(path, number, header, cells, check_files):
                 f"{', '.join(known)}, or empty",
                 hint,
             )
-    row["time_unit"] = row["time_unit"] or unit_of(row["time_column"], TIME_UNITS) or "s"
-    row["signal_unit"] = row["signal_unit"] or unit_of(row["signal_column"], SIGNAL_UNITS) or "rad"
+    row["time_unit"] = row["time_unit"] or unit_of(row["time_column"], TIME_UNITS)
+    row["signal_unit"] = row["signal_unit"] or unit_of(row["signal_column"], SIGNAL_UNITS)
     for column in ("counts_per_revolution", "start_s", "stop_s"):
         try:
             row[column] = float(row[column])

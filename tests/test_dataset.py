@@ -1,0 +1,102 @@
+"""Datasets on disk are whole, labelled, and notice damage."""
+
+import errno
+import subprocess
+import sys
+
+import netCDF4
+import numpy as np
+import pytest
+import xarray as xr
+
+from swingdown import dataset
+from swingdown.errors import InputError
+
+
+@pytest.fixture
+def labelled():
+    angle = ("time", np.sin(np.arange(5000) / 9), {"units": "rad", "long_name": "angle"})
+    name = ("model", np.array(["κv", "load_coulomb"]), {"long_name": "name"})
+    time = ("time", np.arange(5000) / 100, {"units": "s", "long_name": "time"})
+    return xr.Dataset({"angle": angle, "name": name}, {"time": time}, {"campaign": "bench"})
+
+
+def test_what_is_read_is_what_was_written(labelled, tmp_path):
+    back = dataset.read(dataset.write(labelled, tmp_path / "new" / "a.nc"))
+    xr.testing.assert_equal(back, labelled)
+    assert back.attrs["campaign"] == "bench" and back["angle"].attrs["units"] == "rad"
+    assert back["time"].dtype == float  # seconds stay numbers, they are no dates
+
+
+def test_every_variable_is_compressed(labelled, tmp_path):
+    with netCDF4.Dataset(dataset.write(labelled, tmp_path / "a.nc")) as file:
+        assert all(variable.filters()["zlib"] for variable in file.variables.values())
+
+
+@pytest.mark.parametrize("key", ["units", "long_name"])
+def test_a_number_without_unit_or_name_is_not_written(labelled, tmp_path, key):
+    del labelled["angle"].attrs[key]
+    with pytest.raises(ValueError, match=f"angle: no {key}"):
+        dataset.write(labelled, tmp_path / "a.nc")
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_unit_lost_on_disk_is_noticed(labelled, tmp_path):
+    path = dataset.write(labelled, tmp_path / "a.nc")
+    with netCDF4.Dataset(path, "a") as file:
+        file["angle"].delncattr("units")
+    with pytest.raises(InputError, match="angle has no units"):
+        dataset.read(path)
+
+
+def test_a_flipped_bit_is_noticed(labelled, tmp_path):
+    path = dataset.write(labelled, tmp_path / "a.nc")
+    content = bytearray(path.read_bytes())
+    content[len(content) // 2] ^= 1
+    path.write_bytes(content)
+    with pytest.raises(InputError, match=r"a\.nc.*cannot be read.*undamaged"):
+        dataset.read(path)
+
+
+def test_an_unfinished_file_is_noticed(labelled, tmp_path):
+    labelled.to_netcdf(tmp_path / "a.nc")
+    with pytest.raises(InputError, match="completeness mark"):
+        dataset.read(tmp_path / "a.nc")
+
+
+def test_a_missing_file_is_told(tmp_path):
+    with pytest.raises(InputError, match="no such file"):
+        dataset.read(tmp_path / "a.nc")
+
+
+def test_a_write_that_fails_leaves_the_old_file_and_nothing_else(labelled, tmp_path, monkeypatch):
+    path = dataset.write(labelled, tmp_path / "a.nc")
+    before = path.read_bytes()
+    monkeypatch.setattr(
+        dataset.os, "replace", lambda *_: (_ for _ in ()).throw(RuntimeError("NetCDF: HDF error"))
+    )
+    with pytest.raises(RuntimeError, match="HDF error"):
+        dataset.write(labelled, path)
+    assert path.read_bytes() == before and list(tmp_path.iterdir()) == [path]
+
+
+def test_a_full_disk_is_told(labelled, tmp_path):
+    """A limit on the size of files stands for the full disk: netCDF says only "HDF error" of either."""
+    code = f"""
+import resource, shutil, signal, types
+import numpy as np, xarray as xr
+from swingdown import dataset
+signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+noise = np.random.default_rng(1).standard_normal(200_000)
+data = xr.Dataset({{"x": ("k", noise, {{"units": "1", "long_name": "noise"}})}})
+resource.setrlimit(resource.RLIMIT_FSIZE, (100_000, 100_000))
+dataset.shutil.disk_usage = lambda path: types.SimpleNamespace(free=90_000)
+try:
+    dataset.write(data, {str(tmp_path / "a.nc")!r})
+except OSError as error:
+    print(error.errno, error)
+"""
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=120)
+    assert done.stdout.startswith(f"{errno.ENOSPC} "), done.stdout + done.stderr
+    assert "the disk is full" in done.stdout and "1.6 MB" in done.stdout and "0.09 MB are free" in done.stdout
+    assert not list(tmp_path.iterdir())
