@@ -24,7 +24,12 @@ TERM_UNITS = {"torque": "1/s**2", "sensor": "1", "play": "1", "clock": "s"}
 
 
 class Parameter(NamedTuple):
-    """A number an effect has: its name in files, its symbol in formulas, unit, admissible bounds, and typical size."""
+    """A number an effect has: its name in files, its symbol in formulas, unit, admissible bounds, and typical size.
+
+    ``grid`` holds values to start a fit from where the effect's shape depends on the parameter (empty for those in
+    which it is linear); ``phase`` marks an angle that turns a sine into a cosine; ``own`` one that each recording has
+    for itself, such as a phase at its first sample.
+    """
 
     name: str
     symbol: str
@@ -33,6 +38,9 @@ class Parameter(NamedTuple):
     upper: float = inf
     text: str = ""
     typical: float = 0.01
+    grid: tuple = ()
+    phase: bool = False
+    own: bool = False
 
 
 class State(NamedTuple):
@@ -143,7 +151,7 @@ _ENTRIES = (
         "-s*exp(-abs(thetadot)/v_s)*sign(thetadot)",
         (
             Parameter("stribeck_friction", "s", "rad/s^2", 0.0, inf, "extra friction at the slowest motion", 0.2),
-            Parameter("stribeck_velocity", "v_s", "rad/s", 1e-3, inf, "velocity at which it has fallen to 1/e", 0.3),
+            Parameter("stribeck_velocity", "v_s", "rad/s", 1e-3, inf, "velocity at which it has fallen to 1/e", 0.3, grid=(0.03, 0.1, 0.3, 1.0)),
         ),
         "A lubricated bearing holds harder when it turns slowly: extra friction near each turning point.",
         "Armstrong-Helouvry et al., Automatica 30, 1083 (1994)",
@@ -153,7 +161,7 @@ _ENTRIES = (
         "-F",
         (
             Parameter("presliding_friction", "F_c", "rad/s^2", 0.0, inf, "friction once it slides, over inertia", 0.2),
-            Parameter("presliding_angle", "x_c", "rad", 1e-5, inf, "angle over which friction builds up", 0.01),
+            Parameter("presliding_angle", "x_c", "rad", 1e-5, inf, "angle over which friction builds up", 0.01, grid=(0.001, 0.003, 0.01, 0.03)),
         ),
         "Dry friction that first bends like a spring: near each turning point the bearing winds up before it slides, "
         "so small swings run early.",
@@ -165,7 +173,7 @@ _ENTRIES = (
         "-d*abs(thetadot)**n*sign(thetadot)",
         (
             Parameter("power_law_coefficient", "d", "rad/s^2", 0.0, inf, "drag over inertia at 1 rad/s", 0.1),
-            Parameter("power_law_exponent", "n", "1", 0.2, 4.0, "1 is viscous, 2 quadratic", 1.5),
+            Parameter("power_law_exponent", "n", "1", 0.2, 4.0, "1 is viscous, 2 quadratic", 1.5, grid=(0.5, 1.5, 2.5, 3.0)),
         ),
         "A drag between slow-fluid and fast-fluid, with its own exponent.",
         "Squire, Am. J. Phys. 54, 984 (1986)",
@@ -190,7 +198,7 @@ _ENTRIES = (
         "-b*exp(-(theta/w_b)**2)*thetadot",
         (
             Parameter("eddy_coefficient", "b", "1/s", 0.0, inf, "braking rate at the magnet", 0.2),
-            Parameter("eddy_width", "w_b", "rad", 0.01, inf, "angle over which the magnet reaches", 0.2),
+            Parameter("eddy_width", "w_b", "rad", 0.01, inf, "angle over which the magnet reaches", 0.2, grid=(0.05, 0.1, 0.2, 0.4)),
         ),
         "A magnet near the bottom brakes the metal bob, and only there.",
         "Wiederick et al., Am. J. Phys. 55, 500 (1987)",
@@ -221,8 +229,8 @@ _ENTRIES = (
         "k_d*sin(n_d*theta + phi_d)",
         (
             Parameter("detent_torque", "k_d", "rad/s^2", 0.0, inf, "amplitude over inertia", 0.2),
-            Parameter("detent_order", "n_d", "1", 4.0, inf, "teeth or magnet poles a turn", 12.0),
-            Parameter("detent_phase", "phi_d", "rad", -2 * pi, 2 * pi, "at the bottom", 0.5),
+            Parameter("detent_order", "n_d", "1", 4.0, inf, "teeth or magnet poles a turn", 12.0, grid=(4.0, 5.0, 6.0, 8.0, 12.0, 16.0, 24.0)),
+            Parameter("detent_phase", "phi_d", "rad", -2 * pi, 2 * pi, "at the bottom", 0.5, phase=True),
         ),
         "Magnets or gear teeth at the shaft pull toward evenly spaced angles.",
         "Hanselman, Brushless Permanent Magnet Motor Design (2003), on cogging",
@@ -232,8 +240,8 @@ _ENTRIES = (
         "-cos(theta)*(mu*thetadot**2*sin(theta) - 2*zeta_2*omega_2*w - omega_2**2*q)",
         (
             Parameter("pivot_mass_ratio", "mu", "1", 0.0, 0.9, "bob over bob and support", 0.02),
-            Parameter("pivot_frequency", "omega_2", "rad/s", 0.1, inf, "of the support on its own", 30.0),
-            Parameter("pivot_damping_ratio", "zeta_2", "1", 0.0, 1.0, "of the support", 0.05),
+            Parameter("pivot_frequency", "omega_2", "rad/s", 0.1, inf, "of the support on its own", 30.0, grid=(12.0, 20.0, 30.0, 45.0)),
+            Parameter("pivot_damping_ratio", "zeta_2", "1", 0.0, 1.0, "of the support", 0.05, grid=(0.02, 0.2)),
         ),
         "The stand gives way and swings along: it carries energy off and shifts the period.",
         "Bacon and Nguyen, Am. J. Phys. 73 (2005); Nayfeh and Mook (1979)",
@@ -255,7 +263,7 @@ _ENTRIES = (
         (
             Parameter("vibration_acceleration", "A", "rad/s^2", 0.0, inf, "amplitude of pivot acceleration over length", 0.3),
             Parameter("vibration_frequency", "f", "Hz", 0.0, inf, "of the pivot's motion", 3.0),
-            Parameter("vibration_phase", "phi", "rad", -2 * pi, 2 * pi, "at the first sample", 0.5),
+            Parameter("vibration_phase", "phi", "rad", -2 * pi, 2 * pi, "at the first sample", 0.5, phase=True, own=True),
         ),
         "The table shakes sideways at one frequency.",
         _MECHANICS,
@@ -272,7 +280,7 @@ _ENTRIES = (
         "-omega_n*zeta_w*abs(thetadot - u)*(thetadot - u)",
         (
             Parameter("wind_coefficient", "zeta_w", "s", 0.0, inf, "drag over inertia, divided by omega_n", 0.02),
-            Parameter("wind_speed", "u", "rad/s", -inf, inf, "of the air at the bob, over the length", 0.5),
+            Parameter("wind_speed", "u", "rad/s", -inf, inf, "of the air at the bob, over the length", 0.5, grid=(-2.0, -0.5, -0.1, 0.1, 0.5, 2.0)),
         ),
         "Air that moves past the pendulum drags one way harder than the other.",
         _MECHANICS,
@@ -306,7 +314,7 @@ _ENTRIES = (
         "theta + a_e*sin(theta + phi_e)",
         (
             Parameter("eccentricity", "a_e", "rad", 0.0, inf, "amplitude of the error a turn", 0.01),
-            Parameter("eccentricity_phase", "phi_e", "rad", -2 * pi, 2 * pi, "at the bottom", 0.8),
+            Parameter("eccentricity_phase", "phi_e", "rad", -2 * pi, 2 * pi, "at the bottom", 0.8, phase=True),
         ),
         "The encoder's disc is off centre: it reads ahead on one side and behind on the other.",
         _METROLOGY,
@@ -340,8 +348,51 @@ _ENTRIES = (
 CATALOGUE = {effect.name: effect for effect in _ENTRIES}
 
 
+def _free_form(name, pieces, unit, scale, explanation):
+    """An effect without a name: a sum of ``pieces`` (formulas) with a coefficient each, over a range that is given."""
+    letters = [f"c_{k}" for k in range(len(pieces))]
+    term = " + ".join(f"{letter}*({piece})" for letter, piece in zip(letters, pieces, strict=True))
+    own = tuple(Parameter(f"{name}_{k}", letter, "rad/s^2", typical=0.1) for k, letter in enumerate(letters))
+    own += (Parameter(f"{name}_range", "s_u", unit, 1e-6, inf, scale, 1.0, grid=(1.0,)),) if scale else ()
+    return Effect(name, term, own, explanation, "a polynomial; what the catalogue does not explain is drawn, not named")
+
+
+_SIGNED = "sign(thetadot)"
+FREE_FORM = {
+    effect.name: effect
+    for effect in (
+        _free_form(
+            "unnamed_position",
+            ["1", *(f"(theta/s_u)**{k}" for k in range(2, 8))],
+            "rad",
+            "largest angle of the recordings",
+            "A torque that depends on where the pendulum is, of a form that no entry of the catalogue has.",
+        ),
+        _free_form(
+            "unnamed_velocity",
+            [_SIGNED, *(f"{_SIGNED}*abs(thetadot/s_u)**{k}" for k in range(1, 6))],
+            "rad/s",
+            "largest velocity of the recordings",
+            "A torque that depends on how fast the pendulum moves, of a form that no entry of the catalogue has.",
+        ),
+        _free_form(
+            "unnamed_time",
+            [f"{of}*(t/duration)**{k}" for of in ("thetadot/omega_n", "theta", "1") for k in (1, 2, 3)],
+            "",
+            "",
+            "A torque that changes over the record, of a form that no entry of the catalogue has.",
+        ),
+    )
+}
+
+
 def effect(name):
     """The catalogue's entry of that name; InputError with the known names otherwise."""
-    if name not in CATALOGUE:
+    if name not in known():
         raise InputError(f"effect {name!r}", "no such effect in the catalogue", ", ".join(CATALOGUE))
-    return CATALOGUE[name]
+    return known()[name]
+
+
+def known():
+    """Every effect a model may have, by name: the catalogue's and the free forms, in the order in which models list them."""
+    return CATALOGUE | FREE_FORM

@@ -37,7 +37,7 @@ class Model:
             effects.effect(name)
         if len(set(names)) < len(names):
             raise InputError(f"model {'+'.join(names)}", "an effect is named twice", "each effect once")
-        object.__setattr__(self, "effects", tuple(sorted(names, key=list(effects.CATALOGUE).index)))
+        object.__setattr__(self, "effects", tuple(sorted(names, key=list(effects.known()).index)))
         for key, value, known in (("restoring", self.restoring, RESTORING), ("form", self.form, FORMS)):
             if value not in known:
                 raise InputError(f"model {self.label}, {key}", f"unknown {key} {value!r}", " or ".join(known))
@@ -53,7 +53,7 @@ class Model:
     @property
     def definitions(self):
         """The definitions (``effects.Parameter``) of all parameters, the natural frequency first."""
-        own = (parameter for name in self.effects for parameter in effects.CATALOGUE[name].parameters)
+        own = (parameter for name in self.effects for parameter in effects.known()[name].parameters)
         return (effects.NATURAL_FREQUENCY, *own)
 
     @property

@@ -37,7 +37,7 @@ class Effort:
 
 def engine():
     """The compiled engine for the catalogue (compiled at the first use on a machine)."""
-    return build.load(tuple(effects.CATALOGUE.values()), tuple(effects.GRAVITY.values()))
+    return build.load(tuple(effects.known().values()), tuple(effects.GRAVITY.values()))
 
 
 class Compiled:
@@ -45,7 +45,7 @@ class Compiled:
 
     def __init__(self, model, duration):
         gravity = effects.GRAVITY[model.restoring]
-        rows = {(e.name, form): k for k, (e, form) in enumerate(entries(effects.CATALOGUE.values(), effects.GRAVITY.values()))}
+        rows = {(e.name, form): k for k, (e, form) in enumerate(entries(effects.known().values(), effects.GRAVITY.values()))}
         parts = {"motions": [(rows[gravity.name, "consistent"], 1, 0)], "sensors": [], "clocks": []}
         play, parameter, state = -1, 1, 0
         for effect in map(effects.effect, model.effects):
