@@ -96,10 +96,11 @@ def calibration():
             "angle": ("point", angle),
             "angle_uncertainty": (("mode", "point"), sizes),
             "voltage": ("point", voltage),
-            "voltage_uncertainty": ("point", [0.0087, 0.0087, 0.0144, 0.0144]),
+            "voltage_uncertainty": (("mode", "point"), [[0.015, 0.015, 0.025, 0.025]] + [[0.0087, 0.0087, 0.0144, 0.0144]] * 2),
             "flagged": ("point", [True, False, False, False]),
             "line": (("mode", "coefficient"), [[intercept, slope]] * 3),
-            "deviation_line": (("kind", "side", "coefficient"), deviation),
+            "deviation_line": (("mode", "kind", "side", "coefficient"), np.stack([deviation] * 3)),
+            "deviation_line_factor": ("mode", [1.0, 2.0, 2.0]),
         },
         coords={"mode": modes, "point": range(4), "coefficient": ["intercept", "slope"], "kind": kinds, "side": sides},
         attrs={"emulated": "yes"},
@@ -113,7 +114,9 @@ def angles():
     angle = decay(time - 0.5, 24, 0.06) + np.radians(0.05) * random.standard_normal(time.size)
     bound = np.radians(0.18 + 0.004 * np.degrees(np.abs(angle)))
     attrs = {"recording": "swing-01", "campaign": "bench", "mode": "gum", "coverage_factor": 1.98, "emulated": "yes"}
-    return xr.Dataset({"angle": ("time", angle), "angle_bound": ("time", bound)}, {"time": time}, attrs)
+    random = ("time", np.full(time.size, np.radians(0.05)))
+    variables = {"angle": ("time", angle), "angle_bound": ("time", bound), "angle_random_uncertainty": random}
+    return xr.Dataset(variables, {"time": time}, attrs)
 
 
 @pytest.fixture

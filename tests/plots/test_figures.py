@@ -89,11 +89,27 @@ def test_nothing_that_is_written_overlaps_or_leaves_the_figure(draw, name, monke
 @pytest.mark.parametrize(("name", "label"), list(zip(["fig10", "fig11", "fig12"], PAPER_MODELS[:3], strict=True)))
 def test_a_fit_shows_its_model_norm_and_residual_in_the_models_colour(draw, name, label, fits):
     figure = draw(name)
-    assert f"{float(fits['norm'].sel(fitted=label)):.3g}°" in said(figure)
+    assert f"{float(fits['norm'].sel(fitted=label)):#.3g}°" in said(figure)
     strip = next(axes for axes in figure.axes if axes.get_ylabel().startswith("data − fit"))
     drawn = [line for line in strip.lines if len(line.get_xdata()) == fits.sizes["time"]]
     assert [line.get_color() for line in drawn] == [style.colour(label)]
     np.testing.assert_allclose(drawn[0].get_ydata(), np.degrees(fits["residual"].sel(fitted=label)))
+
+
+def test_a_residual_far_within_the_error_bound_sets_the_scale_and_says_so(draw, fits):
+    small = fits.copy(deep=True)
+    small["residual"] *= 0.05
+    for data, within in ((fits, False), (small, True)):
+        figure = draw("fig10", fits=data)
+        strip = next(axes for axes in figure.axes if axes.get_ylabel().startswith("data − fit"))
+        largest = float(np.degrees(np.abs(data["residual"].sel(fitted="viscous")).max()))
+        assert largest < strip.get_ylim()[1] < 1.5 * largest
+        assert ("reaches beyond this strip" in said(figure)) == within
+
+
+def test_the_noise_band_is_drawn_where_the_noise_is_known(draw, angles):
+    assert "random uncertainties" in said(draw("fig10"))
+    assert "random uncertainties" not in said(draw("fig10", angles=angles.drop_vars("angle_random_uncertainty")))
 
 
 def test_the_pairs_shown_are_the_best_of_the_swings_own_campaign(draw, run_norms):
@@ -102,6 +118,7 @@ def test_the_pairs_shown_are_the_best_of_the_swings_own_campaign(draw, run_norms
     for label, value in best.items():
         norms["norm"].loc[{"fitted": label}] = value
     other = norms.copy(deep=True).assign_coords(recording=[f"other-{k}" for k in range(10)], campaign=("recording", ["other"] * 10))
+    other["norm"][:] = 9.0
     other["norm"].loc[{"fitted": "quadratic_drag+load_coulomb"}] = 0.0
     both = xr.concat([norms, other], "recording")
     for name, label in zip(("fig13", "fig14"), best, strict=True):
@@ -134,8 +151,21 @@ def test_the_calibration_shows_the_mode_that_was_asked_for(draw, calibration):
     assert "gum" in said(draw("fig08", calibration=calibration.assign_attrs(mode="gum")))
 
 
+def test_a_box_is_called_what_it_is(draw, calibration):
+    assert "± limit of error" in said(draw("fig08", mode="paper"))
+    assert "± standard uncertainty" in said(draw("fig08", mode="gum"))
+    assert "2 times as large" in said(draw("fig08", mode="gum"))
+
+
+def test_a_point_left_out_of_the_line_is_drawn_without_a_box(draw, calibration):
+    left_out = calibration.copy(deep=True)
+    left_out["voltage_uncertainty"][:, 0] = np.nan
+    boxes = [len(draw("fig08", calibration=data).axes[1].patches) for data in (calibration, left_out)]
+    assert boxes == [4, 3]
+
+
 def test_every_length_stands_with_its_limit(draw):
-    words = said(draw("fig07"))
+    words = texts(draw("fig07"))
     for text in ("208.00", "12.700", "246.35", "25.400", "19.50", "50.90", "± 0.002", "± 0.04"):
         assert text in words
 

@@ -13,7 +13,8 @@ def fig08(calibration, mode=None):
     """The calibration line, the lowest point enlarged, and what is left beside the line (the paper's Figure 8).
 
     ``calibration`` is the calibration dataset; ``mode`` picks one of its modes of uncertainty, by default the one its
-    attribute ``mode`` names, else the first. Boxes reach one standard uncertainty to each side of a point.
+    attribute ``mode`` names, else the first. Boxes reach one standard uncertainty to each side of a point (in mode
+    ``paper`` one limit of error); a point that was left out of the line has none.
     """
     mode = mode or calibration.attrs.get("mode", str(calibration["mode"].values[0]))
     data = calibration.sel(mode=mode)
@@ -26,9 +27,10 @@ def fig08(calibration, mode=None):
     figure = style.new_figure(11)
     grid = figure.add_gridspec(2, 2, width_ratios=(1.5, 1), height_ratios=(2.1, 1))
     whole, rest, zoom = (figure.add_subplot(place) for place in (grid[0, 0], grid[1, 0], grid[:, 1]))
+    boxed = "limit of error" if mode == "paper" else "standard uncertainty"
     reach = 0.06 * np.ptp(voltage)
     volts = np.array([voltage.min() - reach, voltage.max() + reach])
-    lowest = int(np.argmin(angle))
+    lowest = int(np.nanargmin(np.where(np.isfinite(boxes[0] + boxes[1]), angle, np.nan)))
     near = voltage[lowest] + 2.4 * boxes[0][lowest] * np.array([-1, 1])
     for axes, span, about in ((whole, volts, 0), (zoom, near, 0), (rest, volts, best)):
         _lines(axes, span, best, extreme, about)
@@ -54,7 +56,14 @@ def fig08(calibration, mode=None):
     ]
     handles += [style.mark("X", FLAG, "tower height, flagged")] if flagged.any() else []
     figure.legend(handles=handles, loc="outside upper left", ncols=len(handles))
-    return style.footnote(figure, style.emulated_note(calibration), f"boxes: ± one standard uncertainty (mode {mode})")
+    return style.footnote(figure, style.emulated_note(calibration), f"boxes: ± {boxed} (mode {mode})",
+                          _stretched(data))  # fmt: skip
+
+
+def _stretched(data):
+    """What is said where no line passes through all boxes as they are."""
+    factor = float(data["deviation_line_factor"])
+    return f"the dashed lines pass through boxes {factor:g} times as large" if factor > 1 else ""
 
 
 def _at(line, voltage):
@@ -71,8 +80,9 @@ def _lines(axes, span, best, extreme, about):
 def _points(axes, voltage, angle, boxes, flagged):
     for x, y, wide, high, flag in zip(voltage, angle, *boxes, flagged, strict=True):
         colour = FLAG if flag else style.INK
-        axes.add_patch(Rectangle((x - wide, y - high), 2 * wide, 2 * high, facecolor=colour, alpha=0.13, lw=0))
-        axes.add_patch(Rectangle((x - wide, y - high), 2 * wide, 2 * high, fill=False, edgecolor=colour, lw=0.8, zorder=3))
+        if np.isfinite(wide + high):
+            axes.add_patch(Rectangle((x - wide, y - high), 2 * wide, 2 * high, facecolor=(colour, 0.13), edgecolor=colour,
+                                     lw=0.8, zorder=3))  # fmt: skip
         axes.plot(x, y, "X" if flag else "o", color=colour, ms=6.5 if flag else 4, mec="white", mew=0.5, zorder=4)
 
 

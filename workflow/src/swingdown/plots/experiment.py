@@ -56,7 +56,8 @@ def fit_of(label, fits, angles, remark=""):
     """A figure of one model's best fit on one swing: the whole, both ends enlarged, and the residual.
 
     ``fits`` holds ``fit`` and ``residual`` (fitted, time; rad) and ``norm`` (fitted; degrees), ``angles`` the same
-    swing's ``angle`` and ``angle_bound`` (time; rad). The band behind the residual is the angle's error bound.
+    swing's ``angle``, ``angle_bound`` and, where known, ``angle_random_uncertainty`` (time; rad), the bands behind the
+    residual.
     """
     if label not in fits["fitted"].values:
         return style.absent(f"This study does not fit the {style.name(label)} model.")
@@ -84,22 +85,36 @@ def fit_of(label, fits, angles, remark=""):
     for axes in (early, late):
         inside = (time >= axes.get_xlim()[0]) & (time <= axes.get_xlim()[1])
         style.symmetric(axes, np.concatenate([angle[inside], fit[inside]]))
-    strip.fill_between(time, -bound, bound, color=style.FAINT, alpha=0.75, lw=0)
-    strip.axhline(0, color=style.GREY, lw=0.6)
-    strip.plot(time, residual, color=colour, lw=0.7)
-    strip.set(xlim=(time[0], time[-1]), xlabel=style.TIME, ylabel="data − fit (°)", title="(c) residual")
-    strip.grid(True, axis="y")
-    style.symmetric(strip, np.concatenate([residual, bound]))
+    bands = _residual(strip, time, residual, bound, angles, colour)
     figure.align_ylabels((whole, early, strip))
     handles = [
         whole.plot([], [], color=DATA, lw=4, label="measured angle")[0],
         whole.plot([], [], color=colour, label="fit")[0],
-        whole.fill_between([], [], color=style.FAINT, alpha=0.75, lw=0, label="error bound of the angle"),
+        *bands,
     ]
-    legend = figure.legend(handles=handles, loc="outside upper left", ncols=3, title_fontsize=10.5, alignment="left")
-    words = f"{symbol(label, mathtext=True)}  {style.name(label)} damping: norm {float(one['norm']):.3g}° (RMS)"
+    legend = figure.legend(handles=handles, loc="outside upper left", ncols=len(handles), title_fontsize=10.5, alignment="left")
+    words = f"{symbol(label, mathtext=True)}  {style.name(label)} damping: norm {float(one['norm']):#.3g}° (RMS)"
     legend.set_title(words + (f" — {remark}" if remark else ""))
     return style.footnote(figure, recording_note(angles))
+
+
+def _residual(axes, time, residual, bound, angles, colour):
+    """The legend entries of the bands behind a residual, which this draws into the axes."""
+    bands = [axes.fill_between(time, -bound, bound, color=style.FAINT, alpha=0.6, lw=0, label="error bound")]
+    if "angle_random_uncertainty" in angles and (angles["angle_random_uncertainty"] > 0).all():
+        noise = 2 * style.degrees(angles["angle_random_uncertainty"])
+        label = "± 2 random uncertainties"
+        bands.append(axes.fill_between(time, -noise, noise, color=style.GREY, alpha=0.55, lw=0, label=label))
+    axes.axhline(0, color=style.GREY, lw=0.6)
+    axes.plot(time, residual, color=colour, lw=0.7)
+    # A good fit leaves less than the error bound, most of which all samples share: then the residual sets the scale.
+    small = style.symmetric(axes, residual).get_ylim()[1] < bound.min()
+    if not small:
+        style.symmetric(axes, np.concatenate([residual, bound]))
+    title = "(c) residual: the error bound reaches beyond this strip" if small else "(c) residual"
+    axes.set(xlim=(time[0], time[-1]), xlabel=style.TIME, ylabel="data − fit (°)", title=title)
+    axes.grid(True, axis="y")
+    return bands
 
 
 @style.styled
