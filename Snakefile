@@ -3,7 +3,7 @@
 from snakemake.utils import min_version
 
 from swingdown import console
-from swingdown.paths import find
+from swingdown.paths import find, is_url
 from swingdown.plan import plan
 from swingdown.settings import complete
 from swingdown.sources import sources
@@ -30,9 +30,7 @@ wildcard_constraints:
     simulated="|".join(config["simulation"]["simulated"]) or "(?!)",
 
 
-def code(script):
-    """The package's files that a script rests on; as inputs they make its rule run again when one is edited."""
-    return sources(f"{workflow.basedir}/workflow/scripts/{script}.py")
+include: "workflow/rules/common.smk"
 
 
 if config["simulation"]["simulated"]:

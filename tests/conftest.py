@@ -65,3 +65,23 @@ def snakemake():
         return done
 
     return run
+
+
+SMALL = """\
+recordings: small.csv
+apparatus: config/apparatus.yaml
+simulation: {realizations: 2}
+calibration: {draws: 2000}
+"""
+
+
+@pytest.fixture(scope="session")
+def small_study(snakemake, tmp_path_factory):
+    """The folder of a run of the whole study on two swings of the bench, with few draws and realisations."""
+    folder = tmp_path_factory.mktemp("study")
+    header, *rows = (ROOT / "config/recordings.csv").read_text().splitlines()
+    kept = [row for row in rows if row.startswith(("swing_01", "swing_02")) or "static" in row]
+    (folder / "small.csv").write_text("\n".join([header, *kept, ""]))
+    (folder / "small.yaml").write_text(SMALL)
+    snakemake("--configfile", folder / "small.yaml", directory=folder)
+    return folder

@@ -37,6 +37,7 @@ rule table3:
     message: "Collecting and comparing the fits of the experiment (Table 3)"
     input:
         fits=expand("results/experiment/fits/{recording}.nc", recording=PLAN.swings()),
+        joint=expand("results/experiment/joint/{campaign}.nc", campaign=PLAN.campaigns),
         published=find("resources/paper/table3.csv"),
         code=code("table3"),
     output:

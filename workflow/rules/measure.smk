@@ -3,13 +3,6 @@
 # makes: results/recordings/, results/angles/, results/calibration/, results/tables/uncertainty_budget.csv
 
 from swingdown.apparatus import read_apparatus
-from swingdown.paths import is_url
-
-
-def raw(name):
-    """The input file of a recording, or nothing where a URL is read."""
-    file = PLAN.rows[name]["file"]
-    return [] if is_url(file) else str(find(file))
 
 
 rule record:
@@ -48,11 +41,15 @@ if PLAN.in_volts:
         message: "Calibrating: heights to angles, angles and voltages to a line"
         input:
             apparatus=str(find(PLAN.apparatus)),
-            towers=[str(find(point["file"])) for point in read_apparatus(PLAN.apparatus)["points"]],
-            static=expand("results/recordings/{recording}.nc", recording=PLAN.statics()),
+            towers=[
+                str(find(point["file"]))
+                for point in read_apparatus(PLAN.apparatus)["points"]
+                if not is_url(point["file"])
+            ],
+            rest=[f"results/recordings/{name}.nc" for name in PLAN.statics()][:1],
             code=code("calibrate"),
         output:
-            calibration="results/calibration/calibration.nc",
+            line="results/calibration/calibration.nc",
             budget=report("results/tables/uncertainty_budget.csv", category="Tables", labels={"table": "budget"}),
         log: "results/logs/calibrate.log"
         params:

@@ -3,12 +3,6 @@
 # makes: results/report.html
 
 
-def inputs_told():
-    """The files, beside the recordings, whose checksums the report tells."""
-    names = [*workflow.configfiles, config.get("recordings"), PLAN.apparatus]
-    return [str(find(name)) for name in names if name]
-
-
 rule report:
     message: "Writing the report"
     input:
@@ -16,7 +10,7 @@ rule report:
         figures=[path for path in FIGURES if path.endswith(".svg")],
         captions=[f"{workflow.basedir}/workflow/report/{name}.rst" for name in DRAWN],
         recordings=expand("results/recordings/{recording}.nc", recording=PLAN.swings() + PLAN.statics()),
-        told=inputs_told(),
+        told=told(),
         template=f"{workflow.basedir}/workflow/report/report.html.j2",
         code=code("report"),
     output: "results/report.html"

@@ -1,30 +1,35 @@
 """The line from voltage to angle in three modes of uncertainty, and the uncertainty budget."""
 
-from swingdown import console, dataset
+import numpy as np
+
+from swingdown import calibration, console, dataset
 from swingdown.apparatus import read_apparatus
-from swingdown.calibration import budget, calibrate
+from swingdown.recording import read_recording
 from swingdown.tables import write_table
 
 
-def run(apparatus, static, draws, seed, mode, calibration_output, budget_output):
-    sheet = read_apparatus(apparatus)
-    calibration = calibrate(sheet, [dataset.read(path) for path in static], draws=draws, seed=seed)
-    dataset.write(calibration, calibration_output)
-    write_table(budget(calibration), budget_output)
-    return "calibrated"
+def calibrate(apparatus, rest, draws, seed, mode, line_output, budget_output):
+    still = read_recording(rest[0]) if rest else None  # at most one record of the pendulum at rest
+    line, budget = calibration.calibrate(read_apparatus(apparatus), still, draws=draws, seed=seed, mode=mode)
+    dataset.write(line, line_output)
+    write_table(budget, budget_output)
+    intercept, slope = np.degrees(line["line"].sel(mode=mode).values)
+    told = [
+        f"angle = {slope:.4f} °/V × voltage {intercept:+.3f}° (mode {mode}, {line.sizes['point']} tower heights)"
+    ]
+    told += [
+        f"flagged: tower height {number}: {reason}"
+        for number, reason in zip(line["point"].values, line["flag_reason"].values, strict=True)
+        if str(reason)
+    ]
+    return "\n".join(told)
 
 
 if __name__ == "__main__":
     with console.job(snakemake.log[0]) as say:
         params, files, made = snakemake.params, snakemake.input, snakemake.output
         say(
-            run(
-                files.apparatus,
-                files.static,
-                params.draws,
-                params.seed,
-                params.mode,
-                made.calibration,
-                made.budget,
+            calibrate(
+                files.apparatus, files.rest, params.draws, params.seed, params.mode, made.line, made.budget
             )
         )

@@ -7,18 +7,22 @@ from swingdown.norms import combine_recordings
 from swingdown.tables import comparison, parameters, table3, write_table
 
 
-def collect(fits, published, outputs):
+def collect(fits, joint, published, outputs):
     norms = combine_recordings([dataset.read(path) for path in fits])
     dataset.write(norms, outputs.norms)
     pairs = comparison(norms)
     write_table(table3(norms, pd.read_csv(published)), outputs.table3)
     write_table(pairs, outputs.comparison)
-    write_table(parameters(norms), outputs.parameters)
-    return "\n".join(
+    write_table(parameters(norms, [dataset.read(path) for path in joint]), outputs.parameters)
+    alike = [
         f"{row.campaign}: {row.verdict}" for row in pairs.itertuples() if "indistinguishable" in row.verdict
+    ]
+    return "\n".join(
+        [f"{norms.sizes['fitted']} models compared over {norms.sizes['recording']} swings", *alike]
     )
 
 
 if __name__ == "__main__":
     with console.job(snakemake.log[0]) as say:
-        say(collect(snakemake.input.fits, snakemake.input.published, snakemake.output))
+        files = snakemake.input
+        say(collect(files.fits, files.joint, files.published, snakemake.output))

@@ -167,26 +167,27 @@ def apparatus(material):
 
 
 def _budget(budget):
+    quantity = budget["quantity"].iloc[-1]  # the angle of one sample, to which all else leads
     columns = [
-        Column("quantity"), Column("source"), Column("limit", style="n"), Column("unit"), Column("divisor", style="n"),
-        Column("standard uncertainty", style="n"), Column("sensitivity", style="n"), Column("contribution", style="n"),
-        Column("share", "%", "n"), Column("kind"),
+        Column("source"), Column("limit", style="n"), Column("divisor", style="n"), Column("standard uncertainty", style="n"),
+        Column("unit"), Column("sensitivity", style="n"), Column("contribution", "mrad", "n"), Column("share", "%", "n"),
+        Column("kind"),
     ]  # fmt: skip
+    shown = budget[budget["quantity"] == quantity].sort_values("share", ascending=False)
     rows = [
         [
-            row.quantity, row.source, numbers.plain(row.limit), row.unit, numbers.plain(row.divisor, 4),
-            numbers.plain(row.standard_uncertainty), numbers.plain(row.sensitivity), numbers.plain(row.contribution, 2),
-            numbers.plain(100 * row.share, 2), row.kind,
+            row.source.replace("_", " "), numbers.plain(row.limit), numbers.plain(row.divisor), numbers.plain(row.standard_uncertainty),
+            row.unit, numbers.plain(row.sensitivity), numbers.plain(1e3 * row.contribution, 2), f"{100 * row.share:.1f}", row.kind,
         ]
-        for row in budget.itertuples()
+        for row in shown.itertuples()
     ]  # fmt: skip
-    caption = (
-        "Uncertainty budget: what each measured input contributes to the uncertainty of the quantity named."
-    )
+    total = 1e3 * (shown["contribution"] ** 2).sum() ** 0.5
+    caption = f"What each input contributes to the standard uncertainty of one {quantity.replace('_', ' ')} ({numbers.plain(total)} mrad)."
     notes = (
         "A limit over its divisor is the standard uncertainty; times the sensitivity it is the contribution.",
+        "The budgets of the line, of the rest voltage and of the angle at rest are in results/tables/uncertainty_budget.csv.",
     )
-    return Table("Uncertainty budget", caption, columns, rows, notes, _groups(budget["quantity"]))
+    return Table("Uncertainty budget", caption, columns, rows, notes)
 
 
 def experiment(material):
@@ -244,20 +245,27 @@ def _comparison(table):
 def _parameters(table):
     keys = ["campaign", "fitted", "parameter", "unit"]
     columns = [
-        Column("campaign"), Column("fitted"), Column("parameter"), Column("mean over swings", style="n"), Column("unit"),
-        Column("std between swings", style="n"), Column("standard error of one fit", "median", "n"),
+        Column("campaign"), Column("fitted"), Column("parameter"), Column("mean over swings", style="n"),
+        Column("swings together", style="n"), Column("unit"), Column("std between swings", style="n"),
+        Column("standard error of one fit", "median", "n"), Column("the same, robust", "median", "n"),
     ]  # fmt: skip
     rows, labels = [], []
     for (campaign, fitted, parameter, unit), part in table.groupby(keys, sort=False, dropna=False):
-        mean, spread, error = part["value"].mean(), part["value"].std(), part["standard_error"].median()
-        of_mean = spread / len(part) ** 0.5 if len(part) > 1 else error
+        summary = part["recording"].isin(["(mean)", "(joint)"])
+        single, texts = part[~summary], dict(zip(part["recording"], part["text"], strict=True))
+        mean = texts.get("(mean)", single["text"].iloc[0])
         labels.append((campaign, fitted))
         rows.append([
-            campaign, model_symbol(fitted), parameter.replace("_", " "), numbers.brief(mean, of_mean), unit,
-            numbers.plain(spread, 2), numbers.plain(error, 2),
+            campaign, model_symbol(fitted), parameter.replace("_", " "), mean.replace("-", "−"),
+            texts.get("(joint)", "–").replace("-", "−"), unit, numbers.plain(single["value"].std(), 2),
+            numbers.plain(single["standard_error"].median(), 2), numbers.plain(single["robust_standard_error"].median(), 2),
         ])  # fmt: skip
-    caption = "Fitted parameters; in parentheses the standard error of the mean over the swings, in units of the last digits."
-    notes = ("Each swing's values, with their standard errors, are in results/tables/parameters.csv.",)
+    caption = "Fitted parameters; in parentheses the standard error in units of the last digits."
+    notes = (
+        "Mean over swings: its standard error is from the scatter between swings. Swings together: one fit to all.",
+        "Robust: allows for residuals that are not independent of each other.",
+        "Each swing's values are in results/tables/parameters.csv.",
+    )
     return Table("Parameters", caption, columns, rows, notes, _groups(labels))
 
 

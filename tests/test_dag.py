@@ -1,0 +1,112 @@
+"""A switch of the config adds or removes exactly the rules and files that it should, and nothing else."""
+
+import pytest
+from snakemake.api import SnakemakeApi
+from snakemake.settings.enums import Quietness
+from snakemake.settings.types import (
+    ConfigSettings,
+    DAGSettings,
+    ExecutionSettings,
+    OutputSettings,
+    ResourceSettings,
+)
+
+PAPER = {
+    "all", "report", "simulate", "fit_simulated", "table2", "record", "calibrate", "angle", "fit_swing", "fit_campaign",
+    "table3", *(f"fig{number:02d}" for number in range(1, 16)),
+}  # fmt: skip
+SIMULATION = {"simulate", "fit_simulated", "table2", "fig02", "fig03", "fig04", "fig05"}
+CALIBRATION = {"calibrate", "fig06", "fig07", "fig08"}
+EXPERIMENT = PAPER - SIMULATION - {"all", "report", "fig01"}
+
+
+@pytest.fixture
+def rules(root, tmp_path):
+    """A function that plans a config, in this process to save starts, and returns how often each rule would run."""
+
+    def counts(config=None, *targets):
+        (tmp_path / "mine.yaml").write_text(config or "")
+        files = [] if config is None else [tmp_path / "mine.yaml"]
+        with SnakemakeApi(OutputSettings(quiet={Quietness.ALL})) as api:
+            study = api.workflow(
+                resource_settings=ResourceSettings(cores=1),
+                config_settings=ConfigSettings(configfiles=files),
+                snakefile=root / "Snakefile",
+                workdir=tmp_path,
+            )
+            jobs = study.dag(dag_settings=DAGSettings(targets=set(targets)))
+            jobs.execute_workflow(executor="dryrun", execution_settings=ExecutionSettings(lock=False))
+            _, found = study._workflow.dag.stats()
+        return {name: count for name, count in found.items() if name != "total"}
+
+    return counts
+
+
+@pytest.fixture
+def sheet(tmp_path):
+    """A sample sheet of one pendulum whose swings are in radians, in the folder of the run."""
+    (tmp_path / "a.csv").write_text("time_s,angle_rad\n")
+    (tmp_path / "b.csv").write_text("time_s,angle_rad\n")
+    (tmp_path / "sheet.csv").write_text("recording,campaign,file\na,mine,a.csv\nb,mine,b.csv\n")
+    return "recordings: sheet.csv\n"
+
+
+def test_the_papers_study(rules):
+    counts = rules()
+    assert set(counts) == PAPER
+    assert (
+        counts["record"] == counts["angle"] + 1 == counts["fit_swing"] + 1 == 13
+    )  # the record at rest is not fitted
+    assert counts["fit_simulated"] == 3
+    assert counts["fit_campaign"] == 1
+
+
+def test_without_recordings_only_the_simulation_study_runs(rules):
+    assert set(rules("seed: 1\n")) == SIMULATION | {"all", "report", "fig01"}
+
+
+def test_recordings_in_radians_need_no_calibration(rules, sheet):
+    assert set(rules(sheet)) == PAPER - CALIBRATION
+
+
+def test_no_simulated_term_leaves_the_simulation_study_out(rules, sheet):
+    assert set(rules(sheet + "simulation: {simulated: []}\n")) == PAPER - CALIBRATION - SIMULATION
+
+
+def test_each_simulated_term_is_one_job(rules):
+    assert rules("simulation: {simulated: [viscous, load_coulomb]}\n")["fit_simulated"] == 2
+
+
+def test_campaigns_choose_what_is_fitted(rules, sheet, tmp_path):
+    with (tmp_path / "sheet.csv").open("a") as rows:
+        rows.write("c,other,a.csv\nd,other,b.csv\ne,other,b.csv\n")
+    assert rules(sheet)["fit_swing"] == 5
+    assert rules(sheet)["fit_campaign"] == 2
+    chosen = rules(sheet + "experiment: {campaigns: [other]}\n")
+    assert (chosen["fit_swing"], chosen["fit_campaign"], chosen["record"]) == (3, 1, 3)
+
+
+def test_the_report_is_a_target_of_its_own(rules):
+    assert set(rules(None, "report")) == PAPER - {"all"}
+
+
+@pytest.mark.parametrize(
+    ("config", "told"),
+    [
+        ("sead: 1\n", "key sead"),
+        ("recordings: nowhere.csv\n", "nowhere.csv"),
+        ("recordings: sheet.csv\nexperiment: {campaigns: [mime]}\n", "'mine'"),
+        ("recordings: config/recordings.csv\n", "no apparatus sheet"),
+        ("recordings: config/recordings.csv\napparatus: none.yaml\n", "none.yaml"),
+    ],
+)
+def test_a_study_that_cannot_be_is_told_in_one_block(rules, sheet, tmp_path, capfd, config, told):
+    with pytest.raises(SystemExit) as stopped:
+        rules(config)
+    assert stopped.value.code == 1
+    shown = capfd.readouterr().err
+    assert shown.count("This input cannot be used.") == 1
+    assert told in shown
+    assert "mend:" in shown
+    assert "Traceback" not in shown
+    assert not (tmp_path / "results").exists()

@@ -1,0 +1,122 @@
+"""The whole study, small: everything appears, again nothing is done, and the numbers do not depend on the cores."""
+
+import pandas as pd
+import pytest
+import xarray as xr
+
+NUMBERS = (
+    "results/simulation/norms.nc", "results/experiment/norms.nc", "results/experiment/joint/bench.nc",
+    "results/calibration/calibration.nc", "results/angles/swing_01.nc",
+)  # fmt: skip
+TABLES = ("table2", "table3", "comparison", "parameters", "uncertainty_budget")
+
+
+def test_every_table_figure_and_the_report_are_there(small_study):
+    for table in TABLES:
+        assert len(pd.read_csv(small_study / f"results/tables/{table}.csv")) > 1
+    for number in range(1, 16):
+        for ending in ("svg", "png"):
+            assert (small_study / f"results/figures/fig{number:02d}.{ending}").stat().st_size > 2000
+    assert (small_study / "results/report.html").stat().st_size > 100_000
+    assert not list((small_study / "results").rglob("*.part"))
+
+
+def test_every_number_has_a_unit(small_study):
+    for path in (small_study / "results").rglob("*.nc"):
+        with xr.open_dataset(path, decode_timedelta=False) as data:
+            for name, variable in data.variables.items():
+                assert variable.dtype.kind != "f" or variable.attrs.get("units"), f"{path.name}: {name}"
+
+
+def test_what_comes_from_the_bench_says_that_it_is_emulated(small_study):
+    for path in ("recordings/swing_01", "angles/swing_01", "calibration/calibration", "experiment/norms"):
+        assert xr.open_dataset(small_study / f"results/{path}.nc").attrs["emulated"] == "yes", path
+    assert xr.open_dataset(small_study / "results/simulation/norms.nc").attrs["emulated"] == "no"
+
+
+def test_a_second_run_has_nothing_to_do(small_study, snakemake):
+    done = snakemake("--configfile", small_study / "small.yaml", directory=small_study)
+    assert "Nothing to do" in done.stdout
+
+
+def test_another_setting_runs_only_what_rests_on_it(small_study, snakemake):
+    done = snakemake(
+        "--configfile", small_study / "small.yaml", "--dry-run", "--quiet", "rules",
+        "--config", "experiment={start: rest}", directory=small_study,
+    )  # fmt: skip
+    rules = set(done.stdout.split("Job stats:")[1].split("total")[0].split())
+    assert {"fit_swing", "fit_campaign", "table3", "report", "fig15"} <= rules
+    assert not {"record", "angle", "calibrate", "simulate", "fit_simulated", "fig02", "fig09"} & rules
+
+
+def test_one_core_gives_the_same_numbers_as_two(small_study, snakemake, tmp_path):
+    (tmp_path / "small.csv").write_text((small_study / "small.csv").read_text())
+    snakemake("--configfile", small_study / "small.yaml", *NUMBERS, directory=tmp_path, cores=1)
+    for path in NUMBERS:
+        one, two = xr.open_dataset(tmp_path / path), xr.open_dataset(small_study / path)
+        xr.testing.assert_identical(one, two)
+
+
+def test_the_run_tells_what_it_does_and_finds(small_study, snakemake, tmp_path):
+    (tmp_path / "sim.yaml").write_text("simulation: {realizations: 2, fitted: [viscous, load_coulomb]}\n")
+    done = snakemake(
+        "--configfile", tmp_path / "sim.yaml", "results/simulation/norms_viscous.nc", directory=tmp_path
+    )
+    assert "[0/2] Simulating swings and drawing their noise" in done.stdout
+    assert "κv is closest to the truth" in done.stdout
+    assert "2 of 2 jobs done" in done.stdout
+    assert "κv is closest" in (tmp_path / "results/logs/fit_simulated/viscous.log").read_text()
+
+
+@pytest.fixture
+def own(tmp_path):
+    """A study of one recording that a test writes."""
+
+    def write(text, columns="recording,file", cells="mine,mine.csv"):
+        (tmp_path / "mine.csv").write_text(text)
+        (tmp_path / "sheet.csv").write_text(f"{columns}\n{cells}\n")
+        (tmp_path / "mine.yaml").write_text("recordings: sheet.csv\nsimulation: {simulated: []}\n")
+        return tmp_path
+
+    return write
+
+
+def swing(bad=None):
+    """A decaying swing as CSV text, with one cell replaced."""
+    times = [k / 100 for k in range(800)]
+    rows = [
+        f"{t},{0.3 * 0.9**t * (1 if int(t * 2) % 2 else -1) * (1 - (4 * (t % 0.5) - 1) ** 2):.6f}"
+        for t in times
+    ]
+    if bad:
+        rows[400] = bad
+    return "\n".join(["time_s,angle_rad", *rows, ""])
+
+
+@pytest.mark.parametrize(
+    ("bad", "told"),
+    [
+        ("4.0,nan", "not a finite number"),
+        ("3.99,0.1", "the time repeats"),
+        ("4.0,lots", "'lots'|lots is not"),
+    ],
+)
+def test_a_bad_recording_stops_the_run_with_one_clear_block(own, snakemake, bad, told):
+    folder = own(swing(bad))
+    done = snakemake("--configfile", folder / "mine.yaml", directory=folder, check=False)
+    assert done.returncode != 0
+    assert done.stdout.count("This input cannot be used.") == 1
+    assert any(part in done.stdout for part in told.split("|"))
+    assert "mine.csv, line 402" in done.stdout
+    assert "Traceback" not in done.stdout
+    assert not list((folder / "results").rglob("*.nc"))
+    assert not list((folder / "results").rglob("*.part"))
+
+
+def test_ones_own_recording_needs_no_apparatus(own, snakemake):
+    folder = own(swing())
+    snakemake("--configfile", folder / "mine.yaml", directory=folder)
+    assert pd.read_csv(folder / "results/tables/table3.csv")["campaign"].unique() == ["pendulum"]
+    report = (folder / "results/report.html").read_text()
+    assert "emulated" not in report.split("<main>")[1].lower()
+    assert "Figure 8" not in report

@@ -1,0 +1,18 @@
+# The few functions that rules of several stages use.
+
+
+def code(script):
+    """The package's files that a script rests on; as inputs they make its rule run again when one is edited."""
+    return sources(f"{workflow.basedir}/workflow/scripts/{script}.py")
+
+
+def raw(name):
+    """The input file of a recording, or nothing where a URL is read."""
+    file = PLAN.rows[name]["file"]
+    return [] if is_url(file) else str(find(file))
+
+
+def told():
+    """The files, beside the recordings, whose checksums the report tells."""
+    names = [*workflow.configfiles, config.get("recordings"), PLAN.apparatus]
+    return [str(find(name)) for name in names if name]
