@@ -197,9 +197,10 @@ def test_draws_with_the_drop_longer_than_the_arm_are_told_not_clipped(bench):
     assert "longer than the arm" in found.reasons[0] and not any(found.reasons[1:])
 
 
-def test_a_point_at_the_vertical_is_left_out_of_the_line(bench):
+@pytest.mark.parametrize("degrees", [0.3, 1.0])
+def test_a_point_at_the_vertical_is_left_out_of_the_line(bench, degrees):
     apparatus, rest, calibration, _ = bench
-    apparatus["points"][0]["height"] = float(0.24 - 0.208 * np.cos(np.radians(0.3)) - 0.0127)
+    apparatus["points"][0]["height"] = float(0.24 - 0.208 * np.cos(np.radians(degrees)) - 0.0127)
     found, _ = calibrate(apparatus, rest, draws=5000)
     assert list(found["used"].values) == [False, True, True, True]
     assert "left out" in str(found["flag_reason"].values[0])

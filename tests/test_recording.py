@@ -117,6 +117,12 @@ def test_coarse_encoders_are_no_saturation(make, rate, steps):
     assert make(signal, time).sizes["time"] == 4 * rate
 
 
+def test_a_top_just_short_of_the_next_step_is_no_saturation(make):
+    """The flattest top a rounded signal can have, at every turning point: nothing is lost to damping."""
+    time = np.arange(4000) / 1000
+    assert make(np.round(100.49 * np.cos(7 * time)) * 1e-3, time).sizes["time"] == 4000
+
+
 @pytest.mark.parametrize("noise", [0.0, 0.002])
 @pytest.mark.parametrize("rail", [0.39, 0.3, 0.1])
 @pytest.mark.parametrize("sides", ["both", "upper", "lower"])
