@@ -22,7 +22,7 @@ def comparison(norms):
     t and p are Student's for it, ``p_holm`` is p corrected for the number of pairs, ``wilcoxon_p`` makes no assumption of
     normal scatter. ``delta_bic`` is BIC a minus BIC b, summed over recordings, with residuals taken for independent;
     ``delta_bic_effective`` counts only n / variance_inflation samples. Of nested models the larger always has the lower
-    norm, so there the verdict asks whether ``delta_bic_effective`` is above 6. With one recording t, p and Wilcoxon are NaN.
+    norm, so there the verdict asks whether that BIC falls by more than 6. With one recording t, p and Wilcoxon are NaN.
     """
     tables = [_campaign(str(name), chosen) for name, chosen in norms.groupby("campaign", squeeze=False)]
     return pd.concat(tables, ignore_index=True)
@@ -80,26 +80,36 @@ def holm(p):
 
 def _verdict(row):
     a, b = symbol(row.model_a), symbol(row.model_b)
-    swings = f"{row.n} swing" + ("s" if row.n != 1 else "")
-    if contains(row.model_b, row.model_a) or contains(row.model_a, row.model_b):
-        small, large, gain = (
-            (a, b, row.delta_bic_effective)
-            if contains(row.model_b, row.model_a)
-            else (b, a, -row.delta_bic_effective)
-        )
-        if np.isnan(gain):
-            return f"{large} against {small}: not known (the independent samples could not be counted)"
-        amount = f"BIC {'falls' if gain > 0 else 'rises'} by {abs(gain):.1f} over {swings}, counting independent samples"
-        worth = "is worth its parameter" if gain > WORTH else "is not worth its parameter"
-        return f"{large} against {small}: the added term {worth} ({amount})"
-    if row.n < 2 or not np.isfinite(row.p):
-        lower, higher = (a, b) if row.mean_difference < 0 else (b, a)
-        return f"{lower} is closer to the data than {higher} by {abs(row.mean_difference):.2g} degrees in {swings}; whether by chance, one swing cannot tell"
-    by = value_text(abs(row.mean_difference), row.standard_error)
-    if row.p_holm >= LEVEL:
-        return f"{a} and {b} are indistinguishable: mean paired difference {by} degrees over {swings}"
+    over = f"over {row.n} swing{'s' if row.n != 1 else ''}"
+    if contains(row.model_b, row.model_a):
+        return _worth(row.model_b, row.model_a, row.delta_bic_effective, over)
+    if contains(row.model_a, row.model_b):
+        return _worth(row.model_a, row.model_b, -row.delta_bic_effective, over)
     lower, higher = (a, b) if row.mean_difference < 0 else (b, a)
-    return f"{lower} is closer to the data than {higher}: mean paired difference {by} degrees over {swings}"
+    if not np.isfinite(row.p):
+        by = f"{abs(row.mean_difference):.2g} degrees"
+        return f"{lower} is closer to the data than {higher} by {by}, but one swing cannot tell whether by chance"
+    by = f"mean paired difference {value_text(abs(row.mean_difference), row.standard_error)} degrees {over}"
+    if row.p_holm >= LEVEL:
+        return f"{a} and {b} are indistinguishable: {by}"
+    return f"{lower} is closer to the data than {higher}: {by}"
+
+
+def _worth(large, small, gain, over):
+    """Whether the terms that ``large`` has more than ``small`` earn their parameters; ``gain`` is BIC small minus large."""
+    more = len(large.split("+")) - len(small.split("+"))
+    terms, their = (
+        ("the added term", "its parameter") if more == 1 else ("the added terms", "their parameters")
+    )
+    size = f"{abs(gain):.1f}" if abs(gain) < 100 else f"{abs(gain):.0f}"
+    told = f"BIC {'falls' if gain > 0 else 'rises'} by {size} {over}, counting independent samples"
+    if gain > WORTH:
+        verdict = f"{terms} earn{'s' if more == 1 else ''} {their}"
+    elif gain < 0:
+        verdict = f"{terms} do{'es' if more == 1 else ''} not earn {their}"
+    else:
+        verdict = f"the data do not say whether {terms} earn{'s' if more == 1 else ''} {their}"
+    return f"{symbol(large)} against {symbol(small)}: {verdict} ({told})"
 
 
 def value_text(value, uncertainty):

@@ -100,7 +100,7 @@ def combine_simulated(datasets):
 def combine_recordings(datasets):
     """One dataset (fitted, recording, parameter) out of ``experiment.fit_recording`` results, the series left out.
 
-    Coordinates over ``recording``: ``campaign`` and ``emulated``. InputError if there are none ("too few swings to
+    Coordinates over ``recording``: ``campaign``, ``emulated`` and ``uncertainty`` (what it is from). InputError if there are none ("too few swings to
     fit"), if a name occurs twice or if they were not fitted with the same models.
     """
     datasets = [dataset.drop_dims("time", errors="ignore") for dataset in datasets]
@@ -118,7 +118,7 @@ def combine_recordings(datasets):
 def _with_recording(dataset):
     own = {
         name: ("recording", [str(dataset[name].item())], dataset[name].attrs)
-        for name in ("campaign", "emulated")
+        for name in ("campaign", "emulated", "uncertainty")
     }
     return dataset.expand_dims("recording").assign_coords(own)
 

@@ -3,7 +3,8 @@
 from decimal import ROUND_HALF_EVEN, Decimal
 from math import isfinite
 
-_LONGEST = 7  # digits before the first figure that counts, beyond which powers of ten are shorter
+_SMALLEST = -4  # power of ten of the larger of the two below which, and ...
+_COARSEST = 2  # ... of the last digit shown above which a power of ten reads better
 
 
 def value_with_uncertainty(value, uncertainty, rule="two"):
@@ -34,8 +35,8 @@ def value_with_uncertainty(value, uncertainty, rule="two"):
     if rounded.adjusted() > exponent:  # 0.0996 becomes 0.100, which is again two digits too few
         last += 1
         rounded = _rounded(uncertainty, last)
-    if last < -_LONGEST or last > 2:
-        power = max(value.adjusted(), exponent) if value else exponent
+    power = max(value.adjusted(), exponent) if value else exponent
+    if power < _SMALLEST or last > _COARSEST:
         return f"{_told(value.scaleb(-power), rounded.scaleb(-power), last - power)}e{power}"
     return _told(value, rounded, last)
 

@@ -71,10 +71,14 @@ def table3(norms, published):
     printed = published.set_index("fitted")
     rows = []
     for campaign, chosen in norms.groupby("campaign", squeeze=False):
-        about = ("emulated recordings; " if "yes" in chosen["emulated"].values else "") + OTHER_APPARATUS
+        about = ["emulated recordings"] if "yes" in chosen["emulated"].values else []
+        about += [
+            f"uncertainty of the angle: {', '.join(sorted(set(as_text(chosen['uncertainty']))))}",
+            OTHER_APPARATUS,
+        ]
         bic = chosen["bic"].sum("recording", skipna=False)
         bound = dict(zip(("mean", "std", "n"), _statistics(chosen["error_bound_norm"].values), strict=True))
-        rows.append({"campaign": campaign, "fitted": "error_bounds", **bound, "note": about})
+        rows.append({"campaign": campaign, "fitted": "error_bounds", **bound, "note": "; ".join(about)})
         for label in as_text(chosen["fitted"]):
             one = chosen.sel(fitted=label)
             mean, std, n = _statistics(one["norm"].values)
@@ -82,7 +86,7 @@ def table3(norms, published):
                 "campaign": campaign, "fitted": label, "mean": mean, "std": std, "n": n,
                 "reduced_chi2": float(one["reduced_chi2"].mean(skipna=False)), "bic": float(bic.sel(fitted=label)),
                 "delta_bic": float(bic.sel(fitted=label) - bic.min()),
-                "variance_inflation": float(one["variance_inflation"].mean()), "note": "; ".join([*_negative(one), about]),
+                "variance_inflation": float(one["variance_inflation"].mean()), "note": "; ".join([*_negative(one), *about]),
             })  # fmt: skip
     table = pd.DataFrame(rows)
     table["published_mean"] = [printed["mean_degrees"].get(label, np.nan) for label in table["fitted"]]
@@ -105,8 +109,8 @@ def parameters(norms, joint=()):
     """A row for each fitted value: campaign, recording, fitted, parameter, value, standard_error, robust_standard_error,
     unit, text.
 
-    ``standard_error`` takes residuals for independent, ``robust_standard_error`` allows for their autocorrelation and is the
-    one in ``text``, value(uncertainty). After a campaign's recordings comes ``(mean)`` with the standard error from the
+    ``standard_error`` takes residuals for independent, ``robust_standard_error`` allows for their autocorrelation; the larger
+    is the one in ``text``, value(uncertainty). After a campaign's recordings comes ``(mean)`` with the standard error from the
     scatter between recordings, where there are two or more, and for each dataset of ``joint`` (``results/experiment/joint``)
     ``(joint)``.
     """
@@ -115,7 +119,7 @@ def parameters(norms, joint=()):
 
     def add(campaign, recording, label, name, value, error, robust=np.nan):
         if np.isfinite(value):
-            shown = robust if np.isfinite(robust) else error
+            shown = np.fmax(robust, error)
             rows.append({
                 "campaign": campaign, "recording": recording, "fitted": label, "parameter": name, "value": float(value),
                 "standard_error": float(error), "robust_standard_error": float(robust), "unit": units[name],
