@@ -14,6 +14,7 @@ from .model import Model
 from .trajectory import Compiled, TrajectoryError, checked_times, doubles, engine, sensitivities, simulate
 
 STARTS = ("free", "rest")
+_FEWEST = 8  # samples of a swing's first part
 _SMALLEST_FREQUENCY = 1e-3  # rad/s; a pendulum slower than an hour is none
 
 
@@ -87,20 +88,21 @@ class _Problem:
     The variables are the shared parameters, then for each swing in turn its own ones and its release where that is free.
     """
 
-    def __init__(self, model, swings, start, bounded, own=()):
+    def __init__(self, model, swings, start, bounded, own=(), fixed=None):
         if start not in STARTS:
             raise InputError("fit, start", f"unknown start {start!r}", " or ".join(STARTS))
-        if unknown := [name for name in own if name not in model.parameters]:
-            raise InputError("fit, own", f"no parameter {unknown[0]!r} in {model.label}", ", ".join(model.parameters))
+        self.fixed = dict(fixed or {})
+        if unknown := [name for name in (*own, *self.fixed) if name not in model.parameters]:
+            raise InputError("fit, own or fixed", f"no parameter {unknown[0]!r} in {model.label}", ", ".join(model.parameters))
         self.model, self.swings, self.start = model, [checked_swing(*swing) for swing in swings], start
-        self.shared = [name for name in model.parameters if name not in own]
+        self.shared = [name for name in model.parameters if name not in own and name not in self.fixed]
         self.own = [name for name in model.parameters if name in own]
         release = ["release_angle", "release_velocity"]
         slots = [*model.parameters, *release]
         each = [*self.own, *(release if start == "free" else [])]
         count = len(self.swings)
         self.free = self.shared + each * count
-        self.given = np.zeros((count, len(slots)))
+        self.given = np.tile([self.fixed.get(name, 0.0) for name in slots], (count, 1))
         self.given[:, slots.index("release_angle")] = [angle[0] for _, angle in self.swings]
         self.where = np.full(self.given.shape, -1, dtype=np.int32)
         for k in range(count):
@@ -140,8 +142,11 @@ class _Problem:
         return [tuple(row[-2:]) for row in self.slots(x)]
 
 
-def _starts(problem, guess):
+def _starts(problem, guess, seen=True):
     """Starting points: the guess if there is one, else the seen decay laid on each damping effect in turn and on all."""
+    known = guess if isinstance(guess, (list, tuple)) else [] if guess is None else [guess]
+    if not seen and known and not any(isinstance(one, Model) for one in known):
+        return np.array([_from_guess(problem, one, ()) for one in known])
     found = [first_guess(times, angle, problem.model.restoring) for times, angle in problem.swings]
     releases = [(g.release_angle, g.release_velocity) for g in found]
     shares = [g.damping(problem.model) for g in found]
@@ -151,7 +156,6 @@ def _starts(problem, guess):
     alone = [frequency | {name: value if name == only else 0.0 for name, value in loss.items()} for only in loss]
     starts = [split, *(alone if len(loss) > 1 else [])]
     starts = [problem.variables(values, releases) for values in starts]
-    known = guess if isinstance(guess, (list, tuple)) else [] if guess is None else [guess]
     return np.array([*(_from_guess(problem, one, releases) for one in known), *starts])
 
 
@@ -165,14 +169,27 @@ def _from_guess(problem, guess, releases):
     return problem.variables([guess.model.values | one for one in own], zip(angles, velocities, strict=True))
 
 
+def _grown(problem, starts, most, tolerance):
+    """One more start: the optimum of the first part of every swing, then of a longer part.
+
+    Where friction stops the pendulum within the record, the whole record has many minima and its first part few.
+    """
+    for share in (0.35, 0.7):
+        part = _least_squares(problem, starts, most, tolerance, share)
+        if part[-1].converged < 0:
+            return starts[:1]
+        starts = part[1][None]
+    return starts
+
+
 def _pointers(arrays):
     return (ctypes.POINTER(ctypes.c_double) * len(arrays))(*(doubles(array) for array in arrays))
 
 
-def _least_squares(problem, starts, most, tolerance):
+def _least_squares(problem, starts, most, tolerance, share=1.0):
     count, size = len(problem.swings), len(problem.free)
     models = (build.CModel * count)(*(compiled.c for compiled in problem.compiled))
-    lengths = (ctypes.c_int * count)(*(times.size for times, _ in problem.swings))
+    lengths = (ctypes.c_int * count)(*(max(_FEWEST, round(share * times.size)) if share < 1 else times.size for times, _ in problem.swings))
     values, best, hessian = problem.given.copy(), np.zeros(size), np.zeros((size, size))
     starts, squares, outcome = np.ascontiguousarray(starts), np.zeros(len(starts)), build.COutcome()
     rss = engine().fit_swings(
@@ -223,17 +240,19 @@ def _single(fit):
 
 
 def fit_jointly(effects, swings, *, start="free", guess=None, restoring="sine", form="consistent", bounded=False,
-                own=(), most=200, tolerance=1e-10):  # fmt: skip
+                own=(), fixed=None, seen=True, most=200, tolerance=1e-10):  # fmt: skip
     """The ``Fit`` of one model to several swings at once: shared parameters, each swing its own release.
 
     ``effects`` a label or names; ``swings`` a list of (times in s, angles in rad). ``start``: ``free`` fits each
     release angle and velocity, ``rest`` starts each swing at rest at its first sample. ``guess``: a model or a fit, or
     several, to start from besides the decay seen in the data. ``bounded`` keeps parameters within the catalogue's bounds. ``own``
-    names parameters that each swing has for itself, such as a phase.
+    names parameters that each swing has for itself, such as a phase; ``fixed`` holds values, by name, that are not fitted.
+    ``seen=False`` leaves out the starts from the decay where there are fits to start from.
     Raises InputError for swings that cannot be fitted and TrajectoryError where no start gives a trajectory.
     """
-    problem = _Problem(Model(effects, restoring=restoring, form=form), swings, start, bounded, own)
-    starts = _starts(problem, guess)
+    problem = _Problem(Model(effects, restoring=restoring, form=form), swings, start, bounded, own, fixed)
+    starts = _starts(problem, guess, seen)
+    starts = np.vstack([_grown(problem, starts, most, tolerance), starts])
     rss, best, hessian, squares, outcome = _least_squares(problem, starts, most, tolerance)
     if outcome.converged < 0:
         raise TrajectoryError(f"model {problem.model.label}: no start of {len(starts)} gives a trajectory")
