@@ -44,7 +44,7 @@ def test_what_is_given_is_kept_and_the_given_config_is_not_changed():
         ({"simulation": "fast"}, "simulation", "a group of keys"),
         ({"experiment": {"fitted": []}}, "experiment.fitted", "at least 1"),
         ({"experiment": {"fitted": ["viscous+quadratic_drg"]}}, "experiment.fitted[1]", "'quadratic_drag'"),
-        ({"experiment": {"fitted": ["load_coulomb+viscous"]}}, "experiment.fitted", "'viscous+load_coulomb'"),
+        ({"experiment": {"fitted": ["load_coulomb+viscous"]}}, "experiment.fitted[1]", "'viscous+load_coulomb'"),
         ({"experiment": {"fitted": ["viscous+viscous"]}}, "experiment.fitted[1]", "twice"),
         ({"discovery": {"base": ["viscosity"]}}, "discovery.base[1]", "'viscous'"),
         ({"discovery": {"rounds": 0}}, "discovery.rounds", "≥ 1"),

@@ -7,7 +7,7 @@ import yaml
 from .errors import InputError
 from .line import FEWEST
 from .paths import find, is_url
-from .settings import check
+from .schema import check
 from .uncertainty import from_limit
 
 _SYMBOLS = {"over_shaft": "h_over", "shaft_diameter": "d_shaft", "bob_diameter": "d_bob", "arm": "l_arm"}

@@ -1,0 +1,124 @@
+"""Content read from YAML, held against a schema: completed with its defaults, or refused with a mend."""
+
+import copy
+import difflib
+from functools import cache
+
+import jsonschema
+import yaml
+
+from .errors import InputError
+from .paths import PROJECT
+
+SCHEMAS = PROJECT / "workflow" / "schemas"
+_KINDS = {
+    "string": "text", "integer": "a whole number", "number": "a number", "array": "a list", "object": "a group of keys",
+    "boolean": "true or false",
+}  # fmt: skip
+_BOUNDS = {"minimum": "≥", "exclusiveMinimum": ">", "maximum": "≤", "exclusiveMaximum": "<"}
+
+
+def check(content, schema, where):
+    """A copy of ``content`` (a mapping read from YAML) with the defaults of ``workflow/schemas/<schema>`` filled in.
+
+    What the schema refuses raises InputError: the first fault, unknown keys before all others, told as ``where`` and key.
+    A group that stands there empty counts as left out.
+    """
+    if not isinstance(content, dict):
+        raise InputError(
+            where,
+            "it is not a mapping of keys to values",
+            "keys and values in YAML",
+            "write `key: value` lines",
+        )
+    content = {key: value for key, value in content.items() if value is not None}
+    validator = _validator(schema)
+    faults = sorted(
+        validator.iter_errors(content),
+        key=lambda fault: (fault.validator != "additionalProperties", fault.path),
+    )
+    if faults:
+        raise _told(faults[0], validator.schema, where)
+    return _filled(copy.deepcopy(content), validator.schema)
+
+
+@cache
+def _validator(schema):
+    rules = yaml.safe_load((SCHEMAS / schema).read_text(encoding="utf-8"))
+    return jsonschema.Draft202012Validator(rules)
+
+
+def _filled(content, schema):
+    for key, rule in schema.get("properties", {}).items():
+        if key not in content and "default" in rule:
+            content[key] = copy.deepcopy(rule["default"])
+        if isinstance(content.get(key), dict):
+            _filled(content[key], rule)
+    return content
+
+
+def _told(fault, schema, where):
+    """The InputError that tells a jsonschema error: which key, what was expected, the mend."""
+    key = "".join(
+        f"[{part + 1}]" if isinstance(part, int) else f".{part}" for part in fault.absolute_path
+    ).lstrip(".")
+    place = f"{where}, key {key}" if key else str(where)
+    rule, value = fault.schema, fault.instance
+    if fault.validator == "additionalProperties":
+        return _unknown_key(fault, schema, where, key)
+    if fault.validator == "required":
+        lost = next(name for name in fault.validator_value if name not in value)
+        return InputError(
+            place,
+            f"the key {lost!r} is missing",
+            _expected(rule["properties"].get(lost, {})),
+            f"add {lost!r}",
+        )
+    if fault.validator == "enum":
+        return InputError(
+            place,
+            f"{value!r} is not known here",
+            ", ".join(map(str, fault.validator_value)),
+            near(value, fault.validator_value),
+        )
+    if fault.validator == "uniqueItems":
+        return InputError(place, "an entry is there twice", "each entry once", "remove one")
+    if fault.validator == "minItems":
+        return InputError(place, "the list is too short", f"at least {fault.validator_value}", "add an entry")
+    if fault.validator == "type" and isinstance(value, str) and rule.get("type") in ("number", "integer"):
+        try:
+            number = int(float(value)) if rule["type"] == "integer" else float(value)
+            return InputError(
+                place, f"{value!r} is text", _expected(rule), f"write {number!r} without quotes"
+            )
+        except ValueError:
+            pass
+    return InputError(place, f"{value!r} does not fit", _expected(rule), "correct the value")
+
+
+def _unknown_key(fault, schema, where, key):
+    known = fault.schema["properties"]
+    name = next(name for name in fault.instance if name not in known)
+    full = f"{key}.{name}" if key else str(name)
+    elsewhere = [
+        f"{group}.{name}"
+        for group, rule in schema["properties"].items()
+        if name in rule.get("properties", {})
+    ]
+    elsewhere += [str(name)] if key and name in schema["properties"] else []
+    mend = f"it belongs at {elsewhere[0]}" if elsewhere else near(name, known)
+    return InputError(f"{where}, key {full}", "unknown key", f"one of {', '.join(known)}", mend)
+
+
+def near(name, known):
+    """The mend for a name that is not known: the one that looks like it, if there is one."""
+    found = difflib.get_close_matches(str(name), list(map(str, known)), 1, 0.5)
+    return f"write {found[0]!r}, if that is what was meant" if found else "use one of these, or remove it"
+
+
+def _expected(rule):
+    bounds = " and ".join(f"{sign} {rule[bound]}" for bound, sign in _BOUNDS.items() if bound in rule)
+    kind = _KINDS.get(rule.get("type"), "")
+    if "enum" in rule:
+        kind = " or ".join(map(str, rule["enum"]))
+    return ", ".join(part for part in (f"{kind} {bounds}".strip(), rule.get("description", "")) if part)
