@@ -37,8 +37,8 @@ def table2(norms, published):
     rows = []
     for simulated, fitted in cells:
         chosen = norms.sel(simulated=simulated, fitted=fitted)
-        mean, std, n = _statistics(chosen["norm"].values)
-        mean_ls, std_ls, _ = _statistics(chosen["least_squares_norm"].values)
+        mean, std, n = statistics(chosen["norm"].values)
+        mean_ls, std_ls, _ = statistics(chosen["least_squares_norm"].values)
         known = printed.loc[(simulated, fitted)] if (simulated, fitted) in printed.index else {}
         rows.append({
             "simulated": simulated, "fitted": fitted, "mean": mean, "std": std, "n": n,
@@ -77,11 +77,11 @@ def table3(norms, published):
             OTHER_APPARATUS,
         ]
         bic = chosen["bic"].sum("recording", skipna=False)
-        bound = dict(zip(("mean", "std", "n"), _statistics(chosen["error_bound_norm"].values), strict=True))
+        bound = dict(zip(("mean", "std", "n"), statistics(chosen["error_bound_norm"].values), strict=True))
         rows.append({"campaign": campaign, "fitted": "error_bounds", **bound, "note": "; ".join(about)})
         for label in as_text(chosen["fitted"]):
             one = chosen.sel(fitted=label)
-            mean, std, n = _statistics(one["norm"].values)
+            mean, std, n = statistics(one["norm"].values)
             rows.append({
                 "campaign": campaign, "fitted": label, "mean": mean, "std": std, "n": n,
                 "reduced_chi2": float(one["reduced_chi2"].mean(skipna=False)), "bic": float(bic.sel(fitted=label)),
@@ -175,7 +175,7 @@ def write_table(table, path):
     return path
 
 
-def _statistics(values):
+def statistics(values):
     """Mean, standard deviation (n - 1; NaN for a single value) and n."""
     return (
         float(np.mean(values)),
