@@ -1,5 +1,6 @@
 """What the report says: one function for each section. A further section is a further function in ``SECTIONS``."""
 
+import re
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -7,7 +8,9 @@ import pandas as pd
 import yaml
 from markupsafe import Markup, escape
 
+from ..comparison import WORTH
 from ..model import symbol
+from ..nested import contains
 from ..simulation import INFERRED_NOTE
 from . import numbers, provenance
 from .page import Column, Figure, Findings, Listing, Section, Table, Text
@@ -55,7 +58,8 @@ def head(material):
     """Title, subtitle, footer, and the notices that a reader must see before anything else."""
     swings = [recording for recording in material.recordings if recording.get("role") != "static"]
     campaigns = ", ".join(dict.fromkeys(recording["campaign"] for recording in swings))
-    subtitle = f"{len(swings)} swings of {campaigns}" if swings else "simulation study"
+    kind = " (emulated)" if material.emulated else ""
+    subtitle = f"{len(swings)} swings of {campaigns}{kind}" if swings else "Simulation study"
     notices = [EMULATED.format(campaigns=", ".join(material.emulated))] if material.emulated else []
     footer = "Made by swingdown. The datasets behind every table and figure lie in the results folder beside this page."
     return {
@@ -103,33 +107,48 @@ def findings(material):
 
 
 def _experiment_findings(campaign, rows, comparison, material):
-    models = rows[rows["fitted"] != "error_bounds"]
+    models = rows[rows["fitted"] != "error_bounds"].set_index("fitted")
     if models.empty:
         return []
-    best = models.loc[models["bic"].idxmin()]
-    lines = [
-        Markup(
-            "{}: of {} models, {} has the lowest BIC; it leaves {}° RMS (mean ± std over {} swings)."
-        ).format(
-            campaign,
-            len(models),
-            model_symbol(best["fitted"]),
-            numbers.spread(best["mean"], best["std"]),
-            int(best["n"]),
-        )
-    ]
-    bounds = rows[rows["fitted"] == "error_bounds"]
-    if len(bounds):
-        bound = bounds.iloc[0]
-        reaches = "within" if best["mean"] <= bound["mean"] else "above"
+    pairs = comparison[comparison["campaign"] == campaign]
+    lowest = models["bic"].idxmin()
+    label = simplest(lowest, pairs)
+    best, swings = models.loc[label], int(models.loc[label, "n"])
+    words = f"{campaign}: {{}} ({wording(label)}) describes the {swings} swings best; it leaves {{}}° RMS."
+    lines = [Markup(words).format(model_symbol(label), numbers.spread(best["mean"], best["std"]))]
+    if label != lowest:
+        further = "{}: {} comes closer still, by terms that are not worth their parameters."
+        lines.append(Markup(further).format(campaign, model_symbol(lowest)))
+    for row in pairs[(pairs["model_a"] == label) | (pairs["model_b"] == label)].itertuples():
+        if "indistinguishable" in row.verdict:
+            lines.append(with_symbols(f"{campaign}: {row.verdict}."))
+    if pd.notna(best["reduced_chi2"]):
+        words = f"{campaign}: what it leaves is {numbers.plain(best['reduced_chi2'])} times the variance that the angle's random "
+        lines.append(f"{words}uncertainty explains (reduced χ²); a complete model leaves 1.")
+    bound = rows[rows["fitted"] == "error_bounds"]
+    if bound["mean"].notna().any():
+        within = "within" if best["mean"] <= bound["mean"].iloc[0] else "above"
+        size = numbers.spread(bound["mean"].iloc[0], bound["std"].iloc[0])
         lines.append(
-            f"{campaign}: that is {reaches} the bounds of the measured angle ({numbers.spread(bound['mean'], bound['std'])}°)."
+            f"{campaign}: it is {within} the paper's benchmark, the bounds of the measured angle ({size}°)."
         )
-    if comparison is not None:
-        pairs = comparison[comparison["campaign"] == campaign]
-        pairs = pairs[(pairs["model_a"] == best["fitted"]) | (pairs["model_b"] == best["fitted"])]
-        lines += [f"{campaign}: {text}" for text in pairs["verdict"] if "indistinguishable" in str(text)]
     return lines
+
+
+def simplest(label, pairs):
+    """The smallest model inside ``label`` that its further terms do not improve by more than they cost."""
+    enough = [
+        (row.model_a, row.mean_difference)
+        for row in pairs.itertuples()
+        if row.model_b == label and contains(label, row.model_a) and row.delta_bic_effective <= WORTH
+    ]
+    return min(enough, key=lambda found: (found[0].count("+"), found[1]))[0] if enough else label
+
+
+def wording(label):
+    """A model's effects in words: ``quadratic drag and load Coulomb``."""
+    names = [name.replace("_", " ").replace("coulomb", "Coulomb") for name in label.split("+")]
+    return " and ".join([", ".join(names[:-1]), names[-1]] if len(names) > 1 else names)
 
 
 def simulation(material):
@@ -154,7 +173,9 @@ def simulation(material):
         f"Simulated swings ({settings['realizations']} noisy copies of each, signal to noise {settings['snr']:g}): norm of fit "
         "less noise-free swing, mean ± standard deviation over the copies."
     )
-    shown = Table("Table 2", caption, columns, rows, (INFERRED_NOTE,), _groups(table["simulated"]))
+    shown = Table(
+        "Table 2", caption, columns, rows, (INFERRED_NOTE.replace("_", " "),), _groups(table["simulated"])
+    )
     return Section("Simulation", [shown, *material.shown("fig02", "fig03", "fig04", "fig05")])
 
 
@@ -169,7 +190,7 @@ def apparatus(material):
 def _budget(budget):
     quantity = budget["quantity"].iloc[-1]  # the angle of one sample, to which all else leads
     columns = [
-        Column("source"), Column("limit", style="n"), Column("divisor", style="n"), Column("standard uncertainty", style="n"),
+        Column("source"), Column("limit", style="n"), Column("divisor", style="n"), Column("u", "standard", "n"),
         Column("unit"), Column("sensitivity", style="n"), Column("contribution", "mrad", "n"), Column("share", "%", "n"),
         Column("kind"),
     ]  # fmt: skip
@@ -205,41 +226,50 @@ def experiment(material):
 
 def _table3(table, material):
     columns = [
-        Column("campaign"), Column("fitted"), Column("norm", "degrees", "n"), Column("n", style="n"),
-        Column("reduced χ²", style="n"), Column("BIC", "mean", "n"), Column("paper", "degrees", "n"),
+        Column("campaign"), Column("fitted"), Column("norm", "degrees", "n"), Column("reduced χ²", style="n"),
+        Column("ΔBIC", "above the lowest", "n"), Column("variance inflation", style="n"), Column("n", style="n"),
+        Column("paper", "degrees", "n"),
     ]  # fmt: skip
     rows = [
         [
-            row.campaign, model_symbol(row.fitted), numbers.spread(row.mean, row.std), int(row.n),
-            numbers.plain(row.reduced_chi2), numbers.whole(row.bic), numbers.spread(row.published_mean, row.published_std),
+            row.campaign, model_symbol(row.fitted), numbers.spread(row.mean, row.std), numbers.plain(row.reduced_chi2),
+            numbers.whole(row.delta_bic), numbers.whole(row.variance_inflation), int(row.n),
+            numbers.spread(row.published_mean, row.published_std),
         ]
         for row in table.itertuples()
     ]  # fmt: skip
-    notes = ["Norm: RMS of data less fit, mean ± standard deviation over the swings."]
+    notes = [
+        "Norm: RMS of data less fit, mean ± standard deviation over the n swings. BIC: summed over them.",
+        "Variance inflation: how many times the standard errors squared are too small for taking residuals as independent.",
+    ]
     if table["published_mean"].notna().any():
         notes.append("The paper's column is for reference: its pendulum is another one.")
+    for row in table.itertuples():
+        about = [part for part in str(row.note).split("; ") if "below 0" in part]
+        notes += [
+            Markup("{}: {}.").format(model_symbol(row.fitted), part.replace("_", " ")) for part in about
+        ]
     if material.emulated:
         notes.append(f"Emulated: {', '.join(material.emulated)}.")
-    return Table(
-        "Table 3", "The models fitted to each swing.", columns, rows, tuple(notes), _groups(table["campaign"])
-    )
+    return _by_campaign("Table 3", "The models fitted to each swing.", columns, rows, notes)
 
 
 def _comparison(table):
     columns = [
-        Column("campaign"), Column("models"), Column("difference of norms", "degrees", "n"), Column("t", style="n"),
-        Column("p", style="n"), Column("ΔBIC", style="n"), Column("verdict"),
+        Column("campaign"), Column("models"), Column("difference", "degrees", "n"), Column("p", "after Holm", "n"),
+        Column("ΔBIC", "independent samples", "n"), Column("verdict"),
     ]  # fmt: skip
     rows = [
         [
-            row.campaign, Markup("{} − {}").format(model_symbol(row.model_a), model_symbol(row.model_b)),
-            numbers.brief(row.mean_difference, row.standard_error), numbers.plain(row.t, 3), numbers.plain(row.p, 2),
-            numbers.whole(row.delta_bic), row.verdict,
+            row.campaign, Markup("{}\u00a0−\u00a0{}").format(model_symbol(row.model_a), model_symbol(row.model_b)),
+            numbers.brief(row.mean_difference, row.standard_error), numbers.plain(row.p_holm, 2),
+            numbers.whole(row.delta_bic_effective), with_symbols(row.verdict),
         ]
         for row in table.itertuples()
     ]  # fmt: skip
-    caption = "Paired comparison: the difference of two models' norms on the same swing, mean (standard error) over the swings."
-    return Table("Paired comparison", caption, columns, rows, (), _groups(table["campaign"]))
+    caption = "The difference of two models' norms on the same swing: mean (standard error) over the swings."
+    notes = ["p: Student's for the mean difference, corrected for the number of pairs."]
+    return _by_campaign("Paired comparison", caption, columns, rows, notes)
 
 
 def _parameters(table):
@@ -247,26 +277,48 @@ def _parameters(table):
     columns = [
         Column("campaign"), Column("fitted"), Column("parameter"), Column("mean over swings", style="n"),
         Column("swings together", style="n"), Column("unit"), Column("std between swings", style="n"),
-        Column("standard error of one fit", "median", "n"), Column("the same, robust", "median", "n"),
+        Column("standard error of one fit", "robust, median", "n"),
     ]  # fmt: skip
-    rows, labels = [], []
+    rows = []
     for (campaign, fitted, parameter, unit), part in table.groupby(keys, sort=False, dropna=False):
-        summary = part["recording"].isin(["(mean)", "(joint)"])
-        single, texts = part[~summary], dict(zip(part["recording"], part["text"], strict=True))
-        mean = texts.get("(mean)", single["text"].iloc[0])
-        labels.append((campaign, fitted))
+        single = part[~part["recording"].isin(["(mean)", "(joint)"])]
         rows.append([
-            campaign, model_symbol(fitted), parameter.replace("_", " "), mean.replace("-", "−"),
-            texts.get("(joint)", "–").replace("-", "−"), unit, numbers.plain(single["value"].std(), 2),
-            numbers.plain(single["standard_error"].median(), 2), numbers.plain(single["robust_standard_error"].median(), 2),
+            campaign, model_symbol(fitted), parameter.replace("_", " "), _told(part, "(mean)") or _told(single),
+            _told(part, "(joint)") or "–", unit, numbers.plain(single["value"].std(), 2),
+            numbers.plain(single["robust_standard_error"].median(), 2),
         ])  # fmt: skip
     caption = "Fitted parameters; in parentheses the standard error in units of the last digits."
-    notes = (
+    notes = [
         "Mean over swings: its standard error is from the scatter between swings. Swings together: one fit to all.",
-        "Robust: allows for residuals that are not independent of each other.",
-        "Each swing's values are in results/tables/parameters.csv.",
+        "Robust: allows for residuals that are not independent of each other. Each swing's values: tables/parameters.csv.",
+    ]
+    return _by_campaign("Parameters", caption, columns, rows, notes)
+
+
+def _told(part, recording=None):
+    """``value(standard error)`` of the first row, of one kind of row; nothing where there is none."""
+    chosen = part if recording is None else part[part["recording"] == recording]
+    if chosen.empty:
+        return ""
+    row = chosen.iloc[0]
+    robust = row["robust_standard_error"]
+    return numbers.brief(row["value"], robust if pd.notna(robust) else row["standard_error"])
+
+
+def _by_campaign(label, caption, columns, rows, notes):
+    """A table whose first column is the campaign: grouped by it, or without it where there is only one."""
+    campaigns = [row[0] for row in rows]
+    if len(set(campaigns)) > 1:
+        return Table(label, caption, columns, rows, tuple(notes), _groups(campaigns))
+    fitted = [row[1] for row in rows]
+    return Table(
+        label,
+        caption,
+        columns[1:],
+        [row[1:] for row in rows],
+        tuple(notes),
+        _groups(fitted) if label == "Parameters" else (),
     )
-    return Table("Parameters", caption, columns, rows, notes, _groups(labels))
 
 
 def settings(material):
@@ -277,7 +329,7 @@ def settings(material):
         [
             Text("The complete config of this run, defaults filled in."),
             Listing(text.rstrip()),
-            Text(INFERRED_NOTE),
+            Text(INFERRED_NOTE.replace("_", " ")),
         ],
     )
 
@@ -296,6 +348,11 @@ def origin(material):
 
 
 SECTIONS = (findings, simulation, apparatus, experiment, settings, origin)
+
+
+def with_symbols(text):
+    """A sentence with the models' symbols typeset: ``κv,q`` with its subscript."""
+    return Markup(re.sub(r"κ(\w+(?:,\w+)*)", r"κ<sub>\1</sub>", str(escape(text))))
 
 
 def _groups(labels):

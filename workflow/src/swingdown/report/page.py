@@ -106,8 +106,8 @@ class Section:
 
 
 def rst(text):
-    """The HTML of a caption in reStructuredText; mathematics becomes MathML, which browsers draw themselves."""
-    options = {"math_output": "MathML", "report_level": 3, "halt_level": 5, "file_insertion_enabled": False}
+    """The HTML of a caption in reStructuredText; mathematics becomes plain HTML, which needs no font of its own."""
+    options = {"math_output": "HTML", "report_level": 3, "halt_level": 5, "file_insertion_enabled": False}
     body = publish_parts(text, writer="html5", settings_overrides=options)["body"].strip()
     single = re.fullmatch(r"<p>(.*)</p>", body, re.DOTALL)
     return single[1] if single and "<p>" not in single[1] else body
