@@ -51,7 +51,7 @@ def test_another_setting_runs_only_what_rests_on_it(small_study, snakemake):
 
 def test_one_core_gives_the_same_numbers_as_two(small_study, snakemake, tmp_path):
     (tmp_path / "small.csv").write_text((small_study / "small.csv").read_text())
-    snakemake("--configfile", small_study / "small.yaml", *NUMBERS, directory=tmp_path, cores=1)
+    snakemake(*NUMBERS, "--configfile", small_study / "small.yaml", directory=tmp_path, cores=1)
     for path in NUMBERS:
         one, two = xr.open_dataset(tmp_path / path), xr.open_dataset(small_study / path)
         xr.testing.assert_identical(one, two)
@@ -60,7 +60,7 @@ def test_one_core_gives_the_same_numbers_as_two(small_study, snakemake, tmp_path
 def test_the_run_tells_what_it_does_and_finds(small_study, snakemake, tmp_path):
     (tmp_path / "sim.yaml").write_text("simulation: {realizations: 2, fitted: [viscous, load_coulomb]}\n")
     done = snakemake(
-        "--configfile", tmp_path / "sim.yaml", "results/simulation/norms_viscous.nc", directory=tmp_path
+        "results/simulation/norms_viscous.nc", "--configfile", tmp_path / "sim.yaml", directory=tmp_path
     )
     assert "[0/2] Simulating swings and drawing their noise" in done.stdout
     assert "κv is closest to the truth" in done.stdout

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from math import inf, isinf, sqrt
 
 import numpy as np
-from scipy import stats
+from scipy.special import stdtrit
 
 from .errors import InputError
 
@@ -190,7 +190,7 @@ def coverage_factor(dof, coverage=0.95):
     """k such that an interval of half width k u covers the share ``coverage`` (Student's t; normal for
     infinite dof).
     """
-    return stats.t.ppf((1 + coverage) / 2, np.asarray(dof, dtype=float))
+    return stdtrit(np.asarray(dof, dtype=float), (1 + coverage) / 2)  # scipy.stats takes a second to load
 
 
 @dataclass(frozen=True)
