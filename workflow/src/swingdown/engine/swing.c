@@ -30,7 +30,7 @@
 typedef struct {
     const Model *m;
     const double *p;
-    double direction;
+    double direction, reach; /* of the velocity, 1 or -1; the largest angle so far */
     double sign[MAX_SWITCHES];
     int sign_first[MAX_PARTS], n_switches, timed, inertial, held, blocks;
 } Pendulum;
@@ -255,11 +255,12 @@ static double largest(const double *x) {
     return most;
 }
 
-/* The size against which a block's errors count: of the acceleration itself; of a state's rate, or of what would
- * change the state by its own size over the panel, for a state that has settled has no rate to speak of. */
-static double size_of(const Panel *b, int block, const double *rates) {
-    const double size = largest(rates + block * N);
-    return (block ? fmax(size, largest(b->z + (block - 1) * N) / b->h) : size) + 1e-12;
+/* The size against which a block's errors count: of the acceleration, or of a thousandth of what it was at the largest
+ * angle, for a swing that has died down is all rounding; of a state's rate, or of what would change the state by its own
+ * size over the panel, for a state that has settled has no rate to speak of. */
+static double size_of(const Pendulum *s, const Panel *b, int block, const double *rates) {
+    const double least = block ? largest(b->z + (block - 1) * N) / b->h : 1e-3 * s->p[0] * s->p[0] * s->reach;
+    return fmax(largest(rates + block * N), least) + 1e-12;
 }
 
 /* Solve the panel from the guess in b->u; 0 where the iteration does not converge. */
@@ -277,7 +278,7 @@ static int solve(const Pendulum *s, Panel *b, Report *report) {
             for (int i = k * N; i < (k + 1) * N; i++) residual[i] = f[i] - b->u[i];
             const double off = largest(residual + k * N);
             if (!isfinite(off)) return 0;
-            error = fmax(error, off / size_of(b, k, f));
+            error = fmax(error, off / size_of(s, b, k, f));
         }
         /* the step about to be taken leaves an error smaller by the factor that the last one gained */
         const int solved = error * fmin(1.0, error / last) <= SOLVED;
@@ -331,13 +332,13 @@ static Place place_at(const Panel *b, int n_states, double x) {
 }
 
 /* How far the last Legendre coefficients of the rates stand out of their sizes. */
-static double tail(const Panel *b, int blocks) {
+static double tail(const Pendulum *s, const Panel *b) {
     double most = 0.0;
-    for (int block = 0; block < blocks; block++) {
+    for (int block = 0; block < s->blocks; block++) {
         double c[2] = {0.0, 0.0};
         for (int k = 0; k < 2; k++)
             for (int j = 0; j < N; j++) c[k] += T_tail[k * N + j] * b->u[block * N + j];
-        most = fmax(most, (fabs(c[0]) + fabs(c[1])) / size_of(b, block, b->u));
+        most = fmax(most, (fabs(c[0]) + fabs(c[1])) / size_of(s, b, block, b->u));
     }
     return most;
 }
@@ -717,8 +718,10 @@ int swing_trajectory(const Model *m, const double *p, double release_angle, doub
     const double most_panels = 1000.0 + MOST_PANELS * omega * (at[n - 1] - at[0]) / 3.141592653589793;
     double last_h = 0.0, last_start = 0.0; /* of the last panel, if it began at rest */
     int next = 0, at_rest = 0;
+    s.reach = hypot(here.th, here.v / omega);
     while (next < n && status == DONE) {
         at_rest = here.v == 0.0;
+        s.reach = fmax(s.reach, fabs(here.th));
         if (at_rest) {
             double before[BLOCKS], after[BLOCKS], later[MAX_PARAMETERS];
             const int was_held = s.held, way = leaves_rest(&s, &here, s.held ? 0.0 : s.direction);
@@ -767,7 +770,7 @@ int swing_trajectory(const Model *m, const double *p, double release_angle, doub
             for (int i = N; i < s.blocks * N; i++) b.u[i] = start[i / N];
             if (attempt > 0 || !alike) b.has_inverse = 0;
             if (solve(&s, &b, report)) {
-                excess = tail(&b, s.blocks) / TAIL;
+                excess = tail(&s, &b) / TAIL;
                 if (excess <= 1.0) { solved = 1; break; }
                 h *= fmin(0.7, fmax(0.2, 0.8 * pow(excess, -1.0 / 14)));
             } else
