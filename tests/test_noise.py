@@ -78,8 +78,8 @@ SERIES = 0.35 * np.cos(np.linspace(0, 40, 20001))
 def test_proportional_noise_is_two_percent_everywhere_and_nothing_at_a_crossing():
     noisy = noise.add_noise("proportional", SERIES, 50, noise.RStream(150).standard_normal(SERIES.size))
     assert np.std((noisy - SERIES) / np.abs(SERIES)) == pytest.approx(0.02, rel=0.02)
-    at_crossing_and_beyond = noise.add_noise("proportional", [0.0, 1.0], 50, np.array([3.0, 3.0]))
-    assert at_crossing_and_beyond == pytest.approx([0.0, 1.06])
+    at_crossing_and_beyond = noise.add_noise("proportional", [0.0, 1.0, -1.0], 50, np.array([3.0, 3.0, 3.0]))
+    assert at_crossing_and_beyond == pytest.approx([0.0, 1.06, -0.94])
 
 
 def test_additive_and_quantisation_noise_have_the_size_that_snr_says():

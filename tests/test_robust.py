@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
+from swingdown import robust
 from swingdown.fit import fit_jointly, fit_trajectory
 from swingdown.model import Model
 from swingdown.robust import _bartlett, robust_covariance, variance_inflation
@@ -24,10 +25,10 @@ def test_errors_are_those_of_repeated_fits(memory, ordinary_is_good):
     swings = [(TIMES, CLEAN + noise(number, memory)) for number in range(200)]
     fits = [fit_trajectory("viscous", *swing) for swing in swings]
     scatter = np.std([fit.values for fit in fits], axis=0, ddof=1)
-    robust = [np.diag(robust_covariance(fit, [swing])) for fit, swing in zip(fits, swings, strict=True)]
+    found = [np.diag(robust_covariance(fit, [swing])) for fit, swing in zip(fits, swings, strict=True)]
     ordinary = np.sqrt(np.mean([np.diag(fit.covariance) for fit in fits], axis=0))
     # Bartlett's weights and the fitted values themselves take some of the spectrum away: 25 % is what is promised
-    assert np.sqrt(np.mean(robust, axis=0)) == pytest.approx(scatter, rel=0.25)
+    assert np.sqrt(np.mean(found, axis=0)) == pytest.approx(scatter, rel=0.25)
     assert (np.abs(ordinary / scatter - 1) < 0.25).all() == ordinary_is_good
 
 
@@ -57,3 +58,12 @@ def test_sum_over_windows_is_bartletts_weighted_sum():
         product = scores[:, k:] @ scores[:, :-k].T
         expected = expected + (1 - k / (lag + 1)) * (product + product.T)
     assert _bartlett(scores, lag) == pytest.approx(expected)
+
+
+@pytest.mark.parametrize(("samples", "lag"), [(1000, 100), (200, 53)])
+def test_memory_is_a_tenth_of_the_record_and_no_less_than_a_period(samples, lag, monkeypatch):
+    seen = []
+    monkeypatch.setattr(robust, "_bartlett", lambda scores, lag: seen.append(lag) or _bartlett(scores, lag))
+    swing = (TIMES[:samples], (CLEAN + noise(0, 0.0))[:samples])  # a period takes 2 pi / 6 s, 52.4 samples
+    robust_covariance(fit_trajectory("viscous", *swing), [swing])
+    assert seen == [lag]

@@ -39,6 +39,13 @@ def test_two_digits_of_the_uncertainty(value, uncertainty, text):
     assert value_with_uncertainty(value, uncertainty) == text
 
 
+@pytest.mark.parametrize(
+    ("uncertainty", "text"), [(0.354, "1.00(35)"), (0.357, "1.0(4)"), (0.948, "1.0(9)"), (0.951, "1.0(1.0)")]
+)
+def test_the_pdg_rule_changes_at_355_and_950(uncertainty, text):
+    assert value_with_uncertainty(1.0, uncertainty, "pdg") == text
+
+
 def test_an_unknown_rule_is_refused():
     with pytest.raises(ValueError, match="unknown rule"):
         value_with_uncertainty(1, 1, "three")
