@@ -131,6 +131,24 @@ def test_a_larger_model_must_earn_its_parameter(gain, inflation, told):
     assert row["verdict"].startswith("κv,c against κc: ")
 
 
+def test_table_3_ranks_by_independent_samples_too(published):
+    """A gain that counts every sample, and none once residuals that hang together are counted once."""
+    nested = {"load_coulomb": 0.131, "viscous+load_coulomb": 0.129}
+    table = tables.table3(made_norms(nested, inflation=300, noise=1e-7), published).set_index("fitted")
+    assert table.loc["viscous+load_coulomb", "delta_bic"] == 0
+    assert table.loc["load_coulomb", "delta_bic"] > 100
+    assert table.loc["load_coulomb", "delta_bic_effective"] == 0
+    # 12 swings, each with ln 10 for a parameter and 2 x 10 x ln of the norms' ratio against it
+    gain = 2 * 10 * np.log(0.131 / 0.129)
+    assert table.loc["viscous+load_coulomb", "delta_bic_effective"] == pytest.approx(
+        12 * (np.log(10) - gain), rel=0.05
+    )
+    comparison = tables.comparison(made_norms(nested, inflation=300, noise=1e-7))["delta_bic_effective"].iloc[
+        0
+    ]
+    assert table.loc["viscous+load_coulomb", "delta_bic_effective"] == pytest.approx(-comparison)
+
+
 def test_holms_correction_on_a_worked_case():
     """p = .01, .04, .03, .005 of four tests: .03, .06, .06, .02 (Holm 1979)."""
     assert holm(np.array([0.01, 0.04, np.nan, 0.03, 0.005])) == pytest.approx(

@@ -4,7 +4,6 @@ from itertools import combinations
 
 import numpy as np
 import pandas as pd
-from scipy import stats
 
 from .model import symbol
 from .nested import contains
@@ -40,6 +39,8 @@ def _campaign(campaign, norms):
 
 
 def _pair(norms, a, b):
+    from scipy import stats  # takes a second to load, which jobs that only write a table need not wait for
+
     first, second = norms.sel(fitted=a), norms.sel(fitted=b)
     difference = first["norm"].values - second["norm"].values
     n = difference.size
@@ -52,6 +53,20 @@ def _pair(norms, a, b):
     row["delta_bic"] = float(np.sum(first["bic"].values - second["bic"].values))
     row["delta_bic_effective"] = float(np.sum(_effective(first, second)))
     return row
+
+
+def bic_effective(norms):
+    """BIC by model, summed over recordings, for as many samples as count as independent (an array over ``fitted``).
+
+    The residual of the model with the lowest norm of a recording decides how many those are, for all models alike.
+    """
+    norm, inflation = norms["norm"].transpose("fitted", "recording"), norms["variance_inflation"]
+    inflation = np.take_along_axis(
+        inflation.transpose(*norm.dims).values, norm.values.argmin(axis=0)[np.newaxis], axis=0
+    )
+    independent = np.maximum(norms["samples"].values / inflation, 2.0)
+    terms = np.isfinite(norms["value"].transpose(*norm.dims, "parameter").values).sum(axis=-1)
+    return np.sum(2 * independent * np.log(np.radians(norm.values)) + terms * np.log(independent), axis=1)
 
 
 def _effective(first, second):

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from .comparison import comparison
+from .comparison import bic_effective, comparison
 from .norms import as_text
 from .rounding import value_with_uncertainty
 
@@ -59,14 +59,15 @@ def _settings_note(settings, count):
 
 
 def table3(norms, published):
-    """Table 3 with columns campaign, fitted, mean, std, n, reduced_chi2, bic, delta_bic, variance_inflation,
-    published_mean, published_std, unit, note.
+    """Table 3 with columns campaign, fitted, mean, std, n, reduced_chi2, bic, delta_bic, delta_bic_effective,
+    variance_inflation, published_mean, published_std, unit, note.
 
     ``norms`` is ``results/experiment/norms.nc``, ``published`` the paper's eight rows. A campaign's first row is
     ``error_bounds``, the RMS of the angle's 95 % bound. Mean and std (n - 1) of the norm are over recordings, as is the mean
     of reduced chi-squared; ``bic`` is the sum over recordings, ``delta_bic`` that above the campaign's lowest. Both take
-    residuals for independent; ``variance_inflation`` (mean) tells how far from it they are. The note counts recordings in
-    which a coefficient came out negative, and says what was emulated.
+    residuals for independent; ``variance_inflation`` (mean) tells how far from it they are, and ``delta_bic_effective``
+    counts only as many samples as are. The note counts recordings in which a coefficient came out negative, and says what
+    was emulated.
     """
     printed = published.set_index("fitted")
     rows = []
@@ -79,20 +80,22 @@ def table3(norms, published):
         bic = chosen["bic"].sum("recording", skipna=False)
         bound = dict(zip(("mean", "std", "n"), statistics(chosen["error_bound_norm"].values), strict=True))
         rows.append({"campaign": campaign, "fitted": "error_bounds", **bound, "note": "; ".join(about)})
-        for label in as_text(chosen["fitted"]):
+        effective = bic_effective(chosen)
+        for k, label in enumerate(as_text(chosen["fitted"])):
             one = chosen.sel(fitted=label)
             mean, std, n = statistics(one["norm"].values)
             rows.append({
                 "campaign": campaign, "fitted": label, "mean": mean, "std": std, "n": n,
                 "reduced_chi2": float(one["reduced_chi2"].mean(skipna=False)), "bic": float(bic.sel(fitted=label)),
                 "delta_bic": float(bic.sel(fitted=label) - bic.min()),
+                "delta_bic_effective": float(effective[k] - effective.min()),
                 "variance_inflation": float(one["variance_inflation"].mean()), "note": "; ".join([*_negative(one), *about]),
             })  # fmt: skip
     table = pd.DataFrame(rows)
     table["published_mean"] = [printed["mean_degrees"].get(label, np.nan) for label in table["fitted"]]
     table["published_std"] = [printed["std_degrees"].get(label, np.nan) for label in table["fitted"]]
     table["unit"] = "degrees"
-    order = ("campaign", "fitted", "mean", "std", "n", "reduced_chi2", "bic", "delta_bic", "variance_inflation",
+    order = ("campaign", "fitted", "mean", "std", "n", "reduced_chi2", "bic", "delta_bic", "delta_bic_effective", "variance_inflation",
              "published_mean", "published_std", "unit", "note")  # fmt: skip
     return table.reindex(columns=list(order))
 
