@@ -1,0 +1,246 @@
+"""Sensitivities against exact ones, against 36 digits, and against differences of the oracle; the jump at reversals included."""
+
+import cases
+import mpmath
+import numpy as np
+import oracle
+import pytest
+
+from swingdown.errors import InputError
+from swingdown.model import PAPER_MODELS, Model
+from swingdown.trajectory import sensitivities, simulate
+
+RELEASE = ("release_angle", "release_velocity")
+
+
+def relative(found, exact, inside=slice(None)):
+    """The largest error of a row against the row's own size."""
+    return float(np.abs(found - exact)[inside].max() / np.abs(exact).max())
+
+
+def test_linear_coulomb_swings_exactly():
+    """Half-swing n of a linear pendulum with friction c: θ = (-1)^n D + (A - (2n + 1) D) cos ωt, with D = c/ω²."""
+    w, c, release = 6.0, 1.5, 0.9
+    times = np.linspace(0, 4, 801)
+    n = np.floor(w * times / np.pi)
+    sign, d, phase = (-1.0) ** n, c / w**2, w * times
+    wave, slope = np.cos(phase), -np.sin(phase)
+    exact = {
+        "natural_frequency": -2 * d / w * (sign - (2 * n + 1) * wave)
+        + (release - (2 * n + 1) * d) * slope * times,
+        "constant_friction": (sign - (2 * n + 1) * wave) / w**2,
+        "release_angle": wave,
+    }
+    model = Model("constant_coulomb", {"natural_frequency": w, "constant_friction": c}, restoring="linear")
+    angle, slopes = sensitivities(model, times, release, free=tuple(exact))
+    assert release - (2 * n[-1] + 1) * d > d, "still swinging at the end"
+    assert np.abs(angle - sign * d - (release - (2 * n + 1) * d) * wave).max() < 1e-9
+    for row, (name, column) in zip(slopes, exact.items(), strict=True):
+        assert relative(row, column) < 1e-8, name
+
+
+@pytest.mark.parametrize("lag", [5e-4, 2.3e-3, 0.02, 0.1])
+def test_a_slow_sensor_on_a_linear_pendulum_is_known_exactly(lag):
+    """The reading is Re(A e^λt / (1 + τλ)) and a transient e^(-t/τ), for the swing Re(A e^λt)."""
+    w, ratio, release, velocity, times = 7.0, 0.02, 0.6, 0.5, np.linspace(0, 3, 601)
+    pole = w * complex(-ratio, np.sqrt(1 - ratio**2))
+    amplitude = complex(release, (release * pole.real - velocity) / pole.imag)
+    steady, steady_slope = amplitude / (1 + lag * pole), -amplitude * pole / (1 + lag * pole) ** 2
+    transient, fading = release - lag * velocity - steady.real, np.exp(-times / lag)
+    exact = (steady * np.exp(pole * times)).real + transient * fading
+    slope = (steady_slope * np.exp(pole * times)).real - (velocity + steady_slope.real) * fading
+    slope += transient * fading * times / lag**2
+    values = {"natural_frequency": w, "viscous_ratio": ratio, "lag_time": lag}
+    angle, slopes = sensitivities(
+        Model("viscous+sensor_lag", values, restoring="linear"), times, release, velocity, free=("lag_time",)
+    )
+    assert np.abs(angle - exact).max() < 1e-8
+    assert relative(slopes[0], slope) < 1e-6
+
+
+def many_digits(values, release, velocity, times):
+    """Angles of the paper's full model by Taylor series of order 26 in 36 digits, from one reversal to the next."""
+    w, viscous, quadratic, load = values
+    t, state, s, read = mpmath.mpf(0), (release, velocity), (1 if velocity > 0 else -1), []
+    order, longest = 26, mpmath.mpf("0.06")
+
+    def series(th, v):
+        th, v, sn, cs = [th], [v], [mpmath.sin(th)], [mpmath.cos(th)]
+        for k in range(order):
+            square = sum(v[j] * v[k - j] for j in range(k + 1))
+            a = (
+                -w * w * sn[k]
+                - 2 * viscous * w * v[k]
+                - s * w * quadratic * square
+                - s * load * (square + w * w * cs[k])
+            )
+            th.append(v[k] / (k + 1))
+            v.append(a / (k + 1))
+            sn.append(sum((j + 1) * th[j + 1] * cs[k - j] for j in range(k + 1)) / (k + 1))
+            cs.append(-sum((j + 1) * th[j + 1] * sn[k - j] for j in range(k + 1)) / (k + 1))
+        return th, v
+
+    def at(coefficients, h):
+        return mpmath.polyval(coefficients[::-1], h)
+
+    for time in times:
+        while True:
+            th, v = series(*state)
+            h = min(longest, time - t)
+            if s * at(v, h) >= 0:
+                t, state = t + h, (at(th, h), at(v, h))
+                if t == time:
+                    break
+            else:  # the reversal: Newton's steps on the velocity's series, then the other way
+                root = mpmath.findroot(
+                    lambda x, v=v: at(v, x), (0, h), solver="anderson", tol=mpmath.mpf(10) ** -64
+                )
+                t, state, s = t + root, (at(th, root), mpmath.mpf(0)), -s
+        read.append(state[0])
+    return read
+
+
+def test_many_digits():
+    """Every derivative of the full model after three reversals, to 1e-8 of its size, by differences of 1e-11."""
+    values = {
+        "natural_frequency": 7.25,
+        "viscous_ratio": 0.03,
+        "quadratic_coefficient": 0.05,
+        "load_friction": 0.012,
+    }
+    times, release, velocity = [0.0, 0.3, 0.6, 1.2, 1.6], 0.7, -0.5
+    model = Model("viscous+quadratic_drag+load_coulomb", values)
+    angle, slopes = sensitivities(model, times, release, velocity)
+    with mpmath.workdps(36):
+        given = [mpmath.mpf(x) for x in (*values.values(), release, velocity)]
+        stamped = [mpmath.mpf(x) for x in times]
+        exact = many_digits(given[:4], *given[4:], stamped)
+        assert max(abs(a - float(b)) for a, b in zip(angle, exact, strict=True)) < 1e-9
+        step = mpmath.mpf(10) ** -11
+        for k, row in enumerate(slopes):
+            up, down = list(given), list(given)
+            up[k] += step
+            down[k] -= step
+            high, low = (many_digits(x[:4], *x[4:], stamped) for x in (up, down))
+            column = np.array([float((a - b) / (2 * step)) for a, b in zip(high, low, strict=True)])
+            assert relative(row, column) < 1e-8, (*values, *RELEASE)[k]
+
+
+def differences(case, name, step):
+    """The oracle's derivative by ``name``, of fourth order, and the samples that no event passed over on the way."""
+    runs = {}
+    for k in (-2, -1, 1, 2):
+        values, angle, velocity = dict(case.model.values), case.release_angle, case.release_velocity
+        if name in values:
+            values[name] += k * step
+        angle += k * step * (name == "release_angle")
+        velocity += k * step * (name == "release_velocity")
+        runs[k] = oracle.trajectory(
+            case.model.effects, values, case.times, angle, velocity, case.model.restoring, case.model.form
+        )
+    slope = (8 * (runs[1].reading - runs[-1].reading) - (runs[2].reading - runs[-2].reading)) / (12 * step)
+    elapsed = case.times - case.times[0]
+    clear = elapsed > 1e-3
+    if len({len(run.reversals) for run in runs.values()}) > 1:
+        return None, None  # a different number of half-swings: no derivative to speak of
+    for moved in zip(*(run.reversals for run in runs.values()), strict=True):
+        spread = np.ptp(moved)
+        clear &= (elapsed < min(moved) - spread - 1e-9) | (elapsed > max(moved) + spread + 1e-9)
+    if (
+        "clock_drift" in case.model.effects
+    ):  # events are in true time, samples in stamped; their order is all that matters
+        true = elapsed + case.model.values["clock_drift"] * elapsed**2 / elapsed[-1]
+        clear = elapsed > 1e-3
+        for moved in zip(*(run.reversals for run in runs.values()), strict=True):
+            clear &= (true < min(moved) - 1e-3) | (true > max(moved) + 1e-3)
+    return slope, clear
+
+
+def worst_of(case):
+    """The largest error over all free values of a case, over what is admitted of it, and whose it is.
+
+    Admitted are 1e-6 of the slope's size, and the 3e-11 rad that the oracle's own digits leave in a difference.
+    """
+    _, slopes = sensitivities(*case.arguments)
+    worst = (0.0, "")
+    for name, row in zip((*case.model.parameters, *RELEASE), slopes, strict=True):
+        if name == "release_velocity" and case.release_velocity == 0.0:
+            continue  # at rest, the release is itself a reversal: the slopes from either side differ
+        step = 5e-4 * max(abs(case.model.values.get(name, 0.3)), 0.01)
+        column, clear = differences(case, name, step)
+        if column is None or np.count_nonzero(clear) < 100:
+            continue
+        admitted = 1e-6 * np.abs(column[clear]).max() + 3e-11 / step
+        worst = max(worst, (float(np.abs(row - column)[clear].max() / admitted), name))
+    return worst
+
+
+PARTICULAR = {"power_law_exponent": 1.6, "backlash_width": 0.02}
+
+
+def moving_case(label, index):
+    """A random case that keeps swinging: with friction small enough, so that there is a derivative all along."""
+    model = Model(label)
+    fixed = {
+        "load_friction": 0.01,
+        "constant_friction": 0.3,
+        "stribeck_friction": 0.2,
+        "viscous_ratio": 0.02,
+    } | PARTICULAR
+    return cases.draw(
+        label,
+        index,
+        np.radians(60),
+        2.5,
+        **{name: value for name, value in fixed.items() if name in model.parameters},
+    )
+
+
+@pytest.mark.parametrize("label", PAPER_MODELS)
+def test_the_papers_models(label):
+    for index in (0, 1):
+        error, name = worst_of(moving_case(label, index))
+        assert error < 1, name
+
+
+@pytest.mark.parametrize("label", cases.single_effects())
+def test_every_effect(label):
+    error, name = worst_of(moving_case(label, 5))
+    assert error < 1, name
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("label", [*PAPER_MODELS, *cases.single_effects()])
+def test_random_pendulums(label, capsys):
+    found = [(*worst_of(moving_case(label, index)), index) for index in range(6, 18)]
+    with capsys.disabled():
+        print(f"\n{label:40s} worst error of a slope over what is admitted {max(found)}", end="")
+    assert max(found)[0] < 1
+
+
+def test_nothing_moves_once_it_sticks_but_where_it_sticks():
+    """The resting angle keeps its derivatives, constant in time and equal to the oracle's differences."""
+    values = {"natural_frequency": 7.0, "viscous_ratio": 0.01, "constant_friction": 3.0}
+    model, times = Model("viscous+constant_coulomb", values), np.linspace(0, 4, 400)
+    _, slopes = sensitivities(model, times, 0.6)
+    seen = oracle.trajectory(model.effects, values, times, 0.6)
+    held = times > seen.stuck_after + 1e-3
+    assert held.sum() > 100
+    assert np.all(np.ptp(slopes[:, held], axis=1) == 0.0)
+    case = cases.Case(model, times, 0.6, 0.0)
+    for name, row in zip((*model.parameters, "release_angle"), slopes, strict=False):
+        column, _ = differences(case, name, 1e-5)
+        assert row[-1] == pytest.approx(column[-1], rel=1e-6)
+
+
+def test_only_what_is_asked_for():
+    model = Model("viscous", {"natural_frequency": 7.0, "viscous_ratio": 0.01})
+    times = np.linspace(0, 4, 50)
+    angle, every = sensitivities(model, times, 0.6, 0.2)
+    assert every.shape == (4, 50)
+    _, two = sensitivities(model, times, 0.6, 0.2, free=("release_angle", "viscous_ratio"))
+    assert np.abs(two - every[[2, 1]]).max() < 1e-12
+    assert sensitivities(model, times, 0.6, 0.2, free=())[1].shape == (0, 50)
+    assert np.abs(angle - simulate(model, times, 0.6, 0.2)).max() < 1e-11
+    with pytest.raises(InputError, match="gamma"):
+        sensitivities(model, times, 0.6, free=("gamma",))

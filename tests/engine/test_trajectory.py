@@ -1,0 +1,295 @@
+"""Trajectories against the oracle: 1e-8 rad for swings up to 60 degrees, 1e-6 up to 170, or a refusal, never silence."""
+
+import cases
+import numpy as np
+import oracle
+import pytest
+from scipy.special import ellipj, ellipk
+
+from swingdown.errors import InputError
+from swingdown.model import PAPER_MODELS, Model
+from swingdown.trajectory import TrajectoryError, effort, sensitivities, simulate
+
+LIMITS = {60: 1e-8, 170: 1e-6}  # degrees: rad
+STEP = 2 * np.pi / 4096  # rad, of a usual encoder
+LABELS = [*cases.paper_models(), *cases.single_effects()]
+TIMES = np.arange(501) / 100
+
+
+def expected(case):
+    """What the oracle sees of a case; None where the motion runs away."""
+    model = case.model
+    try:
+        return oracle.trajectory(
+            model.effects,
+            model.values,
+            case.times,
+            case.release_angle,
+            case.release_velocity,
+            model.restoring,
+            model.form,
+        )
+    except oracle.Runaway:
+        return None
+
+
+def compare(case):
+    """(largest error in rad, refused, what the oracle saw); the error is zero where the engine refuses."""
+    seen = expected(case)
+    try:
+        read = simulate(*case.arguments)
+    except TrajectoryError:
+        return 0.0, True, seen
+    assert seen is not None, f"the engine follows a motion that runs away: {case}"
+    return float(np.abs(read - seen.reading).max()), False, seen
+
+
+def sweep(draws, limit):
+    """The worst (error, index) over draws; fails on a silent error, or on refusals of what the oracle can follow."""
+    worst, refused, stuck, wrong = (0.0, -1), [], 0, []
+    for index, case in draws:
+        error, refusal, seen = compare(case)
+        if refusal and seen is not None:
+            refused.append(index)
+        stuck += seen is not None and seen.stuck_after is not None
+        if not error <= limit:
+            wrong.append((index, f"{error:.1e}"))
+        worst = max(worst, (error, index))
+    return worst, refused, stuck, wrong
+
+
+@pytest.mark.parametrize("degrees", LIMITS)
+@pytest.mark.parametrize("label", LABELS)
+def test_a_few_random_pendulums(label, degrees):
+    worst, refused, _, wrong = sweep(
+        ((k, cases.draw(label, k, np.radians(degrees), 2.5)) for k in range(2)), LIMITS[degrees]
+    )
+    assert not wrong and not refused
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("degrees", LIMITS)
+@pytest.mark.parametrize("label", LABELS)
+def test_random_pendulums(label, degrees, capsys):
+    """200 of every model and effect; the table of worst errors goes to the terminal."""
+    draws = ((k, cases.draw(label, k, np.radians(degrees))) for k in range(200))
+    worst, refused, stuck, wrong = sweep(draws, LIMITS[degrees])
+    with capsys.disabled():
+        print(
+            f"\n{label:40s} {degrees:3d} deg: worst {worst[0]:.1e} rad (draw {worst[1]}), refused {len(refused)}, stuck {stuck}",
+            end="",
+        )
+    assert not wrong, f"silent errors over {LIMITS[degrees]} rad: {wrong}"
+    assert len(refused) <= (0 if label in PAPER_MODELS else 4), f"refused: {refused}"
+
+
+def together(index):
+    """A random label of two to four effects, one torque at least, whose order of sensors is theirs to combine."""
+    rng = cases.generator("together", index)
+    names = [name for name in cases.effects.CATALOGUE if name != "finite_amplitude"]
+    chosen = set(rng.choice(names, size=rng.integers(2, 5), replace=False))
+    if {"backlash", "sensor_lag"} <= chosen:
+        chosen.remove("backlash")
+    return "+".join(name for name in names if name in chosen)
+
+
+@pytest.mark.parametrize(
+    "part",
+    [pytest.param(range(30), id="few"), pytest.param(range(30, 400), id="many", marks=pytest.mark.slow)],
+)
+def test_effects_together(part):
+    _, refused, _, wrong = sweep(
+        ((k, cases.draw(together(k), k, np.radians(60), 2.5)) for k in part), LIMITS[60]
+    )
+    assert not wrong and len(refused) <= len(part) // 50
+
+
+@pytest.mark.parametrize("label", ["load_coulomb", "viscous+load_coulomb", "quadratic_drag+load_coulomb"])
+def test_the_printed_form(label):
+    _, refused, _, wrong = sweep(((k, cases.draw(label, k, form="printed")) for k in range(4)), LIMITS[60])
+    assert not wrong and not refused
+
+
+@pytest.mark.parametrize("ratio", [0.2, 0.5, 0.7, 1.0, 3.0])
+@pytest.mark.parametrize("label", ["viscous", "viscous+quadratic_drag+load_coulomb"])
+def test_strong_damping(label, ratio):
+    """Exact up to half of critical damping and beyond; near critical, where nothing swings any more, it may refuse."""
+    worst, refused, _, wrong = sweep(
+        (
+            (k, cases.draw(label, k, np.radians(degrees), viscous_ratio=ratio))
+            for k in range(3)
+            for degrees in LIMITS
+        ),
+        LIMITS[60],
+    )
+    assert not wrong and (not refused or ratio == 1.0)
+
+
+def friction(size, **more):
+    return Model(
+        "viscous+constant_coulomb",
+        {"natural_frequency": 7.0, "viscous_ratio": 0.005, "constant_friction": size} | more,
+    )
+
+
+@pytest.mark.parametrize("release", [0.3, 0.7, 1.0])
+def test_sticking_inside_the_record(release):
+    model = friction(3.0)
+    seen = oracle.trajectory(model.effects, model.values, TIMES, release)
+    read = simulate(model, TIMES, release)
+    assert seen.stuck_after < 4.0
+    assert np.abs(read - seen.reading).max() < 1e-9
+    assert effort(model, TIMES, release).stuck_after == pytest.approx(seen.stuck_after, abs=1e-8)
+    assert np.ptp(read[seen.stuck_after < TIMES]) == 0.0
+    assert 49 * np.sin(abs(read[-1])) <= 3.0, "held where friction can hold it"
+
+
+@pytest.mark.parametrize("release", [0.0, 0.05, -0.06])
+def test_a_release_that_friction_holds_stays(release):
+    assert np.all(simulate(friction(3.0), TIMES, release) == release)
+    assert effort(friction(3.0), TIMES, release).stuck_after == 0.0
+
+
+def test_a_push_frees_what_friction_holds():
+    model = friction(3.0)
+    seen = oracle.trajectory(model.effects, model.values, TIMES, 0.05, 0.4)
+    assert np.abs(simulate(model, TIMES, 0.05, 0.4) - seen.reading).max() < 1e-9
+    assert simulate(model, TIMES, 0.05, 0.4).max() > 0.06
+
+
+def test_a_shaken_pendulum_sticks_and_breaks_away_again():
+    values = {
+        "natural_frequency": 7.0, "constant_friction": 2.0, "vibration_acceleration": 2.6, "vibration_frequency": 0.4,
+        "vibration_phase": 1.0,
+    }  # fmt: skip
+    model = Model("constant_coulomb+base_vibration", values)
+    times = np.linspace(0, 10, 800)
+    seen = oracle.trajectory(model.effects, values, times, 0.2)
+    read = simulate(model, times, 0.2)
+    assert np.abs(read - seen.reading).max() < 1e-8
+    held = np.diff(read) == 0
+    assert np.count_nonzero(np.diff(held.astype(int)) == -1) > 2, "held and freed several times"
+
+
+def test_a_stuck_pendulum_on_a_ringing_support():
+    values = {
+        "natural_frequency": 7.0, "constant_friction": 3.0, "pivot_mass_ratio": 0.3, "pivot_frequency": 15.0, "pivot_damping_ratio": 0.01,
+    }  # fmt: skip
+    model = Model("constant_coulomb+flexible_pivot", values)
+    seen = oracle.trajectory(model.effects, values, TIMES, 0.5)
+    assert np.abs(simulate(model, TIMES, 0.5) - seen.reading).max() < 1e-9
+    assert seen.stuck_after is not None
+
+
+@pytest.mark.parametrize("label", PAPER_MODELS)
+def test_swings_below_one_encoder_step_keep_their_digits(label):
+    """Errors in proportion to the swing: a pendulum released at half a step is as exact as a large one."""
+    fixed = {"viscous_ratio": 0.05, "quadratic_coefficient": 0.05, "load_friction": 2e-6}
+    case = cases.draw(
+        label, 2, **{name: value for name, value in fixed.items() if name in Model(label).parameters}
+    )
+    for release in (STEP / 2, 1e-6):
+        model = case.model
+        if "load_friction" in model.parameters:
+            model = model.with_values(model.values | {"load_friction": release * 0.01})
+        seen = oracle.trajectory(model.effects, model.values, case.times, release, 0.0, model.restoring)
+        assert np.abs(simulate(model, case.times, release) - seen.reading).max() < 1e-8 * release
+
+
+def test_the_end_of_a_long_swing():
+    """From 40 degrees to a hundredth of an encoder step, and then friction holds it."""
+    values = {"natural_frequency": 7.25, "viscous_ratio": 0.03, "load_friction": 1e-7}
+    model, times = Model("viscous+load_coulomb", values), np.linspace(0, 45, 901)
+    seen = oracle.trajectory(model.effects, values, times, np.radians(40))
+    read = simulate(model, times, np.radians(40))
+    assert abs(read[-1]) < STEP / 100
+    assert np.abs(read - seen.reading).max() < 1e-9
+    assert np.abs(read - seen.reading)[-100:].max() < 1e-12
+
+
+@pytest.mark.parametrize("degrees", [1, 20, 60, 120, 170])
+def test_the_undamped_pendulum_is_jacobis_sine(degrees):
+    """θ = 2 asin(k sn(K + ωn t, k)), with k the sine of half the amplitude (Nayfeh and Mook 1979)."""
+    times, k = np.linspace(0, 60, 3001), np.sin(np.radians(degrees) / 2)
+    read = simulate(
+        Model("viscous", {"natural_frequency": 5.0, "viscous_ratio": 0.0}), times, np.radians(degrees)
+    )
+    exact = 2 * np.arcsin(k * ellipj(ellipk(k**2) + 5.0 * times, k**2)[0])
+    assert np.abs(read - exact).max() < (1e-8 if degrees <= 60 else 1e-6)
+
+
+def test_the_linear_pendulum_is_a_damped_cosine():
+    times, w, ratio = np.linspace(0, 20, 2001), 7.25, 0.03
+    read = simulate(
+        Model("viscous", {"natural_frequency": w, "viscous_ratio": ratio}, restoring="linear"),
+        times,
+        0.4,
+        -0.7,
+    )
+    wd = w * np.sqrt(1 - ratio**2)
+    exact = np.exp(-ratio * w * times) * (
+        0.4 * np.cos(wd * times) + (ratio * w * 0.4 - 0.7) / wd * np.sin(wd * times)
+    )
+    assert np.abs(read - exact).max() < 1e-9
+
+
+def test_other_samples_do_not_matter():
+    model = friction(0.4)
+    every = simulate(model, TIMES, 0.6, 0.3)
+    assert np.array_equal(simulate(model, TIMES[::7], 0.6, 0.3), every[::7])
+    assert np.array_equal(simulate(model, TIMES[:3], 0.6, 0.3), every[:3])
+    assert np.abs(simulate(model, TIMES + 1e3, 0.6, 0.3) - every).max() < 1e-11
+    assert simulate(model, [4.0], 0.6) == pytest.approx([0.6], abs=1e-15)
+
+
+def test_a_mirrored_release_gives_the_mirrored_swing():
+    model = friction(0.4)
+    assert np.array_equal(simulate(model, TIMES, -0.6, 0.3), -simulate(model, TIMES, 0.6, -0.3))
+
+
+def test_slopes_do_not_change_the_angle():
+    for label in (
+        "viscous+quadratic_drag+load_coulomb",
+        "viscous+flexible_pivot",
+        "viscous+sensor_lag",
+        "viscous+backlash",
+    ):
+        case = cases.draw(label, 3)
+        assert np.abs(sensitivities(*case.arguments)[0] - simulate(*case.arguments)).max() < 1e-11
+
+
+def test_what_cannot_be_followed_is_refused():
+    softening = Model(
+        "viscous+cubic_stiffness",
+        {"natural_frequency": 3.0, "viscous_ratio": 0.01, "cubic_stiffness": -30.0},
+        restoring="linear",
+    )
+    with pytest.raises(TrajectoryError, match="viscous_ratio 0.01"):
+        simulate(softening, TIMES, 2.0)
+    backwards = Model(
+        "viscous+clock_drift", {"natural_frequency": 3.0, "viscous_ratio": 0.01, "clock_drift": -0.6}
+    )
+    with pytest.raises(TrajectoryError, match="clock"):
+        simulate(backwards, TIMES, 0.5)
+
+
+@pytest.mark.parametrize(
+    ("times", "angle", "told"),
+    [
+        ([0.0, 2.0, 1.0], 0.5, "increasing"),
+        ([0.0, 1.0, 1.0], 0.5, "increasing"),
+        ([0.0, np.nan], 0.5, "finite"),
+        ([[0.0, 1.0]], 0.5, "one dimension"),
+        ([], 0.5, "at least one"),
+        ([0.0, 1.0], np.nan, "finite"),
+        ([0.0, 1.0], np.inf, "finite"),
+    ],
+)
+def test_bad_input_is_told(times, angle, told):
+    with pytest.raises(InputError, match=told):
+        simulate(friction(0.4), times, angle)
+
+
+def test_missing_values_are_named():
+    with pytest.raises(InputError, match="viscous_ratio"):
+        simulate(Model("viscous", {"natural_frequency": 7.0}), TIMES, 0.5)
