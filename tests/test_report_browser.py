@@ -49,7 +49,7 @@ def test_every_figure_is_drawn(page):
 def test_every_figure_and_table_has_a_caption(page):
     captions = page.eval_on_selector_all("figcaption, caption", "found => found.map(c => c.innerText)")
     assert len(captions) > 15
-    assert all(len(text) > 40 for text in captions), captions
+    assert all(len(text) > 30 for text in captions), captions
 
 
 def test_the_contents_lead_to_what_they_name(page):
