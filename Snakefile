@@ -10,15 +10,17 @@ from swingdown.sources import sources
 
 min_version("9.0")
 
-# Without --configfile the study is the paper's. With it only that file counts, so that a study of one's own
-# does not inherit the bench from this folder.
-if not workflow.overwrite_configfiles:
+# Settings that name recordings are a study of one's own and inherit nothing of the bench from this folder; any others
+# change single settings of the paper's study. `recordings: null` is a study without any.
+if "recordings" not in config:
 
     configfile: find("config/config.yaml")
 
 
 with console.job():
-    config.update(complete(config, where=", ".join(map(str, workflow.configfiles)) or "config"))
+    settings = complete(config, where=", ".join(map(str, workflow.configfiles)) or "config")
+    config.clear()
+    config.update(settings)
     PLAN = plan(config)
 
 TABLES, FIGURES = [], []  # each stage adds what it makes; the report shows all of it
@@ -42,6 +44,7 @@ if PLAN.campaigns:
 
     include: "workflow/rules/measure.smk"
     include: "workflow/rules/fit.smk"
+    include: "workflow/rules/discover.smk"
 
 
 include: "workflow/rules/figures.smk"

@@ -119,7 +119,8 @@ double minimise(Cost cost, void *of, int n, double *x, const double *lower, cons
         } else {
             /* the promise is within the rounding of the sum itself: nothing more to gain */
             if (ok && expected > 0.0 && relative < tolerance && damping < 1.0) { outcome->converged = 1; outcome->predicted = relative; break; }
-            damping *= grow;
+            /* where there is no trajectory at all the step was far too long, and finding that out is dear */
+            damping = isfinite(found) || !ok ? damping * grow : fmax(damping, 1e-2) * 100.0;
             grow *= 2.0;
             if (damping > 1e18) { outcome->converged = relative < 1e-8; outcome->predicted = relative; break; }
         }

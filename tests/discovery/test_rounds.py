@@ -1,0 +1,70 @@
+"""A hidden effect is named, and nothing is named where nothing is hidden; the swings are made by scipy, not by the engine."""
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+from swingdown.discovery.campaign import Swing, campaign, measure_noise
+from swingdown.discovery.rounds import discover
+
+TIMES = np.arange(1201) / 100  # s
+NOISE = 1e-3  # rad
+
+
+def swings(quadratic, seed):
+    """Five swings of a pendulum with viscous and (or no) quadratic drag, from 0.3 to 0.9 rad, with white noise."""
+    draws = np.random.default_rng(seed)
+    found = []
+    for k, release in enumerate(np.linspace(0.3, 0.9, 5)):
+
+        def motion(t, state):
+            angle, velocity = state
+            drag = 2 * 0.008 * 7.25 * velocity + 7.25 * quadratic * velocity * abs(velocity)
+            return velocity, -(7.25**2) * np.sin(angle) - drag
+
+        angle = solve_ivp(motion, (0, TIMES[-1]), (release, 0.0), "DOP853", TIMES, rtol=1e-10, atol=1e-12).y[0]
+        found.append(Swing(f"swing {k + 1}", TIMES, angle + NOISE * draws.standard_normal(TIMES.size)))
+    return found
+
+
+@pytest.fixture(scope="module")
+def named():
+    return discover(campaign("hidden", swings(0.003, 11)), "viscous", rounds=2, allowed=("quadratic_drag", "constant_torque", "cubic_stiffness"))
+
+
+def test_the_hidden_effect_is_named_and_the_gap_closes(named):
+    assert named[0].missing
+    assert named[0].chosen.added == "quadratic_drag"
+    last = named[-1]
+    assert last.fit.model.label == "viscous+quadratic_drag"
+    assert not last.missing
+    assert last.holdout.rms / NOISE == pytest.approx(1, abs=0.05)
+    assert last.holdout.rms < 0.5 * named[0].holdout.rms
+
+
+def test_the_disagreement_is_seen_as_dissipative(named):
+    shares = {group.name: group.share for group in named[0].groups}
+    assert max(shares, key=shares.get) == "velocity"
+
+
+def test_nothing_is_named_where_nothing_is_hidden():
+    states = discover(campaign("null", swings(0.0, 12)), "viscous", rounds=2)
+    assert len(states) == 1
+    assert not states[0].missing
+
+
+def test_the_middle_amplitudes_are_held_out():
+    split = campaign("hidden", swings(0.0, 1))
+    assert [swing.name for swing in split.holdout] == ["swing 2"]
+    assert len(split.fit) == 4
+
+
+@pytest.mark.parametrize("correlation", [0.0, 0.5])
+def test_noise_is_measured_with_its_colour(correlation):
+    draws = np.random.default_rng(5).standard_normal(20_000)
+    series = np.zeros_like(draws)
+    for k in range(1, draws.size):
+        series[k] = correlation * series[k - 1] + np.sqrt(1 - correlation**2) * draws[k]
+    noise = measure_noise([NOISE * series], [0.01], 1.15)
+    assert noise.deviation == pytest.approx(NOISE, rel=0.03)
+    assert noise.correlation == pytest.approx(correlation, abs=0.03)

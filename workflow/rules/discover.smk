@@ -1,0 +1,52 @@
+# Which effect is missing: rounds of fit, disagreement, naming and confirmation, each a folder that the next starts from.
+# needs: results/angles/
+# makes: results/discovery/{campaign}/round-{n}/ and verdict.json
+# Not part of `all`: how often its verdicts are right has not been measured yet.
+
+ROUNDS = config["discovery"]["rounds"]
+VERDICTS = expand("results/discovery/{campaign}/verdict.json", campaign=PLAN.campaigns)
+
+
+# the recordings of each campaign as discovery takes them: static ones tell the noise
+MEMBERS = {campaign: PLAN.swings(campaign) + PLAN.statics(campaign) for campaign in PLAN.campaigns}
+
+
+rule discover_round:
+    message: "Looking for what the model of {wildcards.campaign} lacks, round {wildcards.n}"
+    input:
+        angles=lambda wildcards: expand("results/angles/{recording}.nc", recording=MEMBERS[wildcards.campaign]),
+        previous=lambda wildcards: (
+            f"results/discovery/{wildcards.campaign}/round-{int(wildcards.n) - 1}/round.json" if int(wildcards.n) else []
+        ),
+        code=code("discover_round"),
+    output:
+        state="results/discovery/{campaign}/round-{n}/round.json",
+        model="results/discovery/{campaign}/round-{n}/model.yaml",
+        fit="results/discovery/{campaign}/round-{n}/fit.nc",
+        groups="results/discovery/{campaign}/round-{n}/groups.csv",
+        ranking="results/discovery/{campaign}/round-{n}/ranking.csv",
+    wildcard_constraints:
+        n=r"\d+",
+    log: "results/logs/discover/{campaign}/round-{n}.log"
+    params:
+        roles=lambda wildcards: [PLAN.rows[name]["role"] for name in MEMBERS[wildcards.campaign]],
+        base=config["discovery"]["base"],
+        rounds=ROUNDS,
+        model=config["model"],
+    script: "../scripts/discover_round.py"
+
+
+rule discover_verdict:
+    message: "The verdict on {wildcards.campaign}"
+    input:
+        rounds=expand("results/discovery/{{campaign}}/round-{n}/round.json", n=range(ROUNDS + 1)),
+        code=code("discover_verdict"),
+    output: "results/discovery/{campaign}/verdict.json"
+    log: "results/logs/discover/{campaign}/verdict.log"
+    script: "../scripts/discover_verdict.py"
+
+
+rule discover:
+    localrule: True
+    input:
+        VERDICTS,

@@ -1,0 +1,38 @@
+"""One round of discovery: fit, look where the model fails, rank what could mend it; or pass the last round on."""
+
+import shutil
+from pathlib import Path
+
+from swingdown import console
+from swingdown.discovery import files
+from swingdown.discovery.rounds import first_fit, fit_from, look
+
+
+def discover_round(campaign, angles, roles, base, previous, number, rounds, model, output):
+    """The round's folder written, and what it found in a sentence."""
+    swings, emulated = files.read_campaign(campaign, angles, roles)
+    if previous is None:
+        fit = first_fit(swings, base, **model)
+    else:
+        before = files.read_rounds([previous])[0]
+        if before["next"] is None:  # nothing to add: the round hands its model on
+            shutil.copytree(previous, output, dirs_exist_ok=True)
+            return f"{campaign}: round {number} has nothing to do"
+        fit = fit_from(swings, files.Beginning(before["next"], **model))
+    state = look(number, swings, fit, last=number == rounds)
+    files.write_round(state, swings, output, emulated)
+    found = state.chosen.move if state.chosen else state.reason
+    return f"{campaign}: {state.fit.model.label} leaves {state.fit.rms / state.noise.deviation:.3g} times the noise; {found}"
+
+
+if __name__ == "__main__":
+    with console.job(snakemake.log[0]) as say:
+        params, wildcards = snakemake.params, snakemake.wildcards
+        previous = snakemake.input.get("previous")
+        say(
+            discover_round(
+                wildcards.campaign, list(snakemake.input.angles), params.roles, tuple(params.base),
+                Path(previous).parent if previous else None, int(wildcards.n), params.rounds, params.model,
+                Path(snakemake.output.model).parent,
+            )
+        )  # fmt: skip

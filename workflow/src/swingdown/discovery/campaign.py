@@ -1,0 +1,132 @@
+"""A campaign as discovery takes it: swings that are fitted, swings that are held out, and the noise on them."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from scipy.optimize import minimize_scalar
+
+from ..errors import InputError
+
+_SHORTEST = 64  # samples of a part of a recording
+_PARTS = 4  # a single recording is cut into so many parts of equal time
+
+
+@dataclass(frozen=True)
+class Swing:
+    """One recording, or a part of one: name, times (s), angles (rad), and its largest angle (rad)."""
+
+    name: str
+    times: np.ndarray
+    angle: np.ndarray
+
+    @property
+    def amplitude(self):
+        """The largest angle from the middle of the swing, rad."""
+        return float(np.ptp(self.angle) / 2)
+
+    @property
+    def pair(self):
+        """(times, angles), as the fitter takes them."""
+        return self.times, self.angle
+
+
+@dataclass(frozen=True)
+class Noise:
+    """White or first-order autocorrelated noise: standard deviation (rad) and correlation of neighbouring samples."""
+
+    deviation: float
+    correlation: float = 0.0
+
+    @property
+    def inflation(self):
+        """How much larger the noise's spectrum is at the pendulum's frequencies than that of white noise as strong."""
+        return (1 + self.correlation) / (1 - self.correlation)
+
+    @property
+    def slow_variance(self):
+        """The variance (rad^2) of white noise with the same spectrum at low frequency: what slow residuals count against."""
+        return self.deviation**2 * self.inflation
+
+    def effective(self, samples):
+        """The number of independent samples that so many correlated ones are worth."""
+        return samples / self.inflation
+
+
+@dataclass(frozen=True)
+class Campaign:
+    """The swings to fit and those held out, how they were chosen, and what is known of the noise before any fit."""
+
+    name: str
+    fit: tuple
+    holdout: tuple
+    how: str
+    static: tuple = field(default=())
+
+
+def campaign(name, swings, holdout=(), static=()):
+    """The ``Campaign`` of these swings: as the sheet says where it names held-out ones, else by amplitude.
+
+    From three swings on, every third in order of amplitude is held out, the largest and smallest stay; of two, the
+    smaller; a single recording is cut into four parts of equal time, the second and the last held out. InputError where
+    there is none.
+    """
+    if not swings:
+        raise InputError(f"campaign {name}", "no swing to fit", "one or more recordings that are not static or held out")
+    if holdout:
+        return Campaign(name, tuple(swings), tuple(holdout), "held out as the sample sheet says", tuple(static))
+    if len(swings) == 1:
+        parts = cut(swings[0])
+        fit, held = tuple(parts[::2]), tuple(parts[1::2])
+        return Campaign(name, fit, held, "one recording, cut by amplitude: every second quarter held out", tuple(static))
+    order = sorted(swings, key=lambda swing: swing.amplitude)
+    held = order[:1] if len(order) == 2 else order[1:-1:3]
+    names = ", ".join(swing.name for swing in held)
+    fit = tuple(swing for swing in swings if swing not in held)
+    return Campaign(name, fit, tuple(held), f"held out by amplitude: {names}", tuple(static))
+
+
+def cut(swing):
+    """The parts of equal time of one recording; InputError where they would be too short."""
+    edges = np.linspace(0, swing.times.size, _PARTS + 1).astype(int)
+    if np.min(np.diff(edges)) < _SHORTEST:
+        raise InputError(f"recording {swing.name}", f"{swing.times.size} samples", f"at least {_PARTS * _SHORTEST} to cut it in parts")
+    return [
+        Swing(f"{swing.name}, part {k + 1} of {_PARTS}", swing.times[a:b], swing.angle[a:b])
+        for k, (a, b) in enumerate(zip(edges, edges[1:], strict=False))
+    ]
+
+
+def measure_noise(residuals, intervals, frequency, static=()):
+    """The ``Noise`` of a campaign, from the residuals of a fit above the pendulum's harmonics and from static records.
+
+    ``residuals`` (rad) and their sampling ``intervals`` (s), ``frequency`` of the pendulum in Hz; ``static`` holds (times,
+    angles) at rest. The spectrum of first-order autocorrelated noise is fitted (Whittle's likelihood) to the periodograms
+    above eight times the pendulum's frequency, where a model's error leaves nothing; a static record counts in full.
+    """
+    shapes, powers = [], []
+    for residual, interval, low in [
+        *((residual, interval, 8 * frequency) for residual, interval in zip(residuals, intervals, strict=True)),
+        *((angle - angle.mean(), (times[-1] - times[0]) / (times.size - 1), 0.0) for times, angle in static if np.ptp(angle) > 0),
+    ]:
+        window = np.hanning(residual.size)
+        power = np.abs(np.fft.rfft(window * residual)) ** 2 / np.sum(window**2)
+        at = np.fft.rfftfreq(residual.size, interval)
+        kept = (at > min(low, 0.25 / interval)) & (at < 0.499 / interval)
+        shapes.append(np.cos(2 * np.pi * at[kept] * interval))
+        powers.append(power[kept])
+    cosine, power = np.concatenate(shapes), np.concatenate(powers)
+    floor = 1e-300 + 1e-12 * np.mean(power)
+
+    def level(correlation):
+        shape = 1 / (1 + correlation**2 - 2 * correlation * cosine)
+        return shape, np.mean((power + floor) / shape)
+
+    def cost(correlation):
+        shape, variance = level(correlation)
+        return np.sum(np.log(variance * shape)) + power.size
+
+    best = minimize_scalar(cost, bounds=(-0.9, 0.95), method="bounded", options={"xatol": 1e-4}).x
+    # a correlation that the data do not ask for is none
+    correlation = float(best) if cost(0.0) - cost(best) > 0.5 * np.log(power.size) else 0.0
+    _, innovation = level(correlation)
+    return Noise(float(np.sqrt(innovation / (1 - correlation**2))), correlation)
