@@ -13,15 +13,18 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 RTOL, ATOL = 1e-13, 1e-16
+FAR = 60.0  # rad; beyond, the motion has run away
 
 
 @dataclass
 class Motion:
-    """What the oracle saw: the reading (rad) at each time, the turning points' times (s), and when it stuck last (s, or None)."""
+    """What the oracle saw: the reading (rad) and the side of any play it touches (-1, 0, 1) at each time, the turning
+    points' times (s), and when it stuck last (s, or None)."""
 
     reading: np.ndarray
     reversals: list = field(default_factory=list)
     stuck_after: float | None = None
+    contact: np.ndarray | None = None
 
 
 class Runaway(ArithmeticError):
@@ -160,7 +163,10 @@ def _first_event(pendulum, t, y, end, s, kinks, samples):
     def crossing(name):
         return lambda time, state: kinks[name] * switch[name](state[0], state[1]) if time > t + 1e-8 else 1.0
 
-    events = [turning, *map(crossing, switch)] if s else [freed]
+    def away(time, state):
+        return FAR - abs(state[0])
+
+    events = [turning, *map(crossing, switch), away] if s else [freed]
     for event in events:
         event.terminal, event.direction = True, -1 if s else 1
     frequency = max(
@@ -172,7 +178,7 @@ def _first_event(pendulum, t, y, end, s, kinks, samples):
         moving if s else held, (t, end), y, method="DOP853", rtol=RTOL, atol=ATOL, max_step=0.3 / frequency,
         events=events, dense_output=True,
     )  # fmt: skip
-    if done.status < 0 or not np.all(np.isfinite(done.y[:, -1])) or abs(done.y[0, -1]) > 1e3:
+    if done.status < 0 or not np.all(np.isfinite(done.y[:, -1])) or abs(done.y[0, -1]) > 0.99 * FAR:
         raise Runaway(done.message)
     ended = next((k for k, found in enumerate(done.t_events) if found.size), None)
     last = done.t[-1]
@@ -247,7 +253,7 @@ def trajectory(
         raise Runaway("too many events")
     if done < true.size:
         raise Runaway("the end was not reached")
-    motion.reading = _read(effects, values, angle, lagging, pieces, release_angle)
+    motion.reading, motion.contact = _read(effects, values, angle, lagging, pieces, release_angle)
     if not isfinite(motion.reading.sum()):
         raise Runaway("not finite")
     return motion
@@ -255,13 +261,14 @@ def trajectory(
 
 def _read(effects, values, angle, lagging, pieces, release_angle):
     """What the sensors make of the angle: play first, then lag, eccentricity, gain, zero."""
-    reading = angle.copy()
+    reading, contact = angle.copy(), np.zeros(angle.size, dtype=int)
     if "backlash" in effects:
         half, follower = values["backlash_width"] / 2, release_angle
         for _, th, index in pieces:
             follower = min(max(follower, th - half), th + half)
             if index is not None:
                 reading[index] = follower
+                contact[index] = int(follower == th - half) - int(follower == th + half)
     if "sensor_lag" in effects:
         reading = lagging.copy()
     if "eccentricity" in effects:
@@ -270,4 +277,4 @@ def _read(effects, values, angle, lagging, pieces, release_angle):
         reading = reading * (1 + values["sensor_gain"])
     if "sensor_zero" in effects:
         reading = reading + values["sensor_zero"]
-    return reading
+    return reading, contact
