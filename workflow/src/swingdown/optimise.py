@@ -23,7 +23,7 @@ class Minimum:
     evaluations: int
 
 
-def least_squares(residuals_and_jacobian, start, lower=None, upper=None, *, most=2000, tolerance=1e-14):
+def least_squares(residuals_and_jacobian, start, lower=None, upper=None, *, most=20000, tolerance=1e-14):
     """The ``Minimum`` of a sum of squares within bounds, from ``start``.
 
     ``residuals_and_jacobian`` takes the variables (n,) and returns the residuals (m,) and their derivatives (m, n); a

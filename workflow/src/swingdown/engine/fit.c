@@ -15,8 +15,8 @@ typedef struct {
 } Outcome;
 
 /* Solve A d = -b for the free variables (the rest of d is given), by Cholesky; 0 where A is not positive definite. */
-static int step(int n, const double *hessian, const double *gradient, double damping, const unsigned char *held, double *d,
-                double *work) {
+static int step(int n, const double *hessian, const double *gradient, double damping, const double *scale, const unsigned char *held,
+                double *d, double *work) {
     int index[MAX_PARAMETERS * 4], k = 0;
     for (int i = 0; i < n; i++)
         if (!held[i]) index[k++] = i;
@@ -26,7 +26,7 @@ static int step(int n, const double *hessian, const double *gradient, double dam
             if (held[j]) b -= hessian[index[i] * n + j] * d[j];
         work[k * k + i] = b;
         for (int j = 0; j <= i; j++) work[i * k + j] = hessian[index[i] * n + index[j]];
-        work[i * k + i] += damping * hessian[index[i] * n + index[i]] + 1e-300;
+        work[i * k + i] += damping * scale[index[i]] + 1e-300;
     }
     for (int i = 0; i < k; i++)
         for (int j = 0; j <= i; j++) {
@@ -57,38 +57,55 @@ static double promise(int n, const double *gradient, const double *hessian, cons
     return fall;
 }
 
+/* Size of a step in units of what each variable does to the residuals. */
+static double length(int n, const double *scale, const double *d) {
+    double sum = 0.0;
+    for (int i = 0; i < n; i++) sum += scale[i] * d[i] * d[i];
+    return sqrt(sum);
+}
+
 /* The minimum of cost within lower..upper from x, in place; returns half the sum of squares. hessian: J'J there. */
 double minimise(Cost cost, void *of, int n, double *x, const double *lower, const double *upper, int most, double tolerance,
                 double *hessian, Outcome *outcome) {
     const size_t nn = (size_t)n * n;
-    double *memory = malloc((3 * nn + 7 * (size_t)n + 8) * sizeof(double));
+    double *memory = malloc((3 * nn + 8 * (size_t)n + 8) * sizeof(double));
     *outcome = (Outcome){-1, 0, INFINITY};
     if (!memory || n > MAX_PARAMETERS * 4) { free(memory); return NAN; }
-    double *g = memory, *trial_g = g + n, *trial_h = trial_g + n, *work = trial_h + nn, *d = work + nn + n, *trial = d + n;
+    double *g = memory, *trial_g = g + n, *trial_h = trial_g + n, *work = trial_h + nn, *d = work + nn + n, *trial = d + n,
+           *scale = trial + n; /* J'J's diagonal, falling no faster than by half: a variable whose column fades does not run off */
     unsigned char held[MAX_PARAMETERS * 4];
-    double damping = 1e-4, grow = 4.0;
+    double damping = 1e-4, grow = 4.0, reach = -1.0;
     for (int i = 0; i < n; i++) x[i] = fmin(fmax(x[i], lower[i]), upper[i]);
     double value = cost(of, x, g, hessian);
     outcome->evaluations = 1;
     if (isfinite(value)) outcome->converged = 0;
+    memset(scale, 0, n * sizeof(double));
     while (outcome->converged == 0 && outcome->evaluations < most) {
-        for (int i = 0; i < n; i++) {
-            held[i] = (x[i] <= lower[i] && g[i] > 0.0) || (x[i] >= upper[i] && g[i] < 0.0);
-            d[i] = 0.0;
-        }
+        for (int i = 0; i < n; i++) scale[i] = fmax(0.5 * scale[i], hessian[i * n + i]);
+        if (reach < 0.0) reach = 0.5 * length(n, scale, x); /* the first steps stay shorter than the way from zero to the start */
         int ok = 1;
-        for (int again = 1; again && ok;) { /* a variable that would cross its bound stops there, the rest is solved anew */
-            ok = step(n, hessian, g, damping, held, d, work);
-            again = 0;
-            for (int i = 0; i < n && ok; i++) {
-                if (held[i]) continue;
-                const double low = lower[i] - x[i], high = upper[i] - x[i];
-                if (d[i] < low || d[i] > high) {
-                    d[i] = d[i] < low ? low : high;
-                    held[i] = 1;
-                    again = 1;
+        double size = INFINITY;
+        for (int shorter = 0; shorter < 60; shorter++) {
+            for (int i = 0; i < n; i++) {
+                held[i] = (x[i] <= lower[i] && g[i] > 0.0) || (x[i] >= upper[i] && g[i] < 0.0);
+                d[i] = 0.0;
+            }
+            for (int again = 1; again && ok;) { /* a variable that would cross its bound stops there, the rest is solved anew */
+                ok = step(n, hessian, g, damping, scale, held, d, work);
+                again = 0;
+                for (int i = 0; i < n && ok; i++) {
+                    if (held[i]) continue;
+                    const double low = lower[i] - x[i], high = upper[i] - x[i];
+                    if (d[i] < low || d[i] > high) {
+                        d[i] = d[i] < low ? low : high;
+                        held[i] = 1;
+                        again = 1;
+                    }
                 }
             }
+            size = length(n, scale, d);
+            if (!ok || reach == 0.0 || size <= reach) break;
+            damping = 4.0 * fmax(damping, 1e-4);
         }
         double expected = ok ? promise(n, g, hessian, d) : 0.0;
         if (ok) {
@@ -113,6 +130,7 @@ double minimise(Cost cost, void *of, int n, double *x, const double *lower, cons
             outcome->predicted = relative;
             if (relative < tolerance && fall < tolerance && damping < 1.0) outcome->converged = 1;
             if (value == 0.0) outcome->converged = 1;
+            if (gain > 0.75) reach = fmax(reach, 2.0 * size);
             const double cube = 2.0 * gain - 1.0;
             damping = fmax(1e-14, damping * fmax(0.05, 1.0 - cube * cube * cube));
             grow = 4.0;
@@ -122,7 +140,13 @@ double minimise(Cost cost, void *of, int n, double *x, const double *lower, cons
             /* where there is no trajectory at all the step was far too long, and finding that out is dear */
             damping = isfinite(found) || !ok ? damping * grow : fmax(damping, 1e-2) * 100.0;
             grow *= 2.0;
-            if (damping > 1e18) { outcome->converged = relative < 1e-8; outcome->predicted = relative; break; }
+            if (damping > 1e18) { /* no shorter step gains: a minimum only if a full step would gain or move next to nothing */
+                for (int i = 0; i < n; i++) d[i] = 0.0;
+                ok = step(n, hessian, g, 1e-10, scale, held, d, work);
+                outcome->predicted = ok ? promise(n, g, hessian, d) / (value + 1e-300) : INFINITY;
+                outcome->converged = outcome->predicted < 1e-8 || (ok && length(n, scale, d) < 1e-8 * length(n, scale, x));
+                break;
+            }
         }
     }
     free(memory);
