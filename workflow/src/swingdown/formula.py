@@ -16,6 +16,7 @@ _BINARY = {
     ast.Div: lambda a, b: a / b, ast.Pow: lambda a, b: a**b,
 }  # fmt: skip
 _LONGEST = 400
+_LARGEST = 1e300  # of a number on its own, as a double still holds it with room to spare
 
 
 def symbol(name):
@@ -37,10 +38,22 @@ def parse(text, names, where="formula"):
         tree = ast.parse(text, mode="eval")
     except (SyntaxError, ValueError, RecursionError, MemoryError) as problem:
         raise InputError(where, f"formula {text!r} cannot be read ({problem})", "ordinary arithmetic") from None
-    return _convert(tree.body, frozenset(names), text, where)
+    try:
+        return _convert(tree.body, frozenset(names), text, where)
+    except RecursionError:
+        raise InputError(where, f"formula {text!r} is nested too deep", "a formula a person would write") from None
 
 
 def _convert(node, names, text, where):
+    found = _converted(node, names, text, where)
+    if found.is_number:
+        fine = found.is_extended_real and found.is_finite
+        if not fine or abs(found.evalf(5)) > _LARGEST:
+            raise InputError(where, f"{ast.unparse(node)!r} in formula {text!r} is no number", "real, finite numbers")
+    return found
+
+
+def _converted(node, names, text, where):
     def refuse(what):
         allowed = f"names {', '.join(sorted(names))}; functions {', '.join(FUNCTIONS)}; + - * / ** ( )"
         return InputError(where, f"{what} is not allowed in formula {text!r}", allowed)
@@ -49,7 +62,10 @@ def _convert(node, names, text, where):
         return _convert(part, names, text, where)
 
     if isinstance(node, ast.Constant) and type(node.value) in (int, float):
-        return sympy.Integer(node.value) if type(node.value) is int else sympy.Float(node.value, 17)
+        if abs(node.value) > _LARGEST:
+            raise refuse("a number that large")
+        whole = type(node.value) is int and abs(node.value) < 10**15
+        return sympy.Integer(node.value) if whole else sympy.Float(node.value, 17)
     if isinstance(node, ast.Name):
         if node.id in names:
             return symbol(node.id)

@@ -89,6 +89,8 @@ def _run(model, times, release_angle, release_velocity, free):
     if not (np.all(np.isfinite(values)) and np.isfinite(release_angle) and np.isfinite(release_velocity)):
         raise InputError(f"model {model.label}", "a value is not finite", "finite parameters and release")
     codes = {"release_angle": -1, "release_velocity": -2} | {name: k for k, name in enumerate(model.parameters)}
+    if unknown := [name for name in free if name not in codes]:
+        raise InputError(f"model {model.label}", f"no value {unknown[0]!r} to vary", ", ".join(codes))
     chosen = (ctypes.c_int * max(1, len(free)))(*(codes[name] for name in free))
     angles, slopes = np.empty(times.size), np.empty((len(free), times.size))
     report = build.CReport()

@@ -137,9 +137,10 @@ def _effect(number, effect, form):
     for kind, (signature, assignments) in functions.items():
         lines += _function(f"e{number}_{kind}", signature, effect, assignments)
     timed = any(expression.has(_TIME) for expression in outputs.values())
-    counts = (len(effect.parameters), len(effect.states), len(arguments), int(timed), int("1" in outputs))
+    rough = any(_with_shared_points(expression).has(_SPEED) for expression in outputs.values())
+    counts = (len(effect.parameters), len(effect.states), len(arguments), int(timed), int("1" in outputs), int(rough))
     names = ", ".join(f".{kind} = e{number}_{kind}" for kind in functions)
-    fields = ("n_parameters", "n_states", "n_switches", "timed", "inertial")
+    fields = ("n_parameters", "n_states", "n_switches", "timed", "inertial", "rough")
     return lines, f"{{{names}, {', '.join(f'.{key} = {value}' for key, value in zip(fields, counts, strict=True))}}},"
 
 

@@ -25,7 +25,8 @@ typedef void (*Derivatives)(const Points *q, const double *p, const double *sign
 typedef struct {
     Values motion, reading, initial, switches;
     Derivatives motion_slopes, reading_slopes, initial_slopes;
-    int n_parameters, n_states, n_switches, timed, inertial;
+    int n_parameters, n_states, n_switches;
+    int timed, inertial, rough; /* names t; adds inertia; has a broken power of the speed, which no polynomial follows well */
 } Effect;
 
 /* Sine and cosine that compilers vectorise and that give the same bits on every machine: reduce by whole turns,
