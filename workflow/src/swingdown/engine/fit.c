@@ -121,6 +121,8 @@ double minimise(Cost cost, void *of, int n, double *x, const double *lower, cons
         }
         const double gain = (value - found) / expected;
         const double relative = expected / (value + 1e-300);
+        /* residuals down to their rounding, as of a model fitted to itself: the sum wanders, but nothing moves any more */
+        const int still = ok && size <= tolerance * length(n, scale, x);
         if (isfinite(found) && found <= value) {
             memcpy(x, trial, n * sizeof(double));
             memcpy(g, trial_g, n * sizeof(double));
@@ -129,14 +131,14 @@ double minimise(Cost cost, void *of, int n, double *x, const double *lower, cons
             value = found;
             outcome->predicted = relative;
             if (relative < tolerance && fall < tolerance && damping < 1.0) outcome->converged = 1;
-            if (value == 0.0) outcome->converged = 1;
+            if (value == 0.0 || (still && damping < 1.0)) outcome->converged = 1;
             if (gain > 0.75) reach = fmax(reach, 2.0 * size);
             const double cube = 2.0 * gain - 1.0;
             damping = fmax(1e-14, damping * fmax(0.05, 1.0 - cube * cube * cube));
             grow = 4.0;
         } else {
             /* the promise is within the rounding of the sum itself: nothing more to gain */
-            if (ok && expected > 0.0 && relative < tolerance && damping < 1.0) { outcome->converged = 1; outcome->predicted = relative; break; }
+            if (ok && ((expected > 0.0 && relative < tolerance) || still) && damping < 1.0) { outcome->converged = 1; outcome->predicted = relative; break; }
             /* where there is no trajectory at all the step was far too long, and finding that out is dear */
             damping = isfinite(found) || !ok ? damping * grow : fmax(damping, 1e-2) * 100.0;
             grow *= 2.0;

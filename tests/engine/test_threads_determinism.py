@@ -1,0 +1,93 @@
+"""The same numbers, to the bit: for repeated runs, any number of threads, any order and any chunking."""
+
+import os
+import subprocess
+import sys
+from concurrent.futures import ThreadPoolExecutor
+
+import cases
+import numpy as np
+from swings import CASES, TIMES
+
+from swingdown.fit import fit_batch, fit_jointly, fit_trajectory
+from swingdown.trajectory import sensitivities, simulate
+
+
+def batch(workers=1, count=64, order=None):
+    case = CASES["five"]
+    clean = case.clean()
+    series = np.stack(
+        [clean + 0.005 * np.random.default_rng([1, k]).standard_normal(clean.size) for k in range(count)]
+    )
+    if order is not None:
+        series = series[order]
+    return fit_batch(case.model, TIMES, series, case.release_angle, case.release_velocity, workers=workers)
+
+
+def test_threads_do_not_change_a_bit():
+    one = batch()
+    for workers in (2, 3, 8, 100):
+        many = batch(workers)
+        assert np.array_equal(one.values, many.values) and np.array_equal(one.rss, many.rss)
+        assert np.array_equal(one.evaluations, many.evaluations) and np.array_equal(
+            one.converged, many.converged
+        )
+
+
+def test_neither_the_order_nor_the_company_matters():
+    one, order = batch(), np.random.default_rng(0).permutation(64)
+    assert np.array_equal(batch(2, order=order).values, one.values[order])
+    assert np.array_equal(batch(2, order=[5]).values, one.values[[5]])
+
+
+def test_trajectories_in_threads():
+    """Every kind of effect at once from several threads: the engine keeps nothing between calls."""
+    drawn = [cases.draw(label, 1) for label in [*cases.paper_models(), *cases.single_effects()]] * 3
+    alone = [sensitivities(*case.arguments) for case in drawn]
+    with ThreadPoolExecutor(4) as pool:
+        together = list(pool.map(lambda case: sensitivities(*case.arguments), drawn))
+    for (angle, slopes), (angle_2, slopes_2) in zip(alone, together, strict=True):
+        assert np.array_equal(angle, angle_2) and np.array_equal(slopes, slopes_2)
+
+
+def test_fits_again():
+    angle, _ = CASES["sticking"].noisy(3)
+    label = CASES["sticking"].model.label
+    first, second = (fit_trajectory(label, TIMES, angle) for _ in range(2))
+    assert np.array_equal(first.values, second.values) and first.evaluations == second.evaluations
+    swings = [(TIMES[:400], angle[:400]), (TIMES[:300], CASES["five"].noisy(4)[0][:300])]
+    first, second = (fit_jointly("viscous", swings) for _ in range(2))
+    assert np.array_equal(first.values, second.values)
+
+
+PROGRAM = """
+import sys
+sys.path.insert(0, sys.argv[1])
+from test_threads_determinism import batch, CASES, TIMES, simulate
+import hashlib
+found = batch(int(sys.argv[2]))
+case = CASES["seven"]
+parts = found.values, found.rss, simulate(case.model, TIMES, case.release_angle, case.release_velocity)
+print(hashlib.sha256(b"".join(part.tobytes() for part in parts)).hexdigest())
+"""
+
+
+def test_another_process_gives_the_same_bits():
+    """Also with other numbers of threads for BLAS and another hash seed."""
+    here = os.path.dirname(__file__)
+    found = set()
+    for workers, threads in (("1", "1"), ("2", "4")):
+        variables = os.environ | {
+            "OPENBLAS_NUM_THREADS": threads,
+            "OMP_NUM_THREADS": threads,
+            "PYTHONHASHSEED": threads,
+        }
+        done = subprocess.run(
+            [sys.executable, "-c", PROGRAM, here, workers],
+            env=variables,
+            capture_output=True,
+            text=True,
+            check=True,
+        )
+        found.add(done.stdout)
+    assert len(found) == 1
