@@ -5,7 +5,6 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import minimize
 
 from .engine import build
 from .errors import InputError
@@ -275,6 +274,8 @@ def fit_nelder_mead(effects, times, angle, *, start="free", guess=None, restorin
     Options as in ``fit_trajectory``. A simplex with steps in proportion to each value is started again from where the
     last one ended until that gains less than 1e-8 of the sum of squares; ``message`` says how many it took.
     """
+    from scipy.optimize import minimize  # here, because it takes longer to import than most fits to run
+
     problem = _Problem(Model(effects, restoring=restoring, form=form), [(times, angle)], start, bounded)
     (times, angle) = problem.swings[0]
     model = problem.model
