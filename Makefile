@@ -1,5 +1,6 @@
 # make            set up .venv and run the study (the paper's tables, figures and report appear in results/)
 # make test       set up .venv and run the tests; make test-all runs the slow ones too
+# make benchmark  time the engine against what one would otherwise use (sets up .venv/peers for that; some minutes)
 # make lock       resolve the versions again after a change of pyproject.toml
 # make clean      remove what was computed; make distclean removes .venv as well
 #
@@ -15,7 +16,7 @@ BIN := .venv/bin
 # Named after the locks' contents and this folder, so that the environment is laid anew when, and only when, they change.
 READY := .venv/ready-$(shell (pwd; cat requirements.lock requirements-uv.lock pyproject.toml) | cksum | cut -d' ' -f1)
 
-.PHONY: run venv test test-all lock clean distclean
+.PHONY: run venv test test-all benchmark lock clean distclean
 .DELETE_ON_ERROR:
 
 run: $(READY)
@@ -40,10 +41,21 @@ test: $(READY)
 test-all: $(READY)
 	@SWINGDOWN_SLOW=1 $(BIN)/python -m pytest $(TESTS)
 
+PEERS := .venv/peers-$(shell cksum < requirements-benchmark.lock | cut -d' ' -f1)
+
+# One thread each, so that CPU times compare; without the peers' packages the rest is timed all the same.
+benchmark: $(READY)
+	@test -e $(PEERS)/ready || { echo "Setting up the peers ($(PEERS), once, 800 MB) ..." && $(PYTHON) -m venv --clear $(PEERS) \
+	  && $(BIN)/uv pip sync -q --system-certs --require-hashes --python $(PEERS)/bin/python requirements-benchmark.lock \
+	  && touch $(PEERS)/ready; } || echo "The peers could not be set up; what needs them is left out."
+	@OPENBLAS_NUM_THREADS=1 XLA_FLAGS="--xla_cpu_multi_thread_eigen=false intra_op_parallelism_threads=1" PYTHONPATH=workflow/src:tests/engine \
+	  $$(test -e $(PEERS)/ready && echo $(PEERS)/bin/python || echo $(BIN)/python) tests/benchmarks/fits.py $(ARGS)
+
 lock:
 	@$(PYTHON) -m venv --clear .venv
 	@$(BIN)/python -m pip install -q --disable-pip-version-check uv
 	@$(BIN)/uv pip compile -q pyproject.toml --extra test --output-file requirements.lock $(LOCK)
+	@$(BIN)/uv pip compile -q pyproject.toml --extra benchmark -c requirements.lock --output-file requirements-benchmark.lock $(LOCK)
 	@$(BIN)/uv --version | sed 's/^uv \([^ ]*\).*/uv==\1/' | $(BIN)/uv pip compile -q - --output-file requirements-uv.lock $(LOCK)
 
 LOCK := --system-certs --upgrade --universal --python-version 3.11 --generate-hashes \

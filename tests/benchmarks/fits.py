@@ -1,0 +1,188 @@
+"""Times every fitter on the same swings, interleaved, and writes results/benchmarks/fit.csv: run by ``make benchmark``.
+
+All start at the same place and must reach the same optimum. CPU time of this process, the median over the rounds; a
+fitter that takes long runs in fewer rounds. ``relative_excess`` is how far its sum of squares, computed again by the
+engine, is above the best one found; ``ratio`` its time over this engine's from the same start.
+"""
+
+import argparse
+import csv
+import time
+from pathlib import Path
+from statistics import median
+
+import numpy as np
+import peers
+from figures import figures
+from swings import CASES, TIMES
+
+from swingdown.fit import fit_batch, fit_trajectory
+from swingdown.trajectory import TrajectoryError, simulate
+
+OURS = "this engine, same start"
+WANTED = {  # in issue 3: at least, goal
+    "solve_ivp RK45 + Nelder-Mead": (15_000, 50_000),
+    "odeint + Nelder-Mead": (1_000, 4_000),
+    "odeint + lmfit leastsq": (150, 500),
+    "diffrax + optimistix, warm": (250, 900),
+}
+TIMED = ("five", "seven")
+TYPICAL = {
+    "natural_frequency": 1.0,
+    "viscous_ratio": 0.01,
+    "quadratic_coefficient": 0.01,
+    "load_friction": 0.005,
+    "sensor_zero": 0.01,
+}
+
+
+OFF = {
+    "five": (0.995, 0.6, 0.95),
+    "seven": (0.998, 0.8, 0.97),
+}  # of the truth: frequency, coefficients, release angle
+
+
+def task(name):
+    """The ``peers.Task`` of a case: the start is off the truth as far as its peers still find the optimum from, and at rest."""
+    case, (frequency, coefficient, release) = CASES[name], OFF[name]
+    angle, _ = case.noisy(1)
+    factor = {"natural_frequency": frequency, "sensor_zero": 0.0}
+    start = [case.model.values[key] * factor.get(key, coefficient) for key in case.model.parameters]
+    scale = [TYPICAL[key] for key in case.model.parameters]
+    return peers.Task(
+        name,
+        TIMES,
+        angle,
+        np.array([*start, release * case.release_angle, 0.0]),
+        np.array([*scale, 0.1, 0.5]),
+    )
+
+
+def ours(work):
+    """This engine from the task's start."""
+    model = CASES[work.name].model
+    guess = model.with_values(dict(zip(model.parameters, work.start, strict=False)))
+    fit = fit_batch(guess, work.times, work.angle[None], work.start[-2], work.start[-1])
+    return peers.Found(fit.values[0], int(fit.evaluations[0]))
+
+
+def ours_alone(work):
+    """This engine as a user calls it: starts from the data, in growing windows."""
+    fit = fit_trajectory(CASES[work.name].model.label, work.times, work.angle)
+    return peers.Found(fit.values, fit.evaluations)
+
+
+def squares(work, values):
+    """The sum of squares at some values, by the engine whatever found them."""
+    model = CASES[work.name].model
+    try:
+        fitted = simulate(
+            model.with_values(dict(zip(model.parameters, values, strict=False))),
+            work.times,
+            values[-2],
+            values[-1],
+        )
+    except TrajectoryError:
+        return np.inf
+    return float(np.sum((fitted - work.angle) ** 2))
+
+
+def measure(fitters, rounds, budget):
+    """Rows (method, case, cpu_s, evaluations, rss, runs): rounds in which each fitter runs once, until its budget (s) is spent."""
+    tasks = {name: task(name) for name in TIMED}
+    spent, times, found = {}, {}, {}
+    for number in range(rounds):
+        for name, work in tasks.items():
+            for method, fitter in fitters.items():
+                key = method, name
+                if number and spent[key] + median(times[key]) > budget:
+                    continue
+                if number == 0 and "warm" in method:
+                    fitter(work)
+                repeats = 20 if method.startswith("this") else 1
+                begun = time.process_time()
+                for _ in range(repeats):
+                    found[key] = fitter(work)
+                cpu = (time.process_time() - begun) / repeats
+                times.setdefault(key, []).append(cpu)
+                spent[key] = spent.get(key, 0.0) + cpu
+                if number == 0:
+                    print(f"  {name:6s} {method:32s} {cpu:10.4f} s CPU", flush=True)
+    return [
+        {"method": method, "case": name, "cpu_s": median(times[method, name]), "evaluations": found[method, name].evaluations,
+         "rss": squares(tasks[name], found[method, name].values), "runs": len(times[method, name])}
+        for name in tasks for method in fitters
+    ]  # fmt: skip
+
+
+def complete(rows):
+    """The rows with ``relative_excess`` and ``ratio``."""
+    for name in TIMED:
+        here = [row for row in rows if row["case"] == name]
+        best = min(row["rss"] for row in here)
+        own = next(row["cpu_s"] for row in here if row["method"] == OURS)
+        for row in here:
+            row["relative_excess"], row["ratio"] = row.pop("rss") / best - 1, row["cpu_s"] / own
+    return rows
+
+
+def tell(rows):
+    """The table on the terminal, each ratio beside what is wanted of it."""
+    print(
+        f"\n{'case':6s} {'method':32s} {'CPU s':>10s} {'evaluations':>12s} {'excess':>9s} {'ratio':>9s}  wanted (goal)"
+    )
+    for row in rows:
+        least, goal = WANTED.get(row["method"], (None, None))
+        wanted = f"{least:,} ({goal:,})" if least and row["case"] == "five" else ""
+        missed = "" if row["relative_excess"] <= 1e-6 else "  optimum missed"
+        print(
+            f"{row['case']:6s} {row['method']:32s} {row['cpu_s']:10.5f} {row['evaluations']:12d} {row['relative_excess']:9.1e} "
+            f"{row['ratio']:9,.0f}  {wanted}{missed}"
+        )
+
+
+def main():
+    reader = argparse.ArgumentParser(description=__doc__)
+    reader.add_argument("--rounds", type=int, default=7)
+    reader.add_argument(
+        "--budget", type=float, default=40.0, help="CPU seconds a fitter may take on one case in all"
+    )
+    reader.add_argument("--results", type=Path, default=Path("results/benchmarks"))
+    reader.add_argument("--only", choices=("fits", "figures"))
+    given = reader.parse_args()
+    given.results.mkdir(parents=True, exist_ok=True)
+    if given.only != "figures":
+        fitters, missing = peers.available()
+        for name in missing:
+            print(f"NOT TIMED: {name} is not installed (see requirements-benchmark.lock)")
+        print(f"Fits of {TIMES.size} samples, {given.rounds} rounds, first round:")
+        rows = complete(
+            measure(
+                {OURS: ours, "this engine, as a user calls it": ours_alone} | fitters,
+                given.rounds,
+                given.budget,
+            )
+        )
+        write(
+            given.results / "fit.csv",
+            rows,
+            ("method", "case", "cpu_s", "evaluations", "relative_excess", "ratio", "runs"),
+        )
+        tell(rows)
+    if given.only != "fits":
+        write(
+            given.results / "engine.csv", figures(), ("figure", "value", "unit", "at_least", "goal", "note")
+        )
+
+
+def write(path, rows, columns):
+    """A CSV of the rows, in those columns."""
+    with path.open("w", newline="") as file:
+        writer = csv.DictWriter(file, columns)
+        writer.writeheader()
+        writer.writerows(rows)
+    print(f"written: {path}")
+
+
+if __name__ == "__main__":
+    main()
