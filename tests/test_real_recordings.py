@@ -93,3 +93,15 @@ def test_a_window_that_begins_in_the_hand_is_seen_in_the_fit(shared_data, tmp_pa
     rows = read_sheet(sheet).query("campaign == 'jensen'")
     joint = fit_campaign([to_angle(ingest(row, str(sheet))) for _, row in rows.iterrows()], [ALL_THREE])
     assert float(np.sqrt((joint["rms"] ** 2).mean())) > 5 * 0.0115
+
+
+@pytest.mark.slow
+def test_the_whole_workflow_runs_on_real_recordings(shared_data, snakemake, tmp_path):
+    (tmp_path / "sheet.csv").write_text(SHEET.format(folder=shared_data.resolve()))
+    (tmp_path / "mine.yaml").write_text("recordings: sheet.csv\nsimulation: {simulated: []}\n")
+    snakemake("--configfile", tmp_path / "mine.yaml", directory=tmp_path)
+    table = pd.read_csv(tmp_path / "results/tables/table3.csv").set_index(["campaign", "fitted"])
+    assert np.radians(table.loc[("dynamicslab", ALL_THREE), "mean"]) <= 3.0e-3
+    assert table.loc[("jensen", ALL_THREE), "n"] == 3
+    report = tmp_path / "results/report.html"
+    assert report.stat().st_size < 15e6  # 55 s at 1 kHz, and still a page that can be sent

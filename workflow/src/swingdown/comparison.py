@@ -9,6 +9,7 @@ from .model import symbol
 from .nested import contains
 from .norms import as_text
 
+_FEW = 5  # swings below which a scatter is hardly known
 LEVEL = 0.05  # of the p-values after Holm's correction
 WORTH = 6.0  # "strong" evidence on the scale of Kass and Raftery, J. Am. Stat. Assoc. 90, 773 (1995)
 
@@ -106,6 +107,8 @@ def _verdict(row):
         return f"{lower} is closer to the data than {higher} by {by}, but one swing cannot tell whether by chance"
     by = f"mean paired difference {value_text(abs(row.mean_difference), row.standard_error)} degrees {over}"
     if row.p_holm >= LEVEL:
+        if row.n < _FEW:
+            return f"{a} and {b} are not told apart, {row.n} swings are few: {by}"
         return f"{a} and {b} are indistinguishable: {by}"
     return f"{lower} is closer to the data than {higher}: {by}"
 

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import matplotlib
 import numpy as np
+from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
@@ -14,6 +15,7 @@ from ..model import symbol
 
 WIDTH_CM = 16.0
 DPI = 200
+_MANY = 10_000  # points of one line or band
 TIME = "time $t$ since the first sample (s)"
 EMULATED = "emulated bench: computed, not measured on a real apparatus"
 INK, GREY, FAINT, PALE = "#1f2328", "#6b7177", "#c3c8cd", "#eef0f2"
@@ -220,10 +222,17 @@ def absent(message):
 _NO_TRACE = {".svg": {"Date": None, "Creator": None}, ".png": {"Software": None}}
 
 
+def _points(artist):
+    if isinstance(artist, Line2D):
+        return len(artist.get_xdata())
+    return sum(len(path.vertices) for path in artist.get_paths())
+
+
 @styled
 def save(figure, path):
     """The paths written: ``path`` as SVG or PNG by its suffix, or both if it has neither, whole or not at all.
 
+    A series of more samples than the page has room for is stored as pixels in an SVG, which would else be many megabytes.
     The same figure gives the same bytes each time. The layout is settled at the first call, so that all files of a
     figure show the same picture.
     """
@@ -231,6 +240,9 @@ def save(figure, path):
     path.parent.mkdir(parents=True, exist_ok=True)
     figure.draw_without_rendering()
     figure.set_layout_engine("none")
+    for artist in figure.findobj(lambda artist: isinstance(artist, (Line2D, PolyCollection))):
+        if _points(artist) > _MANY:
+            artist.set_rasterized(True)
     targets = [path] if path.suffix in _NO_TRACE else [path.with_name(path.name + suffix) for suffix in _NO_TRACE]
     for target in targets:
         partial = target.with_name(f".{target.name}.{os.getpid()}.part")

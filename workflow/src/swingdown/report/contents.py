@@ -114,7 +114,8 @@ def _experiment_findings(campaign, rows, comparison, material):
     lowest = models["bic"].idxmin()
     label = simplest(lowest, pairs)
     best, swings = models.loc[label], int(models.loc[label, "n"])
-    words = f"{campaign}: {{}} ({wording(label)}) describes the {swings} swings best; it leaves {{}}° RMS."
+    them = "swing" if swings == 1 else f"{swings} swings"
+    words = f"{campaign}: {{}} ({wording(label)}) describes the {them} best; it leaves {{}}° RMS."
     lines = [Markup(words).format(model_symbol(label), numbers.spread(best["mean"], best["std"]))]
     if label != lowest:
         further = "{}: {} comes closer still, by terms that are not worth their parameters."
