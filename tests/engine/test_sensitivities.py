@@ -220,7 +220,7 @@ def test_every_effect(label):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("label", [*PAPER_MODELS, *cases.single_effects()])
+@pytest.mark.parametrize("label", [*PAPER_MODELS, *EFFECTS])
 def test_random_pendulums(label, capsys):
     found = [(*worst_of(moving_case(label, index)), index) for index in range(6, 18)]
     with capsys.disabled():
