@@ -46,7 +46,7 @@ if PLAN.in_volts:
                 for point in read_apparatus(PLAN.apparatus)["points"]
                 if not is_url(point["file"])
             ],
-            rest=[f"results/recordings/{name}.nc" for name in PLAN.statics()][:1],
+            rest=[f"results/recordings/{name}.nc" for name in PLAN.statics() if name in PLAN.in_volts][:1],
             code=code("calibrate"),
         output:
             line="results/calibration/calibration.nc",
