@@ -3,7 +3,7 @@
 import cases
 import mpmath
 import numpy as np
-import oracle
+from swingdown.hidden import pendulum as oracle
 import pytest
 
 from swingdown.errors import InputError

@@ -2,7 +2,7 @@
 
 import cases
 import numpy as np
-import oracle
+from swingdown.hidden import pendulum as oracle
 import pytest
 from scipy.special import ellipj, ellipk
 

@@ -346,6 +346,7 @@ _ENTRIES = (
     ),
 )
 CATALOGUE = {effect.name: effect for effect in _ENTRIES}
+_OWN = {}  # one study's own entries, put there by ``use_own``
 
 
 def _free_form(name, pieces, unit, scale, explanation):
@@ -389,10 +390,22 @@ FREE_FORM = {
 def effect(name):
     """The catalogue's entry of that name; InputError with the known names otherwise."""
     if name not in known():
-        raise InputError(f"effect {name!r}", "no such effect in the catalogue", ", ".join(CATALOGUE))
+        raise InputError(f"effect {name!r}", "no such effect in the catalogue", ", ".join(catalogue()))
     return known()[name]
 
 
+def catalogue():
+    """The effects that have a name, by name: the catalogue's, then those that a study has of its own."""
+    return CATALOGUE | _OWN
+
+
 def known():
-    """Every effect a model may have, by name: the catalogue's and the free forms, in the order in which models list them."""
-    return CATALOGUE | FREE_FORM
+    """Every effect a model may have, by name: ``catalogue`` and the free forms, in the order in which models list them."""
+    return CATALOGUE | _OWN | FREE_FORM
+
+
+def use_own(entries):
+    """The effects that a study has of its own (``own_effects.read``), from now on in ``catalogue`` and ``known``."""
+    _OWN.clear()
+    _OWN.update({entry.name: entry for entry in entries})
+    return dict(_OWN)

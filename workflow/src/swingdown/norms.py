@@ -3,7 +3,7 @@
 import numpy as np
 import xarray as xr
 
-from .effects import CATALOGUE, NATURAL_FREQUENCY
+from .effects import NATURAL_FREQUENCY, catalogue
 from .errors import InputError
 from .model import Model, symbol
 
@@ -65,7 +65,7 @@ def model_coords(fitted):
     """
     fitted = list(fitted)
     wanted = {name for label in fitted for name in Model(label).parameters}
-    known = [NATURAL_FREQUENCY, *(p for effect in CATALOGUE.values() for p in effect.parameters)]
+    known = [NATURAL_FREQUENCY, *(p for effect in catalogue().values() for p in effect.parameters)]
     chosen = [parameter for parameter in known if parameter.name in wanted]
     return {
         "fitted": ("fitted", fitted, {"long_name": "fitted model"}),

@@ -1,13 +1,12 @@
 """The moves that could mend a model: add an effect, exchange one for another, drop one; and where to start each fit."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from itertools import product
 
 import numpy as np
 
 from .. import effects
-from ..model import Model
-from .linear import columns_of, each_model, explained
+from .linear import best_step, columns_of, each_model
 from .locate import line
 
 # what a richer or rival description takes the place of
@@ -16,10 +15,6 @@ EXCHANGES = {
     "constant_coulomb": ("load_coulomb", "presliding"),
     "quadratic_drag": ("power_law_drag", "steady_wind"),
     "viscous": ("power_law_drag",),
-}
-# to no order do these differ from the named effects' own terms
-EXCLUDED = {
-    "finite_amplitude": "sine",  # only where the restoring torque is linear
 }
 
 
@@ -35,29 +30,43 @@ class Start:
     effects: tuple
     values: tuple
     promise: float
-    release_angle: tuple = ()
-    release_velocity: tuple = ()
+    releases: tuple = field(default=())
 
     @property
     def move(self):
         """What is done to the model, in words."""
-        if self.dropped is None:
-            return f"add {self.added}"
-        return f"drop {self.dropped}" if self.added is None else f"exchange {self.dropped} for {self.added}"
+        return describe(self.added, self.dropped)
 
 
-def additions(model):
-    """The names of the catalogue's effects that can be added to a model, in catalogue order."""
+def describe(added, dropped):
+    """A move in words: add, exchange or drop."""
+    if dropped is None:
+        return f"add {added}"
+    return f"drop {dropped}" if added is None else f"exchange {dropped} for {added}"
+
+
+def additions(model, allowed=None):
+    """The names of the effects that can be added to a model, in catalogue order; ``allowed`` limits them."""
     return [
         name
-        for name in effects.CATALOGUE
-        if name not in model.effects and not (name == "finite_amplitude" and model.restoring == "sine")
+        for name in effects.catalogue()
+        if name not in model.effects
+        and not (name == "finite_amplitude" and model.restoring == "sine")
+        and (allowed is None or name in allowed)
     ]
 
 
-def starts_to_add(frame, name, best=2):
-    """The ``Start``s of adding one effect: for the most promising shapes, the amplitudes that a linear step gives."""
+def starts_to_add(frame, name, best=2, dropped=None):
+    """The ``Start``s of adding one effect, best first: for the most promising shapes, what a linear step gives.
+
+    The step keeps every value within the catalogue's bounds: an effect that would have to act backwards promises nothing.
+    ``dropped`` names the effect whose place it takes in a frame of the model without that one.
+    """
     effect = effects.effect(name)
+    wider = (*frame.fit.model.effects, name)
+    before = [model.values for model in each_model(frame.fit)]
+    if not effect.parameters:
+        return [Start(name, dropped, wider, tuple(before), 0.0)]
     amplitudes = [p for p in effect.parameters if not p.grid and not p.phase]
     phases = [p for p in effect.parameters if p.phase]
     shapes = [p for p in effect.parameters if p.grid]
@@ -71,43 +80,45 @@ def starts_to_add(frame, name, best=2):
         values |= {p.name: 0.0 if np.isinf(p.lower) or p.lower <= 0 else p.lower for p in amplitudes}
         free = [p.name for p in amplitudes]
         if phases:
-            pieces = [columns_of(frame, effect, values | {phases[0].name: phase}, free) for phase in (0.0, np.pi / 2)]
-            columns = np.hstack(pieces)
-            squares, _, coefficients = explained(frame, columns)
-            sine, cosine = np.split(coefficients, 2)
-            size, angle = np.hypot(sine, cosine), np.arctan2(cosine, sine)
-            each = _spread(frame, size, angle, free[0], phases[0], values)
-        elif not free:
-            columns, coefficients = np.zeros((frame.residual.size, 0)), np.zeros(0)
-            squares, each = 0.0, ({},) * len(frame.swings)
+            columns = np.hstack([columns_of(frame, effect, values | {phases[0].name: phase}, free) for phase in (0.0, np.pi / 2)])
+            low, high = np.full(columns.shape[1], -np.inf), np.full(columns.shape[1], np.inf)
         else:
             columns = columns_of(frame, effect, values, free)
-            squares, _, coefficients = explained(frame, columns)
-            moved = {p.name: _within(p, values[p.name] + c) for p, c in zip(amplitudes, coefficients, strict=True)}
-            each = (values | moved,) * len(frame.swings)
-        found.append((squares, each, columns, coefficients))
-    found.sort(key=lambda entry: -entry[0])
-    wider = (*frame.fit.model.effects, name)
+            low = np.array([max(p.lower, -30 * p.typical) - values[p.name] for p in amplitudes])
+            high = np.array([min(p.upper, 30 * p.typical) - values[p.name] for p in amplitudes])
+        step = best_step(frame, columns, low, high)
+        found.append((step, _stepped(step.coefficients, values, free, phases, len(frame.swings))))
+    found.sort(key=lambda entry: -entry[0].squares)
     starts = []
-    for squares, each, columns, coefficients in found[:best]:
-        values, angles, velocities = _shifted(frame, columns, coefficients)
-        starts.append(Start(name, None, wider, _joined(values, each), squares, angles, velocities))
-    squares, each, *_ = found[0]
-    return [*starts, Start(name, None, wider, _joined([model.values for model in each_model(frame.fit)], each), squares)]
+    for step, each in found[:best]:
+        values, releases = _shifted(frame, step.own)
+        starts.append(Start(name, dropped, wider, _joined(values, each), step.squares, releases))
+    step, each = found[0]
+    return [*starts, Start(name, dropped, wider, _joined(before, each), step.squares)]
 
 
 def _joined(values, each):
     return tuple(one | further for one, further in zip(values, each, strict=True))
 
 
-def _shifted(frame, columns, coefficients):
+def _stepped(coefficients, values, free, phases, swings):
+    """The effect's values of each swing after the linear step."""
+    if not phases:
+        return ({name: values[name] + float(c) for name, c in zip(free, coefficients, strict=True)} | {k: v for k, v in values.items() if k not in free},) * swings
+    sine, cosine = np.split(coefficients, 2)
+    size, angle = np.hypot(sine, cosine), np.arctan2(cosine, sine)
+    if not phases[0].own:
+        return (values | {free[0]: float(size[0]), phases[0].name: float(angle[0])},) * swings
+    mean = float(np.mean(size))
+    return tuple(values | {free[0]: mean, phases[0].name: float(one)} for one in angle)
+
+
+def _shifted(frame, own):
     """What the same linear step does to the values the model already has, and to the releases."""
-    rest = frame.residual - columns @ coefficients
-    step = np.linalg.lstsq(frame.slopes / frame.scale, rest, rcond=1e-9)[0] / frame.scale
     definitions = {definition.name: definition for definition in frame.fit.model.definitions}
     values = [dict(model.values) for model in each_model(frame.fit)]
     angles, velocities = list(frame.fit.release_angle), list(frame.fit.release_velocity)
-    for name, swing, change in zip(frame.names, frame.of, step, strict=True):
+    for name, swing, change in zip(frame.names, frame.of, own, strict=True):
         if name == "release_angle":
             angles[swing] += float(change)
         elif name == "release_velocity":
@@ -116,13 +127,7 @@ def _shifted(frame, columns, coefficients):
             for one in values if swing < 0 else [values[swing]]:
                 low, high = definitions[name].lower, definitions[name].upper
                 one[name] = float(np.clip(one[name] + change, low, high))
-    return values, tuple(angles), tuple(velocities)
-
-
-def _within(parameter, value):
-    """The linear step's value, kept where a fit can begin: inside the bounds and not far beyond the usual size."""
-    most = 30 * parameter.typical
-    return float(np.clip(value, max(parameter.lower, -most), min(parameter.upper, most)))
+    return values, tuple(zip(angles, velocities, strict=True))
 
 
 def _grid(frame, parameter):
@@ -131,27 +136,29 @@ def _grid(frame, parameter):
     return list(parameter.grid)
 
 
-def _spread(frame, size, angle, amplitude, phase, values):
-    if not phase.own:
-        return (values | {amplitude: float(size[0]), phase.name: float(angle[0])},) * len(frame.swings)
-    mean = float(np.mean(size))
-    return tuple(values | {amplitude: mean, phase.name: float(one)} for one in angle)
+def without(fit, name):
+    """Effects and each swing's values of a fit's model without one effect."""
+    own = {p.name for p in effects.effect(name).parameters}
+    kept = tuple(other for other in fit.model.effects if other != name)
+    return kept, tuple({k: v for k, v in one.values.items() if k not in own} for one in each_model(fit))
 
 
-def starts_to_exchange(frame):
-    """The ``Start``s of exchanging one effect for another that does its work, and of dropping one."""
+def starts_to_drop(frame):
+    """The ``Start``s of the model without one of its effects, for each of several."""
+    model = frame.fit.model
+    if len(model.effects) < 2:
+        return []
+    return [Start(None, old, *without(frame.fit, old), 0.0) for old in model.effects]
+
+
+def starts_to_exchange(frame, allowed=None):
+    """The ``Start``s of exchanging one effect for a known rival that can do its work."""
     model, found = frame.fit.model, []
     for old in model.effects:
-        kept = tuple(name for name in model.effects if name != old)
-        own = {p.name for p in effects.effect(old).parameters}
-        without = tuple({k: v for k, v in one.values.items() if k not in own} for one in each_model(frame.fit))
-        if kept:
-            found.append(Start(None, old, kept, without, 0.0))
+        kept, values = without(frame.fit, old)
         for new in EXCHANGES.get(old, ()):
-            if new in model.effects:
-                continue
-            for values in _in_place_of(model, old, new):
-                found.append(Start(new, old, (*kept, new), tuple(one | values for one in without), 0.0))
+            if new not in model.effects and (allowed is None or new in allowed):
+                found += [Start(new, old, (*kept, new), tuple(one | like for one in values), 0.0) for like in _in_place_of(model, old, new)]
     return found
 
 
@@ -170,9 +177,3 @@ def _in_place_of(model, old, new):
         exponent, scale = (1.2, 2 * value * w) if old == "viscous" else (1.8, value * w)
         return [{"power_law_coefficient": abs(scale) + 1e-4, "power_law_exponent": exponent}]
     return [{"wind_coefficient": abs(value) + 1e-4, "wind_speed": speed} for speed in (-0.3, 0.3)]
-
-
-def model_of(start, like):
-    """The model a start describes, with the options of the model it is like, and its first swing's values."""
-    model = Model(start.effects, restoring=like.restoring, form=like.form)
-    return model.with_values({name: start.values[0][name] for name in model.parameters})

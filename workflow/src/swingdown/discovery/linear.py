@@ -3,17 +3,21 @@
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.linalg import qr
+from scipy.optimize import lsq_linear
 
 from ..model import Model
 from ..trajectory import sensitivities
 
+_ADDS_NOTHING = 1e-6  # of its size: a column that is so little outside the others' span is left out
+
 
 @dataclass(frozen=True)
 class Frame:
-    """A fit seen to first order: each swing's residual (rad), the orthonormal basis of what the fit can do to it.
+    """A fit seen to first order: each swing's residual (rad), and what the fit can do to it.
 
-    ``residual`` is data minus fit with every swing below the other; ``basis`` (samples, rank) spans the fit's own
-    sensitivities ``slopes`` (samples, free), whose columns are of the values ``names`` of the swings ``of`` (-1: of all);
+    ``residual`` is data minus fit with every swing below the other; ``slopes`` (samples, free) are the fit's own
+    sensitivities, of the values ``names`` of the swings ``of`` (-1: of all), and ``basis`` (samples, rank) spans them;
     ``slices`` tell which samples are whose.
     """
 
@@ -26,15 +30,31 @@ class Frame:
     names: tuple
     of: tuple
 
-    @property
-    def scale(self):
-        """The size of each column of ``slopes``, 1 for empty ones."""
-        size = np.linalg.norm(self.slopes, axis=0)
-        return np.where(size > 0, size, 1.0)
-
     def outside(self, columns):
         """The part of the columns (samples, any) that the fit cannot absorb by its own parameters."""
         return columns - self.basis @ (self.basis.T @ columns)
+
+    @property
+    def room(self):
+        """How far each column's value can go down and up from where it is, within the catalogue's bounds: two arrays."""
+        definitions = {definition.name: definition for definition in self.fit.model.definitions}
+        values = [model.values for model in each_model(self.fit)]
+        low, high = np.full(len(self.names), -np.inf), np.full(len(self.names), np.inf)
+        for k, (name, swing) in enumerate(zip(self.names, self.of, strict=True)):
+            if name in definitions:
+                value = values[max(swing, 0)][name]
+                low[k], high[k] = definitions[name].lower - value, definitions[name].upper - value
+        return np.minimum(low, 0.0), np.maximum(high, 0.0)
+
+
+@dataclass(frozen=True)
+class Step:
+    """The linear step that explains most: the sum of squares (rad^2) it takes away beyond the fit, the coefficients of
+    the columns that were offered, and the changes of the fit's own values that go with them."""
+
+    squares: float
+    coefficients: np.ndarray
+    own: np.ndarray
 
 
 def each_model(fit):
@@ -45,15 +65,13 @@ def each_model(fit):
 
 def frame(fit, swings):
     """The ``Frame`` of a joint fit to these swings."""
-    sizes = [swing.times.size for swing in swings]
-    edges = np.concatenate([[0], np.cumsum(sizes)])
+    edges = np.concatenate([[0], np.cumsum([swing.times.size for swing in swings])])
     slices = tuple(slice(int(a), int(b)) for a, b in zip(edges, edges[1:], strict=False))
     residual = np.concatenate([swing.angle - series for swing, series in zip(swings, fit.angle, strict=True)])
-    models = each_model(fit)
     shared = [name for name in fit.model.parameters if not any(name in one for one in fit.own)]
     each = [*(fit.own[0] if fit.own else ()), "release_angle", "release_velocity"]
     slopes = np.zeros((residual.size, len(shared) + len(each) * len(swings)))
-    for k, (swing, one) in enumerate(zip(swings, models, strict=True)):
+    for k, (swing, one) in enumerate(zip(swings, each_model(fit), strict=True)):
         rows = sensitivities(one, swing.times, fit.release_angle[k], fit.release_velocity[k], free=[*shared, *each])[1]
         slopes[slices[k], : len(shared)] = rows[: len(shared)].T
         first = len(shared) + k * len(each)
@@ -64,11 +82,11 @@ def frame(fit, swings):
 
 
 def orthonormal(columns):
-    """An orthonormal basis of the columns' span, those that add nothing left out."""
+    """An orthonormal basis of the columns' span (samples, rank), those that add nothing left out."""
     size = np.linalg.norm(columns, axis=0)
     kept = columns[:, size > 0] / size[size > 0]
-    left, singular, _ = np.linalg.svd(kept, full_matrices=False)
-    return left[:, singular > 1e-7 * singular[0]]
+    basis, triangle, _ = qr(kept, mode="economic", pivoting=True, check_finite=False)
+    return basis[:, np.abs(np.diag(triangle)) > _ADDS_NOTHING]
 
 
 def columns_of(frame, effect, values, free):
@@ -92,13 +110,28 @@ def columns_of(frame, effect, values, free):
 
 
 def explained(frame, columns):
-    """The sum of squares (rad^2) of the residual that the columns explain beyond the fit, their rank, and their coefficients."""
+    """The sum of squares (rad^2) of the residual that the columns explain beyond the fit, and how many of them count."""
     outside = frame.outside(columns)
-    size = np.linalg.norm(columns, axis=0)
-    kept = np.linalg.norm(outside, axis=0) > 1e-6 * size
-    coefficients = np.zeros(columns.shape[1])
+    size, kept = np.linalg.norm(columns, axis=0), np.linalg.norm(outside, axis=0)
+    kept = kept > _ADDS_NOTHING * size
     if not kept.any():
-        return 0.0, 0, coefficients
-    basis = orthonormal(outside[:, kept])
-    coefficients[kept] = np.linalg.lstsq(outside[:, kept], frame.residual, rcond=1e-9)[0]
-    return float(np.sum((basis.T @ frame.residual) ** 2)), basis.shape[1], coefficients
+        return 0.0, 0
+    basis = orthonormal(outside[:, kept] / size[kept])
+    return float(np.sum((basis.T @ frame.residual) ** 2)), basis.shape[1]
+
+
+def best_step(frame, columns, low, high):
+    """The ``Step`` of least squares with the coefficients between ``low`` and ``high``, the fit's own values within theirs."""
+    whole = np.hstack([frame.slopes, columns])
+    size = np.linalg.norm(whole, axis=0)
+    size[size == 0] = 1.0
+    basis, triangle = np.linalg.qr(whole / size)
+    own_low, own_high = frame.room
+    low, high = np.concatenate([own_low, low]) * size, np.concatenate([own_high, high]) * size
+    held = high - low <= 0
+    aim = basis.T @ frame.residual
+    step = np.zeros(size.size)
+    step[~held] = lsq_linear(triangle[:, ~held], aim, (low[~held], high[~held]), method="bvls", tol=1e-9).x
+    before, after = np.sum(frame.residual**2), np.sum((frame.residual - (whole / size) @ step) ** 2)
+    step = step / size
+    return Step(float(before - after), step[frame.slopes.shape[1] :], step[: frame.slopes.shape[1]])

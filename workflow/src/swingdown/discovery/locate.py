@@ -7,6 +7,7 @@ is projected out; the share of the residual that each group explains is a chi-sq
 from dataclasses import dataclass
 
 import numpy as np
+import pandas as pd
 from scipy.stats import chi2
 
 from .. import effects
@@ -14,11 +15,15 @@ from .linear import columns_of, explained
 
 KINDS = {
     "position": "restoring",
+    "constant": "constant torque",
     "velocity": "dissipative",
     "time": "time-dependent",
     "sensor": "sensor",
     "line": "spectral line",
+    "other": "of no simple kind",
 }
+_CONSTANT = 0.95  # of what the position explains: a torque that is the same everywhere
+_POINTS = 41  # of a curve
 
 
 @dataclass(frozen=True)
@@ -33,40 +38,68 @@ class Group:
 
 
 def groups(frame, noise):
-    """The ``Group`` of position, velocity, time, sensor and spectral line at a fit, in that order.
+    """The ``Group`` of position, its constant part, velocity, time, sensor, spectral line, and any other, in that order.
 
     ``share`` is the part of the residual beyond the noise that the group explains to first order. The line is the
-    strongest of the joint periodogram; its p counts how many were looked at.
+    strongest of the joint periodogram; its p counts how many were looked at. ``other`` is any reading error that angle,
+    velocity and time determine: it asks whether anything is left, not what.
     """
     beyond = max(float(np.sum(frame.residual**2)) - noise.deviation**2 * frame.residual.size, 1e-300)
-    found = []
-    for name, columns in _probes(frame).items():
-        squares, rank, _ = explained(frame, columns)
+
+    def group(name, squares, freedom, p=None):
         statistic = squares / noise.slow_variance
-        found.append(Group(name, statistic, rank, float(chi2.sf(statistic, rank)), min(1.0, squares / beyond)))
-    frequency, squares, looked = line(frame)
+        p = float(chi2.sf(statistic, freedom)) if p is None else p(statistic)
+        return Group(name, statistic, freedom, p, min(1.0, squares / beyond))
+
+    found = [group(name, *explained(frame, columns)) for name, columns in probes(frame).items()]
+    _, squares, looked = line(frame)
     count = 2 * len(frame.swings)
-    statistic = squares / noise.slow_variance
-    found.append(Group("line", statistic, count, float(-np.expm1(looked * np.log1p(-min(chi2.sf(statistic, count), 1 - 1e-16)))),
-                       min(1.0, squares / beyond)))  # fmt: skip
+    found.insert(-1, group("line", squares, count, lambda s: float(-np.expm1(looked * np.log1p(-min(chi2.sf(s, count), 1 - 1e-16))))))
     return found
 
 
-def _probes(frame):
-    """The columns of each group's general form."""
-    angle = max(float(np.max(np.abs(series))) for series in frame.fit.angle)
+def kind(found):
+    """The key of ``KINDS`` for the group that explains most, or None where there are no groups."""
+    shares = {group.name: group.share for group in found if group.name not in ("other", "constant")}
+    if not shares:
+        return None
+    best = max(shares, key=shares.get)
+    constant = next((group.share for group in found if group.name == "constant"), 0.0)
+    return "constant" if best == "position" and constant > _CONSTANT * shares[best] else best
+
+
+def ranges(frame):
+    """The largest angle (rad) and velocity (rad/s) that the fit reaches: the ranges of the free forms."""
     speed = max(float(np.max(np.abs(np.gradient(s, w.times)))) for s, w in zip(frame.fit.angle, frame.swings, strict=True))
-    ranges = {"position": ("unnamed_position", angle), "velocity": ("unnamed_velocity", speed), "time": ("unnamed_time", None)}
-    columns = {}
-    for name, (entry, scale) in ranges.items():
-        effect = effects.effect(entry)
-        free = [parameter.name for parameter in effect.parameters if not parameter.grid]
-        values = dict.fromkeys(free, 0.0) | ({f"{entry}_range": scale} if scale else {})
-        columns[name] = columns_of(frame, effect, values, free)
-    series = np.concatenate(frame.fit.angle)
-    slow = np.concatenate([np.gradient(s, w.times) for s, w in zip(frame.fit.angle, frame.swings, strict=True)])
-    columns["sensor"] = np.column_stack([np.ones_like(series), series, np.cos(series), np.sin(series), slow])
-    return columns
+    return {"unnamed_position": max(float(np.max(np.abs(series))) for series in frame.fit.angle), "unnamed_velocity": speed}
+
+
+def free_columns(frame, name):
+    """The columns of a free form's coefficients, and their names."""
+    effect = effects.effect(name)
+    free = [parameter.name for parameter in effect.parameters if not parameter.grid]
+    values = dict.fromkeys(free, 0.0) | ({f"{name}_range": ranges(frame)[name]} if name in ranges(frame) else {})
+    return columns_of(frame, effect, values, free), free
+
+
+def probes(frame):
+    """The columns of each group's general form, by name."""
+    columns = {name: free_columns(frame, f"unnamed_{name}")[0] for name in ("position", "velocity", "time")}
+    angle = np.concatenate(frame.fit.angle)
+    speed = np.concatenate([np.gradient(s, w.times) for s, w in zip(frame.fit.angle, frame.swings, strict=True)])
+    since = np.concatenate([(w.times - w.times[0]) / (w.times[-1] - w.times[0]) for w in frame.swings])
+    x, v = angle / np.max(np.abs(angle)), speed / np.max(np.abs(speed))
+    sensor = np.column_stack([np.ones_like(x), angle, np.cos(angle), np.sin(angle), speed, np.sign(speed)])
+    shapes = [x**i * v**j for i in range(6) for j in range(6 - i)]
+    other = np.column_stack([shape * since**k for k in range(3) for shape in shapes])
+    return {
+        "position": columns["position"],
+        "constant": columns["position"][:, :1],
+        "velocity": columns["velocity"],
+        "time": columns["time"],
+        "sensor": sensor,
+        "other": other,
+    }
 
 
 def line(frame, low=0.3):
@@ -85,3 +118,41 @@ def line(frame, low=0.3):
         power += np.interp(grid, np.fft.rfftfreq(size, interval), spectrum)
     best = int(np.argmax(power))
     return float(grid[best]), float(power[best]), max(1, grid.size // 2)
+
+
+def curves(frame, noise):
+    """The missing torque over angle, velocity and time, each as if it alone were missing: a table.
+
+    Columns ``over`` (position, velocity, time), ``part`` (torque; over time: drag, stiffness, push), ``x`` (rad, rad/s,
+    share of the record), ``torque`` and ``band`` (its standard error, both in rad/s^2; for drag and stiffness the torque
+    at the largest velocity and angle).
+    """
+    reach, tables = ranges(frame), []
+    at = np.linspace(-1, 1, _POINTS)
+    side, since = np.linspace(0, 1, _POINTS), np.linspace(0, 1, _POINTS)
+    position = np.column_stack([at**k for k in (0, *range(2, 8))])
+    velocity = np.column_stack([side**k for k in range(6)])
+    time = np.column_stack([since**k for k in (1, 2, 3)])
+    frequency = frame.fit.model.values["natural_frequency"]
+    sizes = {"drag": reach["unnamed_velocity"] / frequency, "stiffness": reach["unnamed_position"], "push": 1.0}
+    for over, x, shapes in (
+        ("position", at * reach["unnamed_position"], {"torque": (position, slice(None), 1.0)}),
+        ("velocity", side * reach["unnamed_velocity"], {"torque": (velocity, slice(None), 1.0)}),
+        ("time", since, {part: (time, slice(3 * k, 3 * k + 3), size) for k, (part, size) in enumerate(sizes.items())}),
+    ):
+        coefficients, covariance = _estimate(frame, free_columns(frame, f"unnamed_{over}")[0], noise)
+        for part, (shape, of, size) in shapes.items():
+            spread = np.sqrt(np.einsum("ij,jk,ik->i", shape, covariance[of, of], shape))
+            table = {"over": over, "part": part, "x": x, "torque": size * (shape @ coefficients[of]), "band": size * spread}
+            tables.append(pd.DataFrame(table))
+    return pd.concat(tables, ignore_index=True)
+
+
+def _estimate(frame, columns, noise):
+    """Coefficients of the columns beyond the fit, and their covariance under the noise."""
+    outside = frame.outside(columns)
+    size = np.maximum(np.linalg.norm(outside, axis=0), 1e-300)
+    left, singular, right = np.linalg.svd(outside / size, full_matrices=False)
+    kept = singular > 1e-4 * singular[0]  # what the data do not determine stays at nothing
+    inverse = (right[kept].T / singular[kept]) / size[:, None]
+    return inverse @ (left[:, kept].T @ frame.residual), inverse @ inverse.T * noise.slow_variance

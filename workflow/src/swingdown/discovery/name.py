@@ -7,11 +7,13 @@ import numpy as np
 from .. import effects
 from ..fit import fit_jointly
 from ..trajectory import TrajectoryError
-from .candidates import additions, starts_to_add, starts_to_exchange
+from .candidates import additions, describe, starts_to_add, starts_to_drop, starts_to_exchange, without
+from .linear import each_model, frame
 
 TIE = 10.0  # difference of BIC below which two candidates are told as tied
 _PROMISING = 0.05  # of the best promise: candidates below are not refitted, a linear step already tells them off
-_NEARLY_ALL = 0.97
+_FEW = 4  # effects tried in another one's place
+_SUGGESTED = 4.0  # chi-square by which a richer effect must beat a simpler one that it contains to be tied with it
 # what a richer effect contains at one value of its shape: without evidence for more, the simpler one is named
 CONTAINS = {
     "power_law_drag": ("viscous", "quadratic_drag", "constant_coulomb"),
@@ -19,6 +21,8 @@ CONTAINS = {
     "presliding": ("constant_coulomb",),
     "stribeck": ("constant_coulomb",),
     "eddy_brake": ("viscous",),
+    "eccentricity": ("sensor_zero", "sensor_gain"),
+    "detent": ("constant_torque", "cubic_stiffness", "torsion_spring"),
 }
 
 
@@ -26,12 +30,16 @@ CONTAINS = {
 class Candidate:
     """A move and its refit: effect added and dropped (or None), the fit, its BIC, and why it is refused (or empty)."""
 
-    move: str
     added: str | None
     dropped: str | None
     fit: object
     bic: float
     refused: str = ""
+
+    @property
+    def move(self):
+        """What is done to the model, in words."""
+        return describe(self.added, self.dropped)
 
 
 def evidence(fit, noise):
@@ -40,99 +48,113 @@ def evidence(fit, noise):
     return float(n * np.log(fit.rss / fit.n) + len(fit.free) * np.log(n))
 
 
-def refit(start, frame):
+def refit(start, fit, swings, most=30):
     """The joint fit of a ``Start``, within the catalogue's bounds."""
-    model = frame.fit.model
     own = [p.name for name in start.effects for p in effects.effect(name).parameters if p.own]
-    begin = replace(
-        frame.fit,
-        own=start.values,
-        release_angle=start.release_angle or frame.fit.release_angle,
-        release_velocity=start.release_velocity or frame.fit.release_velocity,
-    )
-    pairs = [swing.pair for swing in frame.swings]
-    return fit_jointly(start.effects, pairs, guess=begin, seen=False, bounded=True, own=own, most=30,
-                       restoring=model.restoring, form=model.form)  # fmt: skip
+    releases = start.releases or tuple(zip(fit.release_angle, fit.release_velocity, strict=True))
+    angles, velocities = zip(*releases, strict=True)
+    begin = replace(fit, own=start.values, release_angle=angles, release_velocity=velocities)
+    return fit_jointly(start.effects, [swing.pair for swing in swings], guess=begin, seen=False, bounded=True, own=own,
+                       most=most, restoring=fit.model.restoring, form=fit.model.form)  # fmt: skip
 
 
-def ranking(frame, noise, allowed=None):
-    """The ``Candidate``s, best first: additions, exchanges and drops, each refitted from its starts.
+def ranking(here, noise, allowed=None):
+    """The ``Candidate``s that mend a fit seen in a ``Frame``, best first: additions, and exchanges of known rivals.
 
     ``allowed`` limits the effects that may be added (all of the catalogue by default). A candidate is refused where a
-    parameter ends at a bound at which the effect is not there, or where no start gives a trajectory.
+    parameter ends at a bound at which the effect is not there; one that no start gives a trajectory for is left out.
     """
-    names = [name for name in additions(frame.fit.model) if allowed is None or name in allowed]
-    moves = {name: starts_to_add(frame, name) for name in names}
-    most = max((starts[0].promise for starts in moves.values() if starts), default=0.0)
-    groups = [starts for starts in moves.values() if starts and starts[0].promise >= _PROMISING * most]
+    moves = [starts_to_add(here, name) for name in additions(here.fit.model, allowed)]
+    most = max((starts[0].promise for starts in moves), default=0.0)
+    moves = [starts for starts in moves if starts[0].promise >= _PROMISING * most]
     exchanges = {}
-    for start in starts_to_exchange(frame):
-        if start.added is None or allowed is None or start.added in allowed:
-            exchanges.setdefault(start.move, []).append(start)
-    found = [_best(starts, frame, noise) for starts in (*groups, *exchanges.values())]
+    for start in starts_to_exchange(here, allowed):
+        exchanges.setdefault(start.move, []).append(start)
+    return _sorted([_best(starts, here, noise) for starts in (*moves, *exchanges.values())])
+
+
+def in_place_of(here, noise, old, allowed=None, few=_FEW):
+    """The ``Candidate``s that have another effect in the place of one of the model's own, best first.
+
+    The model is fitted without it, and the ``few`` effects that then promise most are fitted in its place.
+    """
+    kept, values = without(here.fit, old)
+    model = here.fit.model
+    if not kept:
+        return []
+    begin = replace(here.fit, own=values)
+    own = [p.name for name in kept for p in effects.effect(name).parameters if p.own]
+    try:
+        fit = fit_jointly(kept, [swing.pair for swing in here.swings], guess=begin, seen=False, bounded=True, own=own, most=30,
+                          restoring=model.restoring, form=model.form)  # fmt: skip
+    except TrajectoryError:
+        return []
+    there = frame(fit, here.swings)
+    moves = [starts_to_add(there, name, dropped=old) for name in additions(fit.model, allowed) if name != old]
+    moves.sort(key=lambda starts: -starts[0].promise)
+    return _sorted([_best(starts, there, noise) for starts in moves[:few]])
+
+
+def drops(here, noise):
+    """The ``Candidate``s with one effect less, best first."""
+    return _sorted([_best([start], here, noise) for start in starts_to_drop(here)])
+
+
+def _sorted(found):
     return sorted((one for one in found if one), key=lambda one: (bool(one.refused), one.bic))
 
 
-def _best(starts, frame, noise):
+def _best(starts, here, noise):
     fits = []
     for start in starts:
         try:
-            fits.append(refit(start, frame))
+            fits.append(refit(start, here.fit, here.swings))
         except TrajectoryError:
             continue
     if not fits:
         return None
     fit, start = min(fits, key=lambda fit: fit.rss), starts[0]
-    return Candidate(start.move, start.added, start.dropped, fit, evidence(fit, noise), _inadmissible(fit, start.added))
+    return Candidate(start.added, start.dropped, fit, evidence(fit, noise), inadmissible(fit, start.added))
 
 
-def _inadmissible(fit, added):
-    if added is None:
+def inadmissible(fit, added):
+    """Why a fitted effect cannot be what it is called: empty, or the parameter that runs to a bound."""
+    if added is None or not effects.effect(added).parameters:
         return ""
-    effect = effects.effect(added)
-    if not effect.parameters:
-        return ""
-    first = effect.parameters[0]
-    value = fit.model.values[first.name]
-    if value <= first.lower + 1e-12:
+    first, *others = effects.effect(added).parameters
+    values = each_model(fit)[0].values
+    if values[first.name] <= first.lower + 1e-12:
         return f"{first.name} wants to be below {first.lower:g} {first.unit}"
-    for parameter in effect.parameters[1:]:
-        if parameter.phase:
-            continue
-        if fit.model.values[parameter.name] >= parameter.upper * (1 - 1e-9):
+    for parameter in others:
+        if not parameter.phase and values[parameter.name] >= parameter.upper * (1 - 1e-9):
             return f"{parameter.name} runs to its bound {parameter.upper:g} {parameter.unit}"
     return ""
 
 
-def tied(ranked, before):
-    """The candidates that the evidence does not tell from the best, the best first: those within ``TIE`` of its BIC.
+def tied(ranked, noise):
+    """The admissible candidates that the evidence does not tell from the best, the best first: within ``TIE`` of its BIC.
 
-    ``before`` is the sum of squares (rad^2) of the fit that they would mend. A richer effect is left out beside a simpler
-    one that it contains, and gives way to it where the simpler explains nearly all that it does: what is left may have
-    another cause, and a later round can still exchange the one for the other.
+    Of a richer effect and a simpler one that it contains, the simpler is preferred unless the evidence is for the richer,
+    and the richer stays in the tie only if something suggests it.
     """
     admissible = [one for one in ranked if not one.refused]
     if not admissible:
         return []
-    best = admissible[0]
-    simpler = [one for one in admissible if one.added in CONTAINS.get(best.added, ()) and one.dropped == best.dropped]
-    for one in simpler:
-        if before - one.fit.rss > _NEARLY_ALL * (before - best.fit.rss):
-            best = one
-            break
-    near = [one for one in admissible if one is best or 0 <= one.bic - best.bic < TIE]
-    simple = {one.added for one in near}
-    kept = [one for one in near if not any(part in simple for part in CONTAINS.get(one.added, ()))]
-    return sorted(kept, key=lambda one: one is not best)
+    near = [one for one in admissible if one.bic - admissible[0].bic < TIE]
+    kept = []
+    for one in near:
+        simpler = [other for other in near if other.added in CONTAINS.get(one.added, ()) and other.bic <= one.bic]
+        scale = noise.deviation**2 * noise.inflation
+        if all((other.fit.rss - one.fit.rss) / scale > _SUGGESTED for other in simpler):
+            kept.append(one)
+    return kept
 
 
-def correlation(frame, first, second):
+def correlation(here, first, second):
     """How alike two candidates are to the data: the correlation of what each adds to the angles, beyond the current fit."""
     changes = []
     for one in (first, second):
-        series = np.concatenate(one.fit.angle) - np.concatenate(frame.fit.angle)
-        changes.append(frame.outside(series))
+        series = np.concatenate(one.fit.angle) - np.concatenate(here.fit.angle)
+        changes.append(here.outside(series))
     size = np.linalg.norm(changes[0]) * np.linalg.norm(changes[1])
     return float(changes[0] @ changes[1] / size) if size > 0 else np.nan
-
-

@@ -1,35 +1,43 @@
 """One round of discovery after the other: fit, look where it fails, name what is missing, confirm, add."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from .. import effects
 from ..fit import fit_jointly
-from ..model import Model
+from ..trajectory import TrajectoryError
 from .campaign import measure_noise
 from .confirm import better, predict
-from .linear import frame
-from .locate import groups
-from .name import evidence, ranking, tied
+from .linear import each_model, frame
+from .locate import curves, groups, kind, ranges
+from .name import Candidate, drops, evidence, in_place_of, ranking, tied
 
-P_MISSING = 1e-4  # a group's p below which something is missing; calibrated by simulation, see hidden_effects
+P_MISSING = 1e-4  # a group's p below which something is missing; its false alarms are counted in hidden_effects
 WORTH = 10.0  # BIC that an effect must gain
+_UNNEEDED = 4.0  # chi-square that a held-out swing may lose with a term that is dropped
 
 
 @dataclass(frozen=True)
 class Round:
-    """The state after n moves: the fit and where it fails, the ranking of what could mend it, and what was chosen."""
+    """The state after so many moves: the fit and where it fails, what could mend it, and what was chosen.
+
+    ``found`` names the effects added so far; ``rivals`` holds for each the effects that would do as well in its place
+    (looked for in the last round); ``curves`` is the table of missing torques.
+    """
 
     number: int
     fit: object
     holdout: object
     noise: object
     groups: tuple
-    ranked: tuple
-    ties: tuple
-    chosen: object  # the Candidate added next, or None
-    reason: str  # why there is none
+    curves: object
+    found: tuple = ()
+    ranked: tuple = ()
+    ties: tuple = ()
+    rivals: dict = field(default_factory=dict)
+    chosen: object = None  # the Candidate that is the next model, or None
+    reason: str = ""  # why there is none
 
     @property
     def missing(self):
@@ -46,63 +54,101 @@ def fit_from(campaign, beginning):
     """The joint fit of the model that a ``files.Beginning`` describes, from the values it has."""
     model = beginning.model
     own = [p.name for name in model.effects for p in effects.effect(name).parameters if p.own]
+    fixed = {name: value for name, value in model.values.items() if name.endswith("_range")}
     return fit_jointly(model.effects, [swing.pair for swing in campaign.fit], guess=beginning, seen=False, bounded=True,
-                       own=own, restoring=model.restoring, form=model.form)  # fmt: skip
+                       own=own, fixed=fixed, restoring=model.restoring, form=model.form)  # fmt: skip
 
 
-def look(number, campaign, fit, allowed=None, last=False):
+def look(number, campaign, fit, found=(), allowed=None, last=False):
     """The ``Round`` at a fit: noise, disagreement, ranking, and the confirmed choice of the next model.
 
-    ``allowed`` limits the effects that may be added; in the ``last`` round nothing more is looked for.
+    ``found`` names the effects added before; ``allowed`` limits those that may be added; in the ``last`` round nothing
+    more is chosen.
     """
     intervals = [(s.times[-1] - s.times[0]) / (s.times.size - 1) for s in campaign.fit]
     residuals = [swing.angle - series for swing, series in zip(campaign.fit, fit.angle, strict=True)]
     noise = measure_noise(residuals, intervals, fit.model.values["natural_frequency"] / (2 * np.pi), campaign.static)
-    holdout = predict(fit, campaign.holdout)
     here = frame(fit, campaign.fit)
-    found = tuple(groups(here, noise))
-    state = Round(number, fit, holdout, noise, found, (), (), None, "nothing is missing")
-    if not state.missing or last:
-        return state if not state.missing else replace(state, reason="no round is left")
-    ranked = tuple(ranking(here, noise, allowed))
-    ties = tuple(tied(ranked, fit.rss))
-    state = replace(state, ranked=ranked, ties=ties, reason="no effect of the catalogue explains it")
+    state = Round(number, fit, predict(fit, campaign.holdout), noise, tuple(groups(here, noise)), curves(here, noise), tuple(found))
+    if not state.missing:
+        return _finished(state, here, campaign, allowed, last)
+    if last:
+        return replace(state, reason="no round is left")
+    if any(name.startswith("unnamed") for name in found):
+        return replace(state, reason="what remains has no form either")
+    ranked = list(ranking(here, noise, allowed))
+    for old in found:  # two that were found may stand for two others: a better one may take an earlier one's place
+        ranked += in_place_of(here, noise, old, allowed)
+    ranked.sort(key=lambda one: (bool(one.refused), one.bic))
+    ties = tuple(tied(ranked, noise))
+    state = replace(state, ranked=tuple(ranked), ties=ties, reason="no effect of the catalogue explains it")
     now = evidence(fit, noise)
-    for one in ties:
-        if now - one.bic < WORTH:
-            continue
-        if better(holdout, predict(one.fit, campaign.holdout), noise) > 0:
+    for one in (one for one in ties if now - one.bic >= WORTH):
+        if better(state.holdout, predict(one.fit, campaign.holdout), noise) > 0:
             return replace(state, chosen=one, reason="")
         state = replace(state, reason=f"{one.move} is not confirmed on held-out swings")
-    return state
+    return _without_a_name(state, here, campaign)
 
 
-def discover(campaign, base, rounds=3, allowed=None, restoring="sine", form="consistent"):
+def _finished(state, here, campaign, allowed, last):
+    """The state where nothing is missing: what is not needed is dropped, and the rivals of what was found are told."""
+    state = replace(state, reason="nothing is missing")
+    now = evidence(state.fit, state.noise)
+    if not last:
+        for one in drops(here, state.noise):
+            lost = -better(state.holdout, predict(one.fit, campaign.holdout), state.noise)
+            if not one.refused and one.bic < now and lost < _UNNEEDED:
+                return replace(state, chosen=one, reason="")
+    rivals = {}
+    if len(state.found) > 1:
+        own = Candidate(None, None, state.fit, now)
+        for name in state.found:
+            near = tied([replace(own, added=name), *in_place_of(here, state.noise, name, allowed)], state.noise)
+            rivals[name] = [one.added for one in near if one.added != name]
+    return replace(state, rivals=rivals)
+
+
+def _without_a_name(state, here, campaign):
+    """The state with a free-form torque as its choice, if that explains something that held-out swings have too."""
+    at = kind(state.groups)
+    name = f"unnamed_{'position' if at == 'constant' else at}"
+    if name not in effects.FREE_FORM:
+        found = {group.name: group.share for group in state.groups if f"unnamed_{group.name}" in effects.FREE_FORM}
+        name = f"unnamed_{max(found, key=found.get)}"
+    try:
+        fit = free_form(here, name)
+        gain = better(state.holdout, predict(fit, campaign.holdout), state.noise)
+    except TrajectoryError:
+        return state
+    one = Candidate(name, None, fit, evidence(fit, state.noise))
+    if evidence(state.fit, state.noise) - one.bic < WORTH or gain <= 0:
+        return state
+    return replace(state, chosen=one, reason=state.reason)
+
+
+def free_form(here, name):
+    """The fit with a torque without a name (a polynomial in one variable) beside the model's own effects."""
+    fit = here.fit
+    free = [p.name for p in effects.effect(name).parameters if not p.grid]
+    fixed = {f"{name}_range": ranges(here)[name]} if name in ranges(here) else {}
+    values = tuple(model.values | dict.fromkeys(free, 0.0) | fixed for model in each_model(fit))
+    own = tuple(fit.own[0]) if fit.own else ()
+    return fit_jointly((*fit.model.effects, name), [swing.pair for swing in here.swings], guess=replace(fit, own=values),
+                       seen=False, bounded=True, fixed=fixed, own=own, most=30, restoring=fit.model.restoring,
+                       form=fit.model.form)  # fmt: skip
+
+
+def discover(campaign, base, rounds=6, allowed=None, restoring="sine", form="consistent"):
     """The list of ``Round``s from the base model until nothing is missing, nothing helps, or ``rounds`` moves were made."""
-    fit = first_fit(campaign, base, restoring, form)
-    states = []
+    fit, found, states = first_fit(campaign, base, restoring, form), (), []
     for number in range(rounds + 1):
-        states.append(look(number, campaign, fit, allowed, last=number == rounds))
+        states.append(look(number, campaign, fit, found, allowed, last=number == rounds))
         if states[-1].chosen is None:
             break
-        fit = states[-1].chosen.fit
+        fit, found = states[-1].chosen.fit, after(found, states[-1].chosen)
     return states
 
 
-def free_form(state, campaign):
-    """The fit with a torque without a name in the variable that the score tests point at, and that effect's name."""
-    best = max(state.groups[:3], key=lambda group: group.share)
-    name = f"unnamed_{best.name}"
-    effect, model = effects.effect(name), state.fit.model
-    fixed = {}
-    if best.name != "time":
-        series = list(state.fit.angle)
-        if best.name == "velocity":
-            series = [np.gradient(angle, swing.times) for angle, swing in zip(series, campaign.fit, strict=True)]
-        fixed = {f"{name}_range": max(float(np.max(np.abs(one))) for one in series)}
-    wider = Model((*model.effects, name), restoring=model.restoring, form=model.form)
-    zero = {p.name: 0.0 for p in effect.parameters if p.name not in fixed}
-    own = tuple(model.values | one | zero | fixed for one in (state.fit.own or ({},) * len(campaign.fit)))
-    return fit_jointly(wider.effects, [swing.pair for swing in campaign.fit], guess=replace(state.fit, own=own), seen=False,
-                       bounded=True, fixed=fixed, own=tuple(state.fit.own[0]) if state.fit.own else (),
-                       restoring=model.restoring, form=model.form), name  # fmt: skip
+def after(found, chosen):
+    """The names of the effects found, after a move."""
+    return tuple(name for name in (*found, chosen.added) if name not in (None, chosen.dropped))

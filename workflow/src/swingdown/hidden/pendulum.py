@@ -1,9 +1,12 @@
-"""A second pendulum, to hold the engine against: scipy's DOP853 at rtol 1e-13 and equations written out by hand.
+"""A second pendulum, to hold the engine against and to hide effects in: scipy's DOP853 at rtol 1e-13, equations by hand.
 
 Nothing here is taken from the catalogue's formulas or from the engine: the physics is stated again, differently where
 it can be. The support of the flexible pivot is a two-by-two linear system for both accelerations; presliding friction
 is Dahl's closed form in the angle since the last turning point; play and clock are applied to samples and turning
 points. The signs of the velocity and of every other kink are frozen between events, and each event is located.
+
+Besides the catalogue's effects it knows those of ``FOREIGN``, which the catalogue lacks on purpose: what they leave
+must be called unknown.
 """
 
 from dataclasses import dataclass, field
@@ -14,6 +17,11 @@ from scipy.integrate import solve_ivp
 
 RTOL, ATOL = 1e-13, 1e-16
 FAR = 60.0  # rad; beyond, the motion has run away
+FOREIGN = {  # name: its parameters, the first one its size
+    "one_way_friction": ("one_way_friction",),  # rad/s^2; a ratchet's pawl drags on the way up only
+    "friction_patch": ("patch_friction", "patch_from", "patch_to"),  # rad/s^2, rad, rad; a dirty part of the shaft
+    "soft_stop": ("stop_stiffness", "stop_from"),  # 1/s^2, rad; a buffer that large swings touch on one side
+}
 
 
 @dataclass
@@ -94,6 +102,12 @@ class Pendulum:
             total -= w * p["wind_coefficient"] * kinks["wind"] * against * against
         if "finite_amplitude" in on:
             total += w * w * (th - sin(th))
+        if "one_way_friction" in on and s > 0:
+            total -= p["one_way_friction"]
+        if "friction_patch" in on and kinks["patch_from"] * kinks["patch_to"] < 0:
+            total -= s * p["patch_friction"]
+        if "soft_stop" in on and kinks["stop"] > 0:
+            total -= p["stop_stiffness"] * (th - p["stop_from"])
         return total
 
     def accelerations(self, t, th, v, q, w_q, s, kinks):
@@ -118,6 +132,11 @@ class Pendulum:
             found["angle"] = lambda th, v: th
         if "steady_wind" in self.on:
             found["wind"] = lambda th, v: v - self.p["wind_speed"]
+        if "friction_patch" in self.on:
+            found["patch_from"] = lambda th, v: th - self.p["patch_from"]
+            found["patch_to"] = lambda th, v: th - self.p["patch_to"]
+        if "soft_stop" in self.on:
+            found["stop"] = lambda th, v: th - self.p["stop_from"]
         return found
 
     def way_from_rest(self, t, y, came, kinks):
