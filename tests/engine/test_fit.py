@@ -2,6 +2,7 @@
 
 from collections import Counter
 from dataclasses import replace
+from time import process_time
 
 import numpy as np
 import pytest
@@ -282,6 +283,16 @@ def test_convergence_is_told_honestly():
     assert fit.evaluations > stopped.evaluations
     one = fit_nelder_mead(FULL, TIMES[:200], angle[:200], restarts=1)
     assert not one.converged and "not stationary after 1" in one.message
+
+
+@pytest.mark.parametrize("label", ["viscous+power_law_drag", "viscous+flexible_pivot"])
+def test_data_of_no_pendulum_do_not_hold_a_fit_up(label):
+    """Its values run to where a trajectory takes a thousand times what a pendulum's does; that ends, and is told."""
+    sharp = np.sign(np.sin(3 * TIMES))
+    begun = process_time()
+    fit = fit_trajectory(label, TIMES, sharp)
+    assert process_time() - begun < 4
+    assert fit.rms > 0.1 and (fit.converged or "not stationary" in fit.message)
 
 
 def test_what_the_data_do_not_tell_has_no_standard_error():

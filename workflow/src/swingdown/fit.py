@@ -14,6 +14,7 @@ from .trajectory import Compiled, TrajectoryError, checked_times, doubles, engin
 
 STARTS = ("free", "rest")
 _FEWEST = 8  # samples of a swing's first part
+_ROUGH, _ROUGH_EVALUATIONS = 1e-4, 30  # a first part's optimum is only a start: tolerance, and what it may take
 _SMALLEST_FREQUENCY = 1e-3  # rad/s; a pendulum slower than an hour is none
 
 
@@ -174,7 +175,7 @@ def _grown(problem, starts, most, tolerance):
     Where friction stops the pendulum within the record, the whole record has many minima and its first part few.
     """
     for share in (0.35, 0.7):
-        part = _least_squares(problem, starts, most, tolerance, share)
+        part = _least_squares(problem, starts, min(most, _ROUGH_EVALUATIONS), max(tolerance, _ROUGH), share)
         if part[-1].converged < 0:
             return starts[:1]
         starts = part[1][None]
@@ -246,7 +247,8 @@ def fit_jointly(effects, swings, *, start="free", guess=None, restoring="sine", 
     release angle and velocity, ``rest`` starts each swing at rest at its first sample. ``guess``: a model or a fit, or
     several, to start from besides the decay seen in the data. ``bounded`` keeps parameters within the catalogue's bounds. ``own``
     names parameters that each swing has for itself, such as a phase; ``fixed`` holds values, by name, that are not fitted.
-    ``seen=False`` leaves out the starts from the decay where there are fits to start from.
+    ``seen=False`` leaves out the starts from the decay where there are fits to start from. ``most`` evaluations a start are
+    spent, fewer where a trajectory takes far more work than those of a pendulum usually do; ``converged`` tells.
     Raises InputError for swings that cannot be fitted and TrajectoryError where no start gives a trajectory.
     """
     problem = _Problem(Model(effects, restoring=restoring, form=form), swings, start, bounded, own, fixed)
@@ -257,7 +259,7 @@ def fit_jointly(effects, swings, *, start="free", guess=None, restoring="sine", 
         raise TrajectoryError(f"model {problem.model.label}: no start of {len(starts)} gives a trajectory")
     agreeing = int(np.sum(squares <= rss * (1 + 1e-6)))
     message = f"{agreeing} of {len(starts)} starts reached the best optimum; "
-    message += "stationary" if outcome.converged else f"not stationary after {most} evaluations"
+    message += "stationary" if outcome.converged else f"not stationary after {outcome.evaluations} evaluations"
     covariance = _covariance(hessian, rss, problem.n - len(problem.free), problem.lower, problem.upper, best)
     return _result(problem, "least squares", best, covariance, rss, outcome.converged, message, outcome.evaluations)
 

@@ -49,7 +49,7 @@ def least_squares(residuals_and_jacobian, start, lower=None, upper=None, *, most
 
     def cost(_, at, gradient, hessian):
         if raised:
-            return np.inf
+            return np.nan
         try:
             here = np.ctypeslib.as_array(at, (size,)).copy()
             residuals, jacobian = (np.asarray(part, dtype=float) for part in residuals_and_jacobian(here))
@@ -64,7 +64,7 @@ def least_squares(residuals_and_jacobian, start, lower=None, upper=None, *, most
             return 0.5 * float(residuals @ residuals)
         except BaseException as problem:  # nothing may pass through C; it is raised again below
             raised.append(problem)
-            return np.inf
+            return np.nan
 
     normal, outcome = np.zeros((size, size)), build.COutcome()
     half = engine().minimise(

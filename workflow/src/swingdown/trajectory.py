@@ -96,7 +96,7 @@ def _run(model, times, release_angle, release_velocity, free):
     report = build.CReport()
     status = engine().swing_trajectory(
         ctypes.byref(compiled.c), doubles(values), ctypes.c_double(release_angle), ctypes.c_double(release_velocity),
-        doubles(times), ctypes.c_int(times.size), ctypes.c_int(len(free)), chosen, doubles(angles),
+        doubles(times), ctypes.c_int(times.size), ctypes.c_double(np.inf), ctypes.c_int(len(free)), chosen, doubles(angles),
         doubles(slopes) if free else None, ctypes.byref(report),
     )  # fmt: skip
     if status:

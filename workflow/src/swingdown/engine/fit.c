@@ -5,11 +5,20 @@
 
 #include "swing.h"
 
-/* Half the sum of squares at x; with gradient, also J'r and J'J (n by n). Not finite where x cannot be computed. */
+/* Half the sum of squares at x; with gradient, also J'r and J'J (n by n). Infinite where x cannot be computed, not a
+ * number where nothing more is to be computed: the search then ends as it stands. */
 typedef double (*Cost)(void *of, const double *x, double *gradient, double *hessian);
 
+/* A minimum found before: a search that comes to the same place need not follow it to the end again. */
 typedef struct {
-    int converged;   /* 1: stationary to the tolerance; 0: out of iterations; -1: cannot be computed at the start */
+    const double *x, *hessian;
+    double value;
+} Known;
+#define SAME 1e-6 /* of the sum of squares: how near is the same place */
+
+typedef struct {
+    int converged;   /* 1: stationary to the tolerance; 2: at the minimum known before; 0: neither, with all it may spend
+                      * spent or no way on; -1: cannot be computed at the start */
     int evaluations;
     double predicted; /* relative fall that the last full step promised */
 } Outcome;
@@ -64,9 +73,17 @@ static double length(int n, const double *scale, const double *d) {
     return sqrt(sum);
 }
 
-/* The minimum of cost within lower..upper from x, in place; returns half the sum of squares. hessian: J'J there. */
-double minimise(Cost cost, void *of, int n, double *x, const double *lower, const double *upper, int most, double tolerance,
-                double *hessian, Outcome *outcome) {
+static int arrived(int n, const Known *known, const double *x, double value, double *d) {
+    if (!(fabs(value - known->value) <= SAME * known->value)) return 0;
+    for (int i = 0; i < n; i++) d[i] = x[i] - known->x[i];
+    double distance = 0.0;
+    for (int i = 0; i < n; i++)
+        for (int j = 0; j < n; j++) distance += 0.5 * d[i] * known->hessian[i * n + j] * d[j];
+    return distance <= SAME * known->value;
+}
+
+static double search(Cost cost, void *of, int n, double *x, const double *lower, const double *upper, int most, double tolerance,
+                     const Known *known, double *hessian, Outcome *outcome) {
     const size_t nn = (size_t)n * n;
     double *memory = malloc((3 * nn + 8 * (size_t)n + 8) * sizeof(double));
     *outcome = (Outcome){-1, 0, INFINITY};
@@ -118,6 +135,7 @@ double minimise(Cost cost, void *of, int n, double *x, const double *lower, cons
             for (int i = 0; i < n; i++) trial[i] = fmin(fmax(x[i] + d[i], lower[i]), upper[i]);
             found = cost(of, trial, trial_g, trial_h);
             outcome->evaluations++;
+            if (isnan(found)) break;
         }
         const double gain = (value - found) / expected;
         const double relative = expected / (value + 1e-300);
@@ -136,6 +154,7 @@ double minimise(Cost cost, void *of, int n, double *x, const double *lower, cons
             const double cube = 2.0 * gain - 1.0;
             damping = fmax(1e-14, damping * fmax(0.05, 1.0 - cube * cube * cube));
             grow = 4.0;
+            if (known && !outcome->converged && arrived(n, known, x, value, d)) outcome->converged = 2;
         } else {
             /* the promise is within the rounding of the sum itself: nothing more to gain */
             if (ok && ((expected > 0.0 && relative < tolerance) || still) && damping < 1.0) { outcome->converged = 1; outcome->predicted = relative; break; }
@@ -155,6 +174,12 @@ double minimise(Cost cost, void *of, int n, double *x, const double *lower, cons
     return value;
 }
 
+/* The minimum of cost within lower..upper from x, in place; returns half the sum of squares. hessian: J'J there. */
+double minimise(Cost cost, void *of, int n, double *x, const double *lower, const double *upper, int most, double tolerance,
+                double *hessian, Outcome *outcome) {
+    return search(cost, of, n, x, lower, upper, most, tolerance, NULL, hessian, outcome);
+}
+
 /* One or more swings with a common model. values[k]: the model's parameters, release angle and release velocity of
  * swing k; where[k]: for each of them the index of the free variable it is, or -1 where it stays as given. */
 typedef struct {
@@ -164,9 +189,15 @@ typedef struct {
     const double *const *times, *const *angles;
     double *values;
     const int *where;
-    int n_free, panels, failures;
+    int n_free;
     double *series, *slopes; /* room for the longest swing */
+    /* Panels as the measure of work. Far from any optimum a trajectory may take thousands of times what it takes
+     * elsewhere (a support that rings at 1e5 rad/s): a point that takes much more than the best so far counts as one that
+     * cannot be computed, and a fit that has spent what its evaluations would usually take ends. */
+    double seconds, least, usual, floor, left;
 } Swings;
+#define DEAR 4.0   /* times the usual work */
+#define USUAL 5.0  /* panels a half-swing, before anything is computed; half of that later, where less is needed */
 
 static double dot(const double *a, const double *b, int n) {
     double lane[8] = {0.0}, sum = 0.0; /* a fixed order of summation: the same bits on every machine */
@@ -180,8 +211,9 @@ static double dot(const double *a, const double *b, int n) {
 
 static double swings_cost(void *of, const double *x, double *gradient, double *hessian) {
     Swings *f = of;
-    double value = 0.0;
+    double value = 0.0, work = 0.0;
     const int n_free = f->n_free;
+    if (f->left <= 0.0) return NAN;
     if (gradient) {
         memset(gradient, 0, n_free * sizeof(double));
         memset(hessian, 0, (size_t)n_free * n_free * sizeof(double));
@@ -198,11 +230,11 @@ static double swings_cost(void *of, const double *x, double *gradient, double *h
                 own[m++] = i < np ? i : (i == np ? RELEASE_ANGLE : RELEASE_VELOCITY);
             }
         Report report;
-        if (swing_trajectory(&f->model[k], p, p[np], p[np + 1], f->times[k], n, m, own, f->series, gradient ? f->slopes : NULL, &report)) {
-            f->failures++;
-            return INFINITY;
-        }
-        f->panels += report.panels;
+        const int failed = swing_trajectory(&f->model[k], p, p[np], p[np + 1], f->times[k], n, DEAR * f->usual / f->seconds, m, own,
+                                            f->series, gradient ? f->slopes : NULL, &report);
+        work += report.panels + report.rejected;
+        f->left -= report.panels + report.rejected;
+        if (failed) return INFINITY;
         const double *y = f->angles[k];
         for (int i = 0; i < n; i++) f->series[i] -= y[i];
         value += 0.5 * dot(f->series, f->series, n);
@@ -217,6 +249,10 @@ static double swings_cost(void *of, const double *x, double *gradient, double *h
             }
         }
     }
+    if (value < f->least) {
+        f->least = value;
+        f->usual = fmax(work, f->floor);
+    }
     return value;
 }
 
@@ -226,8 +262,9 @@ double fit_swings(const Model *models, int n_swings, const int *n, const double 
                   const double *upper, int most, double tolerance, double *best, double *hessian, double *all, Outcome *outcome) {
     int longest = 0;
     for (int k = 0; k < n_swings; k++) longest = n[k] > longest ? n[k] : longest;
-    Swings f = {models, n_swings, n, times, angles, values, where, n_free, 0, 0, NULL, NULL};
+    Swings f = {models, n_swings, n, times, angles, values, where, n_free, NULL, NULL, 0.0, 0.0, 0.0, 0.0, 0.0};
     int widest = 0;
+    for (int k = 0; k < n_swings; k++) f.seconds += times[k][n[k] - 1] - times[k][0];
     for (int k = 0, np = models[0].n_parameters; k < n_swings; k++) {
         int m = 0;
         for (int i = 0; i < np + 2; i++) m += where[(size_t)k * (np + 2) + i] >= 0;
@@ -244,10 +281,17 @@ double fit_swings(const Model *models, int n_swings, const int *n, const double 
         Outcome one;
         f.slopes = f.series + longest;
         memcpy(x, starts + (size_t)s * n_free, n_free * sizeof(double));
-        const double value = minimise(swings_cost, &f, n_free, x, lower, upper, most, tolerance, room, &one);
+        const double frequency = where[0] >= 0 ? x[where[0]] : values[0];
+        f.least = INFINITY;
+        f.usual = USUAL * (n_swings + fabs(frequency) * f.seconds / 3.141592653589793);
+        f.floor = 0.5 * f.usual;
+        f.left = most * f.usual;
+        const Known known = {best, hessian, least};
+        const double value = search(swings_cost, &f, n_free, x, lower, upper, most, tolerance,
+                                    outcome->converged == 1 ? &known : NULL, room, &one);
         evaluations += one.evaluations;
-        all[s] = 2.0 * value;
-        if (isfinite(value) && (value < least || (value == least && one.converged > outcome->converged))) {
+        all[s] = 2.0 * (one.converged == 2 ? least : value);
+        if (isfinite(value) && one.converged != 2 && (value < least || (value == least && one.converged > outcome->converged))) {
             least = value;
             memcpy(best, x, n_free * sizeof(double));
             memcpy(hessian, room, nn * sizeof(double));

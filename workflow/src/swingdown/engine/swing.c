@@ -22,7 +22,7 @@
 #define SOLVED 1e-12    /* residual of the collocation equations against their size, after the last sweep */
 #define TAIL 3e-6       /* last two Legendre coefficients of a rate against its size */
 #define SWEEPS 14
-#define MOST_PANELS 100  /* a half-swing, beyond the first thousand: more is no pendulum's motion */
+#define MOST_PANELS 100 /* a half-swing, beyond the first thousand: more is no pendulum's motion */
 #define CHUNK 64
 #define ROWS (2 + MAX_STATES)
 #define BLOCKS (1 + MAX_STATES)
@@ -674,7 +674,7 @@ static int prepare(Pendulum *s, const Model *m, const double *p, int n_free) {
 }
 
 int swing_trajectory(const Model *m, const double *p, double release_angle, double release_velocity,
-                     const double *times, int n, int n_free, const int *free_values,
+                     const double *times, int n, double pace, int n_free, const int *free_values,
                      double *angles, double *slopes, Report *report) {
     Pendulum s;
     Panel b;
@@ -717,7 +717,7 @@ int swing_trajectory(const Model *m, const double *p, double release_angle, doub
     for (int f = 0; f < n_free; f++) play.slope[f] = d.th[f];
 
     double omega = frequency_guess(p[0], here.th, here.v), since = -1.0, longest = INFINITY;
-    const double most_panels = 1000.0 + MOST_PANELS * omega * (at[n - 1] - at[0]) / 3.141592653589793;
+    const double panels_in_advance = isfinite(pace) ? 50.0 : 1000.0, panels_a_second = fmin(pace, MOST_PANELS * omega / 3.141592653589793);
     double last_h = 0.0, last_start = 0.0; /* of the last panel, if it began at rest */
     int next = 0, at_rest = 0;
     s.reach = hypot(here.th, here.v / omega);
@@ -838,7 +838,7 @@ int swing_trajectory(const Model *m, const double *p, double release_angle, doub
             }
         } else if (event <= 1.0 && what >= 0)
             cross_switch(&s, &here, what, &d);
-        if (report->panels + report->rejected > most_panels) status = LOST_ACCURACY;
+        if (report->panels + report->rejected > panels_in_advance + panels_a_second * (here.t - at[0])) status = LOST_ACCURACY;
         if (!(fabs(here.th) < 1e4) || !(fabs(here.v) < 1e8)) status = RAN_AWAY;
     }
     if (status == DONE) {

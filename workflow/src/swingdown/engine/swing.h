@@ -31,9 +31,10 @@ typedef struct {
 
 /* Angles read at times[0..n-1] (s, increasing; the release is at times[0]) from release angle and velocity; with
  * slopes, also their derivatives by the n_free free values (index of a parameter, RELEASE_ANGLE or RELEASE_VELOCITY),
- * one row of n each. On failure the rest is NaN and the status says why. */
+ * one row of n each. On failure the rest is NaN and the status says why; more panels than `pace` a second (and
+ * some more) are a failure: infinite where a trajectory may take as long as it needs. */
 enum { RELEASE_ANGLE = -1, RELEASE_VELOCITY = -2 };
 int swing_trajectory(const Model *m, const double *p, double release_angle, double release_velocity,
-                     const double *times, int n, int n_free, const int *free_values,
+                     const double *times, int n, double pace, int n_free, const int *free_values,
                      double *angles, double *slopes, Report *report);
 #endif
