@@ -174,7 +174,7 @@ def _grown(problem, starts, most, tolerance):
 
     Where friction stops the pendulum within the record, the whole record has many minima and its first part few.
     """
-    for share in (0.35, 0.7):
+    for share in (0.12, 0.35, 0.7):
         part = _least_squares(problem, starts, min(most, _ROUGH_EVALUATIONS), max(tolerance, _ROUGH), share)
         if part[-1].converged < 0:
             return starts[:1]

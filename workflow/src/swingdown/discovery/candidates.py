@@ -77,7 +77,7 @@ def starts_to_add(frame, name, best=2, dropped=None):
     found = []
     for shape in product(*grids):
         values = {p.name: float(value) for p, value in zip(shapes, shape, strict=True)}
-        values |= {p.name: 0.0 if np.isinf(p.lower) or p.lower <= 0 else p.lower for p in amplitudes}
+        values |= {p.name: 0.0 if p.lower <= 0 else 0.3 * p.typical for p in amplitudes}  # a lag of nothing has no slope
         free = [p.name for p in amplitudes]
         if phases:
             columns = np.hstack([columns_of(frame, effect, values | {phases[0].name: phase}, free) for phase in (0.0, np.pi / 2)])

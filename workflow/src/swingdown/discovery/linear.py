@@ -98,7 +98,10 @@ def columns_of(frame, effect, values, free):
     separate = any(parameter.own for parameter in effect.parameters)
     blocks = []
     for k, (swing, one) in enumerate(zip(frame.swings, each_model(frame.fit), strict=True)):
-        wider = Model((*one.effects, effect.name), one.values | values, restoring=one.restoring, form=one.form)
+        if effect.name in one.effects:  # a free form that the model already has
+            wider = one
+        else:
+            wider = Model((*one.effects, effect.name), one.values | values, restoring=one.restoring, form=one.form)
         release = frame.fit.release_angle[k], frame.fit.release_velocity[k]
         blocks.append(sensitivities(wider, swing.times, *release, free=free)[1].T)
     if not separate:

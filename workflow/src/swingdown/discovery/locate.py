@@ -48,7 +48,7 @@ def groups(frame, noise):
 
     def group(name, squares, freedom, p=None):
         statistic = squares / noise.slow_variance
-        p = float(chi2.sf(statistic, freedom)) if p is None else p(statistic)
+        p = (float(chi2.sf(statistic, freedom)) if freedom else 1.0) if p is None else p(statistic)
         return Group(name, statistic, freedom, p, min(1.0, squares / beyond))
 
     found = [group(name, *explained(frame, columns)) for name, columns in probes(frame).items()]

@@ -5,14 +5,15 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from .. import effects
-from ..fit import fit_jointly
 from ..trajectory import TrajectoryError
 from .candidates import additions, describe, starts_to_add, starts_to_drop, starts_to_exchange, without
 from .linear import each_model, frame
+from .refit import nudged, refit
 
 TIE = 10.0  # difference of BIC below which two candidates are told as tied
 _PROMISING = 0.05  # of the best promise: candidates below are not refitted, a linear step already tells them off
-_FEW = 4  # effects tried in another one's place
+_FEW = 4  # effects tried in another one's place, or candidates looked at more closely
+_SHAPES = 4  # of an effect, to start from where the first ones did not do
 _SUGGESTED = 4.0  # chi-square by which a richer effect must beat a simpler one that it contains to be tied with it
 # what a richer effect contains at one value of its shape: without evidence for more, the simpler one is named
 CONTAINS = {
@@ -48,25 +49,40 @@ def evidence(fit, noise):
     return float(n * np.log(fit.rss / fit.n) + len(fit.free) * np.log(n))
 
 
-def refit(start, fit, swings, most=30):
-    """The joint fit of a ``Start``, within the catalogue's bounds."""
-    own = [p.name for name in start.effects for p in effects.effect(name).parameters if p.own]
-    releases = start.releases or tuple(zip(fit.release_angle, fit.release_velocity, strict=True))
-    angles, velocities = zip(*releases, strict=True)
-    begin = replace(fit, own=start.values, release_angle=angles, release_velocity=velocities)
-    return fit_jointly(start.effects, [swing.pair for swing in swings], guess=begin, seen=False, bounded=True, own=own,
-                       most=most, restoring=fit.model.restoring, form=fit.model.form)  # fmt: skip
-
-
 def ranking(here, noise, allowed=None):
     """The ``Candidate``s that mend a fit seen in a ``Frame``, best first: additions, and exchanges of known rivals.
 
     ``allowed`` limits the effects that may be added (all of the catalogue by default). A candidate is refused where a
     parameter ends at a bound at which the effect is not there; one that no start gives a trajectory for is left out.
+    Where none leaves the noise alone, all are tried again from more starts: a fit in a false minimum, its own or that of
+    the model it begins from, must not hide the one that does.
     """
-    moves = [starts_to_add(here, name) for name in additions(here.fit.model, allowed)]
+    names = additions(here.fit.model, allowed)
+    moves = [starts_to_add(here, name) for name in names]
     most = max((starts[0].promise for starts in moves), default=0.0)
-    moves = [starts for starts in moves if starts[0].promise >= _PROMISING * most]
+    found = _moved(here, noise, [starts for starts in moves if starts[0].promise >= _PROMISING * most], allowed)
+    if found and leaves_noise(found[0].fit, noise):
+        return found
+    wide = _moved(here, noise, [starts_to_add(here, name, best=_SHAPES) for name in names], allowed)
+    best = {}
+    for one in (*found, *wide):
+        best.setdefault(one.move, []).append(one)
+    found = _sorted([min(several, key=lambda one: one.fit.rss) for several in best.values()])
+    return _sorted([*(_nudged(one, here, noise) for one in found[:_FEW]), *found[_FEW:]])
+
+
+def leaves_noise(fit, noise):
+    """True if the residual's size is that of the noise, to five standard deviations of what the samples allow."""
+    n = noise.effective(fit.n)
+    return abs(fit.rms / noise.deviation - 1) < 5 / np.sqrt(2 * n) + 0.01
+
+
+def _nudged(one, here, noise):
+    fit = nudged(one.fit, here.swings, rounds=1)
+    return replace(one, fit=fit, bic=evidence(fit, noise), refused=inadmissible(fit, one.added))
+
+
+def _moved(here, noise, moves, allowed):
     exchanges = {}
     for start in starts_to_exchange(here, allowed):
         exchanges.setdefault(start.move, []).append(start)
@@ -79,14 +95,10 @@ def in_place_of(here, noise, old, allowed=None, few=_FEW):
     The model is fitted without it, and the ``few`` effects that then promise most are fitted in its place.
     """
     kept, values = without(here.fit, old)
-    model = here.fit.model
     if not kept:
         return []
-    begin = replace(here.fit, own=values)
-    own = [p.name for name in kept for p in effects.effect(name).parameters if p.own]
     try:
-        fit = fit_jointly(kept, [swing.pair for swing in here.swings], guess=begin, seen=False, bounded=True, own=own, most=30,
-                          restoring=model.restoring, form=model.form)  # fmt: skip
+        fit = refit(kept, values, here.fit, here.swings)
     except TrajectoryError:
         return []
     there = frame(fit, here.swings)
@@ -108,7 +120,7 @@ def _best(starts, here, noise):
     fits = []
     for start in starts:
         try:
-            fits.append(refit(start, here.fit, here.swings))
+            fits.append(refit(start.effects, start.values, here.fit, here.swings, start.releases))
         except TrajectoryError:
             continue
     if not fits:
@@ -132,7 +144,7 @@ def inadmissible(fit, added):
 
 
 def tied(ranked, noise):
-    """The admissible candidates that the evidence does not tell from the best, the best first: within ``TIE`` of its BIC.
+    """The admissible candidates that the evidence does not tell from the best: within ``TIE`` of its BIC, additions first.
 
     Of a richer effect and a simpler one that it contains, the simpler is preferred unless the evidence is for the richer,
     and the richer stays in the tie only if something suggests it.
@@ -147,7 +159,8 @@ def tied(ranked, noise):
         scale = noise.deviation**2 * noise.inflation
         if all((other.fit.rss - one.fit.rss) / scale > _SUGGESTED for other in simpler):
             kept.append(one)
-    return kept
+    # the model that is known stands: what is added to it goes before what takes the place of a part of it
+    return sorted(kept, key=lambda one: one.dropped is not None)
 
 
 def correlation(here, first, second):

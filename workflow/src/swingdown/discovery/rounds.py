@@ -12,6 +12,7 @@ from .confirm import better, predict
 from .linear import each_model, frame
 from .locate import curves, groups, kind, ranges
 from .name import Candidate, drops, evidence, in_place_of, ranking, tied
+from .refit import nudged, refit
 
 P_MISSING = 1e-4  # a group's p below which something is missing; its false alarms are counted in hidden_effects
 WORTH = 10.0  # BIC that an effect must gain
@@ -47,16 +48,13 @@ class Round:
 
 def first_fit(campaign, base, restoring="sine", form="consistent"):
     """The base model fitted jointly within the catalogue's bounds."""
-    return fit_jointly(base, [swing.pair for swing in campaign.fit], bounded=True, restoring=restoring, form=form)
+    fit = fit_jointly(base, [swing.pair for swing in campaign.fit], bounded=True, restoring=restoring, form=form)
+    return nudged(fit, campaign.fit)
 
 
 def fit_from(campaign, beginning):
     """The joint fit of the model that a ``files.Beginning`` describes, from the values it has."""
-    model = beginning.model
-    own = [p.name for name in model.effects for p in effects.effect(name).parameters if p.own]
-    fixed = {name: value for name, value in model.values.items() if name.endswith("_range")}
-    return fit_jointly(model.effects, [swing.pair for swing in campaign.fit], guess=beginning, seen=False, bounded=True,
-                       own=own, fixed=fixed, restoring=model.restoring, form=model.form)  # fmt: skip
+    return refit(beginning.model.effects, beginning.own, beginning, campaign.fit)
 
 
 def look(number, campaign, fit, found=(), allowed=None, last=False):
@@ -84,20 +82,29 @@ def look(number, campaign, fit, found=(), allowed=None, last=False):
     state = replace(state, ranked=tuple(ranked), ties=ties, reason="no effect of the catalogue explains it")
     now = evidence(fit, noise)
     for one in (one for one in ties if now - one.bic >= WORTH):
-        if better(state.holdout, predict(one.fit, campaign.holdout), noise) > 0:
+        if gained(state, one, campaign) > 0:
             return replace(state, chosen=one, reason="")
         state = replace(state, reason=f"{one.move} is not confirmed on held-out swings")
     return _without_a_name(state, here, campaign)
 
 
+def gained(state, candidate, campaign):
+    """What a candidate's model gains on the held-out swings, in units of the noise's variance; less than 0 is worse."""
+    try:
+        return better(state.holdout, predict(candidate.fit, campaign.holdout), state.noise)
+    except TrajectoryError:
+        return -np.inf
+
+
 def _finished(state, here, campaign, allowed, last):
     """The state where nothing is missing: what is not needed is dropped, and the rivals of what was found are told."""
+    if any(name.startswith("unnamed") for name in state.found):
+        return replace(state, reason="what was missing has no name")
     state = replace(state, reason="nothing is missing")
     now = evidence(state.fit, state.noise)
     if not last:
         for one in drops(here, state.noise):
-            lost = -better(state.holdout, predict(one.fit, campaign.holdout), state.noise)
-            if not one.refused and one.bic < now and lost < _UNNEEDED:
+            if not one.refused and one.bic < now and gained(state, one, campaign) > -_UNNEEDED:
                 return replace(state, chosen=one, reason="")
     rivals = {}
     if len(state.found) > 1:
@@ -117,11 +124,10 @@ def _without_a_name(state, here, campaign):
         name = f"unnamed_{max(found, key=found.get)}"
     try:
         fit = free_form(here, name)
-        gain = better(state.holdout, predict(fit, campaign.holdout), state.noise)
     except TrajectoryError:
         return state
     one = Candidate(name, None, fit, evidence(fit, state.noise))
-    if evidence(state.fit, state.noise) - one.bic < WORTH or gain <= 0:
+    if evidence(state.fit, state.noise) - one.bic < WORTH or gained(state, one, campaign) <= 0:
         return state
     return replace(state, chosen=one, reason=state.reason)
 
@@ -132,10 +138,7 @@ def free_form(here, name):
     free = [p.name for p in effects.effect(name).parameters if not p.grid]
     fixed = {f"{name}_range": ranges(here)[name]} if name in ranges(here) else {}
     values = tuple(model.values | dict.fromkeys(free, 0.0) | fixed for model in each_model(fit))
-    own = tuple(fit.own[0]) if fit.own else ()
-    return fit_jointly((*fit.model.effects, name), [swing.pair for swing in here.swings], guess=replace(fit, own=values),
-                       seen=False, bounded=True, fixed=fixed, own=own, most=30, restoring=fit.model.restoring,
-                       form=fit.model.form)  # fmt: skip
+    return refit((*fit.model.effects, name), values, fit, here.swings)
 
 
 def discover(campaign, base, rounds=6, allowed=None, restoring="sine", form="consistent"):

@@ -18,7 +18,7 @@ from scipy.integrate import solve_ivp
 RTOL, ATOL = 1e-13, 1e-16
 FAR = 60.0  # rad; beyond, the motion has run away
 FOREIGN = {  # name: its parameters, the first one its size
-    "one_way_friction": ("one_way_friction",),  # rad/s^2; a ratchet's pawl drags on the way up only
+    "one_sided_drag": ("one_sided_drag",),  # 1; drag in the square of the speed on one side of the middle only
     "friction_patch": ("patch_friction", "patch_from", "patch_to"),  # rad/s^2, rad, rad; a dirty part of the shaft
     "soft_stop": ("stop_stiffness", "stop_from"),  # 1/s^2, rad; a buffer that large swings touch on one side
 }
@@ -102,8 +102,8 @@ class Pendulum:
             total -= w * p["wind_coefficient"] * kinks["wind"] * against * against
         if "finite_amplitude" in on:
             total += w * w * (th - sin(th))
-        if "one_way_friction" in on and s > 0:
-            total -= p["one_way_friction"]
+        if "one_sided_drag" in on and kinks["side"] > 0:
+            total -= p["one_sided_drag"] * s * v * v
         if "friction_patch" in on and kinks["patch_from"] * kinks["patch_to"] < 0:
             total -= s * p["patch_friction"]
         if "soft_stop" in on and kinks["stop"] > 0:
@@ -137,6 +137,8 @@ class Pendulum:
             found["patch_to"] = lambda th, v: th - self.p["patch_to"]
         if "soft_stop" in self.on:
             found["stop"] = lambda th, v: th - self.p["stop_from"]
+        if "one_sided_drag" in self.on:
+            found["side"] = lambda th, v: th
         return found
 
     def way_from_rest(self, t, y, came, kinks):

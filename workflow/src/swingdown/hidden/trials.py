@@ -23,7 +23,7 @@ STEP = 2.0  # of noise in steps, in units of its whole standard deviation (an en
 SHAPES = {
     "stribeck_velocity": (0.05, 0.5),
     "presliding_angle": (0.002, 0.02),
-    "power_law_exponent": ((0.4, 0.7), (1.35, 1.65), (2.5, 3.2)),
+    "power_law_exponent": ((1.3, 1.7), (2.4, 3.2)),
     "eddy_width": (0.06, 0.3),
     "detent_order": (4, 5, 6, 8, 12, 16),
     "pivot_frequency": (14.0, 45.0),
