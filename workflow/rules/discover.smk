@@ -25,6 +25,8 @@ rule discover_round:
         fit="results/discovery/{campaign}/round-{n}/fit.nc",
         groups="results/discovery/{campaign}/round-{n}/groups.csv",
         ranking="results/discovery/{campaign}/round-{n}/ranking.csv",
+        map="results/discovery/{campaign}/round-{n}/map.csv",
+        half_swings="results/discovery/{campaign}/round-{n}/half_swings.csv",
     wildcard_constraints:
         n=r"\d+",
     log: "results/logs/discover/{campaign}/round-{n}.log"
@@ -33,6 +35,7 @@ rule discover_round:
         base=config["discovery"]["base"],
         rounds=ROUNDS,
         model=config["model"],
+        effects=config["effects"],
     script: "../scripts/discover_round.py"
 
 
@@ -43,6 +46,8 @@ rule discover_verdict:
         code=code("discover_verdict"),
     output: "results/discovery/{campaign}/verdict.json"
     log: "results/logs/discover/{campaign}/verdict.log"
+    params:
+        effects=config["effects"],
     script: "../scripts/discover_verdict.py"
 
 

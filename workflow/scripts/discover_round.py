@@ -3,7 +3,7 @@
 import shutil
 from pathlib import Path
 
-from swingdown import console
+from swingdown import console, own_effects
 from swingdown.discovery import files
 from swingdown.discovery.rounds import first_fit, fit_from, look
 
@@ -11,23 +11,25 @@ from swingdown.discovery.rounds import first_fit, fit_from, look
 def discover_round(campaign, angles, roles, base, previous, number, rounds, model, output):
     """The round's folder written, and what it found in a sentence."""
     swings, emulated = files.read_campaign(campaign, angles, roles)
+    found = ()
     if previous is None:
         fit = first_fit(swings, base, **model)
     else:
-        before = files.read_rounds([previous])[0]
-        if before["next"] is None:  # nothing to add: the round hands its model on
+        start = files.read_rounds([previous])[0]["next"]
+        if start is None:  # nothing to add: the round hands its model on
             shutil.copytree(previous, output, dirs_exist_ok=True)
             return f"{campaign}: round {number} has nothing to do"
-        fit = fit_from(swings, files.Beginning(before["next"], **model))
-    state = look(number, swings, fit, last=number == rounds)
+        fit, found = fit_from(swings, files.begin(start, **model)), tuple(start["found"])
+    state = look(number, swings, fit, found, last=number == rounds)
     files.write_round(state, swings, output, emulated)
-    found = state.chosen.move if state.chosen else state.reason
-    return f"{campaign}: {state.fit.model.label} leaves {state.fit.rms / state.noise.deviation:.3g} times the noise; {found}"
+    said = state.chosen.move if state.chosen else state.reason
+    return f"{campaign}: {state.fit.model.label} leaves {state.fit.rms / state.noise.deviation:.3g} times the noise; {said}"
 
 
 if __name__ == "__main__":
     with console.job(snakemake.log[0]) as say:
         params, wildcards = snakemake.params, snakemake.wildcards
+        own_effects.use(params.effects)
         previous = snakemake.input.get("previous")
         say(
             discover_round(

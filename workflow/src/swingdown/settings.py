@@ -1,6 +1,7 @@
 """The study's settings: held against their schema, completed with its defaults, refused with a mend."""
 
-from .effects import CATALOGUE
+from . import own_effects
+from .effects import catalogue
 from .errors import InputError
 from .model import Model
 from .schema import check, near
@@ -13,6 +14,7 @@ def complete(config, where="config"):
     of another kind or out of bounds, and a model that is not built from the catalogue's effects.
     """
     settings = check(config, "config.schema.yaml", where)
+    own_effects.use(settings["effects"], f"{where}, key effects")
     for number, name in enumerate(settings["discovery"]["base"], 1):
         _check_effects([name], f"{where}, key discovery.base[{number}]")
     for part in ("simulation", "experiment"):
@@ -33,6 +35,6 @@ def _check_model(label, place):
 
 def _check_effects(names, place):
     for name in names:
-        if name not in CATALOGUE:
+        if name not in catalogue():
             problem = f"no effect {name!r} in the catalogue"
-            raise InputError(place, problem, ", ".join(CATALOGUE), near(name, CATALOGUE))
+            raise InputError(place, problem, ", ".join(catalogue()), near(name, catalogue()))

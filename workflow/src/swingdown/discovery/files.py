@@ -11,12 +11,19 @@ from .. import dataset
 from ..model import Model, write_model
 from .campaign import Swing, campaign
 from .confirm import gap, per_swing
-from .half_swings import half_swings
+from .half_swings import said
 from .linear import each_model
+from .locate import kind
+from .refit import Begin
+from .rounds import after
+
+_RANKING = ["move", "added", "dropped", "delta_bic", "rms_rad", "tied", "correlation", "refused", "effects"]
 
 
 def read_campaign(name, paths, roles):
-    """The ``Campaign`` of angle files: ``roles`` gives each one's role in the sample sheet (fit, holdout, static or empty)."""
+    """The ``Campaign`` of angle files, and whether any is emulated: ``roles`` gives each one's role in the sample sheet
+    (fit, holdout, static or empty).
+    """
     kinds = {"fit": [], "holdout": [], "static": []}
     emulated = False
     for path, role in zip(paths, roles, strict=True):
@@ -29,21 +36,17 @@ def read_campaign(name, paths, roles):
 
 
 def write_round(state, campaign, folder, emulated):
-    """The folder written: model.yaml, fit.nc, groups.csv, ranking.csv and round.json of one ``Round``."""
+    """The folder written: round.json, model.yaml, fit.nc and the tables of one ``Round`` (groups, ranking, map, half-swings)."""
     folder = Path(folder)
     folder.mkdir(parents=True, exist_ok=True)
-    write_model(state.fit.model, folder / "model.yaml")
-    pd.DataFrame([vars(group) for group in state.groups]).to_csv(folder / "groups.csv", index=False)
-    best = state.ranked[0].bic if state.ranked else 0.0
-    rows = [
-        {"move": one.move, "added": one.added, "dropped": one.dropped, "delta_bic": one.bic - best, "rms_rad": one.fit.rms,
-         "tied": one in state.ties, "refused": one.refused, "effects": one.fit.model.label}
-        for one in state.ranked
-    ]  # fmt: skip
-    columns = ["move", "added", "dropped", "delta_bic", "rms_rad", "tied", "refused", "effects"]
-    pd.DataFrame(rows, columns=columns).to_csv(folder / "ranking.csv", index=False)
+    told = summary(state, campaign)
+    write_model(state.model, folder / "model.yaml")
+    pd.DataFrame(told["groups"]).to_csv(folder / "groups.csv", index=False)
+    pd.DataFrame(told["ranking"], columns=_RANKING).to_csv(folder / "ranking.csv", index=False)
+    state.curves.to_csv(folder / "map.csv", index=False, float_format="%.6g")
+    state.half_swings.to_csv(folder / "half_swings.csv", index=False, float_format="%.6g")
     dataset.write(_series(state, campaign, emulated), folder / "fit.nc")
-    (folder / "round.json").write_text(json.dumps(_summary(state, campaign), indent=1) + "\n")
+    (folder / "round.json").write_text(json.dumps(told, indent=1) + "\n")
     return folder
 
 
@@ -60,28 +63,59 @@ def _series(state, campaign, emulated):
             "swing": ("sample", np.repeat(np.arange(len(swings)), [s.times.size for s in swings])),
         },
         {"name": ("swings", [s.name for s in swings]), "held_out": ("swings", [s in campaign.holdout for s in swings])},
-        {"campaign": campaign.name, "emulated": "yes" if emulated else "no"},
+        {
+            "campaign": campaign.name,
+            "emulated": "yes" if emulated else "no",
+            "noise_rms_rad": state.noise.deviation,
+            "model": state.fit.model.label,
+        },
     )
 
 
-def _summary(state, campaign):
-    chosen = state.chosen
+def summary(state, campaign):
+    """What round.json holds of a ``Round``: the state in numbers and words, the groups, the ranking, and the next start."""
+    chosen, swings = state.chosen, [s.name for s in (*campaign.fit, *campaign.holdout)]
+    ratios = [*per_swing(state.fit, state.noise), *per_swing(state.holdout, state.noise)]
+    best = state.ranked[0].bic if state.ranked else 0.0
+    at = kind(state.groups) if state.missing else None
     return {
         "round": state.number,
         "campaign": campaign.name,
         "split": campaign.how,
         "effects": list(state.fit.model.effects),
+        "found": list(state.found),
+        "parameters": _parameters(state.model),
         "noise_rms_rad": state.noise.deviation,
         "noise_correlation": state.noise.correlation,
         "gap": {"fit": gap(state.fit, state.noise), "holdout": gap(state.holdout, state.noise)},
-        "gap_by_swing": dict(zip([s.name for s in (*campaign.fit, *campaign.holdout)],
-                                 [*per_swing(state.fit, state.noise), *per_swing(state.holdout, state.noise)], strict=True)),
+        "gap_by_swing": dict(zip(swings, map(float, ratios), strict=True)),
         "missing": state.missing,
+        "kind": at,
+        "seen": said(state.half_swings, at),
+        "groups": [vars(group) for group in state.groups],
+        "ranking": [
+            {"move": one.move, "added": one.added, "dropped": one.dropped, "delta_bic": one.bic - best, "rms_rad": one.fit.rms,
+             "tied": one in state.ties, "correlation": state.alike.get(one.move), "refused": one.refused,
+             "effects": one.fit.model.label}
+            for one in state.ranked
+        ],
+        "rivals": state.rivals,
         "reason": state.reason,
-        "chosen": None if chosen is None else {"move": chosen.move, "added": chosen.added, "dropped": chosen.dropped},
-        "next": None if chosen is None else _start(chosen.fit),
-        "fit": _start(state.fit),
+        "chosen": None if chosen is None else {"move": chosen.move, "added": chosen.added, "dropped": chosen.dropped,
+                                               "gain_bic": state.bic - chosen.bic},
+        "next": None if chosen is None else _start(chosen.fit) | {"found": list(after(state.found, chosen))},
     }  # fmt: skip
+
+
+def _parameters(model):
+    return {
+        name: {"value": value, "standard_error": _finite(model.standard_errors.get(name)), "unit": model.units[name]}
+        for name, value in model.values.items()
+    }
+
+
+def _finite(value):
+    return float(value) if value is not None and np.isfinite(value) else None
 
 
 def _start(fit):
@@ -99,23 +133,7 @@ def read_rounds(folders):
     return [json.loads((Path(folder) / "round.json").read_text()) for folder in folders]
 
 
-class Beginning:
-    """A start read from a file, as the fitter takes a fit: model, own values, releases."""
-
-    def __init__(self, start, restoring, form):
-        model = Model(tuple(start["effects"]), restoring=restoring, form=form)
-        self.model = model.with_values(start["values"][0])
-        self.own = tuple(start["values"])
-        self.release_angle, self.release_velocity = tuple(start["release_angle"]), tuple(start["release_velocity"])
-
-
-def campaign_half_swings(fit_dataset, natural_frequency):
-    """Half-swing tables of data and fit, with the swing's name: one table with a column ``of`` (measured or modelled)."""
-    tables = []
-    for k, name in enumerate(fit_dataset["name"].values):
-        rows = fit_dataset["swing"].values == k
-        times = fit_dataset["time"].values[rows]
-        for of, variable in (("measured", "angle"), ("modelled", "fit")):
-            table = half_swings(times, fit_dataset[variable].values[rows], natural_frequency)
-            tables.append(table.assign(swing=str(name), of=of))
-    return pd.concat(tables, ignore_index=True)
+def begin(start, restoring, form):
+    """The ``refit.Begin`` that a round.json's ``next`` describes."""
+    model = Model(tuple(start["effects"]), restoring=restoring, form=form).with_values(start["values"][0])
+    return Begin(model, tuple(start["values"]), tuple(start["release_angle"]), tuple(start["release_velocity"]))

@@ -48,3 +48,71 @@ def half_swings(times, angle, natural_frequency):
             "midpoint_rad": (where[1:] + where[:-1]) / 2,
         }
     )
+
+
+def beside(names, swings, modelled, natural_frequency):
+    """One table of all half-swings of several swings, measured beside modelled: columns ``swing``, ``of`` and those of
+    ``half_swings``. ``swings`` and ``modelled`` hold (times in s, angles in rad).
+    """
+    tables = []
+    for name, measured, fitted in zip(names, swings, modelled, strict=True):
+        for of, (times, angle) in (("measured", measured), ("modelled", fitted)):
+            tables.append(half_swings(times, angle, natural_frequency).assign(swing=name, of=of))
+    return pd.concat(tables, ignore_index=True)
+
+
+def differences(table):
+    """What differs between measured and modelled half-swings, by amplitude: a table with the columns ``quantity``,
+    ``low_rad`` and ``high_rad`` (of the amplitude), ``difference`` (measured less modelled) and ``error`` (its standard error).
+
+    Half-swings are matched by their time; each third of the amplitudes makes a row for loss, period and mid-point.
+    """
+    pairs = []
+    for _, one in table.groupby("swing", sort=False):
+        measured, modelled = (one[one["of"] == of].sort_values("time_s") for of in ("measured", "modelled"))
+        if len(measured) < 2 or len(modelled) < 2:
+            continue
+        reach = 0.4 * float(np.median(np.diff(measured["time_s"])))
+        pairs.append(pd.merge_asof(measured, modelled, on="time_s", direction="nearest", tolerance=reach, suffixes=("", "_model")).dropna())
+    if not pairs or not sum(map(len, pairs)):
+        return pd.DataFrame(columns=["quantity", "low_rad", "high_rad", "difference", "error"])
+    joined = pd.concat(pairs, ignore_index=True)
+    edges = np.quantile(joined["amplitude_rad"], [0, 1 / 3, 2 / 3, 1])
+    rows = []
+    for low, high in zip(edges, edges[1:], strict=False):
+        inside = joined[(joined["amplitude_rad"] >= low) & (joined["amplitude_rad"] <= high)]
+        for quantity in ("energy_loss", "period_ratio", "midpoint_rad"):
+            difference = (inside[quantity] - inside[f"{quantity}_model"]).to_numpy()
+            middle = np.median(difference)
+            spread = 1.4826 * np.median(np.abs(difference - middle)) / np.sqrt(max(1, difference.size - 1))
+            rows.append({"quantity": quantity, "low_rad": low, "high_rad": high, "difference": middle, "error": spread})
+    return pd.DataFrame(rows)
+
+
+_OF_KIND = {"velocity": "energy_loss", "position": "period_ratio", "constant": "midpoint_rad"}
+_SAID = {
+    "energy_loss": ("the pendulum loses more energy than the model", "the pendulum loses less energy than the model"),
+    "period_ratio": ("the pendulum runs late", "the pendulum runs early"),
+    "midpoint_rad": ("the middle of the swing lies to the positive side", "the middle of the swing lies to the negative side"),
+}
+
+
+def said(table, kind):
+    """A clause that tells the disagreement of a kind (a key of ``locate.KINDS``) by amplitude; empty where none is plain."""
+    found = differences(table)
+    found = found[found["quantity"] == _OF_KIND.get(kind)]
+    if found.empty:
+        return ""
+    sizes = found["difference"].abs() / found["error"].clip(lower=1e-12)
+    row = found.loc[sizes.idxmax()]
+    if sizes.max() < 4:
+        return ""
+    words = _SAID[row["quantity"]][0 if row["difference"] > 0 else 1]
+    low, high = np.degrees([row["low_rad"], row["high_rad"]])
+    if (found["difference"] > 0).nunique() == 1 and sizes.min() > 4:
+        return words
+    if row["low_rad"] == found["low_rad"].min():
+        return f"at amplitudes below {high:.2g}° {words}"
+    if row["high_rad"] == found["high_rad"].max():
+        return f"at amplitudes above {low:.2g}° {words}"
+    return f"at amplitudes from {low:.2g}° to {high:.2g}° {words}"

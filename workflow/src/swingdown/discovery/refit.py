@@ -1,6 +1,6 @@
 """Joint fits that begin from another fit: its values moved, widened by an effect, or nudged out of a false minimum."""
 
-from dataclasses import replace
+from dataclasses import dataclass
 
 from .. import effects
 from ..fit import fit_jointly
@@ -11,6 +11,16 @@ _NUDGES = (0.97, 1.03, 0.9, 1.1)
 _BETTER = 1e-4  # of the sum of squares; a smaller gain is the same minimum
 
 
+@dataclass(frozen=True)
+class Begin:
+    """Where a joint fit begins, in the form of a fit: model, each swing's values (by name), release angles and velocities."""
+
+    model: object
+    own: tuple
+    release_angle: tuple
+    release_velocity: tuple
+
+
 def refit(names, values, like, swings, releases=(), fixed=None, most=30):
     """The ``Fit`` of the model with these effects, within the catalogue's bounds, from the values of each swing.
 
@@ -19,11 +29,10 @@ def refit(names, values, like, swings, releases=(), fixed=None, most=30):
     """
     fixed = dict(fixed or {}) | {key: value for key, value in values[0].items() if key.endswith("_range")}
     own = [p.name for name in names for p in effects.effect(name).parameters if p.own]
-    if releases:
-        angles, velocities = zip(*releases, strict=True)
-        like = replace(like, release_angle=angles, release_velocity=velocities)
-    return fit_jointly(names, [swing.pair for swing in swings], guess=replace(like, own=values), seen=False, bounded=True,
-                       own=own, fixed=fixed, most=most, restoring=like.model.restoring, form=like.model.form)  # fmt: skip
+    releases = releases or tuple(zip(like.release_angle, like.release_velocity, strict=True))
+    begin = Begin(like.model, tuple(values), *zip(*releases, strict=True))
+    return fit_jointly(names, [swing.pair for swing in swings], guess=begin, seen=False, bounded=True, own=own, fixed=fixed,
+                       most=most, restoring=like.model.restoring, form=like.model.form)  # fmt: skip
 
 
 def nudged(fit, swings, rounds=3):

@@ -9,13 +9,13 @@ from ..fit import fit_jointly
 from ..trajectory import TrajectoryError
 from .campaign import measure_noise
 from .confirm import better, predict
+from .half_swings import beside
 from .linear import each_model, frame
 from .locate import curves, groups, kind, ranges
-from .name import Candidate, drops, evidence, in_place_of, ranking, tied
+from .name import Candidate, correlation, drops, evidence, in_place_of, ranking, tied
 from .refit import nudged, refit
+from .verdict import GUARD
 
-P_MISSING = 1e-4  # a group's p below which something is missing; its false alarms are counted in hidden_effects
-WORTH = 10.0  # BIC that an effect must gain
 _UNNEEDED = 4.0  # chi-square that a held-out swing may lose with a term that is dropped
 
 
@@ -23,8 +23,10 @@ _UNNEEDED = 4.0  # chi-square that a held-out swing may lose with a term that is
 class Round:
     """The state after so many moves: the fit and where it fails, what could mend it, and what was chosen.
 
-    ``found`` names the effects added so far; ``rivals`` holds for each the effects that would do as well in its place
-    (looked for in the last round); ``curves`` is the table of missing torques.
+    ``found`` names the effects added so far; ``ties`` are those of ``ranked`` that the data do not tell apart, ``alike`` their
+    correlations with the first of them by move; ``rivals`` holds for each the effects that would do as well in its place
+    (looked for in the last round); ``curves`` is the table of missing torques, ``half_swings`` that of what the fitted
+    swings show without a model, beside what the model shows.
     """
 
     number: int
@@ -33,17 +35,31 @@ class Round:
     noise: object
     groups: tuple
     curves: object
+    half_swings: object
     found: tuple = ()
     ranked: tuple = ()
     ties: tuple = ()
+    alike: dict = field(default_factory=dict)
     rivals: dict = field(default_factory=dict)
     chosen: object = None  # the Candidate that is the next model, or None
     reason: str = ""  # why there is none
 
     @property
+    def bic(self):
+        """The evidence of the fit, to hold the candidates' against."""
+        return evidence(self.fit, self.noise)
+
+    @property
+    def model(self):
+        """The model with standard errors that know the noise's colour."""
+        wider = np.sqrt(self.noise.inflation)
+        model = self.fit.model
+        return model.with_values(model.values, {name: error * wider for name, error in model.standard_errors.items()})
+
+    @property
     def missing(self):
         """True where some group finds more than the noise allows."""
-        return any(group.p < P_MISSING for group in self.groups)
+        return any(group.p < GUARD["p_missing"] for group in self.groups)
 
 
 def first_fit(campaign, base, restoring="sine", form="consistent"):
@@ -52,9 +68,9 @@ def first_fit(campaign, base, restoring="sine", form="consistent"):
     return nudged(fit, campaign.fit)
 
 
-def fit_from(campaign, beginning):
-    """The joint fit of the model that a ``files.Beginning`` describes, from the values it has."""
-    return refit(beginning.model.effects, beginning.own, beginning, campaign.fit)
+def fit_from(campaign, begin):
+    """The joint fit of the model that a ``refit.Begin`` describes, from the values it has."""
+    return refit(begin.model.effects, begin.own, begin, campaign.fit)
 
 
 def look(number, campaign, fit, found=(), allowed=None, last=False):
@@ -67,7 +83,10 @@ def look(number, campaign, fit, found=(), allowed=None, last=False):
     residuals = [swing.angle - series for swing, series in zip(campaign.fit, fit.angle, strict=True)]
     noise = measure_noise(residuals, intervals, fit.model.values["natural_frequency"] / (2 * np.pi), campaign.static)
     here = frame(fit, campaign.fit)
-    state = Round(number, fit, predict(fit, campaign.holdout), noise, tuple(groups(here, noise)), curves(here, noise), tuple(found))
+    modelled = [(swing.times, series) for swing, series in zip(campaign.fit, fit.angle, strict=True)]
+    names, pairs = [swing.name for swing in campaign.fit], [swing.pair for swing in campaign.fit]
+    seen = beside(names, pairs, modelled, fit.model.values["natural_frequency"])
+    state = Round(number, fit, predict(fit, campaign.holdout), noise, tuple(groups(here, noise)), curves(here, noise), seen, tuple(found))
     if not state.missing:
         return _finished(state, here, campaign, allowed, last)
     if last:
@@ -79,9 +98,10 @@ def look(number, campaign, fit, found=(), allowed=None, last=False):
         ranked += in_place_of(here, noise, old, allowed)
     ranked.sort(key=lambda one: (bool(one.refused), one.bic))
     ties = tuple(tied(ranked, noise))
-    state = replace(state, ranked=tuple(ranked), ties=ties, reason="no effect of the catalogue explains it")
+    alike = {one.move: correlation(here, ties[0], one) for one in ties}
+    state = replace(state, ranked=tuple(ranked), ties=ties, alike=alike, reason="no effect of the catalogue explains it")
     now = evidence(fit, noise)
-    for one in (one for one in ties if now - one.bic >= WORTH):
+    for one in (one for one in ties if now - one.bic >= GUARD["worth_bic"]):
         if gained(state, one, campaign) > 0:
             return replace(state, chosen=one, reason="")
         state = replace(state, reason=f"{one.move} is not confirmed on held-out swings")
@@ -127,7 +147,7 @@ def _without_a_name(state, here, campaign):
     except TrajectoryError:
         return state
     one = Candidate(name, None, fit, evidence(fit, state.noise))
-    if evidence(state.fit, state.noise) - one.bic < WORTH or gained(state, one, campaign) <= 0:
+    if evidence(state.fit, state.noise) - one.bic < GUARD["worth_bic"] or gained(state, one, campaign) <= 0:
         return state
     return replace(state, chosen=one, reason=state.reason)
 
@@ -141,7 +161,7 @@ def free_form(here, name):
     return refit((*fit.model.effects, name), values, fit, here.swings)
 
 
-def discover(campaign, base, rounds=6, allowed=None, restoring="sine", form="consistent"):
+def discover(campaign, base, rounds=4, allowed=None, restoring="sine", form="consistent"):
     """The list of ``Round``s from the base model until nothing is missing, nothing helps, or ``rounds`` moves were made."""
     fit, found, states = first_fit(campaign, base, restoring, form), (), []
     for number in range(rounds + 1):

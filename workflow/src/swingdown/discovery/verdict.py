@@ -1,40 +1,44 @@
 """The verdict of a campaign: status, effects with their values and ties, the gap by round, and a sentence."""
 
-import numpy as np
+from importlib import resources
+
+import yaml
 
 from .. import effects
 from .locate import KINDS
-from .name import TIE
+
+GUARD = yaml.safe_load(resources.files(__package__).joinpath("guard.yaml").read_text())
 
 
-def verdict(rounds, models, rankings, groups):
-    """The contents of verdict.json as a dict, from the rounds in order (their round.json, model, ranking and groups).
+def verdict(rounds):
+    """The contents of verdict.json as a dict, from the contents of the rounds' round.json, in order.
 
     ``status``: ``consistent`` nothing was missing, ``named`` what was added stands alone and nothing significant remains,
-    ``ambiguous`` the same with a tie, ``unknown`` where something significant remains that no entry explains.
+    ``ambiguous`` the same with a tie, ``unknown`` where something significant remains, or remained, without a name.
     """
-    last, model = rounds[-1], models[-1]
-    added, removed = [], []
-    for k, state in enumerate(rounds[:-1]):
-        move = state["chosen"]
-        if move["added"]:
-            added.append(_effect(move, k, rankings[k], model))
-        elif move["dropped"]:
-            removed.append(move["dropped"])
-    added = [one for one in added if one["name"] in model.effects]
-    removed += [one["replaces"] for one in added if one["replaces"]]
-    if last["missing"]:
+    first, last = rounds[0], rounds[-1]
+    added = [_effect(name, rounds) for name in last["found"]]
+    nameless = [one for one in added if one["name"] in effects.FREE_FORM]
+    if last["missing"] or nameless:
         status = "unknown"
-    elif not added and not removed:
+    elif not added:
         status = "consistent"
     else:
         status = "ambiguous" if any(one["tied_with"] for one in added) else "named"
+    # the rounds before a torque without a name was added tell what has none
+    remaining = next((state for state in rounds if state["chosen"] and state["chosen"]["added"] in effects.FREE_FORM), last)
     found = {
         "campaign": last["campaign"],
         "status": status,
         "effects": added,
-        "removed": sorted(set(removed)),
-        "where": _where(groups[0] if rounds[0]["missing"] else [], groups[-1] if last["missing"] else []),
+        "removed": [name for name in first["effects"] if name not in last["effects"]],
+        "where": {
+            "kind": KINDS.get(first["kind"]),
+            "seen": first["seen"],
+            "groups": _groups(first) if first["missing"] else {},
+            "remaining": _groups(remaining) if remaining["missing"] else {},
+            "remaining_kind": KINDS.get(remaining["kind"]),
+        },
         "gap": {
             "unit": "noise standard deviations",
             "fit": [state["gap"]["fit"] for state in rounds],
@@ -43,58 +47,60 @@ def verdict(rounds, models, rankings, groups):
         "noise_rms_rad": last["noise_rms_rad"],
         "noise_correlation": last["noise_correlation"],
         "split": last["split"],
+        "moves": [state["chosen"]["move"] for state in rounds if state["chosen"]],
+        "model": last["parameters"],
+        "misspecified": _at_their_bounds(last["effects"], last["parameters"]),
         "next_measurement": _next(added, status),
-        "signs": _signs(model),
-        "calibrated": False,  # how often such verdicts are right has not been measured
+        "guard": GUARD,
     }
     found["sentence"] = sentence(found)
     return found
 
 
-def _effect(move, number, ranking, model):
-    effect = effects.effect(move["added"])
-    near = ranking[(ranking["delta_bic"] < TIE) & ranking["tied"] & (ranking["added"] != move["added"])]
-    rest = ranking[(ranking["added"] != move["added"]) & ranking["refused"].isna()]["delta_bic"]
-    own = ranking.loc[ranking["move"] == move["move"], "delta_bic"]
+def _effect(name, rounds):
+    """What is told of one effect: its round, values, evidence, and what the data do not tell it from."""
+    last = rounds[-1]
+    state = next(state for state in reversed(rounds) if state["chosen"] and state["chosen"]["added"] == name)
+    ties = [row for row in state["ranking"] if row["tied"] and row["added"] not in (None, name)]
+    if name in last["rivals"]:
+        tied, alike = last["rivals"][name], {}
+    else:
+        tied, alike = [row["added"] for row in ties], {row["added"]: row["correlation"] for row in ties}
+    known = last["parameters"]
     return {
-        "name": move["added"],
-        "round": number + 1,
-        "parameters": {
-            p.name: {
-                "value": model.values.get(p.name),
-                "standard_error": _finite(model.standard_errors.get(p.name)),
-                "unit": p.unit,
-            }
-            for p in effect.parameters
-        },
-        "delta_bic": float(rest.min() - own.min()) if len(rest) and len(own) else None,
-        "tied_with": [str(name) for name in near["added"].dropna().unique()],
-        "replaces": move["dropped"],
-    }
+        "name": name,
+        "round": state["round"] + 1,
+        "parameters": {p.name: known.get(p.name, {"value": None, "standard_error": None, "unit": p.unit}) for p in effects.effect(name).parameters},
+        "delta_bic": state["chosen"]["gain_bic"],
+        "tied_with": tied,
+        "correlation": alike,
+        "replaces": state["chosen"]["dropped"],
+    }  # fmt: skip
 
 
-def _finite(value):
-    return float(value) if value is not None and np.isfinite(value) else None
+def _groups(state):
+    return {row["name"]: {key: row[key] for key in ("share", "chi_square", "freedom", "p")} for row in state["groups"]}
 
 
-def _where(first, last):
-    def told(groups):
-        return {row["name"]: {"share": row["share"], "chi_square": row["chi_square"], "p": row["p"]} for row in groups}
-
-    largest = max(first, key=lambda row: row["share"], default=None)
-    return {
-        "kind": KINDS[largest["name"]] if largest else None,
-        "groups": told(first),
-        "remaining": told(last),
-    }
+def _at_their_bounds(names, values):
+    """Parameters of the model that ended where their effect is not there: signs that the model is not the pendulum's."""
+    firsts = [effects.effect(name).parameters[0] for name in names if effects.effect(name).parameters]
+    return [p.name for p in firsts if p.lower == 0.0 and p.name in values and values[p.name]["value"] <= 0.0]
 
 
 _SPLITS = (
-    ({"constant_torque", "sensor_zero"}, "Read the angle at rest, turn the pendulum's mount end for end, and read it again."),
-    ({"cubic_stiffness", "torsion_spring"}, "Measure the period at two amplitudes, one below 5°, or measure the geometry."),
-    ({"cubic_stiffness", "sensor_gain"}, "Calibrate the sensor at rest against known angles."),
-    ({"quadratic_drag", "damping_drift"}, "Release from half and from twice the angle, in both orders."),
-)
+    ({"constant_torque", "sensor_zero"}, "Read the angle at rest, turn the pendulum's mount end for end, and read it again: a torque stays, a wrong zero turns."),
+    ({"cubic_stiffness", "torsion_spring"}, "Release from below 5° and from as far as the apparatus allows: a spring shifts the period of both, a cubic one only of the large swing."),
+    ({"cubic_stiffness", "sensor_gain"}, "Read the sensor at rest at two known angles: only a wrong gain shows there."),
+    ({"torsion_spring", "sensor_gain"}, "Read the sensor at rest at two known angles: only a wrong gain shows there."),
+    ({"eccentricity", "sensor_gain"}, "Read the sensor at rest at known angles on both sides."),
+    ({"eccentricity", "sensor_zero"}, "Read the sensor at rest at known angles on both sides."),
+    ({"quadratic_drag", "damping_drift"}, "Release from half and from twice the angle, in both orders: drag follows the angle, a drift the clock."),
+    ({"quadratic_drag", "power_law_drag"}, "Release from twice the angle: the exponent shows in the first swings."),
+    ({"quadratic_drag", "steady_wind"}, "Release from both sides with the draught shut off."),
+    ({"constant_torque", "steady_wind"}, "Repeat with the pendulum shielded from the air: a torque stays."),
+    ({"constant_coulomb", "presliding"}, "Sample swings of less than 1°, and let one die out: only friction that winds up shortens the period there."),
+)  # fmt: skip
 
 
 def _next(added, status):
@@ -110,35 +116,57 @@ def _next(added, status):
     return None
 
 
-def _signs(model):
-    """Parameters that ended at zero or below: a sign that the model is not the pendulum's."""
-    return [d.name for d in model.definitions if d.lower == 0.0 and model.values.get(d.name, 1.0) <= 0.0]
-
-
 def sentence(found):
     """What a person would say of a verdict."""
-    fit, holdout = found["gap"]["fit"], found["gap"]["holdout"]
-    shrink = f"Held-out residual {holdout[0]:.3g} → {holdout[-1]:.3g} times the noise."
-    names = [_described(one) for one in found["effects"]]
+    fit, holdout, where = found["gap"]["fit"], found["gap"]["holdout"], found["where"]
+    dropped = f" Not needed: {_listed(found['removed'])}." if found["removed"] else ""
     if found["status"] == "consistent":
-        return f"Nothing is missing: the model leaves {fit[-1]:.3g} times the noise on fitted and {holdout[-1]:.3g} on held-out swings."
-    said = f"Missing from the model: {' and '.join(names)}. {shrink}" if names else shrink if found["removed"] else ""
-    if found["removed"]:
-        said += f" Not needed, or replaced: {', '.join(found['removed'])}."
+        text = f"Nothing is missing: the model leaves {fit[-1]:.3g} times the noise on fitted and {holdout[-1]:.3g} on held-out swings."
+        return text + dropped + _misspecified(found)
+    named = [one for one in found["effects"] if one["name"] not in effects.FREE_FORM]
+    seen = where["seen"][:1].upper() + where["seen"][1:] + ": " if where["seen"] else ""
+    said = []
+    if named:
+        joined = " and ".join(map(_described, named))
+        said.append(f"{seen}{joined} {'is' if len(named) == 1 else 'are'} missing.")
+    elif seen:
+        said.append(f"{seen.removesuffix(': ')}.")
+    if len(fit) > 1:
+        said.append(f"Held-out residual {holdout[0]:.3g} → {holdout[-1]:.3g} times the noise.")
     if found["status"] == "unknown":
-        where = found["where"]["remaining"]
-        largest = max(where, key=lambda name: where[name]["share"]) if where else None
-        rest = f"{holdout[-1]:.3g} times the noise remains that no effect of the catalogue explains"
-        said += f" {rest}" + (f", mostly {KINDS[largest]}." if largest else ".")
-    return said.strip()
+        kind = f", mostly {where['remaining_kind']}" if where["remaining_kind"] else ""
+        nameless = [one for one in found["effects"] if one["name"] in effects.FREE_FORM]
+        before = holdout[-2] if nameless and len(holdout) > 1 else holdout[-1]
+        said.append(f"What remains, {before:.3g} times the noise{kind}, has no name in the catalogue"
+                    + (f"; it is kept as {nameless[0]['name']}." if nameless else "."))  # fmt: skip
+    return " ".join(said) + dropped + _misspecified(found)
+
+
+def _misspecified(found):
+    names = found["misspecified"]
+    return f" {_listed(names)} would be negative if it could: a sign that the model is not the pendulum's." if names else ""
+
+
+def _listed(names):
+    return ", ".join(name.replace("_", " ") for name in names)
+
+
+_SCALES = {"rad": ((1e-3, "mrad"),), "s": ((1e-3, "ms"),)}
 
 
 def _described(one):
+    """An effect with the parameter that tells most of it, and its rivals."""
     name = one["name"].replace("_", " ")
-    first = next(iter(one["parameters"].items()), None)
-    if first is None or first[1]["value"] is None:
-        return name
-    value, error, unit = first[1]["value"], first[1]["standard_error"], first[1]["unit"]
+    values = {key: entry for key, entry in one["parameters"].items() if entry["value"] is not None}
+    # a width or a time is easier to picture than a friction over an inertia
+    key = next((key for key, entry in values.items() if entry["unit"] in ("rad", "s", "Hz")), next(iter(values), None))
+    ties = f", or {' or '.join(tie.replace('_', ' ') for tie in one['tied_with'])}, which the data do not tell apart," if one["tied_with"] else ""
+    if key is None:
+        return name + ties
+    value, error, unit = (values[key][part] for part in ("value", "standard_error", "unit"))
+    for scale, smaller in _SCALES.get(unit, ()):
+        if abs(value) < 0.1:
+            value, error, unit = value / scale, error and error / scale, smaller
+    words = key.replace("_", " ").removeprefix(name + " ").removeprefix(name.split()[0] + " ")
     size = f"{value:.3g}" + (f" ± {error:.1g}" if error else "") + ("" if unit == "1" else f" {unit}")
-    ties = f", or {', '.join(t.replace('_', ' ') for t in one['tied_with'])}: the data do not tell them apart" if one["tied_with"] else ""
-    return f"{name} ({first[0].replace('_', ' ')} {size}{ties})"
+    return f"{name} ({words} {size}){ties}"
