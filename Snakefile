@@ -29,6 +29,7 @@ TABLES, FIGURES = [], []  # each stage adds what it makes; the report shows all 
 wildcard_constraints:
     recording="|".join(map(re.escape, PLAN.rows)) or "(?!)",
     campaign="|".join(map(re.escape, PLAN.campaigns)) or "(?!)",
+    chunk=r"\d+",
     simulated="|".join(config["simulation"]["simulated"]) or "(?!)",
 
 
@@ -47,6 +48,7 @@ if PLAN.campaigns:
     include: "workflow/rules/discover.smk"
 
 
+include: "workflow/rules/hidden_effects.smk"
 include: "workflow/rules/figures.smk"
 include: "workflow/rules/report.smk"
 

@@ -14,6 +14,7 @@ TIE = 10.0  # difference of BIC below which two candidates are told as tied
 _PROMISING = 0.05  # of the best promise: candidates below are not refitted, a linear step already tells them off
 _FEW = 4  # effects tried in another one's place, or candidates looked at more closely
 _SHAPES = 4  # of an effect, to start from where the first ones did not do
+_DETERMINED = 3.0  # standard errors that an effect's size must be from nothing
 _SUGGESTED = 4.0  # chi-square by which a richer effect must beat a simpler one that it contains to be tied with it
 # what a richer effect contains at one value of its shape: without evidence for more, the simpler one is named
 CONTAINS = {
@@ -137,6 +138,8 @@ def inadmissible(fit, added):
     values = each_model(fit)[0].values
     if values[first.name] <= first.lower + 1e-12:
         return f"{first.name} wants to be below {first.lower:g} {first.unit}"
+    if _DETERMINED * fit.model.standard_errors.get(first.name, 0.0) > abs(values[first.name]):
+        return f"{first.name} is not determined"
     for parameter in others:
         if not parameter.phase and values[parameter.name] >= parameter.upper * (1 - 1e-9):
             return f"{parameter.name} runs to its bound {parameter.upper:g} {parameter.unit}"

@@ -16,6 +16,7 @@ from .name import Candidate, correlation, drops, evidence, in_place_of, ranking,
 from .refit import nudged, refit
 from .verdict import GUARD
 
+_SUBSTANTIAL = 1 / 3  # of what is left beyond the noise: many small additions can imitate anything, and name nothing
 _UNNEEDED = 4.0  # chi-square that a held-out swing may lose with a term that is dropped
 
 
@@ -100,8 +101,13 @@ def look(number, campaign, fit, found=(), allowed=None, last=False):
     ties = tuple(tied(ranked, noise))
     alike = {one.move: correlation(here, ties[0], one) for one in ties}
     state = replace(state, ranked=tuple(ranked), ties=ties, alike=alike, reason="no effect of the catalogue explains it")
-    now = evidence(fit, noise)
-    for one in (one for one in ties if now - one.bic >= GUARD["worth_bic"]):
+    excess = fit.rss - fit.n * noise.deviation**2
+    for one in ties:
+        if state.bic - one.bic < GUARD["worth_bic"]:
+            continue
+        if fit.rss - one.fit.rss < _SUBSTANTIAL * excess:
+            state = replace(state, reason=f"{one.move} explains little of what is left")
+            continue
         if gained(state, one, campaign) > 0:
             return replace(state, chosen=one, reason="")
         state = replace(state, reason=f"{one.move} is not confirmed on held-out swings")

@@ -1,6 +1,5 @@
 """Campaigns in which effects are hidden: drawn by number, swung by the second pendulum, written as sheet and CSV files."""
 
-import json
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 
@@ -184,16 +183,15 @@ def swings(trial, seed):
     return found
 
 
-def write_trial(trial, seed, folder, truths):
-    """Rows of a sample sheet for the trial, its CSV files written to ``folder`` and its truth to ``truths``."""
-    folder, truths = Path(folder), Path(truths)
-    rows = []
+def write_trial(trial, seed, name, folder):
+    """(rows of a sample sheet, truth): the trial's CSV files written to ``folder`` under a name that tells nothing of it.
+
+    The truth is the ``Trial`` as a dict, with the noise's RMS in each swing (rad) and the samples of each.
+    """
+    rows, noise = [], []
     for k, (times, angle) in enumerate(swings(trial, seed), 1):
-        name = f"{trial.name}-{k}"
-        path = folder / f"{name}.csv"
-        table = pd.DataFrame({"t_s": times, "theta_rad": angle})
-        table.to_csv(path, index=False, float_format="%.7g")
-        rows.append({"recording": name, "campaign": trial.name, "file": str(path)})
-    truths.mkdir(parents=True, exist_ok=True)
-    (truths / f"{trial.name}.json").write_text(json.dumps(asdict(trial), indent=1) + "\n")
-    return rows
+        path = Path(folder) / f"{name}-{k}.csv"
+        pd.DataFrame({"t_s": times, "theta_rad": angle}).to_csv(path, index=False, float_format="%.7g")
+        rows.append({"recording": f"{name}-{k}", "campaign": name, "file": str(path.resolve())})
+        noise.append(float(np.sqrt(np.mean((angle - _swing(trial, trial.hidden, k - 1, times)) ** 2))))
+    return rows, asdict(trial) | {"noise_rms_rad": noise, "samples": times.size}

@@ -1,0 +1,57 @@
+# How far verdicts can be trusted: campaigns in which the truth is hidden, and the score of the verdicts on them.
+# needs: nothing but the settings
+# makes: results/hidden_effects/scores.csv, summary.csv, confusion.csv and their figure; on request only
+
+from swingdown.hidden.plan import chunks
+
+HIDDEN = config["hidden_effects"]
+TRIALS = chunks(HIDDEN)
+
+
+rule hidden_make:
+    message: "Hiding effects in campaigns {wildcards.chunk}"
+    input:
+        code=code("hidden_make"),
+    output:
+        sheet="results/hidden_effects/campaigns/{chunk}/sheet.csv",
+        excluded="results/hidden_effects/campaigns/{chunk}/excluded.json",
+        truth="results/hidden_effects/truth/{chunk}.json",
+    log: "results/logs/hidden_effects/make-{chunk}.log"
+    params:
+        trials=lambda wildcards: [list(one) for one in TRIALS[wildcards.chunk]],
+        seed=HIDDEN["seed"],
+    script: "../scripts/hidden_make.py"
+
+
+rule hidden_find:
+    message: "Looking for what is hidden in campaigns {wildcards.chunk}"
+    input:
+        sheet=rules.hidden_make.output.sheet,
+        excluded=rules.hidden_make.output.excluded,
+        code=code("hidden_find"),
+    output: "results/hidden_effects/verdicts/{chunk}.json"
+    log: "results/logs/hidden_effects/find-{chunk}.log"
+    params:
+        base=["viscous", "load_coulomb"],
+        rounds=HIDDEN["rounds"],
+    script: "../scripts/hidden_find.py"
+
+
+rule hidden_score:
+    message: "Holding the verdicts against the truth"
+    input:
+        truths=expand("results/hidden_effects/truth/{chunk}.json", chunk=TRIALS),
+        verdicts=expand("results/hidden_effects/verdicts/{chunk}.json", chunk=TRIALS),
+        code=code("hidden_score"),
+    output:
+        scores="results/hidden_effects/scores.csv",
+        summary="results/hidden_effects/summary.csv",
+        confusion="results/hidden_effects/confusion.csv",
+    log: "results/logs/hidden_effects/score.log"
+    script: "../scripts/hidden_score.py"
+
+
+rule hidden_effects:
+    localrule: True
+    input:
+        rules.hidden_score.output,

@@ -1,0 +1,20 @@
+"""Verdicts on campaigns of which only the sample sheet and its files are seen."""
+
+import json
+from pathlib import Path
+
+from swingdown import console
+from swingdown.hidden.find import find
+
+
+def verdicts(sheet, excluded, base, rounds, output):
+    """The verdicts written, and how many there are."""
+    found = find(sheet, base, rounds, json.loads(Path(excluded).read_text()))
+    Path(output).write_text(json.dumps(found, indent=1) + "\n")
+    return f"{len(found)} verdicts in {sum(one['seconds'] for one in found.values()):.0f} s"
+
+
+if __name__ == "__main__":
+    with console.job(snakemake.log[0]) as say:
+        inputs, params = snakemake.input, snakemake.params
+        say(verdicts(inputs.sheet, inputs.excluded, params.base, params.rounds, snakemake.output[0]))

@@ -1,0 +1,36 @@
+"""Campaigns with hidden effects: a sample sheet with its CSV files, and the truth in another place."""
+
+import json
+from pathlib import Path
+
+import pandas as pd
+
+from swingdown import console
+from swingdown.hidden.plan import Planned, drawn
+from swingdown.hidden.trials import write_trial
+
+
+def make(chunk, trials, seed, sheet, excluded, truth):
+    """The chunk's files written, and how many trials it has."""
+    folder = Path(sheet).parent
+    folder.mkdir(parents=True, exist_ok=True)
+    rows, truths, lacks = [], {}, {}
+    for number, one in enumerate(map(Planned._make, trials), 1):
+        trial = drawn(seed, one)
+        if trial is None:  # no size within reason leaves such a residual
+            continue
+        name = f"c{chunk}{number:02d}"
+        more, truths[name] = write_trial(trial, seed, name, folder)
+        rows += more
+        if trial.kind == "removed":
+            lacks[name] = list(trial.hidden)
+    pd.DataFrame(rows).to_csv(sheet, index=False)
+    Path(excluded).write_text(json.dumps(lacks, indent=1) + "\n")
+    Path(truth).write_text(json.dumps(truths, indent=1) + "\n")
+    return f"{len(truths)} of {len(trials)} trials drawn"
+
+
+if __name__ == "__main__":
+    with console.job(snakemake.log[0]) as say:
+        params, output = snakemake.params, snakemake.output
+        say(make(snakemake.wildcards.chunk, params.trials, params.seed, output.sheet, output.excluded, output.truth))

@@ -1,0 +1,29 @@
+"""The scores of all verdicts against the truth, their summary and the confusion matrix."""
+
+import json
+from pathlib import Path
+
+import pandas as pd
+
+from swingdown import console
+from swingdown.hidden.score import confusion, row, summarise
+
+
+def score(truths, verdicts, scores, summary, matrix):
+    """The tables written, and what they say in a line."""
+    rows = []
+    for truth, verdict in zip(truths, verdicts, strict=True):
+        known, found = (json.loads(Path(path).read_text()) for path in (truth, verdict))
+        rows += [row(name, known[name], found[name]) for name in known]
+    table = pd.DataFrame(rows)
+    table.to_csv(scores, index=False, float_format="%.6g")
+    figures = summarise(table)
+    figures.to_csv(summary, index=False, float_format="%.4g")
+    confusion(table).to_csv(matrix, float_format="%.4g")
+    return "; ".join(f"{one.figure}: {one.value:.3g} of {one.n}" for one in figures.itertuples())
+
+
+if __name__ == "__main__":
+    with console.job(snakemake.log[0]) as say:
+        inputs, output = snakemake.input, snakemake.output
+        say(score(inputs.truths, inputs.verdicts, output.scores, output.summary, output.confusion))

@@ -1,0 +1,40 @@
+"""Verdicts on the campaigns of a sample sheet, one after the other: what the scorer holds against the truth."""
+
+import time
+
+from .. import effects
+from ..angle import to_angle
+from ..discovery.campaign import Swing, campaign
+from ..discovery.files import summary
+from ..discovery.rounds import discover
+from ..discovery.verdict import verdict
+from ..recording import ingest
+from ..sheet import read_sheet
+
+
+def find(sheet, base, rounds, excluded=None, model=None):
+    """A dict by campaign of the sample sheet: ``verdict``, ``seconds`` of CPU time, and of the first round the swings that
+    were fitted and the smallest residual (rad) that one admissible effect leaves of them.
+
+    ``excluded`` names for a campaign the effects that its catalogue lacks.
+    """
+    table, found = read_sheet(sheet), {}
+    for name, rows in table.groupby("campaign", sort=False):
+        started = time.process_time()
+        swings = []
+        for recording, row in rows.iterrows():
+            data = to_angle(ingest(row | {"recording": recording}, sheet))
+            swings.append(Swing(str(recording), data["time"].values, data["angle"].values))
+        one = campaign(str(name), swings)
+        lacks = set((excluded or {}).get(name, ()))
+        allowed = [effect for effect in effects.catalogue() if effect not in lacks]
+        states = discover(one, tuple(base), rounds, allowed, **(model or {}))
+        told = [summary(state, one) for state in states]
+        ranked = [row["rms_rad"] for row in told[0]["ranking"] if not row["refused"]]
+        found[str(name)] = {
+            "verdict": verdict(told),
+            "seconds": time.process_time() - started,
+            "fitted": [swing.name for swing in one.fit],
+            "one_effect_rms_rad": min(ranked, default=None),
+        }
+    return found
