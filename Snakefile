@@ -23,12 +23,12 @@ with console.job():
     config.update(settings)
     PLAN = plan(config)
 
-TABLES, FIGURES = [], []  # each stage adds what it makes; the report shows all of it
+TABLES, FIGURES, VERDICTS = [], [], []  # each stage adds what it makes; the report shows all of it
 
 
 wildcard_constraints:
     recording="|".join(map(re.escape, PLAN.rows)) or "(?!)",
-    campaign="|".join(map(re.escape, PLAN.campaigns)) or "(?!)",
+    campaign="|".join(map(re.escape, {*PLAN.campaigns, *PLAN.searched})) or "(?!)",
     chunk=r"\d+",
     simulated="|".join(config["simulation"]["simulated"]) or "(?!)",
 
@@ -59,4 +59,5 @@ rule all:
     input:
         TABLES,
         FIGURES,
+        VERDICTS,
         "results/report.html",

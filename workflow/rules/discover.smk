@@ -1,14 +1,14 @@
 # Which effect is missing: rounds of fit, disagreement, naming and confirmation, each a folder that the next starts from.
 # needs: results/angles/
-# makes: results/discovery/{campaign}/round-{n}/ and verdict.json
-# Not part of `all`: how often its verdicts are right has not been measured yet.
+# makes: results/discovery/{campaign}/: round-{n}/, verdict.json and figures/
 
 ROUNDS = config["discovery"]["rounds"]
-VERDICTS = expand("results/discovery/{campaign}/verdict.json", campaign=PLAN.campaigns)
-
+SEEN = ["residuals", "map", "half_swings", "ranking", "gap"]  # the figures: functions of swingdown.plots.discovery
+VERDICTS += expand("results/discovery/{campaign}/verdict.json", campaign=PLAN.searched)
+SEEN_FIGURES = expand("results/discovery/{campaign}/figures/{name}.svg", campaign=PLAN.searched, name=SEEN)
 
 # the recordings of each campaign as discovery takes them: static ones tell the noise
-MEMBERS = {campaign: PLAN.swings(campaign) + PLAN.statics(campaign) for campaign in PLAN.campaigns}
+MEMBERS = {campaign: PLAN.swings(campaign) + PLAN.statics(campaign) for campaign in PLAN.searched}
 
 
 rule discover_round:
@@ -51,7 +51,20 @@ rule discover_verdict:
     script: "../scripts/discover_verdict.py"
 
 
+rule discover_figures:
+    message: "Drawing what was found in {wildcards.campaign}"
+    input:
+        verdict="results/discovery/{campaign}/verdict.json",
+        rounds=expand("results/discovery/{{campaign}}/round-{n}/round.json", n=range(ROUNDS + 1)),
+        code=code("discover_figures"),
+    output:
+        expand("results/discovery/{{campaign}}/figures/{name}.{ending}", name=SEEN, ending=["svg", "png"]),
+    log: "results/logs/discover/{campaign}/figures.log"
+    script: "../scripts/discover_figures.py"
+
+
 rule discover:
     localrule: True
     input:
         VERDICTS,
+        SEEN_FIGURES,

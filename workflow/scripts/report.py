@@ -1,12 +1,13 @@
 """The report: every table and figure of the run, its settings and what it rests on, in one HTML file."""
 
+import json
 from pathlib import Path
 
 from swingdown import console, dataset
 from swingdown.report import contents, page
 
 
-def report(tables, figures, captions, recordings, told, settings, output):
+def report(tables, figures, captions, recordings, verdicts, seen, told, settings, output):
     material = contents.Material(
         tables=contents.read_tables(tables),
         figures={
@@ -16,6 +17,8 @@ def report(tables, figures, captions, recordings, told, settings, output):
         recordings=[dataset.read(path).attrs for path in recordings],
         settings=settings,
         inputs=told,
+        verdicts=[json.loads(Path(path).read_text(encoding="utf-8")) for path in verdicts],
+        seen=list(seen),
     )
     sections = contents.sections(material)
     page.write(output, sections, **contents.head(material))
@@ -28,7 +31,7 @@ if __name__ == "__main__":
         files = snakemake.input
         say(
             report(
-                files.tables, files.figures, files.captions, files.recordings, files.told,
+                files.tables, files.figures, files.captions, files.recordings, files.verdicts, files.seen, files.told,
                 snakemake.params.settings, snakemake.output[0],
             )
         )  # fmt: skip

@@ -14,28 +14,29 @@ class Plan:
 
     rows: dict  # recording: {column: value} of the sample sheet
     campaigns: tuple = ()  # those that are fitted
+    searched: tuple = ()  # those in which missing effects are looked for
     apparatus: str | None = None  # path of the apparatus sheet, where a recording needs it
 
     def swings(self, campaign=None):
         """The names of the recordings that are fitted: all but the static ones, of one campaign or of all chosen."""
-        return self._named(campaign, static=False)
+        return self._named(self.campaigns if campaign is None else (campaign,), (False,))
 
     def statics(self, campaign=None):
         """The names of the recordings of the pendulum at rest."""
-        return self._named(campaign, static=True)
+        return self._named(self.campaigns if campaign is None else (campaign,), (True,))
 
     @property
     def in_volts(self):
         """The names of the recordings whose angle follows from the calibration."""
-        return [name for name in self._named(None) if self.rows[name]["signal_unit"] == "V"]
+        return [name for name in self.measured if self.rows[name]["signal_unit"] == "V"]
 
-    def _named(self, campaign, static=None):
-        chosen = self.campaigns if campaign is None else (campaign,)
-        return [
-            name
-            for name, row in self.rows.items()
-            if row["campaign"] in chosen and static in (None, row["role"] == "static")
-        ]
+    @property
+    def measured(self):
+        """The names of all recordings of the campaigns that are fitted or searched, static ones included."""
+        return self._named((*self.campaigns, *self.searched), (True, False))
+
+    def _named(self, campaigns, static):
+        return [name for name, row in self.rows.items() if row["campaign"] in campaigns and (row["role"] == "static") in static]
 
 
 def plan(settings):
@@ -52,21 +53,26 @@ def plan(settings):
         str(name): {"recording": str(name)} | row.drop("line").to_dict() for name, row in sheet.iterrows()
     }
     known = list(dict.fromkeys(row["campaign"] for row in rows.values()))
-    campaigns = tuple(settings["experiment"]["campaigns"] or known)
-    for name in campaigns:
-        if name not in known:
-            near = difflib.get_close_matches(name, known, 1, 0.5)
-            mend = f"write {near[0]!r}" if near else "name a campaign of the sheet, or none for all"
-            problem = f"no recording of {settings['recordings']} belongs to the campaign {name!r}"
-            raise InputError("config, key experiment.campaigns", problem, ", ".join(known), mend)
-    result = Plan(rows, campaigns, settings.get("apparatus"))
-    for name in campaigns:
+    campaigns = _chosen(settings, "experiment", known) or tuple(known)
+    searched = _chosen(settings, "discovery", known) or campaigns
+    result = Plan(rows, campaigns, searched, settings.get("apparatus"))
+    for name in dict.fromkeys((*campaigns, *searched)):
         if not result.swings(name):
             where = f"{settings['recordings']}, campaign {name}"
             raise InputError(where, "every recording is static", "at least one swing to fit", "add a swing")
     if result.in_volts:
         _check_apparatus(result, settings)
     return result
+
+
+def _chosen(settings, part, known):
+    for name in settings[part]["campaigns"]:
+        if name not in known:
+            near = difflib.get_close_matches(name, known, 1, 0.5)
+            mend = f"write {near[0]!r}" if near else "name a campaign of the sheet, or none for all"
+            problem = f"no recording of {settings['recordings']} belongs to the campaign {name!r}"
+            raise InputError(f"config, key {part}.campaigns", problem, ", ".join(known), mend)
+    return tuple(settings[part]["campaigns"])
 
 
 def _check_apparatus(plan, settings):

@@ -3,6 +3,7 @@
 import numpy as np
 import pandas as pd
 
+_ABOVE_NOISE = 8.0  # standard deviations that a turning point must be from the middle
 _NEAR = 0.12  # of a half-swing on each side of a turning point, where the angle is a parabola to the noise
 
 
@@ -29,9 +30,14 @@ def turning_points(times, angle):
 
 def half_swings(times, angle, natural_frequency):
     """A table, one row a half-swing: amplitude (rad), loss (share of the potential energy), half-period against that of
-    an undamped pendulum of that amplitude (ratio), and mid-point (rad).
+    an undamped pendulum of that amplitude (ratio), and mid-point (rad, from three turning points, so that decay leaves it
+    alone). Half-swings that the noise could have made are left out.
     """
     when, where = turning_points(times, angle)
+    noise = np.std(np.diff(angle, 2)) / np.sqrt(6) if angle.size > 3 else 0.0
+    plain = np.abs(where - np.median(angle)) > _ABOVE_NOISE * noise
+    last = int(np.argmin(plain)) if not plain.all() else plain.size
+    when, where = when[:last], where[:last]
     if when.size < 4:
         return pd.DataFrame(columns=["time_s", "amplitude_rad", "energy_loss", "period_ratio", "midpoint_rad"])
     height = 1 - np.cos(where)
@@ -39,13 +45,14 @@ def half_swings(times, angle, natural_frequency):
     mean, root = np.ones_like(amplitude), np.cos(amplitude / 2)
     for _ in range(6):
         mean, root = (mean + root) / 2, np.sqrt(mean * root)
+    middle = (where[:-2] + 2 * where[1:-1] + where[2:]) / 4
     return pd.DataFrame(
         {
             "time_s": (when[1:] + when[:-1]) / 2,
             "amplitude_rad": amplitude,
             "energy_loss": -np.diff(height) / height[:-1],
             "period_ratio": np.diff(when) * natural_frequency * mean / np.pi,
-            "midpoint_rad": (where[1:] + where[:-1]) / 2,
+            "midpoint_rad": [*middle, middle[-1]],
         }
     )
 

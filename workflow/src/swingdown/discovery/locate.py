@@ -151,8 +151,13 @@ def curves(frame, noise):
 def _estimate(frame, columns, noise):
     """Coefficients of the columns beyond the fit, and their covariance under the noise."""
     outside = frame.outside(columns)
-    size = np.maximum(np.linalg.norm(outside, axis=0), 1e-300)
-    left, singular, right = np.linalg.svd(outside / size, full_matrices=False)
-    kept = singular > 1e-4 * singular[0]  # what the data do not determine stays at nothing
-    inverse = (right[kept].T / singular[kept]) / size[:, None]
-    return inverse @ (left[:, kept].T @ frame.residual), inverse @ inverse.T * noise.slow_variance
+    size = np.linalg.norm(outside, axis=0)
+    free = size > 1e-3 * np.linalg.norm(columns, axis=0)  # the rest the fit's own terms can do
+    coefficients, covariance = np.zeros(size.size), np.zeros((size.size, size.size))
+    if free.any():
+        left, singular, right = np.linalg.svd(outside[:, free] / size[free], full_matrices=False)
+        kept = singular > 1e-3 * singular[0]  # what the data do not determine stays at nothing
+        inverse = (right[kept].T / singular[kept]) / size[free, None]
+        coefficients[free] = inverse @ (left[:, kept].T @ frame.residual)
+        covariance[np.ix_(free, free)] = inverse @ inverse.T * noise.slow_variance
+    return coefficients, covariance

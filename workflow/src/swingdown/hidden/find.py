@@ -23,7 +23,7 @@ def find(sheet, base, rounds, excluded=None, model=None):
         started = time.process_time()
         swings = []
         for recording, row in rows.iterrows():
-            data = to_angle(ingest(row | {"recording": recording}, sheet))
+            data = to_angle(ingest(row, sheet))
             swings.append(Swing(str(recording), data["time"].values, data["angle"].values))
         one = campaign(str(name), swings)
         lacks = set((excluded or {}).get(name, ()))

@@ -1,0 +1,38 @@
+"""The figures of one campaign's search: residuals, missing torque, half-swings, ranking, and the gap by round."""
+
+import json
+from pathlib import Path
+
+import pandas as pd
+
+from swingdown import console, dataset
+from swingdown.plots import discovery, save
+
+
+def figures(verdict, folders, outputs):
+    """Each of the outputs written, the first and the last of the campaign's rounds side by side."""
+    found = json.loads(Path(verdict).read_text())
+    used = [Path(folder) for folder in folders][: len(found["gap"]["fit"])]
+    first, last = used[0], used[-1]
+    moved = found["moves"][0] if found["moves"] else ""
+    drawn = {
+        "residuals": lambda: discovery.residuals(dataset.read(first / "fit.nc"), dataset.read(last / "fit.nc")),
+        "map": lambda: discovery.missing_torque(
+            pd.read_csv(first / "map.csv"),
+            pd.read_csv(last / "map.csv"),
+            [json.loads((folder / "round.json").read_text()) for folder in used],
+        ),
+        "half_swings": lambda: discovery.half_swings(pd.read_csv(first / "half_swings.csv"), pd.read_csv(last / "half_swings.csv")),
+        "ranking": lambda: discovery.ranking(pd.read_csv(first / "ranking.csv"), moved),
+        "gap": lambda: discovery.gap(found),
+    }
+    made = {}
+    for output in map(Path, outputs):
+        made[output.stem] = made.get(output.stem) or drawn[output.stem]()
+        save(made[output.stem], output)
+
+
+if __name__ == "__main__":
+    with console.job(snakemake.log[0]):
+        files = snakemake.input
+        figures(files.verdict, [Path(path).parent for path in files.rounds], snakemake.output)

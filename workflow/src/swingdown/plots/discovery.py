@@ -1,0 +1,188 @@
+"""What discovery saw and did: residuals before and after, the missing torque, half-swings, the ranking, the gap by round."""
+
+import numpy as np
+
+from . import style
+
+BEFORE, AFTER, HELD = "#D55E00", "#0072B2", "#009E73"
+_ROWS = 12  # of a ranking
+
+
+def _words(name):
+    return name.replace("_", " ")
+
+
+@style.styled
+def residuals(first, last):
+    """Residuals of the fitted swing and the held-out swing that are worst at first, before and after, with the noise.
+
+    ``first`` and ``last`` are the rounds' fit datasets: ``angle``, ``fit``, ``time``, ``swing`` (sample), ``held_out`` (swings).
+    """
+    figure = style.new_figure(10.5)
+    shown = [one for one in (_worst(first, held=False), _worst(first, held=True)) if one is not None]
+    grid = figure.subplots(len(shown), 1, squeeze=False)[:, 0]
+    noise = float(np.degrees(last.attrs["noise_rms_rad"]))
+    for axes, k in zip(grid, shown, strict=True):
+        time, before = _residual(first, k)
+        _, after = _residual(last, k)
+        axes.axhspan(-2 * noise, 2 * noise, color=style.FAINT, alpha=0.7, lw=0, label="± 2 standard deviations of the noise")
+        axes.plot(time, before, color=BEFORE, lw=0.8, label="base model")
+        axes.plot(time, after, color=AFTER, lw=0.8, label="last model" if last.attrs["model"] != first.attrs["model"] else "(no move was made)")
+        held = "held out" if bool(first["held_out"].values[k]) else "fitted"
+        axes.set(xlim=(0, time[-1]), ylabel="data − fit (°)", title=f"{first['name'].values[k]} ({held})")
+        style.symmetric(axes, np.concatenate([before, [2 * noise]]))
+        axes.grid(True, axis="y")
+    grid[-1].set_xlabel(style.TIME)
+    figure.legend(handles=grid[0].get_legend_handles_labels()[0], loc="outside upper left", ncols=3)
+    return style.footnote(figure, f"campaign {first.attrs['campaign']}", style.emulated_note(first))
+
+
+def _residual(data, k):
+    rows = data["swing"].values == k
+    time = data["time"].values[rows]
+    return time - time[0], style.degrees(data["angle"].values[rows] - data["fit"].values[rows])
+
+
+def _worst(data, held):
+    sizes = {k: np.mean(_residual(data, k)[1] ** 2) for k in np.flatnonzero(data["held_out"].values == held)}
+    return max(sizes, key=sizes.get) if sizes else None
+
+
+@style.styled
+def missing_torque(first, last, rounds):
+    """The torque that the base model and the last one lack, over angle, velocity and time, with bands of two standard errors.
+
+    ``first`` and ``last`` are the rounds' map tables (``over``, ``part``, ``x``, ``torque``, ``band``); ``rounds`` the
+    contents of their round.json.
+    """
+    figure = style.new_figure(8.8)
+    grid = figure.subplots(1, 3)
+    kept = [(first, BEFORE, "base model")] + ([(last, AFTER, "last model")] if len(rounds) > 1 else [])
+    chosen = _largest(first[first["over"] == "time"])
+    axis = {"position": ("angle (°)", 180 / np.pi), "velocity": ("angular speed (rad/s)", 1.0), "time": ("time (share of the record)", 1.0)}
+    for axes, (over, (label, scale)) in zip(grid, axis.items(), strict=True):
+        for table, colour, name in kept:
+            part = table[table["over"] == over]
+            if over == "time":
+                part = part[part["part"] == chosen]
+            x = scale * part["x"].to_numpy()
+            axes.fill_between(x, part["torque"] - 2 * part["band"], part["torque"] + 2 * part["band"], color=colour, alpha=0.25, lw=0)
+            axes.plot(x, part["torque"], color=colour, label=name)
+        shares = {row["name"]: row["share"] for row in rounds[0]["groups"]}
+        heading = f"time: {chosen}" if over == "time" else over
+        axes.set(xlabel=label, title=f"{heading}\n{100 * shares[over]:.0f} % of the excess")
+        axes.axhline(0, color=style.GREY, lw=0.6)
+        axes.grid(True, axis="y")
+    grid[0].set_ylabel("missing torque over inertia (rad/s²)")
+    figure.legend(handles=grid[0].get_legend_handles_labels()[0], loc="outside upper left", ncols=2)
+    return style.footnote(figure, "each as if it alone were missing", "bands: ± 2 standard errors under the measured noise",
+                          "time: a change of drag or stiffness, or a push, as a torque at the largest velocity or angle")  # fmt: skip
+
+
+def _largest(part):
+    """The part (drag, stiffness, push) that differs most from nothing, in units of its own band."""
+    size = (part["torque"].abs() / part["band"].clip(lower=1e-12)).groupby(part["part"]).max()
+    return size.idxmax()
+
+
+@style.styled
+def half_swings(first, last):
+    """Energy loss, period and mid-point of each half-swing against its amplitude: measured, base model and last model.
+
+    ``first`` and ``last`` are the rounds' half-swing tables.
+    """
+    figure = style.new_figure(11.5)
+    upper, lower = figure.subplots(2, 3, sharex=True)
+    quantities = (("energy_loss", "energy lost (%)", 100.0), ("period_ratio", "half-period over ideal", 1.0), ("midpoint_rad", "mid-point (°)", 180 / np.pi))
+    for axes, below, (column, label, scale) in zip(upper, lower, quantities, strict=True):
+        measured = first[first["of"] == "measured"]
+        axes.plot(style.degrees(measured["amplitude_rad"]), scale * measured[column], "o", color=style.GREY, ms=3.6, mfc="none", mew=0.7, label="measured")
+        for table, colour, name in ((first, BEFORE, "base model"), (last, AFTER, "last model")):
+            modelled = table[table["of"] == "modelled"]
+            axes.plot(style.degrees(modelled["amplitude_rad"]), scale * modelled[column], ".", color=colour, ms=3, mew=0, label=name)
+            amplitude, left = _left(table, column)
+            below.plot(style.degrees(amplitude), scale * left, ".", color=colour, ms=4.5, mew=0)
+            _reach(below, scale * left)
+        _reach(axes, scale * measured[column].to_numpy())
+        below.axhline(0, color=style.GREY, lw=0.6)
+        axes.set_title(label)
+        below.set_xlabel("amplitude (°)")
+        for one in (axes, below):
+            one.grid(True, axis="y")
+    upper[0].set_ylabel("each half-swing")
+    lower[0].set_ylabel("measured − modelled")
+    figure.legend(handles=upper[0].get_legend_handles_labels()[0], loc="outside upper left", ncols=3)
+    return figure
+
+
+def _left(table, column):
+    """Amplitude (rad) and measured less modelled of each half-swing that both have."""
+    pairs = []
+    for _, one in table.groupby("swing", sort=False):
+        measured, modelled = (one[one["of"] == of].reset_index(drop=True) for of in ("measured", "modelled"))
+        count = min(len(measured), len(modelled))
+        pairs.append((measured["amplitude_rad"][:count], measured[column][:count] - modelled[column][:count]))
+    return (np.concatenate(part) for part in zip(*pairs, strict=True)) if pairs else (np.zeros(0), np.zeros(0))
+
+
+def _reach(axes, values):
+    """The axes widened so that all but a few strays are in view."""
+    if not len(values):
+        return
+    low, high = np.nanquantile(values, [0.02, 0.98])
+    room = 0.25 * (high - low) + 1e-12
+    before = axes.get_ylim() if getattr(axes, "reached", False) else (np.inf, -np.inf)
+    axes.set_ylim(min(low - room, before[0]), max(high + room, before[1]))
+    axes.reached = True
+
+
+@style.styled
+def ranking(ranked, move):
+    """What each move would gain in the first round that looked: the difference of BIC to the best, refused ones crossed out.
+
+    ``ranked`` is a ranking table with ``move``, ``delta_bic``, ``tied`` and ``refused``; ``move`` the one that was chosen.
+    """
+    if ranked.empty:
+        return style.absent("Nothing was missing: no move was looked for.")
+    table = ranked.head(_ROWS)
+    figure = style.new_figure(1.8 + 0.55 * len(table))
+    axes = figure.subplots()
+    base = 1.0  # so that the best has a bar, too
+    for place, row in enumerate(table.itertuples()):
+        refused = isinstance(row.refused, str) and row.refused != ""
+        colour = style.FAINT if refused else AFTER if row.move == move else HELD if row.tied else style.GREY
+        axes.barh(place, max(row.delta_bic, 0) + base, left=0, color=colour, height=0.62)
+        note = f"{row.delta_bic:.0f}" + (f"  refused: {_words(row.refused)}" if refused else "  chosen" if row.move == move else "  tied" if row.tied else "")
+        axes.annotate(note, (max(row.delta_bic, 0) + base, place), xytext=(4, 0), textcoords="offset points", va="center", fontsize=8.5)
+    axes.set_yticks(range(len(table)), [_words(name) for name in table["move"]])
+    axes.invert_yaxis()
+    axes.set_xscale("symlog", linthresh=10)
+    axes.set_xlim(0, 40 * (table["delta_bic"].max() + 10))
+    axes.tick_params(axis="y", length=0)
+    axes.set_xlabel("ΔBIC above the best move (below 10: a tie)")
+    return figure
+
+
+@style.styled
+def gap(verdict):
+    """The residual in units of the noise, round by round, on fitted and held-out swings; ``verdict`` is verdict.json's contents."""
+    fit, held = verdict["gap"]["fit"], verdict["gap"]["holdout"]
+    figure = style.new_figure(7.2)
+    axes = figure.subplots()
+    places = np.arange(len(fit))
+    axes.axhline(1, color=style.GREY, lw=0.8, ls=(0, (4, 2)))
+    axes.plot(places, fit, "o-", color=AFTER, ms=5, label="fitted swings")
+    axes.plot(places, held, "s--", color=HELD, ms=5, label="held-out swings")
+    for values, up in ((fit, -12), (held, 7)):
+        for place, value in zip(places, values, strict=True):
+            axes.annotate(f"{value:.3g}", (place, value), xytext=(0, up), textcoords="offset points", ha="center", fontsize=8.5)
+    axes.set_yscale("log")
+    style.decimal_log(axes.yaxis)
+    low, high = min(*fit, *held, 0.9), max(*fit, *held, 1.2)
+    axes.set_ylim(low / 1.35, high * 1.35)
+    axes.set_xticks(places, ["base model", *(_words(move) for move in verdict["moves"])][: len(fit)])
+    axes.set_xlim(-0.4, len(fit) - 0.6)
+    axes.set_ylabel("residual over noise")
+    axes.grid(True, axis="y")
+    style.legend_above(axes)
+    return figure
