@@ -206,26 +206,14 @@ def test_the_papers_models(label):
         assert error < 1, name
 
 
-# Known short-coming, measured: for a lag below a hundredth of the half-swing the slope by the lag's own time constant is
-# good to 1e-4 of its size, not to 1e-6: Gauss nodes leave a stiff state's slope rough at the ends of panels. The reading
-# itself and all other slopes keep to the limit.
-STIFF = pytest.mark.xfail(reason="slope by a short lag's time constant is good to 1e-4 only", strict=True)
-EFFECTS = [pytest.param(x, marks=STIFF if x == "viscous+sensor_lag" else ()) for x in cases.single_effects()]
-
-# A brake so narrow that it falls between the nodes is not seen at all (one draw of twelve).
-NARROW = pytest.mark.xfail(reason="a brake so narrow that it falls between the nodes", strict=False)
-MANY = [pytest.param(x, marks=NARROW) if x == "viscous+eddy_brake" else one
-        for x, one in zip(cases.single_effects(), EFFECTS, strict=True)]  # fmt: skip
-
-
-@pytest.mark.parametrize("label", EFFECTS)
+@pytest.mark.parametrize("label", [*cases.single_effects(), "viscous+sensor_lag+clock_drift"])
 def test_every_effect(label):
     error, name = worst_of(moving_case(label, 5))
     assert error < 1, name
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("label", [*PAPER_MODELS, *MANY])
+@pytest.mark.parametrize("label", [*PAPER_MODELS, *cases.single_effects()])
 def test_random_pendulums(label, capsys):
     found = [(*worst_of(moving_case(label, index)), index) for index in range(6, 18)]
     with capsys.disabled():

@@ -92,6 +92,45 @@ def _function(name, signature, effect, assignments):
     return [*lines, "}"]
 
 
+def _narrow(expression):
+    """2 where a formula can change all at once at some angle, 1 where only at some velocity or time, 0 where nowhere.
+
+    Sums, whole powers, sines and cosines of what moves are smooth; anything else may be as narrow as its parameters say.
+    """
+    calls = expression.atoms(sympy.exp, sympy.log, sympy.tan, sympy.tanh, sympy.Pow)
+    sharp = [call.free_symbols for call in calls if not (call.is_Pow and call.exp.is_Integer and call.exp > 0)]
+    if any(symbols & {_THETA, _ACCELERATION} for symbols in sharp):
+        return 2
+    return int(any(symbols & {_VELOCITY, _TIME} for symbols in sharp))
+
+
+def _manners(formulas, rates, states, arguments):
+    """How each state is found (points.h): a list of (kind, of, pull, push, lead), from the rates with their signs frozen."""
+    found = []
+    for k, (state, rate) in enumerate(zip(states, rates, strict=True)):
+        others = [*formulas.motion.values(), *arguments, *(r for j, r in enumerate(rates) if j != k)]
+        feeds = any(state in expression.free_symbols for expression in others)
+        of = [j for j, other in enumerate(states) if other == rate and states[j] not in _positions(rates, states)]
+        moving = {_THETA, _VELOCITY, _ACCELERATION, _TIME, *states}
+        along = sympy.cancel(rate / _VELOCITY)
+        pull, pull_along = (sympy.expand(expression).diff(state) for expression in (rate, along))
+        read = formulas.reading is not None and state in formulas.reading.free_symbols
+        if of and not read:
+            found.append(("POSITION", of[0], 0, 0, 0))
+        elif not feeds and pull != 0 and not pull.free_symbols & moving and not rate.free_symbols & (set(states) - {state}):
+            lead = sympy.expand(rate).diff(_THETA)
+            found.append(("FOLLOWER", k, pull, 0, 0 if lead.free_symbols & moving else lead))
+        elif pull_along != 0 and not along.free_symbols & (moving - {state}) and not pull_along.has(state) and not read:
+            found.append(("ALONG", k, pull_along, sympy.simplify(along - pull_along * state), 0))
+        else:
+            found.append(("RATE", k, 0, 0, 0))
+    return found
+
+
+def _positions(rates, states):
+    return {state for state, rate in zip(states, rates, strict=True) if rate in states}
+
+
 def _slopes(outputs, inputs, parameters):
     """The assignments of all derivatives that are not zero: outputs and inputs as {row: expression or symbol}."""
     found = []
@@ -115,6 +154,11 @@ def _effect(number, effect, form):
     outputs = {row: _frozen(expression, arguments) for row, expression in outputs.items()}
     moves = {"0": _THETA, "1": _VELOCITY, "2": _ACCELERATION} | states
     first = {f"{k}": value for k, value in enumerate(formulas.initial)}
+    symbols = list(states.values())
+    rates = [outputs[f"2 + at.first_state + {k}"] for k in range(len(symbols))]
+    manners = _manners(formulas, rates, symbols, arguments)
+    linear = {f"{3 * k + j}": manner[2 + j] for k, manner in enumerate(manners) for j in range(3) if manner[0] in ("FOLLOWER", "ALONG")}
+    linear = {row: sympy.sympify(expression) for row, expression in linear.items()}
     reads = {} if formulas.reading is None else {"0": formulas.reading}
     read_inputs = {"0": _TIME} if effect.acts_on == "clock" else {"0": _THETA} | states
 
@@ -129,6 +173,8 @@ def _effect(number, effect, form):
         "reading": (_VALUES, values(signed(reads))),
         "initial": (_VALUES, values(first)),
         "switches": (_VALUES, [(f"out + {k} * q->stride", "=", argument) for k, argument in enumerate(arguments)]),
+        "linear": (_VALUES, values(linear)),
+        "linear_slopes": (_DERIVATIVES, _slopes(linear, {}, effect.parameters)),
         "motion_slopes": (_DERIVATIVES, _slopes(outputs, moves, effect.parameters)),
         "reading_slopes": (_DERIVATIVES, _slopes(signed(reads), read_inputs, effect.parameters)),
         "initial_slopes": (_DERIVATIVES, _slopes(first, {"0": _THETA, "1": _VELOCITY}, effect.parameters)),
@@ -138,9 +184,12 @@ def _effect(number, effect, form):
         lines += _function(f"e{number}_{kind}", signature, effect, assignments)
     timed = any(expression.has(_TIME) for expression in outputs.values())
     rough = any(_with_shared_points(expression).has(_SPEED) for expression in outputs.values())
-    counts = (len(effect.parameters), len(effect.states), len(arguments), int(timed), int("1" in outputs), int(rough))
+    sharp = max([manner[0] == "ALONG" for manner in manners] + [_narrow(expression) for expression in outputs.values()], default=0)
+    counts = (len(effect.parameters), len(effect.states), len(arguments), int(timed), int("1" in outputs), int(rough), int(sharp))
     names = ", ".join(f".{kind} = e{number}_{kind}" for kind in functions)
-    fields = ("n_parameters", "n_states", "n_switches", "timed", "inertial", "rough")
+    fields = ("n_parameters", "n_states", "n_switches", "timed", "inertial", "rough", "sharp")
+    if manners:
+        names += f", .manner = {{{', '.join(f'{{{kind}, {of}}}' for kind, of, *_ in manners)}}}"
     return lines, f"{{{names}, {', '.join(f'.{key} = {value}' for key, value in zip(fields, counts, strict=True))}}},"
 
 

@@ -22,11 +22,23 @@ typedef struct {
 typedef void (*Values)(const Points *q, const double *p, const double *sign, double *out, Part at);
 typedef void (*Derivatives)(const Points *q, const double *p, const double *sign, const Slopes *d, Part at);
 
+/* How a state is found on a panel; the generator tells from its formula.
+ * RATE: its rate is an unknown at the nodes, as the acceleration is. POSITION: its rate is the state `of`, so it is
+ * integrated twice, as the angle is. FOLLOWER: z' = r + pull z, with r rising by `lead` a radian, and nothing but readings
+ * depends on it: found exactly once the motion is known. ALONG: z' = (push + pull z) theta', a closed form in the angle from one reversal to the next. */
+enum { RATE, POSITION, FOLLOWER, ALONG };
 typedef struct {
-    Values motion, reading, initial, switches;
-    Derivatives motion_slopes, reading_slopes, initial_slopes;
+    int kind, of;
+} Manner;
+
+typedef struct {
+    Values motion, reading, initial, switches, linear; /* linear: of state k rows 3k pull, 3k + 1 push, 3k + 2 lead */
+    Derivatives motion_slopes, reading_slopes, initial_slopes, linear_slopes;
+    Manner manner[MAX_STATES];
     int n_parameters, n_states, n_switches;
-    int timed, inertial, rough; /* names t; adds inertia; has a broken power of the speed, which no polynomial follows well */
+    /* names t; adds inertia; has a broken power of the speed, which no polynomial follows well; can be as narrow in the
+     * angle or the velocity as its parameters say */
+    int timed, inertial, rough, sharp;
 } Effect;
 
 /* Sine and cosine that compilers vectorise and that give the same bits on every machine: reduce by whole turns,

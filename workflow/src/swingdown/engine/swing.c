@@ -21,6 +21,8 @@
 #define OVERSHOOT 1.012 /* a panel reaches this far past the reversal that is expected */
 #define SOLVED 1e-12    /* residual of the collocation equations against their size, after the last sweep */
 #define TAIL 3e-6       /* last two Legendre coefficients of a rate against its size */
+#define MISSED 1e-7     /* residual of the equations of motion between the nodes against their size */
+#define NARROW 0.015 /* rad; the catalogue's narrowest effect in the angle has 0.01 */
 #define SWEEPS 14
 #define MOST_PANELS 100 /* a half-swing, beyond the first thousand: more is no pendulum's motion */
 #define CHUNK 64
@@ -32,7 +34,13 @@ typedef struct {
     const double *p;
     double direction, reach; /* of the velocity, 1 or -1; the largest angle so far */
     double sign[MAX_SWITCHES];
-    int sign_first[MAX_PARTS], n_switches, timed, inertial, rough, held, blocks;
+    int sign_first[MAX_PARTS], n_switches, timed, inertial, rough, sharp, held, followers;
+    /* Blocks of unknowns: the acceleration, then the rates of some states; row: of a block among all rates (0 the
+     * acceleration, 1 + k state k). manner[k].of: for RATE and POSITION the block. */
+    int blocks, row[BLOCKS];
+    Manner manner[MAX_STATES];
+    double pull[MAX_STATES], push[MAX_STATES], lead[MAX_STATES];
+    double pull_by[MAX_STATES][MAX_PARAMETERS], push_by[MAX_STATES][MAX_PARAMETERS];
 } Pendulum;
 
 /* Where the motion is: time, angle, velocity, states. */
@@ -40,13 +48,23 @@ typedef struct {
     double t, th, v, z[MAX_STATES];
 } Place;
 
+/* A state along a panel: a polynomial and, of a FOLLOWER, what fades: (fade[0] + fade[1] t) exp(pull t) from its start. */
+typedef struct {
+    double poly[N + 2], fade[2];
+} Course;
+
 typedef struct {
     double h;
     Place from;
-    double u[BLOCKS * N]; /* the unknowns: acceleration, then the states' rates, at the nodes */
+    double u[BLOCKS * N]; /* the unknowns at the nodes */
     double th[N], v[N], t[N], z[MAX_STATES * N];
-    double th_poly[N + 2], v_poly[N + 1], z_poly[MAX_STATES][N + 1];
-    double by[BLOCKS * (3 + MAX_STATES) * N], by_parameter[BLOCKS * MAX_PARAMETERS * N];
+    double growth[MAX_STATES * N]; /* of an ALONG state: its derivative by its own value at the start */
+    double th_poly[N + 2], v_poly[N + 2];
+    Course state[MAX_STATES];
+    /* derivatives of every rate by angle, velocity, acceleration and states (ALONG: by their value at the start) at the
+     * nodes, by the angle at the panel's start, and by the parameters */
+    double by[BLOCKS * (3 + MAX_STATES) * N], by_start[BLOCKS * N], by_parameter[BLOCKS * MAX_PARAMETERS * N];
+    double follow[MAX_STATES][N * N]; /* of a FOLLOWER: the inverse that gives its rate from what drives it */
     double inverse[BLOCKS * N * BLOCKS * N];
     int has_inverse;
 } Panel;
@@ -85,9 +103,27 @@ static double rates_at(Pendulum *s, const Place *x, double direction, double *ou
         rates(s, 1, &x->th, &x->v, &a, &x->t, z, rows, NULL);
         a = rows[0];
     }
-    for (int k = 0; out && k < s->blocks; k++) out[k] = rows[k * N];
+    for (int k = 0; out && k <= s->m->n_states; k++) out[k] = rows[k * N];
     s->direction = kept;
     return a;
+}
+
+/* Where an ALONG state would settle. */
+static inline double settled(const Pendulum *s, int k) { return -s->push[k] / s->pull[k]; }
+
+/* An ALONG state at N angles, and its derivative there by its value at the panel's start. */
+static void along(const Pendulum *s, const Panel *b, int k, const double *th, double *growth, double *z) {
+    for (int i = 0; i < N; i++) {
+        growth[i] = exp(s->pull[k] * (th[i] - b->from.th));
+        z[i] = settled(s, k) + (b->from.z[k] - settled(s, k)) * growth[i];
+    }
+}
+
+/* The derivative of an ALONG state at an angle by a parameter, its value and angle at the panel's start held. */
+static double along_by(const Pendulum *s, const Panel *b, int k, int p, double th, double growth) {
+    if (s->pull_by[k][p] == 0.0 && s->push_by[k][p] == 0.0) return 0.0;
+    const double end_by = (s->push[k] * s->pull_by[k][p] / s->pull[k] - s->push_by[k][p]) / s->pull[k];
+    return end_by * (1.0 - growth) + (b->from.z[k] - settled(s, k)) * growth * s->pull_by[k][p] * (th - b->from.th);
 }
 
 /* Derivatives of every rate at the nodes by angle, velocity, acceleration, states and parameters. */
@@ -124,6 +160,24 @@ static void slopes_at_nodes(const Pendulum *s, Panel *b) {
     if (!plain) {
         memcpy(b->by_parameter, parameters, np * N * sizeof(double));
         memcpy(b->by_parameter + np * N, parameters + 2 * np * N, nz * np * N * sizeof(double));
+    }
+    memset(b->by_start, 0, (1 + nz) * N * sizeof(double));
+    for (int k = 0; k < nz; k++) {
+        if (s->manner[k].kind != ALONG) continue;
+        const double end = settled(s, k);
+        for (int o = 0; o <= nz; o++)
+            for (int i = 0; i < N; i++) {
+                double *by_state = b->by + (o * inputs + 3 + k) * N + i;
+                if (*by_state == 0.0) continue;
+                const double by_angle = s->pull[k] * (b->z[k * N + i] - end);
+                b->by[o * inputs * N + i] += *by_state * by_angle;
+                b->by_start[o * N + i] -= *by_state * by_angle;
+                for (int p = 0; p < np; p++) {
+                    const double change = along_by(s, b, k, p, b->th[i], b->growth[k * N + i]);
+                    b->by_parameter[(o * np + p) * N + i] += *by_state * change;
+                }
+                *by_state *= b->growth[k * N + i];
+            }
     }
 }
 
@@ -175,7 +229,7 @@ static void apply_inverse(const Panel *b, int blocks, const double *in, double *
     else combine_blocks(blocks, b->inverse, in, out);
 }
 
-static void states_at_nodes(Panel *b, int n_states) {
+static void states_at_nodes(const Pendulum *s, Panel *b) {
     double once[N], twice[N];
     combine(T_first, b->u, once);
     combine(T_second, b->u, twice);
@@ -183,9 +237,24 @@ static void states_at_nodes(Panel *b, int n_states) {
         b->v[i] = b->from.v + b->h * once[i];
         b->th[i] = b->from.th + b->h * (b->from.v * T_nodes[i] + b->h * twice[i]);
     }
-    for (int k = 0; k < n_states; k++) {
-        combine(T_first, b->u + (1 + k) * N, once);
-        for (int i = 0; i < N; i++) b->z[k * N + i] = b->from.z[k] + b->h * once[i];
+    for (int k = 0; k < s->m->n_states; k++) {
+        double *z = b->z + k * N;
+        const double *rate = b->u + s->manner[k].of * N, start = b->from.z[k];
+        switch (s->manner[k].kind) {
+        case RATE:
+            combine(T_first, rate, once);
+            for (int i = 0; i < N; i++) z[i] = start + b->h * once[i];
+            break;
+        case POSITION:
+            combine(T_second, rate, twice);
+            for (int i = 0; i < N; i++) z[i] = start + b->h * (b->from.z[s->row[s->manner[k].of] - 1] * T_nodes[i] + b->h * twice[i]);
+            break;
+        case FOLLOWER:
+            for (int i = 0; i < N; i++) z[i] = 0.0; /* its rate is then what drives it */
+            break;
+        default:
+            along(s, b, k, b->th, b->growth + k * N, z);
+        }
     }
 }
 
@@ -228,24 +297,33 @@ static inline int gauss_jordan(int size, double *g) {
 }
 
 /* The inverse of 1 - d(rates)/d(unknowns), stored by column. */
-static int invert(Panel *b, int n_states) {
-    const int blocks = 1 + n_states, size = blocks * N, inputs = 3 + n_states;
-    for (int block = 0; block < blocks; block++)
-        for (int j = 0; j < N; j++) {
-            double *column = b->inverse + (block * N + j) * size;
-            for (int o = 0; o < blocks; o++) {
-                const double *by = b->by + o * inputs * N;
-                for (int i = 0; i < N; i++) {
-                    const double through = block
-                        ? b->h * by[(2 + block) * N + i] * T_first[j * N + i]
-                        : b->h * (b->h * by[i] * T_second[j * N + i] + by[N + i] * T_first[j * N + i]);
-                    column[o * N + i] = -through;
-                }
-                if (block == 0) column[o * N + j] -= by[2 * N + j];
-            }
-            column[block * N + j] += 1.0;
+static int invert(const Pendulum *s, Panel *b) {
+    const int blocks = s->blocks, size = blocks * N, inputs = 3 + s->m->n_states;
+    for (int block = 0; block < blocks; block++) {
+        int of = 0, position = -1; /* what the block's rate is integrated to, once and twice */
+        if (block) {
+            of = 3 + s->row[block] - 1;
+            for (int k = 0; k < s->m->n_states; k++)
+                if (s->manner[k].kind == POSITION && s->manner[k].of == block) position = 3 + k;
+        } else {
+            of = 1;
+            position = 0;
         }
-    b->has_inverse = n_states ? gauss_jordan(size, b->inverse) : gauss_jordan(N, b->inverse);
+        for (int o = 0; o < blocks; o++) {
+            const double *by = b->by + s->row[o] * inputs * N, *once = by + of * N, *twice = by + position * N;
+            for (int j = 0; j < N; j++) {
+                double *column = b->inverse + (block * N + j) * size + o * N;
+                if (position >= 0)
+                    for (int i = 0; i < N; i++)
+                        column[i] = -b->h * (b->h * twice[i] * T_second[j * N + i] + once[i] * T_first[j * N + i]);
+                else
+                    for (int i = 0; i < N; i++) column[i] = -b->h * once[i] * T_first[j * N + i];
+                if (block == 0) column[j] -= by[2 * N + j];
+                if (block == o) column[j] += 1.0;
+            }
+        }
+    }
+    b->has_inverse = blocks > 1 ? gauss_jordan(size, b->inverse) : gauss_jordan(N, b->inverse);
     return b->has_inverse;
 }
 
@@ -259,8 +337,8 @@ static double largest(const double *x) {
  * angle, for a swing that has died down is all rounding; of a state's rate, or of what would change the state by its own
  * size over the panel, for a state that has settled has no rate to speak of. */
 static double size_of(const Pendulum *s, const Panel *b, int block, const double *rates) {
-    const double least = block ? largest(b->z + (block - 1) * N) / b->h : 1e-3 * s->p[0] * s->p[0] * s->reach;
-    return fmax(largest(rates + block * N), least) + 1e-12;
+    const double least = block ? largest(b->z + (s->row[block] - 1) * N) / b->h : 1e-3 * s->p[0] * s->p[0] * s->reach;
+    return fmax(largest(rates), least) + 1e-12;
 }
 
 /* Solve the panel from the guess in b->u; 0 where the iteration does not converge. */
@@ -271,26 +349,27 @@ static int solve(const Pendulum *s, Panel *b, Report *report) {
     for (int i = 0; i < N; i++) b->t[i] = b->from.t + b->h * T_nodes[i];
     for (int sweep = 0; sweep < SWEEPS; sweep++) {
         double error = 0.0;
-        states_at_nodes(b, blocks - 1);
+        states_at_nodes(s, b);
         rates(s, N, b->th, b->v, b->u, b->t, b->z, f, NULL);
         report->evaluations++;
         for (int k = 0; k < blocks; k++) {
-            for (int i = k * N; i < (k + 1) * N; i++) residual[i] = f[i] - b->u[i];
+            const double *found = f + s->row[k] * N;
+            for (int i = 0; i < N; i++) residual[k * N + i] = found[i] - b->u[k * N + i];
             const double off = largest(residual + k * N);
             if (!isfinite(off)) return 0;
-            error = fmax(error, off / size_of(s, b, k, f));
+            error = fmax(error, off / size_of(s, b, k, found));
         }
         /* the step about to be taken leaves an error smaller by the factor that the last one gained */
         const int solved = error * fmin(1.0, error / last) <= SOLVED;
         if (!b->has_inverse || (!solved && sweep && error > 0.2 * last && !fresh)) {
             slopes_at_nodes(s, b);
-            if (!invert(b, blocks - 1)) return 0;
+            if (!invert(s, b)) return 0;
             fresh = 2;
         }
         apply_inverse(b, blocks, residual, step);
         for (int i = 0; i < blocks * N; i++) b->u[i] += step[i];
         if (solved) {
-            states_at_nodes(b, blocks - 1);
+            states_at_nodes(s, b);
             return 1;
         }
         last = error;
@@ -307,27 +386,99 @@ static void integrate(const double *rate, int degree, double h, double start, do
     out[0] = start - at_start;
 }
 
-static void polynomials(const double *u, int n_states, double h, double th, double v, const double *z, double *th_poly,
-                        double *v_poly, double (*z_poly)[N + 1]) {
-    double c[N];
-    combine(T_monomial, u, c);
-    integrate(c, N - 1, h, v, v_poly);
-    integrate(v_poly, N, h, th, th_poly);
-    for (int k = 0; k < n_states; k++) {
-        combine(T_monomial, u + (1 + k) * N, c);
-        integrate(c, N - 1, h, z[k], z_poly[k]);
-    }
-}
-
 static inline double horner(const double *c, int degree, double x) {
     double value = c[degree];
     for (int k = degree - 1; k >= 0; k--) value = value * x + c[k];
     return value;
 }
 
-static Place place_at(const Panel *b, int n_states, double x) {
-    Place at = {b->from.t + 0.5 * b->h * (x + 1.0), horner(b->th_poly, N + 1, x), horner(b->v_poly, N, x), {0.0}};
-    for (int k = 0; k < n_states; k++) at.z[k] = horner(b->z_poly[k], N, x);
+/* z' = driven + pull z from z0, with `driven` at the nodes: exact for the polynomial through them. Where it settles
+ * within a small part of the panel, a polynomial that satisfies the equation, and what is left of the start fades; there
+ * the part of `driven` that is `lead` times the angle th, which has a higher degree, is taken as it is. */
+#define SETTLES 12.0 /* time constants a panel */
+static void follow(const double *driven, const double *inverse, double pull, double lead, const double *th, const double *th_poly,
+                   double h, double z0, Course *out) {
+    double c[N], rate[N];
+    memset(out, 0, sizeof *out);
+    if (-pull * h < SETTLES) {
+        for (int i = 0; i < N; i++) c[i] = driven[i] + pull * z0;
+        combine(inverse, c, rate);
+        combine(T_monomial, rate, c);
+        integrate(c, N - 1, h, z0, out->poly);
+    } else {
+        for (int i = 0; i < N; i++) rate[i] = driven[i] - lead * th[i];
+        combine(T_monomial, rate, c);
+        for (int k = N + 1; k >= 0; k--) {
+            const double rise = k > N ? 0.0 : 2.0 / h * (k + 1) * out->poly[k + 1];
+            out->poly[k] = (rise - lead * th_poly[k] - (k < N ? c[k] : 0.0)) / pull;
+        }
+        out->fade[0] = z0 - horner(out->poly, N + 1, -1.0);
+    }
+}
+
+/* The inverses that `follow` takes, for the followers that are not quick to settle. */
+static int prepare_followers(const Pendulum *s, Panel *b) {
+    for (int k = 0; k < s->m->n_states; k++) {
+        if (s->manner[k].kind != FOLLOWER || -s->pull[k] * b->h >= SETTLES) continue;
+        for (int j = 0; j < N; j++)
+            for (int i = 0; i < N; i++) b->follow[k][j * N + i] = (i == j) - b->h * s->pull[k] * T_first[j * N + i];
+        if (!gauss_jordan(N, b->follow[k])) return 0;
+    }
+    return 1;
+}
+
+/* Angle, velocity and states along the panel: of the motion, or of its change by a value with `driven` for the followers'. */
+static void polynomials(const Pendulum *s, const Panel *b, const double *u, double th, double v, const double *z, const double *driven,
+                        const double *th_nodes, double *th_poly, double *v_poly, Course *state) {
+    double c[N];
+    combine(T_monomial, u, c);
+    integrate(c, N - 1, b->h, v, v_poly);
+    v_poly[N + 1] = 0.0;
+    integrate(v_poly, N, b->h, th, th_poly);
+    for (int k = 0; k < s->m->n_states; k++) {
+        const int block = s->manner[k].of;
+        double once[N + 1];
+        switch (s->manner[k].kind) {
+        case RATE:
+            combine(T_monomial, u + block * N, c);
+            integrate(c, N - 1, b->h, z[k], state[k].poly);
+            state[k].poly[N + 1] = state[k].fade[0] = state[k].fade[1] = 0.0;
+            break;
+        case POSITION:
+            combine(T_monomial, u + block * N, c);
+            integrate(c, N - 1, b->h, z[s->row[block] - 1], once);
+            integrate(once, N, b->h, z[k], state[k].poly);
+            state[k].fade[0] = state[k].fade[1] = 0.0;
+            break;
+        case FOLLOWER:
+            follow(driven + k * N, b->follow[k], s->pull[k], s->lead[k], th_nodes, th_poly, b->h, z[k], &state[k]);
+            break;
+        default: memset(&state[k], 0, sizeof state[k]); /* no polynomial is needed */
+        }
+    }
+}
+
+/* The motion along the solved panel. */
+static void trace(const Pendulum *s, Panel *b) {
+    double f[BLOCKS * N];
+    if (s->followers) rates(s, N, b->th, b->v, b->u, b->t, b->z, f, NULL);
+    polynomials(s, b, b->u, b->from.th, b->from.v, b->from.z, f + N, b->th, b->th_poly, b->v_poly, b->state);
+    for (int k = 0; k < s->m->n_states; k++)
+        if (s->manner[k].kind == FOLLOWER)
+            for (int i = 0; i < N; i++) b->z[k * N + i] = horner(b->state[k].poly, N + 1, 2.0 * T_nodes[i] - 1.0);
+}
+
+static double faded(const Course *state, double pull, double after) {
+    return state->fade[0] == 0.0 && state->fade[1] == 0.0 ? 0.0 : (state->fade[0] + state->fade[1] * after) * exp(pull * after);
+}
+
+static Place place_at(const Pendulum *s, const Panel *b, double x) {
+    const double after = 0.5 * b->h * (x + 1.0);
+    Place at = {b->from.t + after, horner(b->th_poly, N + 1, x), horner(b->v_poly, N, x), {0.0}};
+    for (int k = 0; k < s->m->n_states; k++)
+        at.z[k] = s->manner[k].kind == ALONG
+            ? settled(s, k) + (b->from.z[k] - settled(s, k)) * exp(s->pull[k] * (at.th - b->from.th))
+            : horner(b->state[k].poly, N + 1, x) + faded(&b->state[k], s->pull[k], after);
     return at;
 }
 
@@ -339,9 +490,9 @@ static double tail(const Pendulum *s, const Panel *b) {
         for (int k = 0; k < 2; k++)
             for (int j = 0; j < N; j++) c[k] += T_tail[k * N + j] * b->u[block * N + j];
         /* the angle is the acceleration's integral twice over, a state its rate's once: that leaves more of the error */
-        most = fmax(most, (block ? 30.0 : 1.0) * (fabs(c[0]) + fabs(c[1])) / size_of(s, b, block, b->u));
+        most = fmax(most, (block ? 30.0 : 1.0) * (fabs(c[0]) + fabs(c[1])) / size_of(s, b, block, b->u + block * N));
     }
-    return s->rough ? 100.0 * most : most;
+    return most;
 }
 
 /* Root of the velocity in [low, high] (positions in -1..1), where direction * v is >= 0 at low and < 0 at high. */
@@ -362,9 +513,56 @@ static double velocity_root(const Panel *b, double direction, double low, double
     return x;
 }
 
+/* The value and the slope by time of N positions of a polynomial (-1..1). */
+static void sloped(const double *poly, double h, const double *x, double *value, double *slope) {
+    for (int k = 0; k < LANES_OF(N); k++) {
+        const Lanes at = READ_LANES(x, k);
+        Lanes sum = poly[N + 1] - (Lanes){0.0}, rise = {0.0};
+        for (int j = N; j >= 0; j--) {
+            rise = rise * at + sum;
+            sum = sum * at + poly[j];
+        }
+        LANES(value, k) = sum;
+        LANES(slope, k) = rise * (2.0 / h);
+    }
+}
+
+/* How far the equations of motion are missed between the nodes, against their size: what is narrower than the nodes'
+ * distance shows nowhere else. Looked at are the panel's start and the middles between the nodes and, where an effect may
+ * be narrow in the angle, places closer than NARROW. */
+static double missed(const Pendulum *s, const Panel *b) {
+    double most = 0.0, low = b->th[0], high = b->th[0];
+    for (int i = 1; i < N; i++) {
+        low = fmin(low, b->th[i]);
+        high = fmax(high, b->th[i]);
+    }
+    const int rounds = s->sharp > 1 ? 1 + (int)fmin(1e4, (high - low) / (N * NARROW)) : 1;
+    for (int round = 0; round <= rounds - (s->sharp < 2); round++) {
+        double x[N], t[N], th[N], v[N], again[N], u[BLOCKS * N], z[MAX_STATES * N] = {0.0}, growth[N], f[BLOCKS * N];
+        for (int i = 0; i < N; i++) {
+            x[i] = round ? 2.0 * ((round - 1) * N + i + 0.5) / (rounds * N) - 1.0 : i ? T_nodes[i] + T_nodes[i - 1] - 1.0 : -1.0;
+            t[i] = b->from.t + 0.5 * b->h * (x[i] + 1.0);
+        }
+        sloped(b->th_poly, b->h, x, th, again);
+        sloped(b->v_poly, b->h, x, v, u);
+        for (int k = 0; k < s->m->n_states; k++) {
+            if (s->manner[k].kind == ALONG) along(s, b, k, th, growth, z + k * N);
+            else if (s->manner[k].kind != FOLLOWER)
+                sloped(b->state[k].poly, b->h, x, z + k * N, s->manner[k].kind == RATE ? u + s->manner[k].of * N : again);
+        }
+        rates(s, N, th, v, u, t, z, f, NULL);
+        for (int block = 0; block < s->blocks; block++) {
+            const double *found = f + s->row[block] * N;
+            const double size = size_of(s, b, block, found);
+            for (int i = 0; i < N; i++) most = fmax(most, fabs(found[i] - u[block * N + i]) / size);
+        }
+    }
+    return most;
+}
+
 static double switch_at(const Pendulum *s, const Panel *b, int k, double x) {
     double g[MAX_SWITCHES];
-    const Place at = place_at(b, s->m->n_states, x);
+    const Place at = place_at(s, b, x);
     switches_at(s, &at, g);
     return g[k];
 }
@@ -439,13 +637,13 @@ static double breakaway(Pendulum *s, const Panel *b) {
     double low = -1.0;
     for (int i = 0; i <= N; i++) {
         const double x = i < N ? 2.0 * T_nodes[i] - 1.0 : 1.0;
-        Place at = place_at(b, s->m->n_states, x);
+        Place at = place_at(s, b, x);
         at.v = 0.0;
         if (leaves_rest(s, &at, 0.0)) {
             double high = x;
             for (int k = 0; k < 60 && high - low > 1e-15; k++) {
                 const double middle = 0.5 * (low + high);
-                at = place_at(b, s->m->n_states, middle);
+                at = place_at(s, b, middle);
                 at.v = 0.0;
                 if (leaves_rest(s, &at, 0.0)) high = middle; else low = middle;
             }
@@ -549,46 +747,102 @@ static void sample(const double *poly, int degree, const double *x, int n, doubl
     }
 }
 
+static double rate_of_course(const Course *state, double pull, double h, double x) {
+    double value = state->poly[N + 1], slope = 0.0;
+    for (int k = N; k >= 0; k--) {
+        slope = slope * x + value;
+        value = value * x + state->poly[k];
+    }
+    const double after = 0.5 * h * (x + 1.0);
+    return 2.0 / h * slope + pull * faded(state, pull, after) + (state->fade[1] != 0.0 ? state->fade[1] * exp(pull * after) : 0.0);
+}
+
+static void sample_state(const Course *state, double pull, double h, const double *x, int n, double *out) {
+    sample(state->poly, N + 1, x, n, out);
+    if (state->fade[0] == 0.0 && state->fade[1] == 0.0) return;
+    for (int i = 0; i < n; i++) {
+        const double after = 0.5 * h * (x[i] + 1.0);
+        if (pull * after < -45.0) break;
+        out[i] += faded(state, pull, after);
+    }
+}
+
 /* Sensitivities: of angle, velocity and states by each free value, now and along the panel. */
 typedef struct {
     int n;
     const int *by;
     double th[MAX_PARAMETERS], v[MAX_PARAMETERS], z[MAX_PARAMETERS][MAX_STATES];
-    double th_poly[MAX_PARAMETERS][N + 2], v_poly[MAX_PARAMETERS][N + 1], z_poly[MAX_PARAMETERS][MAX_STATES][N + 1];
+    double th_poly[MAX_PARAMETERS][N + 2], v_poly[MAX_PARAMETERS][N + 2];
+    Course state[MAX_PARAMETERS][MAX_STATES];
 } Sensitivities;
 
-/* Along the solved panel: the linear problem with the panel's own inverse. */
-static void propagate(const Panel *b, int n_states, int n_parameters, Sensitivities *d) {
-    const int blocks = 1 + n_states, inputs = 3 + n_states;
-    for (int f = 0; f < d->n; f++) {
-        double rhs[BLOCKS * N], du[BLOCKS * N];
-        for (int o = 0; o < blocks; o++) {
-            const double *by = b->by + o * inputs * N;
-            double *out = rhs + o * N;
-            for (int i = 0; i < N; i++) out[i] = by[i] * (d->th[f] + d->v[f] * b->h * T_nodes[i]) + by[N + i] * d->v[f];
-            for (int k = 0; k < n_states; k++)
-                for (int i = 0; i < N; i++) out[i] += by[(3 + k) * N + i] * d->z[f][k];
-            if (d->by[f] >= 0)
-                for (int i = 0; i < N; i++) out[i] += b->by_parameter[(o * n_parameters + d->by[f]) * N + i];
+/* What changes a rate at the nodes for a change of free value f: through the place where the panel starts, and itself. */
+static void forcing(const Pendulum *s, const Panel *b, const Sensitivities *d, int f, int row, double *out) {
+    const int nz = s->m->n_states, inputs = 3 + nz;
+    const double *by = b->by + row * inputs * N;
+    for (int i = 0; i < N; i++) out[i] = by[i] * (d->th[f] + d->v[f] * b->h * T_nodes[i]) + by[N + i] * d->v[f];
+    for (int k = 0; k < nz; k++) {
+        const double *by_state = by + (3 + k) * N;
+        for (int i = 0; i < N; i++) out[i] += by_state[i] * d->z[f][k];
+        if (s->manner[k].kind == POSITION) {
+            const double speed = b->h * d->z[f][s->row[s->manner[k].of] - 1];
+            for (int i = 0; i < N; i++) out[i] += by_state[i] * speed * T_nodes[i];
         }
-        apply_inverse(b, blocks, rhs, du);
-        polynomials(du, n_states, b->h, d->th[f], d->v[f], d->z[f], d->th_poly[f], d->v_poly[f], d->z_poly[f]);
+    }
+    if (nz)
+        for (int i = 0; i < N; i++) out[i] += b->by_start[row * N + i] * d->th[f];
+    if (d->by[f] >= 0)
+        for (int i = 0; i < N; i++) out[i] += b->by_parameter[(row * s->m->n_parameters + d->by[f]) * N + i];
+}
+
+/* Along the solved panel: the linear problem with the panel's own inverse. */
+static void propagate(const Pendulum *s, const Panel *b, Sensitivities *d) {
+    const int nz = s->m->n_states, inputs = 3 + nz;
+    for (int f = 0; f < d->n; f++) {
+        double rhs[BLOCKS * N], du[BLOCKS * N], driven[MAX_STATES * N], th[N];
+        for (int block = 0; block < s->blocks; block++) forcing(s, b, d, f, s->row[block], rhs + block * N);
+        apply_inverse(b, s->blocks, rhs, du);
+        for (int k = 0; s->followers && k < nz; k++) {
+            if (s->manner[k].kind != FOLLOWER) continue;
+            /* what drives its change: as the blocks', with the change of the motion that is now known */
+            const double *by = b->by + (1 + k) * inputs * N;
+            double once[N], twice[N], *out = driven + k * N;
+            forcing(s, b, d, f, 1 + k, out);
+            combine(T_first, du, once);
+            combine(T_second, du, twice);
+            for (int i = 0; i < N; i++) {
+                out[i] += b->h * (b->h * by[i] * twice[i] + by[N + i] * once[i]) + by[2 * N + i] * du[i] - s->pull[k] * d->z[f][k];
+                th[i] = d->th[f] + b->h * (d->v[f] * T_nodes[i] + b->h * twice[i]);
+            }
+        }
+        polynomials(s, b, du, d->th[f], d->v[f], d->z[f], driven, th, d->th_poly[f], d->v_poly[f], d->state[f]);
+        for (int k = 0; s->followers && k < nz; k++)
+            if (d->by[f] >= 0) d->state[f][k].fade[1] = s->pull_by[k][d->by[f]] * b->state[k].fade[0];
     }
 }
 
-static void move_to(Sensitivities *d, int n_states, double x) {
+static void move_to(const Pendulum *s, const Panel *b, Sensitivities *d, double x) {
+    const double after = 0.5 * b->h * (x + 1.0), th = horner(b->th_poly, N + 1, x);
     for (int f = 0; f < d->n; f++) {
+        const double th_before = d->th[f];
         d->th[f] = horner(d->th_poly[f], N + 1, x);
         d->v[f] = horner(d->v_poly[f], N, x);
-        for (int k = 0; k < n_states; k++) d->z[f][k] = horner(d->z_poly[f][k], N, x);
+        for (int k = 0; k < s->m->n_states; k++) {
+            if (s->manner[k].kind == ALONG) {
+                const double growth = exp(s->pull[k] * (th - b->from.th));
+                d->z[f][k] = growth * (d->z[f][k] + s->pull[k] * (b->from.z[k] - settled(s, k)) * (d->th[f] - th_before))
+                             + (d->by[f] >= 0 ? along_by(s, b, k, d->by[f], th, growth) : 0.0);
+            } else
+                d->z[f][k] = horner(d->state[f][k].poly, N + 1, x) + faded(&d->state[f][k], s->pull[k], after);
+        }
     }
 }
 
 /* The rates jump at an event that comes `later[f]` for a change of free value f: saltation. */
-static void jump(Sensitivities *d, int blocks, const double *before, const double *after, const double *later) {
+static void jump(Sensitivities *d, int n_states, const double *before, const double *after, const double *later) {
     for (int f = 0; f < d->n; f++) {
         d->v[f] += (before[0] - after[0]) * later[f];
-        for (int k = 1; k < blocks; k++) d->z[f][k - 1] += (before[k] - after[k]) * later[f];
+        for (int k = 0; k < n_states; k++) d->z[f][k] += (before[1 + k] - after[1 + k]) * later[f];
     }
 }
 
@@ -599,7 +853,7 @@ static void cross_switch(Pendulum *s, const Place *x, int k, Sensitivities *d) {
     s->sign[k] = -s->sign[k];
     rates_at(s, x, s->direction, after);
     double difference = 0.0, size = 0.0;
-    for (int j = 0; j < s->blocks; j++) {
+    for (int j = 0; j <= s->m->n_states; j++) {
         difference = fmax(difference, fabs(after[j] - before[j]) / (fabs(before[j]) + fabs(after[j]) + 1e-12));
         size = fmax(size, fabs(before[j]));
     }
@@ -634,7 +888,7 @@ static void cross_switch(Pendulum *s, const Place *x, int k, Sensitivities *d) {
         }
         later[f] = -change / rate;
     }
-    jump(d, s->blocks, before, after, later);
+    jump(d, s->m->n_states, before, after, later);
 }
 
 /* The states at the release, and their sensitivities. */
@@ -668,9 +922,47 @@ static int prepare(Pendulum *s, const Model *m, const double *p, int n_free) {
         s->timed |= e->timed;
         s->inertial |= e->inertial;
         s->rough |= e->rough;
+        s->sharp |= e->sharp;
         if (s->n_switches > MAX_SWITCHES) return 0;
     }
+    s->blocks = 1;
+    for (int k = 0; k < m->n_motions; k++) {
+        const Part at = m->motions[k];
+        const Effect *e = &EFFECTS[at.row];
+        for (int j = 0; j < e->n_states; j++) {
+            s->manner[at.first_state + j] = e->manner[j];
+            s->followers += e->manner[j].kind == FOLLOWER;
+            if (e->manner[j].kind != RATE) continue;
+            s->manner[at.first_state + j].of = s->blocks;
+            s->row[s->blocks++] = 1 + at.first_state + j;
+        }
+        for (int j = 0; j < e->n_states; j++)
+            if (e->manner[j].kind == POSITION) s->manner[at.first_state + j].of = s->manner[at.first_state + e->manner[j].of].of;
+    }
     return 1;
+}
+
+/* What draws the states that are linear in themselves, in the present direction, with its derivatives. */
+static void draw_states(Pendulum *s) {
+    const double zero = 0.0;
+    for (int k = 0; k < s->m->n_motions; k++) {
+        const Part at = s->m->motions[k];
+        const Effect *e = &EFFECTS[at.row];
+        if (!e->n_states) continue;
+        double row[3 * MAX_STATES] = {0.0}, by_p[3 * MAX_STATES * MAX_PARAMETERS] = {0.0};
+        const Points q = {1, 1, &zero, &zero, &zero, &zero, &zero, &zero, &zero, s->p[0], s->m->duration, s->direction};
+        const Slopes slopes = {NULL, by_p, 0, s->m->n_parameters, 1};
+        e->linear(&q, s->p + at.first_parameter, s->sign + s->sign_first[k], row, at);
+        e->linear_slopes(&q, s->p + at.first_parameter, s->sign + s->sign_first[k], &slopes, at);
+        for (int j = 0; j < e->n_states; j++) {
+            const int state = at.first_state + j;
+            s->pull[state] = row[3 * j];
+            s->push[state] = row[3 * j + 1];
+            s->lead[state] = row[3 * j + 2];
+            memcpy(s->pull_by[state], by_p + 3 * j * s->m->n_parameters, s->m->n_parameters * sizeof(double));
+            memcpy(s->push_by[state], by_p + (3 * j + 1) * s->m->n_parameters, s->m->n_parameters * sizeof(double));
+        }
+    }
 }
 
 int swing_trajectory(const Model *m, const double *p, double release_angle, double release_velocity,
@@ -732,7 +1024,7 @@ int swing_trajectory(const Model *m, const double *p, double release_angle, doub
             if (n_free && s.direction != 0.0) { /* the rates jump at the reversal, which comes later by -dv/a */
                 rates_at(&s, &here, way ? way : s.direction, after);
                 for (int f = 0; f < n_free; f++) later[f] = before[0] != 0.0 ? -d.v[f] / before[0] : 0.0;
-                if (!was_held) jump(&d, s.blocks, before, after, later);
+                if (!was_held) jump(&d, nz, before, after, later);
                 if (s.held)
                     for (int f = 0; f < n_free; f++) d.v[f] = 0.0;
             }
@@ -751,6 +1043,7 @@ int swing_trajectory(const Model *m, const double *p, double release_angle, doub
                 s.direction = way;
         }
         double start[BLOCKS];
+        if (nz) draw_states(&s);
         rates_at(&s, &here, s.direction, start);
         const double left = s.held ? 3.0 / omega : time_to_reversal(s.direction, here.v, start[0], omega) * OVERSHOOT;
         double h = left / fmax(1.0, ceil(left / longest));
@@ -769,10 +1062,14 @@ int swing_trajectory(const Model *m, const double *p, double release_angle, doub
             else
                 for (int i = 0; i < N; i++)
                     b.u[i] = s.held ? 0.0 : start[0] * cos(omega * h * T_nodes[i]) - omega * here.v * sin(omega * h * T_nodes[i]);
-            for (int i = N; i < s.blocks * N; i++) b.u[i] = start[i / N];
+            for (int i = N; i < s.blocks * N; i++) b.u[i] = start[s.row[i / N]];
             if (attempt > 0 || !alike) b.has_inverse = 0;
             if (solve(&s, &b, report)) {
                 excess = tail(&s, &b) / TAIL;
+                if (s.followers && !prepare_followers(&s, &b)) continue;
+                trace(&s, &b);
+                if (s.rough) excess *= 300.0 * fmin(1.0, h * omega / 3.14);
+                if (s.sharp && excess <= 1.0) excess = fmax(excess, missed(&s, &b) / MISSED * (s.rough ? 10.0 : 1.0) * fmin(1.0, h * omega / 3.14));
                 if (excess <= 1.0) { solved = 1; break; }
                 h *= fmin(0.7, fmax(0.2, 0.8 * pow(excess, -1.0 / 14)));
             } else
@@ -788,7 +1085,6 @@ int swing_trajectory(const Model *m, const double *p, double release_angle, doub
         last_start = start[0];
         report->panels++;
 
-        polynomials(b.u, nz, h, here.th, here.v, here.z, b.th_poly, b.v_poly, b.z_poly);
         int what;
         double event = first_event(&s, &b, &what);
         if (s.held) {
@@ -799,8 +1095,8 @@ int swing_trajectory(const Model *m, const double *p, double release_angle, doub
         report->error += excess * TAIL * largest(b.u) * h * h / (64.0 * N * N);
         if (n_free) {
             slopes_at_nodes(&s, &b);
-            if (!invert(&b, nz)) { status = LOST_ACCURACY; break; }
-            propagate(&b, nz, m->n_parameters, &d);
+            if (!invert(&s, &b)) { status = LOST_ACCURACY; break; }
+            propagate(&s, &b, &d);
         }
         int last = next;
         while (last < n && at[last] <= t_end) {
@@ -810,15 +1106,20 @@ int swing_trajectory(const Model *m, const double *p, double release_angle, doub
         const int size = last - next;
         sample(b.th_poly, N + 1, x + next, size, angles + next);
         if (with_clock) sample(b.v_poly, N, x + next, size, speed + next);
-        for (int k = 0; k < kept_states; k++) sample(b.z_poly[k], N, x + next, size, z + (size_t)k * n + next);
+        for (int k = 0; k < kept_states; k++) sample_state(&b.state[k], s.pull[k], h, x + next, size, z + (size_t)k * n + next);
         for (int f = 0; f < n_free; f++) {
             sample(d.th_poly[f], N + 1, x + next, size, slopes + (size_t)f * n + next);
             for (int k = 0; k < kept_states; k++)
-                sample(d.z_poly[f][k], N, x + next, size, z_slopes + ((size_t)k * n_free + f) * n + next);
+                sample_state(&d.state[f][k], s.pull[k], h, x + next, size, z_slopes + ((size_t)k * n_free + f) * n + next);
         }
-        here = place_at(&b, nz, x_end);
+        for (int k = 0; with_clock && k < kept_states; k++)
+            for (int i = next; i < last; i++) { /* a sample that comes later sees the state move on */
+                const double rate = rate_of_course(&b.state[k], s.pull[k], h, x[i]);
+                for (int f = 0; f < n_free; f++) z_slopes[((size_t)k * n_free + f) * n + i] += rate * clock_slopes[(size_t)f * n + i];
+            }
+        here = place_at(&s, &b, x_end);
         here.t = t_end;
-        if (n_free) move_to(&d, nz, x_end);
+        if (n_free) move_to(&s, &b, &d, x_end);
         if (m->play >= 0) {
             const double half = 0.5 * p[m->play];
             for (int i = next; i < last; i++) {
@@ -840,6 +1141,8 @@ int swing_trajectory(const Model *m, const double *p, double release_angle, doub
             cross_switch(&s, &here, what, &d);
         if (report->panels + report->rejected > panels_in_advance + panels_a_second * (here.t - at[0])) status = LOST_ACCURACY;
         if (!(fabs(here.th) < 1e4) || !(fabs(here.v) < 1e8)) status = RAN_AWAY;
+        for (int k = 0; k < nz; k++)
+            if (!isfinite(here.z[k])) status = RAN_AWAY;
     }
     if (status == DONE) {
         for (int f = 0; f < n_free && with_clock; f++)
