@@ -14,7 +14,9 @@ from .trajectory import Compiled, TrajectoryError, checked_times, doubles, engin
 
 STARTS = ("free", "rest")
 _FEWEST = 8  # samples of a swing's first part
-_ROUGH, _ROUGH_EVALUATIONS = 1e-4, 30  # a first part's optimum is only a start: tolerance, and what it may take
+_PARTS = (0.15, 0.25, 0.35, 0.45, 0.55, 0.65, 0.75, 0.85, 0.95)  # of the record, for a start
+_TOLD = 0.35  # a part that tells all values apart, where a shorter one may have led astray
+_ROUGH, _ROUGH_EVALUATIONS = 1e-6, 200  # tolerance of a part's optimum, which is only a start; evaluations for all parts
 _SMALLEST_FREQUENCY = 1e-3  # rad/s; a pendulum slower than an hour is none
 
 
@@ -119,6 +121,10 @@ class _Problem:
         frequencies = np.array(self.free) == "natural_frequency"
         self.lower[frequencies] = np.maximum(self.lower[frequencies], _SMALLEST_FREQUENCY)
         self.compiled = [Compiled(model, float(times[-1] - times[0])) for times, _ in self.swings]
+        self.models = (build.CModel * count)(*(compiled.c for compiled in self.compiled))
+        self.times, self.angles = (_pointers(arrays) for arrays in zip(*self.swings, strict=True))
+        self.where_pointer = self.where.ctypes.data_as(ctypes.POINTER(ctypes.c_int))
+        self.lower_pointer, self.upper_pointer = doubles(self.lower), doubles(self.upper)
 
     def variables(self, values, releases):
         """The vector of free variables for parameter values (by name, 0 where absent) and the swings' releases.
@@ -170,16 +176,21 @@ def _from_guess(problem, guess, releases):
 
 
 def _grown(problem, starts, most, tolerance):
-    """One more start: the optimum of the first part of every swing, then of a longer part.
+    """One more start: the optimum of the first part of every swing, then of ever longer parts.
 
     Where friction stops the pendulum within the record, the whole record has many minima and its first part few.
     """
-    for share in (0.12, 0.35, 0.7):
-        part = _least_squares(problem, starts, min(most, _ROUGH_EVALUATIONS), max(tolerance, _ROUGH), share)
-        if part[-1].converged < 0:
-            return starts[:1]
-        starts = part[1][None]
-    return starts
+    grown, left = starts, _ROUGH_EVALUATIONS
+    for share in _PARTS:
+        tried = np.vstack([grown, starts]) if share == _TOLD else grown
+        *_, outcome = part = _least_squares(problem, tried, min(most, left, 30), max(tolerance, _ROUGH), share)
+        if outcome.converged < 0:
+            break
+        grown = part[1][None]
+        left -= outcome.evaluations
+        if left <= 0:
+            break
+    return grown[:1]
 
 
 def _pointers(arrays):
@@ -188,16 +199,13 @@ def _pointers(arrays):
 
 def _least_squares(problem, starts, most, tolerance, share=1.0):
     count, size = len(problem.swings), len(problem.free)
-    models = (build.CModel * count)(*(compiled.c for compiled in problem.compiled))
     lengths = (ctypes.c_int * count)(*(max(_FEWEST, round(share * times.size)) if share < 1 else times.size for times, _ in problem.swings))
     values, best, hessian = problem.given.copy(), np.zeros(size), np.zeros((size, size))
     starts, squares, outcome = np.ascontiguousarray(starts), np.zeros(len(starts)), build.COutcome()
     rss = engine().fit_swings(
-        models, ctypes.c_int(count), lengths, _pointers([times for times, _ in problem.swings]),
-        _pointers([angle for _, angle in problem.swings]), doubles(values),
-        problem.where.ctypes.data_as(ctypes.POINTER(ctypes.c_int)), ctypes.c_int(size), ctypes.c_int(len(starts)),
-        doubles(starts), doubles(problem.lower), doubles(problem.upper), ctypes.c_int(most), ctypes.c_double(tolerance),
-        doubles(best), doubles(hessian), doubles(squares), ctypes.byref(outcome),
+        problem.models, ctypes.c_int(count), lengths, problem.times, problem.angles, doubles(values), problem.where_pointer,
+        ctypes.c_int(size), ctypes.c_int(len(starts)), doubles(starts), problem.lower_pointer, problem.upper_pointer,
+        ctypes.c_int(most), ctypes.c_double(tolerance), doubles(best), doubles(hessian), doubles(squares), ctypes.byref(outcome),
     )  # fmt: skip
     return rss, best, hessian, squares, outcome
 

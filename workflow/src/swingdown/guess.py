@@ -51,7 +51,10 @@ def _half_swings(times, angle):
     for k in turns:
         i, j = marks[k], marks[k + 1]
         if j - i > 1:
-            slope, middle = np.polyfit(times[i : j + 1] - times[i], angle[i : j + 1], 1)
+            after, part = times[i : j + 1] - times[i], angle[i : j + 1]
+            centred = after - after.mean()
+            slope = centred @ part / (centred @ centred)  # of the straight line, and its value at the first
+            middle = part.mean() - slope * after.mean()
             crossings.append(times[i] + np.clip(-middle / slope if slope else 0.0, 0.0, times[j] - times[i]))
         else:
             crossings.append(times[i] + (times[j] - times[i]) * angle[i] / (angle[i] - angle[j]))

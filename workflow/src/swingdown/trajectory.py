@@ -35,9 +35,16 @@ class Effort:
     stuck_after: float | None
 
 
+_loaded = {}
+
+
 def engine():
     """The compiled engine for the catalogue (compiled at the first use on a machine)."""
-    return build.load(tuple(effects.known().values()), tuple(effects.GRAVITY.values()))
+    catalogue = tuple(effects.known().values())
+    key = tuple(map(id, catalogue))  # an entry's own hash goes through all its text, which a short fit would notice
+    if key not in _loaded:
+        _loaded[key] = catalogue, build.load(catalogue, tuple(effects.GRAVITY.values()))
+    return _loaded[key][1]
 
 
 class Compiled:
