@@ -3,10 +3,10 @@
 import cases
 import mpmath
 import numpy as np
-from swingdown.hidden import pendulum as oracle
 import pytest
 
 from swingdown.errors import InputError
+from swingdown.hidden import pendulum as oracle
 from swingdown.model import PAPER_MODELS, Model
 from swingdown.trajectory import sensitivities, simulate
 

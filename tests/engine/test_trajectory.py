@@ -2,11 +2,11 @@
 
 import cases
 import numpy as np
-from swingdown.hidden import pendulum as oracle
 import pytest
 from scipy.special import ellipj, ellipk
 
 from swingdown.errors import InputError
+from swingdown.hidden import pendulum as oracle
 from swingdown.model import PAPER_MODELS, Model
 from swingdown.trajectory import TrajectoryError, effort, sensitivities, simulate
 
