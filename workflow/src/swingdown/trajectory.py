@@ -38,13 +38,20 @@ class Effort:
 _loaded = {}
 
 
-def engine():
-    """The compiled engine for the catalogue (compiled at the first use on a machine)."""
+def _current():
+    """The compiled engine for the catalogue as it is now, and the row of each effect and form in its table."""
     catalogue = tuple(effects.known().values())
     key = tuple(map(id, catalogue))  # an entry's own hash goes through all its text, which a short fit would notice
     if key not in _loaded:
-        _loaded[key] = catalogue, build.load(catalogue, tuple(effects.GRAVITY.values()))
-    return _loaded[key][1]
+        gravity = tuple(effects.GRAVITY.values())
+        rows = {(e.name, form): k for k, (e, form) in enumerate(entries(catalogue, gravity))}
+        _loaded[key] = build.load(catalogue, gravity), rows, catalogue
+    return _loaded[key]
+
+
+def engine():
+    """The compiled engine for the catalogue (compiled at the first use on a machine)."""
+    return _current()[0]
 
 
 class Compiled:
@@ -52,7 +59,7 @@ class Compiled:
 
     def __init__(self, model, duration):
         gravity = effects.GRAVITY[model.restoring]
-        rows = {(e.name, form): k for k, (e, form) in enumerate(entries(effects.known().values(), effects.GRAVITY.values()))}
+        rows = _current()[1]
         parts = {"motions": [(rows[gravity.name, "consistent"], 1, 0)], "sensors": [], "clocks": []}
         play, parameter, state = -1, 1, 0
         for effect in map(effects.effect, model.effects):

@@ -43,7 +43,7 @@ typedef struct {
 
 /* Sine and cosine that compilers vectorise and that give the same bits on every machine: reduce by whole turns,
  * take a quarter of the angle (Cephes polynomials on +-pi/4), double twice. */
-static inline void sine_cosine(double x, double *s, double *c) {
+static inline __attribute__((always_inline)) void sine_cosine(double x, double *s, double *c) {
     const double big = 6755399441055744.0; /* 1.5 * 2^52: adding it rounds to whole numbers */
     double turns = x * 0.15915494309189535 + big;
     turns -= big;

@@ -329,7 +329,7 @@ static int invert(const Pendulum *s, Panel *b) {
 
 static double largest(const double *x) {
     double most = 0.0;
-    for (int i = 0; i < N; i++) most = fmax(most, fabs(x[i]));
+    for (int i = 0; i < N; i++) most = fabs(x[i]) > most ? fabs(x[i]) : most;
     return most;
 }
 
@@ -496,18 +496,20 @@ static double tail(const Pendulum *s, const Panel *b) {
 }
 
 /* Root of the velocity in [low, high] (positions in -1..1), where direction * v is >= 0 at low and < 0 at high. */
-static double velocity_root(const Panel *b, double direction, double low, double high) {
-    double x = 0.5 * (low + high);
+static double velocity_root(const Panel *b, double direction, double low, double high, double v_low, double v_high) {
+    double x = v_low - v_high != 0.0 ? low + (high - low) * v_low / (v_low - v_high) : low;
+    if (!(x > low && x < high)) x = 0.5 * (low + high);
     for (int k = 0; k < 80; k++) {
         double value = b->v_poly[N], slope = 0.0;
         for (int j = N - 1; j >= 0; j--) {
             slope = slope * x + value;
             value = value * x + b->v_poly[j];
         }
-        if (direction * value >= 0.0) low = x; else high = x;
         double next = x - value / slope;
+        if (fabs(next - x) < 1e-7) return next; /* Newton's next step would be below rounding */
+        if (direction * value >= 0.0) low = x; else high = x;
         if (!(next > low && next < high)) next = 0.5 * (low + high);
-        if (fabs(next - x) < 4e-16 || next == low || next == high) return next;
+        if (next == low || next == high) return next;
         x = next;
     }
     return x;
@@ -570,17 +572,18 @@ static double switch_at(const Pendulum *s, const Panel *b, int k, double x) {
 /* The first event on the solved panel: its position in (-1, 1], or 2 for none; what: REVERSAL or the switch. */
 enum { REVERSAL = -1, NOTHING = -2 };
 static double first_event(const Pendulum *s, const Panel *b, int *what) {
-    double at = 2.0, low = -1.0, g[MAX_SWITCHES * N];
+    double at = 2.0, low = -1.0, v_low = b->from.v, g[MAX_SWITCHES * N];
     *what = NOTHING;
     for (int i = 0; i <= N && !s->held; i++) {
         const double x = i < N ? 2.0 * T_nodes[i] - 1.0 : 1.0;
         const double v = i < N ? b->v[i] : horner(b->v_poly, N, 1.0);
         if (s->direction * v < 0.0) {
-            at = velocity_root(b, s->direction, low, x);
+            at = velocity_root(b, s->direction, low, x, v_low, v);
             *what = REVERSAL;
             break;
         }
         low = x;
+        v_low = v;
     }
     if (!s->n_switches) return at;
     switch_values(s, N, b->th, b->v, b->t, b->z, g);
