@@ -13,7 +13,7 @@ from snakemake.settings.types import (
 
 PAPER = {
     "all", "report", "simulate", "fit_simulated", "table2", "record", "calibrate", "angle", "fit_swing", "fit_campaign",
-    "table3", *(f"fig{number:02d}" for number in range(1, 16)),
+    "table3", "discover_round", "discover_verdict", "discover_figures", *(f"fig{number:02d}" for number in range(1, 16)),
 }  # fmt: skip
 SIMULATION = {"simulate", "fit_simulated", "table2", "fig02", "fig03", "fig04", "fig05"}
 CALIBRATION = {"calibrate", "fig06", "fig07", "fig08"}
@@ -54,8 +54,9 @@ def sheet(tmp_path):
 def test_the_papers_study(rules):
     counts = rules()
     assert set(counts) == PAPER
-    assert counts["record"] == 13
-    assert counts["angle"] == counts["fit_swing"] == 12  # the record at rest is not fitted
+    assert counts["record"] == counts["angle"] == 19  # both campaigns and the record at rest, which tells the noise
+    assert counts["fit_swing"] == 12  # the paper's models are fitted to one campaign
+    assert (counts["discover_verdict"], counts["discover_round"]) == (2, 10)
     assert counts["fit_simulated"] == 3
     assert counts["fit_campaign"] == 1
 
@@ -94,9 +95,14 @@ def test_the_report_is_a_target_of_its_own(rules):
     assert set(rules(None, "report")) == PAPER - {"all"}
 
 
-def test_discovery_is_a_target_of_its_own(rules, sheet):
+def test_discovery_alone_fits_no_paper_models(rules, sheet):
     found = rules(sheet + "discovery: {rounds: 1}\n", "discover")
-    assert found == {"discover": 1, "discover_round": 2, "discover_verdict": 1, "record": 2, "angle": 2}
+    assert found == {"discover": 1, "discover_round": 2, "discover_verdict": 1, "discover_figures": 1, "record": 2, "angle": 2}
+
+
+def test_hidden_effects_are_asked_for_by_name_and_need_no_recordings(rules):
+    found = rules("recordings: null\nhidden_effects: {nulls: 12, effects: [quadratic_drag], sizes: [2], removed: false, pairs: false, foreign: false}\n", "hidden_effects")
+    assert found == {"hidden_effects": 1, "hidden_make": 2, "hidden_find": 2, "hidden_score": 1, "hidden_figures": 1}
 
 
 @pytest.mark.parametrize(

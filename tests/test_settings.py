@@ -13,6 +13,8 @@ def test_the_shipped_config_is_the_defaults_with_the_bench(root):
     defaults = complete({})
     assert shipped["experiment"].pop("campaigns") == ["bench"]
     assert defaults["experiment"].pop("campaigns") == []
+    assert shipped.pop("discovery") == defaults.pop("discovery") | {"campaigns": ["bench", "bench_b"], "base": ["quadratic_drag", "load_coulomb"]}
+    assert defaults.pop("effects") == {} and defaults.pop("hidden_effects")["seed"] == 2026
     assert shipped == defaults
     assert complete(files) == complete({}) | files
 
@@ -47,7 +49,7 @@ def test_what_is_given_is_kept_and_the_given_config_is_not_changed():
         ({"experiment": {"fitted": ["load_coulomb+viscous"]}}, "experiment.fitted[1]", "'viscous+load_coulomb'"),
         ({"experiment": {"fitted": ["viscous+viscous"]}}, "experiment.fitted[1]", "twice"),
         ({"discovery": {"base": ["viscosity"]}}, "discovery.base[1]", "'viscous'"),
-        ({"discovery": {"rounds": 0}}, "discovery.rounds", "≥ 1"),
+        ({"discovery": {"rounds": -1}}, "discovery.rounds", "≥ 0"),
         ({"recordings": ""}, "recordings", "text"),
     ],
 )

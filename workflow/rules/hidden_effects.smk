@@ -51,7 +51,20 @@ rule hidden_score:
     script: "../scripts/hidden_score.py"
 
 
+rule hidden_figures:
+    message: "Drawing the scores"
+    input:
+        scores=rules.hidden_score.output.scores,
+        confusion=rules.hidden_score.output.confusion,
+        code=code("hidden_figures"),
+    output:
+        expand("results/hidden_effects/figures/{name}.{ending}", name=["confusion", "detection"], ending=["svg", "png"]),
+    log: "results/logs/hidden_effects/figures.log"
+    script: "../scripts/hidden_figures.py"
+
+
 rule hidden_effects:
     localrule: True
     input:
         rules.hidden_score.output,
+        rules.hidden_figures.output,

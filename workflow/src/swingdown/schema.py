@@ -100,12 +100,12 @@ def _unknown_key(fault, schema, where, key):
     known = fault.schema["properties"]
     name = next(name for name in fault.instance if name not in known)
     full = f"{key}.{name}" if key else str(name)
-    elsewhere = [
+    elsewhere = [str(name)] if key and name in schema["properties"] else []
+    elsewhere += [
         f"{group}.{name}"
         for group, rule in schema["properties"].items()
         if name in rule.get("properties", {})
     ]
-    elsewhere += [str(name)] if key and name in schema["properties"] else []
     mend = f"it belongs at {elsewhere[0]}" if elsewhere else near(name, known)
     return InputError(f"{where}, key {full}", "unknown key", f"one of {', '.join(known)}", mend)
 

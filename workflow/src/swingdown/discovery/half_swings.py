@@ -3,6 +3,7 @@
 import numpy as np
 import pandas as pd
 
+_COLUMNS = ["time_s", "amplitude_rad", "energy_loss", "period_ratio", "midpoint_rad"]
 _ABOVE_NOISE = 8.0  # standard deviations that a turning point must be from the middle
 _NEAR = 0.12  # of a half-swing on each side of a turning point, where the angle is a parabola to the noise
 
@@ -39,7 +40,7 @@ def half_swings(times, angle, natural_frequency):
     last = int(np.argmin(plain)) if not plain.all() else plain.size
     when, where = when[:last], where[:last]
     if when.size < 4:
-        return pd.DataFrame(columns=["time_s", "amplitude_rad", "energy_loss", "period_ratio", "midpoint_rad"])
+        return pd.DataFrame(columns=_COLUMNS, dtype=float)
     height = 1 - np.cos(where)
     amplitude = np.abs(np.diff(where)) / 2
     mean, root = np.ones_like(amplitude), np.cos(amplitude / 2)

@@ -1,0 +1,20 @@
+"""The confusion matrix of hidden effects, and how often they are found by size."""
+
+from pathlib import Path
+
+import pandas as pd
+
+from swingdown import console
+from swingdown.plots import hidden, save
+
+
+def figures(scores, confusion, outputs):
+    """Each of the outputs written."""
+    drawn = {"confusion": hidden.confusion(pd.read_csv(confusion)), "detection": hidden.detection(pd.read_csv(scores))}
+    for output in map(Path, outputs):
+        save(drawn[output.stem], output)
+
+
+if __name__ == "__main__":
+    with console.job(snakemake.log[0]):
+        figures(snakemake.input.scores, snakemake.input.confusion, snakemake.output)
