@@ -189,6 +189,14 @@ def test_unbounded_coefficients_may_be_negative_and_bounded_may_not():
     )
 
 
+def test_unbounded_shapes_stay_where_the_effect_is_one():
+    """A brake ever narrower explains noise ever better; an exponent below its least is no drag."""
+    angle, _ = CASES["five"].noisy(16)
+    for label, name, least in (("eddy_brake", "eddy_width", 0.01), ("power_law_drag", "power_law_exponent", 0.2)):
+        fit = fit_trajectory(f"viscous+{label}", TIMES, angle)
+        assert fit.model.values[name] >= least
+
+
 def test_bounds_do_nothing_where_nothing_is_at_them():
     angle, _ = CASES["five"].noisy(8)
     label = CASES["five"].model.label

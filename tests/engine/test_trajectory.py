@@ -297,6 +297,12 @@ def test_bad_input_is_told(times, angle, told):
         simulate(friction(0.4), times, angle)
 
 
+def test_what_is_too_narrow_to_be_seen_is_refused():
+    values = {"natural_frequency": 7.0, "viscous_ratio": 0.01, "eddy_coefficient": 0.5, "eddy_width": 0.001}
+    with pytest.raises(InputError, match="eddy_width.*0.01 or more"):
+        simulate(Model("viscous+eddy_brake", values), TIMES, 0.5)
+
+
 def test_missing_values_are_named():
     with pytest.raises(InputError, match="viscous_ratio"):
         simulate(Model("viscous", {"natural_frequency": 7.0}), TIMES, 0.5)

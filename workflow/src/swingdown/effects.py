@@ -42,6 +42,11 @@ class Parameter(NamedTuple):
     phase: bool = False
     own: bool = False
 
+    @property
+    def least(self):
+        """The value below which there is no such effect, or none the engine can follow: a lower bound above zero."""
+        return self.lower if self.lower > 0 else -inf
+
 
 class State(NamedTuple):
     """A quantity with a memory: symbol, unit, its value at the release and its rate of change, as formulas."""

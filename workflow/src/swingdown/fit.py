@@ -84,6 +84,13 @@ def checked_swing(times, angle):
     return times, angle
 
 
+def _limits(definition, bounded):
+    """Lower and upper bound of a parameter in a fit; where that is not bounded, only those beyond which there is no such effect."""
+    if definition.name == "natural_frequency":
+        return _SMALLEST_FREQUENCY, np.inf
+    return (definition.lower, definition.upper) if bounded else (definition.least, np.inf)
+
+
 class _Problem:
     """The free variables of a fit and where each sits in every swing's values.
 
@@ -114,12 +121,8 @@ class _Problem:
         self.n = sum(times.size for times, _ in self.swings)
         if self.n <= len(self.free):
             raise InputError("fit", f"{self.n} samples for {len(self.free)} free values", "more samples than free values")
-        definitions = {definition.name: definition for definition in model.definitions} if bounded else {}
-        limit = lambda name, side, otherwise: getattr(definitions[name], side) if name in definitions else otherwise  # noqa: E731
-        self.lower = np.array([limit(name, "lower", -np.inf) for name in self.free])
-        self.upper = np.array([limit(name, "upper", np.inf) for name in self.free])
-        frequencies = np.array(self.free) == "natural_frequency"
-        self.lower[frequencies] = np.maximum(self.lower[frequencies], _SMALLEST_FREQUENCY)
+        limits = {d.name: _limits(d, bounded) for d in model.definitions}
+        self.lower, self.upper = np.array([limits.get(name, (-np.inf, np.inf)) for name in self.free]).T.copy()
         self.compiled = [Compiled(model, float(times[-1] - times[0])) for times, _ in self.swings]
         self.models = (build.CModel * count)(*(compiled.c for compiled in self.compiled))
         self.times, self.angles = (_pointers(arrays) for arrays in zip(*self.swings, strict=True))
@@ -352,9 +355,8 @@ def fit_batch(guess, times, series, release_angle, release_velocity=0.0, *, star
     first = np.array([*guess.vector(), release_angle, release_velocity], dtype=float)
     starts = np.tile(first, (count, 1))
     starts[:, size] = release_angle if start == "free" else series[:, 0]
-    bounds = guess.definitions if bounded else ()
-    lower = np.array([d.lower for d in bounds] + [-np.inf] * (size + 2 - len(bounds)))
-    upper = np.array([d.upper for d in bounds] + [np.inf] * (size + 2 - len(bounds)))
+    limits = [_limits(d, bounded) for d in guess.definitions] + [(-np.inf, np.inf)] * 2
+    lower, upper = np.array(limits).T.copy()
     compiled = Compiled(guess, float(times[-1] - times[0]))
     where = np.arange(size + 2, dtype=np.int32)
     where[len(free) :] = -1

@@ -102,6 +102,9 @@ def _run(model, times, release_angle, release_velocity, free):
     values = np.array(model.vector())
     if not (np.all(np.isfinite(values)) and np.isfinite(release_angle) and np.isfinite(release_velocity)):
         raise InputError(f"model {model.label}", "a value is not finite", "finite parameters and release")
+    for definition, value in zip(model.definitions, values, strict=True):
+        if value < definition.least:
+            raise InputError(f"model {model.label}, {definition.name}", f"{value:g} {definition.unit}", f"{definition.least:g} or more")
     codes = {"release_angle": -1, "release_velocity": -2} | {name: k for k, name in enumerate(model.parameters)}
     if unknown := [name for name in free if name not in codes]:
         raise InputError(f"model {model.label}", f"no value {unknown[0]!r} to vary", ", ".join(codes))

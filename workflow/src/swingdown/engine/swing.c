@@ -5,8 +5,10 @@
  * motion at each node; the signs of the velocity and of every abs() in the model are frozen, so the right-hand side is
  * smooth even past the reversal. The nodes are solved by Newton's iteration with the inverse Jacobian kept from panel
  * to panel: successive half-swings are nearly alike, so four or five cheap sweeps do. The same inverse gives the
- * sensitivities exactly. The reversal is the root of the velocity polynomial; the next panel starts there with the
- * other sign, or the pendulum sticks: then its panels have no acceleration until a torque frees it.
+ * sensitivities exactly. Only states that the motion depends on in no simpler way have unknowns of their own (points.h).
+ * Between the nodes the equations are checked where an effect may be too narrow for them. The reversal is the root of
+ * the velocity polynomial; the next panel starts there with the other sign, or the pendulum sticks: then its panels have
+ * no acceleration until a torque frees it.
  */
 #include "swing.h"
 
@@ -22,7 +24,9 @@
 #define SOLVED 1e-12    /* residual of the collocation equations against their size, after the last sweep */
 #define TAIL 3e-6       /* last two Legendre coefficients of a rate against its size */
 #define MISSED 1e-7     /* residual of the equations of motion between the nodes against their size */
-#define NARROW 0.015 /* rad; the catalogue's narrowest effect in the angle has 0.01 */
+#define ROUGH_TAIL 300.0 /* broken powers of the speed: their errors do not cancel, so the limits are stricter by this */
+#define ROUGH_MISSED 10.0
+#define NARROW 0.015    /* rad; the catalogue's narrowest effect in the angle has 0.01 */
 #define SWEEPS 14
 #define MOST_PANELS 100 /* a half-swing, beyond the first thousand: more is no pendulum's motion */
 #define CHUNK 64
@@ -1071,8 +1075,10 @@ int swing_trajectory(const Model *m, const double *p, double release_angle, doub
                 excess = tail(&s, &b) / TAIL;
                 if (s.followers && !prepare_followers(&s, &b)) continue;
                 trace(&s, &b);
-                if (s.rough) excess *= 300.0 * fmin(1.0, h * omega / 3.14);
-                if (s.sharp && excess <= 1.0) excess = fmax(excess, missed(&s, &b) / MISSED * (s.rough ? 10.0 : 1.0) * fmin(1.0, h * omega / 3.14));
+                /* a short panel adds little, however far it is off */
+                const double part = fmin(1.0, h * omega / 3.141592653589793);
+                if (s.rough) excess *= ROUGH_TAIL * part;
+                if (s.sharp && excess <= 1.0) excess = fmax(excess, missed(&s, &b) / MISSED * (s.rough ? ROUGH_MISSED : 1.0) * part);
                 if (excess <= 1.0) { solved = 1; break; }
                 h *= fmin(0.7, fmax(0.2, 0.8 * pow(excess, -1.0 / 14)));
             } else
