@@ -12,7 +12,7 @@ def state(number, *, missing, found=(), chosen=None, holdout=1.0, ranking=(), ri
     groups = [{"name": "position", "chi_square": 900.0, "freedom": 7, "p": 0.0, "share": 0.9}]
     return {
         "round": number, "campaign": "rig", "split": "held out by amplitude: c", "effects": list(effects), "found": list(found),
-        "parameters": parameters or {}, "noise_rms_rad": 1e-3, "noise_correlation": 0.0, "gap": {"fit": holdout, "holdout": holdout},
+        "parameters": parameters or {}, "systematic_rad": 2e-3, "largest_angle_rad": 0.5, "noise_rms_rad": 1e-3, "noise_correlation": 0.0, "gap": {"fit": holdout, "holdout": holdout},
         "missing": missing, "kind": "position" if missing else None, "seen": "the pendulum runs early" if missing else "",
         "groups": groups, "ranking": list(ranking), "rivals": rivals or {}, "reason": "",
         "chosen": chosen and {"move": f"add {chosen}", "added": chosen, "dropped": None, "gain_bic": 500.0},
@@ -75,3 +75,12 @@ def test_a_dissipation_that_would_be_negative_is_told():
     found = verdict([state(0, missing=False, parameters=values)])
     assert found["misspecified"] == ["viscous_ratio"]
     assert "negative" in found["sentence"]
+
+
+@pytest.mark.parametrize(("gain", "within"), [(0.006, True), (0.02, False)])
+def test_a_wrong_gain_that_the_calibration_allows_is_told_as_that(gain, within):
+    values = {"sensor_gain": {"value": gain, "standard_error": 1e-4, "unit": "1"}}
+    first = state(0, missing=True, chosen="sensor_gain", holdout=3.0)
+    found = verdict([first, state(1, missing=False, found=["sensor_gain"], effects=("viscous", "sensor_gain"), parameters=values)])
+    assert found["effects"][0]["within_calibration"] is within
+    assert ("calibration leaves open" in found["sentence"]) is within

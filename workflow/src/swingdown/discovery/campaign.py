@@ -54,13 +54,17 @@ class Noise:
 
 @dataclass(frozen=True)
 class Campaign:
-    """The swings to fit and those held out, how they were chosen, and what is known of the noise before any fit."""
+    """The swings to fit and those held out, how they were chosen, and what is known of the noise before any fit.
+
+    ``systematic`` is the largest standard uncertainty (rad) that all samples share: what a calibration leaves open.
+    """
 
     name: str
     fit: tuple
     holdout: tuple
     how: str
     static: tuple = field(default=())
+    systematic: float = 0.0
 
 
 def campaign(name, swings, holdout=(), static=()):

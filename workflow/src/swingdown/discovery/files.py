@@ -1,6 +1,7 @@
 """A round of discovery as files: written by one job, read by the next."""
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -25,14 +26,15 @@ def read_campaign(name, paths, roles):
     (fit, holdout, static or empty).
     """
     kinds = {"fit": [], "holdout": [], "static": []}
-    emulated = False
+    emulated, systematic = False, 0.0
     for path, role in zip(paths, roles, strict=True):
         with xr.open_dataset(path) as data:
             swing = Swing(str(data.attrs["recording"]), data["time"].values, data["angle"].values)
+            systematic = max(systematic, float(data["angle_systematic_uncertainty"].max()))
             emulated |= str(data.attrs.get("emulated", "no")) == "yes"
         kinds[role or "fit"].append(swing)
     static = [swing.pair for swing in kinds["static"]]
-    return campaign(name, kinds["fit"], kinds["holdout"], static), emulated
+    return replace(campaign(name, kinds["fit"], kinds["holdout"], static), systematic=systematic), emulated
 
 
 def write_round(state, campaign, folder, emulated):
@@ -85,6 +87,8 @@ def summary(state, campaign):
         "effects": list(state.fit.model.effects),
         "found": list(state.found),
         "parameters": _parameters(state.model),
+        "systematic_rad": campaign.systematic,
+        "largest_angle_rad": max(float(np.max(np.abs(series))) for series in state.fit.angle),
         "noise_rms_rad": state.noise.deviation,
         "noise_correlation": state.noise.correlation,
         "gap": {"fit": gap(state.fit, state.noise), "holdout": gap(state.holdout, state.noise)},

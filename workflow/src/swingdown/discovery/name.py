@@ -15,6 +15,9 @@ _PROMISING = 0.05  # of the best promise: candidates below are not refitted, a l
 _FEW = 4  # effects tried in another one's place, or candidates looked at more closely
 _SHAPES = 4  # of an effect, to start from where the first ones did not do
 _DETERMINED = 3.0  # standard errors that an effect's size must be from nothing
+# Of the small swing's frequency: a drive so near resonance, with a phase for each recording, takes up any error of the
+# pendulum's own motion; large swings are slower.
+_OWN_SWING = (0.75, 1.2)
 _SUGGESTED = 4.0  # chi-square by which a richer effect must beat a simpler one that it contains to be tied with it
 # what a richer effect contains at one value of its shape: without evidence for more, the simpler one is named
 CONTAINS = {
@@ -140,6 +143,10 @@ def inadmissible(fit, added):
         return f"{first.name} wants to be below {first.lower:g} {first.unit}"
     if _DETERMINED * fit.model.standard_errors.get(first.name, 0.0) > abs(values[first.name]):
         return f"{first.name} is not determined"
+    if added == "base_vibration":
+        own = values["natural_frequency"] / (2 * np.pi)
+        if _OWN_SWING[0] < values["vibration_frequency"] / own < _OWN_SWING[1]:
+            return "vibration_frequency is that of the pendulum's own swing"
     for parameter in others:
         if not parameter.phase and values[parameter.name] >= parameter.upper * (1 - 1e-9):
             return f"{parameter.name} runs to its bound {parameter.upper:g} {parameter.unit}"

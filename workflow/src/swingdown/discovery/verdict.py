@@ -75,7 +75,17 @@ def _effect(name, rounds):
         "tied_with": tied,
         "correlation": alike,
         "replaces": state["chosen"]["dropped"],
+        "within_calibration": _within_calibration(name, last),
     }  # fmt: skip
+
+
+def _within_calibration(name, state):
+    """True if a sensor effect is no larger than what the calibration leaves open (two standard uncertainties)."""
+    reach = {"sensor_gain": state["largest_angle_rad"], "sensor_zero": 1.0, "eccentricity": 1.0}.get(name)
+    if reach is None or not state["systematic_rad"]:
+        return False
+    size = state["parameters"][effects.effect(name).parameters[0].name]["value"]
+    return abs(size) * reach <= 2 * state["systematic_rad"]
 
 
 def _groups(state):
@@ -169,4 +179,5 @@ def _described(one):
             value, error, unit = value / scale, error and error / scale, smaller
     words = key.replace("_", " ").removeprefix(name + " ").removeprefix(name.split()[0] + " ")
     size = f"{value:.3g}" + (f" ± {error:.1g}" if error else "") + ("" if unit == "1" else f" {unit}")
-    return f"{name} ({words} {size}){ties}"
+    calibration = ", within what the calibration leaves open" if one["within_calibration"] else ""
+    return f"{name} ({words} {size}{calibration}){ties}"

@@ -27,7 +27,7 @@ SHAPES = {
     "detent_order": (4, 5, 6, 8, 12, 16),
     "pivot_frequency": (14.0, 45.0),
     "pivot_damping_ratio": (0.02, 0.2),
-    "vibration_frequency": (0.5, 6.0),
+    "vibration_frequency": ((0.3, 0.55), (1.8, 6.0)),  # not the pendulum's own
     "wind_speed": ((-1.5, -0.2), (0.2, 1.5)),
     "patch_from": (-0.1, 0.1),
     "stop_from": (0.15, 0.35),
