@@ -3,6 +3,7 @@
 from snakemake.utils import min_version
 
 from swingdown import console
+from swingdown.errors import InputError
 from swingdown.paths import find, is_url
 from swingdown.plan import plan
 from swingdown.settings import complete
@@ -18,10 +19,13 @@ if "recordings" not in config:
 
 
 with console.job():
+    if "recording" in config:
+        config.setdefault("capture", {})
     settings = complete(config, where=", ".join(map(str, workflow.configfiles)) or "config")
     config.clear()
     config.update(settings)
-    PLAN = plan(config)
+    # A recording that is asked for by name is captured, and nothing of the study is looked at: it may not be there yet.
+    PLAN = plan({} if "recording" in config else config)
 
 TABLES, FIGURES, VERDICTS = [], [], []  # each stage adds what it makes; the report shows all of it
 
@@ -33,31 +37,38 @@ wildcard_constraints:
     simulated="|".join(config["simulation"]["simulated"]) or "(?!)",
 
 
-include: "workflow/rules/common.smk"
+if "recording" in config:
+
+    include: "workflow/rules/capture.smk"
+
+else:
+    config.pop("capture", None)  # it tells how recordings are made, and no result rests on that
+
+    include: "workflow/rules/common.smk"
 
 
-if config["simulation"]["simulated"]:
+    if config["simulation"]["simulated"]:
 
-    include: "workflow/rules/simulate.smk"
-
-
-if PLAN.campaigns:
-
-    include: "workflow/rules/measure.smk"
-    include: "workflow/rules/fit.smk"
-    include: "workflow/rules/discover.smk"
+        include: "workflow/rules/simulate.smk"
 
 
-include: "workflow/rules/hidden_effects.smk"
-include: "workflow/rules/figures.smk"
-include: "workflow/rules/report.smk"
+    if PLAN.campaigns:
+
+        include: "workflow/rules/measure.smk"
+        include: "workflow/rules/fit.smk"
+        include: "workflow/rules/discover.smk"
 
 
-rule all:
-    default_target: True
-    localrule: True
-    input:
-        TABLES,
-        FIGURES,
-        VERDICTS,
-        "results/report.html",
+    include: "workflow/rules/hidden_effects.smk"
+    include: "workflow/rules/figures.smk"
+    include: "workflow/rules/report.smk"
+
+
+    rule all:
+        default_target: True
+        localrule: True
+        input:
+            TABLES,
+            FIGURES,
+            VERDICTS,
+            "results/report.html",
