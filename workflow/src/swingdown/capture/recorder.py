@@ -89,10 +89,11 @@ class Recorder:
         """Notice silence, or a release that never comes; ``now`` is the host's time (s since 1970)."""
         if self.state == "ended":
             return
-        limit = self.settings["timeout_s"] + (
-            self.settings["settle_s"] if self.last_heard == self.opened else 0
-        )
-        if (silent := now - self.last_heard) > limit:
+        opening = (
+            self.state == "opening"
+        )  # the board may be starting, and silent, after having sent something before its reset
+        silent = now - (self.opened if opening else self.last_heard)
+        if silent > self.settings["timeout_s"] + (self.settings["settle_s"] if opening else 0):
             damaged, _ = self.parser.pending
             heard = "bytes came, and no whole frame in them" if damaged else "nothing came"
             self.end(TIMED_OUT, f"for {silent:.1f} s {heard}")

@@ -78,7 +78,8 @@ def add_point(path, point, rehearse=False):
 def with_point(text, point, path="apparatus sheet"):
     """The text of an apparatus sheet with one more point; all else as it was."""
     before = _yaml(text, path)
-    entry = [f"{'  - ' if k == 0 else '    '}{key}: {value}" for k, (key, value) in enumerate(point.items())]
+    cells = yaml.safe_dump(point, sort_keys=False).splitlines()
+    entry = [f"{'    ' if k else '  - '}{cell}" for k, cell in enumerate(cells)]
     lines = text.splitlines()
     places = [k for k, line in enumerate(lines) if line.startswith("points:")]
     if not places:
