@@ -41,6 +41,12 @@ if "recording" in config:
 
     include: "workflow/rules/capture.smk"
 
+    rule all:
+        default_target: True  # in an included file it would count for nothing
+        localrule: True
+        input:
+            only_capture,
+
 else:
     config.pop("capture", None)  # it tells how recordings are made, and no result rests on that
 

@@ -3,11 +3,12 @@
  *   board FIRMWARE.elf VOLTS TRUTH BOOT PORT
  *
  * VOLTS holds lines "seconds volts", the voltage on A0 since the port was last opened (between the lines it is straight, beyond
- * them constant). TRUTH gets a line "reset sequence volts" for each conversion. BOOT is how long (s) the board is silent
+ * them constant). TRUTH gets a line "reset sequence volts cycle" for each conversion. BOOT is how long (s) the board is silent
  * after the reset that opening the port causes; below 0 the board is not reset. PORT is the name that the port gets (a link). As on a real line, bytes are lost while nobody has the port open or reads it.
  */
 #define _GNU_SOURCE
 #include <fcntl.h>
+#include <math.h>
 #include <poll.h>
 #include <pty.h>
 #include <stdio.h>
@@ -56,8 +57,9 @@ static void on_conversion(avr_irq_t *irq, uint32_t value, void *param)
 {
     double now = is_open ? voltage((double)(avr->cycle - opened) / CLOCK) : voltage(0);
     (void)irq, (void)value, (void)param;
-    avr_raise_irq(adc + ADC_IRQ_ADC0, (uint32_t)(1000 * now + 0.5)); /* simavr takes whole millivolts */
-    fprintf(truth, "%u %u %.6f\n", resets, conversions++, now);
+    /* simavr takes whole millivolts and sees 1023 steps in the reference, where the chip has 1024 */
+    avr_raise_irq(adc + ADC_IRQ_ADC0, (uint32_t)ceil(1000 * now * 1024 / 1023));
+    fprintf(truth, "%u %u %.6f %llu\n", resets, conversions++, now, (unsigned long long)avr->cycle);
 }
 
 /* What simavr 1.6 lacks: Timer 1's compare match B starts a conversion when its flag (OCF1B) rises, and only then. */

@@ -35,7 +35,7 @@ _spec.loader.exec_module(emulate)
 def lacking():
     """The programs that emulation needs and that are not here, and what of simavr's library is not."""
     found = [name for name in NEEDED if not shutil.which(name)]
-    headers = ("/usr/include/simavr/sim_avr.h", "/usr/include/libelf.h")
+    headers = ("/usr/include/simavr/sim_avr.h", "/usr/include/libelf.h", "/usr/lib/avr/include/avr/io.h")
     return found + [path for path in headers if not Path(path).exists()]
 
 
@@ -99,9 +99,10 @@ class Board:
         self.port.unlink(missing_ok=True)
 
     def truth(self):
-        """The voltage (V) at each conversion since the last reset, by sequence number."""
-        rows = np.loadtxt(self._truth)
-        return rows[rows[:, 0] == rows[-1, 0], 2]
+        """The voltage (V) and the processor's cycle at each conversion since the last reset, by sequence number."""
+        rows = np.loadtxt(self._truth.read_text().rpartition("\n")[0].splitlines())
+        last = rows[rows[:, 0] == rows[-1, 0]]
+        return last[:, 2], last[:, 3]
 
 
 def main():

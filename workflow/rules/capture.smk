@@ -21,6 +21,7 @@ rule capture:
 
 
 def only_capture(wildcards):
+    """The input of every target but `capture`: a refusal."""
     with console.job():
         raise InputError(
             "config, key recording",
@@ -29,9 +30,3 @@ def only_capture(wildcards):
             "name the target `capture`, or leave `recording` out",
         )
 
-
-rule all:
-    default_target: True
-    localrule: True
-    input:
-        only_capture,

@@ -4,6 +4,7 @@ import contextlib
 import errno
 import re
 import termios
+import time
 from pathlib import Path
 
 import serial
@@ -13,6 +14,7 @@ from ..errors import InputError
 
 GONE = (serial.SerialException, OSError, termios.error, TypeError)  # what reading an unplugged port raises
 _WAIT = 0.05  # s that a read waits for the first byte
+_GATHER = 0.002  # s for what comes with it: a board sends byte by byte
 _USB = re.compile(r"([0-9a-fA-F]{4}):([0-9a-fA-F]{4})(?::(.+))?")
 
 
@@ -73,8 +75,11 @@ class Port:
         self._opened = opened
 
     def read(self):
-        first = self._opened.read(1)
-        return first + self._opened.read(self._opened.in_waiting) if first else b""
+        """The bytes that are there, b"" after 50 ms without any."""
+        if not (first := self._opened.read(1)):
+            return b""
+        time.sleep(_GATHER)
+        return first + self._opened.read(self._opened.in_waiting)
 
     def close(self):
         """Closes the port; one that is gone is closed already."""

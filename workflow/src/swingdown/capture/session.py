@@ -18,7 +18,7 @@ from .recorder import DISCONNECTED, STOPPED, Recorder
 FOLDER = Path("resources/recordings")
 _LOOK = 0.05  # s between looks at the clock while nothing comes
 _SHOW = 0.2  # s between pictures
-_ROOM = 64  # bytes that a sample may take on disk, journal and recording together
+_ROOM = 128  # bytes that a sample may take on disk, journal and recording together
 _LONG = 600.0  # s that room is asked for where no duration is fixed
 
 
