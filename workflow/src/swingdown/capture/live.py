@@ -76,7 +76,8 @@ class TerminalView:
                 lines += trace(times, values, max(width - 12, 10))
                 lines[1] += f" {max(values):.4g} {unit}"
                 lines[-1] += f" {min(values):.4g} {unit}"
-            up = f"\x1b[{self._drawn}F" if self._drawn else ""
+            bell = "\a" if recorder.state == "armed" != self._state else ""  # eyes are on the bob
+            up = bell + (f"\x1b[{self._drawn}F" if self._drawn else "")
             self._stream.write(up + "".join(f"\x1b[2K{line}\n" for line in lines))
             self._drawn = len(lines)
         elif recorder.state != self._state or time.monotonic() - self._told > _QUIET:

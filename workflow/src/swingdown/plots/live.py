@@ -15,12 +15,12 @@ class Window:
             raise OSError("there is no screen (neither DISPLAY nor WAYLAND_DISPLAY is set)")
         try:
             matplotlib.use("TkAgg", force=True)
+            from tkinter import TclError
+
             from matplotlib import pyplot
-            from matplotlib.backends.backend_tkagg import TclError
         except ImportError as error:
-            raise OSError(
-                f"matplotlib has no window here ({error}); Tk is missing (Debian: python3-tk)"
-            ) from error
+            mend = ". Tk is missing (Debian: python3-tk)" if "No module" in str(error) else ""
+            raise OSError(f"no window can be opened ({error}){mend}") from error
         self._status, self._recent = status, recent
         try:
             self._figure, axes = pyplot.subplots(figsize=(9, 4), layout="constrained", num=title)
