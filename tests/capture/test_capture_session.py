@@ -1,5 +1,6 @@
 """From a port to a file and a row: what a fault leaves behind, and that nothing is ever overwritten."""
 
+import contextlib
 import errno
 import os
 import signal
@@ -50,8 +51,8 @@ def record(line):
 
 
 def swing(values=SWING, first=0, piece=10):
-    """Pieces of ten frames, a tenth of a second apart."""
-    return [(piece / 100, frames(values[k : k + piece], first + k)) for k in range(0, len(values), piece)]
+    """Pieces of ten frames, somewhat faster than they would come, to save time."""
+    return [(0.6 * piece / 100, frames(values[k : k + piece], first + k)) for k in range(0, len(values), piece)]
 
 
 def row(name="a"):
@@ -114,7 +115,7 @@ def test_bytes_that_are_no_frames(record):
 
 def test_a_stop_before_the_end(record):
     stop = threading.Event()
-    threading.Timer(0.75, stop.set).start()
+    threading.Timer(0.5, stop.set).start()
     told = record(swing(), stop=stop)
     assert "a: stopped, PARTIAL" in told and "early" in told
     assert dataset.read(NC).attrs["status"] == "stopped"
@@ -122,7 +123,7 @@ def test_a_stop_before_the_end(record):
 
 def test_a_stop_where_no_duration_is_fixed_is_a_whole_recording(record):
     stop = threading.Event()
-    threading.Timer(1.6, stop.set).start()
+    threading.Timer(1.3, stop.set).start()
     told = record(swing(), stop=stop, duration_s=None, timeout_s=2)
     assert "a: stopped: 100 of 100 samples" in told
     ingest(row(), "sheet.csv")
@@ -139,7 +140,7 @@ def test_a_recording_is_never_overwritten(record):
 
 
 def test_not_even_one_that_appears_while_it_is_recorded(record):
-    threading.Timer(0.8, lambda: NC.write_text("mine")).start()
+    threading.Timer(0.5, lambda: NC.write_text("mine")).start()
     with pytest.raises(InputError, match="never overwritten"):
         record(swing())
     assert NC.read_text() == "mine"
@@ -208,12 +209,11 @@ def test_a_disk_that_is_really_full(line, tmp_path):
         job = session.job(config)
 
         def fill():
-            with open(NC.parent / "other", "wb") as file, pytest.raises(OSError):
+            with open(NC.parent / "other", "wb", buffering=0) as file, contextlib.suppress(OSError):
                 while True:
                     file.write(bytes(1000))
-                    file.flush()
 
-        threading.Timer(0.7, fill).start()
+        threading.Timer(0.4, fill).start()
         line.play(swing())
         with pytest.raises(OSError, match="the disk is full"):
             session.capture(job)
@@ -243,7 +243,7 @@ def killed(line, after, **more):
     process = subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE)
     process.stdout.readline()
     line.play(swing())
-    time.sleep(0.3 + after)
+    time.sleep(0.2 + after)
     process.send_signal(signal.SIGKILL)
     process.wait()
 
@@ -260,7 +260,7 @@ def recover(**capture):
 
 def test_killed_during_the_recording(line, record):
     """The file is absent, the raw stream up to then is whole, and a recording is made of it."""
-    killed(line, 0.75)
+    killed(line, 0.5)
     assert not NC.exists() and RAW.exists() and not Path("sheet.csv").exists()
     with pytest.raises(
         InputError, match=r"a\.raw: an earlier capture of this name did not finish.*recover=true"
@@ -347,5 +347,6 @@ def test_no_release_keeps_the_raw_stream_for_the_swing_in_it(record):
         InputError, match=r"no release within 0\.8 s; the signal was between 2\d\d and 800 V.*recover=true"
     ):
         record(swing(), trigger=trigger)
-    assert "a: stopped" in recover()
-    assert list(dataset.read(NC)["sent"].values)[:50] == SWING[:50]
+    told = recover()
+    assert "a: stopped, PARTIAL" in told and "not known where the swing begins" in told
+    assert list(dataset.read(NC)["sent"].values)[:30] == SWING[:30]

@@ -52,7 +52,7 @@ class Line:
         """Sends (pause in s, bytes) in the background, then unplugs."""
 
         def run():
-            time.sleep(0.3)  # the recording opens the port, which empties it
+            time.sleep(0.2)  # the recording opens the port, which empties it
             for pause, data in pieces:
                 time.sleep(pause)
                 self.send(data)

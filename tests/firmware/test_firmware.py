@@ -128,6 +128,7 @@ def test_the_capture_rule_records_the_real_firmware(bench):
     assert row.signal_unit == "V" and row.start_s == 0 and row.campaign == "emulated"
 
 
+@pytest.mark.slow
 def test_unplugging_the_board_keeps_what_arrived(bench, snakemake):
     folder, capture = bench
     with made(folder, "swing", boards.swing(24, 0.5, 20)) as board, ThreadPoolExecutor(1) as pool:

@@ -125,18 +125,25 @@ def recover(job):
         _enter_whole(job)
         job.journal.unlink()
         return f"{job.name}: {job.path} was whole already; its row is in {job.sheet}"
-    recorder = Recorder(settings["settings"], settings["opened"])
+    kept, about, problems = settings["settings"], settings["about"], []
+    recorder = _replay(kept, settings["opened"], pieces)
+    if not recorder.rows and kept.get("trigger"):  # a swing that no release was seen in
+        kept = kept | {"trigger": None, "duration_s": None}
+        recorder = _replay(kept, settings["opened"], pieces)
+        problems.append("no release was seen in it, so it is not known where the swing begins")
+    recorder.end(STOPPED, "recovered from the raw stream of a capture that did not finish")
+    if recorder.duration is None:
+        problems.append("recovered from the raw stream of a capture that did not finish")
+    found = Job(job.name, kept, {**about, "problems": problems}, job.sheet, job.height)
+    return _close(found, recorder, job.journal.unlink)
+
+
+def _replay(settings, opened, pieces):
+    """A Recorder fed with what a journal kept."""
+    recorder = Recorder(settings, opened)
     for arrival, data in pieces:
         recorder.feed(data, arrival)
-    if not recorder.rows and recorder.order.rows:  # a swing that no release was seen in
-        recorder.first, recorder.zero = recorder.order.rows[0].position, recorder.order.rows[0].time
-    recorder.end(STOPPED, "recovered from the raw stream of a capture that did not finish")
-    about = settings["about"]
-    if recorder.duration is None:
-        about["problems"] = ["recovered from the raw stream of a capture that was killed"]
-    return _close(
-        Job(job.name, settings["settings"], about, job.sheet, job.height), recorder, job.journal.unlink
-    )
+    return recorder
 
 
 def _run(recorder, connection, journal, views, stop):
