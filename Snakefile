@@ -3,7 +3,6 @@
 from snakemake.utils import min_version
 
 from swingdown import console
-from swingdown.errors import InputError
 from swingdown.paths import find, is_url
 from swingdown.plan import plan
 from swingdown.settings import complete
@@ -37,6 +36,9 @@ wildcard_constraints:
     simulated="|".join(config["simulation"]["simulated"]) or "(?!)",
 
 
+include: "workflow/rules/common.smk"
+
+
 if "recording" in config:
 
     include: "workflow/rules/capture.smk"
@@ -49,9 +51,6 @@ if "recording" in config:
 
 else:
     config.pop("capture", None)  # it tells how recordings are made, and no result rests on that
-
-    include: "workflow/rules/common.smk"
-
 
     if config["simulation"]["simulated"]:
 

@@ -182,6 +182,24 @@ def test_the_first_line_may_lack_its_beginning_and_is_left_out():
     assert sample.value == 513
 
 
+def test_a_line_without_an_end_is_let_go_with_its_tail():
+    reader = lines()
+    assert not read(reader, [b"\n", b"9" * 600, b",7\r\n"])
+    (sample,) = reader.feed(b"20,8\r\n")
+    assert sample.value == 8
+
+
+def test_damage_before_the_first_sample_makes_no_later_loss_a_damage():
+    order = kept(Frames(), b"\xa5\x5a garbage of a reset" + frames([500] * 3) + frames([500] * 3, first=4))
+    assert order.missing == [(3, False)]
+
+
+def test_a_repeated_frame_is_kept_once():
+    order = kept(Frames(), frames([500] * 3) + frame(2, 500) * 3 + frames([500] * 3, first=3))
+    assert [row.position for row in order.rows] == [0, 1, 2, 3, 4, 5]
+    assert order.repeated == 3 and not order.missing and not order.restarted
+
+
 @pytest.mark.parametrize("name,last", [("time_ms", 2**32 - 15), ("time_us", 2**32 - 15000)])
 def test_the_devices_clock_goes_on_through_its_wrap(name, last):
     step = 10 if name == "time_ms" else 10_000

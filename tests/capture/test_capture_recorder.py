@@ -95,6 +95,15 @@ def test_lost_and_damaged_frames_are_told_by_their_numbers(recorder):
     assert "1 frames lost and 1 damaged of 100" in data.attrs["problems"]
 
 
+def test_frames_lost_over_the_end_count_only_as_far_as_the_recording_goes(recorder):
+    made = recorder(range(300, 398))
+    feed(made, [500] * 5, 104, 101.04)
+    data = to_dataset(made, {})
+    assert made.status == "complete" and data.attrs["received"] == 98
+    assert list(data["missing_sequence"].values) == [98, 99]
+    assert data["time"].values[-1] == pytest.approx(0.97)
+
+
 def test_silence_ends_it(recorder):
     made = recorder(range(300, 350))
     made.tick(100.9)

@@ -69,6 +69,19 @@ def test_a_recording_lands_in_its_file_and_in_the_sheet(record):
     assert not RAW.exists() and [path.name for path in NC.parent.iterdir()] == ["a.nc"]
 
 
+def test_lines_as_an_arduino_prints_them(record):
+    """``Serial.print(millis()); Serial.print(","); Serial.println(angle)`` of a sketch that greets and is not quite regular."""
+    late = [10 * k + (k % 3 == 0) for k in range(110)]
+    text = [b"%d,%.2f\r\n" % (5000 + late[k], SWING[k % 100] / 10) for k in range(110)]
+    pieces = [(0, b"pendulum 1.0\r\n"), *((0.06, b"".join(text[k : k + 10])) for k in range(0, 110, 10))]
+    told = record(pieces, format="csv", columns=["time_ms", "angle"], signal_unit="deg")
+    assert "a: complete: 100 of 100 samples" in told
+    recording = ingest(row(), "sheet.csv")
+    assert recording["signal"].attrs["units"] == "deg"
+    assert recording["signal"].values == pytest.approx(np.array(SWING) / 10, abs=0.01)
+    assert recording["time"].values == pytest.approx((np.array(late[:100]) - 1) / 1000)  # the device's own clock
+
+
 def test_unplugged_in_the_middle_of_a_frame(record):
     with pytest.raises(InputError, match="kept and marked partial: disconnected") as caught:
         record([*swing()[:4], (0.1, frame(40, 400)[:5])], unplug=True)
@@ -147,6 +160,15 @@ def test_not_even_one_that_appears_while_it_is_recorded(record):
     assert sum(len(data) for _, data in read_journal(RAW)[1]) == 800  # and what was recorded is kept
 
 
+def test_nor_one_that_appears_in_the_last_moment(record, monkeypatch):
+    record(swing())
+    before = NC.read_bytes()
+    monkeypatch.setattr(take, "check_absent", lambda path: None)
+    with pytest.raises(InputError, match="never overwritten"):
+        take.write_new(dataset.read(NC), NC)
+    assert NC.read_bytes() == before and [path.name for path in NC.parent.iterdir()] == ["a.nc"]
+
+
 @pytest.mark.parametrize(
     ("sheet", "told"),
     [
@@ -159,6 +181,20 @@ def test_a_sheet_that_cannot_take_the_row_is_told_before_the_swing(record, sheet
     with pytest.raises(InputError, match=told):
         record(swing())
     assert not NC.exists() and Path("sheet.csv").read_text() == sheet
+
+
+def test_a_folder_one_may_not_write_is_told_before_the_swing(record, tmp_path):
+    root = os.geteuid() == 0
+    os.chmod(tmp_path, 0o555)
+    if root:
+        os.seteuid(65534)
+    try:
+        with pytest.raises(InputError, match="may not be written by you"):
+            record(swing())
+    finally:
+        if root:
+            os.seteuid(0)
+        os.chmod(tmp_path, 0o755)
 
 
 def test_a_full_disk_before_the_recording(record, monkeypatch):

@@ -18,15 +18,3 @@ rule capture:
     params:
         config=config,
     script: "../scripts/capture.py"
-
-
-def only_capture(wildcards):
-    """The input of every target but `capture`: a refusal."""
-    with console.job():
-        raise InputError(
-            "config, key recording",
-            "a recording is captured by the target `capture` alone, and nothing else runs beside it",
-            f"snakemake capture --config recording={config['recording']}",
-            "name the target `capture`, or leave `recording` out",
-        )
-

@@ -19,7 +19,7 @@ def capture(config, say):
         except OSError as problem:
             say(f"no live window: {problem}. The recording goes on without it.")
     stop = threading.Event()
-    for number in (signal.SIGINT, signal.SIGTERM):
+    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
         signal.signal(number, lambda *_: stop.set())
     return session.capture(job, views, stop)
 

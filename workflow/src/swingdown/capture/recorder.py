@@ -53,8 +53,11 @@ class Recorder:
 
     @property
     def missing(self):
-        """(position, damaged) of the frames that are missing between the recorded samples."""
-        return [pair for pair in self.order.missing if self.first is not None and pair[0] > self.first]
+        """(position, damaged) of the frames that are missing between the first sample recorded and the last to be."""
+        if self.first is None:
+            return []
+        last = self.first + self.expected - 1
+        return [pair for pair in self.order.missing if self.first < pair[0] <= last]
 
     @property
     def _before(self):

@@ -89,7 +89,16 @@ def job(config):
     )
     if not config.get("recover"):
         take.check_absent(made.path)
-        _enter(made, "0" * 64, rehearse=True)
+        try:
+            FOLDER.mkdir(parents=True, exist_ok=True)
+            _enter(made, "0" * 64, rehearse=True)
+        except PermissionError as error:
+            raise InputError(
+                error.filename or sheet,
+                "it may not be written by you",
+                "a folder of your own",
+                "name another with --directory",
+            ) from error
     return made
 
 
@@ -329,7 +338,6 @@ def _source(settings):
 def _check_room(job):
     seconds = job.settings["duration_s"] or _LONG
     needed = seconds * job.settings["rate_hz"] * _ROOM + 1e6
-    FOLDER.mkdir(parents=True, exist_ok=True)
     free = shutil.disk_usage(FOLDER).free
     if free < needed:
         raise OSError(
