@@ -350,6 +350,11 @@ def test_killed_between_the_file_and_the_row(record):
     assert "whole already" in recover()
     assert NC.read_bytes() == before and row().file == str(NC) and not RAW.exists()
 
+    Journal(RAW, {"settings": {**SETTINGS, "port": "x"}, "about": {}, "opened": 100.0}).close()
+    sheet = Path("sheet.csv").read_text()
+    assert "whole already" in recover()  # killed after the row
+    assert Path("sheet.csv").read_text() == sheet and not RAW.exists()
+
 
 def test_nothing_to_recover(line):
     with pytest.raises(InputError, match="no raw stream to recover"):

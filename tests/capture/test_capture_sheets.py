@@ -111,6 +111,15 @@ def test_a_tower_height_joins_the_points(text):
         assert line.split("[]")[0].rstrip() in new
 
 
+def test_an_entry_is_recognised_by_its_file():
+    Path("sheet.csv").write_text("recording,file\nold,a/old.nc\n")
+    Path("apparatus.yaml").write_text("points:\n  - {height: 0.02, file: a/t.nc}\n  - file: a/u.nc\n")
+    assert sheets.mentions("sheet.csv", "a/old.nc")
+    assert sheets.mentions("apparatus.yaml", "a/t.nc") and sheets.mentions("apparatus.yaml", "a/u.nc")
+    assert not sheets.mentions("sheet.csv", "old.nc") and not sheets.mentions("sheet.csv", "a/old")
+    assert not sheets.mentions("none.csv", "a/old.nc")
+
+
 def test_points_laid_out_otherwise_are_left_alone():
     with pytest.raises(InputError, match=r"without touching what stands there.*add by hand: height: 0\.05"):
         sheets.with_point("points: [{height: 0.02, limit: 1.0e-05, file: a.csv}]\n", POINT)

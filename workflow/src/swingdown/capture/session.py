@@ -131,9 +131,10 @@ def recover(job):
     """A sentence on the recording made from the journal of a capture that was killed."""
     settings, pieces = read_journal(job.journal)
     if job.path.exists():  # it was killed after the recording was whole
-        _enter_whole(job)
+        if not sheets.mentions(job.sheet, str(job.path)):
+            _enter_whole(job)
         job.journal.unlink()
-        return f"{job.name}: {job.path} was whole already; its row is in {job.sheet}"
+        return f"{job.name}: {job.path} was whole already; it is entered in {job.sheet}"
     kept, about, problems = settings["settings"], settings["about"], []
     recorder = _replay(kept, settings["opened"], pieces)
     if not recorder.rows and kept.get("trigger"):  # a swing that no release was seen in

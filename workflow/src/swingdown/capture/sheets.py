@@ -9,6 +9,7 @@ import csv
 import fcntl
 import io
 import os
+import re
 from pathlib import Path
 
 import yaml
@@ -34,6 +35,12 @@ def own(path, key):
             f"name one of your own in `{key}` (it is made if it is not there)",
         )
     return Path(path)
+
+
+def mentions(path, file):
+    """True if the sheet, or the apparatus sheet, has an entry for ``file``."""
+    text = Path(path).read_text(encoding="utf-8-sig") if Path(path).exists() else ""
+    return re.search(rf"(?<![^\s,:\"']){re.escape(file)}(?![^\s,\"'}}])", text) is not None
 
 
 def add_row(path, row, rehearse=False):
