@@ -22,6 +22,12 @@ def recorder():
     return make
 
 
+def listen(made, start, end):
+    """Looks at the line every 50 ms, and nothing comes."""
+    for k in range(round((end - start) / 0.05)):
+        made.tick(start + (k + 1) * 0.05)
+
+
 def feed(made, values, first=0, start=100.0):
     for k, value in enumerate(values):
         made.feed(frame(first + k, int(value)), start + k / 100)
@@ -106,12 +112,20 @@ def test_frames_lost_over_the_end_count_only_as_far_as_the_recording_goes(record
 
 def test_silence_ends_it(recorder):
     made = recorder(range(300, 350))
-    made.tick(100.9)
+    listen(made, 100.5, 100.9)
     assert made.state == "recording"
-    made.tick(101.1)
+    listen(made, 100.9, 101.1)
     data = to_dataset(made, {})
     assert data.attrs["status"] == "timed out" and data.attrs["partial"] == "yes"
     assert data.attrs["expected"] == 100 and data.attrs["received"] == 50
+
+
+def test_a_host_that_stalls_is_no_silence_of_the_board(recorder):
+    """A busy or sleeping computer that does not look at the line for 5 s: what came meanwhile waits there."""
+    made = recorder(range(300, 350))
+    made.tick(105.5)
+    made.feed(frames(range(350, 400), 50), 105.6)
+    assert made.status == "complete" and len(made.rows) == 100
 
 
 def test_garbage_without_a_frame_counts_as_silence_and_is_told(recorder):
@@ -143,7 +157,7 @@ def test_a_stop_is_the_end_where_no_duration_is_fixed(recorder):
 
 def test_a_board_that_resets_on_opening_is_recorded_from_its_new_beginning(recorder):
     made = recorder([111] * 5, first=4000, settle_s=2)
-    made.tick(101.8)  # it boots in silence
+    listen(made, 100.05, 101.8)  # it boots in silence
     assert made.state == "opening"
     feed(made, range(300, 420), 30, 102.1)
     data = to_dataset(made, {})

@@ -11,6 +11,7 @@ from .order import Order
 
 COMPLETE, STOPPED, DISCONNECTED, TIMED_OUT = "complete", "stopped", "disconnected", "timed out"
 CONFIRM = 3  # samples beyond the threshold before it is a release and no spike
+STALL = 0.25  # s; a longer pause between two looks at the line is the host's own, and no silence of the board
 DRIFT = (0.5, 0.01)  # s, and part of the duration: how far the clocks of host and device may part
 
 
@@ -28,7 +29,8 @@ class Recorder:
         self.duration = settings.get("duration_s")
         self.parser = parser(settings)
         self.state, self.status, self.reason = "opening", None, ""
-        self.bytes, self.last_heard = 0, opened
+        self.bytes = 0
+        self._now, self._listened, self._heard = opened, 0.0, 0.0
         self._begin()
 
     def _begin(self):
@@ -66,11 +68,11 @@ class Recorder:
     def feed(self, data, arrival):
         """Take bytes that came at ``arrival`` (s since 1970)."""
         self.bytes += len(data)
+        self._listen(arrival)
         for sample in self.parser.feed(data):
             if self.state == "ended":
                 return
             if self.state == "opening":
-                self.last_heard = arrival
                 if arrival - self.opened < self.settings["settle_s"]:
                     continue  # frames from before the reset that opening the port causes
                 self.state = "waiting" if self.trigger else "recording"
@@ -84,18 +86,27 @@ class Recorder:
                 self.state = "waiting" if self.trigger else self.state
                 self._begin()
             elif row:
-                self.last_heard = arrival
+                self._heard = self._listened
                 self._take(row)
-        self.tick(arrival)
+        self._check(arrival)
 
     def tick(self, now):
-        """Notice silence, or a release that never comes; ``now`` is the host's time (s since 1970)."""
+        """Notice that nothing came in the last look at the line, which ended at ``now`` (s since 1970)."""
+        self._listen(now)
+        self._check(now)
+
+    def _listen(self, now):
+        self._listened += min(max(now - self._now, 0.0), STALL)
+        self._now = now
+
+    def _check(self, now):
+        """End where the board has been silent too long, or a release never comes."""
         if self.state == "ended":
             return
         opening = (
             self.state == "opening"
         )  # the board may be starting, and silent, after having sent something before its reset
-        silent = now - (self.opened if opening else self.last_heard)
+        silent = self._listened - (0.0 if opening else self._heard)
         if silent > self.settings["timeout_s"] + (self.settings["settle_s"] if opening else 0):
             damaged, _ = self.parser.pending
             heard = "bytes came, and no whole frame in them" if damaged else "nothing came"

@@ -164,8 +164,8 @@ def _run(recorder, connection, journal, views, stop):
     def read():
         try:
             while not done.is_set():
-                if data := connection.read():
-                    pieces.put((start + time.monotonic(), data))
+                data = connection.read()
+                pieces.put((start + time.monotonic(), data))
         except ports.GONE as error:
             pieces.put((start + time.monotonic(), error))
 
@@ -177,18 +177,16 @@ def _run(recorder, connection, journal, views, stop):
             try:
                 arrival, data = pieces.get(timeout=_LOOK)
             except queue.Empty:
-                recorder.tick(start + time.monotonic())
-            else:
-                if isinstance(data, Exception):
-                    recorder.end(DISCONNECTED, f"the port went away ({data or type(data).__name__})")
-                    break
-                try:
-                    journal.add(data, arrival)
-                except OSError as error:
-                    recorder.feed(data, arrival)
-                    recorder.end(STOPPED, f"the raw stream cannot be kept on disk ({error.strerror})")
-                    break
+                data = None  # the reader is late: no word on what came
+            if isinstance(data, Exception):
+                recorder.end(DISCONNECTED, f"the port went away ({data or type(data).__name__})")
+            elif data:
+                problem = _keep(journal, data, arrival)
                 recorder.feed(data, arrival)
+                if problem:
+                    recorder.end(STOPPED, f"the raw stream cannot be kept on disk ({problem.strerror})")
+            elif data is not None:
+                recorder.tick(arrival)
             if stop.is_set():
                 recorder.end(STOPPED)
             if time.monotonic() - shown > _SHOW and pieces.qsize() < 100:
@@ -200,6 +198,14 @@ def _run(recorder, connection, journal, views, stop):
         reader.join(1)
         for view in views:
             view.show(recorder)
+
+
+def _keep(journal, data, arrival):
+    """None, or why the bytes could not be kept."""
+    try:
+        journal.add(data, arrival)
+    except OSError as problem:
+        return problem
 
 
 def _close(job, recorder, remove_journal):
