@@ -18,10 +18,13 @@ if "recordings" not in config:
 
 
 with console.job():
+    if "recording" in config:
+        config.setdefault("capture", {})
     settings = complete(config, where=", ".join(map(str, workflow.configfiles)) or "config")
     config.clear()
     config.update(settings)
-    PLAN = plan(config)
+    # A recording that is asked for by name is captured, and nothing of the study is looked at: it may not be there yet.
+    PLAN = plan({} if "recording" in config else config)
 
 TABLES, FIGURES, VERDICTS = [], [], []  # each stage adds what it makes; the report shows all of it
 
@@ -36,28 +39,41 @@ wildcard_constraints:
 include: "workflow/rules/common.smk"
 
 
-if config["simulation"]["simulated"]:
+if "recording" in config:
 
-    include: "workflow/rules/simulate.smk"
+    include: "workflow/rules/capture.smk"
+
+    rule all:
+        default_target: True  # in an included file it would count for nothing
+        localrule: True
+        input:
+            only_capture,
+
+else:
+    config.pop("capture", None)  # it tells how recordings are made, and no result rests on that
+
+    if config["simulation"]["simulated"]:
+
+        include: "workflow/rules/simulate.smk"
 
 
-if PLAN.campaigns:
+    if PLAN.campaigns:
 
-    include: "workflow/rules/measure.smk"
-    include: "workflow/rules/fit.smk"
-    include: "workflow/rules/discover.smk"
-
-
-include: "workflow/rules/hidden_effects.smk"
-include: "workflow/rules/figures.smk"
-include: "workflow/rules/report.smk"
+        include: "workflow/rules/measure.smk"
+        include: "workflow/rules/fit.smk"
+        include: "workflow/rules/discover.smk"
 
 
-rule all:
-    default_target: True
-    localrule: True
-    input:
-        TABLES,
-        FIGURES,
-        VERDICTS,
-        "results/report.html",
+    include: "workflow/rules/hidden_effects.smk"
+    include: "workflow/rules/figures.smk"
+    include: "workflow/rules/report.smk"
+
+
+    rule all:
+        default_target: True
+        localrule: True
+        input:
+            TABLES,
+            FIGURES,
+            VERDICTS,
+            "results/report.html",

@@ -1,5 +1,8 @@
 """A switch of the config adds or removes exactly the rules and files that it should, and nothing else."""
 
+import os
+import signal
+
 import pytest
 from snakemake.api import SnakemakeApi
 from snakemake.settings.enums import Quietness
@@ -105,9 +108,55 @@ def test_hidden_effects_are_asked_for_by_name_and_need_no_recordings(rules):
     assert found == {"hidden_effects": 1, "hidden_make": 2, "hidden_find": 2, "hidden_score": 1, "hidden_figures": 1}
 
 
+CAPTURE = "capture: {port: nowhere}\n"
+
+
+@pytest.fixture
+def interruptible():
+    """Planning a capture leaves Ctrl-C to the recording; the tests want it back."""
+    before = signal.getsignal(signal.SIGINT)
+    yield
+    signal.signal(signal.SIGINT, before)
+
+
+def test_a_capture_is_one_job_and_looks_at_nothing_else(rules, interruptible):
+    assert rules("recordings: not_there_yet.csv\nrecording: swing-07\n" + CAPTURE, "capture") == {"capture": 1}
+
+
+@pytest.mark.parametrize("target", ["all", "discover", "report", "results/angles/a.nc"])
+def test_no_other_target_captures(rules, sheet, target):
+    """Also where the settings of a capture stand in the config, and its script is newer than every recording."""
+    assert "capture" not in rules(sheet + CAPTURE, target)
+
+
+def test_a_recording_that_is_there_is_an_input_like_any_other(rules, root, tmp_path):
+    (tmp_path / "resources/recordings").mkdir(parents=True)
+    recording = tmp_path / "resources/recordings/a.nc"
+    recording.write_text("")
+    os.utime(recording, (0, 0))  # older than script, rule and package
+    (tmp_path / "sheet.csv").write_text("recording,file\na,resources/recordings/a.nc\n")
+    counts = rules("recordings: sheet.csv\n" + CAPTURE)
+    assert counts["record"] == 1 and "capture" not in counts
+    assert recording.exists()
+
+
+@pytest.mark.parametrize("targets", [(), ("all",)])
+def test_a_name_to_record_without_the_target_is_told(rules, interruptible, capfd, targets):
+    with pytest.raises(SystemExit):
+        rules("recording: swing-07\n" + CAPTURE, *targets)
+    assert "name the target `capture`" in capfd.readouterr().err
+
+
+def test_the_settings_of_a_capture_run_nothing_again(rules, sheet):
+    assert rules(sheet) == rules(sheet + CAPTURE)
+
+
 @pytest.mark.parametrize(
     ("config", "told"),
     [
+        ("capture: {prot: x}\n", "write 'port'"),
+        ("recording: 7\n", "letters, digits"),
+        ("recording: a/b\n", "letters, digits"),
         ("sead: 1\n", "key sead"),
         ("recordings: nowhere.csv\n", "nowhere.csv"),
         ("recordings: sheet.csv\nexperiment: {campaigns: [mime]}\n", "'mine'"),

@@ -4,6 +4,8 @@ import re
 import subprocess
 import sys
 
+import pytest
+
 
 def test_ruff_finds_nothing(root):
     done = subprocess.run(
@@ -13,9 +15,10 @@ def test_ruff_finds_nothing(root):
     assert done.returncode == 0, done.stdout + done.stderr
 
 
-def test_snakemakes_lint_asks_for_environments_alone(snakemake, tmp_path):
+@pytest.mark.parametrize("words", [(), ("--config", "recording=swing-07")], ids=["study", "capture"])
+def test_snakemakes_lint_asks_for_environments_alone(snakemake, tmp_path, words):
     """A conda or container directive that nobody has run would be a false promise; all else must be in order."""
-    done = snakemake("--lint", directory=tmp_path, check=False)
+    done = snakemake("--lint", *words, directory=tmp_path, check=False)
     findings = set(re.findall(r"^ +\* (.+?):?$", done.stdout, re.MULTILINE))
     assert findings == {"Specify a conda environment or container for each rule."}, done.stdout
 

@@ -65,3 +65,14 @@ def test_a_bad_key_or_value_is_named_with_the_mend(config, key, told):
 def test_a_config_that_is_no_mapping_is_refused():
     with pytest.raises(InputError, match="keys and values"):
         complete(["recordings"])
+
+
+def test_what_the_command_line_says_of_a_capture_is_read_as_yaml():
+    """Snakemake makes text of every value within a group."""
+    settings = complete({"capture": {"duration_s": "null", "trigger": {"threshold": "0.05"}, "notes": "7"}, "live": "true"})
+    assert settings["live"] is True
+    capture = settings["capture"]
+    assert capture["duration_s"] is None and capture["notes"] == "7" and capture["rate_hz"] == 100
+    assert capture["trigger"] == {"threshold": 0.05, "pre_s": 0.5, "wait_s": 120}
+    with pytest.raises(InputError, match=r"capture\.duration_s: 'soon' does not fit.*a number or null > 0"):
+        complete({"capture": {"duration_s": "soon"}})

@@ -1,5 +1,7 @@
 # The few functions that rules of several stages use.
 
+from swingdown.errors import InputError
+
 
 def code(script):
     """The package's files that a script rests on; as inputs they make its rule run again when one is edited."""
@@ -16,3 +18,14 @@ def told():
     """The files, beside the recordings, whose checksums the report tells."""
     names = [*workflow.configfiles, config.get("recordings"), PLAN.apparatus]
     return [str(find(name)) for name in names if name]
+
+
+def only_capture(wildcards):
+    """The input of `all` where a recording is asked for: a refusal."""
+    with console.job():
+        raise InputError(
+            "config, key recording",
+            "a recording is captured by the target `capture` alone, and nothing else runs beside it",
+            f"snakemake capture --config recording={config['recording']}",
+            "name the target `capture`, or leave `recording` out",
+        )

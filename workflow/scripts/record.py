@@ -13,6 +13,7 @@ def record(row, sheet, output):
     return (
         f"{row['recording']}: {signal.size} samples over {time[-1] - time[0]:.4g} s, "
         f"{float(signal.min()):.4g} to {float(signal.max()):.4g} {signal.units}"
+        + ("; PARTIAL, as the sheet allows" if recording.attrs["partial"] == "yes" else "")
     )
 
 

@@ -10,10 +10,10 @@ PLATEAU = 4  # samples at the highest value of one top before it is looked at
 STEPS = 8  # quantisation steps below it that are compared with it
 
 
-def check_times(times, lines, place):
+def check_times(times, lines, place, gaps=False):
     """None if the times (s) rise evenly enough; InputError if one repeats, runs back, or a sample is missing.
 
-    ``lines`` are the file's line numbers of the samples.
+    ``lines`` are the file's line numbers of the samples. ``gaps`` lets missing samples pass.
     """
     steps = np.diff(times)
     usual = float(np.median(steps))
@@ -27,7 +27,7 @@ def check_times(times, lines, place):
             "time strictly increasing",
             window,
         )
-    if len(bad := np.flatnonzero(steps > GAP * usual)):
+    if not gaps and len(bad := np.flatnonzero(steps > GAP * usual)):
         k = bad[0]
         raise InputError(
             f"{place}, line {lines[k + 1]}",

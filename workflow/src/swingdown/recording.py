@@ -33,7 +33,8 @@ def ingest(row, sheet="sample sheet"):
     ``row`` is a row of ``sheet.read_sheet``, or a mapping of the same with the key ``recording``. Leading
     lines ``# key: value`` of a CSV file are its own account of itself; ``emulated`` and ``source`` are kept.
     InputError names file and row, column or time for: a file or column that is missing, a checksum that does
-    not match, cells that are not numbers, time that repeats, runs back or has a gap, fewer than 10 samples,
+    not match, cells that are not numbers, time that repeats, runs back or has a gap, a recording that says it is partial where
+    the sheet's column ``partial`` does not allow it, fewer than 10 samples,
     and a signal that is constant (unless the role is static) or saturated.
     """
     row = {"recording": getattr(row, "name", None), **row}
@@ -50,7 +51,10 @@ def ingest(row, sheet="sample sheet"):
 def from_bytes(payload, row, place, digest):
     """The dataset of ``ingest`` from a file's content."""
     name = row["file"]
-    table, about = _netcdf(payload, name) if name.lower().endswith(NETCDF) else _csv(payload, name)
+    table, about = (
+        _netcdf(payload, name, row.get("time_column", "")) if name.lower().endswith(NETCDF) else _csv(payload, name)
+    )
+    partial = _check_whole(about, row, name, place)
     time_column = _column(table, row["time_column"], 0, name, place, "time_column")
     signal_column = _column(table, row["signal_column"], 1, name, place, "signal_column")
     time_unit = row["time_unit"] or unit_of(time_column, TIME_UNITS) or "s"
@@ -73,7 +77,7 @@ def from_bytes(payload, row, place, digest):
             "correct start_s and stop_s, or the time unit",
         )
     signal = _numbers(table[signal_column][inside], lines, name, signal_column)
-    check_times(times, lines, f"{name}, column {time_column} ({place})")
+    check_times(times, lines, f"{name}, column {time_column} ({place})", gaps=partial)
     check_signal(times, signal, f"{name}, column {signal_column} ({place})", static=row["role"] == "static")
 
     counted = {"counts_per_revolution": row["counts_per_revolution"]} if signal_unit == "counts" else {}
@@ -88,6 +92,7 @@ def from_bytes(payload, row, place, digest):
             "sha256": digest,
             "source": about.get("source", "as recorded by its owner"),
             "emulated": "yes" if str(about.get("emulated", "no")).lower() in ("yes", "true", "1") else "no",
+            "partial": "yes" if partial else "no",
             "expected_samples": len(times),
             **counted,
         },
@@ -164,7 +169,26 @@ def _csv(payload, name):
     return table, about
 
 
-def _netcdf(payload, name):
+def _check_whole(about, row, name, place):
+    """True for a recording that says it is partial and that the sheet allows; InputError if it does not."""
+    if about.get("captured") == "yes" and about.get("complete") != 1:
+        raise InputError(
+            name, "it has no completeness mark", "a recording as capture wrote it", "capture or recover it again"
+        )
+    if about.get("partial") != "yes":
+        return False
+    if row.get("partial", "") != "allow":
+        raise InputError(
+            f"{name} ({place}, column partial)",
+            f"the recording is partial ({about.get('problems') or 'it does not say why'}): "
+            f"{about.get('received', '?')} of {about.get('expected', '?')} samples",
+            "a whole recording",
+            "record it again, or write `allow` in the column partial to use what there is",
+        )
+    return True
+
+
+def _netcdf(payload, name, time_column=""):
     try:
         with netCDF4.Dataset(name, memory=payload) as file:
             store = xr.backends.NetCDF4DataStore(file)
@@ -172,8 +196,10 @@ def _netcdf(payload, name):
     except (OSError, ValueError, RuntimeError) as error:
         raise InputError(name, f"it cannot be read ({error})", "a netCDF file", "convert it again") from error
     series = {key: data[key] for key in (*data.coords, *data.data_vars) if data[key].ndim == 1}
-    length = max((value.size for value in series.values()), default=0)
-    table = pd.DataFrame({key: value.values for key, value in series.items() if value.size == length})
+    # the columns are those along the time, or along the longest dimension where the sheet names no time
+    sizes = {value.dims[0]: value.size for value in series.values()}
+    along = series[time_column].dims[0] if time_column in series else max(sizes, key=sizes.get, default="")
+    table = pd.DataFrame({key: value.values for key, value in series.items() if value.dims[0] == along})
     table.attrs["first_line"] = 1
     return table, {str(key).lower(): value for key, value in data.attrs.items()}
 

@@ -42,6 +42,29 @@ def check(content, schema, where):
     return _filled(copy.deepcopy(content), validator.schema)
 
 
+def as_said(content, schema, keys):
+    """``content`` with text under ``keys`` read as YAML wherever the schema wants something else than text.
+
+    For keys that are given on the command line: of a group in ``--config key={...}`` Snakemake makes every value text.
+    """
+    rules = _validator(schema).schema["properties"]
+    if not isinstance(content, dict):
+        return content
+    return content | {key: _said(content[key], rules[key]) for key in keys if key in content}
+
+
+def _said(value, rule):
+    if isinstance(value, dict):
+        rules = rule.get("properties", {})
+        return {key: _said(part, rules.get(key, {"type": "string"})) for key, part in value.items()}
+    if not isinstance(value, str) or rule.get("type") == "string":
+        return value
+    try:
+        return yaml.safe_load(value)
+    except yaml.YAMLError:
+        return value
+
+
 @cache
 def _validator(schema):
     rules = yaml.safe_load((SCHEMAS / schema).read_text(encoding="utf-8"))
@@ -118,7 +141,8 @@ def near(name, known):
 
 def _expected(rule):
     bounds = " and ".join(f"{sign} {rule[bound]}" for bound, sign in _BOUNDS.items() if bound in rule)
-    kind = _KINDS.get(rule.get("type"), "")
+    kinds = [rule.get("type")] if isinstance(rule.get("type"), str) else rule.get("type", [])
+    kind = " or ".join(_KINDS.get(name, name) for name in kinds)
     if "enum" in rule:
         kind = " or ".join(map(str, rule["enum"]))
     return ", ".join(part for part in (f"{kind} {bounds}".strip(), rule.get("description", "")) if part)

@@ -23,10 +23,12 @@ COLUMNS = {  # name: default; None = must be given
     "stop_s": math.nan,
     "role": "",
     "sha256": "",
+    "partial": "",  # a recording that is marked partial is refused
 }
 TIME_UNITS = {"s": 1.0, "ms": 1e-3, "us": 1e-6}
 SIGNAL_UNITS = ("V", "rad", "deg", "counts")
 ROLES = ("fit", "holdout", "static")
+PARTIAL = ("allow",)
 _NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]*")
 
 
@@ -125,7 +127,12 @@ def _row(path, number, header, cells, check_files):
     for column in ("recording", "campaign"):
         if not _NAME.fullmatch(row[column]):
             fail(column, f"{row[column]!r} cannot name a file", "letters, digits, . _ and -", "rename it")
-    for column, known in (("time_unit", TIME_UNITS), ("signal_unit", SIGNAL_UNITS), ("role", ROLES)):
+    for column, known in (
+        ("time_unit", TIME_UNITS),
+        ("signal_unit", SIGNAL_UNITS),
+        ("role", ROLES),
+        ("partial", PARTIAL),
+    ):
         if row[column] and row[column] not in known:
             near = difflib.get_close_matches(row[column].lower(), [k.lower() for k in known], 1, 0.6)
             hint = next(

@@ -83,6 +83,7 @@ def tower(apparatus, number):
         "stop_s": np.nan,
         "role": "static",
         "sha256": point.get("sha256", ""),
+        "partial": point.get("partial", ""),
     }
     return ingest(row, f"{apparatus['path']}, key points[{number}]")
 

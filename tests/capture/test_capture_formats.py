@@ -1,0 +1,254 @@
+"""Bytes become samples: none is lost that came whole, none is made up from damage, whatever comes and in whatever pieces."""
+
+import binascii
+import string
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from traffic import crc16, frame, frames
+
+from swingdown.capture.formats import FORMATS, Frames, Lines, parser
+from swingdown.capture.order import Order
+from swingdown.errors import InputError
+
+
+def lines(**more):
+    return Lines({"columns": ["time_ms", "value"], **more})
+
+
+def in_pieces(data, cuts):
+    edges = [0, *sorted(cut % (len(data) + 1) for cut in cuts), len(data)]
+    return [data[a:b] for a, b in zip(edges, edges[1:], strict=False)]
+
+
+def read(reader, pieces):
+    return [sample for piece in pieces for sample in reader.feed(piece)]
+
+
+def kept(reader, data, rate=100, passed=600.0):
+    """The Order of the samples in ``data``, all within ``passed`` seconds."""
+    order = Order(reader, rate)
+    for sample in reader.feed(data):
+        order.add(sample, passed)
+    return order
+
+
+def test_the_documented_frame_is_read(root):
+    """The example in the sampler's description is what the format is."""
+    text = (root / "resources/firmware/README.md").read_text()
+    example = bytes.fromhex(text.split("reading 512 is `")[1].split("`")[0])
+    (sample,) = Frames().feed(example)
+    assert (sample.sequence, sample.value) == (7, 512)
+
+
+@given(
+    st.lists(st.integers(0, 65535), max_size=30),
+    st.integers(0, 65535),
+    st.lists(st.integers(0, 10**6), max_size=9),
+)
+def test_frames_come_whole_in_whatever_pieces(values, first, cuts):
+    found = read(Frames(), in_pieces(frames(values, first), cuts))
+    assert [sample.value for sample in found] == values
+    assert [sample.sequence for sample in found] == [(first + k) % 65536 for k in range(len(values))]
+    assert not any(sample.damaged for sample in found)
+
+
+@given(st.lists(st.integers(0, 4000), max_size=30), st.lists(st.integers(0, 10**6), max_size=9))
+def test_lines_come_whole_in_whatever_pieces(values, cuts):
+    data = b"\r\n" + b"".join(b"%d,%d\r\n" % (10 * k, value) for k, value in enumerate(values))
+    found = read(lines(), in_pieces(data, cuts))
+    assert [(sample.ticks, sample.value) for sample in found] == [
+        (10 * k, value) for k, value in enumerate(values)
+    ]
+
+
+@settings(max_examples=300)
+@given(
+    st.binary(max_size=2000), st.lists(st.integers(0, 10**6), max_size=9), st.sampled_from(sorted(FORMATS))
+)
+def test_random_bytes_neither_hang_nor_raise(data, cuts, name):
+    reader = parser({"format": name, "columns": ["sequence", "time_us", "value"]})
+    for sample in read(reader, in_pieces(data, cuts)):
+        assert np.isfinite(sample.value)
+    read(reader, [b"\n" * 3, b"\xa5", frame(1, 2)])
+    damaged, claims = reader.pending
+    assert damaged >= 0 and all(0 <= claim < 65536 for claim in claims)
+
+
+@settings(max_examples=300)
+@given(
+    st.text(alphabet=string.digits + ",.-+e\r\n_ naif\x00", max_size=800),
+    st.lists(st.integers(0, 10**6), max_size=9),
+)
+def test_what_looks_like_lines_neither_hangs_nor_raises(text, cuts):
+    for sample in read(lines(), in_pieces(text.encode(), cuts)):
+        assert np.isfinite(sample.value) and sample.ticks == int(sample.ticks)
+
+
+@st.composite
+def damaged(draw):
+    """Frames 0 to n with up to three bits flipped, bytes cut out, or garbage put in, in some of them."""
+    count = draw(st.integers(5, 40))
+    values = [(517 * k) % 1024 for k in range(count)]
+    pieces = [bytearray(frame(k, value)) for k, value in enumerate(values)]
+    for k in draw(st.lists(st.integers(1, count - 2), max_size=6, unique=True)):
+        kind = draw(st.sampled_from(["flip", "cut", "garbage"]))
+        if kind == "flip":
+            for bit in draw(st.lists(st.integers(0, 63), min_size=1, max_size=3, unique=True)):
+                pieces[k][bit // 8] ^= 1 << bit % 8
+        elif kind == "cut":
+            start = draw(st.integers(0, 7))
+            del pieces[k][start : start + draw(st.integers(1, 8))]
+        else:
+            pieces[k] += draw(st.binary(min_size=1, max_size=40))
+    return values, b"".join(map(bytes, pieces)), draw(st.lists(st.integers(0, 10**6), max_size=9))
+
+
+@settings(max_examples=400)
+@given(damaged())
+def test_damage_never_becomes_a_sample(case):
+    """Every sample is one that was sent, in its place; every other is counted as missing."""
+    values, data, cuts = case
+    order = Order(reader := Frames(), 100)
+    for sample in read(reader, in_pieces(data, cuts)):
+        order.add(sample, 100.0)
+    assert all(values[row.position] == row.value for row in order.rows)
+    known = {row.position for row in order.rows} | {position for position, _ in order.missing}
+    assert known >= set(range(order.rows[0].position, order.rows[-1].position))
+    assert len(known) == len(order.rows) + len(order.missing)
+
+
+@pytest.mark.parametrize("bit", range(64))
+def test_every_flipped_bit_is_found(bit):
+    data = bytearray(frames(range(500, 510)))
+    data[5 * 8 + bit // 8] ^= 1 << bit % 8
+    order = kept(Frames(), bytes(data))
+    assert [row.position for row in order.rows] == [0, 1, 2, 3, 4, 6, 7, 8, 9]
+    assert order.missing == [(5, True)]
+
+
+def test_a_lost_frame_and_a_damaged_one_are_told_apart():
+    whole = [frame(k, 500) for k in range(10)]
+    whole[6] = whole[6][:4] + b"\xff" + whole[6][5:]
+    order = kept(Frames(), b"".join(whole[:3] + whole[5:]))
+    assert order.missing == [(3, False), (4, False), (6, True)]
+    order = kept(Frames(), b"".join(whole[:5] + whole[6:7] + whole[9:]))
+    assert order.missing == [(5, False), (6, True), (7, False), (8, False)]
+
+
+def test_the_sequence_goes_on_through_its_wrap():
+    order = kept(Frames(), frames([500] * 10, first=65531))
+    assert [row.position for row in order.rows] == list(range(65531, 65541))
+    order = kept(Frames(), frames([500] * 3, first=65533) + frames([500] * 3, first=65538))
+    assert order.missing == [(65536, False), (65537, False)]
+    assert order.rows[-1].time == pytest.approx(0.07)
+
+
+def test_garbage_before_the_first_frame_is_no_loss():
+    order = kept(Frames(), b"\x00\xa5\xffready\r\n\xa5\x5a" + frames([500] * 5))
+    assert len(order.rows) == 5 and not order.missing
+
+
+def test_garbage_between_frames_loses_none():
+    order = kept(Frames(), frames([500] * 5) + b"\xa5\x5a\xa5\xff" * 9 + frames([500] * 5, first=5))
+    assert len(order.rows) == 10 and not order.missing
+
+
+def test_a_truncated_line_a_merged_line_and_garbage_are_no_samples():
+    good = [b"%d,%d\r\n" % (10 * k, 500 + k) for k in range(12)]
+    good[3] = good[3][:2] + b"\r\n"  # truncated: no value
+    good[5] = good[5].strip()  # its end is lost: merged with the next
+    good[8] = b"\xff\x00" + good[8]
+    order = kept(lines(), b"x\n" + b"".join(good))
+    assert [row.value for row in order.rows] == [500, 501, 502, 504, 507, 509, 510, 511]
+    assert order.missing == [(3, True), (5, True), (6, False), (8, True)]
+    assert order.rows[-1].time == pytest.approx(0.11)
+
+
+def test_a_line_that_lost_digits_is_found_by_its_crc():
+    good = [b"%d,%d" % (10 * k, 500 + k) for k in range(6)]
+    good = [b"%s,%04X\n" % (text, binascii.crc_hqx(text, 0xFFFF)) for text in good]
+    assert crc16(b"0,500") == binascii.crc_hqx(b"0,500", 0xFFFF)
+    bad = [*good[:2], good[2].replace(b"502", b"50"), *good[3:]]
+    order = kept(lines(columns=["time_ms", "value", "crc"]), b"\n" + b"".join(bad))
+    assert [row.value for row in order.rows] == [500, 501, 503, 504, 505]
+    assert order.missing == [(2, True)]
+
+
+def test_the_first_line_may_lack_its_beginning_and_is_left_out():
+    (sample,) = lines().feed(b"0,512\r\n20,513\r\n")
+    assert sample.value == 513
+
+
+def test_a_line_without_an_end_is_let_go_with_its_tail():
+    reader = lines()
+    assert not read(reader, [b"\n", b"9" * 600, b",7\r\n"])
+    (sample,) = reader.feed(b"20,8\r\n")
+    assert sample.value == 8
+
+
+def test_damage_before_the_first_sample_makes_no_later_loss_a_damage():
+    order = kept(Frames(), b"\xa5\x5a garbage of a reset" + frames([500] * 3) + frames([500] * 3, first=4))
+    assert order.missing == [(3, False)]
+
+
+def test_a_repeated_frame_is_kept_once():
+    order = kept(Frames(), frames([500] * 3) + frame(2, 500) * 3 + frames([500] * 3, first=3))
+    assert [row.position for row in order.rows] == [0, 1, 2, 3, 4, 5]
+    assert order.repeated == 3 and not order.missing and not order.restarted
+
+
+@pytest.mark.parametrize("name,last", [("time_ms", 2**32 - 15), ("time_us", 2**32 - 15000)])
+def test_the_devices_clock_goes_on_through_its_wrap(name, last):
+    step = 10 if name == "time_ms" else 10_000
+    data = b"\n" + b"".join(b"%d,7\n" % ((last + k * step) % 2**32) for k in range(5))
+    order = kept(lines(columns=[name, "value"]), data)
+    assert [row.time for row in order.rows] == pytest.approx([0, 0.01, 0.02, 0.03, 0.04])
+
+
+@pytest.mark.parametrize("size", [16, 32])
+def test_a_counter_in_lines_wraps_at_its_own_size(size):
+    data = b"\n" + b"".join(b"%d,7\n" % ((2**size - 3 + k) % 2**size) for k in range(6))
+    order = kept(lines(columns=["sequence", "value"]), data)
+    assert len(order.rows) == 6 and not order.missing
+
+
+def test_the_devices_clock_is_the_time_base_where_it_sends_one():
+    data = b"\n" + b"".join(b"%d,%d,7\n" % (k, 11 * k) for k in range(4))
+    order = kept(lines(columns=["sequence", "time_ms", "value"]), data)
+    assert [row.time for row in order.rows] == pytest.approx([0, 0.011, 0.022, 0.033])
+
+
+def test_an_impossible_number_is_left_out_and_a_new_beginning_is_noticed():
+    order = Order(reader := Frames(), 100)
+    for k, sample in enumerate(
+        reader.feed(frames([500] * 5) + frame(40_000, 9) + frames([500] * 5, first=6))
+    ):
+        order.add(sample, k / 100)
+    assert (
+        not order.restarted
+        and [row.value for row in order.rows] == [500] * 10
+        and order.missing == [(5, True)]
+    )
+    for k, sample in enumerate(reader.feed(frames([300] * 3, first=0))):
+        order.add(sample, 0.5 + k / 100)
+    assert order.restarted
+
+
+@pytest.mark.parametrize(
+    ("settings", "told"),
+    [
+        ({"columns": ["value"]}, "millis()"),
+        ({"columns": []}, "no column"),
+        ({"columns": ["time_ms", "a", "b"]}, "one of a, b"),
+        ({"columns": ["time_ms", "a"], "signal_column": "c"}, "one of a"),
+        ({"columns": ["crc", "time_ms", "a"]}, "crc last"),
+        ({"format": "frame"}, "write 'frames'"),
+    ],
+)
+def test_settings_that_cannot_be_are_refused(settings, told):
+    with pytest.raises(InputError, match="Mend:") as caught:
+        parser({"format": "csv", **settings})
+    assert told in str(caught.value)

@@ -1,0 +1,189 @@
+/* An emulated ATmega328P board: runs the real firmware in simavr, in real time, behind a pseudo-terminal.
+ *
+ *   board FIRMWARE.elf VOLTS TRUTH BOOT PORT
+ *
+ * VOLTS holds lines "seconds volts", the voltage on A0 since the port was last opened (between the lines it is straight, beyond
+ * them constant). TRUTH gets a line "reset sequence volts cycle" for each conversion. BOOT is how long (s) the board is silent
+ * after the reset that opening the port causes; below 0 the board is not reset. PORT is the name that the port gets (a link). As on a real line, bytes are lost while nobody has the port open or reads it.
+ */
+#define _GNU_SOURCE
+#include <fcntl.h>
+#include <math.h>
+#include <poll.h>
+#include <pty.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <termios.h>
+#include <time.h>
+#include <unistd.h>
+
+#include "avr_adc.h"
+#include "avr_uart.h"
+#include "sim_avr.h"
+#include "sim_elf.h"
+#include "sim_irq.h"
+
+#define CLOCK 16000000UL
+#define ADCSRB 0x7B          /* of the ATmega328P */
+#define COMPARE_MATCH_B 5    /* in ADCSRB */
+#define TIMER1_COMPB_VECTOR 12
+#define BEFORE_RESET 0.03 /* s; what the board still sends when the port is opened */
+
+static avr_t *avr;
+static avr_irq_t *adc;
+static int port, is_open;
+static double *at, *volts;
+static size_t points;
+static FILE *truth;
+static avr_cycle_count_t opened, powered;
+static unsigned resets, conversions;
+
+static double voltage(double seconds)
+{
+    static size_t k;
+    if (points == 0 || seconds <= at[0])
+        return points ? volts[0] : 0;
+    if (k >= points || at[k] > seconds)
+        k = 0;
+    while (k + 1 < points && at[k + 1] <= seconds)
+        k++;
+    if (k + 1 == points)
+        return volts[k];
+    return volts[k] + (volts[k + 1] - volts[k]) * (seconds - at[k]) / (at[k + 1] - at[k]);
+}
+
+static void on_conversion(avr_irq_t *irq, uint32_t value, void *param)
+{
+    double now = is_open ? voltage((double)(avr->cycle - opened) / CLOCK) : voltage(0);
+    (void)irq, (void)value, (void)param;
+    /* simavr takes whole millivolts and sees 1023 steps in the reference, where the chip has 1024 */
+    avr_raise_irq(adc + ADC_IRQ_ADC0, (uint32_t)ceil(1000 * now * 1024 / 1023));
+    fprintf(truth, "%u %u %.6f %llu\n", resets, conversions++, now, (unsigned long long)avr->cycle);
+}
+
+/* What simavr 1.6 lacks: Timer 1's compare match B starts a conversion when its flag (OCF1B) rises, and only then. */
+static void on_match(avr_irq_t *irq, uint32_t value, void *param)
+{
+    static uint32_t flag;
+    (void)irq, (void)param;
+    if (value && !flag && (avr->data[ADCSRB] & 7) == COMPARE_MATCH_B)
+        avr_raise_irq(adc + ADC_IRQ_IN_TRIGGER, 1);
+    flag = value;
+}
+
+static void on_byte(avr_irq_t *irq, uint32_t value, void *param)
+{
+    uint8_t byte = (uint8_t)value;
+    (void)irq, (void)param;
+    if (is_open && write(port, &byte, 1) < 0)
+        return; /* nobody reads: the byte is lost */
+}
+
+static void no_sleep(avr_t *which, avr_cycle_count_t cycles)
+{
+    (void)which, (void)cycles;
+}
+
+static double wall(void)
+{
+    struct timespec now;
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return now.tv_sec + 1e-9 * now.tv_nsec;
+}
+
+static void read_volts(const char *path)
+{
+    FILE *file = fopen(path, "r");
+    double t, v;
+    if (!file)
+        exit((perror(path), 1));
+    while (fscanf(file, "%lf %lf", &t, &v) == 2) {
+        at = realloc(at, (points + 1) * sizeof *at);
+        volts = realloc(volts, (points + 1) * sizeof *volts);
+        at[points] = t, volts[points++] = v;
+    }
+    fclose(file);
+}
+
+static void power_on(const char *elf)
+{
+    elf_firmware_t firmware = {0};
+    uint32_t flags = 0;
+    if (elf_read_firmware(elf, &firmware) || !(avr = avr_make_mcu_by_name("atmega328p")))
+        exit((fprintf(stderr, "%s cannot be loaded\n", elf), 1));
+    avr_init(avr);
+    firmware.frequency = CLOCK;
+    firmware.vcc = firmware.avcc = firmware.aref = 5000;
+    avr_load_firmware(avr, &firmware);
+    avr->sleep = no_sleep;
+    avr_ioctl(avr, AVR_IOCTL_UART_GET_FLAGS('0'), &flags);
+    flags &= ~AVR_UART_FLAG_STDIO;
+    avr_ioctl(avr, AVR_IOCTL_UART_SET_FLAGS('0'), &flags);
+    adc = avr_io_getirq(avr, AVR_IOCTL_ADC_GETIRQ, 0);
+    avr_irq_register_notify(adc + ADC_IRQ_OUT_TRIGGER, on_conversion, NULL);
+    avr_irq_register_notify(avr_get_interrupt_irq(avr, TIMER1_COMPB_VECTOR), on_match, NULL);
+    avr_irq_register_notify(avr_io_getirq(avr, AVR_IOCTL_UART_GETIRQ('0'), UART_IRQ_OUTPUT), on_byte, NULL);
+}
+
+int main(int argc, char **argv)
+{
+    struct termios raw;
+    int slave;
+    char name[128];
+    double boot, began, reset_at = -1, silent_until = -1;
+
+    if (argc != 6)
+        return fprintf(stderr, "usage: board FIRMWARE.elf VOLTS TRUTH BOOT PORT\n"), 2;
+    read_volts(argv[2]);
+    if (!(truth = fopen(argv[3], "w")))
+        return perror(argv[3]), 1;
+    boot = atof(argv[4]);
+    setvbuf(truth, NULL, _IOLBF, 0);
+    power_on(argv[1]);
+
+    if (openpty(&port, &slave, name, NULL, NULL))
+        return perror("openpty"), 1;
+    tcgetattr(slave, &raw);
+    cfmakeraw(&raw);
+    tcsetattr(slave, TCSANOW, &raw);
+    close(slave); /* the master now tells by POLLHUP whether anyone has the port open */
+    fcntl(port, F_SETFL, O_NONBLOCK);
+    unlink(argv[5]);
+    if (symlink(name, argv[5]))
+        return perror(argv[5]), 1;
+
+    began = wall();
+    for (;;) {
+        double now = wall() - began;
+        struct pollfd state = {.fd = port};
+        poll(&state, 1, 0);
+        if (is_open != ((state.revents & POLLHUP) == 0)) {
+            is_open = !is_open;
+            opened = avr->cycle;
+            reset_at = is_open && boot >= 0 ? now + BEFORE_RESET : -1;
+            silent_until = -1;
+        }
+        if (reset_at >= 0 && now >= reset_at) {
+            reset_at = -1, silent_until = now + boot;
+        }
+        if (silent_until >= 0 && now < silent_until) {
+            avr->cycle = (avr_cycle_count_t)(now * CLOCK);
+        } else {
+            if (silent_until >= 0) {
+                silent_until = -1;
+                avr_reset(avr);
+                powered = avr->cycle;
+                resets++, conversions = 0;
+            }
+            /* Held up by a busy machine, it catches up at less than twice its pace: no board sends seconds in one burst. */
+            double until = fmin(now * CLOCK, avr->cycle + 0.001 * CLOCK);
+            while (avr->cycle < until) {
+                int is = avr_run(avr);
+                if (is == cpu_Done || is == cpu_Crashed)
+                    return fprintf(stderr, "the firmware crashed\n"), 1;
+            }
+        }
+        nanosleep(&(struct timespec){.tv_nsec = 500000}, NULL);
+    }
+}

@@ -1,0 +1,133 @@
+"""An emulated board: the real firmware in simavr behind a pseudo-terminal, with an emulated pendulum's voltage on its A0.
+
+    python tests/firmware/board.py PORT swing [--release-deg 24] [--held 6]
+    python tests/firmware/board.py PORT tower --height 0.035
+    python tests/firmware/board.py PORT rest
+
+PORT is the name that the port gets (a link to a pseudo-terminal). The pendulum and its lengths are those of
+resources/bench/emulate.py; the sensor spreads 72 degrees over 5 V. A swing is held for some seconds after the port is opened,
+then let go. Needs gcc, avr-gcc and simavr (tools/install-test-tools). It proves firmware and protocol, not analogue noise or USB.
+"""
+
+import argparse
+import contextlib
+import importlib.util
+import shutil
+import subprocess
+import tempfile
+import time
+from math import radians
+from pathlib import Path
+
+import numpy as np
+
+ROOT = Path(__file__).resolve().parents[2]
+SKETCH = ROOT / "resources/firmware/sampler/sampler.ino"
+VOLTS_PER_RADIAN, ZERO_VOLTAGE = 5.0 / radians(72.0) * 1.0012, 2.5033
+STEP = 5.0 / 1024  # V, of the converter
+NEEDED = ("gcc", "avr-gcc", "simavr")
+
+_spec = importlib.util.spec_from_file_location("emulate", ROOT / "resources/bench/emulate.py")
+emulate = importlib.util.module_from_spec(_spec)
+_spec.loader.exec_module(emulate)
+
+
+def lacking():
+    """The programs that emulation needs and that are not here, and what of simavr's library is not."""
+    found = [name for name in NEEDED if not shutil.which(name)]
+    headers = ("/usr/include/simavr/sim_avr.h", "/usr/include/libelf.h", "/usr/lib/avr/include/avr/io.h")
+    return found + [path for path in headers if not Path(path).exists()]
+
+
+def build(folder, rate=100):
+    """The emulator and the firmware, built in ``folder``: their paths."""
+    folder = Path(folder)
+    firmware, host = folder / f"sampler-{rate}.elf", folder / "board"
+    subprocess.run(
+        ["avr-gcc", "-x", "c", "-std=gnu11", "-Wall", "-Wextra", "-Werror", "-mmcu=atmega328p", "-DF_CPU=16000000UL",
+         f"-DRATE={rate}", "-Os", SKETCH, "-o", firmware],
+        check=True,
+    )  # fmt: skip
+    if not host.exists():
+        source = Path(__file__).with_name("board.c")
+        libraries = ["-lsimavr", "-lelf", "-lutil", "-lm"]
+        command = ["gcc", "-Wall", "-Wextra", "-O2", source, "-o", host, "-I/usr/include/simavr", *libraries]
+        subprocess.run(command, check=True)
+    return host, firmware
+
+
+def volts(angle):
+    """The sensor's voltage (V) at an angle (rad)."""
+    return ZERO_VOLTAGE + VOLTS_PER_RADIAN * np.asarray(angle)
+
+
+def swing(release_deg, held, seconds):
+    """Times (s since the port was opened) and angles (rad) of a bob held, then let go from rest."""
+    times = np.arange(round(1000 * seconds)) / 1000
+    return np.concatenate([[0.0], held + times]), np.concatenate(
+        [[radians(release_deg)], emulate.motion(times, radians(release_deg))]
+    )
+
+
+class Board:
+    """A board that runs while the ``with`` block does; ``port`` is its port's path, ``truth()`` what its converter saw."""
+
+    def __init__(self, folder, times, angles, rate=100, boot=0.5, port=None):
+        self.folder = Path(folder)
+        self.port = Path(port or self.folder / "port")
+        self._volts, self._truth = self.folder / "volts", self.folder / "truth"
+        np.savetxt(self._volts, np.column_stack([times, volts(angles)]), fmt="%.7f")
+        host, firmware = build(self.folder, rate)
+        self._command = [host, firmware, self._volts, self._truth, str(boot), self.port]
+
+    def __enter__(self):
+        with open(self.folder / "board.log", "w") as log:
+            self.process = subprocess.Popen(list(map(str, self._command)), stdout=log, stderr=log)
+        for _ in range(100):
+            if self.port.exists():
+                return self
+            time.sleep(0.05)
+        raise RuntimeError((self.folder / "board.log").read_text())
+
+    def __exit__(self, *_):
+        self.unplug()
+
+    def unplug(self):
+        """The board is gone, and its port with it."""
+        self.process.kill()
+        self.process.wait()
+        self.port.unlink(missing_ok=True)
+
+    def truth(self):
+        """The voltage (V) and the processor's cycle at each conversion since the last reset, by sequence number."""
+        rows = np.loadtxt(self._truth.read_text().rpartition("\n")[0].splitlines())
+        last = rows[rows[:, 0] == rows[-1, 0]]
+        return last[:, 2], last[:, 3]
+
+
+def main():
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("port")
+    parser.add_argument("scene", choices=["swing", "tower", "rest"])
+    parser.add_argument("--release-deg", type=float, default=24)
+    parser.add_argument("--held", type=float, default=6, help="s between opening the port and letting go")
+    parser.add_argument("--seconds", type=float, default=120, help="how long it swings")
+    parser.add_argument("--height", type=float, default=0.03445, help="m")
+    arguments = parser.parse_args()
+    if missing := lacking():
+        parser.exit(1, f"NOT HERE: {', '.join(missing)}. Mend: run tools/install-test-tools\n")
+    if arguments.scene == "swing":
+        scene = swing(arguments.release_deg, arguments.held, arguments.seconds)
+    else:
+        angle = emulate.tower_angle(arguments.height) if arguments.scene == "tower" else emulate.REST_ANGLE
+        scene = [0.0], [angle]
+    with tempfile.TemporaryDirectory() as folder, Board(folder, *scene, port=arguments.port) as board:
+        print(f"EMULATED board at {board.port}: {arguments.scene}. Ctrl-C unplugs it.", flush=True)
+        with contextlib.suppress(KeyboardInterrupt):
+            board.process.wait()
+
+
+if __name__ == "__main__":
+    main()

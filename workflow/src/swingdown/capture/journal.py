@@ -1,0 +1,111 @@
+"""The raw stream on disk as it arrives, so that a capture that is killed loses nothing that had arrived.
+
+One file: a line of JSON (what is needed to read the rest), then for each piece of bytes that the port gave its arrival time
+(s since 1970, 8 bytes), its length (4 bytes) and the bytes. The writer holds a lock, which ends with its process.
+"""
+
+import errno
+import fcntl
+import json
+import os
+import struct
+import time
+from pathlib import Path
+
+from ..errors import InputError
+
+_HEAD = struct.Struct("<dI")
+_SYNC = 1.0  # s between writes that are forced to the disk
+
+
+class Journal:
+    """A new journal, open for writing; InputError if there is one of that name already."""
+
+    def __init__(self, path, settings):
+        self.path = Path(path)
+        self.path.parent.mkdir(parents=True, exist_ok=True)
+        try:
+            self._file = os.open(self.path, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o644)
+        except FileExistsError:
+            raise _in_the_way(self.path) from None
+        fcntl.flock(self._file, fcntl.LOCK_EX)
+        self._synced = time.monotonic()
+        self._write(json.dumps(settings).encode() + b"\n")
+
+    def add(self, data, arrival):
+        """Keep bytes that came at ``arrival``; OSError (ENOSPC) where the disk is full."""
+        self._write(_HEAD.pack(arrival, len(data)) + data)
+        if time.monotonic() - self._synced > _SYNC:
+            os.fsync(self._file)
+            self._synced = time.monotonic()
+
+    def _write(self, data):
+        while data:
+            done = os.write(self._file, data)
+            data = data[done:]
+
+    def close(self):
+        """Ends the lock; the file stays."""
+        os.close(self._file)
+
+    def remove(self):
+        """The recording is on disk: the journal has done its work."""
+        self.path.unlink()
+
+
+def read_journal(path):
+    """(settings, [(arrival, bytes), ...]) of a journal; a last piece that is cut off is given as far as it goes.
+
+    InputError if it is not there, is no journal, or is still being written.
+    """
+    path = Path(path)
+    try:
+        with open(path, "rb") as file:
+            try:
+                fcntl.flock(file, fcntl.LOCK_SH | fcntl.LOCK_NB)
+            except OSError as error:
+                if error.errno not in (errno.EWOULDBLOCK, errno.EACCES):
+                    raise
+                raise _running(path) from None
+            settings = json.loads(file.readline())
+            pieces = []
+            while len(head := file.read(_HEAD.size)) == _HEAD.size:
+                arrival, length = _HEAD.unpack(head)
+                pieces.append((arrival, file.read(length)))
+    except FileNotFoundError:
+        raise InputError(
+            path,
+            "there is no raw stream to recover",
+            "the one a killed capture leaves",
+            "nothing has to be recovered",
+        ) from None
+    except ValueError as error:
+        if isinstance(error, InputError):
+            raise
+        raise InputError(
+            path, "it does not begin as a raw stream does", "what a capture wrote", "delete it"
+        ) from None
+    return settings, pieces
+
+
+def _in_the_way(path):
+    try:
+        read_journal(path)
+    except InputError as error:
+        if "still running" in error.problem:
+            return error
+    return InputError(
+        path,
+        "an earlier capture of this name did not finish; this is what had arrived",
+        "no raw stream of that name",
+        "make a recording of it with `recover=true` in place of a new capture, or delete the file",
+    )
+
+
+def _running(path):
+    return InputError(
+        path,
+        "a capture of this name is still running",
+        "one at a time",
+        "wait for it, or stop it with Ctrl-C",
+    )

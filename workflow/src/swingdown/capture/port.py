@@ -1,0 +1,106 @@
+"""The serial port: found by path, USB identity or pyserial URL, and opened for one reader alone."""
+
+import contextlib
+import errno
+import re
+import termios
+import time
+from pathlib import Path
+
+import serial
+from serial.tools import list_ports
+
+from ..errors import InputError
+
+GONE = (serial.SerialException, OSError, termios.error, TypeError)  # what reading an unplugged port raises
+_WAIT = 0.05  # s that a read waits for the first byte
+_GATHER = 0.002  # s for what comes with it: a board sends byte by byte
+_USB = re.compile(r"([0-9a-fA-F]{4}):([0-9a-fA-F]{4})(?::(.+))?")
+
+
+def listed():
+    """The ports there are, as a person would name them."""
+    named = []
+    for port in list_ports.comports():
+        usb = (
+            f"{port.vid:04x}:{port.pid:04x}" + (f":{port.serial_number}" if port.serial_number else "")
+            if port.vid
+            else ""
+        )
+        named.append(port.device + (f" ({', '.join(filter(None, (usb, port.product)))})" if usb else ""))
+    return ", ".join(named) or "none (is the board plugged in, by a cable that carries data?)"
+
+
+def find(name):
+    """The path or URL to open for ``name``: a path, a URL, or VID:PID[:serial]; InputError where there is no such port."""
+    if not name:
+        raise _error("no port is named", "set capture.port in the config to one of them")
+    name = str(name)
+    if "://" in name:
+        return name
+    if usb := _USB.fullmatch(name):
+        vid, pid, number = int(usb[1], 16), int(usb[2], 16), usb[3]
+        found = [
+            port.device
+            for port in list_ports.comports()
+            if (port.vid, port.pid) == (vid, pid) and number in (None, port.serial_number)
+        ]
+        if len(found) > 1:
+            raise _error(f"{len(found)} boards are {name}", "name its serial number too: VID:PID:serial")
+        if not found:
+            raise _error(f"no board {name} is plugged in", "plug it in, or correct capture.port")
+        return found[0]
+    if not Path(name).exists():
+        raise _error(f"there is no port {name}", "plug the board in, or correct capture.port")
+    return name
+
+
+def connect(name, baud):
+    """An open port: an object with ``read`` (bytes as they are there, b"" after 50 ms of silence) and ``close``."""
+    url = find(name)
+    try:
+        return Port(serial.serial_for_url(url, baudrate=baud, timeout=_WAIT, exclusive=True))
+    except ValueError as error:
+        raise _error(
+            f"{url} is no port that can be opened ({error})", "correct capture.port or capture.baud"
+        ) from error
+    except GONE as error:
+        raise _refused(url, error) from error
+
+
+class Port:
+    """A port that is open; ``read`` raises one of ``GONE`` when it is unplugged."""
+
+    def __init__(self, opened):
+        self._opened = opened
+
+    def read(self):
+        """The bytes that are there, b"" after 50 ms without any."""
+        if not (first := self._opened.read(1)):
+            return b""
+        time.sleep(_GATHER)
+        return first + self._opened.read(self._opened.in_waiting)
+
+    def close(self):
+        """Closes the port; one that is gone is closed already."""
+        with contextlib.suppress(*GONE):
+            self._opened.close()
+
+
+def _refused(url, error):
+    number, text = getattr(error, "errno", None), str(error)
+    if number in (errno.EACCES, errno.EPERM) or "ermission denied" in text:
+        return _error(
+            f"{url} may not be opened by you",
+            "join the group that owns it (sudo usermod -aG dialout $USER) and log in again",
+        )
+    if number in (errno.EBUSY, errno.EWOULDBLOCK) or "exclusively lock" in text or "busy" in text:
+        return _error(
+            f"{url} is in use by another program",
+            f"close it (a serial monitor, another capture); `fuser {url}` tells which it is",
+        )
+    return _error(f"{url} cannot be opened ({text})", "check the cable and capture.port")
+
+
+def _error(problem, mend):
+    return InputError("capture.port", problem, f"one of the ports there are: {listed()}", mend)

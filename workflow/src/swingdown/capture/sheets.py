@@ -1,0 +1,196 @@
+"""The new recording's entry in the sample sheet or, for a tower height, in the apparatus sheet.
+
+What stands in a sheet is never changed: lines are added, the result is held against the old, and it takes the old one's place
+in one step.
+"""
+
+import contextlib
+import csv
+import fcntl
+import io
+import os
+import re
+from pathlib import Path
+
+import yaml
+
+from ..errors import InputError
+from ..paths import PROJECT, find
+from ..sheet import read_sheet
+
+HEADER = (
+    "recording", "campaign", "file", "time_column", "time_unit", "signal_column", "signal_unit", "start_s", "role", "sha256",
+    "partial",
+)  # fmt: skip
+
+
+def own(path, key):
+    """The sheet's path in the working directory, there or not; InputError if it is one of the project's and we are elsewhere."""
+    found = find(path)
+    if found != Path(path) and Path.cwd() != PROJECT:
+        raise InputError(
+            f"config, key {key}",
+            f"{path} is the project's own; what is recorded here does not belong in it",
+            "a sheet in the working directory",
+            f"name one of your own in `{key}` (it is made if it is not there)",
+        )
+    return Path(path)
+
+
+def mentions(path, file):
+    """True if the sheet, or the apparatus sheet, has an entry for ``file``."""
+    text = Path(path).read_text(encoding="utf-8-sig") if Path(path).exists() else ""
+    return re.search(rf"(?<![^\s,:\"']){re.escape(file)}(?![^\s,\"'}}])", text) is not None
+
+
+def add_row(path, row, rehearse=False):
+    """The sheet's path, with ``row`` (column: cell) as its last line; the sheet is made if it is not there.
+
+    Columns of ``row`` that the sheet lacks are added to its header. InputError leaves the sheet as it was. ``rehearse`` does all
+    but the change itself, so that whatever stands against it is told before a swing is recorded in vain.
+    """
+    path = Path(path)
+    row = {key: cell for key, cell in row.items() if cell not in ("", None)}
+    with _alone(path):
+        old = path.read_bytes() if path.exists() else b""
+        header = [cell.strip() for cell in _lines(path)[0]] if old.strip() else list(HEADER)
+        end = b"\r\n" if b"\r\n" in old else b"\n"
+        lacking = [name for name in row if name not in header]
+        if not old.strip():
+            new = _line(header) + end
+        else:
+            first, newline, rest = old.partition(b"\n")
+            first = first.removesuffix(b"\r")
+            new = first + b"".join(b"," + name.encode() for name in lacking)
+            new += (end if newline else b"") + rest
+            new += b"" if new.endswith(b"\n") else end
+        new += _line([row.get(name, "") for name in [*header, *(lacking if old.strip() else [])]]) + end
+        _replace(path, old, new, rehearse, lambda made: _check_rows(made, path, row))
+    return path
+
+
+def add_point(path, point, rehearse=False):
+    """The apparatus sheet's path, with ``point`` (key: value) as the last of its ``points``.
+
+    InputError, with the lines to add by hand, where the sheet is not laid out so that lines can be added safely.
+    """
+    path = Path(path)
+    with _alone(path):
+        old = path.read_bytes()
+        new = with_point(old.decode("utf-8"), point, path)
+        _replace(path, old, new.encode("utf-8"), rehearse)
+    return path
+
+
+def with_point(text, point, path="apparatus sheet"):
+    """The text of an apparatus sheet with one more point; all else as it was."""
+    before = _yaml(text, path)
+    cells = yaml.safe_dump(point, sort_keys=False).splitlines()
+    entry = [f"{'    ' if k else '  - '}{cell}" for k, cell in enumerate(cells)]
+    lines = text.splitlines()
+    places = [k for k, line in enumerate(lines) if line.startswith("points:")]
+    if not places:
+        lines += ["", "points:", *entry]
+    else:
+        at = places[0]
+        if lines[at].split("#")[0].replace(" ", "") == "points:[]":
+            lines[at] = "points:"
+        last = at
+        for k in range(at + 1, len(lines)):
+            if lines[k][:1] not in ("", " ", "#", "-"):
+                break
+            if lines[k].strip() and lines[k][0] in " -":
+                last = k
+        if (
+            last > at
+            and lines[last][0] == "-"
+            or any(line.startswith("- ") for line in lines[at + 1 : last + 1])
+        ):
+            entry = [line[2:] for line in entry]
+        lines[last + 1 : last + 1] = entry
+    new = "\n".join(lines) + "\n"
+    wanted = dict(before, points=[*(before.get("points") or []), point])
+    try:
+        fine = yaml.safe_load(new) == wanted
+    except yaml.YAMLError:
+        fine = False
+    if not fine:
+        raise InputError(
+            f"{path}, key points",
+            "the recording cannot be added without touching what stands there",
+            "points as a list, an entry a paragraph",
+            "add by hand: " + ", ".join(f"{key}: {value}" for key, value in point.items()),
+        )
+    return new
+
+
+def _yaml(text, path):
+    try:
+        content = yaml.safe_load(text)
+    except yaml.YAMLError as error:
+        raise InputError(path, f"it is not YAML ({error})", "keys and values", "correct the file") from error
+    if not isinstance(content, dict):
+        raise InputError(
+            path, "it is no mapping of keys to values", "an apparatus sheet", "write the lengths first"
+        )
+    return content
+
+
+def _lines(path):
+    with open(path, newline="", encoding="utf-8-sig") as file:
+        return list(csv.reader(file)) or [[]]
+
+
+def _line(cells):
+    text = io.StringIO()
+    csv.writer(text, lineterminator="").writerow(cells)
+    return text.getvalue().encode()
+
+
+@contextlib.contextmanager
+def _alone(path):
+    """One capture at a time changes the sheets of a folder."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    folder = os.open(path.parent, os.O_RDONLY)
+    try:
+        fcntl.flock(folder, fcntl.LOCK_EX)
+        yield
+    finally:
+        os.close(folder)
+
+
+def _check_rows(made, path, row):
+    """The sheet as it would be, read back; InputError names the sheet as it is called."""
+    try:
+        read_sheet(made, check_files=False)
+    except InputError as error:
+        if "is used twice" in error.problem:
+            problem = f"the sheet has a row {row['recording']!r} already"
+            raise InputError(path, problem, "a name that is not taken", "choose another name") from None
+        where = error.where.replace(str(made), str(path))
+        raise InputError(where, error.problem, error.expected, error.mend) from None
+
+
+def _replace(path, old, new, rehearse, check=None):
+    real = Path(os.path.realpath(path))  # a link stays one
+    temporary = real.with_name(f".{real.name}.{os.getpid()}.new")
+    try:
+        with open(temporary, "wb") as file:
+            file.write(new)
+            file.flush()
+            os.fsync(file.fileno())
+        if check:
+            check(temporary)
+        if real.exists():
+            os.chmod(temporary, real.stat().st_mode)
+            if real.read_bytes() != old:
+                raise InputError(
+                    path,
+                    "it was changed meanwhile",
+                    "no other writer",
+                    "run the same command with `recover=true`",
+                )
+        if not rehearse:
+            os.replace(temporary, real)
+    finally:
+        temporary.unlink(missing_ok=True)

@@ -1,0 +1,121 @@
+"""A recording that has ended as a dataset, and on disk: never in the place of another."""
+
+import errno
+import os
+from datetime import UTC, datetime
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+
+from .. import dataset
+from ..errors import InputError
+
+SIGNALS = {  # unit: variable, what it is
+    "V": ("voltage", "voltage of the angle sensor"),
+    "rad": ("angle", "angle as recorded"),
+    "deg": ("angle", "angle as recorded"),
+    "counts": ("counts", "counts as recorded"),
+}
+
+
+def to_dataset(recorder, about):
+    """The dataset of a Recorder that has ended, with at least one sample.
+
+    Along ``time`` (s on the device's clock; 0 is the release, or the first sample): the value as sent, the signal in its unit,
+    the device's sequence number (unwrapped) and the host's arrival time (s since 1970, UTC). Along ``gap``: the sequence
+    numbers that are missing, and whether they came damaged. ``about`` (name: text) joins the attributes.
+    """
+    settings, rows = recorder.settings, recorder.rows
+    unit = settings["signal_unit"]
+    name, text = SIGNALS[unit]
+    values = np.array([row.value for row in rows])
+    if np.all(values == np.round(values)) and np.all(np.abs(values) < 2**31):
+        values = values.astype("int32")
+    numbers = np.array([row.position for row in rows], dtype="int64")
+    missing = recorder.missing
+    variables = {
+        "sent": ("time", values, {"long_name": "value as the device sent it", "units": "1"}),
+        name: ("time", values * float(recorder.scale), {"long_name": text, "units": unit}),
+        "sequence": ("time", numbers, {"long_name": "sequence number of the device, unwrapped"}),
+        "arrival": (
+            "time",
+            np.array([row.arrival for row in rows]),
+            {
+                "long_name": "arrival at the host, in Unix time (UTC); jitters and is no time base",
+                "units": "s",
+            },
+        ),
+        "missing_sequence": (
+            "gap",
+            np.array([position for position, _ in missing], dtype="int64"),
+            {"long_name": "sequence number that is missing"},
+        ),
+        "missing_damaged": (
+            "gap",
+            np.array([damaged for _, damaged in missing], dtype="int8"),
+            {"long_name": "1 where the frame came damaged, 0 where it never came"},
+        ),
+    }
+    times = np.array([row.time - recorder.zero for row in rows])
+    clock = {
+        "units": "s",
+        "long_name": "time on the device's clock since the release or the first sample",
+        "axis": "T",
+    }
+    damaged = sum(flag for _, flag in missing)
+    problems = recorder.problems() + list(about.pop("problems", ()))
+    attrs = {
+        "status": recorder.status,
+        "partial": "yes" if problems else "no",
+        "problems": "; ".join(problems),
+        "expected": recorder.expected,
+        "received": len(rows),
+        "lost": len(missing) - damaged,
+        "damaged": damaged,
+        "repeated": recorder.order.repeated,
+        "triggered": "yes" if recorder.trigger else "no",
+        "rate_hz": float(recorder.rate),
+        "rate_by_host_hz": float(recorder.measured_rate() or np.nan),
+        "units_per_count": float(recorder.scale),
+        "started": datetime.fromtimestamp(rows[0].arrival, UTC).isoformat(timespec="milliseconds"),
+        **{key: settings[key] for key in ("format", "operator", "apparatus", "notes")},
+        "emulated": "yes" if settings["emulated"] else "no",
+        "captured": "yes",
+        **about,
+    }
+    return xr.Dataset(variables, {"time": ("time", times, clock)}, attrs)
+
+
+def write_new(data, path):
+    """The path written; InputError if there is a file of that name, which is left as it is."""
+    path = Path(path)
+    check_absent(path)
+    whole = dataset.write(data, path.with_name(f".{path.name}.{os.getpid()}.new"))
+    try:
+        os.link(whole, path)  # unlike a rename it never replaces
+    except FileExistsError:
+        raise _there(path) from None
+    except OSError as error:
+        if error.errno not in (errno.EPERM, errno.ENOTSUP, errno.EOPNOTSUPP):
+            raise
+        check_absent(path)  # a file system without links
+        os.rename(whole, path)
+    finally:
+        whole.unlink(missing_ok=True)
+    return path
+
+
+def check_absent(path):
+    """None, or InputError if there is a recording at ``path``."""
+    if Path(path).exists():
+        raise _there(path)
+
+
+def _there(path):
+    return InputError(
+        path,
+        "there is a recording of this name, and a recording is never overwritten",
+        "a name that is not taken",
+        "choose another name, or move the file away yourself",
+    )
