@@ -29,8 +29,8 @@ def chunks_of(wildcards):
         from swingdown.sweep.cost import estimate
 
         missing = [chunk for chunk, file in files.items() if not os.path.exists(file)]
-        # at the end, below the list of jobs, where it is seen
-        atexit.register(print, "\n".join(estimate(SWEEPS[name], plan, missing)), file=sys.stderr)
+        told = "\n".join(estimate(SWEEPS[name], plan, missing))
+        atexit.register(lambda: print(told, file=sys.stderr))  # below the list of jobs, where it is seen
     NEW[name] = plan.new
     return list(files.values())
 

@@ -39,17 +39,21 @@ def seconds(sweep, computation):
     """(seconds of CPU a cell takes before its first draw, seconds a draw takes) here, averaged over cells of the table."""
     chosen = set(np.random.default_rng(0).permutation(sweep.cells)[:_CELLS])
     settings = [sweep.cell(values) for number, values in enumerate(sweep) if number in chosen]
-    count = _DRAWS if computation.DIMENSION else 1
-    computation.results(settings[0], 0, 1)  # the engine is loaded, or compiled
+    if computation.DIMENSION:
+        computation.results(settings[0], 0, 1)  # the engine is loaded, or compiled
     found, began = [], time.process_time()
     for one in np.random.default_rng(1).permutation(len(settings)):
-        times = [time.process_time()]
-        for draws in (1, 1 + count):
-            computation.results(settings[one], 0, draws)
-            times.append(time.process_time())
-        first, both = np.diff(times)
-        found.append((max(first - (both - first) / count, 0.0), max(both - first, 0.0) / count))
-        if times[-1] - began > _TRIAL:
+        start = time.process_time()
+        computation.results(settings[one], 0, 1)
+        first = time.process_time() - start
+        if first > _TRIAL:  # what a cell takes before its first draw does not count beside that
+            found.append((0.0, first))
+            break
+        computation.results(settings[one], 0, 1 + _DRAWS if computation.DIMENSION else 2)
+        both = time.process_time() - start - first
+        each = max(both - first, 0.0) / (_DRAWS if computation.DIMENSION else 1)
+        found.append((max(first - each, 0.0), each))
+        if time.process_time() - began > _TRIAL:
             break
     return tuple(map(float, np.mean(found, axis=0)))
 
