@@ -1,26 +1,24 @@
 """Whether discovery finds a hidden effect and names it: campaigns made with one effect more than the base model has."""
 
 import math
-import tempfile
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
-import pandas as pd
 
-from ..discovery import files, rounds
+from ..discovery import rounds
 from ..discovery.campaign import Swing, campaign
+from ..discovery.files import summary
 from ..discovery.verdict import verdict
 from ..effects import CATALOGUE, effect
 from ..errors import InputError
 from ..fit import fit_jointly
-from ..model import Model, read_model
+from ..model import Model
 from ..noise import additive_of_size
 from ..trajectory import TrajectoryError, simulate
 from .table import noise_key, stream
 
 OUTCOMES = ("nothing", "named", "among_others", "unknown", "wrong", "failed")
-ANSWERS = ("none", *CATALOGUE)
+ANSWERS = ("none", *CATALOGUE, "other")  # other: an effect of the study's own, or a torque without a name
 VARIABLES = {
     "outcome": (None, "what discovery said of the campaign"),
     "answer": (None, "the effect that discovery added first"),
@@ -79,7 +77,7 @@ def _row(campaign, settings, hidden):
     except TrajectoryError:
         return row | {"outcome": OUTCOMES.index("failed")}
     added = [one["name"] for one in found["effects"]]
-    row |= {"gap": found["gap"]["fit"][0], "answer": ANSWERS.index(added[0]) if added else 0}
+    row |= {"gap": found["gap"]["fit"][0], "answer": ANSWERS.index(added[0] if added[0] in ANSWERS else "other") if added else 0}
     present = None if settings["detection.size"] == 0 else settings["detection.effect"]
     return row | {"outcome": OUTCOMES.index(_outcome(found, present))}
 
@@ -87,15 +85,8 @@ def _row(campaign, settings, hidden):
 def answer(campaign, settings):
     """The verdict (a dict as in verdict.json) of discovery on a campaign, under the settings of a cell."""
     base, options = tuple(settings["discovery.base"]), {"restoring": settings["model.restoring"], "form": settings["model.form"]}
-    states = rounds.discover(campaign, base, rounds=settings["discovery.rounds"], **options)
-    with tempfile.TemporaryDirectory() as folder:  # the rounds' files are what a verdict is made from
-        folders = [files.write_round(state, campaign, Path(folder) / str(state.number), emulated=False) for state in states]
-        return verdict(
-            files.read_rounds(folders),
-            [read_model(one / "model.yaml") for one in folders],
-            [pd.read_csv(one / "ranking.csv") for one in folders],
-            [pd.read_csv(one / "groups.csv").to_dict("records") for one in folders],
-        )
+    states = rounds.discover(campaign, base, settings["discovery.rounds"], **options)
+    return verdict([summary(state, campaign) for state in states])
 
 
 def _outcome(found, present):

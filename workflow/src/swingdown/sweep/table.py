@@ -117,6 +117,8 @@ def _sweep(name, entry, base, where):
         if key not in axes:
             value = entry["settings"].get(key, _flat(base)[key])
             fixed[key] = _checked(base, key, value, f"{where}.settings, {key}")
+    if base["effects"]:
+        fixed["effects"] = base["effects"]  # formulas of the study's own are part of what is computed
     if entry["computes"] == "identification":
         _one_simulated(axes, fixed, where)
     else:
