@@ -28,7 +28,7 @@ def work(chosen, folder):
     book, computed = folder / "plan.jsonl", []
     dealt = plan(chosen, book)
     add_to_book(book, dealt.new)
-    paths = [folder / f"{name}.nc" for name in dealt.chunks]
+    paths = [folder / "chunks" / f"{name}.nc" for name in dealt.chunks]
     for path in paths[::-1]:  # in another order than that of the book
         if not path.exists():
             data, _ = compute(find_chunk(book, path.stem), identification)
@@ -83,10 +83,23 @@ def test_a_wider_table_computes_only_what_is_new(tmp_path, wider, draws):
 
 def test_a_lost_chunk_is_the_only_one_computed_again(tmp_path, reference):
     _, first = work(sweep(), tmp_path)
-    (tmp_path / f"{first[2]}.nc").unlink()
+    (tmp_path / "chunks" / f"{first[2]}.nc").unlink()
     again, computed = work(sweep(), tmp_path)
     assert computed == [first[2]]
     xr.testing.assert_identical(again, reference[0])
+
+
+def test_a_table_made_smaller_before_it_was_computed_leaves_no_work_that_nobody_wants(tmp_path):
+    book = tmp_path / "plan.jsonl"
+    large = plan(sweep(snr=(5, 20, 50), realizations=30), book)
+    add_to_book(book, large.new)
+    small = plan(sweep(), book)
+    assert sum(chunk.draws for chunk in small.chunks.values()) == 48
+    add_to_book(book, small.new)
+    assert plan(sweep(), book).new == () and set(plan(sweep(), book).chunks) == set(small.chunks)
+    made, _ = work(sweep(), tmp_path)
+    again, _ = work(sweep(snr=(5, 20, 50), realizations=30), tmp_path)  # and large once more: nothing twice, nothing lost
+    assert np.array_equal(again["norm"].sel(snr=[20, 50]).values[:, :, :12], made["norm"].values)
 
 
 def test_the_dataset_has_axes_for_dimensions_units_settings_and_seeds(reference):
@@ -150,7 +163,7 @@ def test_the_interval_of_a_probability_is_open_at_its_ends():
 def test_missing_and_doubled_draws_are_refused_by_name(tmp_path):
     chosen = sweep()
     _, names = work(chosen, tmp_path)
-    paths = [tmp_path / f"{name}.nc" for name in names]
+    paths = [tmp_path / "chunks" / f"{name}.nc" for name in names]
     with pytest.raises(InputError, match=r"10 of 48 draws are in no chunk, first draw \d+ of simulated viscous, snr"):
         combine(chosen, paths[:-1], tmp_path / "none.nc")
     with pytest.raises(InputError, match="are in another chunk too"):

@@ -60,18 +60,22 @@ class Plan:
 def plan(sweep, book):
     """The ``Plan`` of a sweep: chunks of the book (a path, which need not exist) that hold what it wants, then new ones.
 
-    InputError where there would be more than ``MOST_JOBS`` chunks.
+    Chunks whose results are there, in the folder ``chunks`` beside the book, come first. One without results that holds more
+    than is wanted, or what another holds, is passed over: where a table was made smaller, its work is dealt out again. InputError where there would be more than ``MOST_JOBS`` chunks.
     """
     wanted = {cell_key(sweep.computes, sweep.cell(values)): values for values in sweep}
     held, chunks = {}, {}
-    for chunk in read_book(book):
-        needed = False
-        for _, key, first, count in chunk.cells():
-            if key in wanted and first < sweep.realizations:
-                held.setdefault(key, []).append((first, first + count))
-                needed = True
-        if needed:
-            chunks[chunk.name] = chunk
+    made = {path.stem for path in (Path(book).parent / "chunks").glob("*.nc")}
+    for chunk in sorted(read_book(book), key=lambda chunk: chunk.name not in made):
+        parts = [(key, first, first + count) for _, key, first, count in chunk.cells()]
+        inside = [part for part in parts if part[0] in wanted and part[1] < sweep.realizations]
+        whole = len(inside) == len(parts) and all(last <= sweep.realizations for *_, last in parts)
+        twice = any(first < other and last > begin for key, first, last in parts for begin, other in held.get(key, ()))
+        if not inside or twice or not (whole or chunk.name in made):
+            continue
+        for key, first, last in inside:
+            held.setdefault(key, []).append((first, last))
+        chunks[chunk.name] = chunk
     open_parts = [
         (list(values), first, last - first)
         for key, values in wanted.items()
@@ -140,9 +144,10 @@ def find_chunk(book, name):
 
 
 def add_to_book(book, chunks):
-    """The path of the book with the new chunks added; it is replaced whole, so that a reader never sees half a line."""
+    """The path of the book with those of the chunks added that it lacks; it is replaced whole, so that a reader never sees half a line."""
     book = Path(book)
-    if chunks:
+    known = {chunk.name for chunk in read_book(book)} if chunks else set()
+    if chunks := [chunk for chunk in chunks if chunk.name not in known]:
         book.parent.mkdir(parents=True, exist_ok=True)
         partial = book.with_name(f".{book.name}.{os.getpid()}.part")
         before = book.read_text(encoding="utf-8") if book.exists() else ""
