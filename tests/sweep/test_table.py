@@ -78,6 +78,7 @@ def test_an_axis_that_cannot_be_is_refused_with_its_place_and_the_mend(axes, pro
 
 def test_a_setting_that_is_an_axis_too_and_an_effect_that_is_not_hidden_are_refused():
     assert "axis too" in refused(settings={"simulation.snr": 10}).problem
+    assert "'viscous' is not among" in refused(settings={"simulation.fitted": ["quadratic_drag", "load_coulomb"]}).problem
     told = refused(computes="detection", axes={"detection.effect": ["viscous"]})
     assert "not hidden" in told.problem
 

@@ -53,15 +53,15 @@ def _identified(file, index, settings):
     norm, bic = (_numbers(file[name][index]) for name in ("norm", "bic"))
     fitted = [str(name) for name in _texts(file["fitted"])]
     (truth,) = settings["simulation.simulated"]
-    at = fitted.index(truth)
     by_norm, by_bic = _lowest(norm), _lowest(bic)
+    at = fitted.index(truth) if truth in fitted else None
     return {
         "lowest_norm": by_norm,
         "lowest_bic": by_bic,
         "mean_norm": norm.mean(axis=0),
         "unconverged": 1 - np.asarray(file["converged"][index], float).mean(axis=0),
-        "true_by_norm": by_norm[at],
-        "true_by_bic": by_bic[at],
+        "true_by_norm": math.nan if at is None else by_norm[at],
+        "true_by_bic": math.nan if at is None else by_bic[at],
         "true_by_ten": _by_ten(norm, fitted, truth),
     }
 

@@ -177,6 +177,11 @@ def _one_simulated(axes, fixed, where):
             rest = {name: axes.pop(name) for name in list(axes) if name != key}
             axes[key] = models
             axes.update(rest)
+    for (truth,) in models:
+        for fitted in axes.get("simulation.fitted", [fixed.get("simulation.fitted", [])]):
+            if len(fitted) > 1 and truth not in fitted:
+                raise InputError(f"{where}, simulation.fitted", f"the simulated {truth!r} is not among the models fitted",
+                                 "a list with it", f"add {truth!r}")  # fmt: skip
 
 
 def _one_hidden(values, where):
