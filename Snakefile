@@ -7,6 +7,7 @@ from swingdown.paths import find, is_url
 from swingdown.plan import plan
 from swingdown.settings import complete
 from swingdown.sources import sources
+from swingdown.sweep.table import sweeps
 
 min_version("9.0")
 
@@ -17,14 +18,21 @@ if "recordings" not in config:
     configfile: find("config/config.yaml")
 
 
+if "sweeps" not in config:
+
+    configfile: find("config/sweeps.yaml")
+
+
 with console.job():
+    where = ", ".join(map(str, workflow.configfiles)) or "config"
     if "recording" in config:
         config.setdefault("capture", {})
-    settings = complete(config, where=", ".join(map(str, workflow.configfiles)) or "config")
+    settings = complete(config, where)
     config.clear()
     config.update(settings)
     # A recording that is asked for by name is captured, and nothing of the study is looked at: it may not be there yet.
     PLAN = plan({} if "recording" in config else config)
+    SWEEPS = sweeps(config, where)
 
 TABLES, FIGURES, VERDICTS = [], [], []  # each stage adds what it makes; the report shows all of it
 
@@ -34,6 +42,7 @@ wildcard_constraints:
     campaign="|".join(map(re.escape, {*PLAN.campaigns, *PLAN.searched})) or "(?!)",
     chunk=r"\d+",
     simulated="|".join(config["simulation"]["simulated"]) or "(?!)",
+    sweep="|".join(SWEEPS) or "(?!)",
 
 
 include: "workflow/rules/common.smk"
@@ -66,6 +75,8 @@ else:
 
     include: "workflow/rules/hidden_effects.smk"
     include: "workflow/rules/figures.smk"
+    include: "workflow/rules/sweep_plan.smk"
+    include: "workflow/rules/sweep.smk"
     include: "workflow/rules/report.smk"
 
 

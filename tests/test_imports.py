@@ -15,7 +15,8 @@ CHAINS = (
     ("errors", "paths", "sheet", "recording", "calibration", "angle"),
     ("fit", "norms", "tables", "report"),
     ("calibration", "norms"),
-    ("effects", "model", "settings"),
+    ("effects", "model", "settings", "sweep"),
+    ("fit", "discovery", "sweep"),
 )
 ONLY_IN = {"matplotlib": "plots", "serial": "capture", "docutils": "report", "jinja2": "report"}
 
@@ -66,6 +67,7 @@ def test_plots_compute_nothing():
         "simulation",
         "experiment",
         "discovery",
+        "sweep",
     }
 
 

@@ -15,6 +15,7 @@ def test_the_shipped_config_is_the_defaults_with_the_bench(root):
     assert defaults["experiment"].pop("campaigns") == []
     assert shipped.pop("discovery") == defaults.pop("discovery") | {"campaigns": ["bench", "bench_b"], "base": ["quadratic_drag", "load_coulomb"]}
     assert defaults.pop("effects") == {} and defaults.pop("hidden_effects")["seed"] == 2026
+    assert defaults.pop("sweeps") == {}
     assert shipped == defaults
     assert complete(files) == complete({}) | files
 

@@ -1,5 +1,6 @@
 # One page that holds it all.
 # needs: TABLES and FIGURES of the stages above, the captions in workflow/report/
+#        and, where they lie there, the results of sweeps: the report shows them but never computes them
 # makes: results/report.html
 
 
@@ -12,6 +13,7 @@ rule report:
         recordings=expand("results/recordings/{recording}.nc", recording=PLAN.measured),
         verdicts=VERDICTS,
         seen=SEEN_FIGURES if VERDICTS else [],
+        sweep_captions=SWEEP_CAPTIONS,
         told=told(),
         template=f"{workflow.basedir}/workflow/report/report.html.j2",
         code=code("report"),
@@ -19,4 +21,5 @@ rule report:
     log: "results/logs/report.log"
     params:
         settings=config,
+        sweeps=swept(),
     script: "../scripts/report.py"

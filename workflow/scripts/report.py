@@ -4,10 +4,10 @@ import json
 from pathlib import Path
 
 from swingdown import console, dataset
-from swingdown.report import contents, page
+from swingdown.report import contents, page, sweeps
 
 
-def report(tables, figures, captions, recordings, verdicts, seen, told, settings, output):
+def report(tables, figures, captions, recordings, verdicts, seen, told, settings, sweep_captions, output):
     material = contents.Material(
         tables=contents.read_tables(tables),
         figures={
@@ -19,6 +19,7 @@ def report(tables, figures, captions, recordings, verdicts, seen, told, settings
         inputs=told,
         verdicts=[json.loads(Path(path).read_text(encoding="utf-8")) for path in verdicts],
         seen=list(seen),
+        sweeps=sweeps.made(settings["sweeps"], sweep_captions),
     )
     sections = contents.sections(material)
     page.write(output, sections, **contents.head(material))
@@ -32,6 +33,6 @@ if __name__ == "__main__":
         say(
             report(
                 files.tables, files.figures, files.captions, files.recordings, files.verdicts, files.seen, files.told,
-                snakemake.params.settings, snakemake.output[0],
+                snakemake.params.settings, files.sweep_captions, snakemake.output[0],
             )
         )  # fmt: skip

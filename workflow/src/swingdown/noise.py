@@ -7,7 +7,6 @@ anything with ``standard_normal(n)``. The config names both (``simulation.noise`
 from zlib import crc32
 
 import numpy as np
-from scipy.special import ndtri
 
 from .errors import InputError
 
@@ -98,6 +97,10 @@ class RStream:
 
     def standard_normal(self, size):
         """``size`` standard normals, as ``rnorm(size)``: each the quantile of two uniforms joined into one."""
+        from scipy.special import (
+            ndtri,  # takes half a second to load, which those who draw from numpy need not wait for
+        )
+
         big = 2.0**27
         first, second = self.uniform(2 * size).reshape(size, 2).T
         return ndtri((np.floor(big * first) + second) / big)

@@ -77,6 +77,10 @@ def _filled(content, schema):
             content[key] = copy.deepcopy(rule["default"])
         if isinstance(content.get(key), dict):
             _filled(content[key], rule)
+    if isinstance(rest := schema.get("additionalProperties"), dict):  # keys of any name, each by the same rules
+        for key, one in content.items():
+            if key not in schema.get("properties", {}) and isinstance(one, dict):
+                _filled(one, rest)
     return content
 
 
@@ -106,6 +110,8 @@ def _told(fault, schema, where):
         )
     if fault.validator == "uniqueItems":
         return InputError(place, "an entry is there twice", "each entry once", "remove one")
+    if fault.validator == "pattern":
+        return InputError(place, f"{value!r} is no name", "small letters, digits and _, a letter first", "rename it")
     if fault.validator == "minItems":
         return InputError(place, "the list is too short", f"at least {fault.validator_value}", "add an entry")
     if fault.validator == "type" and isinstance(value, str) and rule.get("type") in ("number", "integer"):

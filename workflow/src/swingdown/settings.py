@@ -18,6 +18,7 @@ def complete(config, where="config"):
     own_effects.use(settings["effects"], f"{where}, key effects")
     for number, name in enumerate(settings["discovery"]["base"], 1):
         _check_effects([name], f"{where}, key discovery.base[{number}]")
+    _check_effects([settings["detection"]["effect"]], f"{where}, key detection.effect")
     for part in ("simulation", "experiment"):
         for number, label in enumerate(settings[part]["fitted"], 1):
             _check_model(label, f"{where}, key {part}.fitted[{number}]")

@@ -13,7 +13,8 @@ PACKAGE = Path(__file__).resolve().parent
 def sources(script):
     """The sorted paths of the package's files that ``script`` imports, directly or through one another.
 
-    A sub-package counts with everything that lies in it (the engine's C files too). Imports inside functions count.
+    A sub-package counts with its ``__init__`` and what is imported of it, and with the C files that lie in it. Imports
+    inside functions count.
     """
     seen, waiting = set(), list(imported(script))
     while waiting:
@@ -22,7 +23,6 @@ def sources(script):
             seen.add(file)
             waiting += imported(file)
             if file.name == "__init__.py" and file.parent != PACKAGE:
-                waiting += file.parent.glob("*.py")
                 seen.update(file.parent.glob("*.[ch]"))
     return sorted(map(str, seen))
 

@@ -135,6 +135,30 @@ def simulate(model, times, release_angle, release_velocity=0.0):
     return _run(model, times, release_angle, release_velocity, ())[0]
 
 
+def simulate_each(model, times, values):
+    """The angles (rad) of one model with other values in each row: an array of shape (rows, n).
+
+    ``values`` has, row by row, the model's parameters, the release angle (rad) and velocity (rad/s). A row whose
+    trajectory cannot be computed is NaN throughout.
+    """
+    times, values = checked_times(times), np.ascontiguousarray(values, dtype=float)
+    if values.ndim != 2 or values.shape[1] != len(model.parameters) + 2:
+        raise InputError(f"model {model.label}", f"values of shape {values.shape}", f"(any, {len(model.parameters) + 2})")
+    compiled, report, library = Compiled(model, float(times[-1] - times[0])), build.CReport(), engine()
+    angles = np.full((len(values), times.size), np.nan)
+    none = (ctypes.c_int * 1)()
+    for row, series in zip(values, angles, strict=True):
+        if not np.all(np.isfinite(row)):
+            continue
+        status = library.swing_trajectory(
+            ctypes.byref(compiled.c), doubles(row), ctypes.c_double(row[-2]), ctypes.c_double(row[-1]), doubles(times),
+            ctypes.c_int(times.size), ctypes.c_int(0), none, doubles(series), None, ctypes.byref(report),
+        )  # fmt: skip
+        if status:
+            series[:] = np.nan
+    return angles
+
+
 def sensitivities(model, times, release_angle, release_velocity=0.0, free=None):
     """The angle (rad) and its derivatives by each free value: arrays of shapes (n,) and (len(free), n).
 

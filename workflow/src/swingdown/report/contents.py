@@ -13,6 +13,7 @@ from ..model import symbol
 from ..nested import contains
 from ..simulation import INFERRED_NOTE
 from . import numbers, provenance
+from . import sweeps as swept
 from .page import Column, Figure, Findings, Listing, Section, Table, Text
 
 EMULATED = (
@@ -27,6 +28,7 @@ class Material:
 
     ``tables``: name of a file in ``results/tables`` without ending: DataFrame. ``figures``: name (``fig08``): path of
     the picture and caption. ``recordings``: the attributes of each recording. ``settings``: the complete config.
+    ``sweeps``: those whose results are there, as ``sweeps.made`` returns them.
     """
 
     tables: dict
@@ -36,6 +38,7 @@ class Material:
     inputs: list = field(default_factory=list)  # files whose checksums are told
     verdicts: list = field(default_factory=list)  # contents of each campaign's verdict.json
     seen: list = field(default_factory=list)  # paths of their figures, discovery/{campaign}/figures/{name}.svg
+    sweeps: dict = field(default_factory=dict)
 
     @property
     def emulated(self):
@@ -382,6 +385,11 @@ def _by_campaign(label, caption, columns, rows, notes):
     )
 
 
+def sweeps(material):
+    """The sweeps that were computed: their maps beside the paper's claim."""
+    return swept.section(material.sweeps)
+
+
 def settings(material):
     """The whole config, defaults filled in."""
     text = yaml.safe_dump(material.settings, sort_keys=False, allow_unicode=True, width=110)
@@ -408,7 +416,7 @@ def origin(material):
     return Section("Provenance", [about, *inputs])
 
 
-SECTIONS = (findings, missing, simulation, apparatus, experiment, settings, origin)
+SECTIONS = (findings, missing, simulation, apparatus, experiment, sweeps, settings, origin)
 
 
 def with_symbols(text):

@@ -1,0 +1,188 @@
+"""How work is dealt does not matter to the numbers, and what is dealt stays dealt when the table grows."""
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from swingdown import dataset
+from swingdown.errors import InputError
+from swingdown.settings import complete
+from swingdown.sweep import identification
+from swingdown.sweep.chunks import add_to_book, find_chunk, plan
+from swingdown.sweep.combine import combine, read_maps
+from swingdown.sweep.compute import compute
+from swingdown.sweep.summary import table, wilson
+from swingdown.sweep.table import sweeps
+
+
+def sweep(snr=(20, 50), realizations=12, chunk=10, axes=None):
+    """A small sweep of identification: two terms, short swings."""
+    axes = {"simulation.simulated": ["viscous", "load_coulomb"], "simulation.snr": list(snr)} | (axes or {})
+    settings = {key: value for key, value in {"simulation.duration_s": 2.5, "simulation.start": "free"}.items() if key not in axes}
+    entry = {"computes": "identification", "axes": axes, "realizations": realizations, "chunk": chunk, "settings": settings}
+    return sweeps(complete({"sweeps": {"small": entry}}))["small"]
+
+
+def work(chosen, folder):
+    """The combined dataset of a sweep run in a folder, and the names of the chunks that had to be computed."""
+    book, computed = folder / "plan.jsonl", []
+    dealt = plan(chosen, book)
+    add_to_book(book, dealt.new)
+    paths = [folder / "chunks" / f"{name}.nc" for name in dealt.chunks]
+    for path in paths[::-1]:  # in another order than that of the book
+        if not path.exists():
+            data, _ = compute(find_chunk(book, path.stem), identification)
+            dataset.write(data, path)
+            computed.append(path.stem)
+    combine(chosen, paths, folder / "sweep.nc")
+    return xr.load_dataset(folder / "sweep.nc"), computed
+
+
+@pytest.fixture(scope="module")
+def reference(tmp_path_factory):
+    """The small sweep in chunks of ten draws."""
+    return work(sweep(), tmp_path_factory.mktemp("ten"))
+
+
+@pytest.mark.parametrize("chunk", [1000, 7, 1])
+def test_the_numbers_are_the_same_to_the_bit_for_any_chunk_length(reference, tmp_path, chunk):
+    xr.testing.assert_identical(work(sweep(chunk=chunk), tmp_path)[0], reference[0])
+
+
+def test_every_draw_is_dealt_once_in_chunks_of_the_length_asked_for(reference, tmp_path):
+    dealt = plan(sweep(), tmp_path / "none")
+    assert [chunk.draws for chunk in dealt.chunks.values()] == [10, 10, 10, 10, 8]
+    draws = [(key, k) for chunk in dealt.chunks.values() for _, key, first, count in chunk.cells() for k in range(first, first + count)]
+    assert len(draws) == len(set(draws)) == 48
+
+
+@pytest.mark.parametrize(
+    ("wider", "draws"),
+    [
+        ({"realizations": 20}, 32),
+        ({"snr": (20, 35, 50)}, 24),
+        ({"snr": (5, 20, 50), "realizations": 15}, 42),
+        ({"axes": {"simulation.duration_s": [2.5, 3.0]}}, 48),
+        ({"chunk": 3}, 0),
+        ({"snr": (50, 20)}, 0),
+    ],
+)
+def test_a_wider_table_computes_only_what_is_new(tmp_path, wider, draws):
+    folder, fresh = tmp_path / "grown", tmp_path / "fresh"
+    before, _ = work(sweep(), folder)
+    grown = sweep(**wider)
+    new = plan(grown, folder / "plan.jsonl").new
+    assert sum(chunk.draws for chunk in new) == draws
+    after, computed = work(grown, folder)
+    assert len(computed) == len(new)
+    xr.testing.assert_identical(after, work(grown, fresh)[0])
+    shared = after.sel(snr=before["snr"]).isel(realization=slice(0, 12))
+    shared = shared.sel(duration_s=2.5) if "duration_s" in shared.dims else shared
+    assert np.array_equal(shared["norm"].values, before["norm"].values)
+
+
+def test_a_lost_chunk_is_the_only_one_computed_again(tmp_path, reference):
+    _, first = work(sweep(), tmp_path)
+    (tmp_path / "chunks" / f"{first[2]}.nc").unlink()
+    again, computed = work(sweep(), tmp_path)
+    assert computed == [first[2]]
+    xr.testing.assert_identical(again, reference[0])
+
+
+def test_a_table_made_smaller_before_it_was_computed_leaves_no_work_that_nobody_wants(tmp_path):
+    book = tmp_path / "plan.jsonl"
+    large = plan(sweep(snr=(5, 20, 50), realizations=30), book)
+    add_to_book(book, large.new)
+    small = plan(sweep(), book)
+    assert sum(chunk.draws for chunk in small.chunks.values()) == 48
+    add_to_book(book, small.new)
+    assert plan(sweep(), book).new == () and set(plan(sweep(), book).chunks) == set(small.chunks)
+    made, _ = work(sweep(), tmp_path)
+    again, _ = work(sweep(snr=(5, 20, 50), realizations=30), tmp_path)  # and large once more: nothing twice, nothing lost
+    assert np.array_equal(again["norm"].sel(snr=[20, 50]).values[:, :, :12], made["norm"].values)
+
+
+def test_the_dataset_has_axes_for_dimensions_units_settings_and_seeds(reference):
+    data = reference[0]
+    assert data["norm"].dims == ("simulated", "snr", "realization", "fitted")
+    assert data["norm"].notnull().all() and data["converged"].all()
+    assert data["snr"].attrs["config_key"] == "simulation.snr" and data["snr"].attrs["units"] == "1"
+    for name, variable in data.variables.items():
+        assert variable.dtype.kind != "f" or variable.attrs["units"], name
+    assert "simulation.duration_s: 2.5" in data.attrs["settings"] and data.attrs["seed"] == 150
+    assert len(set(data["noise_key"].values.ravel())) == 4
+    assert data.attrs["complete"] == 1
+
+
+def test_a_draw_can_be_made_again_from_what_the_file_says(reference):
+    """By numpy alone: the seed, the cell's key, the draw's index; then the noise's formula and the fit."""
+    from swingdown.fit import fit_trajectory
+    from swingdown.model import Model
+    from swingdown.trajectory import simulate
+
+    cell = reference[0].sel(simulated="load_coulomb", snr=20)
+    key = str(cell["noise_key"].values)
+    words = [int(key[k : k + 8], 16) for k in range(0, 32, 8)]
+    normals = np.random.default_rng(np.random.SeedSequence(150, spawn_key=(*words, 7))).standard_normal(251)
+    times = np.arange(251) / 100
+    truth = simulate(Model("load_coulomb", {"natural_frequency": 7.25, "load_friction": 0.012}), times, np.radians(20))
+    fit = fit_trajectory("load_coulomb", times, truth + np.abs(truth) / 20 * normals)
+    told = cell.sel(fitted="load_coulomb", realization=7)
+    assert np.degrees(fit.rms) == pytest.approx(float(told["residual_norm"]), rel=1e-8)
+    assert np.degrees(np.sqrt(np.mean((fit.angle - truth) ** 2))) == pytest.approx(float(told["norm"]), rel=1e-4)
+    assert fit.bic == pytest.approx(float(told["bic"]), rel=1e-8)
+
+
+def test_a_larger_model_never_leaves_more(reference):
+    left = reference[0]["residual_norm"]
+    for larger, smaller in (("viscous+load_coulomb", "viscous"), ("viscous+quadratic_drag+load_coulomb", "viscous+load_coulomb")):
+        assert (left.sel(fitted=larger) <= left.sel(fitted=smaller) * (1 + 1e-8)).all()
+
+
+def test_the_probabilities_are_counts_of_the_draws(tmp_path, reference):
+    data = reference[0].sel(simulated="viscous", snr=20)
+    lowest = data["fitted"].values[data["norm"].argmin("fitted").values]
+    assert float(data["true_by_norm"]) == np.mean(lowest == "viscous")
+    four = ["viscous", "quadratic_drag", "load_coulomb", "quadratic_drag+load_coulomb"]
+    of_ten = data["norm"].sel(fitted=four).isel(realization=slice(0, 10)).mean("realization")
+    assert float(data["true_by_ten"]) == (of_ten.values.argmin() == 0)
+    assert float(data["lowest_bic"].sum()) == pytest.approx(1)
+    work(sweep(), tmp_path)
+    rows = table(read_maps(tmp_path / "sweep.nc"))
+    assert len(rows) == 4 and (rows["draws"] == 12).all()
+    row = rows.set_index(["simulated", "snr"]).loc[("viscous", 20.0)]
+    assert row["true_by_norm_low"] <= row["true_by_norm"] <= row["true_by_norm_high"] + 1e-12
+
+
+def test_the_interval_of_a_probability_is_open_at_its_ends():
+    low, high = wilson(np.array([0.0, 1.0, 0.5]), 100)
+    assert low[0] == pytest.approx(0, abs=1e-12) and high[0] == pytest.approx(1 / 101)
+    assert low[2] == pytest.approx(0.5 - 0.5 / np.sqrt(101)) and high[1] == pytest.approx(1)
+
+
+def test_missing_and_doubled_draws_are_refused_by_name(tmp_path):
+    chosen = sweep()
+    _, names = work(chosen, tmp_path)
+    paths = [tmp_path / "chunks" / f"{name}.nc" for name in names]
+    with pytest.raises(InputError, match=r"10 of 48 draws are in no chunk, first draw \d+ of simulated viscous, snr"):
+        combine(chosen, paths[:-1], tmp_path / "none.nc")
+    with pytest.raises(InputError, match="are in another chunk too"):
+        combine(chosen, [*paths, paths[0]], tmp_path / "none.nc")
+    assert not (tmp_path / "none.nc").exists() and not list(tmp_path.glob(".*"))
+
+
+def test_more_jobs_than_a_workflow_bears_are_refused_with_the_length_that_fits(tmp_path):
+    with pytest.raises(InputError) as told:
+        plan(sweep(realizations=100_000, chunk=10), tmp_path / "none")
+    assert "at most 2000" in str(told.value) and "`chunk: 400`" in told.value.mend
+    assert len(plan(sweep(realizations=100_000, chunk=400), tmp_path / "none").chunks) <= 2000
+
+
+def test_a_damaged_book_is_told_by_line(tmp_path):
+    book = tmp_path / "plan.jsonl"
+    add_to_book(book, plan(sweep(), book).new)
+    book.write_text(book.read_text().replace("20.0", "21.0", 1))
+    with pytest.raises(InputError, match="plan.jsonl, line 1"):
+        plan(sweep(), book)
+    with pytest.raises(InputError, match="no chunk"):
+        find_chunk(book, "0" * 16)

@@ -1,0 +1,107 @@
+"""A sweep's table: any key that matters can be an axis, and what cannot be one is refused with the mend."""
+
+import copy
+
+import numpy as np
+import pytest
+import yaml
+
+from swingdown.errors import InputError
+from swingdown.settings import complete
+from swingdown.sweep.table import READS, cell_key, noise_key, stream, sweeps
+
+SMALL = {"computes": "identification", "axes": {"simulation.simulated": ["viscous"], "simulation.snr": [10, 50]}}
+
+
+def made(**changed):
+    """The one sweep of a config, ``SMALL`` with changed keys."""
+    return sweeps(complete({"sweeps": {"mine": copy.deepcopy(SMALL) | changed}}))["mine"]
+
+
+def refused(**changed):
+    with pytest.raises(InputError) as told:
+        made(**changed)
+    return told.value
+
+
+def test_the_shipped_sweeps_are_over_what_the_paper_leaves_open(root):
+    shipped = sweeps(complete(yaml.safe_load((root / "config/sweeps.yaml").read_text())))
+    dims = {axis.dim for axis in shipped["identification"].axes}
+    assert {"simulated", "snr", "duration_s", "release_angle_deg"} <= dims
+    assert {axis.dim for axis in shipped["detection"].axes} == {"effect", "size"}
+    full = sweeps(complete(yaml.safe_load((root / "config/sweeps-full.yaml").read_text())))
+    assert {name: sweep.computes for name, sweep in full.items()} == {name: sweep.computes for name, sweep in shipped.items()}
+    assert full["identification"].cells * full["identification"].realizations * 7 > 1e7
+
+
+VALUES = {
+    "seed": [1, 2], "simulation.noise": ["additive", "quantisation"], "simulation.start": ["rest", "free"], "model.restoring": ["sine", "linear"],
+    "model.form": ["consistent", "printed"], "simulation.simulated": ["viscous", "load_coulomb"], "simulation.fitted": ["viscous", "load_coulomb"],
+    "discovery.base": [["viscous"], ["viscous", "load_coulomb"]], "discovery.rounds": [1, 2], "detection.effect": ["presliding", "detent"],
+    "detection.release_angles_deg": [[10, 20], [20, 40]],
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(("computes", "key"), [(computes, key) for computes, keys in READS.items() for key in keys])
+def test_any_key_that_a_computation_depends_on_can_be_an_axis(computes, key):
+    axes = {"simulation.simulated": ["viscous"]} if computes == "identification" else {}
+    values = VALUES.get(key, [0.5, 1.5])
+    sweep = made(computes=computes, axes=axes | {key: values})
+    axis = next(axis for axis in sweep.axes if axis.key == key)
+    assert len(axis.values) == 2 and sweep.cells == 2
+    assert axis.coordinate.size == 2 and axis.units
+    assert len({cell_key(computes, sweep.cell(one)) for one in sweep}) == 2
+
+
+@pytest.mark.parametrize(
+    ("axes", "problem", "mend"),
+    [
+        ({"simulation.srn": [1]}, "no such key", "'simulation.snr'"),
+        ({"snr": [1]}, "no such key", "'simulation.snr'"),
+        ({"calibration.draws": [1000]}, "nothing would change along this axis", "remove"),
+        ({"detection.size": [1]}, "nothing would change along this axis", "remove"),
+        ({"simulation.realizations": [10]}, "no axis", "realizations: 100"),
+        ({"simulation.snr": [10, -1]}, "-1 does not fit", "correct"),
+        ({"simulation.snr": [10, "50"]}, "text", "without quotes"),
+        ({"simulation.snr": [10, 10.0]}, "twice", "remove one"),
+        ({"simulation.snr": []}, "too short", "add"),
+        ({"simulation.simulated": [["viscous", "load_coulomb"]]}, "['viscous', 'load_coulomb']", "[viscous, load_coulomb]"),
+        ({"simulation.simulated": ["viscuos"]}, "viscuos", "'viscous'"),
+    ],
+)
+def test_an_axis_that_cannot_be_is_refused_with_its_place_and_the_mend(axes, problem, mend):
+    error = refused(axes=SMALL["axes"] | axes)
+    assert "sweeps.mine" in error.where and next(iter(axes)) in error.where
+    assert problem in error.problem
+    assert mend in error.mend
+
+
+def test_a_setting_that_is_an_axis_too_and_an_effect_that_is_not_hidden_are_refused():
+    assert "axis too" in refused(settings={"simulation.snr": 10}).problem
+    assert "'viscous' is not among" in refused(settings={"simulation.fitted": ["quadratic_drag", "load_coulomb"]}).problem
+    told = refused(computes="detection", axes={"detection.effect": ["viscous"]})
+    assert "not hidden" in told.problem
+
+
+def test_several_models_in_the_settings_are_an_axis():
+    sweep = made(axes={"simulation.snr": [10, 50]})
+    assert [axis.dim for axis in sweep.axes] == ["simulated", "snr"]
+    assert sweep.shape == (3, 2)
+
+
+def test_a_cell_is_known_by_its_settings_however_they_are_written_and_wherever_it_stands():
+    first, second = made(), made(axes={"simulation.snr": [50.0, 99, 10.0], "simulation.simulated": ["load_coulomb", "viscous"]})
+    keys = [{cell_key(one.computes, one.cell(values)) for values in one} for one in (first, second)]
+    assert keys[0] < keys[1]
+
+
+def test_noise_belongs_to_the_swing_not_to_what_is_fitted_to_it():
+    one = made()
+    cell = one.cell(next(iter(one)))
+    same = cell | {"simulation.fitted": ["viscous"], "simulation.start": "free"}
+    assert noise_key(cell) == noise_key(same)
+    assert noise_key(cell) != noise_key(cell | {"simulation.snr": 11.0})
+    draws = [stream(cell, noise_key(cell), k).standard_normal(5) for k in (0, 1)]
+    assert not np.any(draws[0] == draws[1])
+    assert np.array_equal(draws[1], stream(same, noise_key(same), 1).standard_normal(5))
+    assert not np.any(draws[0] == stream(cell | {"seed": 151}, noise_key(cell), 0).standard_normal(5))

@@ -1,0 +1,172 @@
+"""Sweeps as a user runs them: what a dry run tells, what is computed again, and what is left after kill -9."""
+
+import os
+import re
+import signal
+import subprocess
+import sys
+import time
+
+import pytest
+import xarray as xr
+from snakemake.api import SnakemakeApi
+from snakemake.settings.enums import Quietness
+from snakemake.settings.types import (
+    ConfigSettings,
+    DAGSettings,
+    ExecutionSettings,
+    OutputSettings,
+    ResourceSettings,
+)
+
+from swingdown.report import contents, sweeps
+
+CONFIG = """\
+recordings: null
+simulation: {{simulated: []}}
+sweeps:
+  small:
+    computes: identification
+    axes:
+      simulation.simulated: [viscous, load_coulomb]
+      simulation.snr: {snr}
+    settings: {{simulation.duration_s: 2.5, simulation.start: free}}
+    realizations: {realizations}
+    chunk: {chunk}
+"""
+DATA = "results/sweeps/small/sweep.nc"
+
+
+def write(folder, snr="[20, 50]", realizations=20, chunk=30):
+    (folder / "sweep.yaml").write_text(CONFIG.format(snr=snr, realizations=realizations, chunk=chunk))
+    return "sweep", "--configfile", folder / "sweep.yaml"
+
+
+def chunks(folder):
+    return {path.name: path.stat().st_mtime_ns for path in (folder / "results/sweeps/small/chunks").glob("*.nc")}
+
+
+@pytest.fixture(scope="module")
+def swept(snakemake, tmp_path_factory):
+    """The folder of a small sweep that has run, but for its maps, and what the run printed."""
+    folder = tmp_path_factory.mktemp("swept")
+    return folder, snakemake(DATA, *write(folder)[1:], directory=folder).stdout
+
+
+@pytest.fixture(scope="module")
+def mapped(snakemake, swept):
+    """The same folder with the maps and their page, and what that run printed."""
+    return swept[0], snakemake(*write(swept[0]), directory=swept[0]).stdout
+
+
+@pytest.fixture
+def planned(root):
+    """A function that plans a run in a folder, in this process to save starts, and returns how often each rule would run."""
+
+    def counts(folder, arguments):
+        target, _, config = arguments
+        with SnakemakeApi(OutputSettings(quiet={Quietness.ALL})) as api:
+            study = api.workflow(
+                resource_settings=ResourceSettings(cores=1), config_settings=ConfigSettings(configfiles=[config]),
+                snakefile=root / "Snakefile", workdir=folder,
+            )  # fmt: skip
+            jobs = study.dag(dag_settings=DAGSettings(targets={target}))
+            jobs.execute_workflow(executor="dryrun", execution_settings=ExecutionSettings(lock=False))
+            _, found = study._workflow.dag.stats()
+        return {name: count for name, count in found.items() if name != "total"}
+
+    return counts
+
+
+@pytest.mark.slow
+def test_a_dry_run_tells_fits_chunks_and_hours_and_writes_nothing(snakemake, root, tmp_path):
+    told = snakemake("-n", "sweep", "--configfile", root / "config/sweeps-full.yaml", directory=tmp_path).stdout
+    count = re.search(r"sweep identification: ([\d,]+) cells × ([\d,]+) draws = ([\d,]+) fits in ([\d,]+) chunks", told)
+    cells, draws, fits, jobs = (int(number.replace(",", "")) for number in count.groups())
+    assert fits == cells * draws * 7 > 1e7
+    assert jobs <= 2000
+    hours = float(re.search(r"([\d.,]+) h of CPU at [\d.]+ ms a fit \(timed just now\)", told)[1].replace(",", ""))
+    assert 0.2 < hours < 40
+    assert "a verdict (timed just now)" in told
+    assert not (tmp_path / "results").exists()
+
+
+def test_every_draw_is_told_to_be_there(swept):
+    assert "80 draws, all there, from 3 chunks" in swept[1]
+
+
+@pytest.mark.slow
+def test_the_maps_are_on_a_page_with_the_papers_claim(mapped):
+    folder, printed = mapped
+    page = (folder / "results/sweeps.html").read_text()
+    assert page.count("data:image/svg+xml") == 3
+    assert "68 %" in page and "Sweep small, by BIC" in page
+    assert "small: averaged over all cells the true model has the lowest norm in" in printed
+
+
+@pytest.mark.slow
+def test_the_report_shows_the_maps_of_sweeps_that_were_made(mapped, root):
+    captions = sorted((root / "workflow/report").glob("sweep_*.rst"))
+    found = sweeps.made(["small", "not_made"], captions, mapped[0] / "results/sweeps")
+    assert list(found) == ["small"]
+    material = contents.Material({}, {}, [], {"seed": 1, "simulation": {"snr": 1, "realizations": 2}}, sweeps=found)
+    section = next(one for one in contents.sections(material) if one.title == "Sweeps")
+    assert [item.label for item in section.items if item.kind == "figure"] == [
+        "Sweep small, by norm", "Sweep small, by BIC", "Sweep small, by ten runs",
+    ]  # fmt: skip
+
+
+def test_nothing_is_left_to_do_and_what_is_new_is_all_that_would_run(planned, swept):
+    folder, _ = swept
+    assert planned(folder, (DATA, *write(folder)[1:])) == {}
+    assert "sweep_identification" not in planned(folder, ("all", *write(folder)[1:]))
+    _, *wider = write(folder, snr="[20, 35, 50]", realizations=25)
+    assert planned(folder, (DATA, *wider)) == {"sweep_identification": 3, "sweep_combine": 1}
+    assert "sweep_identification" not in planned(folder, write(folder, chunk=7))
+    write(folder)
+
+
+@pytest.mark.slow
+def test_more_draws_and_another_value_run_only_what_is_new(snakemake, mapped):
+    folder, _ = mapped
+    before, old = chunks(folder), xr.load_dataset(folder / DATA)
+    wider = write(folder, snr="[20, 35, 50]", realizations=25)
+    done = snakemake(*wider, directory=folder).stdout
+    after, new = chunks(folder), xr.load_dataset(folder / DATA)
+    assert {name: after[name] for name in before} == before  # not one was written again
+    assert len(after) - len(before) == done.count("computing chunk") == 3  # 70 new draws in chunks of 30
+    same = new.sel(snr=[20, 50]).isel(realization=slice(0, 20))
+    assert (same["norm"].values == old["norm"].values).all()
+    write(folder)
+
+
+@pytest.mark.slow
+def test_kill_9_and_the_readmes_resume_command_computes_only_what_is_missing(snakemake, root, tmp_path):
+    readme = (root / "README.md").read_text()
+    resume = [line.split() for line in re.search(r"snakemake --unlock.*?\n```", readme, re.DOTALL)[0].splitlines() if "snakemake" in line]
+    unlock, again = (line[line.index("snakemake") + 1 :] if "snakemake" in line else line[1:] for line in resume[:2])
+    whole, killed = tmp_path / "whole", tmp_path / "killed"
+    for folder in (whole, killed):
+        folder.mkdir()
+        write(folder, realizations=120, chunk=40)
+    snakemake("sweep", "--configfile", whole / "sweep.yaml", directory=whole)
+    base = ["--configfile", killed / "sweep.yaml", "--directory", killed]
+    command = [sys.executable, "-m", "snakemake", "-c2", "sweep", *base]
+    running = subprocess.Popen(list(map(str, command)), cwd=root, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    until = time.monotonic() + 240
+    while len(chunks(killed)) < 3 and time.monotonic() < until:
+        time.sleep(0.1)
+    os.kill(running.pid, signal.SIGKILL)
+    running.wait()
+    time.sleep(5)  # scripts in hand run on, and end
+    before = chunks(killed)
+    assert 3 <= len(before) < 12
+    for arguments in (unlock, again):
+        command = [sys.executable, "-m", "snakemake", *arguments, *base]
+        done = subprocess.run(list(map(str, command)), cwd=root, text=True, capture_output=True, timeout=300)
+        assert done.returncode == 0, done.stdout + done.stderr
+    after = chunks(killed)
+    kept = [name for name in before if after[name] == before[name]]
+    assert len(kept) >= len(before) - 2  # at most those in hand at the kill are made again
+    assert len(after) == 12
+    xr.testing.assert_identical(xr.load_dataset(killed / DATA), xr.load_dataset(whole / DATA))

@@ -1,0 +1,22 @@
+"""All chunks of a sweep as one dataset, and the table of its probabilities."""
+
+from swingdown import console
+from swingdown.sweep.combine import combine, read_maps
+from swingdown.sweep.summary import table
+from swingdown.sweep.table import sweeps
+from swingdown.tables import write_table
+
+
+def sweep_combine(sweep, chunks, data_output, table_output):
+    combine(sweep, chunks, data_output)
+    rows = table(read_maps(data_output))
+    write_table(rows, table_output)
+    draws = sweep.cells * sweep.realizations
+    return f"{sweep.name}: {sweep.cells} cells × {sweep.realizations} draws = {draws} draws, all there, from {len(chunks)} chunks"
+
+
+if __name__ == "__main__":
+    with console.job(snakemake.log[0]) as say:
+        files, made = snakemake.input, snakemake.output
+        sweep = sweeps(snakemake.config)[snakemake.wildcards.sweep]
+        say(sweep_combine(sweep, list(files.chunks), made.data, made.table))

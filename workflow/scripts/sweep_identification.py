@@ -1,0 +1,18 @@
+"""One chunk of an identification sweep: every model fitted to every draw of its cells."""
+
+from swingdown import console, dataset, own_effects
+from swingdown.sweep import identification
+from swingdown.sweep.chunks import find_chunk
+from swingdown.sweep.compute import compute
+
+
+def sweep_chunk(book, name, output):
+    data, took = compute(find_chunk(book, name), identification)
+    dataset.write(data, output)
+    return took
+
+
+if __name__ == "__main__":
+    with console.job(snakemake.log[0]) as say:
+        own_effects.use(snakemake.config["effects"])
+        say(sweep_chunk(snakemake.params.book, snakemake.wildcards.chunk, snakemake.output[0]))

@@ -1,0 +1,127 @@
+"""What the report says of sweeps: their maps, and beside them the paper's claim."""
+
+import itertools
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+from .page import Column, Figure, Findings, Section, Table, Text
+
+CLAIM = 68  # per cent
+_LABELS = {
+    "true_by_norm": "by norm",
+    "true_by_bic": "by BIC",
+    "true_by_ten": "by ten runs",
+}
+_MAPS = {"by_norm": "by norm", "by_bic": "by BIC", "by_ten": "by ten runs", "detection": "what discovery said"}
+
+
+@dataclass(frozen=True)
+class Made:
+    """A sweep whose results are there: its summary table, and for each map its name, picture and caption."""
+
+    table: pd.DataFrame
+    maps: list
+
+
+def made(names, captions, results="results/sweeps"):
+    """The sweeps of those names whose table and maps lie in the results folder, by name (``Made``).
+
+    ``captions`` are the paths of the maps' captions, ``sweep_by_norm.rst`` and so on.
+    """
+    texts = {Path(path).stem.removeprefix("sweep_"): path for path in captions}
+    found = {}
+    for name in names:
+        folder = Path(results) / name
+        pictures = [folder / "figures" / f"{map}.svg" for map in _MAPS]
+        pictures = [path for path in pictures if path.exists()]
+        if (folder / "summary.csv").exists() and pictures:
+            told = [(path.stem, str(path), Path(texts[path.stem]).read_text(encoding="utf-8")) for path in pictures]
+            found[name] = Made(pd.read_csv(folder / "summary.csv"), told)
+    return found
+
+
+def section(sweeps):
+    """The section of all sweeps that were computed."""
+    items = []
+    for name, one in sweeps.items():
+        title = name.replace("_", " ")
+        items.append(_identified(title, one.table) if "true_by_norm" in one.table else _detected(title, one.table))
+        items += [Figure(f"Sweep {title}, {_MAPS[map]}", path, caption) for map, path, caption in one.maps]
+    if items:
+        items.insert(0, Findings(list(itertools.chain.from_iterable(_said(name, one.table) for name, one in sweeps.items()))))
+        items.append(Text("Every draw is in results/sweeps/…/sweep.nc, every probability with its interval in summary.csv beside it."))
+    return Section("Sweeps", items)
+
+
+def _said(name, table):
+    """A few sentences on a sweep."""
+    if "true_by_norm" in table:
+        parts = table.groupby("start", sort=False) if "start" in table and table["start"].nunique() > 1 else [("", table)]
+        for start, rows in parts:
+            how = f", fits {'that start at rest at the first sample' if start == 'rest' else 'with the release fitted'}" if start else ""
+            yield (
+                f"{name}{how}: averaged over all cells the true model has the lowest norm in {_percent(rows['true_by_norm'])} of the swings and "
+                f"the lowest BIC in {_percent(rows['true_by_bic'])}. The paper's 68 % is reached in {_reached(rows['true_by_norm'])} cells by "
+                f"norm, in {_reached(rows['true_by_bic'])} by BIC"
+                + (f", and in the paper's own comparison (mean norm of ten runs, four models) in {_reached(rows['true_by_ten'])}." if rows["true_by_ten"].notna().any() else ".")
+            )
+    else:
+        if "size" in table:
+            null = table[table["size"] == 0]
+            if len(null):
+                n = int(null["draws"].sum())
+                yield f"{name}: where nothing was hidden, discovery found something in {round((null['found'] * null['draws']).sum())} of {n} campaigns."
+            largest = table[table["size"] == table["size"].max()]
+            yield (
+                f"{name}: of effects that leave {table['size'].max():g} times the noise, {_percent(largest['found'])} are found, "
+                f"{_percent(largest['named'])} named alone, and {_percent(largest['said_wrong'])} named wrongly."
+            )
+
+
+def _identified(title, table):
+    by = [name for name in ("simulated", "start", "noise") if name in table and table[name].nunique() > 1] or [table.columns[0]]
+    names = [name for name in _LABELS if table[name].notna().any()]
+    columns = [Column(name.replace("_", " ")) for name in by] + [Column("cells", style="n")]
+    columns += [Column(_LABELS[name], "mean % · cells ≥ 68 %", "n") for name in names]
+    rows = []
+    for keys, part in table.groupby(by, sort=False):
+        values = [f"{100 * part[name].mean():.0f} · {int((part[name] >= CLAIM / 100).sum())}" for name in names]
+        rows.append([*map(_words, keys), len(part), *values])
+    caption = "How often the model that was simulated is the one that is told, and in how many cells at least as often as the paper's 68 %."
+    notes = (
+        f"{int(table['draws'].iloc[0])} draws a cell. By norm and by BIC: one swing, all models fitted.",
+        "By ten runs: the paper's comparison, the mean norm of ten swings for the three single terms and the pair without the true one.",
+    )
+    return Table(f"Sweep {title}", caption, columns, rows, notes[: 2 if "true_by_ten" in names else 1])
+
+
+def _detected(title, table):
+    by = [name for name in ("effect", "size") if name in table]
+    more = [c for c in table.columns[: list(table.columns).index("draws")] if c not in by]
+    columns = [Column(name.replace("_", " ")) for name in (*by[:1], *more)]
+    columns += [Column("left by the base model", "σ", "n"), Column("found", "%", "n"), Column("named alone", "%", "n"),
+                Column("among others", "%", "n"), Column("without a name", "%", "n"), Column("wrong", "%", "n")]  # fmt: skip
+    rows = [
+        [*(_words(row[name]) for name in (*by[:1], *more)), f"{row['left_by_base']:.2g}",
+         *(f"{100 * row[name]:.0f}" for name in ("found", "named", "said_among_others", "said_unknown", "said_wrong"))]
+        for _, row in table.iterrows()
+    ]  # fmt: skip
+    effects = list(table[by[0]]) if by else []
+    groups = tuple(k for k in range(1, len(effects)) if effects[k] != effects[k - 1])
+    caption = "What discovery said of campaigns with one effect more than its base model."
+    return Table(f"Sweep {title}", caption, columns, rows, (f"{int(table['draws'].iloc[0])} campaigns a row.",), groups)
+
+
+def _words(value):
+    return str(value).replace("_", " ").replace("coulomb", "Coulomb")
+
+
+def _percent(values):
+    return f"{100 * np.nanmean(values):.0f} %"
+
+
+def _reached(values):
+    return f"{int((values >= CLAIM / 100).sum())} of {int(values.notna().sum())}"

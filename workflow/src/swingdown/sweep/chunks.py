@@ -1,0 +1,170 @@
+"""The work of a sweep dealt out in jobs, and the book that keeps how it was dealt.
+
+A job (chunk) is a run of cells with a range of draws each. How work is dealt does not change a number in it, so what is
+dealt stays dealt: the book (``plan.jsonl``, a line a chunk) is only added to. A wider table, or more draws, deals out
+what no chunk of the book holds yet. A chunk's name stands for its content, and a file of that name for its results.
+"""
+
+import hashlib
+import json
+import os
+from dataclasses import dataclass
+from pathlib import Path
+
+from ..errors import InputError
+from .table import cell_key
+
+MOST_JOBS = 2000  # beyond that the workflow's own time and the file system are what one waits for
+
+
+@dataclass(frozen=True)
+class Chunk:
+    """One job: the settings that its cells share, the axes' keys, and its parts (a cell's values, first draw, draws)."""
+
+    computes: str
+    settings: dict
+    keys: tuple
+    parts: tuple
+
+    @property
+    def content(self):
+        """The chunk as text (JSON)."""
+        content = {"computes": self.computes, "settings": self.settings, "keys": self.keys, "parts": self.parts}
+        return json.dumps(content, separators=(",", ":"))
+
+    @property
+    def name(self):
+        """16 hexadecimal digits that stand for the content."""
+        return hashlib.sha256(self.content.encode()).hexdigest()[:16]
+
+    @property
+    def draws(self):
+        """How many draws it holds over all its cells."""
+        return sum(count for *_, count in self.parts)
+
+    def cells(self):
+        """(settings, key, first draw, number of draws) of each part."""
+        for values, first, count in self.parts:
+            settings = self.settings | dict(zip(self.keys, values, strict=True))
+            yield settings, cell_key(self.computes, settings), first, count
+
+
+@dataclass(frozen=True)
+class Plan:
+    """The chunks whose results a sweep needs, by name, and those among them that are new in the book."""
+
+    chunks: dict
+    new: tuple
+
+
+def plan(sweep, book):
+    """The ``Plan`` of a sweep: chunks of the book (a path, which need not exist) that hold what it wants, then new ones.
+
+    Chunks whose results are there, in the folder ``chunks`` beside the book, come first. One without results that holds more
+    than is wanted, or what another holds, is passed over: where a table was made smaller, its work is dealt out again. InputError where there would be more than ``MOST_JOBS`` chunks.
+    """
+    wanted = {cell_key(sweep.computes, sweep.cell(values)): values for values in sweep}
+    held, chunks = {}, {}
+    made = {path.stem for path in (Path(book).parent / "chunks").glob("*.nc")}
+    for chunk in sorted(read_book(book), key=lambda chunk: chunk.name not in made):
+        parts = [(key, first, first + count) for _, key, first, count in chunk.cells()]
+        inside = [part for part in parts if part[0] in wanted and part[1] < sweep.realizations]
+        whole = len(inside) == len(parts) and all(last <= sweep.realizations for *_, last in parts)
+        twice = any(first < other and last > begin for key, first, last in parts for begin, other in held.get(key, ()))
+        if not inside or twice or not (whole or chunk.name in made):
+            continue
+        for key, first, last in inside:
+            held.setdefault(key, []).append((first, last))
+        chunks[chunk.name] = chunk
+    open_parts = [
+        (list(values), first, last - first)
+        for key, values in wanted.items()
+        for first, last in _gaps(held.get(key, ()), sweep.realizations)
+    ]
+    new = tuple(_dealt(sweep, open_parts))
+    if len(chunks) + len(new) > MOST_JOBS:
+        draws = sweep.cells * sweep.realizations
+        raise InputError(
+            f"config, key sweeps.{sweep.name}.chunk", f"{draws} draws in chunks of {sweep.chunk} are {len(chunks) + len(new)} jobs",
+            f"at most {MOST_JOBS}", f"write `chunk: {-(-draws // (MOST_JOBS // 2))}`",
+        )  # fmt: skip
+    return Plan(chunks | {chunk.name: chunk for chunk in new}, new)
+
+
+def _gaps(ranges, end):
+    """The (first, last) ranges below ``end`` that none of the given ones covers."""
+    reached = 0
+    for first, last in sorted(ranges):
+        if first > reached:
+            yield reached, min(first, end)
+        reached = max(reached, last)
+        if reached >= end:
+            return
+    if reached < end:
+        yield reached, end
+
+
+def _dealt(sweep, parts):
+    """Chunks of about equal size, none longer than the sweep's."""
+    total = sum(count for *_, count in parts)
+    if not total:
+        return
+    size = -(-total // -(-total // sweep.chunk))
+    taken, room = [], size
+    for values, first, count in parts:
+        while count:
+            now = min(count, room)
+            taken.append((values, first, now))
+            first, count, room = first + now, count - now, room - now
+            if not room:
+                yield Chunk(sweep.computes, sweep.settings, sweep.keys, tuple(taken))
+                taken, room = [], size
+    if taken:
+        yield Chunk(sweep.computes, sweep.settings, sweep.keys, tuple(taken))
+
+
+def read_book(book):
+    """The chunks of a book, one at a time; none where there is no book. InputError for a line that is none."""
+    book = Path(book)
+    if not book.exists():
+        return
+    with book.open(encoding="utf-8") as lines:
+        for number, line in enumerate(lines, 1):
+            yield _chunk(line, f"{book}, line {number}")
+
+
+def find_chunk(book, name):
+    """The chunk of that name; InputError where the book has none. Other lines are not kept in memory."""
+    if Path(book).exists():
+        with Path(book).open(encoding="utf-8") as lines:
+            for number, line in enumerate(lines, 1):
+                if line.startswith(name):
+                    return _chunk(line, f"{book}, line {number}")
+    raise InputError(book, f"no chunk {name}", "a book that lists it", "run the sweep again: it writes the book before its jobs")
+
+
+def add_to_book(book, chunks):
+    """The path of the book with those of the chunks added that it lacks; it is replaced whole, so that a reader never sees half a line."""
+    book = Path(book)
+    known = {chunk.name for chunk in read_book(book)} if chunks else set()
+    if chunks := [chunk for chunk in chunks if chunk.name not in known]:
+        book.parent.mkdir(parents=True, exist_ok=True)
+        partial = book.with_name(f".{book.name}.{os.getpid()}.part")
+        before = book.read_text(encoding="utf-8") if book.exists() else ""
+        partial.write_text(before + "".join(f"{chunk.name} {chunk.content}\n" for chunk in chunks), encoding="utf-8")
+        partial.replace(book)
+    return book
+
+
+def _chunk(line, where):
+    try:
+        name, _, content = line.partition(" ")
+        content = json.loads(content)
+        parts = tuple((values, first, count) for values, first, count in content["parts"])
+        chunk = Chunk(content["computes"], content["settings"], tuple(content["keys"]), parts)
+    except (ValueError, KeyError, TypeError):
+        chunk = None
+    if chunk is None or chunk.name != name:
+        raise InputError(where, "not a line that a sweep has written", "a chunk a line",
+                         "remove the line; its work will be dealt again")  # fmt: skip
+    return chunk
