@@ -133,4 +133,6 @@ def measure_noise(residuals, intervals, frequency, static=()):
     # a correlation that the data do not ask for is none
     correlation = float(best) if cost(0.0) - cost(best) > 0.5 * np.log(power.size) else 0.0
     _, innovation = level(correlation)
-    return Noise(float(np.sqrt(innovation / (1 - correlation**2))), correlation)
+    # what a kinked error leaves in the band looks like strong slow noise; the noise is never more than the whole residual
+    whole = np.sqrt(np.mean(np.concatenate([np.square(residual) for residual in residuals])))
+    return Noise(float(min(np.sqrt(innovation / (1 - correlation**2)), whole)), correlation)

@@ -12,8 +12,10 @@ from .refit import nudged, refit
 
 TIE = 10.0  # difference of BIC below which two candidates are told as tied
 _PROMISING = 0.05  # of the best promise: candidates below are not refitted, a linear step already tells them off
-_FEW = 4  # effects tried in another one's place, or candidates looked at more closely
-_SHAPES = 4  # of an effect, to start from where the first ones did not do
+_HOPEFUL = 0.01  # the same, for those tried from more starts where none of the promising ones leaves the noise alone
+_FEW = 4  # effects tried in another one's place
+_NUDGED = 2  # candidates looked for in their neighbourhood, too
+_SHAPES = 3  # of an effect, to start from where the first ones did not do
 _DETERMINED = 3.0  # standard errors that an effect's size must be from nothing
 # Of the small swing's frequency: a drive so near resonance, with a phase for each recording, takes up any error of the
 # pendulum's own motion; large swings are slower.
@@ -67,12 +69,13 @@ def ranking(here, noise, allowed=None):
     found = _moved(here, noise, [starts for starts in moves if starts[0].promise >= _PROMISING * most], allowed)
     if found and leaves_noise(found[0].fit, noise):
         return found
-    wide = _moved(here, noise, [starts_to_add(here, name, best=_SHAPES) for name in names], allowed)
+    hopeful = [name for name, starts in zip(names, moves, strict=True) if starts[0].promise >= _HOPEFUL * most]
+    wide = _moved(here, noise, [starts_to_add(here, name, best=_SHAPES) for name in hopeful], allowed)
     best = {}
     for one in (*found, *wide):
         best.setdefault(one.move, []).append(one)
     found = _sorted([min(several, key=lambda one: one.fit.rss) for several in best.values()])
-    return _sorted([*(_nudged(one, here, noise) for one in found[:_FEW]), *found[_FEW:]])
+    return _sorted([*(_nudged(one, here, noise) for one in found[:_NUDGED]), *found[_NUDGED:]])
 
 
 def leaves_noise(fit, noise):
