@@ -26,6 +26,7 @@ rule discover_round:
         groups="results/discovery/{campaign}/round-{n}/groups.csv",
         ranking="results/discovery/{campaign}/round-{n}/ranking.csv",
         map="results/discovery/{campaign}/round-{n}/map.csv",
+        unnamed="results/discovery/{campaign}/round-{n}/unnamed.csv",
         half_swings="results/discovery/{campaign}/round-{n}/half_swings.csv",
     wildcard_constraints:
         n=r"\d+",

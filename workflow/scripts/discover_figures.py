@@ -20,6 +20,7 @@ def figures(verdict, folders, outputs):
         "map": lambda: discovery.missing_torque(
             pd.read_csv(first / "map.csv"),
             pd.read_csv(last / "map.csv"),
+            pd.read_csv(last / "unnamed.csv"),
             [json.loads((folder / "round.json").read_text()) for folder in used],
         ),
         "half_swings": lambda: discovery.half_swings(pd.read_csv(first / "half_swings.csv"), pd.read_csv(last / "half_swings.csv")),

@@ -354,16 +354,15 @@ CATALOGUE = {effect.name: effect for effect in _ENTRIES}
 _OWN = {}  # one study's own entries, put there by ``use_own``
 
 
-def _free_form(name, pieces, unit, scale, explanation):
+def _free_form(name, pieces, unit, scale, explanation, times="1"):
     """An effect without a name: a sum of ``pieces`` (formulas) with a coefficient each, over a range that is given."""
     letters = [f"c_{k}" for k in range(len(pieces))]
-    term = " + ".join(f"{letter}*({piece})" for letter, piece in zip(letters, pieces, strict=True))
+    term = f"{times}*(" + " + ".join(f"{letter}*{piece}" for letter, piece in zip(letters, pieces, strict=True)) + ")"
     own = tuple(Parameter(f"{name}_{k}", letter, "rad/s^2", typical=0.1) for k, letter in enumerate(letters))
     own += (Parameter(f"{name}_range", "s_u", unit, 1e-6, inf, scale, 1.0, grid=(1.0,)),) if scale else ()
-    return Effect(name, term, own, explanation, "a polynomial; what the catalogue does not explain is drawn, not named")
+    return Effect(name, term, own, explanation, "a smooth curve; what the catalogue does not explain is drawn, not named")
 
 
-_SIGNED = "sign(thetadot)"
 FREE_FORM = {
     effect.name: effect
     for effect in (
@@ -374,12 +373,14 @@ FREE_FORM = {
             "largest angle of the recordings",
             "A torque that depends on where the pendulum is, of a form that no entry of the catalogue has.",
         ),
+        # bumps side by side rather than powers: friction changes most where it is slow, and powers have no room there
         _free_form(
             "unnamed_velocity",
-            [_SIGNED, *(f"{_SIGNED}*abs(thetadot/s_u)**{k}" for k in range(1, 6))],
+            [f"exp(-(6*abs(thetadot)/s_u - {k})**2)" for k in range(7)],
             "rad/s",
             "largest velocity of the recordings",
             "A torque that depends on how fast the pendulum moves, of a form that no entry of the catalogue has.",
+            times="sign(thetadot)",
         ),
         _free_form(
             "unnamed_time",

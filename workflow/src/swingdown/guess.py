@@ -41,8 +41,8 @@ def amplitude_factor(amplitude):
     return float(mean)
 
 
-def _half_swings(times, angle):
-    """Times of the middle crossings, and the extreme between each two (hysteresis of a tenth of the spread against noise)."""
+def half_swings(times, angle):
+    """Times of the middle crossings (s), and the extreme between each two (rad); a tenth of the spread is hysteresis against noise."""
     band = 0.1 * np.sqrt(np.mean(angle**2))
     side = np.where(angle > band, 1, np.where(angle < -band, -1, 0))
     marks = np.flatnonzero(side)
@@ -67,9 +67,9 @@ def _half_swings(times, angle):
 def first_guess(times, angle, restoring="sine"):
     """The ``Guess`` for a swing: times in s, angles in rad; InputError where it crosses its middle fewer than twice."""
     times, angle = np.asarray(times, dtype=float), np.asarray(angle, dtype=float)
-    crossings, extremes = _half_swings(times, angle)
+    crossings, extremes = half_swings(times, angle)
     if crossings.size < 2:
-        crossings, extremes = _half_swings(times, angle - 0.5 * (angle.max() + angle.min()))
+        crossings, extremes = half_swings(times, angle - 0.5 * (angle.max() + angle.min()))
     if crossings.size < 2:
         raise InputError("swing", "the angle crosses its middle fewer than twice", "at least one whole half-swing", "record longer")
     halves = np.diff(crossings)

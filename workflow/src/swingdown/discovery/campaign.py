@@ -1,14 +1,16 @@
 """A campaign as discovery takes it: swings that are fitted, swings that are held out, and the noise on them."""
 
 from dataclasses import dataclass, field
+from itertools import pairwise
 
 import numpy as np
 from scipy.optimize import minimize_scalar
 
 from ..errors import InputError
+from ..guess import half_swings
 
-_SHORTEST = 64  # samples of a part of a recording
-_PARTS = 4  # a single recording is cut into so many parts of equal time
+# A single recording is cut into parts of as many half-swings each: odd numbers of them, so that both ends are fitted.
+_PARTS = {5: 20, 3: 9}  # parts, and the half-swings a recording must have to be cut into so many
 
 
 @dataclass(frozen=True)
@@ -71,8 +73,8 @@ def campaign(name, swings, holdout=(), static=()):
     """The ``Campaign`` of these swings: as the sheet says where it names held-out ones, else by amplitude.
 
     From three swings on, every third in order of amplitude is held out, the largest and smallest stay; of two, the
-    smaller; a single recording is cut into four parts of equal time, the second and the last held out. InputError where
-    there is none.
+    smaller; a single recording is cut into five parts (of a short one: three), every second held out. InputError where
+    there is none, and for a single recording that is too short.
     """
     if not swings:
         raise InputError(f"campaign {name}", "no swing to fit", "one or more recordings that are not static or held out")
@@ -80,8 +82,8 @@ def campaign(name, swings, holdout=(), static=()):
         return Campaign(name, tuple(swings), tuple(holdout), "held out as the sample sheet says", tuple(static))
     if len(swings) == 1:
         parts = cut(swings[0])
-        fit, held = tuple(parts[::2]), tuple(parts[1::2])
-        return Campaign(name, fit, held, "one recording, cut by amplitude: every second quarter held out", tuple(static))
+        how = f"one recording, cut by amplitude into {len(parts)} parts: every second held out"
+        return Campaign(name, tuple(parts[::2]), tuple(parts[1::2]), how, tuple(static))
     order = sorted(swings, key=lambda swing: swing.amplitude)
     held = order[:1] if len(order) == 2 else order[1:-1:3]
     names = ", ".join(swing.name for swing in held)
@@ -90,14 +92,18 @@ def campaign(name, swings, holdout=(), static=()):
 
 
 def cut(swing):
-    """The parts of equal time of one recording; InputError where they would be too short."""
-    edges = np.linspace(0, swing.times.size, _PARTS + 1).astype(int)
-    if np.min(np.diff(edges)) < _SHORTEST:
-        raise InputError(f"recording {swing.name}", f"{swing.times.size} samples", f"at least {_PARTS * _SHORTEST} to cut it in parts")
-    return [
-        Swing(f"{swing.name}, part {k + 1} of {_PARTS}", swing.times[a:b], swing.angle[a:b])
-        for k, (a, b) in enumerate(zip(edges, edges[1:], strict=False))
-    ]
+    """The parts of one recording, as many half-swings in each; InputError where it has too few.
+
+    What follows the last swing that can be told from rest stays with the last part.
+    """
+    crossings, _ = half_swings(swing.times, swing.angle - np.mean(swing.angle[-swing.times.size // 4 :]))
+    count = next((parts for parts, least in _PARTS.items() if crossings.size > least), None)
+    if count is None:
+        raise InputError(f"recording {swing.name}", f"{max(crossings.size - 1, 0)} half-swings, and no other recording in its campaign",
+                         f"at least {min(_PARTS.values())}, so that some can be held out", "record longer, or more than once")  # fmt: skip
+    at = crossings[[k * (crossings.size - 1) // count for k in range(1, count)]]
+    edges = [0, *np.searchsorted(swing.times, at), swing.times.size]
+    return [Swing(f"{swing.name}, part {k + 1} of {count}", swing.times[a:b], swing.angle[a:b]) for k, (a, b) in enumerate(pairwise(edges))]
 
 
 def measure_noise(residuals, intervals, frequency, static=()):

@@ -6,6 +6,7 @@ from itertools import product
 import numpy as np
 
 from .. import effects
+from ..trajectory import TrajectoryError
 from .linear import best_step, columns_of, each_model
 from .locate import line
 
@@ -60,7 +61,8 @@ def starts_to_add(frame, name, best=2, dropped=None):
     """The ``Start``s of adding one effect, best first: for the most promising shapes, what a linear step gives.
 
     The step keeps every value within the catalogue's bounds: an effect that would have to act backwards promises nothing.
-    ``dropped`` names the effect whose place it takes in a frame of the model without that one.
+    ``dropped`` names the effect whose place it takes in a frame of the model without that one. Empty where the effect, even
+    with nothing of it, makes motions that the engine cannot follow.
     """
     effect = effects.effect(name)
     wider = (*frame.fit.model.effects, name)
@@ -74,20 +76,24 @@ def starts_to_add(frame, name, best=2, dropped=None):
     if any(p.own for p in phases):  # vibration: the frequency is where the residual's periodogram peaks
         shapes, grids = [p for p in effect.parameters if p.unit == "Hz"], [[line(frame)[0]]]
         amplitudes = [p for p in amplitudes if p.unit != "Hz"]
+    sides = [{phases[0].name: phase} for phase in (0.0, np.pi / 2)] if phases else [{}]
     found = []
     for shape in product(*grids):
         values = {p.name: float(value) for p, value in zip(shapes, shape, strict=True)}
         values |= {p.name: 0.0 if p.lower <= 0 else 0.3 * p.typical for p in amplitudes}  # a lag of nothing has no slope
         free = [p.name for p in amplitudes]
-        if phases:
-            columns = np.hstack([columns_of(frame, effect, values | {phases[0].name: phase}, free) for phase in (0.0, np.pi / 2)])
-            low, high = np.full(columns.shape[1], -np.inf), np.full(columns.shape[1], np.inf)
-        else:
-            columns = columns_of(frame, effect, values, free)
+        try:
+            columns = np.hstack([columns_of(frame, effect, values | one, free) for one in sides])
+        except TrajectoryError:
+            continue
+        low, high = np.full(columns.shape[1], -np.inf), np.full(columns.shape[1], np.inf)
+        if not phases:
             low = np.array([max(p.lower, -30 * p.typical) - values[p.name] for p in amplitudes])
             high = np.array([min(p.upper, 30 * p.typical) - values[p.name] for p in amplitudes])
         step = best_step(frame, columns, low, high)
         found.append((step, _stepped(step.coefficients, values, free, phases, len(frame.swings))))
+    if not found:
+        return []
     found.sort(key=lambda entry: -entry[0].squares)
     starts = []
     for step, each in found[:best]:

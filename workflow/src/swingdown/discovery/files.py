@@ -38,7 +38,7 @@ def read_campaign(name, paths, roles):
 
 
 def write_round(state, campaign, folder, emulated):
-    """The folder written: round.json, model.yaml, fit.nc and the tables of one ``Round`` (groups, ranking, map, half-swings)."""
+    """The folder written: round.json, model.yaml, fit.nc and the tables of one ``Round`` (groups, ranking, map, unnamed, half-swings)."""
     folder = Path(folder)
     folder.mkdir(parents=True, exist_ok=True)
     told = summary(state, campaign)
@@ -46,6 +46,7 @@ def write_round(state, campaign, folder, emulated):
     pd.DataFrame(told["groups"]).to_csv(folder / "groups.csv", index=False)
     pd.DataFrame(told["ranking"], columns=_RANKING).to_csv(folder / "ranking.csv", index=False)
     state.curves.to_csv(folder / "map.csv", index=False, float_format="%.6g")
+    state.kept.to_csv(folder / "unnamed.csv", index=False, float_format="%.6g")
     state.half_swings.to_csv(folder / "half_swings.csv", index=False, float_format="%.6g")
     dataset.write(_series(state, campaign, emulated), folder / "fit.nc")
     (folder / "round.json").write_text(json.dumps(told, indent=1) + "\n")

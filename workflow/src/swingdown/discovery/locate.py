@@ -7,11 +7,10 @@ is projected out; the share of the residual that each group explains is a chi-sq
 from dataclasses import dataclass
 
 import numpy as np
-import pandas as pd
 from scipy.stats import chi2
 
-from .. import effects
-from .linear import columns_of, explained
+from .free_form import free_columns
+from .linear import explained
 
 KINDS = {
     "position": "restoring",
@@ -23,7 +22,6 @@ KINDS = {
     "other": "of no simple kind",
 }
 _CONSTANT = 0.95  # of what the position explains: a torque that is the same everywhere
-_POINTS = 41  # of a curve
 
 
 @dataclass(frozen=True)
@@ -68,23 +66,9 @@ def kind(found):
     return "constant" if best == "position" and constant > _CONSTANT * shares[best] else best
 
 
-def ranges(frame):
-    """The largest angle (rad) and velocity (rad/s) that the fit reaches: the ranges of the free forms."""
-    speed = max(float(np.max(np.abs(np.gradient(s, w.times)))) for s, w in zip(frame.fit.angle, frame.swings, strict=True))
-    return {"unnamed_position": max(float(np.max(np.abs(series))) for series in frame.fit.angle), "unnamed_velocity": speed}
-
-
-def free_columns(frame, name):
-    """The columns of a free form's coefficients, and their names."""
-    effect = effects.effect(name)
-    free = [parameter.name for parameter in effect.parameters if not parameter.grid]
-    values = dict.fromkeys(free, 0.0) | ({f"{name}_range": ranges(frame)[name]} if name in ranges(frame) else {})
-    return columns_of(frame, effect, values, free), free
-
-
 def probes(frame):
     """The columns of each group's general form, by name."""
-    columns = {name: free_columns(frame, f"unnamed_{name}")[0] for name in ("position", "velocity", "time")}
+    columns = {name: free_columns(frame, f"unnamed_{name}") for name in ("position", "velocity", "time")}
     angle = np.concatenate(frame.fit.angle)
     speed = np.concatenate([np.gradient(s, w.times) for s, w in zip(frame.fit.angle, frame.swings, strict=True)])
     since = np.concatenate([(w.times - w.times[0]) / (w.times[-1] - w.times[0]) for w in frame.swings])
@@ -119,45 +103,3 @@ def line(frame, low=0.3):
     best = int(np.argmax(power))
     return float(grid[best]), float(power[best]), max(1, grid.size // 2)
 
-
-def curves(frame, noise):
-    """The missing torque over angle, velocity and time, each as if it alone were missing: a table.
-
-    Columns ``over`` (position, velocity, time), ``part`` (torque; over time: drag, stiffness, push), ``x`` (rad, rad/s,
-    share of the record), ``torque`` and ``band`` (its standard error, both in rad/s^2; for drag and stiffness the torque
-    at the largest velocity and angle).
-    """
-    reach, tables = ranges(frame), []
-    at = np.linspace(-1, 1, _POINTS)
-    side, since = np.linspace(0, 1, _POINTS), np.linspace(0, 1, _POINTS)
-    position = np.column_stack([at**k for k in (0, *range(2, 8))])
-    velocity = np.column_stack([side**k for k in range(6)])
-    time = np.column_stack([since**k for k in (1, 2, 3)])
-    frequency = frame.fit.model.values["natural_frequency"]
-    sizes = {"drag": reach["unnamed_velocity"] / frequency, "stiffness": reach["unnamed_position"], "push": 1.0}
-    for over, x, shapes in (
-        ("position", at * reach["unnamed_position"], {"torque": (position, slice(None), 1.0)}),
-        ("velocity", side * reach["unnamed_velocity"], {"torque": (velocity, slice(None), 1.0)}),
-        ("time", since, {part: (time, slice(3 * k, 3 * k + 3), size) for k, (part, size) in enumerate(sizes.items())}),
-    ):
-        coefficients, covariance = _estimate(frame, free_columns(frame, f"unnamed_{over}")[0], noise)
-        for part, (shape, of, size) in shapes.items():
-            spread = np.sqrt(np.einsum("ij,jk,ik->i", shape, covariance[of, of], shape))
-            table = {"over": over, "part": part, "x": x, "torque": size * (shape @ coefficients[of]), "band": size * spread}
-            tables.append(pd.DataFrame(table))
-    return pd.concat(tables, ignore_index=True)
-
-
-def _estimate(frame, columns, noise):
-    """Coefficients of the columns beyond the fit, and their covariance under the noise."""
-    outside = frame.outside(columns)
-    size = np.linalg.norm(outside, axis=0)
-    free = size > 1e-3 * np.linalg.norm(columns, axis=0)  # the rest the fit's own terms can do
-    coefficients, covariance = np.zeros(size.size), np.zeros((size.size, size.size))
-    if free.any():
-        left, singular, right = np.linalg.svd(outside[:, free] / size[free], full_matrices=False)
-        kept = singular > 1e-3 * singular[0]  # what the data do not determine stays at nothing
-        inverse = (right[kept].T / singular[kept]) / size[free, None]
-        coefficients[free] = inverse @ (left[:, kept].T @ frame.residual)
-        covariance[np.ix_(free, free)] = inverse @ inverse.T * noise.slow_variance
-    return coefficients, covariance

@@ -63,19 +63,23 @@ def ranking(here, noise, allowed=None):
     Where none leaves the noise alone, all are tried again from more starts: a fit in a false minimum, its own or that of
     the model it begins from, must not hide the one that does.
     """
-    names = additions(here.fit.model, allowed)
-    moves = [starts_to_add(here, name) for name in names]
+    moves = _offered(here, additions(here.fit.model, allowed))
     most = max((starts[0].promise for starts in moves), default=0.0)
     found = _moved(here, noise, [starts for starts in moves if starts[0].promise >= _PROMISING * most], allowed)
     if found and leaves_noise(found[0].fit, noise):
         return found
-    hopeful = [name for name, starts in zip(names, moves, strict=True) if starts[0].promise >= _HOPEFUL * most]
+    hopeful = [starts[0].added for starts in moves if starts[0].promise >= _HOPEFUL * most]
     wide = _moved(here, noise, [starts_to_add(here, name, best=_SHAPES) for name in hopeful], allowed)
     best = {}
     for one in (*found, *wide):
         best.setdefault(one.move, []).append(one)
     found = _sorted([min(several, key=lambda one: one.fit.rss) for several in best.values()])
     return _sorted([*(_nudged(one, here, noise) for one in found[:_NUDGED]), *found[_NUDGED:]])
+
+
+def _offered(here, names, dropped=None):
+    """The starts of each effect that has any."""
+    return [starts for starts in (starts_to_add(here, name, dropped=dropped) for name in names) if starts]
 
 
 def leaves_noise(fit, noise):
@@ -109,7 +113,7 @@ def in_place_of(here, noise, old, allowed=None, few=_FEW):
     except TrajectoryError:
         return []
     there = frame(fit, here.swings)
-    moves = [starts_to_add(there, name, dropped=old) for name in additions(fit.model, allowed) if name != old]
+    moves = _offered(there, [name for name in additions(fit.model, allowed) if name != old], old)
     moves.sort(key=lambda starts: -starts[0].promise)
     return _sorted([_best(starts, there, noise) for starts in moves[:few]])
 

@@ -9,14 +9,16 @@ from ..fit import fit_jointly
 from ..trajectory import TrajectoryError
 from .campaign import measure_noise
 from .confirm import better, predict
+from .free_form import fit_free_form, kept, missing
 from .half_swings import beside
 from .linear import each_model, frame
-from .locate import curves, groups, kind, ranges
+from .locate import groups
 from .name import Candidate, correlation, drops, evidence, in_place_of, ranking, tied
 from .refit import nudged, refit
 from .verdict import GUARD
 
 _SUBSTANTIAL = 1 / 3  # of what is left beyond the noise: many small additions can imitate anything, and name nothing
+_TO_THE_END = 200  # evaluations
 _UNNEEDED = 4.0  # chi-square that a held-out swing may lose with a term that is dropped
 
 
@@ -26,8 +28,8 @@ class Round:
 
     ``found`` names the effects added so far; ``ties`` are those of ``ranked`` that the data do not tell apart, ``alike`` their
     correlations with the first of them by move; ``rivals`` holds for each the effects that would do as well in its place
-    (looked for in the last round); ``curves`` is the table of missing torques, ``half_swings`` that of what the fitted
-    swings show without a model, beside what the model shows.
+    (looked for in the last round); ``curves`` is the table of missing torques, ``kept`` that of the torques without a name
+    that the model has, ``half_swings`` that of what the fitted swings show without a model, beside what the model shows.
     """
 
     number: int
@@ -36,6 +38,7 @@ class Round:
     noise: object
     groups: tuple
     curves: object
+    kept: object
     half_swings: object
     found: tuple = ()
     ranked: tuple = ()
@@ -87,13 +90,13 @@ def look(number, campaign, fit, found=(), allowed=None, last=False):
     modelled = [(swing.times, series) for swing, series in zip(campaign.fit, fit.angle, strict=True)]
     names, pairs = [swing.name for swing in campaign.fit], [swing.pair for swing in campaign.fit]
     seen = beside(names, pairs, modelled, fit.model.values["natural_frequency"])
-    state = Round(number, fit, predict(fit, campaign.holdout), noise, tuple(groups(here, noise)), curves(here, noise), seen, tuple(found))
+    state = Round(number, fit, predict(fit, campaign.holdout), noise, tuple(groups(here, noise)), missing(here, noise), kept(here, noise), seen, tuple(found))
     if not state.missing:
         return _finished(state, here, campaign, allowed, last)
     if last:
         return replace(state, reason="no round is left")
-    if any(name.startswith("unnamed") for name in found):
-        return replace(state, reason="what remains has no form either")
+    if nameless(found):  # names given to what a free curve leaves would be names of its failings
+        return _without_a_name(replace(state, reason="what remains has no form either"), here, campaign)
     ranked = list(ranking(here, noise, allowed))
     for old in found:  # two that were found may stand for two others: a better one may take an earlier one's place
         ranked += in_place_of(here, noise, old, allowed)
@@ -108,10 +111,17 @@ def look(number, campaign, fit, found=(), allowed=None, last=False):
         if fit.rss - one.fit.rss < _SUBSTANTIAL * excess:
             state = replace(state, reason=f"{one.move} explains little of what is left")
             continue
-        if gained(state, one, campaign) > 0:
-            return replace(state, chosen=one, reason="")
+        settled = _settled(one, state, campaign)
+        if gained(state, settled, campaign) > 0:
+            return replace(state, chosen=settled, reason="")
         state = replace(state, reason=f"{one.move} is not confirmed on held-out swings")
     return _without_a_name(state, here, campaign)
+
+
+def _settled(one, state, campaign):
+    """The candidate with its fit brought to an end: those that are only ranked stop early, and held-out swings judge the end."""
+    fit = refit(one.fit.model.effects, tuple(model.values for model in each_model(one.fit)), one.fit, campaign.fit, most=_TO_THE_END)
+    return replace(one, fit=fit, bic=evidence(fit, state.noise))
 
 
 def gained(state, candidate, campaign):
@@ -124,7 +134,7 @@ def gained(state, candidate, campaign):
 
 def _finished(state, here, campaign, allowed, last):
     """The state where nothing is missing: what is not needed is dropped, and the rivals of what was found are told."""
-    if any(name.startswith("unnamed") for name in state.found):
+    if nameless(state.found):
         return replace(state, reason="what was missing has no name")
     state = replace(state, reason="nothing is missing")
     now = evidence(state.fit, state.noise)
@@ -142,29 +152,21 @@ def _finished(state, here, campaign, allowed, last):
 
 
 def _without_a_name(state, here, campaign):
-    """The state with a free-form torque as its choice, if that explains something that held-out swings have too."""
-    at = kind(state.groups)
-    name = f"unnamed_{'position' if at == 'constant' else at}"
-    if name not in effects.FREE_FORM:
-        found = {group.name: group.share for group in state.groups if f"unnamed_{group.name}" in effects.FREE_FORM}
-        name = f"unnamed_{max(found, key=found.get)}"
-    try:
-        fit = free_form(here, name)
-    except TrajectoryError:
-        return state
-    one = Candidate(name, None, fit, evidence(fit, state.noise))
-    if evidence(state.fit, state.noise) - one.bic < GUARD["worth_bic"] or gained(state, one, campaign) <= 0:
-        return state
-    return replace(state, chosen=one, reason=state.reason)
+    """The state with a free-form torque as its choice, if one explains something that held-out swings have too.
 
-
-def free_form(here, name):
-    """The fit with a torque without a name (a polynomial in one variable) beside the model's own effects."""
-    fit = here.fit
-    free = [p.name for p in effects.effect(name).parameters if not p.grid]
-    fixed = {f"{name}_range": ranges(here)[name]} if name in ranges(here) else {}
-    values = tuple(model.values | dict.fromkeys(free, 0.0) | fixed for model in each_model(fit))
-    return refit((*fit.model.effects, name), values, fit, here.swings)
+    The forms are tried in the order of what their groups explain, those that the model has already left out.
+    """
+    shares = {f"unnamed_{group.name}": group.share for group in state.groups}
+    left = [name for name in effects.FREE_FORM if name not in state.found]
+    for name in sorted(left, key=lambda name: -shares[name]):
+        try:
+            fit = fit_free_form(here, name)
+        except TrajectoryError:
+            continue
+        one = _settled(Candidate(name, None, fit, evidence(fit, state.noise)), state, campaign)
+        if state.bic - one.bic >= GUARD["worth_bic"] and gained(state, one, campaign) > 0:
+            return replace(state, chosen=one)
+    return state
 
 
 def discover(campaign, base, rounds=4, allowed=None, restoring="sine", form="consistent"):
@@ -176,6 +178,11 @@ def discover(campaign, base, rounds=4, allowed=None, restoring="sine", form="con
             break
         fit, found = states[-1].chosen.fit, after(found, states[-1].chosen)
     return states
+
+
+def nameless(found):
+    """Those of the effects that are torques without a name."""
+    return [name for name in found if name in effects.FREE_FORM]
 
 
 def after(found, chosen):

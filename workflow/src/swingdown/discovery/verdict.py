@@ -17,7 +17,9 @@ def verdict(rounds):
     ``ambiguous`` the same with a tie, ``unknown`` where something significant remains, or remained, without a name.
     """
     first, last = rounds[0], rounds[-1]
-    added = [_effect(name, rounds) for name in last["found"]]
+    # beside a torque without a name the values of the named ones mean little: it can do their work
+    sound = [state for state in rounds if not any(name in effects.FREE_FORM for name in state["found"])][-1]
+    added = [_effect(name, rounds, last if name in effects.FREE_FORM else sound) for name in last["found"]]
     nameless = [one for one in added if one["name"] in effects.FREE_FORM]
     if last["missing"] or nameless:
         status = "unknown"
@@ -49,7 +51,7 @@ def verdict(rounds):
         "split": last["split"],
         "moves": [state["chosen"]["move"] for state in rounds if state["chosen"]],
         "model": last["parameters"],
-        "misspecified": _at_their_bounds(last["effects"], last["parameters"]),
+        "misspecified": _at_their_bounds(sound["effects"], sound["parameters"]),
         "next_measurement": _next(added, status),
         "guard": GUARD,
     }
@@ -57,8 +59,8 @@ def verdict(rounds):
     return found
 
 
-def _effect(name, rounds):
-    """What is told of one effect: its round, values, evidence, and what the data do not tell it from."""
+def _effect(name, rounds, fitted):
+    """What is told of one effect: its round, values as ``fitted``, evidence, and what the data do not tell it from."""
     last = rounds[-1]
     state = next(state for state in reversed(rounds) if state["chosen"] and state["chosen"]["added"] == name)
     ties = [row for row in state["ranking"] if row["tied"] and row["added"] not in (None, name)]
@@ -66,7 +68,7 @@ def _effect(name, rounds):
         tied, alike = last["rivals"][name], {}
     else:
         tied, alike = [row["added"] for row in ties], {row["added"]: row["correlation"] for row in ties}
-    known = last["parameters"]
+    known = fitted["parameters"]
     return {
         "name": name,
         "round": state["round"] + 1,
@@ -75,7 +77,7 @@ def _effect(name, rounds):
         "tied_with": tied,
         "correlation": alike,
         "replaces": state["chosen"]["dropped"],
-        "within_calibration": _within_calibration(name, last),
+        "within_calibration": _within_calibration(name, fitted),
     }  # fmt: skip
 
 
@@ -145,10 +147,10 @@ def sentence(found):
         said.append(f"Held-out residual {holdout[0]:.3g} → {holdout[-1]:.3g} times the noise.")
     if found["status"] == "unknown":
         kind = f", mostly {where['remaining_kind']}" if where["remaining_kind"] else ""
-        nameless = [one for one in found["effects"] if one["name"] in effects.FREE_FORM]
-        before = holdout[-2] if nameless and len(holdout) > 1 else holdout[-1]
+        nameless = [one["name"] for one in found["effects"] if one["name"] in effects.FREE_FORM]
+        before = holdout[-1 - len(nameless)]
         said.append(f"What remains, {before:.3g} times the noise{kind}, has no name in the catalogue"
-                    + (f"; it is kept as {nameless[0]['name']}." if nameless else "."))  # fmt: skip
+                    + (f"; it is kept as {' and '.join(nameless)}." if nameless else "."))  # fmt: skip
     return " ".join(said) + dropped + _misspecified(found)
 
 

@@ -49,22 +49,25 @@ def _worst(data, held):
 
 
 @style.styled
-def missing_torque(first, last, rounds):
+def missing_torque(first, last, unnamed, rounds):
     """The torque that the base model and the last one lack, over angle, velocity and time, with bands of two standard errors.
 
-    ``first`` and ``last`` are the rounds' map tables (``over``, ``part``, ``x``, ``torque``, ``band``); ``rounds`` the
-    contents of their round.json.
+    ``first`` and ``last`` are the rounds' map tables (``over``, ``part``, ``x``, ``torque``, ``band``), ``unnamed`` that of the
+    torques without a name that the last model keeps; ``rounds`` the contents of their round.json.
     """
     figure = style.new_figure(8.8)
     grid = figure.subplots(1, 3)
-    kept = [(first, BEFORE, "base model")] + ([(last, AFTER, "last model")] if len(rounds) > 1 else [])
+    shown = [(first, BEFORE, "lacked by the base model")] + ([(last, AFTER, "by the last model")] if len(rounds) > 1 else [])
+    shown += [(unnamed, HELD, "kept without a name")] if len(unnamed) else []
     chosen = _largest(first[first["over"] == "time"])
     axis = {"position": ("angle (°)", 180 / np.pi), "velocity": ("angular speed (rad/s)", 1.0), "time": ("time (share of the record)", 1.0)}
     for axes, (over, (label, scale)) in zip(grid, axis.items(), strict=True):
-        for table, colour, name in kept:
+        for table, colour, name in shown:
             part = table[table["over"] == over]
             if over == "time":
                 part = part[part["part"] == chosen]
+            if part.empty:
+                continue
             x = scale * part["x"].to_numpy()
             axes.fill_between(x, part["torque"] - 2 * part["band"], part["torque"] + 2 * part["band"], color=colour, alpha=0.25, lw=0)
             axes.plot(x, part["torque"], color=colour, label=name)
@@ -74,7 +77,8 @@ def missing_torque(first, last, rounds):
         axes.axhline(0, color=style.GREY, lw=0.6)
         axes.grid(True, axis="y")
     grid[0].set_ylabel("missing torque over inertia (rad/s²)")
-    figure.legend(handles=grid[0].get_legend_handles_labels()[0], loc="outside upper left", ncols=2)
+    labelled = {handle.get_label(): handle for axes in grid for handle in axes.get_legend_handles_labels()[0]}
+    figure.legend(handles=labelled.values(), loc="outside upper left", ncols=3)
     return style.footnote(figure, "each as if it alone were missing", "bands: ± 2 standard errors under the measured noise",
                           "time: a change of drag or stiffness, or a push, as a torque at the largest velocity or angle")  # fmt: skip
 
