@@ -251,20 +251,22 @@ def _single(fit):
 
 
 def fit_jointly(effects, swings, *, start="free", guess=None, restoring="sine", form="consistent", bounded=False,
-                own=(), fixed=None, seen=True, most=200, tolerance=1e-10):  # fmt: skip
+                own=(), fixed=None, seen=True, grown=True, most=200, tolerance=1e-10):  # fmt: skip
     """The ``Fit`` of one model to several swings at once: shared parameters, each swing its own release.
 
     ``effects`` a label or names; ``swings`` a list of (times in s, angles in rad). ``start``: ``free`` fits each
     release angle and velocity, ``rest`` starts each swing at rest at its first sample. ``guess``: a model or a fit, or
     several, to start from besides the decay seen in the data. ``bounded`` keeps parameters within the catalogue's bounds. ``own``
     names parameters that each swing has for itself, such as a phase; ``fixed`` holds values, by name, that are not fitted.
-    ``seen=False`` leaves out the starts from the decay where there are fits to start from. ``most`` evaluations a start are
+    ``seen=False`` leaves out the starts from the decay where there are fits to start from, ``grown=False`` the one that is
+    found by fitting ever longer parts of the swings. ``most`` evaluations a start are
     spent, fewer where a trajectory takes far more work than those of a pendulum usually do; ``converged`` tells.
     Raises InputError for swings that cannot be fitted and TrajectoryError where no start gives a trajectory.
     """
     problem = _Problem(Model(effects, restoring=restoring, form=form), swings, start, bounded, own, fixed)
     starts = _starts(problem, guess, seen)
-    starts = np.vstack([_grown(problem, starts, most, tolerance), starts])
+    if grown:
+        starts = np.vstack([_grown(problem, starts, most, tolerance), starts])
     rss, best, hessian, squares, outcome = _least_squares(problem, starts, most, tolerance)
     if outcome.converged < 0:
         raise TrajectoryError(f"model {problem.model.label}: no start of {len(starts)} gives a trajectory")

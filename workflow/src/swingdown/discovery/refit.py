@@ -21,7 +21,7 @@ class Begin:
     release_velocity: tuple
 
 
-def refit(names, values, like, swings, releases=(), fixed=None, most=30):
+def refit(names, values, like, swings, releases=(), fixed=None, grown=True, most=30):
     """The ``Fit`` of the model with these effects, within the catalogue's bounds, from the values of each swing.
 
     ``like`` is the fit that it comes from: the options of its model, and its releases where ``releases`` (pairs of rad and
@@ -32,7 +32,7 @@ def refit(names, values, like, swings, releases=(), fixed=None, most=30):
     releases = releases or tuple(zip(like.release_angle, like.release_velocity, strict=True))
     begin = Begin(like.model, tuple(values), *zip(*releases, strict=True))
     return fit_jointly(names, [swing.pair for swing in swings], guess=begin, seen=False, bounded=True, own=own, fixed=fixed,
-                       most=most, restoring=like.model.restoring, form=like.model.form)  # fmt: skip
+                       grown=grown, most=most, restoring=like.model.restoring, form=like.model.form)  # fmt: skip
 
 
 def nudged(fit, swings, rounds=3):
@@ -49,7 +49,7 @@ def nudged(fit, swings, rounds=3):
             for factor in _NUDGES:
                 values = tuple(model.values | {size: model.values[size] * factor} for model in each_model(fit))
                 try:
-                    one = refit(fit.model.effects, values, fit, swings)
+                    one = refit(fit.model.effects, values, fit, swings, grown=False)
                 except TrajectoryError:
                     continue
                 best = min(best, one, key=lambda fit: fit.rss)
