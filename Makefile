@@ -1,6 +1,8 @@
 # make            set up .venv and run the study (the paper's tables, figures and report appear in results/)
 # make test       set up .venv and run the tests; make test-all runs the slow ones too
 # make benchmark  time the engine against what one would otherwise use (sets up .venv/peers for that; some minutes)
+# make benchmark-discovery  hold the search for hidden effects against what one would otherwise use (after snakemake hidden_effects;
+#                 sets up .venv/discovery for that; some minutes)
 # make lock       resolve the versions again after a change of pyproject.toml
 # make clean      remove what was computed; make distclean removes .venv as well
 #
@@ -16,7 +18,7 @@ BIN := .venv/bin
 # Named after the locks' contents and this folder, so that the environment is laid anew when, and only when, they change.
 READY := .venv/ready-$(shell (pwd; cat requirements.lock requirements-uv.lock pyproject.toml) | cksum | cut -d' ' -f1)
 
-.PHONY: run venv test test-all benchmark lock clean distclean
+.PHONY: run venv test test-all benchmark benchmark-discovery lock clean distclean
 .DELETE_ON_ERROR:
 
 run: $(READY)
@@ -51,11 +53,22 @@ benchmark: $(READY)
 	@OPENBLAS_NUM_THREADS=1 XLA_FLAGS="--xla_cpu_multi_thread_eigen=false intra_op_parallelism_threads=1" PYTHONPATH=workflow/src:tests/engine \
 	  $$(test -e $(PEERS)/ready && echo $(PEERS)/bin/python || echo $(BIN)/python) tests/benchmarks/fits.py $(ARGS)
 
+DISCOVERY := .venv/discovery-$(shell cksum < requirements-discovery.lock | cut -d' ' -f1)
+
+# On the campaigns that snakemake hidden_effects left in results; ARGS="--hidden elsewhere/results/hidden_effects" takes others.
+benchmark-discovery: $(READY)
+	@test -e $(DISCOVERY)/ready || { echo "Setting up pysindy ($(DISCOVERY), once, 500 MB) ..." && $(PYTHON) -m venv --clear $(DISCOVERY) \
+	  && $(BIN)/uv pip sync -q --system-certs --require-hashes --python $(DISCOVERY)/bin/python requirements-discovery.lock \
+	  && touch $(DISCOVERY)/ready; } || echo "pysindy could not be set up; what needs it is left out."
+	@OPENBLAS_NUM_THREADS=1 OMP_NUM_THREADS=1 PYTHONPATH=workflow/src \
+	  $$(test -e $(DISCOVERY)/ready && echo $(DISCOVERY)/bin/python || echo $(BIN)/python) tests/benchmarks/hidden/run.py $(ARGS)
+
 lock:
 	@$(PYTHON) -m venv --clear .venv
 	@$(BIN)/python -m pip install -q --disable-pip-version-check uv
 	@$(BIN)/uv pip compile -q pyproject.toml --extra test --output-file requirements.lock $(LOCK)
 	@$(BIN)/uv pip compile -q pyproject.toml --extra benchmark -c requirements.lock --output-file requirements-benchmark.lock $(LOCK)
+	@$(BIN)/uv pip compile -q pyproject.toml --extra peers -c requirements.lock --output-file requirements-discovery.lock $(LOCK)
 	@$(BIN)/uv --version | sed 's/^uv \([^ ]*\).*/uv==\1/' | $(BIN)/uv pip compile -q - --output-file requirements-uv.lock $(LOCK)
 
 LOCK := --system-certs --upgrade --universal --python-version 3.11 --generate-hashes \
