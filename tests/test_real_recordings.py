@@ -6,6 +6,11 @@ import pytest
 
 from swingdown import norms, tables
 from swingdown.angle import to_angle
+from swingdown.discovery.campaign import Swing, campaign
+from swingdown.discovery.files import summary
+from swingdown.discovery.rounds import discover
+from swingdown.discovery.verdict import verdict
+from swingdown.effects import CATALOGUE
 from swingdown.experiment import fit_campaign, fit_recording
 from swingdown.model import PAPER_MODELS
 from swingdown.recording import ingest
@@ -93,6 +98,39 @@ def test_a_window_that_begins_in_the_hand_is_seen_in_the_fit(shared_data, tmp_pa
     rows = read_sheet(sheet).query("campaign == 'jensen'")
     joint = fit_campaign([to_angle(ingest(row, str(sheet))) for _, row in rows.iterrows()], [ALL_THREE])
     assert float(np.sqrt((joint["rms"] ** 2).mean())) > 5 * 0.0115
+
+
+def verdict_on(name, angles, base):
+    """The verdict on recordings of one real pendulum, from this base model."""
+    swings = [Swing(str(one.attrs["recording"]), one["time"].values, one["angle"].values) for one in angles]
+    one = campaign(name, swings)
+    return verdict([summary(state, one) for state in discover(one, base)])
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("base", [("viscous", "load_coulomb"), ("quadratic_drag", "load_coulomb")])
+def test_what_a_real_arm_lacks_is_told_and_its_gap_shrinks_on_what_was_held_out(angles, base):
+    """Effects are found and the gap shrinks, but the catalogue has no name for all of it, and the verdict says so."""
+    found = verdict_on("dynamicslab_single", [angles["free_swing_large"]], base)
+    assert found["status"] == "unknown"
+    assert found["gap"]["holdout"][0] > 2 * found["gap"]["holdout"][-1] > 2 * 10
+    assert "has no name in the catalogue" in found["sentence"]
+    assert "every second held out" in found["split"]
+    dissipations = {p.name: p for name in CATALOGUE for p in CATALOGUE[name].parameters[:1] if p.lower == 0}
+    for parameter, value in found["model"].items():
+        assert parameter not in dissipations or value["value"] >= 0
+    assert all(parameter.replace("_", " ") in found["sentence"] for parameter in found["misspecified"])
+
+
+@pytest.mark.slow
+def test_three_swings_of_a_link_have_no_name_for_what_they_lack(jensen):
+    """The trigger's jumps on return strokes are in no catalogue: an effect may be added, nothing may be called complete."""
+    found = verdict_on("jensen", jensen, ("viscous", "load_coulomb"))
+    assert found["status"] == "unknown"
+    assert found["gap"]["holdout"][-1] < 0.7 * found["gap"]["holdout"][0]
+    assert found["split"] == "held out by amplitude: rel90"
+    assert found["misspecified"] == ["viscous_ratio"]
+    assert "viscous ratio would be negative" in found["sentence"]
 
 
 @pytest.mark.slow

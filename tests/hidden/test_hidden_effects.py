@@ -7,7 +7,7 @@ import pytest
 
 from swingdown.hidden.find import find
 from swingdown.hidden.plan import Planned, chunks, drawn, planned
-from swingdown.hidden.score import confusion, row, summarise
+from swingdown.hidden.score import confusion, guard, row, summarise
 from swingdown.hidden.trials import BASE, write_trial
 
 SEED = 99  # not the seed of the scores in the README
@@ -36,6 +36,7 @@ def test_one_hidden_effect_is_named(tmp_path, hidden, noise):
     assert not one["wrong"]
     assert one["holdout_sigma"] < 1.06
     assert one["gap_after"] < 0.7 * one["gap_before"]
+    assert one["separation"] > one["excess"]
 
 
 @pytest.mark.parametrize("noise", ["white", "coloured", "steps"])
@@ -77,7 +78,7 @@ def test_every_effect_is_hidden_at_every_size_and_chunks_hold_each_trial_once():
 
 def scored(**changes):
     return {"kind": "single", "hidden": "viscous", "noise": "white", "ratio": 2.0, "status": "named", "named": "viscous", "exact": True, "inside": True,
-            "wrong": False, "alarm": True, "right": True, "holdout_sigma": 1.0, "excess": 500.0, "covered": 3, "intervals": 3, "seconds": 1.0} | changes  # fmt: skip
+            "wrong": False, "alarm": True, "right": True, "holdout_sigma": 1.0, "excess": 500.0, "separation": 400.0, "covered": 3, "intervals": 3, "seconds": 1.0} | changes  # fmt: skip
 
 
 def test_the_summary_counts_misses():
@@ -87,6 +88,19 @@ def test_the_summary_counts_misses():
     assert table.loc["a wrong name", "value"] == 0.5
     assert table.loc["false alarms where nothing is hidden", "value"] == 0.5
     assert table.loc["a wrong name", "low"] < 0.5 < table.loc["a wrong name", "high"]
+
+
+def test_naming_exactly_is_asked_only_where_no_other_effect_does_as_well():
+    rows = [scored(), scored(exact=False), scored(exact=False, separation=20.0), scored(exact=False, separation=float("nan"))]
+    one = summarise(pd.DataFrame(rows)).set_index("figure").loc["named exactly, where every other effect fails by more than 25"]
+    assert one["n"] == 3
+    assert one["value"] == pytest.approx(1 / 3)
+
+
+def test_the_guard_tells_the_false_alarms_that_were_counted():
+    told = guard(pd.DataFrame([scored(), scored(kind="null", alarm=True), scored(kind="null", alarm=False)]))
+    assert (told["nulls"], told["false_alarms"]) == (2, 1)
+    assert set(told) == {"p_missing", "worth_bic", "nulls", "false_alarms"}
 
 
 def test_the_confusion_matrix_tells_what_was_said_instead():

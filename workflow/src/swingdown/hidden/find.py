@@ -14,7 +14,7 @@ from ..sheet import read_sheet
 
 def find(sheet, base, rounds, excluded=None, model=None):
     """A dict by campaign of the sample sheet: ``verdict``, ``seconds`` of CPU time, and of the first round the swings that
-    were fitted and the smallest residual (rad) that one admissible effect leaves of them.
+    were fitted and the residual (rad) that each effect leaves of them that could be added, by name.
 
     ``excluded`` names for a campaign the effects that its catalogue lacks.
     """
@@ -30,11 +30,11 @@ def find(sheet, base, rounds, excluded=None, model=None):
         allowed = [effect for effect in effects.catalogue() if effect not in lacks]
         states = discover(one, tuple(base), rounds, allowed, **(model or {}))
         told = [summary(state, one) for state in states]
-        ranked = [row["rms_rad"] for row in told[0]["ranking"] if not row["refused"]]
+        ranked = [row for row in told[0]["ranking"] if not row["refused"] and row["added"]]
         found[str(name)] = {
             "verdict": verdict(told),
             "seconds": time.process_time() - started,
             "fitted": [swing.name for swing in one.fit],
-            "one_effect_rms_rad": min(ranked, default=None),
+            "rms_rad": {row["added"]: row["rms_rad"] for row in sorted(ranked, key=lambda row: -row["rms_rad"])},
         }
     return found

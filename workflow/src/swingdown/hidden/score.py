@@ -5,8 +5,13 @@ import pandas as pd
 from scipy.stats import beta
 
 from .. import effects
+from ..discovery.campaign import Noise
+from ..discovery.name import CONTAINS
+from ..discovery.verdict import GUARD
+from .trials import CORRELATION
 
 _EXCESS = 100.0  # chi-square that one effect of the catalogue leaves, above which a foreign one is not imitated
+_SEPARABLE = 25.0  # chi-square by which every other effect fails
 _TIE_SET = 4
 
 
@@ -17,7 +22,8 @@ def row(name, truth, found):
     ``inside`` every hidden one is named or tied in sets of at most four, and no other is named; ``wrong`` an effect is named, and
     neither it nor a rival is hidden; ``alarm`` anything but "consistent". ``right`` is what the kind of trial asks for.
     ``holdout_sigma`` is the last held-out residual in units of the true noise, ``excess`` the chi-square that the best
-    single effect leaves beyond the noise that was added, ``covered`` of ``intervals`` 95 % intervals hold the true value.
+    single effect leaves beyond the noise that was added, ``separation`` the same of the best effect that is not hidden,
+    ``covered`` of ``intervals`` 95 % intervals hold the true value.
     """
     verdict, hidden = found["verdict"], tuple(truth["hidden"])
     told = [one for one in verdict["effects"] if one["name"] not in effects.FREE_FORM]
@@ -26,7 +32,10 @@ def row(name, truth, found):
     matched = len(sets) == len(hidden) and all(any(one in members for members in sets.values()) for one in hidden)
     inside = matched and verdict["status"] in ("named", "ambiguous") and all(len(members) <= _TIE_SET for members in sets.values())
     covered, intervals = _coverage(truth, verdict) if exact else (0, 0)
-    excess = _excess(truth, found)
+    excess = _excess(truth, found, found["rms_rad"])
+    # to first order (1 - rho^2) times the chi-square of the hidden effect; what contains it can always do its work
+    rivals = [one for one in found["rms_rad"] if one not in hidden and not set(CONTAINS.get(one, ())) & set(hidden)]
+    separation = _excess(truth, found, rivals)
     right = {
         "single": inside, "pair": inside, "null": verdict["status"] == "consistent",
         "removed": verdict["status"] == "unknown", "foreign": verdict["status"] == "unknown",
@@ -50,6 +59,7 @@ def row(name, truth, found):
         "gap_before": verdict["gap"]["holdout"][0],
         "gap_after": verdict["gap"]["holdout"][-1],
         "excess": excess,
+        "separation": separation,
         "covered": covered,
         "intervals": intervals,
         "seconds": found["seconds"],
@@ -69,12 +79,15 @@ def _coverage(truth, verdict):
     return held, count
 
 
-def _excess(truth, found):
-    if found["one_effect_rms_rad"] is None:
+def _excess(truth, found, among):
+    """The chi-square (noise at the pendulum's frequencies) that the best of these effects leaves beyond the noise."""
+    left = [found["rms_rad"][name] for name in among]
+    if not left:
         return np.nan
     fitted = [int(name.rsplit("-", 1)[1]) - 1 for name in found["fitted"]]
     noise = np.mean([truth["noise_rms_rad"][k] ** 2 for k in fitted])
-    return truth["samples"] * len(fitted) * (found["one_effect_rms_rad"] ** 2 - noise) / truth["sigma"] ** 2
+    white = Noise(truth["sigma"], CORRELATION if truth["noise"] == "coloured" else 0.0)
+    return truth["samples"] * len(fitted) * (min(left) ** 2 - noise) / white.slow_variance
 
 
 def summarise(scores):
@@ -85,6 +98,7 @@ def summarise(scores):
     kind = {name: scores[scores["kind"] == name] for name in ("single", "pair", "null", "removed", "foreign")}
     plain = pd.concat([kind["removed"], kind["foreign"]])
     plain = plain[plain["excess"] > _EXCESS]
+    apart = kind["single"][~(kind["single"]["separation"] <= _SEPARABLE)]  # where no other effect could be added at all, too
     known = pd.concat([kind["single"], kind["pair"]])
     repaired = known[known["inside"].astype(bool)]
     covered, intervals = int(scores["covered"].sum()), int(scores["intervals"].sum())
@@ -93,6 +107,7 @@ def summarise(scores):
         *((f"the same, effects that leave {ratio:g} times the noise", *_share(part["inside"]), "≥ 90 %")
           for ratio, part in kind["single"].groupby("ratio")),
         ("named exactly", *_share(kind["single"]["exact"]), ""),
+        ("named exactly, where every other effect fails by more than 25", *_share(apart["exact"]), "≥ 90 %"),
         ("a wrong name", *_share(kind["single"]["wrong"]), "≤ 2 %"),
         ("false alarms where nothing is hidden", *_share(kind["null"]["alarm"]), "≤ 2 %"),
         *((f"the same, {noise} noise", *_share(part["alarm"]), "≤ 2 %") for noise, part in kind["null"].groupby("noise")),
@@ -125,6 +140,12 @@ def _proportion(count, n):
     low = beta.ppf(0.025, count, n - count + 1) if count else 0.0
     high = beta.ppf(0.975, count + 1, n - count) if count < n else 1.0
     return count / n, float(low), float(high), n
+
+
+def guard(scores):
+    """The contents of guard.yaml with the false alarms of these scores: what verdicts then tell of themselves."""
+    nulls = scores[scores["kind"] == "null"]
+    return GUARD | {"nulls": len(nulls), "false_alarms": int(nulls["alarm"].sum())}
 
 
 def confusion(scores):
