@@ -262,12 +262,15 @@ static void states_at_nodes(const Pendulum *s, Panel *b) {
     }
 }
 
-/* Invert the size x size matrix in place by Gauss-Jordan with row pivoting; 0 where it is singular. */
+/* Invert the size x size matrix in place by Gauss-Jordan; 0 where it is singular. Rows are exchanged only for a small
+ * pivot: the matrices are one less the integrals up to each node, so nearly triangular with a diagonal near one. */
+#define SMALL_PIVOT 0.1
 static inline int gauss_jordan(int size, double *g) {
+    static const double ones[2 * BLOCKS * N] = {[BLOCKS * N] = 1.0};
     int swapped[BLOCKS * N];
     for (int c = 0; c < size; c++) {
         int pivot = c;
-        for (int r = c + 1; r < size; r++)
+        for (int r = c + 1; r < size && !(fabs(g[c * size + c]) > SMALL_PIVOT); r++)
             if (fabs(g[r * size + c]) > fabs(g[pivot * size + c])) pivot = r;
         swapped[c] = pivot;
         if (!(fabs(g[pivot * size + c]) > 1e-300)) return 0;
@@ -278,17 +281,16 @@ static inline int gauss_jordan(int size, double *g) {
                 row[i] = g[pivot * size + i];
                 g[pivot * size + i] = kept;
             }
-        const double unit = 1.0 / row[c];
+        const double unit = 1.0 / row[c], *one = ones + BLOCKS * N - c; /* one at c; added by lanes, for a store of one double before lanes are read stalls */
         Lanes pivot_row[LANES_OF(BLOCKS * N)];
-        for (int k = 0; k < LANES_OF(size); k++) pivot_row[k] = READ_LANES(row, k) * unit;
-        ((double *)pivot_row)[c] = 1.0 + unit; /* so that each other row's own entry, factor, becomes -factor * unit */
+        /* 1 + unit at c, so that each other row's own entry, factor, becomes -factor * unit */
+        for (int k = 0; k < LANES_OF(size); k++) pivot_row[k] = (READ_LANES(row, k) + READ_LANES(one, k)) * unit;
         for (int r = 0; r < size; r++) {
             double *other = g + r * size;
-            const double factor = r == c ? 0.0 : other[c];
+            const double factor = other[c];
             for (int k = 0; k < LANES_OF(size); k++) LANES(other, k) -= pivot_row[k] * factor;
         }
-        for (int k = 0; k < LANES_OF(size); k++) LANES(row, k) = pivot_row[k];
-        row[c] = unit;
+        for (int k = 0; k < LANES_OF(size); k++) LANES(row, k) = pivot_row[k] - READ_LANES(one, k);
     }
     for (int c = size - 1; c >= 0; c--)
         if (swapped[c] != c)
@@ -382,12 +384,17 @@ static int solve(const Pendulum *s, Panel *b, Report *report) {
     return 0;
 }
 
-/* Coefficients, in powers of the position -1..1, of the integral that starts at `start`, of a rate given by them. */
-static void integrate(const double *rate, int degree, double h, double start, double *out) {
-    double at_start = 0.0;
-    for (int k = 0; k <= degree; k++) out[k + 1] = 0.5 * h * rate[k] * T_reciprocal[k];
-    for (int k = 0; k <= degree; k++) at_start += k % 2 ? out[k + 1] : -out[k + 1];
-    out[0] = start - at_start;
+/* Coefficients, in powers of the position -1..1, of the integral that starts at `start`, of a rate of degree N - 1 or N
+ * given by them. */
+static inline void integrate(const double *rate, int degree, double h, double start, double *out) {
+    Lanes sum = {0.0};
+    for (int k = 0; k < LANES_OF(N); k++) {
+        const Lanes part = READ_LANES(rate, k) * READ_LANES(T_reciprocal, k) * (0.5 * h);
+        LANES(out + 1, k) = part;
+        sum += part;
+    }
+    if (degree == N) sum[0] += out[N + 1] = 0.5 * h * rate[N] * T_reciprocal[N];
+    out[0] = start + (((sum[0] - sum[1]) + (sum[2] - sum[3])) + ((sum[4] - sum[5]) + (sum[6] - sum[7])));
 }
 
 static inline double horner(const double *c, int degree, double x) {
