@@ -16,6 +16,7 @@ STARTS = ("free", "rest")
 _FEWEST = 8  # samples of a swing's first part
 _PARTS = (0.15, 0.25, 0.35, 0.45, 0.55, 0.65, 0.75, 0.85, 0.95)  # of the record, for a start
 _TOLD = 0.35  # a part that tells all values apart, where a shorter one may have led astray
+_SAME = 1e-6  # of the sum of squares: the same optimum
 _ROUGH, _ROUGH_EVALUATIONS = 1e-6, 200  # tolerance of a part's optimum, which is only a start; evaluations for all parts
 _SMALLEST_FREQUENCY = 1e-3  # rad/s; a pendulum slower than an hour is none
 
@@ -152,10 +153,13 @@ class _Problem:
 
 
 def _starts(problem, guess, seen=True):
-    """Starting points: the guess if there is one, else the seen decay laid on each damping effect in turn and on all."""
+    """Starting points, and how many of them, at the end, are seen in the data.
+
+    The guess if there is one; the seen decay laid on all damping effects, and on each in turn.
+    """
     known = guess if isinstance(guess, (list, tuple)) else [] if guess is None else [guess]
     if not seen and known and not any(isinstance(one, Model) for one in known):
-        return np.array([_from_guess(problem, one, ()) for one in known])
+        return np.array([_from_guess(problem, one, ()) for one in known]), 0
     found = [first_guess(times, angle, problem.model.restoring) for times, angle in problem.swings]
     releases = [(g.release_angle, g.release_velocity) for g in found]
     shares = [g.damping(problem.model) for g in found]
@@ -165,7 +169,7 @@ def _starts(problem, guess, seen=True):
     alone = [frequency | {name: value if name == only else 0.0 for name, value in loss.items()} for only in loss]
     starts = [split, *(alone if len(loss) > 1 else [])]
     starts = [problem.variables(values, releases) for values in starts]
-    return np.array([*(_from_guess(problem, one, releases) for one in known), *starts])
+    return np.array([*(_from_guess(problem, one, releases) for one in known), *starts]), len(starts)
 
 
 def _from_guess(problem, guess, releases):
@@ -181,7 +185,8 @@ def _from_guess(problem, guess, releases):
 def _grown(problem, starts, most, tolerance):
     """One more start: the optimum of the first part of every swing, then of ever longer parts.
 
-    Where friction stops the pendulum within the record, the whole record has many minima and its first part few.
+    Where friction stops the pendulum within the record, the whole record has many minima and its first part few. Where
+    the optimum of a part that tells all values apart swings to the record's end, the rest need not be grown into.
     """
     grown, left = starts, _ROUGH_EVALUATIONS
     for share in _PARTS:
@@ -191,9 +196,39 @@ def _grown(problem, starts, most, tolerance):
             break
         grown = part[1][None]
         left -= outcome.evaluations
-        if left <= 0:
+        if left <= 0 or (share >= _TOLD and not _stops(problem, grown[0])):
             break
     return grown[:1]
+
+
+def _stops(problem, x):
+    """Whether any swing sticks within its record at these variables, or cannot be computed to its end."""
+    report, none = build.CReport(), (ctypes.c_int * 1)()
+    for compiled, (times, _), row in zip(problem.compiled, problem.swings, problem.slots(x), strict=True):
+        row, angles = np.ascontiguousarray(row), np.empty(times.size)
+        status = engine().swing_trajectory(
+            ctypes.byref(compiled.c), doubles(row), ctypes.c_double(row[-2]), ctypes.c_double(row[-1]), doubles(times),
+            ctypes.c_int(times.size), ctypes.c_double(np.inf), ctypes.c_int(0), none, doubles(angles), None, ctypes.byref(report),
+        )  # fmt: skip
+        if status or report.stuck_after >= 0:
+            return True
+    return False
+
+
+def _from_all(problem, starts, first, most, tolerance):
+    """The least sum of squares over the whole of every swing, and how many starts were tried.
+
+    The ``first`` so many of the starts and the optimum of one part from all of them do where they come to one place at which
+    no swing stops: then no start is far off. Else parts are grown into the whole and all starts tried.
+    """
+    if first:
+        part = _least_squares(problem, starts, min(most, 30), max(tolerance, _ROUGH), _TOLD)
+        tried = np.vstack([part[1], starts[:first]])
+        rss, *_, squares, outcome = found = _least_squares(problem, tried, most, tolerance)
+        if part[-1].converged > 0 and outcome.converged > 0 and not outcome.stops and np.all(squares <= rss * (1 + _SAME)):
+            return found, len(tried)
+    tried = np.vstack([_grown(problem, starts, most, tolerance), starts])
+    return _least_squares(problem, tried, most, tolerance), len(tried)
 
 
 def _pointers(arrays):
@@ -201,6 +236,7 @@ def _pointers(arrays):
 
 
 def _least_squares(problem, starts, most, tolerance, share=1.0):
+    """The least sum of squares over a share of every swing: it, where, J'J (near there, for a part), each start's, and how."""
     count, size = len(problem.swings), len(problem.free)
     lengths = (ctypes.c_int * count)(*(max(_FEWEST, round(share * times.size)) if share < 1 else times.size for times, _ in problem.swings))
     values, best, hessian = problem.given.copy(), np.zeros(size), np.zeros((size, size))
@@ -208,7 +244,7 @@ def _least_squares(problem, starts, most, tolerance, share=1.0):
     rss = engine().fit_swings(
         problem.models, ctypes.c_int(count), lengths, problem.times, problem.angles, doubles(values), problem.where_pointer,
         ctypes.c_int(size), ctypes.c_int(len(starts)), doubles(starts), problem.lower_pointer, problem.upper_pointer,
-        ctypes.c_int(most), ctypes.c_double(tolerance), doubles(best), doubles(hessian), doubles(squares), ctypes.byref(outcome),
+        ctypes.c_int(most), ctypes.c_double(tolerance), ctypes.c_int(share == 1), doubles(best), doubles(hessian), doubles(squares), ctypes.byref(outcome),
     )  # fmt: skip
     return rss, best, hessian, squares, outcome
 
@@ -263,13 +299,12 @@ def fit_jointly(effects, swings, *, start="free", guess=None, restoring="sine", 
     Raises InputError for swings that cannot be fitted and TrajectoryError where no start gives a trajectory.
     """
     problem = _Problem(Model(effects, restoring=restoring, form=form), swings, start, bounded, own, fixed)
-    starts = _starts(problem, guess, seen)
-    starts = np.vstack([_grown(problem, starts, most, tolerance), starts])
-    rss, best, hessian, squares, outcome = _least_squares(problem, starts, most, tolerance)
+    starts, own = _starts(problem, guess, seen)
+    (rss, best, hessian, squares, outcome), tried = _from_all(problem, starts, len(starts) - own + 1 if own else 0, most, tolerance)
     if outcome.converged < 0:
-        raise TrajectoryError(f"model {problem.model.label}: no start of {len(starts)} gives a trajectory")
-    agreeing = int(np.sum(squares <= rss * (1 + 1e-6)))
-    message = f"{agreeing} of {len(starts)} starts reached the best optimum; "
+        raise TrajectoryError(f"model {problem.model.label}: no start of {tried} gives a trajectory")
+    agreeing = int(np.sum(squares <= rss * (1 + _SAME)))
+    message = f"{agreeing} of {tried} starts reached the best optimum; "
     message += "stationary" if outcome.converged else f"not stationary after {outcome.evaluations} evaluations"
     covariance = _covariance(hessian, rss, problem.n - len(problem.free), problem.lower, problem.upper, best)
     return _result(problem, "least squares", best, covariance, rss, outcome.converged, message, outcome.evaluations)
@@ -304,7 +339,7 @@ def fit_nelder_mead(effects, times, angle, *, start="free", guess=None, restorin
             return np.inf
         return float(np.sum((fitted - angle) ** 2))
 
-    best = min(_starts(problem, guess), key=squares)
+    best = min(_starts(problem, guess)[0], key=squares)
     # steps in proportion to each value; a coefficient that starts at zero still gets a step of its usual size
     scale = np.maximum(np.abs(best), [*(d.typical for d in model.definitions), *[0.1] * (best.size - len(model.parameters))])
     value, evaluations, converged, step = squares(best), 0, False, 0.05

@@ -103,7 +103,7 @@ class CReport(ctypes.Structure):
 
 
 class COutcome(ctypes.Structure):
-    _fields_ = [("converged", ctypes.c_int), ("evaluations", ctypes.c_int), ("predicted", ctypes.c_double)]
+    _fields_ = [("converged", ctypes.c_int), ("evaluations", ctypes.c_int), ("predicted", ctypes.c_double), ("stops", ctypes.c_int)]
 
 
 COST = ctypes.CFUNCTYPE(
