@@ -288,6 +288,22 @@ def test_convergence_is_told_honestly():
     assert not one.converged and "not stationary after 1" in one.message
 
 
+@pytest.mark.parametrize("friction", [{"load_friction": 0.012}, {"constant_friction": 0.6}], ids=str)
+@pytest.mark.parametrize("exponent", [0.2, 0.5])
+def test_drag_by_a_root_of_the_speed_until_friction_holds(exponent, friction):
+    """Its slope at rest is infinite, so that every reversal takes ten times the panels: dear, but no reason to refuse."""
+    label = "power_law_drag+" + {"load_friction": "load_coulomb", "constant_friction": "constant_coulomb"}[next(iter(friction))]
+    drag = {"natural_frequency": 7.25, "power_law_coefficient": 0.1, "power_law_exponent": exponent}
+    model = Model(label, drag | friction)
+    angle = simulate(model, TIMES, 0.35) + 1e-3 * np.random.default_rng(18).standard_normal(TIMES.size)
+    seen = fit_trajectory("viscous", TIMES, angle)
+    guess = replace(seen, model=model, release_angle=0.35, release_velocity=0.0)
+    fit = fit_trajectory(label, TIMES, angle, guess=guess, seen=False)
+    assert fit.converged
+    assert fit.rss <= np.sum((angle - simulate(model, TIMES, 0.35)) ** 2)
+    assert fit.rms == pytest.approx(1e-3, rel=0.1)
+
+
 @pytest.mark.parametrize("label", ["viscous+power_law_drag", "viscous+flexible_pivot"])
 def test_data_of_no_pendulum_do_not_hold_a_fit_up(label):
     """Its values run to where a trajectory takes a thousand times what a pendulum's does; that ends, and is told."""

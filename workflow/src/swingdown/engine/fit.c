@@ -204,11 +204,10 @@ typedef struct {
     /* Panels as the measure of work. Far from any optimum a trajectory may take thousands of times what it takes
      * elsewhere (a support that rings at 1e5 rad/s): a point that takes much more than the best so far counts as one that
      * cannot be computed, and a fit that has spent what its evaluations would usually take ends. */
-    double seconds, least, usual, floor, left;
+    double seconds, least, usual, floor, left; /* usual: before anything is computed by the model; later no less than half of that */
     int stops; /* of the last trajectories: one sticks */
 } Swings;
 #define DEAR 4.0   /* times the usual work */
-#define USUAL 5.0  /* panels a half-swing, before anything is computed; half of that later, where less is needed */
 
 static double dot(const double *a, const double *b, int n) {
     double lane[8] = {0.0}, sum = 0.0; /* a fixed order of summation: the same bits on every machine */
@@ -298,7 +297,7 @@ double fit_swings(const Model *models, int n_swings, const int *n, const double 
         memcpy(x, starts + (size_t)s * n_free, n_free * sizeof(double));
         const double frequency = where[0] >= 0 ? x[where[0]] : values[0];
         f.least = INFINITY;
-        f.usual = USUAL * (n_swings + fabs(frequency) * f.seconds / 3.141592653589793);
+        f.usual = usual_panels(models) * (n_swings + fabs(frequency) * f.seconds / 3.141592653589793);
         f.floor = 0.5 * f.usual;
         f.left = most * f.usual;
         const Known known = {best, hessian, least};

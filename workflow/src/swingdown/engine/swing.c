@@ -979,6 +979,14 @@ static void draw_states(Pendulum *s) {
     }
 }
 
+/* A broken power of the speed has no Taylor series where the speed is zero: panels get shorter and shorter up to every
+ * reversal, the more so the smaller the exponent (60 tried a half-swing at 0.2). */
+double usual_panels(const Model *m) {
+    for (int k = 0; k < m->n_motions; k++)
+        if (EFFECTS[m->motions[k].row].rough) return 20.0;
+    return 5.0;
+}
+
 int swing_trajectory(const Model *m, const double *p, double release_angle, double release_velocity,
                      const double *times, int n, double pace, int n_free, const int *free_values,
                      double *angles, double *slopes, Report *report) {
