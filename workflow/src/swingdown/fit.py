@@ -270,9 +270,11 @@ def _covariance(hessian, rss, freedom, lower, upper, best):
 def _result(problem, method, best, covariance, rss, converged, message, evaluations):
     names, slots = problem.model.parameters, problem.slots(best)
     errors = dict(zip(problem.free, np.sqrt(np.diag(covariance)), strict=True))
-    values = {name: float(value) for name, value in zip(names, slots[:, :-2].mean(axis=0), strict=True)}
+    values = {name: float(value) for name, value in zip(names, (slots[:, :-2].mean(axis=0) if problem.own else slots[0, :-2]), strict=True)}
     model = problem.model.with_values(values, {name: float(errors[name]) for name in problem.shared})
-    each = [model.with_values(dict(zip(names, map(float, row[:-2]), strict=True))) for row in slots]
+    each = [model] * len(slots)
+    if problem.own:
+        each = [model.with_values(dict(zip(names, map(float, row[:-2]), strict=True))) for row in slots]
     series = tuple(simulate(one, times, *row[-2:]) for one, (times, _), row in zip(each, problem.swings, slots, strict=True))
     spread = tuple(float(np.sqrt(np.mean((fit - y) ** 2))) for fit, (_, y) in zip(series, problem.swings, strict=True))
     own = tuple({name: one.values[name] for name in problem.own} for one in each)
