@@ -2,6 +2,7 @@
 
 import ctypes
 from concurrent.futures import ThreadPoolExecutor
+from copy import copy
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,6 +18,7 @@ _FEWEST = 8  # samples of a swing's first part
 _PARTS = (0.15, 0.25, 0.35, 0.45, 0.55, 0.65, 0.75, 0.85, 0.95)  # of the record, for a start
 _TOLD = 0.35  # a part that tells all values apart, where a shorter one may have led astray
 _SAME = 1e-6  # of the sum of squares: the same optimum
+_DENSE, _ENOUGH = 32, 1000  # samples a half-swing, and in all, that are as good as any number to tell where to search
 _ROUGH, _ROUGH_EVALUATIONS = 1e-6, 200  # tolerance of a part's optimum, which is only a start; evaluations for all parts
 _SMALLEST_FREQUENCY = 1e-3  # rad/s; a pendulum slower than an hour is none
 
@@ -126,9 +128,23 @@ class _Problem:
         self.lower, self.upper = np.array([limits.get(name, (-np.inf, np.inf)) for name in self.free]).T.copy()
         self.compiled = [Compiled(model, float(times[-1] - times[0])) for times, _ in self.swings]
         self.models = (build.CModel * count)(*(compiled.c for compiled in self.compiled))
-        self.times, self.angles = (_pointers(arrays) for arrays in zip(*self.swings, strict=True))
+        self._point_at_swings()
         self.where_pointer = self.where.ctypes.data_as(ctypes.POINTER(ctypes.c_int))
         self.lower_pointer, self.upper_pointer = doubles(self.lower), doubles(self.upper)
+
+    def _point_at_swings(self):
+        self.times, self.angles = (_pointers(arrays) for arrays in zip(*self.swings, strict=True))
+
+    def thinned(self, frequency):
+        """The problem with every so many samples only, as many as tell a pendulum of this frequency (rad/s); or itself."""
+        seconds = sum(times[-1] - times[0] for times, _ in self.swings)
+        every = int(min(self.n * np.pi / (_DENSE * frequency * seconds), self.n / _ENOUGH))
+        if every < 2:
+            return self
+        thin = copy(self)
+        thin.swings = [(times[::every].copy(), angle[::every].copy()) for times, angle in self.swings]
+        thin._point_at_swings()
+        return thin
 
     def variables(self, values, releases):
         """The vector of free variables for parameter values (by name, 0 where absent) and the swings' releases.
@@ -185,8 +201,7 @@ def _from_guess(problem, guess, releases):
 def _grown(problem, starts, most, tolerance):
     """One more start: the optimum of the first part of every swing, then of ever longer parts.
 
-    Where friction stops the pendulum within the record, the whole record has many minima and its first part few. Where
-    the optimum of a part that tells all values apart swings to the record's end, the rest need not be grown into.
+    Where friction stops the pendulum within the record, the whole record has many minima and its first part few.
     """
     grown, left = starts, _ROUGH_EVALUATIONS
     for share in _PARTS:
@@ -196,39 +211,32 @@ def _grown(problem, starts, most, tolerance):
             break
         grown = part[1][None]
         left -= outcome.evaluations
-        if left <= 0 or (share >= _TOLD and not _stops(problem, grown[0])):
+        if left <= 0:
             break
     return grown[:1]
 
 
-def _stops(problem, x):
-    """Whether any swing sticks within its record at these variables, or cannot be computed to its end."""
-    report, none = build.CReport(), (ctypes.c_int * 1)()
-    for compiled, (times, _), row in zip(problem.compiled, problem.swings, problem.slots(x), strict=True):
-        row, angles = np.ascontiguousarray(row), np.empty(times.size)
-        status = engine().swing_trajectory(
-            ctypes.byref(compiled.c), doubles(row), ctypes.c_double(row[-2]), ctypes.c_double(row[-1]), doubles(times),
-            ctypes.c_int(times.size), ctypes.c_double(np.inf), ctypes.c_int(0), none, doubles(angles), None, ctypes.byref(report),
-        )  # fmt: skip
-        if status or report.stuck_after >= 0:
-            return True
-    return False
-
-
 def _from_all(problem, starts, first, most, tolerance):
-    """The least sum of squares over the whole of every swing, and how many starts were tried.
+    """The least sum of squares over the whole of every swing, how many starts reached it and how many were tried.
 
     The ``first`` so many of the starts and the optimum of one part from all of them do where they come to one place at which
-    no swing stops: then no start is far off. Else parts are grown into the whole and all starts tried.
+    no swing stops: then no start is far off. Else parts are grown into the whole and all starts tried. Of many samples a
+    few tell where to: the search among all ends there.
     """
+    thin = problem.thinned(starts[0, 0] if problem.where[0, 0] >= 0 else problem.given[0, 0])
+    grown, agreed = starts[:0], False
     if first:
-        part = _least_squares(problem, starts, min(most, 30), max(tolerance, _ROUGH), _TOLD)
+        part = _least_squares(thin, starts, min(most, 30), max(tolerance, _ROUGH), _TOLD)
         tried = np.vstack([part[1], starts[:first]])
-        rss, *_, squares, outcome = found = _least_squares(problem, tried, most, tolerance)
-        if part[-1].converged > 0 and outcome.converged > 0 and not outcome.stops and np.all(squares <= rss * (1 + _SAME)):
-            return found, len(tried)
-    tried = np.vstack([_grown(problem, starts, most, tolerance), starts])
-    return _least_squares(problem, tried, most, tolerance), len(tried)
+        rss, best, _, squares, outcome = found = _least_squares(thin, tried, most, tolerance)
+        agreed = part[-1].converged > 0 and outcome.converged > 0 and not outcome.stops and np.all(squares <= rss * (1 + _SAME))
+    if not agreed:
+        grown = _grown(thin, starts, most, tolerance)
+        tried = np.vstack([grown, starts])
+        rss, best, _, squares, _ = found = _least_squares(thin, tried, most, tolerance)
+    if thin is not problem:
+        found = _least_squares(problem, np.vstack([best, grown]), most, tolerance)
+    return found, int(np.sum(squares <= rss * (1 + _SAME))), len(tried)
 
 
 def _pointers(arrays):
@@ -302,10 +310,10 @@ def fit_jointly(effects, swings, *, start="free", guess=None, restoring="sine", 
     """
     problem = _Problem(Model(effects, restoring=restoring, form=form), swings, start, bounded, own, fixed)
     starts, own = _starts(problem, guess, seen)
-    (rss, best, hessian, squares, outcome), tried = _from_all(problem, starts, len(starts) - own + 1 if own else 0, most, tolerance)
+    found, agreeing, tried = _from_all(problem, starts, len(starts) - own + 1 if own else 0, most, tolerance)
+    rss, best, hessian, _, outcome = found
     if outcome.converged < 0:
         raise TrajectoryError(f"model {problem.model.label}: no start of {tried} gives a trajectory")
-    agreeing = int(np.sum(squares <= rss * (1 + _SAME)))
     message = f"{agreeing} of {tried} starts reached the best optimum; "
     message += "stationary" if outcome.converged else f"not stationary after {outcome.evaluations} evaluations"
     covariance = _covariance(hessian, rss, problem.n - len(problem.free), problem.lower, problem.upper, best)

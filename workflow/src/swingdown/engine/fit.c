@@ -210,12 +210,12 @@ typedef struct {
 #define DEAR 4.0   /* times the usual work */
 
 static double dot(const double *a, const double *b, int n) {
-    double lane[8] = {0.0}, sum = 0.0; /* a fixed order of summation: the same bits on every machine */
+    double lane[32] = {0.0}, sum = 0.0; /* a fixed order of summation: the same bits on every machine */
     int i = 0;
-    for (; i + 8 <= n; i += 8)
-        for (int k = 0; k < 8; k++) lane[k] += a[i + k] * b[i + k];
+    for (; i + 32 <= n; i += 32)
+        for (int k = 0; k < 32; k++) lane[k] += a[i + k] * b[i + k];
     for (; i < n; i++) sum += a[i] * b[i];
-    for (int k = 0; k < 8; k++) sum += lane[k];
+    for (int k = 0; k < 32; k++) sum += lane[k];
     return sum;
 }
 

@@ -750,14 +750,20 @@ static void push(Play *play, double half, double th, int n_free, const int *free
     for (int f = 0; f < n_free; f++) play->slope[f] = slopes[f * stride] + side * 0.5 * (free_values[f] == play->parameter);
 }
 
-/* The polynomial at n positions; room for whole lanes must follow the positions. */
-static void sample(const double *poly, int degree, const double *x, int n, double *out) {
-    for (int start = 0; start < n; start += 8) {
-        const Lanes at = READ_LANES(x + start, 0);
-        Lanes value = poly[degree] - (Lanes){0.0};
-        for (int k = degree - 1; k >= 0; k--) value = value * at + poly[k];
-        if (n - start >= 8) LANES(out + start, 0) = value;
-        else memcpy(out + start, &value, (n - start) * sizeof(double));
+/* The polynomial at n positions, two lanes at a time; room for as many must follow the positions. */
+#define ROOM 16
+static inline void sample(const double *poly, int degree, const double *x, int n, double *out) {
+    for (int start = 0; start < n; start += ROOM) {
+        const Lanes low = READ_LANES(x + start, 0), high = READ_LANES(x + start, 1);
+        Lanes value[2] = {poly[degree] - (Lanes){0.0}, poly[degree] - (Lanes){0.0}};
+        for (int k = degree - 1; k >= 0; k--) {
+            value[0] = value[0] * low + poly[k];
+            value[1] = value[1] * high + poly[k];
+        }
+        if (n - start >= ROOM) {
+            LANES(out + start, 0) = value[0];
+            LANES(out + start, 1) = value[1];
+        } else memcpy(out + start, value, (n - start) * sizeof(double));
     }
 }
 
@@ -1005,7 +1011,7 @@ int swing_trajectory(const Model *m, const double *p, double release_angle, doub
     for (int k = 0; k < m->n_sensors; k++) reads_states |= EFFECTS[m->sensors[k].row].n_states > 0;
     const int with_clock = m->n_clocks && n_free, kept_states = reads_states ? nz : 0;
     /* for every sample: true time, position on its panel, velocity, the clock's slopes, the states and theirs */
-    double *work = malloc((8 + (size_t)n * (3 + (with_clock ? n_free : 0) + kept_states * (1 + n_free))) * sizeof(double));
+    double *work = malloc((ROOM + (size_t)n * (3 + (with_clock ? n_free : 0) + kept_states * (1 + n_free))) * sizeof(double));
     if (!work) return report->status = NO_MEMORY;
     double *at = work, *x = at + n, *speed = x + n, *clock_slopes = with_clock ? speed + n : NULL;
     double *z = kept_states ? speed + (size_t)n * (1 + (with_clock ? n_free : 0)) : NULL, *z_slopes = z ? z + (size_t)kept_states * n : NULL;
@@ -1123,10 +1129,9 @@ int swing_trajectory(const Model *m, const double *p, double release_angle, doub
             propagate(&s, &b, &d);
         }
         int last = next;
-        while (last < n && at[last] <= t_end) {
-            x[last] = 2.0 * (at[last] - here.t) / h - 1.0;
-            last++;
-        }
+        while (last < n && at[last] <= t_end) last++;
+        const double per_second = 2.0 / h;
+        for (int i = next; i < last; i++) x[i] = (at[i] - here.t) * per_second - 1.0;
         const int size = last - next;
         sample(b.th_poly, N + 1, x + next, size, angles + next);
         if (with_clock) sample(b.v_poly, N, x + next, size, speed + next);
