@@ -203,21 +203,26 @@ static void switches_at(const Pendulum *s, const Place *x, double *out) {
     for (int k = 0; k < s->n_switches; k++) out[k] = rows[k * N];
 }
 
-/* Eight doubles at once (GCC's and Clang's vectors, on any processor; each lane rounds as a double alone would). */
-typedef double Lanes __attribute__((vector_size(64), aligned(8), may_alias));
+/* As many doubles at once as the processor takes (GCC's and Clang's vectors; each lane rounds as a double alone would, so
+ * their number changes no bit; wider ones than the processor's are taken apart, at several times the cost). */
+#if defined __AVX512F__
+#define WIDTH 8
+#elif defined __AVX__
+#define WIDTH 4
+#else
+#define WIDTH 2
+#endif
+typedef double Lanes __attribute__((vector_size(WIDTH * sizeof(double)), aligned(8), may_alias));
 #define LANES(array, k) (((Lanes *)(array))[k])
 #define READ_LANES(array, k) (((const Lanes *)(array))[k])
-#define LANES_OF(size) ((size) / 8)
+#define LANES_OF(size) ((size) / WIDTH)
 
 /* out[i] = sum over j of weight[j] * table[j * N + i] */
 static inline void combine(const double *table, const double *weight, double *out) {
-    Lanes low = {0.0}, high = {0.0};
-    for (int j = 0; j < N; j++) {
-        low += READ_LANES(table + j * N, 0) * weight[j];
-        high += READ_LANES(table + j * N, 1) * weight[j];
-    }
-    LANES(out, 0) = low;
-    LANES(out, 1) = high;
+    Lanes sum[LANES_OF(N)] = {{0.0}};
+    for (int j = 0; j < N; j++)
+        for (int k = 0; k < LANES_OF(N); k++) sum[k] += READ_LANES(table + j * N, k) * weight[j];
+    for (int k = 0; k < LANES_OF(N); k++) LANES(out, k) = sum[k];
 }
 /* the same for a table of several blocks of N rows and columns */
 static void combine_blocks(int blocks, const double *table, const double *weight, double *out) {
@@ -387,11 +392,11 @@ static int solve(const Pendulum *s, Panel *b, Report *report) {
 /* Coefficients, in powers of the position -1..1, of the integral that starts at `start`, of a rate of degree N - 1 or N
  * given by them. */
 static inline void integrate(const double *rate, int degree, double h, double start, double *out) {
-    Lanes sum = {0.0};
+    double sum[8] = {0.0};
     for (int k = 0; k < LANES_OF(N); k++) {
         const Lanes part = READ_LANES(rate, k) * READ_LANES(T_reciprocal, k) * (0.5 * h);
         LANES(out + 1, k) = part;
-        sum += part;
+        LANES(sum, k % LANES_OF(8)) += part;
     }
     if (degree == N) sum[0] += out[N + 1] = 0.5 * h * rate[N] * T_reciprocal[N];
     out[0] = start + (((sum[0] - sum[1]) + (sum[2] - sum[3])) + ((sum[4] - sum[5]) + (sum[6] - sum[7])));
@@ -750,20 +755,19 @@ static void push(Play *play, double half, double th, int n_free, const int *free
     for (int f = 0; f < n_free; f++) play->slope[f] = slopes[f * stride] + side * 0.5 * (free_values[f] == play->parameter);
 }
 
-/* The polynomial at n positions, two lanes at a time; room for as many must follow the positions. */
+/* The polynomial at n positions, ROOM at a time; as many must follow the positions. */
 #define ROOM 16
 static inline void sample(const double *poly, int degree, const double *x, int n, double *out) {
     for (int start = 0; start < n; start += ROOM) {
-        const Lanes low = READ_LANES(x + start, 0), high = READ_LANES(x + start, 1);
-        Lanes value[2] = {poly[degree] - (Lanes){0.0}, poly[degree] - (Lanes){0.0}};
-        for (int k = degree - 1; k >= 0; k--) {
-            value[0] = value[0] * low + poly[k];
-            value[1] = value[1] * high + poly[k];
+        Lanes at[LANES_OF(ROOM)], value[LANES_OF(ROOM)];
+        for (int j = 0; j < LANES_OF(ROOM); j++) {
+            at[j] = READ_LANES(x + start, j);
+            value[j] = poly[degree] - (Lanes){0.0};
         }
-        if (n - start >= ROOM) {
-            LANES(out + start, 0) = value[0];
-            LANES(out + start, 1) = value[1];
-        } else memcpy(out + start, value, (n - start) * sizeof(double));
+        for (int k = degree - 1; k >= 0; k--)
+            for (int j = 0; j < LANES_OF(ROOM); j++) value[j] = value[j] * at[j] + poly[k];
+        if (n - start >= ROOM) memcpy(out + start, value, sizeof value);
+        else memcpy(out + start, value, (n - start) * sizeof(double));
     }
 }
 
