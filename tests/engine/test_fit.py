@@ -233,6 +233,23 @@ def test_joint_fits_of_one_swing_are_the_single_fit():
     assert np.array_equal(one.values, joint.values) and joint.release_angle == (one.release_angle,)
 
 
+def test_a_dense_record_is_fitted_to_its_last_sample():
+    """Where to search is told by a few of its samples; the optimum is that of all, short swings beside it included."""
+    model, dense = paper_model("viscous+load_coulomb"), np.arange(60_000) / 1000
+    slow = model.with_values(model.values | {"viscous_ratio": 1e-3, "load_friction": 5e-4})
+    rng = np.random.default_rng(19)
+    swings = [(at, simulate(slow, at, 0.5) + 1e-3 * rng.standard_normal(at.size)) for at in (dense, SHORT[:150], SHORT)]
+    alone, joint = fit_trajectory(slow.label, *swings[0]), fit_jointly(slow.label, swings)
+    for fit in (alone, joint):
+        assert fit.converged and fit.rms == pytest.approx(1e-3, rel=0.02)
+        errors = [fit.model.standard_errors[name] for name in model.parameters]
+        assert np.abs((np.array(fit.model.vector()) - slow.vector()) / errors).max() < 4
+    known = fit_trajectory(slow.label, *swings[0], guess=alone, seen=False)
+    assert known.rss == pytest.approx(alone.rss, rel=1e-9)
+    own = fit_jointly(slow.label, swings[::2], own=("natural_frequency",))
+    assert own.converged and own.own[0]["natural_frequency"] == pytest.approx(7.25, abs=1e-3)
+
+
 def test_parameters_of_a_swings_own_and_fixed_ones():
     rng = np.random.default_rng(11)
     frequencies = (7.1, 7.3)

@@ -138,7 +138,9 @@ class _Problem:
     def thinned(self, frequency):
         """The problem with every so many samples only, as many as tell a pendulum of this frequency (rad/s); or itself."""
         seconds = sum(times[-1] - times[0] for times, _ in self.swings)
-        every = int(min(self.n * np.pi / (_DENSE * frequency * seconds), self.n / _ENOUGH))
+        shortest = min(times.size for times, _ in self.swings)
+        dense = self.n * np.pi / (_DENSE * max(abs(frequency), _SMALLEST_FREQUENCY) * seconds)
+        every = int(min(dense, self.n / _ENOUGH, shortest / _DENSE))
         if every < 2:
             return self
         thin = copy(self)
@@ -223,7 +225,7 @@ def _from_all(problem, starts, first, most, tolerance):
     no swing stops: then no start is far off. Else parts are grown into the whole and all starts tried. Of many samples a
     few tell where to: the search among all ends there.
     """
-    thin = problem.thinned(starts[0, 0] if problem.where[0, 0] >= 0 else problem.given[0, 0])
+    thin = problem.thinned(float(problem.slots(starts[0])[0, 0]))
     grown, agreed = starts[:0], False
     if first:
         part = _least_squares(thin, starts, min(most, 30), max(tolerance, _ROUGH), _TOLD)
@@ -246,7 +248,7 @@ def _pointers(arrays):
 def _least_squares(problem, starts, most, tolerance, share=1.0):
     """The least sum of squares over a share of every swing: it, where, J'J (near there, for a part), each start's, and how."""
     count, size = len(problem.swings), len(problem.free)
-    lengths = (ctypes.c_int * count)(*(max(_FEWEST, round(share * times.size)) if share < 1 else times.size for times, _ in problem.swings))
+    lengths = (ctypes.c_int * count)(*(min(times.size, max(_FEWEST, round(share * times.size))) for times, _ in problem.swings))
     values, best, hessian = problem.given.copy(), np.zeros(size), np.zeros((size, size))
     starts, squares, outcome = np.ascontiguousarray(starts), np.zeros(len(starts)), build.COutcome()
     rss = engine().fit_swings(
