@@ -67,6 +67,12 @@ def test_a_few_random_pendulums(label, degrees):
     assert not wrong and not refused
 
 
+def test_a_first_try_that_ends_in_no_number_is_shortened():
+    """A hardening spring at 170 degrees, where the first panel's iteration overflows: that is not solved."""
+    error, refused, seen = compare(cases.draw("viscous+cubic_stiffness", 145, np.radians(170)))
+    assert seen is not None and not refused and error < 1e-6
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("degrees", LIMITS)
 @pytest.mark.parametrize("label", LABELS)

@@ -344,6 +344,13 @@ static double largest(const double *x) {
     return most;
 }
 
+/* Whether all N are finite; `largest` passes over what is no number. */
+static int all_finite(const double *x) {
+    double sum[4] = {0.0};
+    for (int i = 0; i < N; i++) sum[i % 4] += x[i];
+    return isfinite((sum[0] + sum[1]) + (sum[2] + sum[3]));
+}
+
 /* The size against which a block's errors count: of the acceleration, or of a thousandth of what it was at the largest
  * angle, for a swing that has died down is all rounding; of a state's rate, or of what would change the state by its own
  * size over the panel, for a state that has settled has no rate to speak of. */
@@ -367,7 +374,7 @@ static int solve(const Pendulum *s, Panel *b, Report *report) {
             const double *found = f + s->row[k] * N;
             for (int i = 0; i < N; i++) residual[k * N + i] = found[i] - b->u[k * N + i];
             const double off = largest(residual + k * N);
-            if (!isfinite(off)) return 0;
+            if (!all_finite(residual + k * N)) return 0;
             error = fmax(error, off / size_of(s, b, k, found));
         }
         /* the step about to be taken leaves an error smaller by the factor that the last one gained */
