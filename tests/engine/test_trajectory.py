@@ -8,7 +8,7 @@ from scipy.special import ellipj, ellipk
 from swingdown.errors import InputError
 from swingdown.hidden import pendulum as oracle
 from swingdown.model import PAPER_MODELS, Model
-from swingdown.trajectory import TrajectoryError, effort, sensitivities, simulate
+from swingdown.trajectory import TrajectoryError, effort, sensitivities, simulate, simulate_each
 
 LIMITS = {60: 1e-8, 170: 1e-6}  # degrees: rad
 STEP = 2 * np.pi / 4096  # rad, of a usual encoder
@@ -65,6 +65,12 @@ def test_a_few_random_pendulums(label, degrees):
         ((k, cases.draw(label, k, np.radians(degrees), 2.5)) for k in range(2)), LIMITS[degrees]
     )
     assert not wrong and not refused
+
+
+def test_a_first_try_that_ends_in_no_number_is_shortened():
+    """A hardening spring at 170 degrees, where the first panel's iteration overflows: that is not solved."""
+    error, refused, seen = compare(cases.draw("viscous+cubic_stiffness", 145, np.radians(170)))
+    assert seen is not None and not refused and error < 1e-6
 
 
 @pytest.mark.slow
@@ -247,6 +253,19 @@ def test_other_samples_do_not_matter():
     assert np.array_equal(simulate(model, TIMES[:3], 0.6, 0.3), every[:3])
     assert np.abs(simulate(model, TIMES + 1e3, 0.6, 0.3) - every).max() < 1e-11
     assert simulate(model, [4.0], 0.6) == pytest.approx([0.6], abs=1e-15)
+
+
+def test_many_rows_are_each_a_trajectory_of_their_own():
+    """A root of the speed takes more panels a second than any fit would grant it: rows may take what they need."""
+    model = Model("power_law_drag+load_coulomb")
+    own = {"natural_frequency": 7.25, "power_law_coefficient": 0.1, "power_law_exponent": 0.2, "load_friction": 0.012}
+    first = [*model.with_values(own).vector(), 0.35, 0.1]
+    values = np.array([first, [*first[:-2], -0.5, 0.0], [np.nan, *first[1:]]])
+    found = simulate_each(model, np.arange(1001) / 100, values)
+    for row, series in zip(values[:2], found, strict=False):
+        one = model.with_values(dict(zip(model.parameters, row, strict=False)))
+        assert np.array_equal(series, simulate(one, np.arange(1001) / 100, *row[-2:]))
+    assert np.all(np.isnan(found[2]))
 
 
 def test_a_mirrored_release_gives_the_mirrored_swing():

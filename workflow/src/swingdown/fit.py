@@ -2,6 +2,7 @@
 
 import ctypes
 from concurrent.futures import ThreadPoolExecutor
+from copy import copy
 from dataclasses import dataclass
 
 import numpy as np
@@ -16,6 +17,8 @@ STARTS = ("free", "rest")
 _FEWEST = 8  # samples of a swing's first part
 _PARTS = (0.15, 0.25, 0.35, 0.45, 0.55, 0.65, 0.75, 0.85, 0.95)  # of the record, for a start
 _TOLD = 0.35  # a part that tells all values apart, where a shorter one may have led astray
+_SAME = 1e-6  # of the sum of squares: the same optimum
+_DENSE, _ENOUGH = 32, 1000  # samples a half-swing, and in all, that are as good as any number to tell where to search
 _ROUGH, _ROUGH_EVALUATIONS = 1e-6, 200  # tolerance of a part's optimum, which is only a start; evaluations for all parts
 _SMALLEST_FREQUENCY = 1e-3  # rad/s; a pendulum slower than an hour is none
 
@@ -125,9 +128,25 @@ class _Problem:
         self.lower, self.upper = np.array([limits.get(name, (-np.inf, np.inf)) for name in self.free]).T.copy()
         self.compiled = [Compiled(model, float(times[-1] - times[0])) for times, _ in self.swings]
         self.models = (build.CModel * count)(*(compiled.c for compiled in self.compiled))
-        self.times, self.angles = (_pointers(arrays) for arrays in zip(*self.swings, strict=True))
+        self._point_at_swings()
         self.where_pointer = self.where.ctypes.data_as(ctypes.POINTER(ctypes.c_int))
         self.lower_pointer, self.upper_pointer = doubles(self.lower), doubles(self.upper)
+
+    def _point_at_swings(self):
+        self.times, self.angles = (_pointers(arrays) for arrays in zip(*self.swings, strict=True))
+
+    def thinned(self, frequency):
+        """The problem with every so many samples only, as many as tell a pendulum of this frequency (rad/s); or itself."""
+        seconds = sum(times[-1] - times[0] for times, _ in self.swings)
+        shortest = min(times.size for times, _ in self.swings)
+        dense = self.n * np.pi / (_DENSE * max(abs(frequency), _SMALLEST_FREQUENCY) * seconds)
+        every = int(min(dense, self.n / _ENOUGH, shortest / _DENSE))
+        if every < 2:
+            return self
+        thin = copy(self)
+        thin.swings = [(times[::every].copy(), angle[::every].copy()) for times, angle in self.swings]
+        thin._point_at_swings()
+        return thin
 
     def variables(self, values, releases):
         """The vector of free variables for parameter values (by name, 0 where absent) and the swings' releases.
@@ -152,10 +171,13 @@ class _Problem:
 
 
 def _starts(problem, guess, seen=True):
-    """Starting points: the guess if there is one, else the seen decay laid on each damping effect in turn and on all."""
+    """Starting points, and how many of them, at the end, are seen in the data.
+
+    The guess if there is one; the seen decay laid on all damping effects, and on each in turn.
+    """
     known = guess if isinstance(guess, (list, tuple)) else [] if guess is None else [guess]
     if not seen and known and not any(isinstance(one, Model) for one in known):
-        return np.array([_from_guess(problem, one, ()) for one in known])
+        return np.array([_from_guess(problem, one, ()) for one in known]), 0
     found = [first_guess(times, angle, problem.model.restoring) for times, angle in problem.swings]
     releases = [(g.release_angle, g.release_velocity) for g in found]
     shares = [g.damping(problem.model) for g in found]
@@ -165,7 +187,7 @@ def _starts(problem, guess, seen=True):
     alone = [frequency | {name: value if name == only else 0.0 for name, value in loss.items()} for only in loss]
     starts = [split, *(alone if len(loss) > 1 else [])]
     starts = [problem.variables(values, releases) for values in starts]
-    return np.array([*(_from_guess(problem, one, releases) for one in known), *starts])
+    return np.array([*(_from_guess(problem, one, releases) for one in known), *starts]), len(starts)
 
 
 def _from_guess(problem, guess, releases):
@@ -196,19 +218,43 @@ def _grown(problem, starts, most, tolerance):
     return grown[:1]
 
 
+def _from_all(problem, starts, first, most, tolerance, grow=True):
+    """The least sum of squares over the whole of every swing, how many starts reached it and how many were tried.
+
+    The ``first`` so many of the starts and the optimum of one part from all of them do where they come to one place at which
+    no swing stops: then no start is far off. Else parts are grown into the whole, unless ``grow`` is False, and all starts
+    tried. Of many samples a few tell where to: the search among all ends there.
+    """
+    thin = problem.thinned(float(problem.slots(starts[0])[0, 0]))
+    grown, agreed = starts[:0], False
+    if first:
+        part = _least_squares(thin, starts, min(most, 30), max(tolerance, _ROUGH), _TOLD)
+        tried = np.vstack([part[1], starts[:first]])
+        rss, best, _, squares, outcome = found = _least_squares(thin, tried, most, tolerance)
+        agreed = part[-1].converged > 0 and outcome.converged > 0 and not outcome.stops and np.all(squares <= rss * (1 + _SAME))
+    if not agreed:
+        grown = _grown(thin, starts, most, tolerance) if grow else starts[:0]
+        tried = np.vstack([grown, starts])
+        rss, best, _, squares, _ = found = _least_squares(thin, tried, most, tolerance)
+    if thin is not problem:
+        found = _least_squares(problem, np.vstack([best, grown]), most, tolerance)
+    return found, int(np.sum(squares <= rss * (1 + _SAME))), len(tried)
+
+
 def _pointers(arrays):
     return (ctypes.POINTER(ctypes.c_double) * len(arrays))(*(doubles(array) for array in arrays))
 
 
 def _least_squares(problem, starts, most, tolerance, share=1.0):
+    """The least sum of squares over a share of every swing: it, where, J'J (near there, for a part), each start's, and how."""
     count, size = len(problem.swings), len(problem.free)
-    lengths = (ctypes.c_int * count)(*(max(_FEWEST, round(share * times.size)) if share < 1 else times.size for times, _ in problem.swings))
+    lengths = (ctypes.c_int * count)(*(min(times.size, max(_FEWEST, round(share * times.size))) for times, _ in problem.swings))
     values, best, hessian = problem.given.copy(), np.zeros(size), np.zeros((size, size))
     starts, squares, outcome = np.ascontiguousarray(starts), np.zeros(len(starts)), build.COutcome()
     rss = engine().fit_swings(
         problem.models, ctypes.c_int(count), lengths, problem.times, problem.angles, doubles(values), problem.where_pointer,
         ctypes.c_int(size), ctypes.c_int(len(starts)), doubles(starts), problem.lower_pointer, problem.upper_pointer,
-        ctypes.c_int(most), ctypes.c_double(tolerance), doubles(best), doubles(hessian), doubles(squares), ctypes.byref(outcome),
+        ctypes.c_int(most), ctypes.c_double(tolerance), ctypes.c_int(share == 1), doubles(best), doubles(hessian), doubles(squares), ctypes.byref(outcome),
     )  # fmt: skip
     return rss, best, hessian, squares, outcome
 
@@ -234,9 +280,11 @@ def _covariance(hessian, rss, freedom, lower, upper, best):
 def _result(problem, method, best, covariance, rss, converged, message, evaluations):
     names, slots = problem.model.parameters, problem.slots(best)
     errors = dict(zip(problem.free, np.sqrt(np.diag(covariance)), strict=True))
-    values = {name: float(value) for name, value in zip(names, slots[:, :-2].mean(axis=0), strict=True)}
+    values = {name: float(value) for name, value in zip(names, (slots[:, :-2].mean(axis=0) if problem.own else slots[0, :-2]), strict=True)}
     model = problem.model.with_values(values, {name: float(errors[name]) for name in problem.shared})
-    each = [model.with_values(dict(zip(names, map(float, row[:-2]), strict=True))) for row in slots]
+    each = [model] * len(slots)
+    if problem.own:
+        each = [model.with_values(dict(zip(names, map(float, row[:-2]), strict=True))) for row in slots]
     series = tuple(simulate(one, times, *row[-2:]) for one, (times, _), row in zip(each, problem.swings, slots, strict=True))
     spread = tuple(float(np.sqrt(np.mean((fit - y) ** 2))) for fit, (_, y) in zip(series, problem.swings, strict=True))
     own = tuple({name: one.values[name] for name in problem.own} for one in each)
@@ -264,14 +312,12 @@ def fit_jointly(effects, swings, *, start="free", guess=None, restoring="sine", 
     Raises InputError for swings that cannot be fitted and TrajectoryError where no start gives a trajectory.
     """
     problem = _Problem(Model(effects, restoring=restoring, form=form), swings, start, bounded, own, fixed)
-    starts = _starts(problem, guess, seen)
-    if grown:
-        starts = np.vstack([_grown(problem, starts, most, tolerance), starts])
-    rss, best, hessian, squares, outcome = _least_squares(problem, starts, most, tolerance)
+    starts, own = _starts(problem, guess, seen)
+    found, agreeing, tried = _from_all(problem, starts, len(starts) - own + 1 if own else 0, most, tolerance, grown)
+    rss, best, hessian, _, outcome = found
     if outcome.converged < 0:
-        raise TrajectoryError(f"model {problem.model.label}: no start of {len(starts)} gives a trajectory")
-    agreeing = int(np.sum(squares <= rss * (1 + 1e-6)))
-    message = f"{agreeing} of {len(starts)} starts reached the best optimum; "
+        raise TrajectoryError(f"model {problem.model.label}: no start of {tried} gives a trajectory")
+    message = f"{agreeing} of {tried} starts reached the best optimum; "
     message += "stationary" if outcome.converged else f"not stationary after {outcome.evaluations} evaluations"
     covariance = _covariance(hessian, rss, problem.n - len(problem.free), problem.lower, problem.upper, best)
     return _result(problem, "least squares", best, covariance, rss, outcome.converged, message, outcome.evaluations)
@@ -306,7 +352,7 @@ def fit_nelder_mead(effects, times, angle, *, start="free", guess=None, restorin
             return np.inf
         return float(np.sum((fitted - angle) ** 2))
 
-    best = min(_starts(problem, guess), key=squares)
+    best = min(_starts(problem, guess)[0], key=squares)
     # steps in proportion to each value; a coefficient that starts at zero still gets a step of its usual size
     scale = np.maximum(np.abs(best), [*(d.typical for d in model.definitions), *[0.1] * (best.size - len(model.parameters))])
     value, evaluations, converged, step = squares(best), 0, False, 0.05

@@ -44,24 +44,27 @@ def amplitude_factor(amplitude):
 def half_swings(times, angle):
     """Times of the middle crossings (s), and the extreme between each two (rad); a tenth of the spread is hysteresis against noise."""
     band = 0.1 * np.sqrt(np.mean(angle**2))
-    side = np.where(angle > band, 1, np.where(angle < -band, -1, 0))
+    side = (angle > band).astype(int) - (angle < -band)
     marks = np.flatnonzero(side)
     turns = np.flatnonzero(np.diff(side[marks]))
-    crossings, extremes = [], []
-    for k in turns:
-        i, j = marks[k], marks[k + 1]
-        if j - i > 1:
-            after, part = times[i : j + 1] - times[i], angle[i : j + 1]
-            centred = after - after.mean()
-            slope = centred @ part / (centred @ centred)  # of the straight line, and its value at the first
-            middle = part.mean() - slope * after.mean()
-            crossings.append(times[i] + np.clip(-middle / slope if slope else 0.0, 0.0, times[j] - times[i]))
-        else:
-            crossings.append(times[i] + (times[j] - times[i]) * angle[i] / (angle[i] - angle[j]))
-    for first, second in zip(crossings, crossings[1:], strict=False):
-        inside = np.abs(angle[(times >= first) & (times < second)])
-        extremes.append(inside.max() if inside.size else 0.0)
-    return np.array(crossings), np.array(extremes)
+    first, last = marks[turns], marks[turns + 1]
+    if first.size == 0:
+        return np.array([]), np.array([])
+    # the straight line through the samples from one side to the other, of all crossings at once
+    size = last - first + 1
+    begins = np.cumsum(size) - size
+    inside = np.arange(size.sum()) + np.repeat(first - begins, size)
+    after, part = times[inside] - np.repeat(times[first], size), angle[inside]
+    mean_after, mean = np.add.reduceat(after, begins) / size, np.add.reduceat(part, begins) / size
+    centred = after - np.repeat(mean_after, size)
+    slope = np.add.reduceat(centred * part, begins) / np.add.reduceat(centred**2, begins)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        middle = np.where(slope != 0, mean_after - mean / slope, 0.0)
+    crossings = times[first] + np.clip(middle, 0.0, times[last] - times[first])
+    bounds = np.searchsorted(times, crossings)
+    extremes = np.maximum.reduceat(np.abs(angle), bounds)[:-1]
+    extremes[np.diff(bounds) == 0] = 0.0
+    return crossings, extremes
 
 
 def first_guess(times, angle, restoring="sine"):
@@ -78,5 +81,6 @@ def first_guess(times, angle, restoring="sine"):
     frequency = np.pi / half / (amplitude_factor(amplitude) if restoring == "sine" else 1.0)
     loss = (extremes[0] - extremes[-1]) / max(1, extremes.size - 1) if extremes.size > 1 else 0.01 * amplitude
     few = max(4, min(times.size, int(np.searchsorted(times, times[0] + half / 8))))
-    local = np.polynomial.Polynomial.fit(times[:few] - times[0], angle[:few], 2).convert().coef
-    return Guess(float(frequency), float(local[0]), float(local[1]), amplitude, float(loss))
+    span = times[few - 1] - times[0]
+    local = np.linalg.lstsq(np.vander((times[:few] - times[0]) / span, 3), angle[:few])[0]  # of a parabola
+    return Guess(float(frequency), float(local[2]), float(local[1] / span), amplitude, float(loss))

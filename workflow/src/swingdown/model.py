@@ -1,6 +1,7 @@
 """A pendulum model: the effects it has, their values and standard errors; reading and writing model files."""
 
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from itertools import combinations
 from pathlib import Path
 
@@ -50,13 +51,13 @@ class Model:
         """The effects' names joined by ``+``, in catalogue order."""
         return "+".join(self.effects)
 
-    @property
+    @cached_property
     def definitions(self):
         """The definitions (``effects.Parameter``) of all parameters, the natural frequency first."""
         own = (parameter for name in self.effects for parameter in effects.known()[name].parameters)
         return (effects.NATURAL_FREQUENCY, *own)
 
-    @property
+    @cached_property
     def parameters(self):
         """The parameters' names, the natural frequency first."""
         return tuple(parameter.name for parameter in self.definitions)

@@ -152,7 +152,7 @@ def simulate_each(model, times, values):
             continue
         status = library.swing_trajectory(
             ctypes.byref(compiled.c), doubles(row), ctypes.c_double(row[-2]), ctypes.c_double(row[-1]), doubles(times),
-            ctypes.c_int(times.size), ctypes.c_int(0), none, doubles(series), None, ctypes.byref(report),
+            ctypes.c_int(times.size), ctypes.c_double(np.inf), ctypes.c_int(0), none, doubles(series), None, ctypes.byref(report),
         )  # fmt: skip
         if status:
             series[:] = np.nan

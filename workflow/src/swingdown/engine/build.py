@@ -103,7 +103,7 @@ class CReport(ctypes.Structure):
 
 
 class COutcome(ctypes.Structure):
-    _fields_ = [("converged", ctypes.c_int), ("evaluations", ctypes.c_int), ("predicted", ctypes.c_double)]
+    _fields_ = [("converged", ctypes.c_int), ("evaluations", ctypes.c_int), ("predicted", ctypes.c_double), ("stops", ctypes.c_int)]
 
 
 COST = ctypes.CFUNCTYPE(
@@ -115,8 +115,23 @@ COST = ctypes.CFUNCTYPE(
 def load(catalogue, gravity):
     """The loaded engine for a tuple of effects and a tuple of gravities, its functions typed."""
     engine = ctypes.CDLL(str(library(catalogue, gravity)))
-    engine.swing_trajectory.restype = ctypes.c_int
-    engine.minimise.restype = ctypes.c_double
-    engine.fit_swings.restype = ctypes.c_double
-    engine.fit_batch.restype = ctypes.c_int
+    number, real, numbers, reals = ctypes.c_int, ctypes.c_double, ctypes.POINTER(ctypes.c_int), ctypes.POINTER(ctypes.c_double)
+    model, several = ctypes.POINTER(CModel), ctypes.POINTER(reals)
+    engine.swing_trajectory.restype = number
+    engine.swing_trajectory.argtypes = (
+        model, reals, real, real, reals, number, real, number, numbers, reals, reals, ctypes.POINTER(CReport)
+    )  # fmt: skip
+    engine.minimise.restype = real
+    engine.minimise.argtypes = (
+        COST, ctypes.c_void_p, number, reals, reals, reals, number, real, reals, ctypes.POINTER(COutcome)
+    )  # fmt: skip
+    engine.fit_swings.restype = real
+    engine.fit_swings.argtypes = (
+        model, number, numbers, several, several, reals, numbers, number, number, reals, reals, reals, number, real, number,
+        reals, reals, reals, ctypes.POINTER(COutcome),
+    )  # fmt: skip
+    engine.fit_batch.restype = number
+    engine.fit_batch.argtypes = (
+        model, number, reals, number, reals, reals, numbers, number, reals, reals, number, real, reals, reals, numbers, numbers
+    )  # fmt: skip
     return engine

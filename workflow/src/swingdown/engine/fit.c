@@ -21,6 +21,7 @@ typedef struct {
                       * spent or no way on; -1: cannot be computed at the start */
     int evaluations;
     double predicted; /* relative fall that the last full step promised */
+    int stops;        /* a swing sticks within its record, where that was looked at */
 } Outcome;
 
 /* Solve A d = -b for the free variables (the rest of d is given), by Cholesky; 0 where A is not positive definite. */
@@ -82,11 +83,13 @@ static int arrived(int n, const Known *known, const double *x, double value, dou
     return distance <= SAME * known->value;
 }
 
+/* The least sum of squares from x, in place. slopes_last: hessian is wanted at the very end; else a step that promises less
+ * than the tolerance, which ends the search, is taken without slopes and leaves those of the point before. */
 static double search(Cost cost, void *of, int n, double *x, const double *lower, const double *upper, int most, double tolerance,
-                     const Known *known, double *hessian, Outcome *outcome) {
+                     const Known *known, int slopes_last, double *hessian, Outcome *outcome) {
     const size_t nn = (size_t)n * n;
     double *memory = malloc((3 * nn + 8 * (size_t)n + 8) * sizeof(double));
-    *outcome = (Outcome){-1, 0, INFINITY};
+    *outcome = (Outcome){-1, 0, INFINITY, 0};
     if (!memory || n > MAX_PARAMETERS * 4) { free(memory); return NAN; }
     double *g = memory, *trial_g = g + n, *trial_h = trial_g + n, *work = trial_h + nn, *d = work + nn + n, *trial = d + n,
            *scale = trial + n; /* J'J's diagonal, falling no faster than by half: a variable whose column fades does not run off */
@@ -131,21 +134,28 @@ static double search(Cost cost, void *of, int n, double *x, const double *lower,
             if (all_held) { outcome->converged = 1; outcome->predicted = 0.0; break; }
         }
         double found = INFINITY;
+        const double relative = expected / (value + 1e-300);
+        const int bare = !slopes_last && relative < tolerance && damping < 1.0;
         if (ok && expected > 0.0) {
             for (int i = 0; i < n; i++) trial[i] = fmin(fmax(x[i] + d[i], lower[i]), upper[i]);
-            found = cost(of, trial, trial_g, trial_h);
+            found = bare ? cost(of, trial, NULL, NULL) : cost(of, trial, trial_g, trial_h);
             outcome->evaluations++;
             if (isnan(found)) break;
         }
         const double gain = (value - found) / expected;
-        const double relative = expected / (value + 1e-300);
         /* residuals down to their rounding, as of a model fitted to itself: the sum wanders, but nothing moves any more */
         const int still = ok && size <= tolerance * length(n, scale, x);
         if (isfinite(found) && found <= value) {
-            memcpy(x, trial, n * sizeof(double));
-            memcpy(g, trial_g, n * sizeof(double));
-            memcpy(hessian, trial_h, nn * sizeof(double));
             const double fall = (value - found) / (value + 1e-300);
+            memcpy(x, trial, n * sizeof(double));
+            if (!bare) {
+                memcpy(g, trial_g, n * sizeof(double));
+                memcpy(hessian, trial_h, nn * sizeof(double));
+            } else if (fall >= tolerance) { /* more than promised: not the end after all */
+                found = cost(of, x, g, hessian);
+                outcome->evaluations++;
+                if (isnan(found)) break;
+            }
             value = found;
             outcome->predicted = relative;
             if (relative < tolerance && fall < tolerance && damping < 1.0) outcome->converged = 1;
@@ -177,7 +187,7 @@ static double search(Cost cost, void *of, int n, double *x, const double *lower,
 /* The minimum of cost within lower..upper from x, in place; returns half the sum of squares. hessian: J'J there. */
 double minimise(Cost cost, void *of, int n, double *x, const double *lower, const double *upper, int most, double tolerance,
                 double *hessian, Outcome *outcome) {
-    return search(cost, of, n, x, lower, upper, most, tolerance, NULL, hessian, outcome);
+    return search(cost, of, n, x, lower, upper, most, tolerance, NULL, 1, hessian, outcome);
 }
 
 /* One or more swings with a common model. values[k]: the model's parameters, release angle and release velocity of
@@ -194,18 +204,18 @@ typedef struct {
     /* Panels as the measure of work. Far from any optimum a trajectory may take thousands of times what it takes
      * elsewhere (a support that rings at 1e5 rad/s): a point that takes much more than the best so far counts as one that
      * cannot be computed, and a fit that has spent what its evaluations would usually take ends. */
-    double seconds, least, usual, floor, left;
+    double seconds, least, usual, floor, left; /* usual: before anything is computed by the model; later no less than half of that */
+    int stops; /* of the last trajectories: one sticks */
 } Swings;
 #define DEAR 4.0   /* times the usual work */
-#define USUAL 5.0  /* panels a half-swing, before anything is computed; half of that later, where less is needed */
 
 static double dot(const double *a, const double *b, int n) {
-    double lane[8] = {0.0}, sum = 0.0; /* a fixed order of summation: the same bits on every machine */
+    double lane[32] = {0.0}, sum = 0.0; /* a fixed order of summation: the same bits on every machine */
     int i = 0;
-    for (; i + 8 <= n; i += 8)
-        for (int k = 0; k < 8; k++) lane[k] += a[i + k] * b[i + k];
+    for (; i + 32 <= n; i += 32)
+        for (int k = 0; k < 32; k++) lane[k] += a[i + k] * b[i + k];
     for (; i < n; i++) sum += a[i] * b[i];
-    for (int k = 0; k < 8; k++) sum += lane[k];
+    for (int k = 0; k < 32; k++) sum += lane[k];
     return sum;
 }
 
@@ -214,6 +224,7 @@ static double swings_cost(void *of, const double *x, double *gradient, double *h
     double value = 0.0, work = 0.0;
     const int n_free = f->n_free;
     if (f->left <= 0.0) return NAN;
+    f->stops = 0;
     if (gradient) {
         memset(gradient, 0, n_free * sizeof(double));
         memset(hessian, 0, (size_t)n_free * n_free * sizeof(double));
@@ -235,6 +246,7 @@ static double swings_cost(void *of, const double *x, double *gradient, double *h
         work += report.panels + report.rejected;
         f->left -= report.panels + report.rejected;
         if (failed) return INFINITY;
+        f->stops |= report.stuck_after >= 0.0;
         const double *y = f->angles[k];
         for (int i = 0; i < n; i++) f->series[i] -= y[i];
         value += 0.5 * dot(f->series, f->series, n);
@@ -256,13 +268,15 @@ static double swings_cost(void *of, const double *x, double *gradient, double *h
     return value;
 }
 
-/* Fit swings from each of n_starts starts; the best is left in best (values), with its J'J. Returns its sum of squares. */
+/* Fit swings from each of n_starts starts; the best is left in best (values), with its J'J where `wanted`, else with
+ * one of a point close by. Returns its sum of squares. */
 double fit_swings(const Model *models, int n_swings, const int *n, const double *const *times, const double *const *angles,
                   double *values, const int *where, int n_free, int n_starts, const double *starts, const double *lower,
-                  const double *upper, int most, double tolerance, double *best, double *hessian, double *all, Outcome *outcome) {
+                  const double *upper, int most, double tolerance, int wanted, double *best, double *hessian, double *all,
+                  Outcome *outcome) {
     int longest = 0;
     for (int k = 0; k < n_swings; k++) longest = n[k] > longest ? n[k] : longest;
-    Swings f = {models, n_swings, n, times, angles, values, where, n_free, NULL, NULL, 0.0, 0.0, 0.0, 0.0, 0.0};
+    Swings f = {models, n_swings, n, times, angles, values, where, n_free, NULL, NULL, 0.0, 0.0, 0.0, 0.0, 0.0, 0};
     int widest = 0;
     for (int k = 0; k < n_swings; k++) f.seconds += times[k][n[k] - 1] - times[k][0];
     for (int k = 0, np = models[0].n_parameters; k < n_swings; k++) {
@@ -270,7 +284,7 @@ double fit_swings(const Model *models, int n_swings, const int *n, const double 
         for (int i = 0; i < np + 2; i++) m += where[(size_t)k * (np + 2) + i] >= 0;
         widest = m > widest ? m : widest;
     }
-    *outcome = (Outcome){-1, 0, INFINITY};
+    *outcome = (Outcome){-1, 0, INFINITY, 0};
     const size_t nn = (size_t)n_free * n_free;
     f.series = malloc((size_t)longest * (1 + widest) * sizeof(double));
     double *room = malloc((nn + n_free) * sizeof(double));
@@ -283,12 +297,12 @@ double fit_swings(const Model *models, int n_swings, const int *n, const double 
         memcpy(x, starts + (size_t)s * n_free, n_free * sizeof(double));
         const double frequency = where[0] >= 0 ? x[where[0]] : values[0];
         f.least = INFINITY;
-        f.usual = USUAL * (n_swings + fabs(frequency) * f.seconds / 3.141592653589793);
+        f.usual = usual_panels(models) * (n_swings + fabs(frequency) * f.seconds / 3.141592653589793);
         f.floor = 0.5 * f.usual;
         f.left = most * f.usual;
         const Known known = {best, hessian, least};
         const double value = search(swings_cost, &f, n_free, x, lower, upper, most, tolerance,
-                                    outcome->converged == 1 ? &known : NULL, room, &one);
+                                    outcome->converged == 1 ? &known : NULL, 0, room, &one);
         evaluations += one.evaluations;
         all[s] = 2.0 * (one.converged == 2 ? least : value);
         if (isfinite(value) && one.converged != 2 && (value < least || (value == least && one.converged > outcome->converged))) {
@@ -299,6 +313,11 @@ double fit_swings(const Model *models, int n_swings, const int *n, const double 
         }
     }
     outcome->evaluations = evaluations;
+    if (wanted && outcome->converged >= 0) {
+        f.usual = f.left = INFINITY;
+        swings_cost(&f, best, room + nn, hessian);
+        outcome->stops = f.stops;
+    }
     free(f.series);
     free(room);
     return 2.0 * least;
@@ -318,7 +337,7 @@ int fit_batch(const Model *model, int n, const double *times, int n_series, cons
         Outcome outcome;
         for (int i = 0; i < np + 2; i++)
             if (where[i] >= 0) start[where[i]] = own[i];
-        squares[k] = fit_swings(model, 1, &n, &times, &y, own, where, n_free, 1, start, lower, upper, most, tolerance,
+        squares[k] = fit_swings(model, 1, &n, &times, &y, own, where, n_free, 1, start, lower, upper, most, tolerance, 0,
                                 best + (size_t)k * n_free, hessian, &every, &outcome);
         converged[k] = outcome.converged;
         evaluations[k] = outcome.evaluations;

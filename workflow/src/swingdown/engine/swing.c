@@ -203,21 +203,26 @@ static void switches_at(const Pendulum *s, const Place *x, double *out) {
     for (int k = 0; k < s->n_switches; k++) out[k] = rows[k * N];
 }
 
-/* Eight doubles at once (GCC's and Clang's vectors, on any processor; each lane rounds as a double alone would). */
-typedef double Lanes __attribute__((vector_size(64), aligned(8), may_alias));
+/* As many doubles at once as the processor takes (GCC's and Clang's vectors; each lane rounds as a double alone would, so
+ * their number changes no bit; wider ones than the processor's are taken apart, at several times the cost). */
+#if defined __AVX512F__
+#define WIDTH 8
+#elif defined __AVX__
+#define WIDTH 4
+#else
+#define WIDTH 2
+#endif
+typedef double Lanes __attribute__((vector_size(WIDTH * sizeof(double)), aligned(8), may_alias));
 #define LANES(array, k) (((Lanes *)(array))[k])
 #define READ_LANES(array, k) (((const Lanes *)(array))[k])
-#define LANES_OF(size) ((size) / 8)
+#define LANES_OF(size) ((size) / WIDTH)
 
 /* out[i] = sum over j of weight[j] * table[j * N + i] */
 static inline void combine(const double *table, const double *weight, double *out) {
-    Lanes low = {0.0}, high = {0.0};
-    for (int j = 0; j < N; j++) {
-        low += READ_LANES(table + j * N, 0) * weight[j];
-        high += READ_LANES(table + j * N, 1) * weight[j];
-    }
-    LANES(out, 0) = low;
-    LANES(out, 1) = high;
+    Lanes sum[LANES_OF(N)] = {{0.0}};
+    for (int j = 0; j < N; j++)
+        for (int k = 0; k < LANES_OF(N); k++) sum[k] += READ_LANES(table + j * N, k) * weight[j];
+    for (int k = 0; k < LANES_OF(N); k++) LANES(out, k) = sum[k];
 }
 /* the same for a table of several blocks of N rows and columns */
 static void combine_blocks(int blocks, const double *table, const double *weight, double *out) {
@@ -262,12 +267,15 @@ static void states_at_nodes(const Pendulum *s, Panel *b) {
     }
 }
 
-/* Invert the size x size matrix in place by Gauss-Jordan with row pivoting; 0 where it is singular. */
+/* Invert the size x size matrix in place by Gauss-Jordan; 0 where it is singular. Rows are exchanged only for a small
+ * pivot: the matrices are one less the integrals up to each node, so nearly triangular with a diagonal near one. */
+#define SMALL_PIVOT 0.1
 static inline int gauss_jordan(int size, double *g) {
+    static const double ones[2 * BLOCKS * N] = {[BLOCKS * N] = 1.0};
     int swapped[BLOCKS * N];
     for (int c = 0; c < size; c++) {
         int pivot = c;
-        for (int r = c + 1; r < size; r++)
+        for (int r = c + 1; r < size && !(fabs(g[c * size + c]) > SMALL_PIVOT); r++)
             if (fabs(g[r * size + c]) > fabs(g[pivot * size + c])) pivot = r;
         swapped[c] = pivot;
         if (!(fabs(g[pivot * size + c]) > 1e-300)) return 0;
@@ -278,17 +286,16 @@ static inline int gauss_jordan(int size, double *g) {
                 row[i] = g[pivot * size + i];
                 g[pivot * size + i] = kept;
             }
-        const double unit = 1.0 / row[c];
+        const double unit = 1.0 / row[c], *one = ones + BLOCKS * N - c; /* one at c; added by lanes, for a store of one double before lanes are read stalls */
         Lanes pivot_row[LANES_OF(BLOCKS * N)];
-        for (int k = 0; k < LANES_OF(size); k++) pivot_row[k] = READ_LANES(row, k) * unit;
-        ((double *)pivot_row)[c] = 1.0 + unit; /* so that each other row's own entry, factor, becomes -factor * unit */
+        /* 1 + unit at c, so that each other row's own entry, factor, becomes -factor * unit */
+        for (int k = 0; k < LANES_OF(size); k++) pivot_row[k] = (READ_LANES(row, k) + READ_LANES(one, k)) * unit;
         for (int r = 0; r < size; r++) {
             double *other = g + r * size;
-            const double factor = r == c ? 0.0 : other[c];
+            const double factor = other[c];
             for (int k = 0; k < LANES_OF(size); k++) LANES(other, k) -= pivot_row[k] * factor;
         }
-        for (int k = 0; k < LANES_OF(size); k++) LANES(row, k) = pivot_row[k];
-        row[c] = unit;
+        for (int k = 0; k < LANES_OF(size); k++) LANES(row, k) = pivot_row[k] - READ_LANES(one, k);
     }
     for (int c = size - 1; c >= 0; c--)
         if (swapped[c] != c)
@@ -337,6 +344,13 @@ static double largest(const double *x) {
     return most;
 }
 
+/* Whether all N are finite; `largest` passes over what is no number. */
+static int all_finite(const double *x) {
+    double sum[4] = {0.0};
+    for (int i = 0; i < N; i++) sum[i % 4] += x[i];
+    return isfinite((sum[0] + sum[1]) + (sum[2] + sum[3]));
+}
+
 /* The size against which a block's errors count: of the acceleration, or of a thousandth of what it was at the largest
  * angle, for a swing that has died down is all rounding; of a state's rate, or of what would change the state by its own
  * size over the panel, for a state that has settled has no rate to speak of. */
@@ -360,7 +374,7 @@ static int solve(const Pendulum *s, Panel *b, Report *report) {
             const double *found = f + s->row[k] * N;
             for (int i = 0; i < N; i++) residual[k * N + i] = found[i] - b->u[k * N + i];
             const double off = largest(residual + k * N);
-            if (!isfinite(off)) return 0;
+            if (!all_finite(residual + k * N)) return 0;
             error = fmax(error, off / size_of(s, b, k, found));
         }
         /* the step about to be taken leaves an error smaller by the factor that the last one gained */
@@ -382,12 +396,17 @@ static int solve(const Pendulum *s, Panel *b, Report *report) {
     return 0;
 }
 
-/* Coefficients, in powers of the position -1..1, of the integral that starts at `start`, of a rate given by them. */
-static void integrate(const double *rate, int degree, double h, double start, double *out) {
-    double at_start = 0.0;
-    for (int k = 0; k <= degree; k++) out[k + 1] = 0.5 * h * rate[k] * T_reciprocal[k];
-    for (int k = 0; k <= degree; k++) at_start += k % 2 ? out[k + 1] : -out[k + 1];
-    out[0] = start - at_start;
+/* Coefficients, in powers of the position -1..1, of the integral that starts at `start`, of a rate of degree N - 1 or N
+ * given by them. */
+static inline void integrate(const double *rate, int degree, double h, double start, double *out) {
+    double sum[8] = {0.0};
+    for (int k = 0; k < LANES_OF(N); k++) {
+        const Lanes part = READ_LANES(rate, k) * READ_LANES(T_reciprocal, k) * (0.5 * h);
+        LANES(out + 1, k) = part;
+        LANES(sum, k % LANES_OF(8)) += part;
+    }
+    if (degree == N) sum[0] += out[N + 1] = 0.5 * h * rate[N] * T_reciprocal[N];
+    out[0] = start + (((sum[0] - sum[1]) + (sum[2] - sum[3])) + ((sum[4] - sum[5]) + (sum[6] - sum[7])));
 }
 
 static inline double horner(const double *c, int degree, double x) {
@@ -743,14 +762,19 @@ static void push(Play *play, double half, double th, int n_free, const int *free
     for (int f = 0; f < n_free; f++) play->slope[f] = slopes[f * stride] + side * 0.5 * (free_values[f] == play->parameter);
 }
 
-/* The polynomial at n positions; room for whole lanes must follow the positions. */
-static void sample(const double *poly, int degree, const double *x, int n, double *out) {
-    for (int start = 0; start < n; start += 8) {
-        const Lanes at = READ_LANES(x + start, 0);
-        Lanes value = poly[degree] - (Lanes){0.0};
-        for (int k = degree - 1; k >= 0; k--) value = value * at + poly[k];
-        if (n - start >= 8) LANES(out + start, 0) = value;
-        else memcpy(out + start, &value, (n - start) * sizeof(double));
+/* The polynomial at n positions, ROOM at a time; as many must follow the positions. */
+#define ROOM 16
+static inline void sample(const double *poly, int degree, const double *x, int n, double *out) {
+    for (int start = 0; start < n; start += ROOM) {
+        Lanes at[LANES_OF(ROOM)], value[LANES_OF(ROOM)];
+        for (int j = 0; j < LANES_OF(ROOM); j++) {
+            at[j] = READ_LANES(x + start, j);
+            value[j] = poly[degree] - (Lanes){0.0};
+        }
+        for (int k = degree - 1; k >= 0; k--)
+            for (int j = 0; j < LANES_OF(ROOM); j++) value[j] = value[j] * at[j] + poly[k];
+        if (n - start >= ROOM) memcpy(out + start, value, sizeof value);
+        else memcpy(out + start, value, (n - start) * sizeof(double));
     }
 }
 
@@ -972,6 +996,14 @@ static void draw_states(Pendulum *s) {
     }
 }
 
+/* A broken power of the speed has no Taylor series where the speed is zero: panels get shorter and shorter up to every
+ * reversal, the more so the smaller the exponent (60 tried a half-swing at 0.2). */
+double usual_panels(const Model *m) {
+    for (int k = 0; k < m->n_motions; k++)
+        if (EFFECTS[m->motions[k].row].rough) return 20.0;
+    return 5.0;
+}
+
 int swing_trajectory(const Model *m, const double *p, double release_angle, double release_velocity,
                      const double *times, int n, double pace, int n_free, const int *free_values,
                      double *angles, double *slopes, Report *report) {
@@ -990,7 +1022,7 @@ int swing_trajectory(const Model *m, const double *p, double release_angle, doub
     for (int k = 0; k < m->n_sensors; k++) reads_states |= EFFECTS[m->sensors[k].row].n_states > 0;
     const int with_clock = m->n_clocks && n_free, kept_states = reads_states ? nz : 0;
     /* for every sample: true time, position on its panel, velocity, the clock's slopes, the states and theirs */
-    double *work = malloc((8 + (size_t)n * (3 + (with_clock ? n_free : 0) + kept_states * (1 + n_free))) * sizeof(double));
+    double *work = malloc((ROOM + (size_t)n * (3 + (with_clock ? n_free : 0) + kept_states * (1 + n_free))) * sizeof(double));
     if (!work) return report->status = NO_MEMORY;
     double *at = work, *x = at + n, *speed = x + n, *clock_slopes = with_clock ? speed + n : NULL;
     double *z = kept_states ? speed + (size_t)n * (1 + (with_clock ? n_free : 0)) : NULL, *z_slopes = z ? z + (size_t)kept_states * n : NULL;
@@ -1108,10 +1140,9 @@ int swing_trajectory(const Model *m, const double *p, double release_angle, doub
             propagate(&s, &b, &d);
         }
         int last = next;
-        while (last < n && at[last] <= t_end) {
-            x[last] = 2.0 * (at[last] - here.t) / h - 1.0;
-            last++;
-        }
+        while (last < n && at[last] <= t_end) last++;
+        const double per_second = 2.0 / h;
+        for (int i = next; i < last; i++) x[i] = (at[i] - here.t) * per_second - 1.0;
         const int size = last - next;
         sample(b.th_poly, N + 1, x + next, size, angles + next);
         if (with_clock) sample(b.v_poly, N, x + next, size, speed + next);

@@ -37,4 +37,7 @@ enum { RELEASE_ANGLE = -1, RELEASE_VELOCITY = -2 };
 int swing_trajectory(const Model *m, const double *p, double release_angle, double release_velocity,
                      const double *times, int n, double pace, int n_free, const int *free_values,
                      double *angles, double *slopes, Report *report);
+
+/* Panels that a half-swing of this model usually takes, at most. */
+double usual_panels(const Model *m);
 #endif
