@@ -73,7 +73,7 @@ def test_a_write_that_fails_leaves_the_old_file_and_nothing_else(labelled, tmp_p
     path = dataset.write(labelled, tmp_path / "a.nc")
     before = path.read_bytes()
     monkeypatch.setattr(
-        dataset.os, "replace", lambda *_: (_ for _ in ()).throw(RuntimeError("NetCDF: HDF error"))
+        "os.replace", lambda *_: (_ for _ in ()).throw(RuntimeError("NetCDF: HDF error"))
     )
     with pytest.raises(RuntimeError, match="HDF error"):
         dataset.write(labelled, path)

@@ -6,6 +6,7 @@ from pathlib import Path
 from swingdown import console, own_effects
 from swingdown.discovery.files import read_rounds
 from swingdown.discovery.verdict import verdict
+from swingdown.paths import written_whole
 
 
 def discover_verdict(folders, output):
@@ -13,9 +14,8 @@ def discover_verdict(folders, output):
     rounds = read_rounds(folders)
     last = next((k for k, state in enumerate(rounds) if state["next"] is None), len(rounds) - 1)
     found = verdict(rounds[: last + 1])
-    partial = Path(output).with_suffix(".part")
-    partial.write_text(json.dumps(found, indent=1, ensure_ascii=False) + "\n")
-    partial.replace(output)
+    with written_whole(output) as partial:
+        partial.write_text(json.dumps(found, indent=1, ensure_ascii=False) + "\n")
     return f"{found['campaign']}: {found['status']}. {found['sentence']}"
 
 

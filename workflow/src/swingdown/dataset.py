@@ -1,7 +1,6 @@
 """Labelled datasets on disk: whole or not there, compressed so that damage shows, every number with a unit."""
 
 import errno
-import os
 import shutil
 from pathlib import Path
 
@@ -10,6 +9,7 @@ import numpy as np
 import xarray as xr
 
 from .errors import InputError
+from .paths import written_whole
 
 CONVENTIONS = "CF-1.8"
 
@@ -32,17 +32,11 @@ def write(dataset, path):
         elif variable.dtype.kind == "f":
             encoding[name]["_FillValue"] = None if name in dataset.coords else np.nan
 
-    path.parent.mkdir(parents=True, exist_ok=True)
-    temporary = path.with_name(f".{path.name}.{os.getpid()}.part")
     try:
-        dataset.to_netcdf(temporary, engine="netcdf4", format="NETCDF4", encoding=encoding)
-        with netCDF4.Dataset(
-            temporary, "a"
-        ) as file:  # last of all: a killed writer leaves a file that opens cleanly
-            file.setncattr("complete", np.int32(1))
-        _to_disk(temporary)
-        os.replace(temporary, path)
-        _to_disk(path.parent)
+        with written_whole(path) as partial:
+            dataset.to_netcdf(partial, engine="netcdf4", format="NETCDF4", encoding=encoding)
+            with netCDF4.Dataset(partial, "a") as file:  # last of all: a killed writer leaves a file that opens cleanly
+                file.setncattr("complete", np.int32(1))
     except (OSError, RuntimeError) as error:
         free = shutil.disk_usage(path.parent).free
         if (
@@ -54,8 +48,6 @@ def write(dataset, path):
                 f"{free / 1e6:.3g} MB are free. Mend: make room and run again",
             ) from error
         raise
-    finally:
-        temporary.unlink(missing_ok=True)
     return path
 
 
@@ -92,11 +84,3 @@ def _unlabelled(dataset):
 def _with_plain_text(dataset):
     texts = {n: v.astype(str) for n, v in dataset.variables.items() if v.dtype.kind not in "fiubSUMm"}
     return dataset.assign({n: (v.dims, np.asarray(v.values, dtype="U"), v.attrs) for n, v in texts.items()})
-
-
-def _to_disk(path):
-    descriptor = os.open(path, os.O_RDONLY)
-    try:
-        os.fsync(descriptor)
-    finally:
-        os.close(descriptor)

@@ -9,6 +9,7 @@ import yaml
 
 from . import effects
 from .errors import InputError
+from .paths import written_whole
 
 FORMS = ("consistent", "printed")
 RESTORING = tuple(effects.GRAVITY)
@@ -93,12 +94,9 @@ def write_model(model, path):
         if name in model.values
     }
     content = {"effects": list(model.effects), "restoring": model.restoring, "form": model.form, "parameters": values}
-    path = Path(path)
-    path.parent.mkdir(parents=True, exist_ok=True)
-    partial = path.with_suffix(path.suffix + ".part")
-    partial.write_text(yaml.safe_dump(content, sort_keys=False, allow_unicode=True))
-    partial.replace(path)
-    return path
+    with written_whole(path) as partial:
+        partial.write_text(yaml.safe_dump(content, sort_keys=False, allow_unicode=True))
+    return Path(path)
 
 
 def read_model(path):

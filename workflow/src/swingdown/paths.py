@@ -1,5 +1,7 @@
-"""Where a file named in the config or a sheet is found: in the working directory, else in the project."""
+"""Where a file named in the config or a sheet is found, and how a file comes to be: whole, or not at all."""
 
+import os
+from contextlib import contextmanager
 from pathlib import Path
 
 PROJECT = Path(__file__).resolve().parents[3]
@@ -22,3 +24,29 @@ def find(name):
     if not path.is_absolute() and not path.exists() and (PROJECT / path).exists():
         return PROJECT / path
     return path
+
+
+@contextmanager
+def written_whole(path):
+    """A path to write to, beside ``path``: what is there at the end takes its name, on disk and whole.
+
+    Where writing fails, ``path`` is as it was before and nothing is left behind.
+    """
+    path = Path(path)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    partial = path.with_name(f".{path.name}.{os.getpid()}.part")
+    try:
+        yield partial
+        _to_disk(partial)
+        os.replace(partial, path)
+        _to_disk(path.parent)
+    finally:
+        partial.unlink(missing_ok=True)
+
+
+def _to_disk(path):
+    descriptor = os.open(path, os.O_RDONLY)
+    try:
+        os.fsync(descriptor)
+    finally:
+        os.close(descriptor)

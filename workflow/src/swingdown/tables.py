@@ -3,7 +3,6 @@
 Norms are in degrees. The paper's printed numbers stand beside the computed ones (``resources/paper``).
 """
 
-import os
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +10,7 @@ import pandas as pd
 
 from .comparison import bic_effective, comparison
 from .norms import as_text
+from .paths import written_whole
 from .rounding import value_with_uncertainty
 
 __all__ = ["comparison", "parameters", "table2", "table3", "write_table"]
@@ -164,18 +164,9 @@ def parameters(norms, joint=()):
 
 def write_table(table, path):
     """The path written: a CSV file at full precision that appears under its name only when it is complete."""
-    path = Path(path)
-    path.parent.mkdir(parents=True, exist_ok=True)
-    temporary = path.with_name(f".{path.name}.{os.getpid()}.part")
-    try:
-        with open(temporary, "w", encoding="utf-8", newline="") as file:
-            table.to_csv(file, index=False, lineterminator="\n")
-            file.flush()
-            os.fsync(file.fileno())
-        os.replace(temporary, path)
-    finally:
-        temporary.unlink(missing_ok=True)
-    return path
+    with written_whole(path) as partial:
+        table.to_csv(partial, index=False, lineterminator="\n")
+    return Path(path)
 
 
 def statistics(values):

@@ -1,6 +1,5 @@
 """How every figure looks: sizes, type, the models' colours, the small notes, and saving without a trace of the day."""
 
-import os
 from functools import wraps
 from pathlib import Path
 
@@ -12,6 +11,7 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from ..model import symbol
+from ..paths import written_whole
 
 WIDTH_CM = 16.0
 DPI = 200
@@ -237,7 +237,6 @@ def save(figure, path):
     figure show the same picture.
     """
     path = Path(path)
-    path.parent.mkdir(parents=True, exist_ok=True)
     figure.draw_without_rendering()
     figure.set_layout_engine("none")
     for artist in figure.findobj(lambda artist: isinstance(artist, (Line2D, PolyCollection))):
@@ -245,13 +244,6 @@ def save(figure, path):
             artist.set_rasterized(True)
     targets = [path] if path.suffix in _NO_TRACE else [path.with_name(path.name + suffix) for suffix in _NO_TRACE]
     for target in targets:
-        partial = target.with_name(f".{target.name}.{os.getpid()}.part")
-        try:
-            with open(partial, "wb") as file:
-                figure.savefig(file, format=target.suffix[1:], dpi=DPI, metadata=_NO_TRACE[target.suffix])
-                file.flush()
-                os.fsync(file.fileno())
-            partial.replace(target)
-        finally:
-            partial.unlink(missing_ok=True)
+        with written_whole(target) as partial:
+            figure.savefig(partial, format=target.suffix[1:], dpi=DPI, metadata=_NO_TRACE[target.suffix])
     return targets

@@ -1,7 +1,6 @@
 """The form of the report: sections of texts, tables and figures, rendered into one self-contained HTML file."""
 
 import base64
-import os
 import re
 from dataclasses import dataclass
 from pathlib import Path
@@ -10,7 +9,7 @@ import jinja2
 from docutils.core import publish_parts
 from markupsafe import Markup
 
-from ..paths import PROJECT
+from ..paths import PROJECT, written_whole
 
 TEMPLATE = PROJECT / "workflow" / "report" / "report.html.j2"
 _MEDIA = {".png": "image/png", ".svg": "image/svg+xml"}
@@ -117,15 +116,9 @@ def write(path, sections, **head):
     """The path written: the report with its sections; ``head`` fills title, subtitle, notices and footer."""
     environment = jinja2.Environment(autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True)
     html = environment.from_string(TEMPLATE.read_text(encoding="utf-8")).render(sections=sections, **head)
-    path = Path(path)
-    path.parent.mkdir(parents=True, exist_ok=True)
-    partial = path.with_name(f".{path.name}.{os.getpid()}.part")
-    try:
+    with written_whole(path) as partial:
         partial.write_text(html, encoding="utf-8")
-        partial.replace(path)
-    finally:
-        partial.unlink(missing_ok=True)
-    return path
+    return Path(path)
 
 
 def _anchor(label):

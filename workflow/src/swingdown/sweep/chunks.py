@@ -7,11 +7,11 @@ what no chunk of the book holds yet. A chunk's name stands for its content, and 
 
 import hashlib
 import json
-import os
 from dataclasses import dataclass
 from pathlib import Path
 
 from ..errors import InputError
+from ..paths import written_whole
 from .table import cell_key
 
 MOST_JOBS = 2000  # beyond that the workflow's own time and the file system are what one waits for
@@ -148,11 +148,9 @@ def add_to_book(book, chunks):
     book = Path(book)
     known = {chunk.name for chunk in read_book(book)} if chunks else set()
     if chunks := [chunk for chunk in chunks if chunk.name not in known]:
-        book.parent.mkdir(parents=True, exist_ok=True)
-        partial = book.with_name(f".{book.name}.{os.getpid()}.part")
         before = book.read_text(encoding="utf-8") if book.exists() else ""
-        partial.write_text(before + "".join(f"{chunk.name} {chunk.content}\n" for chunk in chunks), encoding="utf-8")
-        partial.replace(book)
+        with written_whole(book) as partial:
+            partial.write_text(before + "".join(f"{chunk.name} {chunk.content}\n" for chunk in chunks), encoding="utf-8")
     return book
 
 

@@ -1,6 +1,5 @@
 """One labelled dataset out of the chunks of a sweep, cell by cell, so that its size does not matter to the memory."""
 
-import os
 from pathlib import Path
 
 import netCDF4
@@ -10,6 +9,7 @@ import yaml
 
 from .. import dataset
 from ..errors import InputError
+from ..paths import written_whole
 from . import summary
 from .table import cell_key, noise_key
 
@@ -30,19 +30,13 @@ def combine(sweep, paths, output):
     output = Path(output)
     where = {cell_key(sweep.computes, sweep.cell(values)): index for index, values in zip(np.ndindex(sweep.shape), sweep, strict=True)}
     listed = _listed(paths)
-    partial = output.with_name(f".{output.name}.{os.getpid()}.whole")
-    try:
+    with written_whole(output) as partial:
         dataset.write(_skeleton(sweep, listed), partial)
         with netCDF4.Dataset(partial, "a") as file:
             filled = _fill(file, sweep, where, listed, paths)
             if not filled.all():
                 _tell_missing(sweep, filled)
             summary.add(file, sweep)
-        with open(partial, "rb") as file:
-            os.fsync(file.fileno())
-        os.replace(partial, output)
-    finally:
-        partial.unlink(missing_ok=True)
     return output
 
 
