@@ -61,13 +61,30 @@ def test_what_remains_makes_it_unknown_whatever_was_added(ties):
 
 
 def test_a_torque_without_a_name_stays_unknown_although_nothing_more_is_missing():
-    first = state(0, missing=True, chosen="unnamed_position", holdout=3.0)
+    first = state(0, missing=True, chosen="unnamed_position", holdout=3.0, ranking=[row("detent"), row("eccentricity")])
     last = state(1, missing=False, found=["unnamed_position"], effects=("viscous", "unnamed_position"), holdout=1.0)
     found = verdict([first, last])
     assert found["status"] == "unknown"
+    assert found["effects"][0]["tied_with"] == []
     assert found["gap"]["holdout"] == [3.0, 1.0]
     assert found["where"]["remaining_kind"] == "restoring"
     assert "unnamed_position" in found["sentence"]
+
+
+def test_named_effects_keep_the_values_they_had_before_torques_without_a_name_could_do_their_work():
+    before = {"constant_torque": {"value": 0.31, "standard_error": 0.02, "unit": "rad/s^2"}}
+    after = {"constant_torque": {"value": 0.01, "standard_error": 2.0, "unit": "rad/s^2"}}
+    rounds = [
+        state(0, missing=True, chosen="constant_torque", holdout=9.0, ranking=[row("constant_torque")]),
+        state(1, missing=True, found=["constant_torque"], chosen="unnamed_velocity", parameters=before, holdout=5.0),
+        state(2, missing=True, found=["constant_torque", "unnamed_velocity"], chosen="unnamed_position", parameters=after, holdout=3.0),
+        state(3, missing=True, found=["constant_torque", "unnamed_velocity", "unnamed_position"], parameters=after, holdout=2.0),
+    ]
+    found = verdict(rounds)
+    assert found["effects"][0]["parameters"]["constant_torque"]["value"] == 0.31
+    assert "What remains, 5 times the noise" in found["sentence"]
+    assert "kept as unnamed_velocity and unnamed_position" in found["sentence"]
+    assert "9 → 2 times" in found["sentence"]
 
 
 def test_a_dissipation_that_would_be_negative_is_told():

@@ -64,7 +64,9 @@ def _effect(name, rounds, fitted):
     last = rounds[-1]
     state = next(state for state in reversed(rounds) if state["chosen"] and state["chosen"]["added"] == name)
     ties = [row for row in state["ranking"] if row["tied"] and row["added"] not in (None, name)]
-    if name in last["rivals"]:
+    if name in effects.FREE_FORM:  # what was tied in that round was refused for it
+        tied, alike = [], {}
+    elif name in last["rivals"]:
         tied, alike = last["rivals"][name], {}
     else:
         tied, alike = [row["added"] for row in ties], {row["added"]: row["correlation"] for row in ties}
