@@ -8,6 +8,7 @@ import xarray as xr
 
 from swingdown import dataset
 from swingdown.errors import InputError
+from swingdown.quality import check_signal
 from swingdown.recording import ingest, read_recording
 from swingdown.sheet import read_sheet
 
@@ -121,6 +122,16 @@ def test_a_top_just_short_of_the_next_step_is_no_saturation(make):
     """The flattest top a rounded signal can have, at every turning point: nothing is lost to damping."""
     time = np.arange(4000) / 1000
     assert make(np.round(100.49 * np.cos(7 * time)) * 1e-3, time).sizes["time"] == 4000
+
+
+def test_noisy_steps_at_a_release_from_rest_are_no_saturation():
+    """Half a top, at the first sample, in steps about as large as the noise: a few samples are alike by chance."""
+    time, step, draws = np.arange(2001) / 100, 0.00416, np.random.default_rng(6)
+    for _ in range(3000):
+        velocity = draws.normal(0, 0.07)
+        clean = (-draws.uniform(0.3, 0.6) * np.cos(6.5 * time) + velocity / 6.5 * np.sin(6.5 * time)) * np.exp(-0.06 * time)
+        signal = step * np.round((clean + 0.4 * step * draws.standard_normal(time.size)) / step)
+        check_signal(time, signal, "swing.csv")
 
 
 @pytest.mark.parametrize("noise", [0.0, 0.002])

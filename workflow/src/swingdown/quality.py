@@ -7,6 +7,7 @@ from .errors import InputError
 
 GAP = 1.5  # times the usual interval: a sample is missing
 PLATEAU = 4  # samples at the highest value of one top before it is looked at
+EDGES = 2  # samples that noise may put on the other side of a step, one where a top begins and one where it ends
 STEPS = 8  # quantisation steps below it that are compared with it
 
 
@@ -85,7 +86,7 @@ def saturated_runs(signal):
     for visit in np.unique(away[at_top]):
         own = away == visit
         here = np.flatnonzero(own & at_top)
-        if len(here) >= PLATEAU and np.sum(own & near) < 2 * len(here):
+        if len(here) >= PLATEAU and np.sum(own & near) < 2 * len(here) - EDGES:
             cut.append((int(here[0]), len(here)))
     if len(cut) == 1:
         here = np.flatnonzero(at_top & (away == away[cut[0][0]]))

@@ -111,7 +111,11 @@ def look(number, campaign, fit, found=(), allowed=None, last=False):
         if fit.rss - one.fit.rss < _SUBSTANTIAL * excess:
             state = replace(state, reason=f"{one.move} explains little of what is left")
             continue
-        settled = _settled(one, state, campaign)
+        try:
+            settled = _settled(one, state, campaign)
+        except TrajectoryError:  # at the edge of what the engine can follow, and no model to go on from
+            state = replace(state, reason=f"{one.move} makes motions that cannot be computed closely enough")
+            continue
         if gained(state, settled, campaign) > 0:
             return replace(state, chosen=settled, reason="")
         state = replace(state, reason=f"{one.move} is not confirmed on held-out swings")
@@ -161,9 +165,9 @@ def _without_a_name(state, here, campaign):
     for name in sorted(left, key=lambda name: -shares[name]):
         try:
             fit = fit_free_form(here, name)
+            one = _settled(Candidate(name, None, fit, evidence(fit, state.noise)), state, campaign)
         except TrajectoryError:
             continue
-        one = _settled(Candidate(name, None, fit, evidence(fit, state.noise)), state, campaign)
         if state.bic - one.bic >= GUARD["worth_bic"] and gained(state, one, campaign) > 0:
             return replace(state, chosen=one)
     return state
