@@ -89,7 +89,7 @@ def row(method, one, names, seconds, said=None):
 
 def period(times, angle):
     """The period (s) of a swing, from the largest line of its spectrum: good enough to choose windows by."""
-    window = np.hanning(angle.size)
+    window = np.hanning(2 * angle.size)[angle.size :]  # most of it at the beginning: some swings die out early
     power = np.abs(np.fft.rfft((angle - np.average(angle, weights=window)) * window, 4 * angle.size))
     power[:12] = 0  # fewer than three swings in a record are no line but a drift
     return 4 * times[-1] / np.argmax(power)
