@@ -312,8 +312,9 @@ def fit_jointly(effects, swings, *, start="free", guess=None, restoring="sine", 
     Raises InputError for swings that cannot be fitted and TrajectoryError where no start gives a trajectory.
     """
     problem = _Problem(Model(effects, restoring=restoring, form=form), swings, start, bounded, own, fixed)
-    starts, own = _starts(problem, guess, seen)
-    found, agreeing, tried = _from_all(problem, starts, len(starts) - own + 1 if own else 0, most, tolerance, grown)
+    starts, from_data = _starts(problem, guess, seen)
+    first = len(starts) - from_data + 1 if from_data else 0
+    found, agreeing, tried = _from_all(problem, starts, first, most, tolerance, grown)
     rss, best, hessian, _, outcome = found
     if outcome.converged < 0:
         raise TrajectoryError(f"model {problem.model.label}: no start of {tried} gives a trajectory")
