@@ -7,8 +7,9 @@ import pytest
 
 from swingdown.hidden.find import find
 from swingdown.hidden.plan import Planned, chunks, drawn, planned
-from swingdown.hidden.score import confusion, guard, row, summarise
+from swingdown.hidden.score import confusion, guard, read_scores, row, summarise
 from swingdown.hidden.trials import BASE, write_trial
+from swingdown.plots.hidden import detection
 
 SEED = 99  # not the seed of the scores in the README
 
@@ -101,6 +102,14 @@ def test_the_guard_tells_the_false_alarms_that_were_counted():
     told = guard(pd.DataFrame([scored(), scored(kind="null", alarm=True), scored(kind="null", alarm=False)]))
     assert (told["nulls"], told["false_alarms"]) == (2, 1)
     assert set(told) == {"p_missing", "worth_bic", "nulls", "false_alarms"}
+
+
+def test_campaigns_with_nothing_hidden_are_there_when_scores_are_read_again_and_drawn(tmp_path):
+    pd.DataFrame([scored(), scored(kind="null", named="", alarm=False)]).to_csv(tmp_path / "scores.csv", index=False)
+    again = read_scores(tmp_path / "scores.csv")
+    assert again["kind"].tolist() == ["single", "null"]
+    figure = detection(again)
+    assert any("0 of 1" in text.get_text() for axes in figure.axes for text in axes.texts)
 
 
 def test_the_confusion_matrix_tells_what_was_said_instead():

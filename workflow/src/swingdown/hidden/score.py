@@ -90,6 +90,11 @@ def _excess(truth, found, among):
     return truth["samples"] * len(fitted) * (min(left) ** 2 - noise) / white.slow_variance
 
 
+def read_scores(path):
+    """The table of a scores.csv, in which "null" is a kind of trial and no missing value."""
+    return pd.read_csv(path, keep_default_na=False, na_values=[""])
+
+
 def summarise(scores):
     """The table of figures: columns ``figure``, ``value``, ``low`` and ``high`` (95 %, Clopper and Pearson), ``n``, ``asked``.
 

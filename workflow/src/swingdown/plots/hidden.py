@@ -26,32 +26,67 @@ def confusion(matrix):
     return style.footnote(figure, "percent of the campaigns of a row")
 
 
+_TRIALS = (  # kind, what is right of it (or an alarm), and in words
+    ("null", "alarm", "nothing hidden: false alarms"),
+    ("removed", "right", "taken out of the catalogue: unknown"),
+    ("foreign", "right", "in no catalogue: unknown"),
+    ("pair", "inside", "two hidden: both named"),
+)
+_SAID = (
+    ("exact", "named exactly", "#0072B2", "o"),
+    ("inside", "named, or in a tie of at most four", "#009E73", "s"),
+    ("wrong", "a wrong name", "#D55E00", "D"),
+)
+_KINDS = {"null": "nothing hidden", "single": "one effect", "pair": "two effects", "removed": "taken out", "foreign": "in no catalogue"}
+
+
 @style.styled
 def detection(scores):
-    """Shares of right verdicts against the effect's size, and of false alarms and abstentions, with 95 % limits."""
-    figure = style.new_figure(8)
-    left, right = figure.subplots(1, 2, width_ratios=(1.2, 1))
-    single = scores[scores["kind"] == "single"]
-    for flag, label, colour, marker in (("exact", "named exactly", "#0072B2", "o"), ("inside", "named, or in a tie of at most four", "#009E73", "s"), ("wrong", "a wrong name", "#D55E00", "D")):
-        sizes = sorted(single["ratio"].unique())
+    """Shares of right verdicts against the effect's size, of false alarms and abstentions, and the time of each campaign."""
+    figure = style.new_figure(12)
+    grid = figure.add_gridspec(2, 2)
+    left, right, below = figure.add_subplot(grid[0, 0]), figure.add_subplot(grid[0, 1]), figure.add_subplot(grid[1, :])
+    _by_size(left, scores[scores["kind"] == "single"])
+    _others(right, scores)
+    _times(below, scores)
+    return figure
+
+
+def _by_size(axes, single):
+    sizes = sorted(single["ratio"].unique())
+    for flag, label, colour, marker in _SAID:
         shares = [100 * single.loc[single["ratio"] == ratio, flag].astype(bool).mean() for ratio in sizes]
-        left.plot(sizes, shares, marker=marker, ms=5, color=colour, label=label)
-    left.set_xscale("log")
-    left.set_xticks(sorted(single["ratio"].unique()), [f"{ratio:g}" for ratio in sorted(single["ratio"].unique())], minor=False)
-    left.minorticks_off()
-    left.set(xlabel="residual of the base model over noise", ylabel="percent of campaigns", ylim=(-4, 104), title="(a) one effect hidden")
-    left.legend(loc="center left")
-    left.grid(True, axis="y")
-    bars = (("null", "alarm", "nothing hidden:\nfalse alarms"), ("removed", "right", "taken out of\nthe catalogue:\nunknown"),
-            ("foreign", "right", "in no catalogue:\nunknown"), ("pair", "inside", "two hidden:\nboth named"))  # fmt: skip
-    for place, (kind, flag, _) in enumerate(bars):
+        axes.plot(sizes, shares, marker=marker, ms=5, color=colour, label=label)
+    axes.set_xscale("log")
+    axes.set_xticks(sizes, [f"{ratio:g}" for ratio in sizes], minor=False)
+    axes.minorticks_off()
+    axes.set(xlabel="residual of the base model over noise", ylabel="percent of campaigns", ylim=(-4, 104), title="(a) one effect hidden")
+    axes.legend(loc="center left")
+    axes.grid(True, axis="y")
+
+
+def _others(axes, scores):
+    """Bars with what they are written above each, for the words are long."""
+    for place, (kind, flag, words) in enumerate(_TRIALS):
         part = scores.loc[scores["kind"] == kind, flag].astype(bool)
         if len(part):
-            share = 100 * part.mean()
-            right.bar(place, share, color="#D55E00" if kind == "null" else "#0072B2", width=0.6)
-            right.annotate(f"{part.sum()} of {len(part)}", (place, share), xytext=(0, 3), textcoords="offset points", ha="center", fontsize=8.5)
-    right.set_xticks(range(len(bars)), [label for *_, label in bars], fontsize=8)
-    right.tick_params(axis="x", length=0)
-    right.set(ylim=(0, 112), title="(b) the other trials")
-    right.grid(True, axis="y")
-    return figure
+            axes.barh(place, 100 * part.mean(), height=0.4, color="#D55E00" if kind == "null" else "#0072B2")
+            axes.annotate(f"{words}, {part.sum()} of {len(part)}", (0, place - 0.22), xytext=(2, 2), textcoords="offset points", va="bottom", fontsize=8.5)
+    axes.set_yticks([])
+    axes.set(xlim=(0, 104), ylim=(len(_TRIALS) - 0.6, -0.75), xlabel="percent of campaigns", title="(b) the other trials")
+
+
+def _times(axes, scores):
+    """A dot for each campaign, moved up and down a little so that many can be seen, and the median."""
+    kinds = [kind for kind in _KINDS if (scores["kind"] == kind).any()]
+    for place, kind in enumerate(kinds):
+        seconds = np.sort(scores.loc[scores["kind"] == kind, "seconds"].to_numpy(float))
+        aside = 0.24 * np.sin(2.4 * np.arange(seconds.size))  # no two neighbours at one height
+        axes.plot(seconds, place + aside, "o", ms=3, mew=0, color="#0072B2", alpha=0.5)
+        axes.plot(np.median(seconds) * np.ones(2), (place - 0.36, place + 0.36), color=style.INK, lw=1.4)
+    axes.set_xscale("log")
+    style.decimal_log(axes.xaxis)
+    axes.set_yticks(range(len(kinds)), [_KINDS[kind] for kind in kinds])
+    axes.invert_yaxis()
+    axes.set(xlabel="CPU time of a campaign (s); the line is the median", title="(c) time")
+    axes.grid(True, axis="x")
