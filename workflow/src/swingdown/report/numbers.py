@@ -39,7 +39,7 @@ def plain(value, digits=3):
     return f"{_fixed(value / 10.0**power, digits - 1)} × 10{_superscript(power)}"
 
 
-def written_whole(value):
+def whole(value):
     """A number without decimals."""
     return _fixed(value, 0) if _ok(value) else "–"
 
