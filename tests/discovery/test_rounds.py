@@ -42,6 +42,15 @@ def test_the_hidden_effect_is_named_and_the_gap_closes(named):
     assert last.holdout.rms < 0.5 * named[0].holdout.rms
 
 
+def test_the_missing_torque_is_drawn_as_large_as_it_is(named):
+    """Quadratic drag beyond what the viscous term can do of it: less than the drag itself, and nothing once it is there."""
+    before, after = (one.curves[one.curves["over"] == "velocity"] for one in (named[0], named[-1]))
+    whole = 7.25 * 0.003 * before["x"].max() ** 2
+    assert 0.02 * whole < before["torque"].abs().max() < whole
+    assert (after["torque"].abs() < 0.02 * whole).all()
+    assert (after["band"] < 0.02 * whole).all()  # what the fit's own drag can do is no part of the map
+
+
 def test_the_disagreement_is_seen_as_dissipative(named):
     shares = {group.name: group.share for group in named[0].groups}
     assert max(shares, key=shares.get) == "velocity"

@@ -8,6 +8,7 @@ from .linear import columns_of, each_model
 from .refit import refit
 
 _POINTS = 41  # of a curve
+_IMITATED = 0.05  # of the best determined curve: one whose share beyond the fit is smaller is the fit's own
 # where on a curve over time each of its parts is seen: a drag at the largest speed, a stiffness at the largest angle, a push
 _TIME_PARTS = ("drag", "stiffness", "push")
 
@@ -110,15 +111,13 @@ def _pieces(name, at):
 
 
 def _estimate(frame, columns, noise):
-    """Coefficients of the columns beyond the fit, and their covariance under the noise."""
-    outside = frame.outside(columns)
-    size = np.linalg.norm(outside, axis=0)
-    free = size > 1e-3 * np.linalg.norm(columns, axis=0)  # the rest the fit's own terms can do
-    estimate, covariance = np.zeros(size.size), np.zeros((size.size, size.size))
-    if free.any():
-        left, singular, right = np.linalg.svd(outside[:, free] / size[free], full_matrices=False)
-        determined = singular > 1e-3 * singular[0]  # what the data do not determine stays at nothing
-        inverse = (right[determined].T / singular[determined]) / size[free, None]
-        estimate[free] = inverse @ (left[:, determined].T @ frame.residual)
-        covariance[np.ix_(free, free)] = inverse @ inverse.T * noise.slow_variance
-    return estimate, covariance
+    """Coefficients of the columns beyond the fit, and their covariance under the noise.
+
+    A curve that the fit's own terms could imitate stays at nothing: any amount of it would leave the residual as it is.
+    """
+    size = np.linalg.norm(columns, axis=0)
+    size[size == 0] = 1.0
+    left, singular, right = np.linalg.svd(frame.outside(columns) / size, full_matrices=False)
+    determined = singular > _IMITATED * max(singular[0], _IMITATED)  # of a form that the model has, nothing is left over
+    inverse = (right[determined].T / singular[determined]) / size[:, None]
+    return inverse @ (left[:, determined].T @ frame.residual), inverse @ inverse.T * noise.slow_variance
