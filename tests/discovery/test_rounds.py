@@ -5,7 +5,9 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from swingdown.discovery.campaign import Swing, campaign, measure_noise
+from swingdown.discovery.files import summary
 from swingdown.discovery.rounds import discover
+from swingdown.plots.discovery import missing_torque
 
 TIMES = np.arange(1201) / 100  # s
 NOISE = 1e-3  # rad
@@ -49,6 +51,17 @@ def test_the_missing_torque_is_drawn_as_large_as_it_is(named):
     assert 0.02 * whole < before["torque"].abs().max() < whole
     assert (after["torque"].abs() < 0.02 * whole).all()
     assert (after["band"] < 0.02 * whole).all()  # what the fit's own drag can do is no part of the map
+
+
+def test_a_torque_that_is_kept_without_a_name_is_the_one_that_was_hidden_and_can_be_drawn():
+    states = discover(campaign("hidden", swings(0.003, 11)), "viscous", rounds=1, allowed=("constant_torque",))
+    assert [state.chosen.added for state in states if state.chosen] == ["unnamed_velocity"]
+    last, model = states[-1], states[-1].fit.model
+    fast = last.kept[last.kept["x"] > 0.1 * last.kept["x"].max()]
+    damping = 2 * model.values["viscous_ratio"] * model.values["natural_frequency"] * fast["x"] - fast["torque"]
+    hidden = 2 * 0.008 * 7.25 * fast["x"] + 7.25 * 0.003 * fast["x"] ** 2
+    assert np.abs(damping - hidden).max() < 0.05 * hidden.max()
+    missing_torque(states[0].curves, last.curves, last.kept, [summary(state, campaign("hidden", swings(0.003, 11))) for state in states])
 
 
 def test_the_disagreement_is_seen_as_dissipative(named):

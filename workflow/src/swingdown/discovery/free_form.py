@@ -38,9 +38,9 @@ def free_columns(frame, name):
 
 def fit_free_form(frame, name):
     """The ``Fit`` with a free form beside the effects that the model has; TrajectoryError where there is none."""
-    fit, fixed = frame.fit, _fixed(frame, name)
-    values = tuple(model.values | dict.fromkeys(coefficients(name), 0.0) | fixed for model in each_model(fit))
-    return refit((*fit.model.effects, name), values, fit, frame.swings, fixed=fixed)
+    fit, added = frame.fit, dict.fromkeys(coefficients(name), 0.0) | _fixed(frame, name)
+    values = tuple(model.values | added for model in each_model(fit))
+    return refit((*fit.model.effects, name), values, fit, frame.swings)
 
 
 def missing(frame, noise):
@@ -62,13 +62,13 @@ def kept(frame, noise):
 
     The band knows how closely the fit holds each curve, the noise's colour, and not what else may be missing.
     """
-    fit, tables = frame.fit, [pd.DataFrame(columns=["over", "part", "x", "torque", "band"])]
+    fit, tables = frame.fit, []
     for name in effects.FREE_FORM:
         if name in fit.model.effects:
             at = [fit.free.index(one) for one in coefficients(name)]
             covariance = fit.covariance[np.ix_(at, at)] * noise.inflation
             tables.append(_curve(frame, name, fit.values[at], covariance))
-    return pd.concat(tables, ignore_index=True) if len(tables) > 1 else tables[0]
+    return pd.concat(tables, ignore_index=True) if tables else pd.DataFrame(columns=["over", "part", "x", "torque", "band"])
 
 
 def _curve(frame, name, estimate, covariance):

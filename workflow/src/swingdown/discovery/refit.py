@@ -21,13 +21,14 @@ class Begin:
     release_velocity: tuple
 
 
-def refit(names, values, like, swings, releases=(), fixed=None, grown=True, most=30):
+def refit(names, values, like, swings, releases=(), grown=True, most=30):
     """The ``Fit`` of the model with these effects, within the catalogue's bounds, from the values of each swing.
 
     ``like`` is the fit that it comes from: the options of its model, and its releases where ``releases`` (pairs of rad and
-    rad/s) are not given. ``fixed`` holds values that are not fitted. TrajectoryError where the values give no trajectory.
+    rad/s) are not given; ``grown`` as in ``fit_jointly``. The range of a free form is not fitted. TrajectoryError where the
+    values give no trajectory.
     """
-    fixed = dict(fixed or {}) | {key: value for key, value in values[0].items() if key.endswith("_range")}
+    fixed = {key: value for key, value in values[0].items() if key.endswith("_range")}
     own = [p.name for name in names for p in effects.effect(name).parameters if p.own]
     releases = releases or tuple(zip(like.release_angle, like.release_velocity, strict=True))
     begin = Begin(like.model, tuple(values), *zip(*releases, strict=True))
