@@ -75,8 +75,7 @@ LOCK := --system-certs --upgrade --universal --python-version 3.11 --generate-ha
   --no-emit-index-url --no-emit-find-links --no-header --no-annotate
 
 clean:
-	@find results -mindepth 1 ! -name README.md -delete
-	@rm -rf .snakemake .pytest_cache .ruff_cache
+	@rm -rf results .snakemake .pytest_cache .ruff_cache
 
 distclean: clean
 	@rm -rf .venv
