@@ -3,7 +3,7 @@
 # make benchmark  time the engine against what one would otherwise use (sets up .venv/peers for that; some minutes)
 # make benchmark-discovery  hold the search for hidden effects against what one would otherwise use (after snakemake hidden_effects;
 #                 sets up .venv/discovery for that; some minutes)
-# make lock       resolve the versions again after a change of pyproject.toml
+# make lock       resolve the versions again after a change of pyproject.toml; UPGRADE=--upgrade takes newer ones
 # make clean      remove what was computed; make distclean removes .venv as well
 #
 # TARGET=report, CORES=4 and ARGS="--configfile mine.yaml" are passed on to snakemake; TESTS=tests/test_fit.py to pytest.
@@ -71,7 +71,7 @@ lock:
 	@$(BIN)/uv pip compile -q pyproject.toml --extra peers -c requirements.lock --output-file requirements-discovery.lock $(LOCK)
 	@$(BIN)/uv --version | sed 's/^uv \([^ ]*\).*/uv==\1/' | $(BIN)/uv pip compile -q - --output-file requirements-uv.lock $(LOCK)
 
-LOCK := --system-certs --upgrade --universal --python-version 3.11 --generate-hashes \
+LOCK := --system-certs $(UPGRADE) --universal --python-version 3.11 --generate-hashes \
   --no-emit-index-url --no-emit-find-links --no-header --no-annotate
 
 clean:

@@ -4,9 +4,9 @@ from snakemake.utils import min_version
 
 from swingdown import console
 from swingdown.paths import find, is_url
-from swingdown.plan import plan
-from swingdown.settings import complete
-from swingdown.sources import sources
+from swingdown.study.plan import plan
+from swingdown.study.settings import complete
+from swingdown.study.sources import sources
 from swingdown.sweep.table import sweeps
 
 min_version("9.0")

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 import yaml
 
-from swingdown.recording import ingest
-from swingdown.sheet import read_sheet
+from swingdown.measurement.recording import ingest
+from swingdown.measurement.sheet import read_sheet
 
 
 @pytest.fixture(scope="module")
@@ -73,7 +73,9 @@ def test_every_swing_still_moves_at_the_end_and_starts_at_its_highest(root):
     for name, row in table[table.role != "static"].iterrows():
         volts = ingest(row)["signal"].values - 5.0065
         assert np.abs(volts).max() < np.abs(volts[0]) + 0.01, name  # the noise is 2 mV
-        assert np.abs(volts[-100:]).max() > (0.4 if row.campaign == "bench" else 0.1), name  # 3 degrees, or 0.7
+        assert np.abs(volts[-100:]).max() > (0.4 if row.campaign == "bench" else 0.1), (
+            name
+        )  # 3 degrees, or 0.7
 
 
 def test_the_emulated_motion_loses_what_its_forces_take(emulate):

@@ -57,7 +57,9 @@ def sheet(tmp_path):
 def test_the_papers_study(rules):
     counts = rules()
     assert set(counts) == PAPER
-    assert counts["record"] == counts["angle"] == 19  # both campaigns and the record at rest, which tells the noise
+    assert (
+        counts["record"] == counts["angle"] == 19
+    )  # both campaigns and the record at rest, which tells the noise
     assert counts["fit_swing"] == 12  # the paper's models are fitted to one campaign
     assert (counts["discover_verdict"], counts["discover_round"]) == (2, 10)
     assert counts["fit_simulated"] == 3
@@ -100,12 +102,28 @@ def test_the_report_is_a_target_of_its_own(rules):
 
 def test_discovery_alone_fits_no_paper_models(rules, sheet):
     found = rules(sheet + "discovery: {rounds: 1}\n", "discover")
-    assert found == {"discover": 1, "discover_round": 2, "discover_verdict": 1, "discover_figures": 1, "record": 2, "angle": 2}
+    assert found == {
+        "discover": 1,
+        "discover_round": 2,
+        "discover_verdict": 1,
+        "discover_figures": 1,
+        "record": 2,
+        "angle": 2,
+    }
 
 
 def test_hidden_effects_are_asked_for_by_name_and_need_no_recordings(rules):
-    found = rules("recordings: null\nhidden_effects: {nulls: 12, effects: [quadratic_drag], sizes: [2], removed: false, pairs: false, foreign: false}\n", "hidden_effects")
-    assert found == {"hidden_effects": 1, "hidden_make": 2, "hidden_find": 2, "hidden_score": 1, "hidden_figures": 1}
+    found = rules(
+        "recordings: null\nhidden_effects: {nulls: 12, effects: [quadratic_drag], sizes: [2], removed: false, pairs: false, foreign: false}\n",
+        "hidden_effects",
+    )
+    assert found == {
+        "hidden_effects": 1,
+        "hidden_make": 2,
+        "hidden_find": 2,
+        "hidden_score": 1,
+        "hidden_figures": 1,
+    }
 
 
 CAPTURE = "capture: {port: nowhere}\n"
@@ -120,7 +138,9 @@ def interruptible():
 
 
 def test_a_capture_is_one_job_and_looks_at_nothing_else(rules, interruptible):
-    assert rules("recordings: not_there_yet.csv\nrecording: swing-07\n" + CAPTURE, "capture") == {"capture": 1}
+    assert rules("recordings: not_there_yet.csv\nrecording: swing-07\n" + CAPTURE, "capture") == {
+        "capture": 1
+    }
 
 
 @pytest.mark.parametrize("target", ["all", "discover", "report", "results/angles/a.nc"])

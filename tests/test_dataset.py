@@ -72,9 +72,7 @@ def test_a_missing_file_is_told(tmp_path):
 def test_a_write_that_fails_leaves_the_old_file_and_nothing_else(labelled, tmp_path, monkeypatch):
     path = dataset.write(labelled, tmp_path / "a.nc")
     before = path.read_bytes()
-    monkeypatch.setattr(
-        "os.replace", lambda *_: (_ for _ in ()).throw(RuntimeError("NetCDF: HDF error"))
-    )
+    monkeypatch.setattr("os.replace", lambda *_: (_ for _ in ()).throw(RuntimeError("NetCDF: HDF error")))
     with pytest.raises(RuntimeError, match="HDF error"):
         dataset.write(labelled, path)
     assert path.read_bytes() == before and list(tmp_path.iterdir()) == [path]

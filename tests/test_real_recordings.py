@@ -4,17 +4,18 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from swingdown import norms, tables
-from swingdown.angle import to_angle
 from swingdown.discovery.campaign import Swing, campaign
 from swingdown.discovery.files import summary
 from swingdown.discovery.rounds import discover
 from swingdown.discovery.verdict import verdict
-from swingdown.effects import CATALOGUE
-from swingdown.experiment import fit_campaign, fit_recording
-from swingdown.model import PAPER_MODELS
-from swingdown.recording import ingest
-from swingdown.sheet import read_sheet
+from swingdown.measurement.angle import to_angle
+from swingdown.measurement.recording import ingest
+from swingdown.measurement.sheet import read_sheet
+from swingdown.pendulum.catalogue import CATALOGUE
+from swingdown.pendulum.model import PAPER_MODELS
+from swingdown.studies import norms
+from swingdown.studies import paper_tables as tables
+from swingdown.studies.experiment import fit_campaign, fit_recording
 
 # The link is still being lifted when the trigger fires, and is at its highest 0.12, 0.23 and 0.13 s later. From 0.2 s after
 # that the joint fit hardly changes (0.0115 rad; 0.0100 from 0.5 s), before it is up to six times worse: the hand's doing.

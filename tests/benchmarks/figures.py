@@ -11,12 +11,12 @@ from pathlib import Path
 import numpy as np
 from swings import CASES, TIMES
 
-from swingdown import effects
 from swingdown.engine import build
-from swingdown.fit import fit_batch, fit_trajectory
-from swingdown.model import PAPER_MODELS, Model
-from swingdown.noise import RStream, add_noise
-from swingdown.trajectory import effort, sensitivities, simulate
+from swingdown.engine.trajectory import effort, sensitivities, simulate
+from swingdown.fitting.fit import fit_batch, fit_trajectory
+from swingdown.pendulum import catalogue as effects
+from swingdown.pendulum.model import PAPER_MODELS, Model
+from swingdown.studies.noise import RStream, add_noise
 
 PAPER = {
     "natural_frequency": 7.25,
@@ -114,8 +114,8 @@ def monte_carlo(count=8000, chunk=2000):
 
 FIRST_USE = """
 import time; begun = time.perf_counter()
-from swingdown.model import Model
-from swingdown.trajectory import simulate
+from swingdown.pendulum.model import Model
+from swingdown.engine.trajectory import simulate
 simulate(Model("viscous", {"natural_frequency": 7.0, "viscous_ratio": 0.01}), [0.0, 1.0], 0.5)
 print(time.perf_counter() - begun)
 """
@@ -177,7 +177,7 @@ def limit():
     """CPU seconds of one trajectory with slopes of the full paper model, and what its right-hand sides alone cost."""
     import ctypes
 
-    from swingdown.trajectory import Compiled, doubles
+    from swingdown.engine.trajectory import Compiled, doubles
 
     case = CASES["seven"]
     path = build.library(tuple(effects.CATALOGUE.values()), tuple(effects.GRAVITY.values()))

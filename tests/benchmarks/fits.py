@@ -16,8 +16,8 @@ import peers
 from figures import figures
 from swings import CASES, TIMES
 
-from swingdown.fit import fit_batch, fit_trajectory
-from swingdown.trajectory import TrajectoryError, simulate
+from swingdown.engine.trajectory import TrajectoryError, simulate
+from swingdown.fitting.fit import fit_batch, fit_trajectory
 
 OURS = "this engine, same start"
 WANTED = {  # in issue 3: at least, goal

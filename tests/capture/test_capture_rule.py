@@ -112,7 +112,9 @@ def test_in_a_terminal_one_sees_what_is_recorded_and_it_is_never_overwritten(ben
 
 
 def test_ctrl_c_ends_a_recording_and_keeps_it(bench, tmp_path):
-    shown = bench.run(duration="null", when=rb" [1-9]\.\d s \|", then=lambda: os.write(bench.terminal, b"\x03"))
+    shown = bench.run(
+        duration="null", when=rb" [1-9]\.\d s \|", then=lambda: os.write(bench.terminal, b"\x03")
+    )
     assert bench.code == 0, shown
     assert "swing-07: stopped: " in shown and "1 of 1 jobs done" in shown
     data = dataset.read(tmp_path / "resources/recordings/swing-07.nc")
@@ -122,7 +124,9 @@ def test_ctrl_c_ends_a_recording_and_keeps_it(bench, tmp_path):
 @pytest.mark.slow
 def test_killed_and_recovered_by_the_rule(bench, tmp_path):
     raw = tmp_path / "resources/recordings/swing-07.raw"
-    shown = bench.run(duration=30, when=rb" [1-9]\.\d s \|", then=lambda: os.kill(bench.script(), signal.SIGKILL))
+    shown = bench.run(
+        duration=30, when=rb" [1-9]\.\d s \|", then=lambda: os.kill(bench.script(), signal.SIGKILL)
+    )
     assert bench.code != 0, shown
     assert raw.exists() and not raw.with_suffix(".nc").exists() and not (tmp_path / "recordings.csv").exists()
     shown = bench.run("recover=true", duration=30)

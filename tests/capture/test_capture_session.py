@@ -19,8 +19,8 @@ from swingdown import dataset
 from swingdown.capture import session, take
 from swingdown.capture.journal import Journal, read_journal
 from swingdown.errors import InputError
-from swingdown.recording import ingest
-from swingdown.sheet import read_sheet
+from swingdown.measurement.recording import ingest
+from swingdown.measurement.sheet import read_sheet
 
 NC, RAW = Path("resources/recordings/a.nc"), Path("resources/recordings/a.raw")
 SWING = [int(500 + 300 * np.cos(k / 15)) for k in range(100)]
@@ -52,7 +52,9 @@ def record(line):
 
 def swing(values=SWING, first=0, piece=10):
     """Pieces of ten frames, somewhat faster than they would come, to save time."""
-    return [(0.6 * piece / 100, frames(values[k : k + piece], first + k)) for k in range(0, len(values), piece)]
+    return [
+        (0.6 * piece / 100, frames(values[k : k + piece], first + k)) for k in range(0, len(values), piece)
+    ]
 
 
 def row(name="a"):
@@ -79,7 +81,9 @@ def test_lines_as_an_arduino_prints_them(record):
     recording = ingest(row(), "sheet.csv")
     assert recording["signal"].attrs["units"] == "deg"
     assert recording["signal"].values == pytest.approx(np.array(SWING) / 10, abs=0.01)
-    assert recording["time"].values == pytest.approx((np.array(late[:100]) - 1) / 1000)  # the device's own clock
+    assert recording["time"].values == pytest.approx(
+        (np.array(late[:100]) - 1) / 1000
+    )  # the device's own clock
 
 
 def test_unplugged_in_the_middle_of_a_frame(record):

@@ -10,8 +10,8 @@ import yaml
 
 from swingdown.capture import sheets
 from swingdown.errors import InputError
+from swingdown.measurement.sheet import read_sheet
 from swingdown.paths import PROJECT
-from swingdown.sheet import read_sheet
 
 ROW = {
     "recording": "new",

@@ -24,14 +24,21 @@ def swings(quadratic, seed):
             drag = 2 * 0.008 * 7.25 * velocity + 7.25 * quadratic * velocity * abs(velocity)
             return velocity, -(7.25**2) * np.sin(angle) - drag
 
-        angle = solve_ivp(motion, (0, TIMES[-1]), (release, 0.0), "DOP853", TIMES, rtol=1e-10, atol=1e-12).y[0]
+        angle = solve_ivp(motion, (0, TIMES[-1]), (release, 0.0), "DOP853", TIMES, rtol=1e-10, atol=1e-12).y[
+            0
+        ]
         found.append(Swing(f"swing {k + 1}", TIMES, angle + NOISE * draws.standard_normal(TIMES.size)))
     return found
 
 
 @pytest.fixture(scope="module")
 def named():
-    return discover(campaign("hidden", swings(0.003, 11)), "viscous", rounds=2, allowed=("quadratic_drag", "constant_torque", "cubic_stiffness"))
+    return discover(
+        campaign("hidden", swings(0.003, 11)),
+        "viscous",
+        rounds=2,
+        allowed=("quadratic_drag", "constant_torque", "cubic_stiffness"),
+    )
 
 
 def test_the_hidden_effect_is_named_and_the_gap_closes(named):
@@ -54,14 +61,23 @@ def test_the_missing_torque_is_drawn_as_large_as_it_is(named):
 
 
 def test_a_torque_that_is_kept_without_a_name_is_the_one_that_was_hidden_and_can_be_drawn():
-    states = discover(campaign("hidden", swings(0.003, 11)), "viscous", rounds=1, allowed=("constant_torque",))
+    states = discover(
+        campaign("hidden", swings(0.003, 11)), "viscous", rounds=1, allowed=("constant_torque",)
+    )
     assert [state.chosen.added for state in states if state.chosen] == ["unnamed_velocity"]
     last, model = states[-1], states[-1].fit.model
     fast = last.kept[last.kept["x"] > 0.1 * last.kept["x"].max()]
-    damping = 2 * model.values["viscous_ratio"] * model.values["natural_frequency"] * fast["x"] - fast["torque"]
+    damping = (
+        2 * model.values["viscous_ratio"] * model.values["natural_frequency"] * fast["x"] - fast["torque"]
+    )
     hidden = 2 * 0.008 * 7.25 * fast["x"] + 7.25 * 0.003 * fast["x"] ** 2
     assert np.abs(damping - hidden).max() < 0.05 * hidden.max()
-    missing_torque(states[0].curves, last.curves, last.kept, [summary(state, campaign("hidden", swings(0.003, 11))) for state in states])
+    missing_torque(
+        states[0].curves,
+        last.curves,
+        last.kept,
+        [summary(state, campaign("hidden", swings(0.003, 11))) for state in states],
+    )
 
 
 def test_the_disagreement_is_seen_as_dissipative(named):

@@ -7,7 +7,18 @@ from swingdown.discovery.verdict import verdict
 UNIT = {"constant_torque": "rad/s^2", "natural_frequency": "rad/s"}
 
 
-def state(number, *, missing, found=(), chosen=None, holdout=1.0, ranking=(), rivals=None, effects=("viscous",), parameters=None):
+def state(
+    number,
+    *,
+    missing,
+    found=(),
+    chosen=None,
+    holdout=1.0,
+    ranking=(),
+    rivals=None,
+    effects=("viscous",),
+    parameters=None,
+):
     """What round.json holds of one round."""
     groups = [{"name": "position", "chi_square": 900.0, "freedom": 7, "p": 0.0, "share": 0.9}]
     return {
@@ -20,7 +31,14 @@ def state(number, *, missing, found=(), chosen=None, holdout=1.0, ranking=(), ri
 
 
 def row(name, tied=True):
-    return {"move": f"add {name}", "added": name, "tied": tied, "correlation": 0.99, "delta_bic": 0.0, "refused": ""}
+    return {
+        "move": f"add {name}",
+        "added": name,
+        "tied": tied,
+        "correlation": 0.99,
+        "delta_bic": 0.0,
+        "refused": "",
+    }
 
 
 def test_nothing_missing_is_consistent():
@@ -32,8 +50,21 @@ def test_nothing_missing_is_consistent():
 
 def named(*ties, missing_at_the_end=False):
     values = {"constant_torque": {"value": 0.31, "standard_error": 0.02, "unit": "rad/s^2"}}
-    first = state(0, missing=True, chosen="constant_torque", holdout=3.0, ranking=[row("constant_torque"), *map(row, ties)])
-    last = state(1, missing=missing_at_the_end, found=["constant_torque"], effects=("viscous", "constant_torque"), parameters=values, holdout=1.01)
+    first = state(
+        0,
+        missing=True,
+        chosen="constant_torque",
+        holdout=3.0,
+        ranking=[row("constant_torque"), *map(row, ties)],
+    )
+    last = state(
+        1,
+        missing=missing_at_the_end,
+        found=["constant_torque"],
+        effects=("viscous", "constant_torque"),
+        parameters=values,
+        holdout=1.01,
+    )
     return verdict([first, last])
 
 
@@ -61,8 +92,12 @@ def test_what_remains_makes_it_unknown_whatever_was_added(ties):
 
 
 def test_a_torque_without_a_name_stays_unknown_although_nothing_more_is_missing():
-    first = state(0, missing=True, chosen="unnamed_position", holdout=3.0, ranking=[row("detent"), row("eccentricity")])
-    last = state(1, missing=False, found=["unnamed_position"], effects=("viscous", "unnamed_position"), holdout=1.0)
+    first = state(
+        0, missing=True, chosen="unnamed_position", holdout=3.0, ranking=[row("detent"), row("eccentricity")]
+    )
+    last = state(
+        1, missing=False, found=["unnamed_position"], effects=("viscous", "unnamed_position"), holdout=1.0
+    )
     found = verdict([first, last])
     assert found["status"] == "unknown"
     assert found["effects"][0]["tied_with"] == []
@@ -76,9 +111,29 @@ def test_named_effects_keep_the_values_they_had_before_torques_without_a_name_co
     after = {"constant_torque": {"value": 0.01, "standard_error": 2.0, "unit": "rad/s^2"}}
     rounds = [
         state(0, missing=True, chosen="constant_torque", holdout=9.0, ranking=[row("constant_torque")]),
-        state(1, missing=True, found=["constant_torque"], chosen="unnamed_velocity", parameters=before, holdout=5.0),
-        state(2, missing=True, found=["constant_torque", "unnamed_velocity"], chosen="unnamed_position", parameters=after, holdout=3.0),
-        state(3, missing=True, found=["constant_torque", "unnamed_velocity", "unnamed_position"], parameters=after, holdout=2.0),
+        state(
+            1,
+            missing=True,
+            found=["constant_torque"],
+            chosen="unnamed_velocity",
+            parameters=before,
+            holdout=5.0,
+        ),
+        state(
+            2,
+            missing=True,
+            found=["constant_torque", "unnamed_velocity"],
+            chosen="unnamed_position",
+            parameters=after,
+            holdout=3.0,
+        ),
+        state(
+            3,
+            missing=True,
+            found=["constant_torque", "unnamed_velocity", "unnamed_position"],
+            parameters=after,
+            holdout=2.0,
+        ),
     ]
     found = verdict(rounds)
     assert found["effects"][0]["parameters"]["constant_torque"]["value"] == 0.31
@@ -98,6 +153,13 @@ def test_a_dissipation_that_would_be_negative_is_told():
 def test_a_wrong_gain_that_the_calibration_allows_is_told_as_that(gain, within):
     values = {"sensor_gain": {"value": gain, "standard_error": 1e-4, "unit": "1"}}
     first = state(0, missing=True, chosen="sensor_gain", holdout=3.0)
-    found = verdict([first, state(1, missing=False, found=["sensor_gain"], effects=("viscous", "sensor_gain"), parameters=values)])
+    found = verdict(
+        [
+            first,
+            state(
+                1, missing=False, found=["sensor_gain"], effects=("viscous", "sensor_gain"), parameters=values
+            ),
+        ]
+    )
     assert found["effects"][0]["within_calibration"] is within
     assert ("calibration leaves open" in found["sentence"]) is within

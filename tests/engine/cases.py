@@ -5,8 +5,8 @@ from zlib import crc32
 
 import numpy as np
 
-from swingdown import effects
-from swingdown.model import PAPER_MODELS, Model
+from swingdown.pendulum import catalogue as effects
+from swingdown.pendulum.model import PAPER_MODELS, Model
 
 # Wider than any bench: from a hundredth of the typical size to strong; the paper's terms up to where swings end at once.
 RANGES = {

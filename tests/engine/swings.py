@@ -8,9 +8,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from swingdown.fit import fit_trajectory
-from swingdown.model import Model
-from swingdown.trajectory import simulate
+from swingdown.engine.trajectory import simulate
+from swingdown.fitting.fit import fit_trajectory
+from swingdown.pendulum.model import Model
 
 TIMES = np.arange(1001) / 100
 SNR = 50

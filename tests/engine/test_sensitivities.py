@@ -5,10 +5,10 @@ import mpmath
 import numpy as np
 import pytest
 
+from swingdown.engine.trajectory import sensitivities, simulate
 from swingdown.errors import InputError
-from swingdown.hidden import pendulum as oracle
-from swingdown.model import PAPER_MODELS, Model
-from swingdown.trajectory import sensitivities, simulate
+from swingdown.pendulum.model import PAPER_MODELS, Model
+from swingdown.trials import second_pendulum as oracle
 
 RELEASE = ("release_angle", "release_velocity")
 

@@ -9,8 +9,8 @@ import cases
 import numpy as np
 from swings import CASES, TIMES
 
-from swingdown.fit import fit_batch, fit_jointly, fit_trajectory
-from swingdown.trajectory import sensitivities
+from swingdown.engine.trajectory import sensitivities
+from swingdown.fitting.fit import fit_batch, fit_jointly, fit_trajectory
 
 
 def batch(workers=1, count=64, order=None):

@@ -5,10 +5,10 @@ import numpy as np
 import pytest
 from scipy.special import ellipj, ellipk
 
+from swingdown.engine.trajectory import TrajectoryError, effort, sensitivities, simulate, simulate_each
 from swingdown.errors import InputError
-from swingdown.hidden import pendulum as oracle
-from swingdown.model import PAPER_MODELS, Model
-from swingdown.trajectory import TrajectoryError, effort, sensitivities, simulate, simulate_each
+from swingdown.pendulum.model import PAPER_MODELS, Model
+from swingdown.trials import second_pendulum as oracle
 
 LIMITS = {60: 1e-8, 170: 1e-6}  # degrees: rad
 STEP = 2 * np.pi / 4096  # rad, of a usual encoder
@@ -258,7 +258,12 @@ def test_other_samples_do_not_matter():
 def test_many_rows_are_each_a_trajectory_of_their_own():
     """A root of the speed takes more panels a second than any fit would grant it: rows may take what they need."""
     model = Model("power_law_drag+load_coulomb")
-    own = {"natural_frequency": 7.25, "power_law_coefficient": 0.1, "power_law_exponent": 0.2, "load_friction": 0.012}
+    own = {
+        "natural_frequency": 7.25,
+        "power_law_coefficient": 0.1,
+        "power_law_exponent": 0.2,
+        "load_friction": 0.012,
+    }
     first = [*model.with_values(own).vector(), 0.35, 0.1]
     values = np.array([first, [*first[:-2], -0.5, 0.0], [np.nan, *first[1:]]])
     found = simulate_each(model, np.arange(1001) / 100, values)

@@ -14,7 +14,7 @@ import xarray as xr
 import yaml
 
 from swingdown import dataset
-from swingdown.sheet import read_sheet
+from swingdown.measurement.sheet import read_sheet
 
 
 @pytest.fixture(scope="module", autouse=True)

@@ -5,7 +5,7 @@ import pandas as pd
 import pytest
 import xarray as xr
 
-from swingdown.model import PAPER_MODELS
+from swingdown.pendulum.model import PAPER_MODELS
 
 SIMULATED = PAPER_MODELS[:3]
 PAPER_TABLE_2 = {
@@ -61,7 +61,11 @@ def norms():
     return xr.Dataset(
         {"norm": (dims, norm), "least_squares_norm": (dims, norm + 1e-4)},
         coords={"simulated": list(SIMULATED), "fitted": list(PAPER_MODELS), "realization": range(10)},
-        attrs={"snr": 50.0, "seed": 150, "inferred": "release angle 20°, duration 5 s, ζq, γ, start at rest, norm"},
+        attrs={
+            "snr": 50.0,
+            "seed": 150,
+            "inferred": "release angle 20°, duration 5 s, ζq, γ, start at rest, norm",
+        },
     )
 
 
@@ -73,7 +77,12 @@ def table2():
 
 @pytest.fixture
 def apparatus():
-    lengths = {"arm": (0.208, 4e-5), "shaft_diameter": (0.0127, 2e-6), "over_shaft": (0.24635, 4e-5), "bob_diameter": (0.0254, 2e-6)}
+    lengths = {
+        "arm": (0.208, 4e-5),
+        "shaft_diameter": (0.0127, 2e-6),
+        "over_shaft": (0.24635, 4e-5),
+        "bob_diameter": (0.0254, 2e-6),
+    }
     return {
         "emulated": True,
         "lengths": {name: {"value": value, "limit": limit} for name, (value, limit) in lengths.items()},
@@ -84,7 +93,11 @@ def apparatus():
 @pytest.fixture
 def calibration():
     angle = np.radians([12.0, 31.0, 47.0, 61.0])
-    modes, sides, kinds = ["paper", "gum", "monte-carlo"], ["lower", "upper"], ["extreme", "one-sigma", "covariance"]
+    modes, sides, kinds = (
+        ["paper", "gum", "monte-carlo"],
+        ["lower", "upper"],
+        ["extreme", "one-sigma", "covariance"],
+    )
     slope, intercept = np.radians(9.0), np.radians(-20.0)
     voltage = (angle - intercept) / slope + np.array([0.004, -0.006, 0.005, -0.002])
     turn = np.radians([[-0.5, 0.085], [0.5, -0.085]])
@@ -96,13 +109,22 @@ def calibration():
             "angle": ("point", angle),
             "angle_uncertainty": (("mode", "point"), sizes),
             "voltage": ("point", voltage),
-            "voltage_uncertainty": (("mode", "point"), [[0.015, 0.015, 0.025, 0.025]] + [[0.0087, 0.0087, 0.0144, 0.0144]] * 2),
+            "voltage_uncertainty": (
+                ("mode", "point"),
+                [[0.015, 0.015, 0.025, 0.025]] + [[0.0087, 0.0087, 0.0144, 0.0144]] * 2,
+            ),
             "flagged": ("point", [True, False, False, False]),
             "line": (("mode", "coefficient"), [[intercept, slope]] * 3),
             "deviation_line": (("mode", "kind", "side", "coefficient"), np.stack([deviation] * 3)),
             "deviation_line_factor": ("mode", [1.0, 2.0, 2.0]),
         },
-        coords={"mode": modes, "point": range(4), "coefficient": ["intercept", "slope"], "kind": kinds, "side": sides},
+        coords={
+            "mode": modes,
+            "point": range(4),
+            "coefficient": ["intercept", "slope"],
+            "kind": kinds,
+            "side": sides,
+        },
         attrs={"emulated": "yes"},
     )
 
@@ -113,7 +135,13 @@ def angles():
     time = 0.5 + np.arange(1501) / 100
     angle = decay(time - 0.5, 24, 0.06) + np.radians(0.05) * random.standard_normal(time.size)
     bound = np.radians(0.18 + 0.004 * np.degrees(np.abs(angle)))
-    attrs = {"recording": "swing-01", "campaign": "bench", "mode": "gum", "coverage_factor": 1.98, "emulated": "yes"}
+    attrs = {
+        "recording": "swing-01",
+        "campaign": "bench",
+        "mode": "gum",
+        "coverage_factor": 1.98,
+        "emulated": "yes",
+    }
     random = ("time", np.full(time.size, np.radians(0.05)))
     variables = {"angle": ("time", angle), "angle_bound": ("time", bound), "angle_random_uncertainty": random}
     return xr.Dataset(variables, {"time": time}, attrs)

@@ -7,7 +7,7 @@ import pytest
 import xarray as xr
 from matplotlib.text import Text
 
-from swingdown.model import PAPER_MODELS, symbol
+from swingdown.pendulum.model import PAPER_MODELS, symbol
 from swingdown.plots import FIGURES, style
 
 EMULATED = {"fig07", "fig08", "fig09", "fig10", "fig11", "fig12", "fig13", "fig14", "fig15"}
@@ -44,7 +44,9 @@ def test_the_fifteen_figures_of_the_paper_are_there():
 @pytest.mark.parametrize("name", sorted(WITH_AXES))
 def test_every_axis_says_its_quantity_and_unit(draw, name):
     for axes in draw(name).axes:
-        named = [axes.get_ylabel()] + ([] if "κ" in said(axes) or r"\kappa" in said(axes) else [axes.get_xlabel()])
+        named = [axes.get_ylabel()] + (
+            [] if "κ" in said(axes) or r"\kappa" in said(axes) else [axes.get_xlabel()]
+        )
         for label in filter(None, named):
             assert label.endswith(("(s)", "(°)", "(V)")), label
     assert any(axes.get_ylabel().endswith("(°)") for axes in draw(name).axes)
@@ -63,7 +65,7 @@ def test_a_real_recording_is_not_called_emulated(draw, angles):
 def test_a_simulation_says_that_settings_were_inferred(draw, name, realizations, norms):
     assert "inferred from its Table 2" in said(draw(name))
     known = {"realizations": realizations} if name == "fig02" else {"norms": norms}
-    (key, data), = known.items()
+    ((key, data),) = known.items()
     assert "inferred" not in said(draw(name, **{key: data.drop_attrs(deep=False)}))
 
 
@@ -86,7 +88,9 @@ def test_nothing_that_is_written_overlaps_or_leaves_the_figure(draw, name, monke
             assert min(wide, high) < 3, f"{one!r} lies on {other!r}"
 
 
-@pytest.mark.parametrize(("name", "label"), list(zip(["fig10", "fig11", "fig12"], PAPER_MODELS[:3], strict=True)))
+@pytest.mark.parametrize(
+    ("name", "label"), list(zip(["fig10", "fig11", "fig12"], PAPER_MODELS[:3], strict=True))
+)
 def test_a_fit_shows_its_model_norm_and_residual_in_the_models_colour(draw, name, label, fits):
     figure = draw(name)
     assert f"{float(fits['norm'].sel(fitted=label)):#.3g}°" in said(figure)
@@ -109,7 +113,9 @@ def test_a_residual_far_within_the_error_bound_sets_the_scale_and_says_so(draw, 
 
 def test_the_noise_band_is_drawn_where_the_noise_is_known(draw, angles):
     assert "random uncertainties" in said(draw("fig10"))
-    assert "random uncertainties" not in said(draw("fig10", angles=angles.drop_vars("angle_random_uncertainty")))
+    assert "random uncertainties" not in said(
+        draw("fig10", angles=angles.drop_vars("angle_random_uncertainty"))
+    )
 
 
 def test_the_pairs_shown_are_the_best_of_the_swings_own_campaign(draw, run_norms):
@@ -117,7 +123,9 @@ def test_the_pairs_shown_are_the_best_of_the_swings_own_campaign(draw, run_norms
     norms = run_norms.copy(deep=True)
     for label, value in best.items():
         norms["norm"].loc[{"fitted": label}] = value
-    other = norms.copy(deep=True).assign_coords(recording=[f"other-{k}" for k in range(10)], campaign=("recording", ["other"] * 10))
+    other = norms.copy(deep=True).assign_coords(
+        recording=[f"other-{k}" for k in range(10)], campaign=("recording", ["other"] * 10)
+    )
     other["norm"][:] = 9.0
     other["norm"].loc[{"fitted": "quadratic_drag+load_coulomb"}] = 0.0
     both = xr.concat([norms, other], "recording")
@@ -137,7 +145,10 @@ def test_both_methods_and_every_realisation_are_drawn(draw, norms):
     axes = draw("fig03").axes[0]
     count = {marker: [line for line in axes.lines if line.get_marker() == marker] for marker in "oD."}
     assert len(count["o"]) == len(count["D"]) == len(PAPER_MODELS)
-    assert sum(len(line.get_xdata()) for line in count["."]) == 2 * len(PAPER_MODELS) * norms.sizes["realization"]
+    assert (
+        sum(len(line.get_xdata()) for line in count["."])
+        == 2 * len(PAPER_MODELS) * norms.sizes["realization"]
+    )
 
 
 def test_flagged_points_are_told_apart(draw, calibration):

@@ -21,7 +21,9 @@ def test_two_runs_write_the_same_bytes(tmp_path, realizations):
 
 def test_the_callers_settings_change_nothing(tmp_path, realizations):
     save(FIGURES["fig02"](realizations), tmp_path / "plain.svg")
-    with matplotlib.rc_context({"font.size": 20, "svg.hashsalt": "other", "axes.grid": True, "mathtext.fontset": "cm"}):
+    with matplotlib.rc_context(
+        {"font.size": 20, "svg.hashsalt": "other", "axes.grid": True, "mathtext.fontset": "cm"}
+    ):
         save(FIGURES["fig02"](realizations), tmp_path / "set.svg")
     assert (tmp_path / "plain.svg").read_bytes() == (tmp_path / "set.svg").read_bytes()
 
@@ -52,7 +54,9 @@ def test_a_failed_save_leaves_the_old_file_and_nothing_else(tmp_path, monkeypatc
 def test_plots_rest_on_datasets_the_models_symbols_and_the_way_files_are_written_alone():
     usual = {"matplotlib", "numpy", "pandas", "xarray", "os", "functools", "pathlib"}
     for file in Path(plots.__file__).parent.glob("*.py"):
-        allowed = usual | ({"tkinter", "time"} if file.name == "live.py" else set())  # the one that has a window
+        allowed = usual | (
+            {"tkinter", "time"} if file.name == "live.py" else set()
+        )  # the one that has a window
         for node in ast.walk(ast.parse(file.read_text())):
             if isinstance(node, ast.Import):
                 assert {alias.name.split(".")[0] for alias in node.names} <= allowed, file.name

@@ -18,9 +18,16 @@ def maps():
     shape = (2, 2, 3, 4)
     share = np.arange(np.prod(shape)).reshape(shape) / np.prod(shape)
     dims = ("simulated", "start", "release_angle_deg", "snr")
-    coords = {"simulated": ["viscous", "load_coulomb"], "start": ["rest", "free"], "release_angle_deg": [5.0, 20.0, 40.0], "snr": [5.0, 20, 50, 100]}
+    coords = {
+        "simulated": ["viscous", "load_coulomb"],
+        "start": ["rest", "free"],
+        "release_angle_deg": [5.0, 20.0, 40.0],
+        "snr": [5.0, 20, 50, 100],
+    }
     names = ("true_by_norm", "true_by_bic", "true_by_ten")
-    return xr.Dataset(dict.fromkeys(names, (dims, share)), coords, {"axes": " ".join(dims), "realizations": 40, "seed": 150})
+    return xr.Dataset(
+        dict.fromkeys(names, (dims, share)), coords, {"axes": " ".join(dims), "realizations": 40, "seed": 150}
+    )
 
 
 @pytest.mark.parametrize("draw", [by_norm, by_bic, by_ten])
@@ -29,7 +36,14 @@ def test_every_cell_is_written_in_per_cent_beside_the_papers_level(maps, draw):
     for value in maps["true_by_norm"].values.ravel():
         assert f"{100 * value:.0f}" in texts
     assert "68 %\n(paper)" in texts
-    assert {"viscous simulated", "Coulomb simulated", "start rest", "start free", "SNR", "release angle (°)"} <= set(texts)
+    assert {
+        "viscous simulated",
+        "Coulomb simulated",
+        "start rest",
+        "start free",
+        "SNR",
+        "release angle (°)",
+    } <= set(texts)
     assert any("40 draws a cell" in text and "seed 150" in text for text in texts)
 
 
@@ -44,12 +58,17 @@ def test_axes_that_do_not_fit_a_page_are_shown_at_one_value_that_is_told(maps):
 
 
 def test_one_axis_alone_is_a_row_of_cells(maps):
-    one = maps.isel(start=0, release_angle_deg=0, simulated=0, drop=True).assign_attrs(maps.attrs | {"axes": "snr"})
+    one = maps.isel(start=0, release_angle_deg=0, simulated=0, drop=True).assign_attrs(
+        maps.attrs | {"axes": "snr"}
+    )
     assert len(by_norm(one).axes) == 2
 
 
 def test_too_few_draws_for_the_papers_comparison_are_told(maps):
-    assert any("fewer than ten draws" in text for text in said(by_ten(maps.assign(true_by_ten=maps["true_by_ten"] * np.nan))))
+    assert any(
+        "fewer than ten draws" in text
+        for text in said(by_ten(maps.assign(true_by_ten=maps["true_by_ten"] * np.nan)))
+    )
 
 
 def test_what_discovery_said_adds_up_to_all_campaigns():

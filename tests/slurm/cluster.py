@@ -124,13 +124,17 @@ class Cluster:
 
     def _spawn(self, name, *command):
         log = (self.folder / f"{name}.log").open("w")
-        self.daemons[name] = subprocess.Popen(command, env=self.environment, stdout=log, stderr=subprocess.STDOUT, cwd=self.folder)
+        self.daemons[name] = subprocess.Popen(
+            command, env=self.environment, stdout=log, stderr=subprocess.STDOUT, cwd=self.folder
+        )
 
     def _wait(self, ready, seconds, problem):
         until = time.monotonic() + seconds
         while not ready():
             if time.monotonic() > until or any(daemon.poll() is not None for daemon in self.daemons.values()):
-                logs = "\n".join(f"--- {path.name}\n{path.read_text()[-1500:]}" for path in self.folder.glob("*.log"))
+                logs = "\n".join(
+                    f"--- {path.name}\n{path.read_text()[-1500:]}" for path in self.folder.glob("*.log")
+                )
                 raise RuntimeError(f"{problem}\n{self.run('scontrol', 'show', 'nodes')}\n{logs}")
             time.sleep(0.2)
 

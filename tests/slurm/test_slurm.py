@@ -59,7 +59,9 @@ def with_a_death(root, slurm, tmp_path_factory):
     ]  # fmt: skip
     log = folder / "printed.txt"
     with log.open("w") as printed:
-        run = subprocess.Popen(list(map(str, command)), cwd=root, env=slurm.environment, stdout=printed, stderr=subprocess.STDOUT)
+        run = subprocess.Popen(
+            list(map(str, command)), cwd=root, env=slurm.environment, stdout=printed, stderr=subprocess.STDOUT
+        )
         try:
             until, node, victims = time.monotonic() + LIMIT, slurm.nodes[0], []
             while not victims and run.poll() is None and time.monotonic() < until:

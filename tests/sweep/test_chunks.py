@@ -6,7 +6,7 @@ import xarray as xr
 
 from swingdown import dataset
 from swingdown.errors import InputError
-from swingdown.settings import complete
+from swingdown.study.settings import complete
 from swingdown.sweep import identification
 from swingdown.sweep.chunks import add_to_book, find_chunk, plan
 from swingdown.sweep.combine import combine, read_maps
@@ -18,8 +18,18 @@ from swingdown.sweep.table import sweeps
 def sweep(snr=(20, 50), realizations=12, chunk=10, axes=None):
     """A small sweep of identification: two terms, short swings."""
     axes = {"simulation.simulated": ["viscous", "load_coulomb"], "simulation.snr": list(snr)} | (axes or {})
-    settings = {key: value for key, value in {"simulation.duration_s": 2.5, "simulation.start": "free"}.items() if key not in axes}
-    entry = {"computes": "identification", "axes": axes, "realizations": realizations, "chunk": chunk, "settings": settings}
+    settings = {
+        key: value
+        for key, value in {"simulation.duration_s": 2.5, "simulation.start": "free"}.items()
+        if key not in axes
+    }
+    entry = {
+        "computes": "identification",
+        "axes": axes,
+        "realizations": realizations,
+        "chunk": chunk,
+        "settings": settings,
+    }
     return sweeps(complete({"sweeps": {"small": entry}}))["small"]
 
 
@@ -52,7 +62,12 @@ def test_the_numbers_are_the_same_to_the_bit_for_any_chunk_length(reference, tmp
 def test_every_draw_is_dealt_once_in_chunks_of_the_length_asked_for(reference, tmp_path):
     dealt = plan(sweep(), tmp_path / "none")
     assert [chunk.draws for chunk in dealt.chunks.values()] == [10, 10, 10, 10, 8]
-    draws = [(key, k) for chunk in dealt.chunks.values() for _, key, first, count in chunk.cells() for k in range(first, first + count)]
+    draws = [
+        (key, k)
+        for chunk in dealt.chunks.values()
+        for _, key, first, count in chunk.cells()
+        for k in range(first, first + count)
+    ]
     assert len(draws) == len(set(draws)) == 48
 
 
@@ -98,7 +113,9 @@ def test_a_table_made_smaller_before_it_was_computed_leaves_no_work_that_nobody_
     add_to_book(book, small.new)
     assert plan(sweep(), book).new == () and set(plan(sweep(), book).chunks) == set(small.chunks)
     made, _ = work(sweep(), tmp_path)
-    again, _ = work(sweep(snr=(5, 20, 50), realizations=30), tmp_path)  # and large once more: nothing twice, nothing lost
+    again, _ = work(
+        sweep(snr=(5, 20, 50), realizations=30), tmp_path
+    )  # and large once more: nothing twice, nothing lost
     assert np.array_equal(again["norm"].sel(snr=[20, 50]).values[:, :, :12], made["norm"].values)
 
 
@@ -116,26 +133,33 @@ def test_the_dataset_has_axes_for_dimensions_units_settings_and_seeds(reference)
 
 def test_a_draw_can_be_made_again_from_what_the_file_says(reference):
     """By numpy alone: the seed, the cell's key, the draw's index; then the noise's formula and the fit."""
-    from swingdown.fit import fit_trajectory
-    from swingdown.model import Model
-    from swingdown.trajectory import simulate
+    from swingdown.engine.trajectory import simulate
+    from swingdown.fitting.fit import fit_trajectory
+    from swingdown.pendulum.model import Model
 
     cell = reference[0].sel(simulated="load_coulomb", snr=20)
     key = str(cell["noise_key"].values)
     words = [int(key[k : k + 8], 16) for k in range(0, 32, 8)]
     normals = np.random.default_rng(np.random.SeedSequence(150, spawn_key=(*words, 7))).standard_normal(251)
     times = np.arange(251) / 100
-    truth = simulate(Model("load_coulomb", {"natural_frequency": 7.25, "load_friction": 0.012}), times, np.radians(20))
+    truth = simulate(
+        Model("load_coulomb", {"natural_frequency": 7.25, "load_friction": 0.012}), times, np.radians(20)
+    )
     fit = fit_trajectory("load_coulomb", times, truth + np.abs(truth) / 20 * normals)
     told = cell.sel(fitted="load_coulomb", realization=7)
     assert np.degrees(fit.rms) == pytest.approx(float(told["residual_norm"]), rel=1e-8)
-    assert np.degrees(np.sqrt(np.mean((fit.angle - truth) ** 2))) == pytest.approx(float(told["norm"]), rel=1e-4)
+    assert np.degrees(np.sqrt(np.mean((fit.angle - truth) ** 2))) == pytest.approx(
+        float(told["norm"]), rel=1e-4
+    )
     assert fit.bic == pytest.approx(float(told["bic"]), rel=1e-8)
 
 
 def test_a_larger_model_never_leaves_more(reference):
     left = reference[0]["residual_norm"]
-    for larger, smaller in (("viscous+load_coulomb", "viscous"), ("viscous+quadratic_drag+load_coulomb", "viscous+load_coulomb")):
+    for larger, smaller in (
+        ("viscous+load_coulomb", "viscous"),
+        ("viscous+quadratic_drag+load_coulomb", "viscous+load_coulomb"),
+    ):
         assert (left.sel(fitted=larger) <= left.sel(fitted=smaller) * (1 + 1e-8)).all()
 
 
@@ -164,7 +188,9 @@ def test_missing_and_doubled_draws_are_refused_by_name(tmp_path):
     chosen = sweep()
     _, names = work(chosen, tmp_path)
     paths = [tmp_path / "chunks" / f"{name}.nc" for name in names]
-    with pytest.raises(InputError, match=r"10 of 48 draws are in no chunk, first draw \d+ of simulated viscous, snr"):
+    with pytest.raises(
+        InputError, match=r"10 of 48 draws are in no chunk, first draw \d+ of simulated viscous, snr"
+    ):
         combine(chosen, paths[:-1], tmp_path / "none.nc")
     with pytest.raises(InputError, match="are in another chunk too"):
         combine(chosen, [*paths, paths[0]], tmp_path / "none.nc")

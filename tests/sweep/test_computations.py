@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from swingdown.settings import complete
+from swingdown.study.settings import complete
 from swingdown.sweep import detection, identification
 from swingdown.sweep.cost import seconds
 from swingdown.sweep.summary import DETECTION, IDENTIFICATION
@@ -13,19 +13,29 @@ from swingdown.sweep.table import sweeps
 def cell(computes, **settings):
     """The settings of one cell."""
     first = {"identification": "simulation.simulated", "detection": "detection.effect"}[computes]
-    axes = {first: [settings.pop(first, "load_coulomb" if computes == "identification" else "quadratic_drag")]}
-    chosen = sweeps(complete({"sweeps": {"one": {"computes": computes, "axes": axes, "settings": settings}}}))["one"]
+    axes = {
+        first: [settings.pop(first, "load_coulomb" if computes == "identification" else "quadratic_drag")]
+    }
+    chosen = sweeps(
+        complete({"sweeps": {"one": {"computes": computes, "axes": axes, "settings": settings}}})
+    )["one"]
     return chosen.cell(next(iter(chosen)))
 
 
 def test_where_friction_stops_the_pendulum_no_larger_model_leaves_more_and_nearly_all_fits_are_stationary():
-    hard = cell("identification", **{"simulation.release_angle_deg": 5, "simulation.duration_s": 10, "simulation.snr": 5})
+    hard = cell(
+        "identification",
+        **{"simulation.release_angle_deg": 5, "simulation.duration_s": 10, "simulation.snr": 5},
+    )
     found = identification.results(hard, 0, 12)
     labels = hard["simulation.fitted"]
     for i, larger in enumerate(labels):
         for j, smaller in enumerate(labels):
             if set(smaller.split("+")) < set(larger.split("+")):
-                assert np.all(found["residual_norm"][:, i] <= found["residual_norm"][:, j] * (1 + 1e-8)), (larger, smaller)
+                assert np.all(found["residual_norm"][:, i] <= found["residual_norm"][:, j] * (1 + 1e-8)), (
+                    larger,
+                    smaller,
+                )
     assert found["converged"].mean() > 0.9
 
 
@@ -37,9 +47,19 @@ def test_a_model_that_cannot_be_fitted_has_no_numbers_and_stops_nothing():
     assert not without[:, stuck["simulation.fitted"].index("load_coulomb")].any()
 
 
-@pytest.mark.parametrize(("effect", "size"), [("quadratic_drag", 0.5), ("sensor_zero", 2.0), ("presliding", 0.2)])
+@pytest.mark.parametrize(
+    ("effect", "size"), [("quadratic_drag", 0.5), ("sensor_zero", 2.0), ("presliding", 0.2)]
+)
 def test_a_hidden_effect_leaves_what_was_asked_for(effect, size):
-    small = cell("detection", **{"detection.effect": effect, "detection.size": size, "simulation.duration_s": 5, "simulation.viscous_ratio": 0.01})
+    small = cell(
+        "detection",
+        **{
+            "detection.effect": effect,
+            "detection.size": size,
+            "simulation.duration_s": 5,
+            "simulation.viscous_ratio": 0.01,
+        },
+    )
     hidden = detection._hidden(small)
     assert hidden.left == pytest.approx(size, rel=0.011)
     assert hidden.coefficient > 0
@@ -81,7 +101,10 @@ def test_a_verdict_counts_as_what_a_reader_would_take_from_it(status, effects, w
 
 
 def test_the_cost_is_timed_in_seconds_of_cpu():
-    entry = {"computes": "identification", "axes": {"simulation.simulated": ["viscous"], "simulation.duration_s": [2.5]}}
+    entry = {
+        "computes": "identification",
+        "axes": {"simulation.simulated": ["viscous"], "simulation.duration_s": [2.5]},
+    }
     per_cell, per_draw = seconds(sweeps(complete({"sweeps": {"one": entry}}))["one"], identification)
     assert 1e-4 < per_draw < 0.2 and 0 <= per_cell < 1
 

@@ -7,10 +7,13 @@ import pytest
 import yaml
 
 from swingdown.errors import InputError
-from swingdown.settings import complete
+from swingdown.study.settings import complete
 from swingdown.sweep.table import READS, cell_key, noise_key, stream, sweeps
 
-SMALL = {"computes": "identification", "axes": {"simulation.simulated": ["viscous"], "simulation.snr": [10, 50]}}
+SMALL = {
+    "computes": "identification",
+    "axes": {"simulation.simulated": ["viscous"], "simulation.snr": [10, 50]},
+}
 
 
 def made(**changed):
@@ -30,7 +33,9 @@ def test_the_shipped_sweeps_are_over_what_the_paper_leaves_open(root):
     assert {"simulated", "snr", "duration_s", "release_angle_deg"} <= dims
     assert {axis.dim for axis in shipped["detection"].axes} == {"effect", "size"}
     full = sweeps(complete(yaml.safe_load((root / "config/sweeps-full.yaml").read_text())))
-    assert {name: sweep.computes for name, sweep in full.items()} == {name: sweep.computes for name, sweep in shipped.items()}
+    assert {name: sweep.computes for name, sweep in full.items()} == {
+        name: sweep.computes for name, sweep in shipped.items()
+    }
     assert full["identification"].cells * full["identification"].realizations * 7 > 1e7
 
 
@@ -42,7 +47,9 @@ VALUES = {
 }  # fmt: skip
 
 
-@pytest.mark.parametrize(("computes", "key"), [(computes, key) for computes, keys in READS.items() for key in keys])
+@pytest.mark.parametrize(
+    ("computes", "key"), [(computes, key) for computes, keys in READS.items() for key in keys]
+)
 def test_any_key_that_a_computation_depends_on_can_be_an_axis(computes, key):
     axes = {"simulation.simulated": ["viscous"]} if computes == "identification" else {}
     values = VALUES.get(key, [0.5, 1.5])
@@ -65,7 +72,11 @@ def test_any_key_that_a_computation_depends_on_can_be_an_axis(computes, key):
         ({"simulation.snr": [10, "50"]}, "text", "without quotes"),
         ({"simulation.snr": [10, 10.0]}, "twice", "remove one"),
         ({"simulation.snr": []}, "too short", "add"),
-        ({"simulation.simulated": [["viscous", "load_coulomb"]]}, "['viscous', 'load_coulomb']", "[viscous, load_coulomb]"),
+        (
+            {"simulation.simulated": [["viscous", "load_coulomb"]]},
+            "['viscous', 'load_coulomb']",
+            "[viscous, load_coulomb]",
+        ),
         ({"simulation.simulated": ["viscuos"]}, "viscuos", "'viscous'"),
     ],
 )
@@ -78,7 +89,10 @@ def test_an_axis_that_cannot_be_is_refused_with_its_place_and_the_mend(axes, pro
 
 def test_a_setting_that_is_an_axis_too_and_an_effect_that_is_not_hidden_are_refused():
     assert "axis too" in refused(settings={"simulation.snr": 10}).problem
-    assert "'viscous' is not among" in refused(settings={"simulation.fitted": ["quadratic_drag", "load_coulomb"]}).problem
+    assert (
+        "'viscous' is not among"
+        in refused(settings={"simulation.fitted": ["quadratic_drag", "load_coulomb"]}).problem
+    )
     told = refused(computes="detection", axes={"detection.effect": ["viscous"]})
     assert "not hidden" in told.problem
 
@@ -90,7 +104,10 @@ def test_several_models_in_the_settings_are_an_axis():
 
 
 def test_a_cell_is_known_by_its_settings_however_they_are_written_and_wherever_it_stands():
-    first, second = made(), made(axes={"simulation.snr": [50.0, 99, 10.0], "simulation.simulated": ["load_coulomb", "viscous"]})
+    first, second = (
+        made(),
+        made(axes={"simulation.snr": [50.0, 99, 10.0], "simulation.simulated": ["load_coulomb", "viscous"]}),
+    )
     keys = [{cell_key(one.computes, one.cell(values)) for values in one} for one in (first, second)]
     assert keys[0] < keys[1]
 

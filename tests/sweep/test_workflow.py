@@ -43,7 +43,9 @@ def write(folder, snr="[20, 50]", realizations=20, chunk=30):
 
 
 def chunks(folder):
-    return {path.name: path.stat().st_mtime_ns for path in (folder / "results/sweeps/small/chunks").glob("*.nc")}
+    return {
+        path.name: path.stat().st_mtime_ns for path in (folder / "results/sweeps/small/chunks").glob("*.nc")
+    }
 
 
 @pytest.fixture(scope="module")
@@ -80,12 +82,18 @@ def planned(root):
 
 @pytest.mark.slow
 def test_a_dry_run_tells_fits_chunks_and_hours_and_writes_nothing(snakemake, root, tmp_path):
-    told = snakemake("-n", "sweep", "--configfile", root / "config/sweeps-full.yaml", directory=tmp_path).stdout
-    count = re.search(r"sweep identification: ([\d,]+) cells × ([\d,]+) draws = ([\d,]+) fits in ([\d,]+) chunks", told)
+    told = snakemake(
+        "-n", "sweep", "--configfile", root / "config/sweeps-full.yaml", directory=tmp_path
+    ).stdout
+    count = re.search(
+        r"sweep identification: ([\d,]+) cells × ([\d,]+) draws = ([\d,]+) fits in ([\d,]+) chunks", told
+    )
     cells, draws, fits, jobs = (int(number.replace(",", "")) for number in count.groups())
     assert fits == cells * draws * 7 > 1e7
     assert jobs <= 2000
-    hours = float(re.search(r"([\d.,]+) h of CPU at [\d.]+ ms a fit \(timed just now\)", told)[1].replace(",", ""))
+    hours = float(
+        re.search(r"([\d.,]+) h of CPU at [\d.]+ ms a fit \(timed just now\)", told)[1].replace(",", "")
+    )
     assert 0.2 < hours < 40
     assert "a verdict (timed just now)" in told
     assert not (tmp_path / "results").exists()
@@ -109,7 +117,9 @@ def test_the_report_shows_the_maps_of_sweeps_that_were_made(mapped, root):
     captions = sorted((root / "workflow/report").glob("sweep_*.rst"))
     found = sweeps.made(["small", "not_made"], captions, mapped[0] / "results/sweeps")
     assert list(found) == ["small"]
-    material = contents.Material({}, {}, [], {"seed": 1, "simulation": {"snr": 1, "realizations": 2}}, sweeps=found)
+    material = contents.Material(
+        {}, {}, [], {"seed": 1, "simulation": {"snr": 1, "realizations": 2}}, sweeps=found
+    )
     section = next(one for one in contents.sections(material) if one.title == "Sweeps")
     assert [item.label for item in section.items if item.kind == "figure"] == [
         "Sweep small, by norm", "Sweep small, by BIC", "Sweep small, by ten runs",
@@ -143,8 +153,14 @@ def test_more_draws_and_another_value_run_only_what_is_new(snakemake, mapped):
 @pytest.mark.slow
 def test_kill_9_and_the_readmes_resume_command_computes_only_what_is_missing(snakemake, root, tmp_path):
     readme = (root / "README.md").read_text()
-    resume = [line.split() for line in re.search(r"snakemake --unlock.*?\n```", readme, re.DOTALL)[0].splitlines() if "snakemake" in line]
-    unlock, again = (line[line.index("snakemake") + 1 :] if "snakemake" in line else line[1:] for line in resume[:2])
+    resume = [
+        line.split()
+        for line in re.search(r"snakemake --unlock.*?\n```", readme, re.DOTALL)[0].splitlines()
+        if "snakemake" in line
+    ]
+    unlock, again = (
+        line[line.index("snakemake") + 1 :] if "snakemake" in line else line[1:] for line in resume[:2]
+    )
     whole, killed = tmp_path / "whole", tmp_path / "killed"
     for folder in (whole, killed):
         folder.mkdir()
@@ -152,7 +168,9 @@ def test_kill_9_and_the_readmes_resume_command_computes_only_what_is_missing(sna
     snakemake("sweep", "--configfile", whole / "sweep.yaml", directory=whole)
     base = ["--configfile", killed / "sweep.yaml", "--directory", killed]
     command = [sys.executable, "-m", "snakemake", "-c2", "sweep", *base]
-    running = subprocess.Popen(list(map(str, command)), cwd=root, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    running = subprocess.Popen(
+        list(map(str, command)), cwd=root, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
+    )
     until = time.monotonic() + 240
     while len(chunks(killed)) < 3 and time.monotonic() < until:
         time.sleep(0.1)

@@ -2,7 +2,7 @@
 # needs: nothing but the settings
 # makes: results/hidden_effects/scores.csv, summary.csv, confusion.csv, guard.yaml and their figure; on request only
 
-from swingdown.hidden.plan import chunks
+from swingdown.trials.schedule import chunks
 
 HIDDEN = config["hidden_effects"]
 TRIALS = chunks(HIDDEN)

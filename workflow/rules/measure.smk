@@ -2,7 +2,7 @@
 # needs: the recordings' files; for recordings in volts the apparatus sheet and the tower records it names
 # makes: results/recordings/, results/angles/, results/calibration/, results/tables/uncertainty_budget.csv
 
-from swingdown.apparatus import read_apparatus
+from swingdown.measurement.apparatus import read_apparatus
 
 
 rule record:

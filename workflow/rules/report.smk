@@ -15,7 +15,7 @@ rule report:
         seen=SEEN_FIGURES if VERDICTS else [],
         sweep_captions=SWEEP_CAPTIONS,
         told=told(),
-        template=f"{workflow.basedir}/workflow/report/report.html.j2",
+        template=f"{workflow.basedir}/workflow/src/swingdown/report/report.html.j2",
         code=code("report"),
     output: "results/report.html"
     log: "results/logs/report.log"

@@ -72,7 +72,7 @@ rule sweep_page:
             f"results/sweeps/{name}/figures/{map}.svg" for name, sweep in SWEEPS.items() for map in MAPS[sweep.computes]
         ],
         captions=SWEEP_CAPTIONS,
-        template=f"{workflow.basedir}/workflow/report/report.html.j2",
+        template=f"{workflow.basedir}/workflow/src/swingdown/report/report.html.j2",
         code=code("sweep_page"),
     output: "results/sweeps.html"
     log: "results/logs/sweep/page.log"

@@ -3,8 +3,8 @@
 import numpy as np
 
 from swingdown import console, dataset
-from swingdown.angle import to_angle
-from swingdown.recording import read_recording
+from swingdown.measurement.angle import to_angle
+from swingdown.measurement.recording import read_recording
 
 
 def angle(recording, calibration, mode, output):

@@ -3,9 +3,9 @@
 import numpy as np
 
 from swingdown import calibration, console, dataset
-from swingdown.apparatus import read_apparatus
-from swingdown.recording import read_recording
-from swingdown.tables import write_table
+from swingdown.measurement.apparatus import read_apparatus
+from swingdown.measurement.recording import read_recording
+from swingdown.studies.paper_tables import write_table
 
 
 def calibrate(apparatus, rest, draws, seed, mode, line_output, budget_output):

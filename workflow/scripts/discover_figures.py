@@ -16,14 +16,18 @@ def figures(verdict, folders, outputs):
     first, last = used[0], used[-1]
     moved = found["moves"][0] if found["moves"] else ""
     drawn = {
-        "residuals": lambda: discovery.residuals(dataset.read(first / "fit.nc"), dataset.read(last / "fit.nc")),
+        "residuals": lambda: discovery.residuals(
+            dataset.read(first / "fit.nc"), dataset.read(last / "fit.nc")
+        ),
         "map": lambda: discovery.missing_torque(
             pd.read_csv(first / "map.csv"),
             pd.read_csv(last / "map.csv"),
             pd.read_csv(last / "unnamed.csv"),
             [json.loads((folder / "round.json").read_text()) for folder in used],
         ),
-        "half_swings": lambda: discovery.half_swings(pd.read_csv(first / "half_swings.csv"), pd.read_csv(last / "half_swings.csv")),
+        "half_swings": lambda: discovery.half_swings(
+            pd.read_csv(first / "half_swings.csv"), pd.read_csv(last / "half_swings.csv")
+        ),
         "ranking": lambda: discovery.ranking(pd.read_csv(first / "ranking.csv"), moved),
         "gap": lambda: discovery.gap(found),
     }

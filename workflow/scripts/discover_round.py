@@ -3,9 +3,10 @@
 import shutil
 from pathlib import Path
 
-from swingdown import console, own_effects
+from swingdown import console
 from swingdown.discovery import files
 from swingdown.discovery.rounds import first_fit, fit_from, look
+from swingdown.pendulum import own as own_effects
 
 
 def discover_round(campaign, angles, roles, base, previous, number, rounds, model, output):

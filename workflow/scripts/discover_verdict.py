@@ -3,10 +3,11 @@
 import json
 from pathlib import Path
 
-from swingdown import console, own_effects
+from swingdown import console
 from swingdown.discovery.files import read_rounds
 from swingdown.discovery.verdict import verdict
 from swingdown.paths import written_whole
+from swingdown.pendulum import own as own_effects
 
 
 def discover_verdict(folders, output):

@@ -3,7 +3,7 @@
 import pandas as pd
 
 from swingdown import console, dataset
-from swingdown.apparatus import read_apparatus
+from swingdown.measurement.apparatus import read_apparatus
 from swingdown.plots import FIGURES, save
 
 

@@ -2,8 +2,9 @@
 
 import numpy as np
 
-from swingdown import console, dataset, experiment
-from swingdown.model import symbol
+from swingdown import console, dataset
+from swingdown.pendulum.model import symbol
+from swingdown.studies import experiment
 
 
 def fit_campaign(angles, campaign, fitted, start, model, output):

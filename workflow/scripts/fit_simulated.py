@@ -1,8 +1,8 @@
 """The norms of every model fitted to the noisy swings of one simulated damping term."""
 
 from swingdown import console, dataset
-from swingdown.model import symbol
-from swingdown.simulation import simulation_norms
+from swingdown.pendulum.model import symbol
+from swingdown.studies.simulation import simulation_norms
 
 
 def fit_simulated(realizations, simulated, fitted, start, output):

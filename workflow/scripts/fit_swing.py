@@ -1,8 +1,8 @@
 """All models fitted to one swing."""
 
 from swingdown import console, dataset
-from swingdown.experiment import fit_recording
-from swingdown.model import symbol
+from swingdown.pendulum.model import symbol
+from swingdown.studies.experiment import fit_recording
 
 
 def fit_swing(angle, fitted, start, model, output):

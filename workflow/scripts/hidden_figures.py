@@ -5,13 +5,16 @@ from pathlib import Path
 import pandas as pd
 
 from swingdown import console
-from swingdown.hidden.score import read_scores
 from swingdown.plots import hidden, save
+from swingdown.trials.score import read_scores
 
 
 def figures(scores, confusion, outputs):
     """Each of the outputs written."""
-    drawn = {"confusion": hidden.confusion(pd.read_csv(confusion)), "detection": hidden.detection(read_scores(scores))}
+    drawn = {
+        "confusion": hidden.confusion(pd.read_csv(confusion)),
+        "detection": hidden.detection(read_scores(scores)),
+    }
     for output in map(Path, outputs):
         save(drawn[output.stem], output)
 

@@ -4,7 +4,7 @@ import json
 from pathlib import Path
 
 from swingdown import console
-from swingdown.hidden.find import find
+from swingdown.trials.find import find
 
 
 def verdicts(sheet, excluded, base, rounds, output):

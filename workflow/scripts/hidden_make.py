@@ -6,8 +6,8 @@ from pathlib import Path
 import pandas as pd
 
 from swingdown import console
-from swingdown.hidden.plan import Planned, drawn
-from swingdown.hidden.trials import write_trial
+from swingdown.trials.schedule import Planned, drawn
+from swingdown.trials.trial import write_trial
 
 
 def make(chunk, trials, seed, sheet, excluded, truth):
@@ -33,4 +33,13 @@ def make(chunk, trials, seed, sheet, excluded, truth):
 if __name__ == "__main__":
     with console.job(snakemake.log[0]) as say:
         params, output = snakemake.params, snakemake.output
-        say(make(snakemake.wildcards.chunk, params.trials, params.seed, output.sheet, output.excluded, output.truth))
+        say(
+            make(
+                snakemake.wildcards.chunk,
+                params.trials,
+                params.seed,
+                output.sheet,
+                output.excluded,
+                output.truth,
+            )
+        )

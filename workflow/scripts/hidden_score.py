@@ -7,7 +7,7 @@ import pandas as pd
 import yaml
 
 from swingdown import console
-from swingdown.hidden.score import confusion, guard, row, summarise
+from swingdown.trials.score import confusion, guard, row, summarise
 
 
 def score(truths, verdicts, scores, summary, matrix, guarded):
@@ -21,11 +21,18 @@ def score(truths, verdicts, scores, summary, matrix, guarded):
     figures = summarise(table)
     figures.to_csv(summary, index=False, float_format="%.4g")
     confusion(table).to_csv(matrix, float_format="%.4g")
-    Path(guarded).write_text("# To be taken into workflow/src/swingdown/discovery/guard.yaml, which verdicts quote.\n" + yaml.safe_dump(guard(table), sort_keys=False))
+    Path(guarded).write_text(
+        "# To be taken into workflow/src/swingdown/discovery/guard.yaml, which verdicts quote.\n"
+        + yaml.safe_dump(guard(table), sort_keys=False)
+    )
     return "; ".join(f"{one.figure}: {one.value:.3g} of {one.n}" for one in figures.itertuples())
 
 
 if __name__ == "__main__":
     with console.job(snakemake.log[0]) as say:
         inputs, output = snakemake.input, snakemake.output
-        say(score(inputs.truths, inputs.verdicts, output.scores, output.summary, output.confusion, output.guard))
+        say(
+            score(
+                inputs.truths, inputs.verdicts, output.scores, output.summary, output.confusion, output.guard
+            )
+        )

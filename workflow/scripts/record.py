@@ -3,7 +3,7 @@
 import pandas as pd
 
 from swingdown import console, dataset
-from swingdown.recording import ingest
+from swingdown.measurement.recording import ingest
 
 
 def record(row, sheet, output):

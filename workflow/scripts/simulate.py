@@ -1,7 +1,7 @@
 """Simulated swings, noise-free and with noise, for every simulated damping term."""
 
 from swingdown import console, dataset
-from swingdown.simulation import realizations
+from swingdown.studies.simulation import realizations
 
 
 def simulate(simulation, model, seed, output):

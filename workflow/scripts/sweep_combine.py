@@ -1,10 +1,10 @@
 """All chunks of a sweep as one dataset, and the table of its probabilities."""
 
 from swingdown import console
+from swingdown.studies.paper_tables import write_table
 from swingdown.sweep.combine import combine, read_maps
 from swingdown.sweep.summary import table
 from swingdown.sweep.table import sweeps
-from swingdown.tables import write_table
 
 
 def sweep_combine(sweep, chunks, data_output, table_output):

@@ -1,6 +1,7 @@
 """One chunk of a detection sweep: discovery's verdict on every draw of its cells."""
 
-from swingdown import console, dataset, own_effects
+from swingdown import console, dataset
+from swingdown.pendulum import own as own_effects
 from swingdown.sweep import detection
 from swingdown.sweep.chunks import find_chunk
 from swingdown.sweep.compute import compute

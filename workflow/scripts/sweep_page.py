@@ -11,7 +11,12 @@ def sweep_page(names, captions, output):
         output, [section], title="How often is it the right model?", subtitle=f"Sweeps: {', '.join(found)}", notices=[],
         footer="Made by swingdown. The datasets behind every map lie in results/sweeps.",
     )  # fmt: skip
-    return "\n".join([*section.items[0].lines, f"all of it: {output}; the study's report shows it too when it is made again"])
+    return "\n".join(
+        [
+            *section.items[0].lines,
+            f"all of it: {output}; the study's report shows it too when it is made again",
+        ]
+    )
 
 
 if __name__ == "__main__":

@@ -3,8 +3,8 @@
 import pandas as pd
 
 from swingdown import console, dataset
-from swingdown.norms import combine_simulated
-from swingdown.tables import table2, write_table
+from swingdown.studies.norms import combine_simulated
+from swingdown.studies.paper_tables import table2, write_table
 
 
 def collect(parts, published, norms_output, table_output):

@@ -3,8 +3,8 @@
 import pandas as pd
 
 from swingdown import console, dataset
-from swingdown.norms import combine_recordings
-from swingdown.tables import comparison, parameters, table3, write_table
+from swingdown.studies.norms import combine_recordings
+from swingdown.studies.paper_tables import comparison, parameters, table3, write_table
 
 
 def collect(fits, joint, published, outputs):

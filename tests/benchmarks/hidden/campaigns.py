@@ -49,12 +49,16 @@ def campaigns(folder):
         place = folder / "campaigns" / path.stem
         for needed in (place / "sheet.csv", place / "excluded.json"):
             if not needed.is_file():
-                raise InputError(needed, f"not there, though {path} is", mend="run snakemake hidden_effects again")
+                raise InputError(
+                    needed, f"not there, though {path} is", mend="run snakemake hidden_effects again"
+                )
         truth, lacks = (json.loads(one.read_text()) for one in (path, place / "excluded.json"))
         sheet = pd.read_csv(place / "sheet.csv", dtype=str) if truth else None
         for name, one in truth.items():
             # beside the sheet, whatever folder it was made in
-            files = tuple(str(place / Path(file).name) for file in sheet.loc[sheet["campaign"] == name, "file"])
+            files = tuple(
+                str(place / Path(file).name) for file in sheet.loc[sheet["campaign"] == name, "file"]
+            )
             found.append(Campaign(name, files, tuple(lacks.get(name, ())), one))
     return found
 
@@ -89,7 +93,9 @@ def row(method, one, names, seconds, said=None):
 
 def period(times, angle):
     """The period (s) of a swing, from the largest line of its spectrum: good enough to choose windows by."""
-    window = np.hanning(2 * angle.size)[angle.size :]  # most of it at the beginning: some swings die out early
+    window = np.hanning(2 * angle.size)[
+        angle.size :
+    ]  # most of it at the beginning: some swings die out early
     power = np.abs(np.fft.rfft((angle - np.average(angle, weights=window)) * window, 4 * angle.size))
     power[:12] = 0  # fewer than three swings in a record are no line but a drift
     return 4 * times[-1] / np.argmax(power)

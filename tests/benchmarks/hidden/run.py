@@ -28,7 +28,9 @@ def methods():
 
         found |= {"pysindy STLSQ, strong form": sindy.strong, "pysindy STLSQ, weak form": sindy.weak}
     except ImportError as error:
-        missing.append(f"pysindy ({error}; make benchmark-discovery installs it from requirements-discovery.lock)")
+        missing.append(
+            f"pysindy ({error}; make benchmark-discovery installs it from requirements-discovery.lock)"
+        )
     return found, missing
 
 
@@ -40,7 +42,9 @@ def measure(found, trials):
             started = time.process_time()
             try:
                 named, said = names(one.swings(), one.lacks), None
-            except Exception as error:  # of whatever kind: a method that falls over has not answered, and that is counted
+            except (
+                Exception
+            ) as error:  # of whatever kind: a method that falls over has not answered, and that is counted
                 named, said = [], "failed"
                 print(f"  {one.name}: {method} failed: {type(error).__name__}: {error}", flush=True)
             rows.append(row(method, one, named, time.process_time() - started, said))
@@ -61,11 +65,17 @@ def ours(path, trials):
         if one.name not in scores.index or scores.loc[one.name, "hidden"] != "+".join(one.truth["hidden"]):
             continue
         score = scores.loc[one.name]
-        named = [] if score["status"] in ("consistent", "unknown") else [(name,) for name in score["named"].split("+") if name]
+        named = (
+            []
+            if score["status"] in ("consistent", "unknown")
+            else [(name,) for name in score["named"].split("+") if name]
+        )
         flags = {name: str(score[name]) == "True" for name in ("exact", "inside", "wrong")}
         rows.append(row(OURS, one, named, float(score["seconds"]), score["status"]) | flags)
     if len(rows) < len(trials):
-        print(f"{OURS}: {len(rows)} of {len(trials)} campaigns are scored in {path}; its figures are of those alone")
+        print(
+            f"{OURS}: {len(rows)} of {len(trials)} campaigns are scored in {path}; its figures are of those alone"
+        )
     return rows
 
 
@@ -77,7 +87,10 @@ def summarise(table):
         outside = pd.concat([kind["removed"], kind["foreign"]])
         found.append(
             {"method": method}
-            | {f"exact, {ratio:g} times the noise": _count(one["exact"]) for ratio, one in kind["single"].groupby("ratio")}
+            | {
+                f"exact, {ratio:g} times the noise": _count(one["exact"])
+                for ratio, one in kind["single"].groupby("ratio")
+            }
             | {
                 "exact, single": _count(kind["single"]["exact"]),
                 "the same or inside a tie of at most four": _count(kind["single"]["inside"]),
@@ -101,7 +114,12 @@ def _count(flags):
 
 def main():
     reader = argparse.ArgumentParser(description=__doc__)
-    reader.add_argument("--hidden", type=Path, default=Path("results/hidden_effects"), help="what snakemake hidden_effects made")
+    reader.add_argument(
+        "--hidden",
+        type=Path,
+        default=Path("results/hidden_effects"),
+        help="what snakemake hidden_effects made",
+    )
     reader.add_argument("--results", type=Path, default=Path("results/benchmarks"))
     given = reader.parse_args()
     trials = campaigns(given.hidden)

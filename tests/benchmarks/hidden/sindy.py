@@ -14,14 +14,23 @@ from campaigns import period
 from pysindy.differentiation import SmoothedFiniteDifference
 from terms import Point, load_coulomb, plain, shaped
 
-LOUD = 40.0  # noises by which the angle must move in a window: where it sticks there is no direction of motion
+LOUD = (
+    40.0  # noises by which the angle must move in a window: where it sticks there is no direction of motion
+)
 # Columns are normalised, so a threshold is a share of what the base leaves of the target, whatever a term's unit
 THRESHOLDS = np.geomspace(0.03, 0.95, 14)
 ALIKE = 0.98  # correlation beside the base, above which two columns are one term
-BAGS, MOST = 20, 0.6  # models on swings drawn anew, and the share of them that must have a term: fewer false alarms
+BAGS, MOST = (
+    20,
+    0.6,
+)  # models on swings drawn anew, and the share of them that must have a term: fewer false alarms
 ORDER = 5  # of the local polynomial that smooths: pysindy's own, 3 in 11 samples, leaves the noise in
 EVERY = 4  # strong form: samples much closer than the smoothing window say the same
-DOMAINS, HALF, POWER = 150, 0.5, 4  # weak form: test functions a swing, half their window (periods; shorter is noisier), their power
+DOMAINS, HALF, POWER = (
+    150,
+    0.5,
+    4,
+)  # weak form: test functions a swing, half their window (periods; shorter is noisier), their power
 SEED = 1  # of the places of pysindy's test functions and of the swings drawn anew
 
 
@@ -74,7 +83,11 @@ def _named(swings, lacks, form, settings):
     finally:
         np.random.set_state(state)  # noqa: NPY002
     owners = [one for one in terms for _ in range(_width(one))]
-    found = [_names(owners, group, value, lacks) for group, value in zip(groups, coefficients, strict=True) if value]
+    found = [
+        _names(owners, group, value, lacks)
+        for group, value in zip(groups, coefficients, strict=True)
+        if value
+    ]
     return list(dict.fromkeys(found))
 
 
@@ -123,10 +136,18 @@ def _system(swings, terms, length, form, window):
 
 def _frequency(swings, smooth):
     """The natural frequency (rad/s), which the friction's load and the added mass need: from weight and viscous drag alone."""
-    inner = [slice(difference.smoother_kws["window_length"], -difference.smoother_kws["window_length"]) for _, difference in smooth]
+    inner = [
+        slice(difference.smoother_kws["window_length"], -difference.smoother_kws["window_length"])
+        for _, difference in smooth
+    ]
     state = np.concatenate([one[k] for (one, _), k in zip(smooth, inner, strict=True)])
-    acceleration = [np.asarray(difference._differentiate(one[:, 1:], times))[k, 0] for (times, _), (one, difference), k in zip(swings, smooth, inner, strict=True)]
-    values = np.linalg.lstsq(np.column_stack([-np.sin(state[:, 0]), -state[:, 1]]), np.concatenate(acceleration))[0]
+    acceleration = [
+        np.asarray(difference._differentiate(one[:, 1:], times))[k, 0]
+        for (times, _), (one, difference), k in zip(swings, smooth, inner, strict=True)
+    ]
+    values = np.linalg.lstsq(
+        np.column_stack([-np.sin(state[:, 0]), -state[:, 1]]), np.concatenate(acceleration)
+    )[0]
     return np.sqrt(max(values[0], 1.0))
 
 
@@ -160,7 +181,9 @@ def _library(terms, times, omega):
 def _accelerations(times, state, difference, library, length):
     """(columns, target, windows) of the strong form: of each row the samples that it comes from."""
     acceleration = np.asarray(difference._differentiate(state[:, 1:], times))[:, 0]
-    half = difference.smoother_kws["window_length"]  # smoothed twice, so a whole window at each end is the ends' own
+    half = difference.smoother_kws[
+        "window_length"
+    ]  # smoothed twice, so a whole window at each end is the ends' own
     rows = np.arange(half, times.size - half, EVERY)
     columns = np.asarray(library.fit_transform(np.column_stack([state, times])))
     return columns[rows], acceleration[rows], [slice(k - half // 2, k + half // 2 + 1) for k in rows]
@@ -168,7 +191,9 @@ def _accelerations(times, state, difference, library, length):
 
 def _integrals(times, state, _, library, length):
     """(columns, target, windows) of the weak form."""
-    form = pysindy.WeakPDELibrary(function_library=library, spatiotemporal_grid=times, K=DOMAINS, H_xt=HALF * length, p=POWER)
+    form = pysindy.WeakPDELibrary(
+        function_library=library, spatiotemporal_grid=times, K=DOMAINS, H_xt=HALF * length, p=POWER
+    )
     inputs = np.column_stack([state, times])
     columns = np.asarray(form.fit_transform(inputs))
     target = np.asarray(form.convert_u_dot_integral(inputs))[:, 1]
@@ -185,7 +210,10 @@ def _selected(columns, target, owner, ridge):
     """The coefficients beyond the base's three, zero where a term is not selected."""
     threshold = _threshold(columns, target, owner, ridge)
     draw, swings = np.random.default_rng(SEED), np.unique(owner)
-    bags = [np.concatenate([np.flatnonzero(owner == k) for k in draw.choice(swings, swings.size)]) for _ in range(BAGS)]
+    bags = [
+        np.concatenate([np.flatnonzero(owner == k) for k in draw.choice(swings, swings.size)])
+        for _ in range(BAGS)
+    ]
     kept = np.mean([_support(columns[rows], target[rows], threshold, ridge) for rows in bags], axis=0) > MOST
     values, used = _fitted(columns, target, kept)
     found = np.zeros(columns.shape[1])
@@ -223,13 +251,17 @@ def _threshold(columns, target, owner, ridge):
     for fold, k in enumerate(np.unique(owner)):
         fit, out = owner != k, owner == k
         values, used = _fitted(columns[fit], target[fit], none)
-        alone = np.mean((target[out] - columns[out][:, used] @ values) ** 2)  # so that swings of any size weigh the same
+        alone = np.mean(
+            (target[out] - columns[out][:, used] @ values) ** 2
+        )  # so that swings of any size weigh the same
         known = {none.tobytes(): 1.0}
         for row, threshold in enumerate(THRESHOLDS):
             support = _support(columns[fit], target[fit], threshold, ridge)
             if support.tobytes() not in known:
                 values, used = _fitted(columns[fit], target[fit], support)
-                known[support.tobytes()] = np.mean((target[out] - columns[out][:, used] @ values) ** 2) / alone
+                known[support.tobytes()] = (
+                    np.mean((target[out] - columns[out][:, used] @ values) ** 2) / alone
+                )
             errors[row, fold] = known[support.tobytes()]
     worse = errors - errors[np.argmin(errors.mean(axis=1))]
     good = worse.mean(axis=1) <= worse.std(axis=1, ddof=1) / np.sqrt(worse.shape[1])

@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from swingdown.effects import CATALOGUE
+from swingdown.pendulum.catalogue import CATALOGUE
 
 
 class Point(NamedTuple):
@@ -40,7 +40,10 @@ class Term(NamedTuple):
     sign: int = 0
 
 
-ALIASES = {"constant_torque": ("constant_torque", "sensor_zero"), "cubic_stiffness": ("cubic_stiffness", "sensor_gain")}
+ALIASES = {
+    "constant_torque": ("constant_torque", "sensor_zero"),
+    "cubic_stiffness": ("cubic_stiffness", "sensor_gain"),
+}
 
 
 def _term(name, columns, shapes=0, sign=None):
@@ -74,9 +77,18 @@ def shaped():
 
     Exponents 1 and 2 and a wind of none are left out, for they are other effects.
     """
-    found = [_term("stribeck", lambda p, v=v: -np.exp(-np.abs(p.thetadot) / v) * p.way, 1) for v in (0.03, 0.06, 0.1, 0.2, 0.3, 0.5, 1.0)]
-    found += [_term("power_law_drag", lambda p, n=n: -(np.abs(p.thetadot) ** n) * p.way, 1) for n in (0.5, 1.3, 1.5, 1.7, 2.5, 2.75, 3.0, 3.5)]
-    found += [_term("eddy_brake", lambda p, w=w: -np.exp(-((p.theta / w) ** 2)) * p.thetadot, 1) for w in (0.05, 0.08, 0.1, 0.15, 0.2, 0.3, 0.4)]
+    found = [
+        _term("stribeck", lambda p, v=v: -np.exp(-np.abs(p.thetadot) / v) * p.way, 1)
+        for v in (0.03, 0.06, 0.1, 0.2, 0.3, 0.5, 1.0)
+    ]
+    found += [
+        _term("power_law_drag", lambda p, n=n: -(np.abs(p.thetadot) ** n) * p.way, 1)
+        for n in (0.5, 1.3, 1.5, 1.7, 2.5, 2.75, 3.0, 3.5)
+    ]
+    found += [
+        _term("eddy_brake", lambda p, w=w: -np.exp(-((p.theta / w) ** 2)) * p.thetadot, 1)
+        for w in (0.05, 0.08, 0.1, 0.15, 0.2, 0.3, 0.4)
+    ]
     found += [
         _term("steady_wind", lambda p, u=u: -np.abs(p.thetadot - u) * (p.thetadot - u), 1)
         for u in (-2.0, -1.5, -1.0, -0.5, -0.25, -0.1, 0.1, 0.25, 0.5, 1.0, 1.5, 2.0)

@@ -11,8 +11,8 @@ import weak_form
 from campaigns import Campaign, campaigns, row
 
 from swingdown.errors import InputError
-from swingdown.hidden.plan import Planned, drawn
-from swingdown.hidden.trials import swings, write_trial
+from swingdown.trials.schedule import Planned, drawn
+from swingdown.trials.trial import swings, write_trial
 
 SEED = 99  # not the seed of the figures in the README
 EASY = Planned("single", ("quadratic_drag",), 2.0, "white", 0)
@@ -64,7 +64,9 @@ def folder_of(tmp_path, *trials):
     return tmp_path
 
 
-def test_campaigns_are_read_measured_and_summarised_and_one_that_cannot_be_read_counts_as_failed(tmp_path, capsys):
+def test_campaigns_are_read_measured_and_summarised_and_one_that_cannot_be_read_counts_as_failed(
+    tmp_path, capsys
+):
     folder = folder_of(tmp_path, EASY, NULL)
     (folder / "campaigns/0000/c1-1.csv").unlink()
     table = pd.DataFrame(run.measure({"weak": weak_form.named}, campaigns(folder)))
@@ -103,4 +105,10 @@ def test_the_packages_own_scores_are_taken_as_they_are(tmp_path):
              "exact": False, "inside": True, "wrong": False, "seconds": 3.0}  # fmt: skip
     pd.DataFrame([score]).to_csv(folder / "scores.csv", index=False)
     (own,) = run.ours(folder / "scores.csv", campaigns(folder))
-    assert (own["exact"], own["inside"], own["wrong"], own["said"], own["cpu_s"]) == (False, True, False, "ambiguous", 3.0)
+    assert (own["exact"], own["inside"], own["wrong"], own["said"], own["cpu_s"]) == (
+        False,
+        True,
+        False,
+        "ambiguous",
+        3.0,
+    )

@@ -16,7 +16,10 @@ MARGIN = 10.0  # of BIC: a term that does not better the base by it is not named
 WIDTH = 0.18  # half of a test function's window, in periods: longer ones wash out what happens within a swing
 OVERLAP = 4  # test functions in half a window; closer ones add nothing but cost
 POWER = 6  # of (1 - s^2): smooth enough at the window's ends for two derivatives under the trapezoidal rule
-SMOOTH, ORDER = 0.4, 5  # window of the local polynomial behind the terms beyond the base (periods), and its order
+SMOOTH, ORDER = (
+    0.4,
+    5,
+)  # window of the local polynomial behind the terms beyond the base (periods), and its order
 LOUD = 40.0  # a window in which the angle moves by less than so many times the noise tells no direction of motion
 LINES = (0.2, 8.0)  # Hz, in which a vibration is looked for
 OWN = 0.1  # Hz on either side of the pendulum's own frequency, where a drive is no name
@@ -104,7 +107,9 @@ class System:
         for one in self.swings:
             turns = 2 * np.pi * np.outer(one.point.t, lines)
             shaken = np.cos(one.point.theta)[:, None]
-            both = np.stack([one.weighted(one.zeroth @ (shaken * wave(turns))) for wave in (np.cos, np.sin)], axis=-1)
+            both = np.stack(
+                [one.weighted(one.zeroth @ (shaken * wave(turns))) for wave in (np.cos, np.sin)], axis=-1
+            )
             parts.append((slice(start, start + both.shape[0]), both))
             start += both.shape[0]
         best = -np.inf

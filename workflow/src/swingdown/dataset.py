@@ -35,7 +35,9 @@ def write(dataset, path):
     try:
         with written_whole(path) as partial:
             dataset.to_netcdf(partial, engine="netcdf4", format="NETCDF4", encoding=encoding)
-            with netCDF4.Dataset(partial, "a") as file:  # last of all: a killed writer leaves a file that opens cleanly
+            with netCDF4.Dataset(
+                partial, "a"
+            ) as file:  # last of all: a killed writer leaves a file that opens cleanly
                 file.setncattr("complete", np.int32(1))
     except (OSError, RuntimeError) as error:
         free = shutil.disk_usage(path.parent).free

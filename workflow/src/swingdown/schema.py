@@ -3,14 +3,14 @@
 import copy
 import difflib
 from functools import cache
+from pathlib import Path
 
 import jsonschema
 import yaml
 
 from .errors import InputError
-from .paths import PROJECT
 
-SCHEMAS = PROJECT / "workflow" / "schemas"
+SCHEMAS = Path(__file__).with_name("schemas")
 _KINDS = {
     "string": "text", "integer": "a whole number", "number": "a number", "array": "a list", "object": "a group of keys",
     "boolean": "true or false",
@@ -19,7 +19,7 @@ _BOUNDS = {"minimum": "≥", "exclusiveMinimum": ">", "maximum": "≤", "exclusi
 
 
 def check(content, schema, where):
-    """A copy of ``content`` (a mapping read from YAML) with the defaults of ``workflow/schemas/<schema>`` filled in.
+    """A copy of ``content`` (a mapping read from YAML) with the defaults of ``schemas/<schema>`` filled in.
 
     What the schema refuses raises InputError: the first fault, unknown keys before all others, told as ``where`` and key.
     A group that stands there empty counts as left out.
@@ -77,7 +77,9 @@ def _filled(content, schema):
             content[key] = copy.deepcopy(rule["default"])
         if isinstance(content.get(key), dict):
             _filled(content[key], rule)
-    if isinstance(rest := schema.get("additionalProperties"), dict):  # keys of any name, each by the same rules
+    if isinstance(
+        rest := schema.get("additionalProperties"), dict
+    ):  # keys of any name, each by the same rules
         for key, one in content.items():
             if key not in schema.get("properties", {}) and isinstance(one, dict):
                 _filled(one, rest)
@@ -111,7 +113,9 @@ def _told(fault, schema, where):
     if fault.validator == "uniqueItems":
         return InputError(place, "an entry is there twice", "each entry once", "remove one")
     if fault.validator == "pattern":
-        return InputError(place, f"{value!r} is no name", "small letters, digits and _, a letter first", "rename it")
+        return InputError(
+            place, f"{value!r} is no name", "small letters, digits and _, a letter first", "rename it"
+        )
     if fault.validator == "minItems":
         return InputError(place, "the list is too short", f"at least {fault.validator_value}", "add an entry")
     if fault.validator == "type" and isinstance(value, str) and rule.get("type") in ("number", "integer"):

@@ -9,9 +9,9 @@ import numpy as np
 import pandas as pd
 
 from ..errors import InputError
-from ..line import FEWEST
-from ..recording import ingest
-from ..uncertainty import mean_of_samples
+from ..measurement.line import FEWEST
+from ..measurement.recording import ingest
+from ..measurement.uncertainty import mean_of_samples
 from . import layout, modes
 from .chain import OUTPUTS, measurement
 from .modes import MODES

@@ -7,9 +7,9 @@ from functools import cached_property
 
 import numpy as np
 
-from ..apparatus import encoder_limit, length_inputs
-from ..line import Line, fit_line_correlated, solve_lines
-from ..uncertainty import Input, from_limit, propagate_gum
+from ..measurement.apparatus import encoder_limit, length_inputs
+from ..measurement.line import Line, fit_line_correlated, solve_lines
+from ..measurement.uncertainty import Input, from_limit, propagate_gum
 from .geometry import arm_angle
 
 REFERENCE_DEG = 20.0  # the angle whose budget is told

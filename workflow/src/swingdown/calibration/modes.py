@@ -5,10 +5,10 @@ from types import SimpleNamespace
 
 import numpy as np
 
-from ..apparatus import encoder_limit
 from ..errors import InputError
-from ..line import fit_line
-from ..uncertainty import draw_inputs, propagate_gum, symmetric_interval
+from ..measurement.apparatus import encoder_limit
+from ..measurement.line import fit_line
+from ..measurement.uncertainty import draw_inputs, propagate_gum, symmetric_interval
 from .chain import lengths
 from .geometry import printed_bound
 

@@ -9,8 +9,8 @@ import re
 from typing import NamedTuple
 
 from ..errors import InputError
+from ..measurement.sheet import TIME_UNITS, unit_of
 from ..schema import near
-from ..sheet import TIME_UNITS, unit_of
 
 
 class Sample(NamedTuple):

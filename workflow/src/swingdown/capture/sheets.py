@@ -15,8 +15,8 @@ from pathlib import Path
 import yaml
 
 from ..errors import InputError
+from ..measurement.sheet import read_sheet
 from ..paths import PROJECT, find
-from ..sheet import read_sheet
 
 HEADER = (
     "recording", "campaign", "file", "time_column", "time_unit", "signal_column", "signal_unit", "start_s", "role", "sha256",

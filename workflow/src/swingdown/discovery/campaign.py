@@ -7,7 +7,7 @@ import numpy as np
 from scipy.optimize import minimize_scalar
 
 from ..errors import InputError
-from ..guess import half_swings
+from ..fitting.guess import half_swings
 
 # A single recording is cut into parts of as many half-swings each: odd numbers of them, so that both ends are fitted.
 _PARTS = {5: 20, 3: 9}  # parts, and the half-swings a recording must have to be cut into so many
@@ -77,9 +77,13 @@ def campaign(name, swings, holdout=(), static=()):
     there is none, and for a single recording that is too short.
     """
     if not swings:
-        raise InputError(f"campaign {name}", "no swing to fit", "one or more recordings that are not static or held out")
+        raise InputError(
+            f"campaign {name}", "no swing to fit", "one or more recordings that are not static or held out"
+        )
     if holdout:
-        return Campaign(name, tuple(swings), tuple(holdout), "held out as the sample sheet says", tuple(static))
+        return Campaign(
+            name, tuple(swings), tuple(holdout), "held out as the sample sheet says", tuple(static)
+        )
     if len(swings) == 1:
         parts = cut(swings[0])
         how = f"one recording, cut by amplitude into {len(parts)} parts: every second held out"
@@ -103,7 +107,10 @@ def cut(swing):
                          f"at least {min(_PARTS.values())}, so that some can be held out", "record longer, or more than once")  # fmt: skip
     at = crossings[[k * (crossings.size - 1) // count for k in range(1, count)]]
     edges = [0, *np.searchsorted(swing.times, at), swing.times.size]
-    return [Swing(f"{swing.name}, part {k + 1} of {count}", swing.times[a:b], swing.angle[a:b]) for k, (a, b) in enumerate(pairwise(edges))]
+    return [
+        Swing(f"{swing.name}, part {k + 1} of {count}", swing.times[a:b], swing.angle[a:b])
+        for k, (a, b) in enumerate(pairwise(edges))
+    ]
 
 
 def measure_noise(residuals, intervals, frequency, static=()):
@@ -115,8 +122,15 @@ def measure_noise(residuals, intervals, frequency, static=()):
     """
     shapes, powers = [], []
     for residual, interval, low in [
-        *((residual, interval, 8 * frequency) for residual, interval in zip(residuals, intervals, strict=True)),
-        *((angle - angle.mean(), (times[-1] - times[0]) / (times.size - 1), 0.0) for times, angle in static if np.ptp(angle) > 0),
+        *(
+            (residual, interval, 8 * frequency)
+            for residual, interval in zip(residuals, intervals, strict=True)
+        ),
+        *(
+            (angle - angle.mean(), (times[-1] - times[0]) / (times.size - 1), 0.0)
+            for times, angle in static
+            if np.ptp(angle) > 0
+        ),
     ]:
         window = np.hanning(residual.size)
         power = np.abs(np.fft.rfft(window * residual)) ** 2 / np.sum(window**2)

@@ -5,8 +5,8 @@ from itertools import product
 
 import numpy as np
 
-from .. import effects
-from ..trajectory import TrajectoryError
+from ..engine.trajectory import TrajectoryError
+from ..pendulum import catalogue as effects
 from .linear import best_step, columns_of, each_model
 from .locate import line
 
@@ -80,7 +80,9 @@ def starts_to_add(frame, name, best=2, dropped=None):
     found = []
     for shape in product(*grids):
         values = {p.name: float(value) for p, value in zip(shapes, shape, strict=True)}
-        values |= {p.name: 0.0 if p.lower <= 0 else 0.3 * p.typical for p in amplitudes}  # a lag of nothing has no slope
+        values |= {
+            p.name: 0.0 if p.lower <= 0 else 0.3 * p.typical for p in amplitudes
+        }  # a lag of nothing has no slope
         free = [p.name for p in amplitudes]
         try:
             columns = np.hstack([columns_of(frame, effect, values | one, free) for one in sides])
@@ -110,7 +112,10 @@ def _joined(values, each):
 def _stepped(coefficients, values, free, phases, swings):
     """The effect's values of each swing after the linear step."""
     if not phases:
-        return ({name: values[name] + float(c) for name, c in zip(free, coefficients, strict=True)} | {k: v for k, v in values.items() if k not in free},) * swings
+        return (
+            {name: values[name] + float(c) for name, c in zip(free, coefficients, strict=True)}
+            | {k: v for k, v in values.items() if k not in free},
+        ) * swings
     sine, cosine = np.split(coefficients, 2)
     size, angle = np.hypot(sine, cosine), np.arctan2(cosine, sine)
     if not phases[0].own:
@@ -164,7 +169,10 @@ def starts_to_exchange(frame, allowed=None):
         kept, values = without(frame.fit, old)
         for new in EXCHANGES.get(old, ()):
             if new not in model.effects and (allowed is None or new in allowed):
-                found += [Start(new, old, (*kept, new), tuple(one | like for one in values), 0.0) for like in _in_place_of(model, old, new)]
+                found += [
+                    Start(new, old, (*kept, new), tuple(one | like for one in values), 0.0)
+                    for like in _in_place_of(model, old, new)
+                ]
     return found
 
 
@@ -178,7 +186,10 @@ def _in_place_of(model, old, new):
     if new == "constant_coulomb":
         return [{"constant_friction": friction}]
     if new == "presliding":
-        return [{"presliding_friction": abs(friction) + 1e-4, "presliding_angle": angle} for angle in (0.001, 0.003, 0.01, 0.03)]
+        return [
+            {"presliding_friction": abs(friction) + 1e-4, "presliding_angle": angle}
+            for angle in (0.001, 0.003, 0.01, 0.03)
+        ]
     if new == "power_law_drag":
         exponent, scale = (1.2, 2 * value * w) if old == "viscous" else (1.8, value * w)
         return [{"power_law_coefficient": abs(scale) + 1e-4, "power_law_exponent": exponent}]

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from .. import effects
-from ..fit import fit_jointly
+from ..fitting.fit import fit_jointly
+from ..pendulum import catalogue as effects
 
 
 def predict(fit, swings):

@@ -9,7 +9,7 @@ import pandas as pd
 import xarray as xr
 
 from .. import dataset
-from ..model import Model, write_model
+from ..pendulum.model import Model, write_model
 from .campaign import Swing, campaign
 from .confirm import gap, per_swing
 from .half_swings import said
@@ -60,12 +60,23 @@ def _series(state, campaign, emulated):
     rad = {"units": "rad"}
     return xr.Dataset(
         {
-            "angle": ("sample", np.concatenate([s.angle for s in swings]), rad | {"long_name": "measured angle"}),
+            "angle": (
+                "sample",
+                np.concatenate([s.angle for s in swings]),
+                rad | {"long_name": "measured angle"},
+            ),
             "fit": ("sample", np.concatenate(series), rad | {"long_name": "fitted angle"}),
-            "time": ("sample", np.concatenate([s.times for s in swings]), {"units": "s", "long_name": "time"}),
+            "time": (
+                "sample",
+                np.concatenate([s.times for s in swings]),
+                {"units": "s", "long_name": "time"},
+            ),
             "swing": ("sample", np.repeat(np.arange(len(swings)), [s.times.size for s in swings])),
         },
-        {"name": ("swings", [s.name for s in swings]), "held_out": ("swings", [s in campaign.holdout for s in swings])},
+        {
+            "name": ("swings", [s.name for s in swings]),
+            "held_out": ("swings", [s in campaign.holdout for s in swings]),
+        },
         {
             "campaign": campaign.name,
             "emulated": "yes" if emulated else "no",
@@ -114,7 +125,11 @@ def summary(state, campaign):
 
 def _parameters(model):
     return {
-        name: {"value": value, "standard_error": _finite(model.standard_errors.get(name)), "unit": model.units[name]}
+        name: {
+            "value": value,
+            "standard_error": _finite(model.standard_errors.get(name)),
+            "unit": model.units[name],
+        }
         for name, value in model.values.items()
     }
 
@@ -141,4 +156,6 @@ def read_rounds(folders):
 def begin(start, restoring, form):
     """The ``refit.Begin`` that a round.json's ``next`` describes."""
     model = Model(tuple(start["effects"]), restoring=restoring, form=form).with_values(start["values"][0])
-    return Begin(model, tuple(start["values"]), tuple(start["release_angle"]), tuple(start["release_velocity"]))
+    return Begin(
+        model, tuple(start["values"]), tuple(start["release_angle"]), tuple(start["release_velocity"])
+    )

@@ -3,7 +3,8 @@
 import numpy as np
 import pandas as pd
 
-from .. import effects, formula
+from ..pendulum import catalogue as effects
+from ..pendulum import formula
 from .linear import columns_of, each_model
 from .refit import refit
 
@@ -15,8 +16,14 @@ _TIME_PARTS = ("drag", "stiffness", "push")
 
 def ranges(frame):
     """The largest angle (rad) and speed (rad/s) that the fit reaches, by the free form that spans it."""
-    speed = max(float(np.max(np.abs(np.gradient(s, w.times)))) for s, w in zip(frame.fit.angle, frame.swings, strict=True))
-    return {"unnamed_position": max(float(np.max(np.abs(series))) for series in frame.fit.angle), "unnamed_velocity": speed}
+    speed = max(
+        float(np.max(np.abs(np.gradient(s, w.times))))
+        for s, w in zip(frame.fit.angle, frame.swings, strict=True)
+    )
+    return {
+        "unnamed_position": max(float(np.max(np.abs(series))) for series in frame.fit.angle),
+        "unnamed_velocity": speed,
+    }
 
 
 def coefficients(name):
@@ -68,7 +75,11 @@ def kept(frame, noise):
             at = [fit.free.index(one) for one in coefficients(name)]
             covariance = fit.covariance[np.ix_(at, at)] * noise.inflation
             tables.append(_curve(frame, name, fit.values[at], covariance))
-    return pd.concat(tables, ignore_index=True) if tables else pd.DataFrame(columns=["over", "part", "x", "torque", "band"])
+    return (
+        pd.concat(tables, ignore_index=True)
+        if tables
+        else pd.DataFrame(columns=["over", "part", "x", "torque", "band"])
+    )
 
 
 def _curve(frame, name, estimate, covariance):
@@ -77,14 +88,23 @@ def _curve(frame, name, estimate, covariance):
     for part, (x, shapes) in _shapes(frame, name).items():
         spread = np.sqrt(np.maximum(np.einsum("ij,jk,ik->i", shapes, covariance, shapes), 0.0))
         over = name.removeprefix("unnamed_")
-        tables.append(pd.DataFrame({"over": over, "part": part, "x": x, "torque": shapes @ estimate, "band": spread}))
+        tables.append(
+            pd.DataFrame({"over": over, "part": part, "x": x, "torque": shapes @ estimate, "band": spread})
+        )
     return pd.concat(tables, ignore_index=True)
 
 
 def _shapes(frame, name):
     """By part of a free form: the places (rad, rad/s, share of the record) and what each coefficient gives there."""
     reach, frequency = ranges(frame), frame.fit.model.values["natural_frequency"]
-    at = {"theta": 0.0, "thetadot": 0.0, "t": 0.0, "duration": 1.0, "omega_n": frequency, "s_u": _fixed(frame, name).get(f"{name}_range", 1.0)}
+    at = {
+        "theta": 0.0,
+        "thetadot": 0.0,
+        "t": 0.0,
+        "duration": 1.0,
+        "omega_n": frequency,
+        "s_u": _fixed(frame, name).get(f"{name}_range", 1.0),
+    }
     side, since = np.linspace(0, 1, _POINTS), np.linspace(0, 1, _POINTS)
     if name == "unnamed_position":
         x = np.linspace(-1, 1, _POINTS) * at["s_u"]
@@ -118,6 +138,8 @@ def _estimate(frame, columns, noise):
     size = np.linalg.norm(columns, axis=0)
     size[size == 0] = 1.0
     left, singular, right = np.linalg.svd(frame.outside(columns) / size, full_matrices=False)
-    determined = singular > _IMITATED * max(singular[0], _IMITATED)  # of a form that the model has, nothing is left over
+    determined = singular > _IMITATED * max(
+        singular[0], _IMITATED
+    )  # of a form that the model has, nothing is left over
     inverse = (right[determined].T / singular[determined]) / size[:, None]
     return inverse @ (left[:, determined].T @ frame.residual), inverse @ inverse.T * noise.slow_variance

@@ -81,7 +81,11 @@ def differences(table):
         if len(measured) < 2 or len(modelled) < 2:
             continue
         reach = 0.4 * float(np.median(np.diff(measured["time_s"])))
-        pairs.append(pd.merge_asof(measured, modelled, on="time_s", direction="nearest", tolerance=reach, suffixes=("", "_model")).dropna())
+        pairs.append(
+            pd.merge_asof(
+                measured, modelled, on="time_s", direction="nearest", tolerance=reach, suffixes=("", "_model")
+            ).dropna()
+        )
     if not pairs or not sum(map(len, pairs)):
         return pd.DataFrame(columns=["quantity", "low_rad", "high_rad", "difference", "error"])
     joined = pd.concat(pairs, ignore_index=True)
@@ -93,15 +97,29 @@ def differences(table):
             difference = (inside[quantity] - inside[f"{quantity}_model"]).to_numpy()
             middle = np.median(difference)
             spread = 1.4826 * np.median(np.abs(difference - middle)) / np.sqrt(max(1, difference.size - 1))
-            rows.append({"quantity": quantity, "low_rad": low, "high_rad": high, "difference": middle, "error": spread})
+            rows.append(
+                {
+                    "quantity": quantity,
+                    "low_rad": low,
+                    "high_rad": high,
+                    "difference": middle,
+                    "error": spread,
+                }
+            )
     return pd.DataFrame(rows)
 
 
 _OF_KIND = {"velocity": "energy_loss", "position": "period_ratio", "constant": "midpoint_rad"}
 _SAID = {
-    "energy_loss": ("the pendulum loses more energy than the model", "the pendulum loses less energy than the model"),
+    "energy_loss": (
+        "the pendulum loses more energy than the model",
+        "the pendulum loses less energy than the model",
+    ),
     "period_ratio": ("the pendulum runs late", "the pendulum runs early"),
-    "midpoint_rad": ("the middle of the swing lies to the positive side", "the middle of the swing lies to the negative side"),
+    "midpoint_rad": (
+        "the middle of the swing lies to the positive side",
+        "the middle of the swing lies to the negative side",
+    ),
 }
 
 

@@ -6,8 +6,8 @@ import numpy as np
 from scipy.linalg import qr
 from scipy.optimize import lsq_linear
 
-from ..model import Model
-from ..trajectory import sensitivities
+from ..engine.trajectory import sensitivities
+from ..pendulum.model import Model
 
 _ADDS_NOTHING = 1e-6  # of its size: a column that is so little outside the others' span is left out
 
@@ -72,7 +72,9 @@ def frame(fit, swings):
     each = [*(fit.own[0] if fit.own else ()), "release_angle", "release_velocity"]
     slopes = np.zeros((residual.size, len(shared) + len(each) * len(swings)))
     for k, (swing, one) in enumerate(zip(swings, each_model(fit), strict=True)):
-        rows = sensitivities(one, swing.times, fit.release_angle[k], fit.release_velocity[k], free=[*shared, *each])[1]
+        rows = sensitivities(
+            one, swing.times, fit.release_angle[k], fit.release_velocity[k], free=[*shared, *each]
+        )[1]
         slopes[slices[k], : len(shared)] = rows[: len(shared)].T
         first = len(shared) + k * len(each)
         slopes[slices[k], first : first + len(each)] = rows[len(shared) :].T
@@ -101,7 +103,9 @@ def columns_of(frame, effect, values, free):
         if effect.name in one.effects:  # a free form that the model already has
             wider = one
         else:
-            wider = Model((*one.effects, effect.name), one.values | values, restoring=one.restoring, form=one.form)
+            wider = Model(
+                (*one.effects, effect.name), one.values | values, restoring=one.restoring, form=one.form
+            )
         release = frame.fit.release_angle[k], frame.fit.release_velocity[k]
         blocks.append(sensitivities(wider, swing.times, *release, free=free)[1].T)
     if not separate:

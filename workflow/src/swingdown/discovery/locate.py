@@ -52,7 +52,15 @@ def groups(frame, noise):
     found = [group(name, *explained(frame, columns)) for name, columns in probes(frame).items()]
     _, squares, looked = line(frame)
     count = 2 * len(frame.swings)
-    found.insert(-1, group("line", squares, count, lambda s: float(-np.expm1(looked * np.log1p(-min(chi2.sf(s, count), 1 - 1e-16))))))
+    found.insert(
+        -1,
+        group(
+            "line",
+            squares,
+            count,
+            lambda s: float(-np.expm1(looked * np.log1p(-min(chi2.sf(s, count), 1 - 1e-16)))),
+        ),
+    )
     return found
 
 
@@ -70,7 +78,9 @@ def probes(frame):
     """The columns of each group's general form, by name."""
     columns = {name: free_columns(frame, f"unnamed_{name}") for name in ("position", "velocity", "time")}
     angle = np.concatenate(frame.fit.angle)
-    speed = np.concatenate([np.gradient(s, w.times) for s, w in zip(frame.fit.angle, frame.swings, strict=True)])
+    speed = np.concatenate(
+        [np.gradient(s, w.times) for s, w in zip(frame.fit.angle, frame.swings, strict=True)]
+    )
     since = np.concatenate([(w.times - w.times[0]) / (w.times[-1] - w.times[0]) for w in frame.swings])
     x, v = angle / np.max(np.abs(angle)), speed / np.max(np.abs(speed))
     sensor = np.column_stack([np.ones_like(x), angle, np.cos(angle), np.sin(angle), speed, np.sign(speed)])
@@ -102,4 +112,3 @@ def line(frame, low=0.3):
         power += np.interp(grid, np.fft.rfftfreq(size, interval), spectrum)
     best = int(np.argmax(power))
     return float(grid[best]), float(power[best]), max(1, grid.size // 2)
-

@@ -4,15 +4,19 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from .. import effects
-from ..trajectory import TrajectoryError
+from ..engine.trajectory import TrajectoryError
+from ..pendulum import catalogue as effects
 from .candidates import additions, describe, starts_to_add, starts_to_drop, starts_to_exchange, without
 from .linear import each_model, frame
 from .refit import nudged, refit
 
 TIE = 10.0  # difference of BIC below which two candidates are told as tied
-_PROMISING = 0.05  # of the best promise: candidates below are not refitted, a linear step already tells them off
-_HOPEFUL = 0.01  # the same, for those tried from more starts where none of the promising ones leaves the noise alone
+_PROMISING = (
+    0.05  # of the best promise: candidates below are not refitted, a linear step already tells them off
+)
+_HOPEFUL = (
+    0.01  # the same, for those tried from more starts where none of the promising ones leaves the noise alone
+)
 _FEW = 4  # effects tried in another one's place
 _NUDGED = 2  # candidates looked for in their neighbourhood, too
 _SHAPES = 3  # of an effect, to start from where the first ones did not do
@@ -20,7 +24,9 @@ _DETERMINED = 3.0  # standard errors that an effect's size must be from nothing
 # Of the small swing's frequency: a drive so near resonance, with a phase for each recording, takes up any error of the
 # pendulum's own motion; large swings are slower.
 _OWN_SWING = (0.75, 1.2)
-_SUGGESTED = 4.0  # chi-square by which a richer effect must beat a simpler one that it contains to be tied with it
+_SUGGESTED = (
+    4.0  # chi-square by which a richer effect must beat a simpler one that it contains to be tied with it
+)
 # what a richer effect contains at one value of its shape: without evidence for more, the simpler one is named
 CONTAINS = {
     "power_law_drag": ("viscous", "quadratic_drag", "constant_coulomb"),
@@ -65,7 +71,9 @@ def ranking(here, noise, allowed=None):
     """
     moves = _offered(here, additions(here.fit.model, allowed))
     most = max((starts[0].promise for starts in moves), default=0.0)
-    found = _moved(here, noise, [starts for starts in moves if starts[0].promise >= _PROMISING * most], allowed)
+    found = _moved(
+        here, noise, [starts for starts in moves if starts[0].promise >= _PROMISING * most], allowed
+    )
     if found and leaves_noise(found[0].fit, noise):
         return found
     hopeful = [starts[0].added for starts in moves if starts[0].promise >= _HOPEFUL * most]
@@ -172,7 +180,9 @@ def tied(ranked, noise):
     near = [one for one in admissible if one.bic - admissible[0].bic < TIE]
     kept = []
     for one in near:
-        simpler = [other for other in near if other.added in CONTAINS.get(one.added, ()) and other.bic <= one.bic]
+        simpler = [
+            other for other in near if other.added in CONTAINS.get(one.added, ()) and other.bic <= one.bic
+        ]
         scale = noise.deviation**2 * noise.inflation
         if all((other.fit.rss - one.fit.rss) / scale > _SUGGESTED for other in simpler):
             kept.append(one)

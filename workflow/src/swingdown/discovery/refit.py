@@ -2,9 +2,9 @@
 
 from dataclasses import dataclass
 
-from .. import effects
-from ..fit import fit_jointly
-from ..trajectory import TrajectoryError
+from ..engine.trajectory import TrajectoryError
+from ..fitting.fit import fit_jointly
+from ..pendulum import catalogue as effects
 from .linear import each_model
 
 _NUDGES = (0.97, 1.03, 0.9, 1.1)
@@ -44,11 +44,17 @@ def nudged(fit, swings, rounds=3):
     """
     for _ in range(rounds):
         best = fit
-        lossy = [name for name in fit.model.effects if effects.effect(name).parameters[:1] and effects.effect(name).parameters[0].lower == 0]
+        lossy = [
+            name
+            for name in fit.model.effects
+            if effects.effect(name).parameters[:1] and effects.effect(name).parameters[0].lower == 0
+        ]
         for name in lossy:
             size = effects.effect(name).parameters[0].name
             for factor in _NUDGES:
-                values = tuple(model.values | {size: model.values[size] * factor} for model in each_model(fit))
+                values = tuple(
+                    model.values | {size: model.values[size] * factor} for model in each_model(fit)
+                )
                 try:
                     one = refit(fit.model.effects, values, fit, swings, grown=False)
                 except TrajectoryError:

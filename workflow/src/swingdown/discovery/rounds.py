@@ -4,9 +4,9 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from .. import effects
-from ..fit import fit_jointly
-from ..trajectory import TrajectoryError
+from ..engine.trajectory import TrajectoryError
+from ..fitting.fit import fit_jointly
+from ..pendulum import catalogue as effects
 from .campaign import measure_noise
 from .confirm import better, predict
 from .free_form import fit_free_form, kept, missing
@@ -17,7 +17,9 @@ from .name import Candidate, correlation, drops, evidence, in_place_of, ranking,
 from .refit import nudged, refit
 from .verdict import GUARD
 
-_SUBSTANTIAL = 1 / 3  # of what is left beyond the noise: many small additions can imitate anything, and name nothing
+_SUBSTANTIAL = (
+    1 / 3
+)  # of what is left beyond the noise: many small additions can imitate anything, and name nothing
 _TO_THE_END = 200  # evaluations
 _UNNEEDED = 4.0  # chi-square that a held-out swing may lose with a term that is dropped
 
@@ -58,7 +60,9 @@ class Round:
         """The model with standard errors that know the noise's colour."""
         wider = np.sqrt(self.noise.inflation)
         model = self.fit.model
-        return model.with_values(model.values, {name: error * wider for name, error in model.standard_errors.items()})
+        return model.with_values(
+            model.values, {name: error * wider for name, error in model.standard_errors.items()}
+        )
 
     @property
     def missing(self):
@@ -68,7 +72,9 @@ class Round:
 
 def first_fit(campaign, base, restoring="sine", form="consistent"):
     """The base model fitted jointly within the catalogue's bounds."""
-    fit = fit_jointly(base, [swing.pair for swing in campaign.fit], bounded=True, restoring=restoring, form=form)
+    fit = fit_jointly(
+        base, [swing.pair for swing in campaign.fit], bounded=True, restoring=restoring, form=form
+    )
     return nudged(fit, campaign.fit)
 
 
@@ -85,12 +91,24 @@ def look(number, campaign, fit, found=(), allowed=None, last=False):
     """
     intervals = [(s.times[-1] - s.times[0]) / (s.times.size - 1) for s in campaign.fit]
     residuals = [swing.angle - series for swing, series in zip(campaign.fit, fit.angle, strict=True)]
-    noise = measure_noise(residuals, intervals, fit.model.values["natural_frequency"] / (2 * np.pi), campaign.static)
+    noise = measure_noise(
+        residuals, intervals, fit.model.values["natural_frequency"] / (2 * np.pi), campaign.static
+    )
     here = frame(fit, campaign.fit)
     modelled = [(swing.times, series) for swing, series in zip(campaign.fit, fit.angle, strict=True)]
     names, pairs = [swing.name for swing in campaign.fit], [swing.pair for swing in campaign.fit]
     seen = beside(names, pairs, modelled, fit.model.values["natural_frequency"])
-    state = Round(number, fit, predict(fit, campaign.holdout), noise, tuple(groups(here, noise)), missing(here, noise), kept(here, noise), seen, tuple(found))
+    state = Round(
+        number,
+        fit,
+        predict(fit, campaign.holdout),
+        noise,
+        tuple(groups(here, noise)),
+        missing(here, noise),
+        kept(here, noise),
+        seen,
+        tuple(found),
+    )
     if not state.missing:
         return _finished(state, here, campaign, allowed, last)
     if last:
@@ -98,12 +116,16 @@ def look(number, campaign, fit, found=(), allowed=None, last=False):
     if nameless(found):  # names given to what a free curve leaves would be names of its failings
         return _without_a_name(replace(state, reason="what remains has no form either"), here, campaign)
     ranked = list(ranking(here, noise, allowed))
-    for old in found:  # two that were found may stand for two others: a better one may take an earlier one's place
+    for (
+        old
+    ) in found:  # two that were found may stand for two others: a better one may take an earlier one's place
         ranked += in_place_of(here, noise, old, allowed)
     ranked.sort(key=lambda one: (bool(one.refused), one.bic))
     ties = tuple(tied(ranked, noise))
     alike = {one.move: correlation(here, ties[0], one) for one in ties}
-    state = replace(state, ranked=tuple(ranked), ties=ties, alike=alike, reason="no effect of the catalogue explains it")
+    state = replace(
+        state, ranked=tuple(ranked), ties=ties, alike=alike, reason="no effect of the catalogue explains it"
+    )
     excess = fit.rss - fit.n * noise.deviation**2
     for one in ties:
         if state.bic - one.bic < GUARD["worth_bic"]:
@@ -124,7 +146,13 @@ def look(number, campaign, fit, found=(), allowed=None, last=False):
 
 def _settled(one, state, campaign):
     """The candidate with its fit brought to an end: those that are only ranked stop early, and held-out swings judge the end."""
-    fit = refit(one.fit.model.effects, tuple(model.values for model in each_model(one.fit)), one.fit, campaign.fit, most=_TO_THE_END)
+    fit = refit(
+        one.fit.model.effects,
+        tuple(model.values for model in each_model(one.fit)),
+        one.fit,
+        campaign.fit,
+        most=_TO_THE_END,
+    )
     return replace(one, fit=fit, bic=evidence(fit, state.noise))
 
 
@@ -150,7 +178,9 @@ def _finished(state, here, campaign, allowed, last):
     if len(state.found) > 1:
         own = Candidate(None, None, state.fit, now)
         for name in state.found:
-            near = tied([replace(own, added=name), *in_place_of(here, state.noise, name, allowed)], state.noise)
+            near = tied(
+                [replace(own, added=name), *in_place_of(here, state.noise, name, allowed)], state.noise
+            )
             rivals[name] = [one.added for one in near if one.added != name]
     return replace(state, rivals=rivals)
 

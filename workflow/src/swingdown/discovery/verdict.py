@@ -4,7 +4,7 @@ from importlib import resources
 
 import yaml
 
-from .. import effects
+from ..pendulum import catalogue as effects
 from .locate import KINDS
 
 GUARD = yaml.safe_load(resources.files(__package__).joinpath("guard.yaml").read_text())
@@ -28,7 +28,9 @@ def verdict(rounds):
     else:
         status = "ambiguous" if any(one["tied_with"] for one in added) else "named"
     # the rounds before a torque without a name was added tell what has none
-    remaining = next((state for state in rounds if state["chosen"] and state["chosen"]["added"] in effects.FREE_FORM), last)
+    remaining = next(
+        (state for state in rounds if state["chosen"] and state["chosen"]["added"] in effects.FREE_FORM), last
+    )
     found = {
         "campaign": last["campaign"],
         "status": status,
@@ -93,7 +95,10 @@ def _within_calibration(name, state):
 
 
 def _groups(state):
-    return {row["name"]: {key: row[key] for key in ("share", "chi_square", "freedom", "p")} for row in state["groups"]}
+    return {
+        row["name"]: {key: row[key] for key in ("share", "chi_square", "freedom", "p")}
+        for row in state["groups"]
+    }
 
 
 def _at_their_bounds(names, values):
@@ -158,7 +163,11 @@ def sentence(found):
 
 def _misspecified(found):
     names = found["misspecified"]
-    return f" {_listed(names)} would be negative if it could: a sign that the model is not the pendulum's." if names else ""
+    return (
+        f" {_listed(names)} would be negative if it could: a sign that the model is not the pendulum's."
+        if names
+        else ""
+    )
 
 
 def _listed(names):
@@ -173,8 +182,15 @@ def _described(one):
     name = one["name"].replace("_", " ")
     values = {key: entry for key, entry in one["parameters"].items() if entry["value"] is not None}
     # a width or a time is easier to picture than a friction over an inertia
-    key = next((key for key, entry in values.items() if entry["unit"] in ("rad", "s", "Hz")), next(iter(values), None))
-    ties = f", or {' or '.join(tie.replace('_', ' ') for tie in one['tied_with'])}, which the data do not tell apart," if one["tied_with"] else ""
+    key = next(
+        (key for key, entry in values.items() if entry["unit"] in ("rad", "s", "Hz")),
+        next(iter(values), None),
+    )
+    ties = (
+        f", or {' or '.join(tie.replace('_', ' ') for tie in one['tied_with'])}, which the data do not tell apart,"
+        if one["tied_with"]
+        else ""
+    )
     if key is None:
         return name + ties
     value, error, unit = (values[key][part] for part in ("value", "standard_error", "unit"))

@@ -22,16 +22,24 @@ class EngineError(RuntimeError):
 
 
 def _compiler():
-    command = os.environ.get("CC") or next((name for name in ("gcc", "cc", "clang") if shutil.which(name)), None)
+    command = os.environ.get("CC") or next(
+        (name for name in ("gcc", "cc", "clang") if shutil.which(name)), None
+    )
     if command is None:
-        raise EngineError("no C compiler found. Install gcc (or set CC to a C compiler); it is needed once, at the first use.")
+        raise EngineError(
+            "no C compiler found. Install gcc (or set CC to a C compiler); it is needed once, at the first use."
+        )
     return command
 
 
 def _processor():
     """What distinguishes processors that cannot run each other's native code."""
     try:
-        flags = next(line for line in Path("/proc/cpuinfo").read_text().splitlines() if line.startswith(("flags", "Features")))
+        flags = next(
+            line
+            for line in Path("/proc/cpuinfo").read_text().splitlines()
+            if line.startswith(("flags", "Features"))
+        )
     except (OSError, StopIteration):
         flags = platform.processor()
     return f"{platform.machine()} {flags}"
@@ -47,7 +55,7 @@ def library(catalogue, gravity):
 
     EngineError where there is no compiler or it fails.
     """
-    parts = {name: (_HERE / name).read_text() for name in ("swing.h", "points.h", "swing.c", "fit.c")}
+    parts = {name: (_HERE / "c" / name).read_text() for name in ("swing.h", "points.h", "swing.c", "fit.c")}
     header = _header(tuple(catalogue), tuple(gravity))
     flags = (*_FLAGS, "-march=native")
     key = hashlib.sha256("\0".join([header, *parts.values(), *flags, _processor()]).encode()).hexdigest()[:20]
@@ -59,7 +67,10 @@ def library(catalogue, gravity):
 
 def _header(catalogue, gravity):
     """The generated header, kept beside the libraries under the formulas' hash: sympy is imported only when they change."""
-    writers = [(_HERE / name).read_text() for name in ("generate.py", "tables.py", "rows.py", "../formula.py")]
+    writers = [
+        (_HERE / name).read_text()
+        for name in ("generate.py", "collocation.py", "rows.py", "../pendulum/formula.py")
+    ]
     key = hashlib.sha256("\0".join([repr((catalogue, gravity)), *writers]).encode()).hexdigest()[:20]
     path = folder() / f"catalogue-{key}.h"
     if path.exists():
@@ -92,7 +103,9 @@ class CPart(ctypes.Structure):
 
 
 class CModel(ctypes.Structure):
-    _fields_ = [(name, ctypes.c_int) for name in ("n_motions", "n_sensors", "n_clocks", "n_parameters", "n_states")]
+    _fields_ = [
+        (name, ctypes.c_int) for name in ("n_motions", "n_sensors", "n_clocks", "n_parameters", "n_states")
+    ]
     _fields_ += [(name, ctypes.POINTER(CPart)) for name in ("motions", "sensors", "clocks")]
     _fields_ += [("play", ctypes.c_int), ("duration", ctypes.c_double)]
 
@@ -103,7 +116,12 @@ class CReport(ctypes.Structure):
 
 
 class COutcome(ctypes.Structure):
-    _fields_ = [("converged", ctypes.c_int), ("evaluations", ctypes.c_int), ("predicted", ctypes.c_double), ("stops", ctypes.c_int)]
+    _fields_ = [
+        ("converged", ctypes.c_int),
+        ("evaluations", ctypes.c_int),
+        ("predicted", ctypes.c_double),
+        ("stops", ctypes.c_int),
+    ]
 
 
 COST = ctypes.CFUNCTYPE(
@@ -115,7 +133,12 @@ COST = ctypes.CFUNCTYPE(
 def load(catalogue, gravity):
     """The loaded engine for a tuple of effects and a tuple of gravities, its functions typed."""
     engine = ctypes.CDLL(str(library(catalogue, gravity)))
-    number, real, numbers, reals = ctypes.c_int, ctypes.c_double, ctypes.POINTER(ctypes.c_int), ctypes.POINTER(ctypes.c_double)
+    number, real, numbers, reals = (
+        ctypes.c_int,
+        ctypes.c_double,
+        ctypes.POINTER(ctypes.c_int),
+        ctypes.POINTER(ctypes.c_double),
+    )
     model, several = ctypes.POINTER(CModel), ctypes.POINTER(reals)
     engine.swing_trajectory.restype = number
     engine.swing_trajectory.argtypes = (

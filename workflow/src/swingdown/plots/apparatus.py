@@ -38,7 +38,9 @@ def _tower(axes, x):
     edges = np.linspace(0.26, top, 4)
     for low, high in zip(edges, edges[1:], strict=False):
         edge(Rectangle((x - half, low), 2 * half, high - low, facecolor=BRASS), axes)
-        axes.plot([x - half + 0.07] * 2, [low + 0.06, high - 0.06], color="white", lw=1.6, alpha=0.6, zorder=3)
+        axes.plot(
+            [x - half + 0.07] * 2, [low + 0.06, high - 0.06], color="white", lw=1.6, alpha=0.6, zorder=3
+        )
     return x, 0.5 * (edges[1] + edges[2])
 
 
@@ -55,16 +57,29 @@ def _front(axes):
     axes.plot([x, x], [SHAFT_HEIGHT - 0.3, 0.75], color=style.GREY, lw=0.7, ls=DASHED, zorder=3)
     threads(axes, shaft, bob)
     axes.add_patch(_clamp(shaft, arm))
-    axes.plot(*zip(shaft - 0.33 * arm[::-1] * (1, -1), shaft + 0.33 * arm[::-1] * (1, -1), strict=True), color=style.INK, lw=0.8, zorder=7)
+    axes.plot(
+        *zip(shaft - 0.33 * arm[::-1] * (1, -1), shaft + 0.33 * arm[::-1] * (1, -1), strict=True),
+        color=style.INK,
+        lw=0.8,
+        zorder=7,
+    )
     edge(Circle(shaft, 0.14, facecolor=STEEL), axes, 8)
     edge(Circle(bob, BOB, facecolor=STEEL), axes, 6)
-    axes.add_patch(Arc(shaft, 2.0, 2.0, theta1=-90 + np.degrees(TILT), theta2=-90, color=style.INK, lw=0.9, zorder=6))
+    axes.add_patch(
+        Arc(shaft, 2.0, 2.0, theta1=-90 + np.degrees(TILT), theta2=-90, color=style.INK, lw=0.9, zorder=6)
+    )
     label(axes, *(shaft + 1.18 * np.array([np.sin(TILT / 2), -np.cos(TILT / 2)])), r"$\theta$", size=11)
     callout(axes, shaft + (0.1, 0.09), "shaft", (2.1, 4.3))
     callout(axes, shaft + 0.27 * arm[::-1] * (1, -1) + (0.0, 0.05), "split collar", (-0.2, 4.45), "right")
     callout(axes, shaft + 1.75 * arm, "threaded rod\n(aluminium)", (-1.15, 3.35), "right")
     callout(axes, bob + (-0.12, 0.1), "bob (steel)", (-1.75, 2.45), "right")
-    callout(axes, (tower[0] - 0.12, tower[1]), "calibration tower:\nexchangeable\ncylinders", (-1.62, 1.05), "right")
+    callout(
+        axes,
+        (tower[0] - 0.12, tower[1]),
+        "calibration tower:\nexchangeable\ncylinders",
+        (-1.62, 1.05),
+        "right",
+    )
     callout(axes, (tower[0] - 0.24, 0.05), "magnets", (-1.75, 0.3), "right")
     callout(axes, (x + 0.62, 1.6), "pedestal\n(printed ABS)", (2.0, 2.1))
     callout(axes, (-1.6, -0.24), "optical table", (-1.2, -0.72))
@@ -81,7 +96,9 @@ def _side(axes):
     edge(Polygon([(-0.1, 0), (1.4, 0), (1.4, 0.24), (1.1, 0.24), (1.1, 4.2), (0.3, 4.2), (0.3, 0.24), (-0.1, 0.24)],
                   facecolor=PLASTIC, joinstyle="round"), axes)  # fmt: skip
     y = SHAFT_HEIGHT
-    edge(Polygon([(1.1, 2.75), (2.45, 2.75), (2.45, 2.95), (1.3, 2.95), (1.1, 2.95)], facecolor=PLASTIC), axes)
+    edge(
+        Polygon([(1.1, 2.75), (2.45, 2.75), (2.45, 2.95), (1.3, 2.95), (1.1, 2.95)], facecolor=PLASTIC), axes
+    )
     edge(Polygon([(1.1, 2.75), (1.1, 2.15), (1.75, 2.75)], facecolor=PLASTIC), axes, 1)
     edge(Rectangle((1.85, 2.95), 0.5, 0.22, facecolor=PLASTIC), axes)
     edge(Rectangle((-0.95, y - 0.13), 2.4, 0.26, facecolor=STEEL), axes, 4)
@@ -94,7 +111,13 @@ def _side(axes):
     for x in (1.43, 1.53, 1.63):
         axes.plot([x, x], [y - 0.22, y + 0.22], color=style.INK, lw=0.9, zorder=6)
     edge(Rectangle((1.73, y - 0.09), 0.14, 0.18, facecolor=STEEL), axes, 4)
-    edge(FancyBboxPatch((1.9, y - 0.48), 0.58, 0.96, boxstyle="round,pad=0.03,rounding_size=0.08", facecolor="#5b6672"), axes, 5)
+    edge(
+        FancyBboxPatch(
+            (1.9, y - 0.48), 0.58, 0.96, boxstyle="round,pad=0.03,rounding_size=0.08", facecolor="#5b6672"
+        ),
+        axes,
+        5,
+    )
     axes.plot([2.5, 2.75, 2.75], [y - 0.2, y - 0.2, y - 1.0], color=style.INK, lw=1.6, zorder=3)
     rod = -0.7
     tower = _tower(axes, rod)

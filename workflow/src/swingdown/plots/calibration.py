@@ -39,16 +39,29 @@ def fig08(calibration, mode=None):
         axes.grid(True)
     middle = angle[lowest]
     high = max(2.4 * boxes[1][lowest], 1.15 * np.abs(_at(best, near) - middle).max())
-    zoom.set(ylim=(middle - high, middle + high), xlabel="encoder voltage $V$ (V)", title="(c) the lowest point, enlarged")
+    zoom.set(
+        ylim=(middle - high, middle + high),
+        xlabel="encoder voltage $V$ (V)",
+        title="(c) the lowest point, enlarged",
+    )
     whole.set(ylabel=r"angle $\theta$ (°)", title="(a) calibration line")
     whole.tick_params(labelbottom=False)
     rest.set(xlabel="encoder voltage $V$ (V)", ylabel="point − line (°)", title="(b) beside the line")
     style.symmetric(rest, np.concatenate([np.abs(angle - _at(best, voltage)) + boxes[1],
                                           *(_at(line - best, volts) for line in extreme)]))  # fmt: skip
     figure.align_ylabels((whole, rest))
-    frame = Rectangle((near[0], middle - high), np.ptp(near), 2 * high, fill=False, edgecolor=style.GREY, lw=0.8)
+    frame = Rectangle(
+        (near[0], middle - high), np.ptp(near), 2 * high, fill=False, edgecolor=style.GREY, lw=0.8
+    )
     whole.add_patch(frame)
-    whole.annotate("(c)", (voltage[lowest], middle), xytext=(14, -3), textcoords="offset points", fontsize=9, color=style.GREY)
+    whole.annotate(
+        "(c)",
+        (voltage[lowest], middle),
+        xytext=(14, -3),
+        textcoords="offset points",
+        fontsize=9,
+        color=style.GREY,
+    )
     handles = [
         whole.plot([], [], color=LINE, label="best line")[0],
         whole.plot([], [], color=EXTREME, ls=(0, (4, 2)), label="maximum-deviation lines")[0],
@@ -83,7 +96,9 @@ def _points(axes, voltage, angle, boxes, flagged):
         if np.isfinite(wide + high):
             axes.add_patch(Rectangle((x - wide, y - high), 2 * wide, 2 * high, facecolor=(colour, 0.13), edgecolor=colour,
                                      lw=0.8, zorder=3))  # fmt: skip
-        axes.plot(x, y, "X" if flag else "o", color=colour, ms=6.5 if flag else 4, mec="white", mew=0.5, zorder=4)
+        axes.plot(
+            x, y, "X" if flag else "o", color=colour, ms=6.5 if flag else 4, mec="white", mew=0.5, zorder=4
+        )
 
 
 @style.styled
@@ -92,7 +107,11 @@ def fig09(angles):
 
     ``angles`` is one recording's angle dataset: ``angle`` and ``angle_bound`` (time), in rad.
     """
-    time, angle, bound = angles["time"].values, style.degrees(angles["angle"]), style.degrees(angles["angle_bound"])
+    time, angle, bound = (
+        angles["time"].values,
+        style.degrees(angles["angle"]),
+        style.degrees(angles["angle_bound"]),
+    )
     time = time - time[0]
     figure = style.new_figure(10.4)
     grid = figure.add_gridspec(2, 2, height_ratios=(1.25, 1))
@@ -107,13 +126,20 @@ def fig09(angles):
     bottom, ceiling = whole.get_ylim()
     whole.set_ylim(bottom, ceiling + 0.16 * (ceiling - bottom))  # room for the names of the enlarged places
     style.legend_above(whole)
-    for axes, window, title in zip((peak, crossing), _windows(time, angle), ("(a) a turning point", "(b) a passage through zero"), strict=True):
+    for axes, window, title in zip(
+        (peak, crossing),
+        _windows(time, angle),
+        ("(a) a turning point", "(b) a passage through zero"),
+        strict=True,
+    ):
         axes.plot(time[window], angle[window], "o", color=style.INK, ms=3, mew=0)
         axes.set(xlim=time[[window.start, window.stop - 1]], title=title)
         low, high = (angle - bound)[window].min(), (angle + bound)[window].max()
         axes.set_ylim(low - 0.06 * (high - low), high + 0.06 * (high - low))
         start, stop = time[window.start], time[window.stop - 1]
-        whole.add_patch(Rectangle((start, low), stop - start, high - low, fill=False, edgecolor=FLAG, lw=1.1, zorder=5))
+        whole.add_patch(
+            Rectangle((start, low), stop - start, high - low, fill=False, edgecolor=FLAG, lw=1.1, zorder=5)
+        )
         whole.annotate(title[:3], (0.5 * (start + stop), high), xytext=(0.5 * (start + stop), ceiling), ha="center",
                        va="bottom", color=FLAG, fontsize=9, arrowprops={"arrowstyle": "-", "color": FLAG, "lw": 0.8,
                        "shrinkA": 0, "shrinkB": 0})  # fmt: skip

@@ -25,9 +25,22 @@ def residuals(first, last):
     for axes, k in zip(grid, shown, strict=True):
         time, before = _residual(first, k)
         _, after = _residual(last, k)
-        axes.axhspan(-2 * noise, 2 * noise, color=style.FAINT, alpha=0.7, lw=0, label="± 2 standard deviations of the noise")
+        axes.axhspan(
+            -2 * noise,
+            2 * noise,
+            color=style.FAINT,
+            alpha=0.7,
+            lw=0,
+            label="± 2 standard deviations of the noise",
+        )
         axes.plot(time, before, color=BEFORE, lw=0.8, label="base model")
-        axes.plot(time, after, color=AFTER, lw=0.8, label="last model" if last.attrs["model"] != first.attrs["model"] else "(no move was made)")
+        axes.plot(
+            time,
+            after,
+            color=AFTER,
+            lw=0.8,
+            label="last model" if last.attrs["model"] != first.attrs["model"] else "(no move was made)",
+        )
         held = "held out" if bool(first["held_out"].values[k]) else "fitted"
         axes.set(xlim=(0, time[-1]), ylabel="data − fit (°)", title=f"{first['name'].values[k]} ({held})")
         style.symmetric(axes, np.concatenate([before, [2 * noise]]))
@@ -57,10 +70,16 @@ def missing_torque(first, last, unnamed, rounds):
     """
     figure = style.new_figure(8.8)
     grid = figure.subplots(1, 3)
-    shown = [(first, BEFORE, "lacked by the base model")] + ([(last, AFTER, "by the last model")] if len(rounds) > 1 else [])
+    shown = [(first, BEFORE, "lacked by the base model")] + (
+        [(last, AFTER, "by the last model")] if len(rounds) > 1 else []
+    )
     shown += [(unnamed, HELD, "kept without a name")] if len(unnamed) else []
     chosen = _largest(first[first["over"] == "time"])
-    axis = {"position": ("angle (°)", 180 / np.pi), "velocity": ("angular speed (rad/s)", 1.0), "time": ("time (share of the record)", 1.0)}
+    axis = {
+        "position": ("angle (°)", 180 / np.pi),
+        "velocity": ("angular speed (rad/s)", 1.0),
+        "time": ("time (share of the record)", 1.0),
+    }
     for axes, (over, (label, scale)) in zip(grid, axis.items(), strict=True):
         for table, colour, name in shown:
             part = table[table["over"] == over]
@@ -69,7 +88,14 @@ def missing_torque(first, last, unnamed, rounds):
             if part.empty:
                 continue
             x = scale * part["x"].to_numpy()
-            axes.fill_between(x, part["torque"] - 2 * part["band"], part["torque"] + 2 * part["band"], color=colour, alpha=0.25, lw=0)
+            axes.fill_between(
+                x,
+                part["torque"] - 2 * part["band"],
+                part["torque"] + 2 * part["band"],
+                color=colour,
+                alpha=0.25,
+                lw=0,
+            )
             axes.plot(x, part["torque"], color=colour, label=name)
         shares = {row["name"]: row["share"] for row in rounds[0]["groups"]}
         heading = f"time: {chosen}" if over == "time" else over
@@ -97,13 +123,34 @@ def half_swings(first, last):
     """
     figure = style.new_figure(11.5)
     upper, lower = figure.subplots(2, 3, sharex=True)
-    quantities = (("energy_loss", "energy lost (%)", 100.0), ("period_ratio", "half-period over ideal", 1.0), ("midpoint_rad", "mid-point (°)", 180 / np.pi))
+    quantities = (
+        ("energy_loss", "energy lost (%)", 100.0),
+        ("period_ratio", "half-period over ideal", 1.0),
+        ("midpoint_rad", "mid-point (°)", 180 / np.pi),
+    )
     for axes, below, (column, label, scale) in zip(upper, lower, quantities, strict=True):
         measured = first[first["of"] == "measured"]
-        axes.plot(style.degrees(measured["amplitude_rad"]), scale * measured[column], "o", color=style.GREY, ms=3.6, mfc="none", mew=0.7, label="measured")
+        axes.plot(
+            style.degrees(measured["amplitude_rad"]),
+            scale * measured[column],
+            "o",
+            color=style.GREY,
+            ms=3.6,
+            mfc="none",
+            mew=0.7,
+            label="measured",
+        )
         for table, colour, name in ((first, BEFORE, "base model"), (last, AFTER, "last model")):
             modelled = table[table["of"] == "modelled"]
-            axes.plot(style.degrees(modelled["amplitude_rad"]), scale * modelled[column], ".", color=colour, ms=3, mew=0, label=name)
+            axes.plot(
+                style.degrees(modelled["amplitude_rad"]),
+                scale * modelled[column],
+                ".",
+                color=colour,
+                ms=3,
+                mew=0,
+                label=name,
+            )
             amplitude, left = _left(table, column)
             below.plot(style.degrees(amplitude), scale * left, ".", color=colour, ms=4.5, mew=0)
             _reach(below, scale * left)
@@ -126,7 +173,9 @@ def _left(table, column):
         measured, modelled = (one[one["of"] == of].reset_index(drop=True) for of in ("measured", "modelled"))
         count = min(len(measured), len(modelled))
         pairs.append((measured["amplitude_rad"][:count], measured[column][:count] - modelled[column][:count]))
-    return (np.concatenate(part) for part in zip(*pairs, strict=True)) if pairs else (np.zeros(0), np.zeros(0))
+    return (
+        (np.concatenate(part) for part in zip(*pairs, strict=True)) if pairs else (np.zeros(0), np.zeros(0))
+    )
 
 
 def _reach(axes, values):
@@ -156,8 +205,23 @@ def ranking(ranked, move):
         refused = isinstance(row.refused, str) and row.refused != ""
         colour = style.FAINT if refused else AFTER if row.move == move else HELD if row.tied else style.GREY
         axes.barh(place, max(row.delta_bic, 0) + base, left=0, color=colour, height=0.62)
-        note = f"{row.delta_bic:.0f}" + (f"  refused: {_words(row.refused)}" if refused else "  chosen" if row.move == move else "  tied" if row.tied else "")
-        axes.annotate(note, (max(row.delta_bic, 0) + base, place), xytext=(4, 0), textcoords="offset points", va="center", fontsize=8.5)
+        note = f"{row.delta_bic:.0f}" + (
+            f"  refused: {_words(row.refused)}"
+            if refused
+            else "  chosen"
+            if row.move == move
+            else "  tied"
+            if row.tied
+            else ""
+        )
+        axes.annotate(
+            note,
+            (max(row.delta_bic, 0) + base, place),
+            xytext=(4, 0),
+            textcoords="offset points",
+            va="center",
+            fontsize=8.5,
+        )
     axes.set_yticks(range(len(table)), [_words(name) for name in table["move"]])
     axes.invert_yaxis()
     axes.set_xscale("symlog", linthresh=10)
@@ -179,7 +243,14 @@ def gap(verdict):
     axes.plot(places, held, "s--", color=HELD, ms=5, label="held-out swings")
     for values, up in ((fit, -12), (held, 7)):
         for place, value in zip(places, values, strict=True):
-            axes.annotate(f"{value:.3g}", (place, value), xytext=(0, up), textcoords="offset points", ha="center", fontsize=8.5)
+            axes.annotate(
+                f"{value:.3g}",
+                (place, value),
+                xytext=(0, up),
+                textcoords="offset points",
+                ha="center",
+                fontsize=8.5,
+            )
     axes.set_yscale("log")
     style.decimal_log(axes.yaxis)
     low, high = min(*fit, *held, 0.9), max(*fit, *held, 1.2)

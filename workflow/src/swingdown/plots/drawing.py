@@ -32,7 +32,9 @@ def label(axes, x, y, text, colour=style.INK, size=10, **kwargs):
     return axes.text(x, y, text, color=colour, fontsize=size, **kwargs)
 
 
-def dimension(axes, start, end, text, offset=(0, 0), at=0.5, reach=0.0, ha="center", va="center", size=10, line=None):
+def dimension(
+    axes, start, end, text, offset=(0, 0), at=0.5, reach=0.0, ha="center", va="center", size=10, line=None
+):
     """A dimension line from ``start`` to ``end`` moved by ``offset``, with thin lines back to what it measures."""
     start, end, offset = np.asarray(start, float), np.asarray(end, float), np.asarray(offset, float)
     colour = line or style.GREY
@@ -49,7 +51,11 @@ def dimension(axes, start, end, text, offset=(0, 0), at=0.5, reach=0.0, ha="cent
 def ground(axes, x0, x1, y, depth, colour=style.GREY):
     """Hatched ground with its upper (depth > 0: solid below) or lower (depth < 0) edge at ``y``."""
     low = min(y, y - depth)
-    axes.add_patch(Rectangle((x0, low), x1 - x0, abs(depth), facecolor="white", edgecolor=style.FAINT, hatch="////", lw=0))
+    axes.add_patch(
+        Rectangle(
+            (x0, low), x1 - x0, abs(depth), facecolor="white", edgecolor=style.FAINT, hatch="////", lw=0
+        )
+    )
     axes.plot([x0, x1], [y, y], color=colour, lw=1.3, solid_capstyle="butt")
 
 

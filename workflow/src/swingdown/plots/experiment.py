@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ..model import symbol
+from ..pendulum.model import symbol
 from . import style
 from .calibration import recording_note
 
@@ -92,8 +92,12 @@ def fit_of(label, fits, angles, remark=""):
         whole.plot([], [], color=colour, label="fit")[0],
         *bands,
     ]
-    legend = figure.legend(handles=handles, loc="outside upper left", ncols=len(handles), title_fontsize=10.5, alignment="left")
-    words = f"{symbol(label, mathtext=True)}  {style.name(label)} damping: norm {float(one['norm']):#.3g}° (RMS)"
+    legend = figure.legend(
+        handles=handles, loc="outside upper left", ncols=len(handles), title_fontsize=10.5, alignment="left"
+    )
+    words = (
+        f"{symbol(label, mathtext=True)}  {style.name(label)} damping: norm {float(one['norm']):#.3g}° (RMS)"
+    )
     legend.set_title(words + (f" — {remark}" if remark else ""))
     return style.footnote(figure, recording_note(angles))
 
@@ -138,9 +142,13 @@ def fig15(norms, table3, campaign=None):
         axes.axhline(benchmark["mean"], color=style.GREY, lw=0.8, ls=(0, (4, 2)), zorder=1)
     for label, place in places.items():
         values = norms["error_bound_norm"] if label == ERROR_BOUNDS else norms["norm"].sel(fitted=label)
-        style.runs(axes, place, values.values, style.GREY if label == ERROR_BOUNDS else style.colour(label), "o")
+        style.runs(
+            axes, place, values.values, style.GREY if label == ERROR_BOUNDS else style.colour(label), "o"
+        )
         if label in table.index:
-            style.published(axes, place - 0.24, table.loc[label, "published_mean"], table.loc[label, "published_std"])
+            style.published(
+                axes, place - 0.24, table.loc[label, "published_mean"], table.loc[label, "published_std"]
+            )
     axes.set_yscale("log")
     axes.axvline(0.5, color=style.FAINT, lw=0.8)
     style.model_axis(axes, [(r"$\pm U$", "error\nbounds"), *fitted])
@@ -153,4 +161,9 @@ def fig15(norms, table3, campaign=None):
         style.mark("s", style.INK, "paper's apparatus (another pendulum)", hollow=True),
     ]
     style.legend_above(axes, handles)
-    return style.footnote(figure, f"campaign {campaign}", style.emulated_note(norms), "dashed: the error bounds, the benchmark for a fit")
+    return style.footnote(
+        figure,
+        f"campaign {campaign}",
+        style.emulated_note(norms),
+        "dashed: the error bounds, the benchmark for a fit",
+    )

@@ -17,8 +17,23 @@ def confusion(matrix):
     axes.imshow(shown, cmap="Blues", vmin=0, vmax=1.25, aspect="auto")
     for (i, j), share in np.ndenumerate(table.to_numpy(float)):
         if share > 0:
-            axes.text(j, i, f"{100 * share:.0f}", ha="center", va="center", fontsize=7.5, color="white" if share > 0.7 else style.INK)
-    axes.set_xticks(range(len(used)), [name.replace("_", " ") for name in used], rotation=60, ha="right", rotation_mode="anchor", fontsize=8)
+            axes.text(
+                j,
+                i,
+                f"{100 * share:.0f}",
+                ha="center",
+                va="center",
+                fontsize=7.5,
+                color="white" if share > 0.7 else style.INK,
+            )
+    axes.set_xticks(
+        range(len(used)),
+        [name.replace("_", " ") for name in used],
+        rotation=60,
+        ha="right",
+        rotation_mode="anchor",
+        fontsize=8,
+    )
     axes.set_yticks(range(len(table)), [name.replace("_", " ") for name in table.index], fontsize=8)
     axes.set(xlabel="named (the hidden one, if it is in the tie)", ylabel="hidden")
     axes.spines[:].set_visible(False)
@@ -37,7 +52,13 @@ _SAID = (
     ("inside", "named, or in a tie of at most four", "#009E73", "s"),
     ("wrong", "a wrong name", "#D55E00", "D"),
 )
-_KINDS = {"null": "nothing hidden", "single": "one effect", "pair": "two effects", "removed": "taken out", "foreign": "in no catalogue"}
+_KINDS = {
+    "null": "nothing hidden",
+    "single": "one effect",
+    "pair": "two effects",
+    "removed": "taken out",
+    "foreign": "in no catalogue",
+}
 
 
 @style.styled
@@ -45,7 +66,11 @@ def detection(scores):
     """Shares of right verdicts against the effect's size, of false alarms and abstentions, and the time of each campaign."""
     figure = style.new_figure(12)
     grid = figure.add_gridspec(2, 2)
-    left, right, below = figure.add_subplot(grid[0, 0]), figure.add_subplot(grid[0, 1]), figure.add_subplot(grid[1, :])
+    left, right, below = (
+        figure.add_subplot(grid[0, 0]),
+        figure.add_subplot(grid[0, 1]),
+        figure.add_subplot(grid[1, :]),
+    )
     _by_size(left, scores[scores["kind"] == "single"])
     _others(right, scores)
     _times(below, scores)
@@ -60,7 +85,12 @@ def _by_size(axes, single):
     axes.set_xscale("log")
     axes.set_xticks(sizes, [f"{ratio:g}" for ratio in sizes], minor=False)
     axes.minorticks_off()
-    axes.set(xlabel="residual of the base model over noise", ylabel="percent of campaigns", ylim=(-4, 104), title="(a) one effect hidden")
+    axes.set(
+        xlabel="residual of the base model over noise",
+        ylabel="percent of campaigns",
+        ylim=(-4, 104),
+        title="(a) one effect hidden",
+    )
     axes.legend(loc="center left")
     axes.grid(True, axis="y")
 
@@ -71,9 +101,21 @@ def _others(axes, scores):
         part = scores.loc[scores["kind"] == kind, flag].astype(bool)
         if len(part):
             axes.barh(place, 100 * part.mean(), height=0.4, color="#D55E00" if kind == "null" else "#0072B2")
-            axes.annotate(f"{words}, {part.sum()} of {len(part)}", (0, place - 0.22), xytext=(2, 2), textcoords="offset points", va="bottom", fontsize=8.5)
+            axes.annotate(
+                f"{words}, {part.sum()} of {len(part)}",
+                (0, place - 0.22),
+                xytext=(2, 2),
+                textcoords="offset points",
+                va="bottom",
+                fontsize=8.5,
+            )
     axes.set_yticks([])
-    axes.set(xlim=(0, 104), ylim=(len(_TRIALS) - 0.6, -0.75), xlabel="percent of campaigns", title="(b) the other trials")
+    axes.set(
+        xlim=(0, 104),
+        ylim=(len(_TRIALS) - 0.6, -0.75),
+        xlabel="percent of campaigns",
+        title="(b) the other trials",
+    )
 
 
 def _times(axes, scores):

@@ -30,7 +30,9 @@ def _bob(axes, centre):
 
 def _pendulum(axes):
     ground(axes, -0.3, 0.3, 0.1, -0.09)
-    axes.add_patch(Polygon([(-0.09, 0.1), (0.09, 0.1), (0, 0)], facecolor=style.PALE, edgecolor=style.INK, lw=1))
+    axes.add_patch(
+        Polygon([(-0.09, 0.1), (0.09, 0.1), (0, 0)], facecolor=style.PALE, edgecolor=style.INK, lw=1)
+    )
     axes.plot([0, 0], [0, -1.2], color=style.GREY, lw=0.8, ls=DASHED)
     axes.plot(*zip((0, 0), _ALONG, strict=True), color=ROD, lw=3.2, zorder=2)
     axes.add_patch(Circle((0, 0), 0.03, facecolor="white", edgecolor=style.INK, lw=1.1, zorder=4))
@@ -51,8 +53,12 @@ def _pendulum(axes):
 def _free_body(axes):
     weight, radius = 0.76, 0.1
     down, damping = np.array([0.0, -1.0]), style.COLOURS["load_coulomb"]
-    axes.plot(*zip(radius * _ALONG, 0.78 * _ALONG, strict=True), color=style.FAINT, lw=0.8, ls=DOTTED, zorder=1)
-    axes.plot(*zip(-0.7 * _ACROSS, 0.8 * _ACROSS, strict=True), color=style.FAINT, lw=0.8, ls=DOTTED, zorder=1)
+    axes.plot(
+        *zip(radius * _ALONG, 0.78 * _ALONG, strict=True), color=style.FAINT, lw=0.8, ls=DOTTED, zorder=1
+    )
+    axes.plot(
+        *zip(-0.7 * _ACROSS, 0.8 * _ACROSS, strict=True), color=style.FAINT, lw=0.8, ls=DOTTED, zorder=1
+    )
     _bob(axes, (0, 0))
     arrow(axes, -radius * _ALONG, -0.52 * _ALONG, FORCE, 1.9, 12)
     label(axes, *(-0.36 * _ALONG + (-0.07, -0.01)), "tension $T$", FORCE, 11, ha="right")
@@ -101,7 +107,11 @@ def fig07(apparatus):
     _layout(canvas(drawing, (-3.75, 2.75), (-0.35, 4.75)))
     canvas(words, (0, 1), (0, 1)).set_aspect("auto")
     _length_table(words, apparatus)
-    return style.footnote(figure, style.emulated_note(apparatus), "drawn not to scale; ±: the limits within which each length lies")
+    return style.footnote(
+        figure,
+        style.emulated_note(apparatus),
+        "drawn not to scale; ±: the limits within which each length lies",
+    )
 
 
 def _layout(axes):
@@ -117,7 +127,9 @@ def _layout(axes):
     for centre, radius, shade in ((shaft, shaft_radius, "#e9edf1"), (bob, bob_radius, STEEL)):
         edge(Circle(centre, radius, facecolor=shade), axes, 4)
         axes.plot(*centre, "+", color=style.INK, ms=7, mew=0.9, zorder=6)
-    axes.add_patch(Arc(shaft, 2.1, 2.1, theta1=-90 + np.degrees(tilt), theta2=-90, color=MOTION, lw=1.2, zorder=5))
+    axes.add_patch(
+        Arc(shaft, 2.1, 2.1, theta1=-90 + np.degrees(tilt), theta2=-90, color=MOTION, lw=1.2, zorder=5)
+    )
     label(axes, *(shaft + 1.27 * np.array([np.sin(tilt / 2), -np.cos(tilt / 2)])), r"$\theta$", MOTION, 14)
     measured = style.COLOURS["quadratic_drag"]
     across = np.array([-reach[1], reach[0]]) * -1
@@ -126,7 +138,9 @@ def _layout(axes):
     axes.plot([left - 0.12, bob[0]], [base, base], color=measured, lw=0.5, zorder=1)
     axes.plot([left - 0.12, bob[0]], [base + 2 * bob_radius] * 2, color=measured, lw=0.5, zorder=1)
     dimension(axes, (left, 0), (left, base), r"$h_\mathrm{cal}$", size=12, line=measured)
-    dimension(axes, (left, base), (left, base + 2 * bob_radius), r"$d_\mathrm{bob}$", size=12, at=0.5, line=measured)
+    dimension(
+        axes, (left, base), (left, base + 2 * bob_radius), r"$d_\mathrm{bob}$", size=12, at=0.5, line=measured
+    )
     axes.plot([shaft[0], 2.42], [top, top], color=measured, lw=0.5, zorder=1)
     dimension(axes, (2.3, 0), (2.3, top), r"$h_\mathrm{over}$", size=12, line=measured)
     for side in (-1, 1):

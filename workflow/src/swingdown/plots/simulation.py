@@ -1,6 +1,6 @@
 """Figures 2 to 5: the simulated swings, and how well each model fits what another has made."""
 
-from ..model import symbol
+from ..pendulum.model import symbol
 from . import style
 
 INFERRED = r"release angle, duration, $\zeta_q$, $\gamma$, start of the fit, norm"
@@ -20,7 +20,13 @@ def fig02(realizations, simulated="viscous", realization=0):
 
     figure = style.new_figure(9)
     upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=(3, 1))
-    upper.plot(time, truth, color=style.colour(simulated), lw=1.6, label=f"noise-free, {style.name(simulated)} damping")
+    upper.plot(
+        time,
+        truth,
+        color=style.colour(simulated),
+        lw=1.6,
+        label=f"noise-free, {style.name(simulated)} damping",
+    )
     upper.plot(time, noisy, ".", color=style.INK, ms=2.8, mew=0, label="one noisy realisation")
     upper.set(ylabel=r"angle $\theta$ (°)", xlim=(time[0], time[-1]))
     style.legend_above(upper)
@@ -31,7 +37,9 @@ def fig02(realizations, simulated="viscous", realization=0):
     for axes in (upper, lower):
         axes.grid(True, axis="y")
     figure.align_ylabels()
-    return style.footnote(figure, "simulated", _settings(realizations), _inferred(realizations, "release angle, duration"))
+    return style.footnote(
+        figure, "simulated", _settings(realizations), _inferred(realizations, "release angle, duration")
+    )
 
 
 def fig03(norms, table2):

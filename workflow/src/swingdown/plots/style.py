@@ -10,8 +10,8 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
-from ..model import symbol
 from ..paths import written_whole
+from ..pendulum.model import symbol
 
 WIDTH_CM = 16.0
 DPI = 200
@@ -116,12 +116,17 @@ def model_axis(axes, entries):
 
     ``entries`` are model labels, or (head, words) for what is not a model.
     """
-    pairs = [(symbol(e, mathtext=True), name(e).replace(" + ", " +\n")) if isinstance(e, str) else e for e in entries]
+    pairs = [
+        (symbol(e, mathtext=True), name(e).replace(" + ", " +\n")) if isinstance(e, str) else e
+        for e in entries
+    ]
     axes.set_xticks(range(len(pairs)), [head for head, _ in pairs], fontsize=11)
     axes.tick_params(axis="x", length=0)
     axes.set_xlim(-0.5, len(pairs) - 0.5)
     for place, (_, words) in enumerate(pairs):
-        for line, text in enumerate(words.split("\n")):  # line by line, so that all stand on the same baselines
+        for line, text in enumerate(
+            words.split("\n")
+        ):  # line by line, so that all stand on the same baselines
             axes.annotate(text, (place, 0), xytext=(0, -26 - 10.5 * line), xycoords=("data", "axes fraction"),
                           textcoords="offset points", ha="center", va="baseline", fontsize=9, annotation_clip=False)  # fmt: skip
     return axes
@@ -242,7 +247,9 @@ def save(figure, path):
     for artist in figure.findobj(lambda artist: isinstance(artist, (Line2D, PolyCollection))):
         if _points(artist) > _MANY:
             artist.set_rasterized(True)
-    targets = [path] if path.suffix in _NO_TRACE else [path.with_name(path.name + suffix) for suffix in _NO_TRACE]
+    targets = (
+        [path] if path.suffix in _NO_TRACE else [path.with_name(path.name + suffix) for suffix in _NO_TRACE]
+    )
     for target in targets:
         with written_whole(target) as partial:
             figure.savefig(partial, format=target.suffix[1:], dpi=DPI, metadata=_NO_TRACE[target.suffix])

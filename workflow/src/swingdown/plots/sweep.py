@@ -7,7 +7,9 @@ from . import style
 
 CLAIM = 0.68  # the confidence that the paper names
 _MOST_ROWS = 8
-_SCALE = LinearSegmentedColormap.from_list("seldom_often", ["#8268a8", "#cfc6e0", "#ffffff", "#b5dccb", "#1b9471"])
+_SCALE = LinearSegmentedColormap.from_list(
+    "seldom_often", ["#8268a8", "#cfc6e0", "#ffffff", "#b5dccb", "#1b9471"]
+)
 _WORDS = {
     "nothing": ("nothing is missing", "#d3d7db"),
     "unknown": ("something, without a name", "#9aa1a8"),
@@ -21,7 +23,12 @@ _CRITERIA = {
     "true_by_bic": "The true model has the lowest BIC: one swing, all models fitted",
     "true_by_ten": "The true model has the lowest mean norm of ten swings, of the paper's four models",
 }
-_AXES = {"snr": "SNR", "duration_s": "duration (s)", "release_angle_deg": "release angle (°)", "sampling_rate_hz": "sampling rate (Hz)"}
+_AXES = {
+    "snr": "SNR",
+    "duration_s": "duration (s)",
+    "release_angle_deg": "release angle (°)",
+    "sampling_rate_hz": "sampling rate (Hz)",
+}
 
 
 def by_norm(maps):
@@ -48,7 +55,9 @@ def probability(maps, name):
     """
     data = maps[name]
     if not np.isfinite(data.values).any():
-        return style.absent("This sweep has fewer than ten draws a cell, or leaves one of the paper's models out.")
+        return style.absent(
+            "This sweep has fewer than ten draws a cell, or leaves one of the paper's models out."
+        )
     axes = maps.attrs["axes"].split()
     numeric = [dim for dim in axes if maps[dim].dtype.kind in "fi"]
     x, y = (numeric[-1], numeric[-2]) if len(numeric) > 1 else (numeric[-1] if numeric else axes[-1], None)
@@ -71,11 +80,19 @@ def probability(maps, name):
         for panel, label in zip(row, columns, strict=True):
             one = chosen.sel({column: label}) if column else chosen
             values = one.transpose(y, x).values if y else one.values[np.newaxis]
-            shown = panel.imshow(100 * values, origin="lower", aspect="auto", cmap=_SCALE, norm=TwoSlopeNorm(100 * CLAIM, 0, 100))
+            shown = panel.imshow(
+                100 * values,
+                origin="lower",
+                aspect="auto",
+                cmap=_SCALE,
+                norm=TwoSlopeNorm(100 * CLAIM, 0, 100),
+            )
             for (j, i), value in np.ndenumerate(values):
                 strong = abs(scale(value) - 0.5) > 0.36 if np.isfinite(value) else False
                 text = f"{100 * value:.0f}" if np.isfinite(value) else "–"
-                panel.text(i, j, text, ha="center", va="center", fontsize=7.5, color="white" if strong else style.INK)
+                panel.text(
+                    i, j, text, ha="center", va="center", fontsize=7.5, color="white" if strong else style.INK
+                )
             panel.set_xticks(range(maps.sizes[x]), [_text(v) for v in maps[x].values])
             panel.set_yticks(*((range(tall), [_text(v) for v in maps[y].values]) if y else ([], [])))
             panel.tick_params(length=0)
@@ -90,7 +107,9 @@ def probability(maps, name):
         panel.set_xlabel(_label(x))
     for row in panels:
         row[0].set_ylabel(_label(y) if y else "")
-    bar = figure.colorbar(shown, ax=panels, location="right", shrink=min(1.0, 6.0 / (len(rows) * 2)), aspect=28, pad=0.02)
+    bar = figure.colorbar(
+        shown, ax=panels, location="right", shrink=min(1.0, 6.0 / (len(rows) * 2)), aspect=28, pad=0.02
+    )
     bar.set_ticks([0, 25, 50, 68, 85, 100], labels=["0", "25", "50", "68 %\n(paper)", "85", "100 %"])
     bar.outline.set_visible(False)
     figure.suptitle(_CRITERIA[name], x=0.012, ha="left", fontsize=10.5)
@@ -118,7 +137,11 @@ def detection(maps):
     panels = figure.subplots(tall, wide, squeeze=False, sharey=True).ravel()
     for panel in panels[len(effects) :]:
         panel.set_visible(False)
-    order = [word for word in _WORDS if word in maps["said"].values and (word != "failed" or float(share.sel(said=word).max()) > 0)]
+    order = [
+        word
+        for word in _WORDS
+        if word in maps["said"].values and (word != "failed" or float(share.sel(said=word).max()) > 0)
+    ]
     for panel, effect in zip(panels, effects, strict=False):
         one = share.sel(effect=effect) if effect is not None else share
         below = np.zeros(sizes.size)
@@ -126,10 +149,20 @@ def detection(maps):
             if word not in order:
                 continue
             part = np.atleast_1d(one.sel(said=word).values)
-            panel.bar(range(sizes.size), 100 * part, bottom=100 * below, width=0.78, color=_WORDS[word][1], lw=0)
+            panel.bar(
+                range(sizes.size), 100 * part, bottom=100 * below, width=0.78, color=_WORDS[word][1], lw=0
+            )
             if word == "named":
                 error = 100 * np.sqrt(part * (1 - part) / n)
-                panel.errorbar(range(sizes.size), 100 * part, error, fmt="none", ecolor=style.INK, elinewidth=0.8, capsize=2)
+                panel.errorbar(
+                    range(sizes.size),
+                    100 * part,
+                    error,
+                    fmt="none",
+                    ecolor=style.INK,
+                    elinewidth=0.8,
+                    capsize=2,
+                )
             below = below + part
         panel.set_xticks(range(sizes.size), [_text(v) for v in sizes])
         panel.set(ylim=(0, 100), xlabel="size (σ of the noise)")
@@ -160,4 +193,8 @@ def _label(dim):
 
 
 def _text(value):
-    return f"{value:g}" if isinstance(value, (float, np.floating, int, np.integer)) else str(value).replace("_", " ")
+    return (
+        f"{value:g}"
+        if isinstance(value, (float, np.floating, int, np.integer))
+        else str(value).replace("_", " ")
+    )

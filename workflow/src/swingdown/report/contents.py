@@ -8,10 +8,10 @@ import pandas as pd
 import yaml
 from markupsafe import Markup, escape
 
-from ..comparison import WORTH
-from ..model import symbol
-from ..nested import contains
-from ..simulation import INFERRED_NOTE
+from ..fitting.nested import contains
+from ..pendulum.model import symbol
+from ..studies.comparison import WORTH
+from ..studies.simulation import INFERRED_NOTE
 from . import numbers, provenance
 from . import sweeps as swept
 from .page import Column, Figure, Findings, Listing, Section, Table, Text
@@ -37,7 +37,9 @@ class Material:
     settings: dict
     inputs: list = field(default_factory=list)  # files whose checksums are told
     verdicts: list = field(default_factory=list)  # contents of each campaign's verdict.json
-    seen: list = field(default_factory=list)  # paths of their figures, discovery/{campaign}/figures/{name}.svg
+    seen: list = field(
+        default_factory=list
+    )  # paths of their figures, discovery/{campaign}/figures/{name}.svg
     sweeps: dict = field(default_factory=dict)
 
     @property
@@ -179,8 +181,12 @@ def missing(material):
         if found["where"]["groups"]:
             items.append(_where(found))
         for name, caption in _SEEN.items():
-            paths = [path for path in material.seen if path.endswith(f"discovery/{campaign}/figures/{name}.svg")]
-            items += [Figure(f"{name.replace('_', ' ').capitalize()}, {campaign}", path, caption) for path in paths]
+            paths = [
+                path for path in material.seen if path.endswith(f"discovery/{campaign}/figures/{name}.svg")
+            ]
+            items += [
+                Figure(f"{name.replace('_', ' ').capitalize()}, {campaign}", path, caption) for path in paths
+            ]
     return Section("What is missing", items)
 
 

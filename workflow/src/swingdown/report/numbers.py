@@ -2,7 +2,7 @@
 
 from math import floor, isfinite, log10
 
-from ..rounding import value_with_uncertainty
+from ..studies.rounding import value_with_uncertainty
 
 DIGITS = 2  # of an uncertainty
 

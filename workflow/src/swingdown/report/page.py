@@ -9,9 +9,9 @@ import jinja2
 from docutils.core import publish_parts
 from markupsafe import Markup
 
-from ..paths import PROJECT, written_whole
+from ..paths import written_whole
 
-TEMPLATE = PROJECT / "workflow" / "report" / "report.html.j2"
+TEMPLATE = Path(__file__).with_name("report.html.j2")
 _MEDIA = {".png": "image/png", ".svg": "image/svg+xml"}
 
 

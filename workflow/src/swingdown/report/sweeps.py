@@ -15,7 +15,12 @@ _LABELS = {
     "true_by_bic": "by BIC",
     "true_by_ten": "by ten runs",
 }
-_MAPS = {"by_norm": "by norm", "by_bic": "by BIC", "by_ten": "by ten runs", "detection": "what discovery said"}
+_MAPS = {
+    "by_norm": "by norm",
+    "by_bic": "by BIC",
+    "by_ten": "by ten runs",
+    "detection": "what discovery said",
+}
 
 
 @dataclass(frozen=True)
@@ -38,7 +43,10 @@ def made(names, captions, results="results/sweeps"):
         pictures = [folder / "figures" / f"{map}.svg" for map in _MAPS]
         pictures = [path for path in pictures if path.exists()]
         if (folder / "summary.csv").exists() and pictures:
-            told = [(path.stem, str(path), Path(texts[path.stem]).read_text(encoding="utf-8")) for path in pictures]
+            told = [
+                (path.stem, str(path), Path(texts[path.stem]).read_text(encoding="utf-8"))
+                for path in pictures
+            ]
             found[name] = Made(pd.read_csv(folder / "summary.csv"), told)
     return found
 
@@ -48,25 +56,48 @@ def section(sweeps):
     items = []
     for name, one in sweeps.items():
         title = name.replace("_", " ")
-        items.append(_identified(title, one.table) if "true_by_norm" in one.table else _detected(title, one.table))
+        items.append(
+            _identified(title, one.table) if "true_by_norm" in one.table else _detected(title, one.table)
+        )
         items += [Figure(f"Sweep {title}, {_MAPS[map]}", path, caption) for map, path, caption in one.maps]
     if items:
-        items.insert(0, Findings(list(itertools.chain.from_iterable(_said(name, one.table) for name, one in sweeps.items()))))
-        items.append(Text("Every draw is in results/sweeps/…/sweep.nc, every probability with its interval in summary.csv beside it."))
+        items.insert(
+            0,
+            Findings(
+                list(itertools.chain.from_iterable(_said(name, one.table) for name, one in sweeps.items()))
+            ),
+        )
+        items.append(
+            Text(
+                "Every draw is in results/sweeps/…/sweep.nc, every probability with its interval in summary.csv beside it."
+            )
+        )
     return Section("Sweeps", items)
 
 
 def _said(name, table):
     """A few sentences on a sweep."""
     if "true_by_norm" in table:
-        parts = table.groupby("start", sort=False) if "start" in table and table["start"].nunique() > 1 else [("", table)]
+        parts = (
+            table.groupby("start", sort=False)
+            if "start" in table and table["start"].nunique() > 1
+            else [("", table)]
+        )
         for start, rows in parts:
-            how = f", fits {'that start at rest at the first sample' if start == 'rest' else 'with the release fitted'}" if start else ""
+            how = (
+                f", fits {'that start at rest at the first sample' if start == 'rest' else 'with the release fitted'}"
+                if start
+                else ""
+            )
             yield (
                 f"{name}{how}: averaged over all cells the true model has the lowest norm in {_percent(rows['true_by_norm'])} of the swings and "
                 f"the lowest BIC in {_percent(rows['true_by_bic'])}. The paper's 68 % is reached in {_reached(rows['true_by_norm'])} cells by "
                 f"norm, in {_reached(rows['true_by_bic'])} by BIC"
-                + (f", and in the paper's own comparison (mean norm of ten runs, four models) in {_reached(rows['true_by_ten'])}." if rows["true_by_ten"].notna().any() else ".")
+                + (
+                    f", and in the paper's own comparison (mean norm of ten runs, four models) in {_reached(rows['true_by_ten'])}."
+                    if rows["true_by_ten"].notna().any()
+                    else "."
+                )
             )
     else:
         if "size" in table:
@@ -82,13 +113,17 @@ def _said(name, table):
 
 
 def _identified(title, table):
-    by = [name for name in ("simulated", "start", "noise") if name in table and table[name].nunique() > 1] or [table.columns[0]]
+    by = [
+        name for name in ("simulated", "start", "noise") if name in table and table[name].nunique() > 1
+    ] or [table.columns[0]]
     names = [name for name in _LABELS if table[name].notna().any()]
     columns = [Column(name.replace("_", " ")) for name in by] + [Column("cells", style="n")]
     columns += [Column(_LABELS[name], "mean % · cells ≥ 68 %", "n") for name in names]
     rows = []
     for keys, part in table.groupby(by, sort=False):
-        values = [f"{100 * part[name].mean():.0f} · {int((part[name] >= CLAIM / 100).sum())}" for name in names]
+        values = [
+            f"{100 * part[name].mean():.0f} · {int((part[name] >= CLAIM / 100).sum())}" for name in names
+        ]
         rows.append([*map(_words, keys), len(part), *values])
     caption = "How often the model that was simulated is the one that is told, and in how many cells at least as often as the paper's 68 %."
     notes = (
@@ -112,7 +147,9 @@ def _detected(title, table):
     effects = list(table[by[0]]) if by else []
     groups = tuple(k for k in range(1, len(effects)) if effects[k] != effects[k - 1])
     caption = "What discovery said of campaigns with one effect more than its base model."
-    return Table(f"Sweep {title}", caption, columns, rows, (f"{int(table['draws'].iloc[0])} campaigns a row.",), groups)
+    return Table(
+        f"Sweep {title}", caption, columns, rows, (f"{int(table['draws'].iloc[0])} campaigns a row.",), groups
+    )
 
 
 def _words(value):

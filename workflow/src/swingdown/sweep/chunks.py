@@ -29,7 +29,12 @@ class Chunk:
     @property
     def content(self):
         """The chunk as text (JSON)."""
-        content = {"computes": self.computes, "settings": self.settings, "keys": self.keys, "parts": self.parts}
+        content = {
+            "computes": self.computes,
+            "settings": self.settings,
+            "keys": self.keys,
+            "parts": self.parts,
+        }
         return json.dumps(content, separators=(",", ":"))
 
     @property
@@ -70,7 +75,9 @@ def plan(sweep, book):
         parts = [(key, first, first + count) for _, key, first, count in chunk.cells()]
         inside = [part for part in parts if part[0] in wanted and part[1] < sweep.realizations]
         whole = len(inside) == len(parts) and all(last <= sweep.realizations for *_, last in parts)
-        twice = any(first < other and last > begin for key, first, last in parts for begin, other in held.get(key, ()))
+        twice = any(
+            first < other and last > begin for key, first, last in parts for begin, other in held.get(key, ())
+        )
         if not inside or twice or not (whole or chunk.name in made):
             continue
         for key, first, last in inside:
@@ -140,7 +147,12 @@ def find_chunk(book, name):
             for number, line in enumerate(lines, 1):
                 if line.startswith(name):
                     return _chunk(line, f"{book}, line {number}")
-    raise InputError(book, f"no chunk {name}", "a book that lists it", "run the sweep again: it writes the book before its jobs")
+    raise InputError(
+        book,
+        f"no chunk {name}",
+        "a book that lists it",
+        "run the sweep again: it writes the book before its jobs",
+    )
 
 
 def add_to_book(book, chunks):
@@ -150,7 +162,9 @@ def add_to_book(book, chunks):
     if chunks := [chunk for chunk in chunks if chunk.name not in known]:
         before = book.read_text(encoding="utf-8") if book.exists() else ""
         with written_whole(book) as partial:
-            partial.write_text(before + "".join(f"{chunk.name} {chunk.content}\n" for chunk in chunks), encoding="utf-8")
+            partial.write_text(
+                before + "".join(f"{chunk.name} {chunk.content}\n" for chunk in chunks), encoding="utf-8"
+            )
     return book
 
 

@@ -28,7 +28,10 @@ def combine(sweep, paths, output):
     missing or there twice, naming the cell.
     """
     output = Path(output)
-    where = {cell_key(sweep.computes, sweep.cell(values)): index for index, values in zip(np.ndindex(sweep.shape), sweep, strict=True)}
+    where = {
+        cell_key(sweep.computes, sweep.cell(values)): index
+        for index, values in zip(np.ndindex(sweep.shape), sweep, strict=True)
+    }
     listed = _listed(paths)
     with written_whole(output) as partial:
         dataset.write(_skeleton(sweep, listed), partial)
@@ -90,7 +93,11 @@ def _fill(file, sweep, where, listed, paths):
         keys = [str(key) for key in data["key"].values]
         cells, draws = data["cell"].values, data["realization"].values
         names = [name for name, one in data.data_vars.items() if name not in ("cell", "realization", "key")]
-        own = [listed[1].index(str(name)) for name in data[listed[0]].values] if listed[0] in data.coords else None
+        own = (
+            [listed[1].index(str(name)) for name in data[listed[0]].values]
+            if listed[0] in data.coords
+            else None
+        )
         for name in names:
             if name not in file.variables:
                 _create(file, name, data[name], dims, listed, sweep)
@@ -120,7 +127,15 @@ def _create(file, name, like, dims, listed, sweep):
     shape = (1,) * len(sweep.shape) + (sweep.realizations,) + ((len(listed[1]),) if several else ())
     kind = "i1" if like.dtype.itemsize == 1 else _KEPT[like.dtype.kind]
     dims = (*dims, listed[0]) if several else dims
-    made = file.createVariable(name, kind, dims, zlib=True, complevel=4, chunksizes=shape, fill_value=np.nan if kind == "f8" else None)
+    made = file.createVariable(
+        name,
+        kind,
+        dims,
+        zlib=True,
+        complevel=4,
+        chunksizes=shape,
+        fill_value=np.nan if kind == "f8" else None,
+    )
     made.setncatts(dict(like.attrs) | ({"dtype": "bool"} if like.dtype.kind == "b" else {}))
 
 

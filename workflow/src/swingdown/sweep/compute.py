@@ -16,7 +16,9 @@ def compute(chunk, computation):
     began = time.process_time()
     cells = list(chunk.cells())
     keys = list(dict.fromkeys(key for _, key, *_ in cells))
-    listed = list(dict.fromkeys(name for settings, *_ in cells for name in computation.entries(settings) or ()))
+    listed = list(
+        dict.fromkeys(name for settings, *_ in cells for name in computation.entries(settings) or ())
+    )
     dims = ("draw", computation.DIMENSION) if computation.DIMENSION else ("draw",)
     shape = (chunk.draws, len(listed)) if computation.DIMENSION else (chunk.draws,)
     columns, at, fits = {}, 0, 0

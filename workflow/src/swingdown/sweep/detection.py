@@ -9,12 +9,12 @@ from ..discovery import rounds
 from ..discovery.campaign import Swing, campaign
 from ..discovery.files import summary
 from ..discovery.verdict import verdict
-from ..effects import CATALOGUE, effect
+from ..engine.trajectory import TrajectoryError, simulate
 from ..errors import InputError
-from ..fit import fit_jointly
-from ..model import Model
-from ..noise import additive_of_size
-from ..trajectory import TrajectoryError, simulate
+from ..fitting.fit import fit_jointly
+from ..pendulum.catalogue import CATALOGUE, effect
+from ..pendulum.model import Model
+from ..studies.noise import additive_of_size
 from .table import noise_key, stream
 
 OUTCOMES = ("nothing", "named", "among_others", "unknown", "wrong", "failed")
@@ -24,7 +24,10 @@ VARIABLES = {
     "answer": (None, "the effect that discovery added first"),
     "coefficient": ("see the hidden effect's first parameter", "size of the hidden effect"),
     "left": ("1", "RMS that the base model leaves of the noise-free swings, over the noise"),
-    "gap": ("1", "RMS that the base model leaves of the noisy swings, over the noise that discovery measured"),
+    "gap": (
+        "1",
+        "RMS that the base model leaves of the noisy swings, over the noise that discovery measured",
+    ),
 }
 FLAGS = {"outcome": OUTCOMES, "answer": ANSWERS}
 DIMENSION = None
@@ -77,14 +80,20 @@ def _row(campaign, settings, hidden):
     except TrajectoryError:
         return row | {"outcome": OUTCOMES.index("failed")}
     added = [one["name"] for one in found["effects"]]
-    row |= {"gap": found["gap"]["fit"][0], "answer": ANSWERS.index(added[0] if added[0] in ANSWERS else "other") if added else 0}
+    row |= {
+        "gap": found["gap"]["fit"][0],
+        "answer": ANSWERS.index(added[0] if added[0] in ANSWERS else "other") if added else 0,
+    }
     present = None if settings["detection.size"] == 0 else settings["detection.effect"]
     return row | {"outcome": OUTCOMES.index(_outcome(found, present))}
 
 
 def answer(campaign, settings):
     """The verdict (a dict as in verdict.json) of discovery on a campaign, under the settings of a cell."""
-    base, options = tuple(settings["discovery.base"]), {"restoring": settings["model.restoring"], "form": settings["model.form"]}
+    base, options = (
+        tuple(settings["discovery.base"]),
+        {"restoring": settings["model.restoring"], "form": settings["model.form"]},
+    )
     states = rounds.discover(campaign, base, settings["discovery.rounds"], **options)
     return verdict([summary(state, campaign) for state in states])
 
@@ -106,7 +115,11 @@ def _hidden(settings):
     """The noise-free campaign of a cell, its hidden effect sized so that the base model leaves what ``detection.size`` says."""
     rate, duration = settings["simulation.sampling_rate_hz"], settings["simulation.duration_s"]
     times = np.arange(round(duration * rate) + 1) / rate
-    name, size, noise = settings["detection.effect"], settings["detection.size"], settings["detection.noise_rad"]
+    name, size, noise = (
+        settings["detection.effect"],
+        settings["detection.size"],
+        settings["detection.noise_rad"],
+    )
     first = effect(name).parameters[0]
     if size == 0:
         return _Hidden(times, _swings(settings, times, None), 0.0, 0.0)
@@ -123,7 +136,11 @@ def _hidden(settings):
         low, high = (coefficient, high) if left < size else (low, coefficient)
         coefficient = min(coefficient * min(max(size / max(left, 1e-3 * size), 0.02), 30.0), first.upper)
         if not low < coefficient < high:
-            coefficient = math.sqrt(low * high) if low > 0 and math.isfinite(high) else 0.5 * (low + min(high, first.upper))
+            coefficient = (
+                math.sqrt(low * high)
+                if low > 0 and math.isfinite(high)
+                else 0.5 * (low + min(high, first.upper))
+            )
     if not math.isfinite(left):
         raise InputError(f"sweep, cell with {name} of size {size:g}", "no such swing can be computed",
                          "a size at which the pendulum still swings", "leave that size out of the axis")  # fmt: skip

@@ -5,12 +5,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..engine.trajectory import simulate, simulate_each
 from ..errors import InputError
-from ..fit import fit_batch, fit_trajectory
-from ..model import Model
-from ..nested import contains
-from ..noise import add_noise
-from ..trajectory import simulate, simulate_each
+from ..fitting.fit import fit_batch, fit_trajectory
+from ..fitting.nested import contains
+from ..pendulum.model import Model
+from ..studies.noise import add_noise
 from .table import noise_key, stream
 
 _BLOCK = 64  # draws held in memory at a time
@@ -39,7 +39,9 @@ class _Cell:
     def noisy(self, realization):
         """One noisy swing (rad)."""
         drawn = stream(self.settings, self.key, realization).standard_normal(self.times.size)
-        return add_noise(self.settings["simulation.noise"], self.truth, self.settings["simulation.snr"], drawn)
+        return add_noise(
+            self.settings["simulation.noise"], self.truth, self.settings["simulation.snr"], drawn
+        )
 
 
 def entries(settings):
@@ -113,14 +115,20 @@ def _fitted(cell, label, noisy, smaller):
         return np.full((len(noisy), 0), np.nan), np.full(len(noisy), np.nan), np.zeros(len(noisy), bool)
     batch = fit_batch(cell.begin[label], cell.times, noisy, cell.release_angle, start=start)
     values, rss, converged = batch.values, batch.rss.copy(), batch.converged.copy()
-    inside = {other: found for other, found in smaller.items() if contains(label, other) and cell.begin[other]}
+    inside = {
+        other: found for other, found in smaller.items() if contains(label, other) and cell.begin[other]
+    }
     lowest = np.fmin.reduce([found[1] for found in inside.values()]) if inside else np.full(rss.shape, np.inf)
     for k in np.flatnonzero(~converged | ~np.isfinite(rss) | (rss > lowest * (1 + 1e-9))):
         for other, found in inside.items():
             if not np.all(np.isfinite(found[0][k])):
                 continue
             again = fit_batch(*_from(cell, label, other, found[0][k], noisy[k]), start=start, most=_MOST)
-            if again.rss[0] < rss[k] or not np.isfinite(rss[k]) or (again.converged[0] and not converged[k] and again.rss[0] <= rss[k]):
+            if (
+                again.rss[0] < rss[k]
+                or not np.isfinite(rss[k])
+                or (again.converged[0] and not converged[k] and again.rss[0] <= rss[k])
+            ):
                 values[k], rss[k], converged[k] = again.values[0], again.rss[0], again.converged[0]
         rss[k] = rss[k] if np.isfinite(rss[k]) else np.nan
     return values, rss, converged
@@ -131,7 +139,12 @@ def _from(cell, label, other, values, noisy):
     model, smaller = cell.begin[label], cell.begin[other].parameters
     known = dict(zip(smaller, map(float, values), strict=False))
     release = tuple(map(float, values[len(smaller) :])) or (float(noisy[0]), 0.0)
-    return model.with_values({name: known.get(name, 0.0) for name in model.parameters}), cell.times, noisy[np.newaxis], *release
+    return (
+        model.with_values({name: known.get(name, 0.0) for name in model.parameters}),
+        cell.times,
+        noisy[np.newaxis],
+        *release,
+    )
 
 
 def _told(cell, label, noisy, values, rss, converged):
@@ -147,7 +160,10 @@ def _told(cell, label, noisy, values, rss, converged):
     return {
         "norm": [_rms_degrees(fit - cell.truth) for fit in series],
         "residual_norm": [math.degrees(math.sqrt(one / samples)) for one in rss],
-        "bic": [samples * math.log(one / samples) + free * math.log(samples) if one > 0 else math.nan for one in rss],
+        "bic": [
+            samples * math.log(one / samples) + free * math.log(samples) if one > 0 else math.nan
+            for one in rss
+        ],
         "converged": converged,
     }
 
@@ -161,5 +177,10 @@ def _size(label):
 
 
 def _described(settings):
-    shown = ("simulation.simulated", "simulation.release_angle_deg", "simulation.duration_s", "simulation.snr")
+    shown = (
+        "simulation.simulated",
+        "simulation.release_angle_deg",
+        "simulation.duration_s",
+        "simulation.snr",
+    )
     return ", ".join(f"{key.rpartition('.')[2]} {settings[key]}" for key in shown)

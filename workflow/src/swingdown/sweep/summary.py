@@ -16,7 +16,11 @@ IDENTIFICATION = {
     "unconverged": (("fitted",), "1", "share of draws whose fit did not end at a stationary point"),
     "true_by_norm": ((), "1", "share of draws in which the true model has the lowest norm"),
     "true_by_bic": ((), "1", "share of draws in which the true model has the lowest BIC"),
-    "true_by_ten": ((), "1", "share of sets of ten draws in which the true model has the lowest mean norm of the paper's four"),
+    "true_by_ten": (
+        (),
+        "1",
+        "share of sets of ten draws in which the true model has the lowest mean norm of the paper's four",
+    ),
 }
 DETECTION = {
     "share": (("said",), "1", "share of campaigns in which discovery said so"),
@@ -30,7 +34,9 @@ DETECTION = {
 
 def add(file, sweep):
     """The open netCDF4 ``file`` of a combined sweep with the cells' probabilities added; one cell is read at a time."""
-    kinds, tell = (IDENTIFICATION, _identified) if sweep.computes == "identification" else (DETECTION, _detected)
+    kinds, tell = (
+        (IDENTIFICATION, _identified) if sweep.computes == "identification" else (DETECTION, _detected)
+    )
     axes = tuple(axis.dim for axis in sweep.axes)
     if sweep.computes == "detection":
         words = file["outcome"].flag_meanings.split()
@@ -137,7 +143,9 @@ def table(maps):
     if "fitted" in maps.dims:
         for criterion in ("norm", "bic"):
             most = maps[f"lowest_{criterion}"].fillna(-1)
-            rows[f"most_often_by_{criterion}"] = pd.Series(most["fitted"].values[most.argmax("fitted").values.ravel()]).astype(str)
+            rows[f"most_often_by_{criterion}"] = pd.Series(
+                most["fitted"].values[most.argmax("fitted").values.ravel()]
+            ).astype(str)
         rows["unconverged"] = maps["unconverged"].mean("fitted").values.ravel()
     else:
         for word in maps["said"].values:

@@ -8,10 +8,10 @@ from itertools import product
 
 import numpy as np
 
-from ..effects import CATALOGUE, NATURAL_FREQUENCY
 from ..errors import InputError
+from ..pendulum.catalogue import CATALOGUE, NATURAL_FREQUENCY
 from ..schema import near
-from ..settings import complete
+from ..study.settings import complete
 
 # What each computation depends on. Any other key would be an axis along which nothing changes.
 _SWING = (
@@ -97,20 +97,29 @@ def sweeps(config, where="config"):
     key does not admit, and for a sweep that leaves open which model is simulated.
     """
     base = {key: value for key, value in config.items() if key != "sweeps"}
-    return {name: _sweep(name, entry, base, f"{where}, key sweeps.{name}") for name, entry in config["sweeps"].items()}
+    return {
+        name: _sweep(name, entry, base, f"{where}, key sweeps.{name}")
+        for name, entry in config["sweeps"].items()
+    }
 
 
 def _sweep(name, entry, base, where):
     known, reads = list(_flat(base)), READS[entry["computes"]]
     for key in (*entry["settings"], *entry["axes"]):
-        _check_key(key, known, reads, entry["computes"], f"{where}.{'axes' if key in entry['axes'] else 'settings'}")
+        _check_key(
+            key, known, reads, entry["computes"], f"{where}.{'axes' if key in entry['axes'] else 'settings'}"
+        )
     for key in entry["settings"]:
         if key in entry["axes"]:
-            raise InputError(f"{where}.settings", f"{key!r} is an axis too", "each key once", "remove one of the two")
+            raise InputError(
+                f"{where}.settings", f"{key!r} is an axis too", "each key once", "remove one of the two"
+            )
     axes, fixed = {}, {}
     for key in entry["axes"]:
         place = f"{where}.axes, {key}"
-        axes[key] = [_checked(base, key, value, f"{place}, value {k}") for k, value in enumerate(entry["axes"][key], 1)]
+        axes[key] = [
+            _checked(base, key, value, f"{place}, value {k}") for k, value in enumerate(entry["axes"][key], 1)
+        ]
         if len({json.dumps(value) for value in axes[key]}) < len(axes[key]):
             raise InputError(place, "a value is there twice", "each value once", "remove one")
     for key in reads:
@@ -162,7 +171,11 @@ def _plain(value, key):
     if isinstance(value, list):
         return [_plain(one, key) for one in value]
     whole = key in ("seed", "discovery.rounds")
-    return float(value) if isinstance(value, (int, float)) and not isinstance(value, bool) and not whole else value
+    return (
+        float(value)
+        if isinstance(value, (int, float)) and not isinstance(value, bool) and not whole
+        else value
+    )
 
 
 def _one_simulated(axes, fixed, where):
@@ -170,7 +183,9 @@ def _one_simulated(axes, fixed, where):
     for key in ("simulation.simulated",):
         models = axes.get(key) or [[name] for name in fixed.pop(key)]
         if not models or any(len(one) != 1 for one in models):
-            raise InputError(f"{where}.axes, {key}", f"{models!r}", "one model a value", "write `[viscous, load_coulomb]`")
+            raise InputError(
+                f"{where}.axes, {key}", f"{models!r}", "one model a value", "write `[viscous, load_coulomb]`"
+            )
         if len(models) == 1 and key not in axes:
             fixed[key] = models[0]
         else:
@@ -196,7 +211,9 @@ def _flat(config):
     """Every key of a config with its group: ``simulation.snr``; keys that have no group stand as they are."""
     found = {}
     for key, value in config.items():
-        found |= {f"{key}.{name}": one for name, one in value.items()} if isinstance(value, dict) else {key: value}
+        found |= (
+            {f"{key}.{name}": one for name, one in value.items()} if isinstance(value, dict) else {key: value}
+        )
     return found
 
 
@@ -222,7 +239,9 @@ def _words(key):
     parts = name.split("_")
     if len(parts) > 1 and parts[-1] in _UNITS:
         parts = parts[:-1]
-    return {"snr": "signal to noise ratio", "size": "what the hidden effect leaves, over the noise"}.get(name, " ".join(parts))
+    return {"snr": "signal to noise ratio", "size": "what the hidden effect leaves, over the noise"}.get(
+        name, " ".join(parts)
+    )
 
 
 def text(value):

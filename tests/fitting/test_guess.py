@@ -1,0 +1,62 @@
+"""The first guess, from the data alone."""
+
+import numpy as np
+import pytest
+
+from swingdown.engine.trajectory import simulate
+from swingdown.errors import InputError
+from swingdown.fitting.guess import amplitude_factor, first_guess
+from swingdown.pendulum.model import Model
+
+TIMES = np.arange(1001) / 100
+
+
+@pytest.mark.parametrize("frequency", [1.5, 7.25, 30.0])
+@pytest.mark.parametrize("degrees", [2, 20, 60, 120])
+@pytest.mark.parametrize("noise", [0.0, 0.02], ids=["clean", "noisy"])
+def test_frequency_and_release(frequency, degrees, noise):
+    model = Model("viscous", {"natural_frequency": frequency, "viscous_ratio": 0.01})
+    release = np.radians(degrees)
+    angle = simulate(model, TIMES, release)
+    seen = first_guess(TIMES, angle + noise * release * np.random.default_rng(1).standard_normal(TIMES.size))
+    assert seen.natural_frequency == pytest.approx(frequency, rel=0.03)
+    assert seen.release_angle == pytest.approx(release, rel=0.15)
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "viscous+0.01",
+        "quadratic_drag+0.05",
+        "load_coulomb+0.01",
+        "constant_coulomb+0.4",
+        "structural_damping+1.0",
+    ],
+)
+def test_the_loss_tells_each_damping_alone(name):
+    effect, size = name.split("+")
+    model = Model(effect)
+    parameter = model.parameters[1]
+    angle = simulate(model.with_values({"natural_frequency": 7.25, parameter: float(size)}), TIMES[:400], 0.4)
+    seen = first_guess(TIMES[:400], angle).damping(model)
+    assert list(seen) == [parameter]
+    assert seen[parameter] == pytest.approx(float(size), rel=0.5)
+
+
+def test_amplitude_factor():
+    """Against the period by the complete elliptic integral; at 90 degrees a swing takes 18 % longer."""
+    from scipy.special import ellipk
+
+    for amplitude in (0.0, 0.1, 1.0, np.pi / 2, 3.0):
+        assert amplitude_factor(amplitude) == pytest.approx(
+            np.pi / 2 / ellipk(np.sin(amplitude / 2) ** 2), rel=1e-12
+        )
+    assert amplitude_factor(np.pi / 2) == pytest.approx(1 / 1.18034, rel=1e-5)
+
+
+@pytest.mark.parametrize(
+    "angle", [np.zeros(50), np.linspace(0.5, 0.4, 50), np.ones(50)], ids=["nothing", "a slope", "held"]
+)
+def test_what_does_not_swing_is_refused(angle):
+    with pytest.raises(InputError, match="half-swing"):
+        first_guess(np.arange(50) / 100, angle)

@@ -1,0 +1,261 @@
+"""Recordings enter through the sample sheet; whatever cannot be used stops with one message and leaves no file."""
+
+import hashlib
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from swingdown import dataset
+from swingdown.errors import InputError
+from swingdown.measurement.quality import check_signal
+from swingdown.measurement.recording import ingest, read_recording
+from swingdown.measurement.sheet import read_sheet
+
+TIME = np.arange(400) / 100
+
+
+@pytest.fixture
+def make(tmp_path, monkeypatch):
+    """A function that writes a recording and a sheet of one row, and ingests it to ``made.nc``."""
+    monkeypatch.chdir(tmp_path)
+
+    def make(signal=None, time=TIME, text=None, file="swing.csv", **cells):
+        if text is None:
+            signal = 0.4 * np.cos(7 * TIME) if signal is None else signal
+            text = "t_s,theta_rad\n" + "".join(
+                f"{t!r},{x!r}\n" for t, x in zip(map(float, time), map(float, signal), strict=True)
+            )
+        if file == "swing.csv":
+            (tmp_path / file).write_text(text)
+        cells = {"recording": "a", "file": file, **cells}
+        (tmp_path / "sheet.csv").write_text(
+            ",".join(cells) + "\n" + ",".join(map(str, cells.values())) + "\n"
+        )
+        return read_recording(dataset.write(ingest(read_sheet("sheet.csv").loc["a"], "sheet.csv"), "made.nc"))
+
+    return make
+
+
+@pytest.fixture
+def refused(make, tmp_path):
+    """A function that expects the recording to be refused with an error that names all of ``told``."""
+
+    def refused(*told, **recording):
+        with pytest.raises(InputError) as caught:
+            make(**recording)
+        message = str(caught.value)
+        for part in (*told, "Expected:", "Mend:"):
+            assert part in message, message
+        assert not [path for path in tmp_path.iterdir() if path.name not in ("swing.csv", "sheet.csv")]
+
+    return refused
+
+
+def test_a_recording_keeps_its_numbers_and_its_provenance(make, tmp_path):
+    made = make(campaign="mine", role="holdout")
+    assert made["signal"].values == pytest.approx(0.4 * np.cos(7 * TIME), abs=0)
+    assert made["time"].values == pytest.approx(TIME, abs=0)
+    assert made["signal"].attrs["units"] == "rad" and made["time"].attrs["units"] == "s"
+    digest = hashlib.sha256((tmp_path / "swing.csv").read_bytes()).hexdigest()
+    told = {"recording": "a", "campaign": "mine", "role": "holdout", "file": "swing.csv", "sha256": digest}
+    assert told.items() <= made.attrs.items()
+    assert made.attrs["emulated"] == "no" and made.attrs["expected_samples"] == 400
+
+
+def test_a_file_says_of_itself_that_it_is_emulated(make):
+    text = "# emulated: yes\n# source: a program\nt_s,theta_rad\n" + "".join(
+        f"{t},{np.cos(t)}\n" for t in TIME
+    )
+    made = make(text=text)
+    assert made.attrs["emulated"] == "yes" and made.attrs["source"] == "a program"
+
+
+@pytest.mark.parametrize(("unit", "factor"), [("s", 1), ("ms", 1e-3), ("us", 1e-6)])
+def test_time_units(make, unit, factor):
+    assert make(time=TIME / factor, time_unit=unit)["time"].values == pytest.approx(TIME, rel=1e-12)
+
+
+def test_the_window_is_cut_before_anything_is_checked(make):
+    signal = 0.4 * np.cos(7 * TIME)
+    signal[:10] = np.nan
+    made = make(signal, start_s=0.1, stop_s=2)
+    assert made["time"].values[[0, -1]] == pytest.approx([0.1, 2.0])
+
+
+def test_netcdf_is_read_as_csv_is(make, tmp_path):
+    xr.Dataset({"theta_deg": ("t_s", np.cos(TIME))}, {"t_s": TIME}).to_netcdf(tmp_path / "raw.nc")
+    made = make(file="raw.nc", time_column="t_s", signal_column="theta_deg")
+    assert made["signal"].attrs["units"] == "deg"
+    assert made["signal"].values == pytest.approx(np.cos(TIME), abs=0)
+
+
+def test_a_file_by_address(make, tmp_path):
+    (tmp_path / "other.csv").write_text("t_s,theta_rad\n" + "".join(f"{t},{np.cos(t)}\n" for t in TIME))
+    assert make(file=(tmp_path / "other.csv").as_uri()).sizes["time"] == 400
+
+
+def test_a_static_record_may_be_constant(make):
+    assert make(np.zeros(400), role="static").sizes["time"] == 400
+
+
+def test_a_swing_may_end_at_rest(make):
+    made = make(np.round(0.4 * np.cos(7 * TIME) * np.exp(-3 * TIME), 3))
+    assert made.sizes["time"] == 400
+
+
+def test_a_held_bob_let_go_is_no_saturation(make):
+    signal = 0.4 * np.cos(7 * np.maximum(TIME - 1, 0))
+    assert make(signal).sizes["time"] == 400
+    assert make(np.round(signal, 3)).sizes["time"] == 400
+
+
+@pytest.mark.parametrize("rate", [100, 1000])
+@pytest.mark.parametrize("steps", [20, 200, 4000, 40000])
+def test_coarse_encoders_are_no_saturation(make, rate, steps):
+    time = np.arange(4 * rate) / rate
+    signal = np.round(0.4 * np.cos(7 * time) * np.exp(-0.01 * time) * steps / (2 * np.pi)) * 2 * np.pi / steps
+    assert make(signal, time).sizes["time"] == 4 * rate
+
+
+def test_a_top_just_short_of_the_next_step_is_no_saturation(make):
+    """The flattest top a rounded signal can have, at every turning point: nothing is lost to damping."""
+    time = np.arange(4000) / 1000
+    assert make(np.round(100.49 * np.cos(7 * time)) * 1e-3, time).sizes["time"] == 4000
+
+
+def test_noisy_steps_at_a_release_from_rest_are_no_saturation():
+    """Half a top, at the first sample, in steps about as large as the noise: a few samples are alike by chance."""
+    time, step, draws = np.arange(2001) / 100, 0.00416, np.random.default_rng(6)
+    for _ in range(3000):
+        velocity = draws.normal(0, 0.07)
+        clean = (
+            -draws.uniform(0.3, 0.6) * np.cos(6.5 * time) + velocity / 6.5 * np.sin(6.5 * time)
+        ) * np.exp(-0.06 * time)
+        signal = step * np.round((clean + 0.4 * step * draws.standard_normal(time.size)) / step)
+        check_signal(time, signal, "swing.csv")
+
+
+@pytest.mark.parametrize("noise", [0.0, 0.002])
+@pytest.mark.parametrize("rail", [0.39, 0.3, 0.1])
+@pytest.mark.parametrize("sides", ["both", "upper", "lower"])
+def test_a_signal_cut_off_at_a_rail(refused, noise, rail, sides):
+    time = np.arange(4000) / 1000
+    signal = 0.4 * np.cos(7 * time) + noise * np.random.default_rng(1).standard_normal(4000)
+    signal = np.clip(signal, -rail if sides != "upper" else None, rail if sides != "lower" else None)
+    refused("swing.csv", "theta_rad", "saturated", signal=np.round(signal, 4), time=time)
+
+
+def test_a_constant_signal(refused):
+    refused("swing.csv", "theta_rad", "constant (0.2)", signal=np.full(400, 0.2))
+
+
+def test_a_missing_file(refused):
+    refused("sheet.csv, line 2, column file", "no file gone.csv", file="gone.csv")
+
+
+@pytest.mark.parametrize("key", ["time_column", "signal_column"])
+def test_a_missing_column(refused, key):
+    refused("swing.csv", key, "no column 'angle'", "t_s, theta_rad", **{key: "angle"})
+
+
+def test_a_file_with_one_column(refused):
+    refused("swing.csv", "1 column", text="t_s\n" + "1\n" * 20)
+
+
+@pytest.mark.parametrize(
+    ("key", "unit", "hint"),
+    [
+        ("time_unit", "sec", "s, ms, us"),
+        ("signal_unit", "volts", "V, rad"),
+        ("signal_unit", "Deg", "did you mean 'deg'"),
+    ],
+)
+def test_an_unknown_unit(refused, key, unit, hint):
+    refused("sheet.csv, line 2", key, repr(unit), hint, **{key: unit})
+
+
+def test_volts_and_counts_that_only_the_file_tells(refused):
+    text = "time_ms,voltage_V\n" + "".join(f"{10 * k},{np.cos(k / 9)}\n" for k in range(99))
+    refused("voltage_V", "signal_unit", "calibration", text=text)
+    text = text.replace("voltage_V", "encoder_counts")
+    refused("encoder_counts", "counts_per_revolution", text=text)
+
+
+def test_time_that_repeats(refused):
+    time = TIME.copy()
+    time[200] = time[199]
+    refused("swing.csv", "line 202", "the time repeats", "strictly increasing", time=time)
+
+
+def test_time_that_runs_back(refused):
+    time = TIME.copy()
+    time[200:] -= 0.5
+    refused("swing.csv", "line 202", "the time runs back", time=time)
+
+
+def test_time_with_a_gap(refused):
+    refused(
+        "swing.csv",
+        "line 202",
+        "a gap of 0.02 s after 1.99 s",
+        time=np.delete(TIME, 200),
+        signal=np.delete(np.cos(TIME), 200),
+    )
+
+
+@pytest.mark.parametrize("cell", ["nan", "", "inf", "oops"])
+@pytest.mark.parametrize("column", [0, 1])
+def test_a_cell_that_is_no_number(refused, cell, column):
+    rows = [[f"{t}", f"{np.cos(t)}"] for t in TIME]
+    rows[200][column] = cell
+    text = "t_s,theta_rad\n" + "".join(",".join(row) + "\n" for row in rows)
+    refused("swing.csv, line 202", "finite number", ("t_s", "theta_rad")[column], text=text)
+
+
+def test_too_few_samples(refused):
+    refused("swing.csv", "9 samples", "at least 10", time=TIME[:9], signal=TIME[:9])
+    refused("swing.csv", "0 samples", "of 400 in the file", start_s=70)
+
+
+def test_a_checksum_that_does_not_match(refused):
+    refused("swing.csv", "sheet.csv", "sha256", "the checksum does not match", "0" * 64, sha256="0" * 64)
+
+
+def test_something_that_is_no_table(refused, tmp_path):
+    refused("swing.csv", "table", text='a,b\n1,2\n"1,2,3\n')
+    (tmp_path / "swing.csv").write_bytes(b"\xff\xfe\x00")
+    with pytest.raises(InputError, match="not text"):
+        ingest({**read_sheet("sheet.csv").loc["a"], "recording": "a"})
+
+
+def test_a_netcdf_that_cannot_be_read(refused, tmp_path):
+    (tmp_path / "sheet.csv").write_bytes(b"")
+    (tmp_path / "swing.csv").write_bytes(b"CDF nonsense")
+    (tmp_path / "swing.csv").rename(tmp_path / "broken.nc")
+    with pytest.raises(InputError, match=r"broken\.nc: it cannot be read"):
+        ingest({"recording": "a", "file": "broken.nc", "sha256": ""})
+
+
+def test_a_recording_that_lost_samples_on_disk(make):
+    made = make()
+    dataset.write(made.isel(time=slice(0, 300)), "made.nc")
+    with pytest.raises(InputError, match=r"300 samples.*400"):
+        read_recording("made.nc")
+
+
+@pytest.mark.parametrize(
+    "name",
+    ["dynamicslab_single/free_swing_large", "dynamicslab_single/free_swing_small", "jensen_rotary/rel45",
+     "jensen_rotary/rel90", "jensen_rotary/rel135"],
+)  # fmt: skip
+def test_recordings_of_real_pendulums_are_accepted(make, shared_data, name):
+    made = make(file=str(shared_data / "real" / f"{name}.csv"))
+    assert made.attrs["emulated"] == "no" and made.sizes["time"] >= 5000
+
+
+def test_the_digitised_figure_has_a_gap_and_is_told_so(make, shared_data):
+    file = str(shared_data / "real/khasawneh_rig/fig13_digitised.csv")
+    with pytest.raises(InputError, match=r"gap of 0\.07865 s after 16\.99438 s.*stop_s"):
+        make(file=file, time_column="t_s", signal_column="theta_rad")
+    assert make(file=file, time_column="t_s", signal_column="theta_rad", stop_s=16.99).sizes["time"] > 1000

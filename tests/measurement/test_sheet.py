@@ -1,0 +1,91 @@
+"""The sample sheet: defaults, and one clear message for whatever it may not hold."""
+
+import math
+
+import pytest
+
+from swingdown.errors import InputError
+from swingdown.measurement.sheet import read_sheet
+from swingdown.paths import PROJECT, find
+
+
+@pytest.fixture
+def sheet(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "a.csv").write_text("t_s,theta_rad\n")
+
+    def sheet(text):
+        (tmp_path / "sheet.csv").write_text(text)
+        return read_sheet("sheet.csv")
+
+    return sheet
+
+
+def test_empty_cells_take_the_defaults(sheet):
+    row = sheet("recording,file,role\na,a.csv,\n").loc["a"]
+    assert (row.campaign, row.time_unit, row.signal_unit, row.role, row.sha256) == (
+        "pendulum",
+        "",
+        "",
+        "",
+        "",
+    )
+    assert math.isnan(row.start_s) and math.isnan(row.counts_per_revolution)
+
+
+def test_units_follow_the_columns_name_unless_given(sheet):
+    table = sheet(
+        "recording,file,time_column,signal_column,signal_unit\na,a.csv,t_ms,theta_deg,\nb,a.csv,t_ms,theta_deg,rad\n"
+    )
+    assert list(table.signal_unit) == ["deg", "rad"] and list(table.time_unit) == ["ms", "ms"]
+
+
+def test_rows_know_their_line(sheet):
+    assert list(sheet("recording,file\n\na,a.csv\n,\nb,a.csv\n").line) == [3, 5]
+
+
+def test_files_are_found_in_the_working_directory_first_then_in_the_project(sheet, tmp_path):
+    assert find("a.csv").resolve() == tmp_path / "a.csv"
+    assert find("config/recordings.csv") == PROJECT / "config/recordings.csv"
+    (tmp_path / "config").mkdir()
+    (tmp_path / "config/recordings.csv").write_text("")
+    assert find("config/recordings.csv").resolve() == tmp_path / "config/recordings.csv"
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("recording,file,campain\na,a.csv,x\n", ["line 1, column campain", "did you mean 'campaign'"]),
+        ("recording,file,wind\na,a.csv,x\n", ["line 1, column wind", "unknown column"]),
+        ("recording,file,file\na,a.csv,a.csv\n", ["column file", "twice"]),
+        ("recording\na\n", ["no column 'file'"]),
+        ("", ["no column 'recording'"]),
+        ("recording,file\n", ["no row"]),
+        ("recording,file\na,a.csv\na,a.csv\n", ["lines 2 and 3, column recording", "'a' is used twice"]),
+        ("recording,file\na,\n", ["line 2, column file", "empty"]),
+        ("recording,file\na b/c,a.csv\n", ["line 2, column recording", "cannot name a file"]),
+        ("recording,file\na,gone.csv\n", ["line 2, column file", "no file gone.csv"]),
+        ("recording,file\na,a.csv,1\n", ["line 2", "3 cells in a row of 2 columns"]),
+        ("recording,file,signal_unit\na,a.csv,volt\n", ["line 2, column signal_unit", "'volt'"]),
+        ("recording,file,role\na,a.csv,hold-out\n", ["line 2, column role", "did you mean 'holdout'"]),
+        (
+            "recording,file,signal_unit\na,a.csv,counts\n",
+            ["line 2, column counts_per_revolution", "in counts"],
+        ),
+        ("recording,file,counts_per_revolution\na,a.csv,0\n", ["column counts_per_revolution", "above 0"]),
+        ("recording,file,start_s\na,a.csv,soon\n", ["line 2, column start_s", "'soon' is not a number"]),
+        ("recording,file,start_s\na,a.csv,inf\n", ["line 2, column start_s", "finite"]),
+        ("recording,file,start_s,stop_s\na,a.csv,3,2\n", ["line 2, column stop_s", "stop_s after start_s"]),
+        ("recording,file,sha256\na,a.csv,abc\n", ["line 2, column sha256", "64 hexadecimal digits"]),
+    ],
+)
+def test_what_a_sheet_may_not_hold(sheet, text, told):
+    with pytest.raises(InputError) as caught:
+        sheet(text)
+    for part in ("sheet.csv", *told, "Expected:", "Mend:"):
+        assert part in str(caught.value), str(caught.value)
+
+
+def test_a_missing_sheet_is_told(tmp_path):
+    with pytest.raises(InputError, match=r"gone\.csv: there is no such sample sheet"):
+        read_sheet(tmp_path / "gone.csv")

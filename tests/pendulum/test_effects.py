@@ -1,0 +1,201 @@
+"""The catalogue: every term has the units it claims, and an entry is all that an effect needs."""
+
+from dataclasses import replace
+
+import numpy as np
+import pint
+import pytest
+import sympy
+from scipy.integrate import solve_ivp
+
+from swingdown.engine.trajectory import simulate
+from swingdown.errors import InputError
+from swingdown.pendulum import catalogue as effects
+from swingdown.pendulum import formula
+from swingdown.pendulum.catalogue import CATALOGUE, GRAVITY, Effect, Parameter
+from swingdown.pendulum.model import Model
+
+UNITS = pint.UnitRegistry()
+ALL = [*GRAVITY.values(), *CATALOGUE.values()]
+NAMED = {"ids": lambda effect: effect.name}
+
+
+class Inconsistent(ValueError):
+    """A formula whose units do not fit together."""
+
+
+def units_of(expression, known):
+    """The units of a sympy expression as a pint quantity; ``known`` gives those of each symbol."""
+    if expression.is_number:
+        return UNITS.Quantity(1.0)
+    if expression.is_Symbol:
+        return UNITS.Quantity(1.0, known[expression.name])
+    parts = [units_of(part, known) for part in expression.args]
+    if expression.is_Add:
+        if any(part.dimensionality != parts[0].dimensionality for part in parts):
+            raise Inconsistent(f"{expression} adds {', '.join(str(part.dimensionality) for part in parts)}")
+        return parts[0]
+    if expression.is_Mul:
+        return _product(parts)
+    if expression.is_Pow and expression.exp.is_number:
+        return parts[0] ** float(expression.exp)
+    if isinstance(expression, sympy.Abs):
+        return parts[0]
+    if isinstance(expression, sympy.sign):
+        return UNITS.Quantity(1.0)
+    if not all(
+        part.dimensionless for part in parts
+    ):  # sin, exp, ... and powers with an exponent of one's own
+        raise Inconsistent(f"{expression} of something with a unit")
+    return UNITS.Quantity(1.0)
+
+
+def _product(parts):
+    result = UNITS.Quantity(1.0)
+    for part in parts:
+        result = result * part
+    return result
+
+
+def assert_units(effect, form="consistent"):
+    """Raise Inconsistent unless every formula of the effect has the unit of what it acts on."""
+    known = dict(effects.VARIABLES) | {"thetaddot": "1/s**2"}
+    known |= {p.symbol: p.unit for p in effect.parameters} | {
+        state.symbol: state.unit for state in effect.states
+    }
+    formulas = effect.expressions(form)
+    second = UNITS.Quantity(1.0, "s")
+    wanted = [
+        (expression, "1/s**2" if kind == "torque" else "1") for kind, expression in formulas.motion.items()
+    ]
+    wanted += [
+        (rate, UNITS.Quantity(1.0, state.unit) / second)
+        for state, rate in zip(effect.states, formulas.rates, strict=True)
+    ]
+    wanted += [(first, state.unit) for state, first in zip(effect.states, formulas.initial, strict=True)]
+    if formulas.reading is not None:
+        wanted.append((formulas.reading, effects.TERM_UNITS[effect.acts_on]))
+    if effect.acts_on == "play":
+        wanted.append((formula.parse(effect.term, known), effects.TERM_UNITS["play"]))
+    for expression, unit in wanted:
+        if expression == 0:
+            continue
+        unit = unit if isinstance(unit, UNITS.Quantity) else UNITS.Quantity(1.0, unit)
+        found = units_of(expression, known)
+        if found.dimensionality != unit.dimensionality:
+            raise Inconsistent(
+                f"{effect.name}: {expression} is in {found.dimensionality}, not {unit.dimensionality}"
+            )
+
+
+@pytest.mark.parametrize("effect", [e for e in ALL if e.name != "power_law_drag"], **NAMED)
+def test_units_are_consistent(effect):
+    assert_units(effect)
+
+
+def test_units_of_a_free_exponent():
+    """A power of its own takes the velocity in units of 1 rad/s, as its coefficient's text says; all else fits."""
+    drag = CATALOGUE["power_law_drag"]
+    with pytest.raises(Inconsistent):
+        assert_units(drag)
+    assert "at 1 rad/s" in drag.parameters[0].text
+    assert_units(
+        replace(
+            drag,
+            term="-d*abs(thetadot/one)**n*sign(thetadot)",
+            parameters=(*drag.parameters, Parameter("one", "one", "rad/s")),
+        )
+    )
+
+
+def test_the_printed_coulomb_term_is_not_consistent():
+    """The paper adds a squared velocity to a cosine; that is why the consistent form is the default."""
+    with pytest.raises(Inconsistent, match="adds"):
+        assert_units(CATALOGUE["load_coulomb"], form="printed")
+    assert_units(CATALOGUE["load_coulomb"])
+    assert [effect.name for effect in ALL if effect.printed] == ["load_coulomb"]
+
+
+@pytest.mark.parametrize("effect", [e for e in CATALOGUE.values() if e.name != "power_law_drag"], **NAMED)
+def test_a_wrong_unit_would_be_seen(effect):
+    """For each parameter and each state in turn: one more second in its unit and the test above fails."""
+    for k, parameter in enumerate(effect.parameters):
+        wrong = list(effect.parameters)
+        wrong[k] = parameter._replace(unit=f"({parameter.unit})*s")
+        with pytest.raises(Inconsistent):
+            assert_units(replace(effect, parameters=tuple(wrong)))
+    for k, state in enumerate(effect.states):
+        wrong = list(effect.states)
+        wrong[k] = state._replace(unit=f"({state.unit})*s")
+        with pytest.raises(Inconsistent):
+            assert_units(replace(effect, states=tuple(wrong)))
+
+
+def test_names_and_bounds():
+    names = [parameter.name for effect in CATALOGUE.values() for parameter in effect.parameters]
+    assert len(set(names)) == len(names), "a parameter file goes by name alone"
+    assert "natural_frequency" not in names
+    for effect in CATALOGUE.values():
+        assert effect.explanation.endswith(".") and effect.reference
+        assert effect.acts_on in effects.TERM_UNITS
+        symbols = [parameter.symbol for parameter in effect.parameters] + [
+            state.symbol for state in effect.states
+        ]
+        assert len({*symbols, *effects.VARIABLES}) == len(symbols) + len(effects.VARIABLES)
+        for parameter in effect.parameters:
+            assert parameter.lower < parameter.upper
+            assert parameter.lower <= parameter.typical <= parameter.upper
+            UNITS.parse_units(parameter.unit)
+
+
+def test_the_experimenters_effects_are_there():
+    """The list that experimenters would expect, each under its name; forms without a name may come besides."""
+    expected = {
+        "viscous", "quadratic_drag", "constant_coulomb", "load_coulomb", "stribeck", "presliding", "power_law_drag",
+        "structural_damping", "added_mass", "eddy_brake", "constant_torque", "torsion_spring", "cubic_stiffness", "detent",
+        "flexible_pivot", "base_vibration", "damping_drift", "steady_wind", "finite_amplitude", "sensor_zero", "sensor_gain",
+        "eccentricity", "sensor_lag", "clock_drift", "backlash",
+    }  # fmt: skip
+    assert expected <= set(CATALOGUE)
+
+
+def test_an_unknown_effect_is_told_with_the_known_ones():
+    with pytest.raises(InputError, match="viscous, quadratic_drag, load_coulomb"):
+        effects.effect("viscosity")
+
+
+def test_an_effect_is_one_entry(monkeypatch, tmp_path):
+    """A new torque with a state and a kink of its own needs its formulas and nothing else."""
+    mine = Effect(
+        "stopper",
+        "-k_s*(theta - a_s + abs(theta - a_s))/2 - g_s*w_f",
+        (Parameter("stop_stiffness", "k_s", "1/s^2"), Parameter("stop_angle", "a_s", "rad"), Parameter("stop_follow", "g_s", "1/s"),
+         Parameter("stop_rate", "r_s", "1/s")),  # fmt: skip
+        "A soft stop on one side, and a follower.",
+        "none",
+        states=(effects.State("w_f", "1/s", "0", "r_s*(thetadot - w_f)"),),
+    )  # fmt: skip
+    monkeypatch.setattr(
+        effects, "CATALOGUE", {"viscous": CATALOGUE["viscous"], "stopper": mine}
+    )  # few, to compile soon
+    monkeypatch.setenv("SWINGDOWN_CACHE", str(tmp_path))
+    assert_units(mine)
+    values = {
+        "natural_frequency": 6.0,
+        "viscous_ratio": 0.02,
+        "stop_stiffness": 60.0,
+        "stop_angle": 0.3,
+        "stop_follow": 0.5,
+        "stop_rate": 4.0,
+    }
+    times = np.linspace(0, 4, 101)
+    read = simulate(Model("viscous+stopper", values), times, 0.6)
+
+    def moving(t, y):
+        stop = -60.0 * max(y[0] - 0.3, 0.0)
+        return [y[1], -36 * np.sin(y[0]) - 2 * 0.02 * 6 * y[1] + stop - 0.5 * y[2], 4.0 * (y[1] - y[2])]
+
+    expected = solve_ivp(
+        moving, (0, 4), [0.6, 0.0, 0.0], method="DOP853", rtol=1e-12, atol=1e-14, t_eval=times, max_step=4e-3
+    ).y[0]
+    assert np.abs(read - expected).max() < 1e-8

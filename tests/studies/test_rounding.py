@@ -1,0 +1,51 @@
+"""Value and uncertainty as printed, held to published cases of the Particle Data Group's rule."""
+
+import csv
+from math import inf, nan
+
+import pytest
+
+from swingdown.studies.rounding import value_with_uncertainty
+
+
+def test_published_cases_of_the_pdg_rule(shared_data):
+    text = (shared_data / "trust/pdg_rounding/cases.csv").read_text()
+    cases = list(csv.DictReader(text.splitlines()))
+    assert len(cases) == 8
+    for case in cases:
+        value, uncertainty = float(case["value"]), float(case["std"])
+        assert value_with_uncertainty(value, uncertainty, "pdg") == case["uncertainties_3.2.3_default_S"]
+        assert value_with_uncertainty(value, uncertainty) == case["two_digit_S"]
+
+
+@pytest.mark.parametrize(
+    ("value", "uncertainty", "text"),
+    [
+        (1234.0, 120.0, "1230(120)"),
+        (12.34, 1.9, "12.3(1.9)"),
+        (0.5, 0.0996, "0.50(10)"),
+        (-1.88e-3, 2.9e-6, "-0.0018800(29)"),
+        (3e-9, 1.2e-10, "3.00(12)e-9"),
+        (1.23456e8, 1.2e5, "1.2346(12)e8"),
+        (0.0, 0.01, "0.000(10)"),
+        (2.6e-7, 6.0e-6, "0.3(6.0)e-6"),
+        (7.25, 0.0, "7.25(?)"),
+        (7.25, nan, "7.25(?)"),
+        (7.25, inf, "7.25(?)"),
+        (nan, 1.0, "nan"),
+    ],
+)
+def test_two_digits_of_the_uncertainty(value, uncertainty, text):
+    assert value_with_uncertainty(value, uncertainty) == text
+
+
+@pytest.mark.parametrize(
+    ("uncertainty", "text"), [(0.354, "1.00(35)"), (0.357, "1.0(4)"), (0.948, "1.0(9)"), (0.951, "1.0(1.0)")]
+)
+def test_the_pdg_rule_changes_at_355_and_950(uncertainty, text):
+    assert value_with_uncertainty(1.0, uncertainty, "pdg") == text
+
+
+def test_an_unknown_rule_is_refused():
+    with pytest.raises(ValueError, match="unknown rule"):
+        value_with_uncertainty(1, 1, "three")

@@ -1,0 +1,154 @@
+"""Hidden effects are named, foreign ones are called unknown, and nothing is found where nothing is: from files alone."""
+
+import json
+
+import pandas as pd
+import pytest
+
+from swingdown.plots.hidden import detection
+from swingdown.trials.find import find
+from swingdown.trials.schedule import Planned, chunks, drawn, planned
+from swingdown.trials.score import confusion, guard, read_scores, row, summarise
+from swingdown.trials.trial import BASE, write_trial
+
+SEED = 99  # not the seed of the scores in the README
+
+
+def verdicts(folder, *trials, rounds=4):
+    """The scorer's rows for trials written to files, found from the sheet, and held against the truth kept here."""
+    rows, truths, lacks = [], {}, {}
+    for number, one in enumerate(trials):
+        trial, name = drawn(SEED, one), f"c{number}"
+        more, truths[name] = write_trial(trial, SEED, name, folder)
+        rows += more
+        lacks |= {name: trial.hidden} if trial.kind == "removed" else {}
+    pd.DataFrame(rows).to_csv(folder / "sheet.csv", index=False)
+    found = find(folder / "sheet.csv", BASE, rounds, lacks)
+    return [row(name, truths[name], found[name]) for name in truths], found
+
+
+@pytest.mark.parametrize(
+    ("hidden", "noise"),
+    [
+        ("quadratic_drag", "white"),
+        ("cubic_stiffness", "coloured"),
+        ("constant_torque", "steps"),
+        ("base_vibration", "white"),
+    ],
+)
+def test_one_hidden_effect_is_named(tmp_path, hidden, noise):
+    ((one,), found) = verdicts(tmp_path, Planned("single", (hidden,), 2.0, noise, 0))
+    assert one["inside"], (one, found["c0"]["verdict"]["sentence"])
+    assert not one["wrong"]
+    assert one["holdout_sigma"] < 1.06
+    assert one["gap_after"] < 0.7 * one["gap_before"]
+    assert one["separation"] > one["excess"]
+
+
+@pytest.mark.parametrize("noise", ["white", "coloured", "steps"])
+def test_nothing_is_found_where_nothing_is_hidden(tmp_path, noise):
+    rows, _ = verdicts(tmp_path, *(Planned("null", (), 1.0, noise, number) for number in range(6)))
+    assert [one["status"] for one in rows] == ["consistent"] * 6
+
+
+def test_an_effect_that_the_catalogue_lacks_is_unknown_and_named_after_nothing_else(tmp_path):
+    ((one,), found) = verdicts(tmp_path, Planned("removed", ("base_vibration",), 2.0, "white", 0), rounds=1)
+    verdict = found["c0"]["verdict"]
+    assert one["status"] == "unknown"
+    assert one["excess"] > 100
+    assert verdict["where"]["groups"]["line"]["share"] > 0.5
+    assert "base_vibration" not in verdict["sentence"]
+
+
+def test_the_truth_is_not_in_what_the_search_sees(tmp_path):
+    trial = drawn(SEED, Planned("single", ("quadratic_drag",), 2.0, "white", 0))
+    rows, truth = write_trial(trial, SEED, "c1", tmp_path)
+    seen = json.dumps(rows) + "".join(path.name + path.read_text()[:200] for path in tmp_path.iterdir())
+    assert "quadratic" not in seen
+    assert truth["values"]["quadratic_coefficient"] > 0
+
+
+def test_a_trial_is_the_same_however_often_it_is_drawn():
+    one = Planned("single", ("cubic_stiffness",), 2.0, "white", 0)
+    assert drawn(SEED, one) == drawn(SEED, one)
+    assert drawn(SEED, one) != drawn(SEED + 1, one)
+
+
+def test_every_effect_is_hidden_at_every_size_and_chunks_hold_each_trial_once():
+    settings = {
+        "effects": [],
+        "sizes": [1.3, 2, 5],
+        "repeats": 1,
+        "removed": True,
+        "pairs": True,
+        "foreign": True,
+        "nulls": 30,
+        "chunk": 7,
+    }
+    trials = planned(settings)
+    assert sum(one.kind == "single" for one in trials) == 66
+    assert {one.noise for one in trials if one.kind == "null"} == {"white", "coloured", "steps"}
+    assert [one for part in chunks(settings).values() for one in part] == trials
+
+
+def scored(**changes):
+    return {"kind": "single", "hidden": "viscous", "noise": "white", "ratio": 2.0, "status": "named", "named": "viscous", "exact": True, "inside": True,
+            "wrong": False, "alarm": True, "right": True, "holdout_sigma": 1.0, "excess": 500.0, "separation": 400.0, "covered": 3, "intervals": 3, "seconds": 1.0} | changes  # fmt: skip
+
+
+def test_the_summary_counts_misses():
+    rows = [
+        scored(),
+        scored(inside=False, exact=False, wrong=True, named="quadratic_drag"),
+        scored(kind="null", alarm=True),
+        scored(kind="null", alarm=False),
+    ]
+    table = summarise(pd.DataFrame(rows)).set_index("figure")
+    assert table.loc["named exactly", "value"] == 0.5
+    assert table.loc["a wrong name", "value"] == 0.5
+    assert table.loc["false alarms where nothing is hidden", "value"] == 0.5
+    assert table.loc["a wrong name", "low"] < 0.5 < table.loc["a wrong name", "high"]
+
+
+def test_naming_exactly_is_asked_only_where_no_other_effect_does_as_well():
+    rows = [
+        scored(),
+        scored(exact=False),
+        scored(exact=False, separation=20.0),
+        scored(exact=False, separation=float("nan")),
+    ]
+    one = (
+        summarise(pd.DataFrame(rows))
+        .set_index("figure")
+        .loc["named exactly, where every other effect fails by more than 25"]
+    )
+    assert one["n"] == 3
+    assert one["value"] == pytest.approx(1 / 3)
+
+
+def test_the_guard_tells_the_false_alarms_that_were_counted():
+    told = guard(pd.DataFrame([scored(), scored(kind="null", alarm=True), scored(kind="null", alarm=False)]))
+    assert (told["nulls"], told["false_alarms"]) == (2, 1)
+    assert set(told) == {"p_missing", "worth_bic", "nulls", "false_alarms"}
+
+
+def test_campaigns_with_nothing_hidden_are_there_when_scores_are_read_again_and_drawn(tmp_path):
+    pd.DataFrame([scored(), scored(kind="null", named="", alarm=False)]).to_csv(
+        tmp_path / "scores.csv", index=False
+    )
+    again = read_scores(tmp_path / "scores.csv")
+    assert again["kind"].tolist() == ["single", "null"]
+    figure = detection(again)
+    assert any("0 of 1" in text.get_text() for axes in figure.axes for text in axes.texts)
+
+
+def test_the_confusion_matrix_tells_what_was_said_instead():
+    rows = [
+        scored(),
+        scored(inside=False, named="quadratic_drag"),
+        scored(inside=False, status="unknown", named=""),
+    ]
+    matrix = confusion(pd.DataFrame(rows))
+    assert matrix.loc["viscous", ["viscous", "quadratic_drag", "unknown"]].tolist() == pytest.approx(
+        [1 / 3] * 3
+    )

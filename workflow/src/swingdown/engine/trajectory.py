@@ -1,0 +1,188 @@
+"""Trajectories of a model: the angle over time, exact at velocity reversals and with sticking, and its sensitivities."""
+
+import ctypes
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..errors import InputError
+from ..pendulum import catalogue as effects
+from . import build
+from .rows import entries
+
+_STATUS = {
+    1: "the accuracy could not be kept (the motion is not that of a pendulum at these parameters)",
+    2: "the motion ran away",
+    3: "the clock runs backwards at these parameters",
+    4: "the model has more parameters than the engine takes",
+    5: "out of memory",
+}
+
+
+class TrajectoryError(ArithmeticError):
+    """A trajectory that cannot be computed to the engine's accuracy; the message says why."""
+
+
+@dataclass(frozen=True)
+class Effort:
+    """What a trajectory took and how good it is: panels, right-hand sides, reversals, estimated error (rad), sticking (s)."""
+
+    panels: int
+    rejected: int
+    evaluations: int
+    reversals: int
+    error: float
+    stuck_after: float | None
+
+
+_loaded = {}
+
+
+def _current():
+    """The compiled engine for the catalogue as it is now, and the row of each effect and form in its table."""
+    catalogue = tuple(effects.known().values())
+    key = tuple(
+        map(id, catalogue)
+    )  # an entry's own hash goes through all its text, which a short fit would notice
+    if key not in _loaded:
+        gravity = tuple(effects.GRAVITY.values())
+        rows = {(e.name, form): k for k, (e, form) in enumerate(entries(catalogue, gravity))}
+        _loaded[key] = build.load(catalogue, gravity), rows, catalogue
+    return _loaded[key]
+
+
+def engine():
+    """The compiled engine for the catalogue (compiled at the first use on a machine)."""
+    return _current()[0]
+
+
+class Compiled:
+    """A model as the engine takes it: which effects act where, and where each one's parameters and states begin."""
+
+    def __init__(self, model, duration):
+        gravity = effects.GRAVITY[model.restoring]
+        rows = _current()[1]
+        parts = {"motions": [(rows[gravity.name, "consistent"], 1, 0)], "sensors": [], "clocks": []}
+        play, parameter, state = -1, 1, 0
+        for effect in map(effects.effect, model.effects):
+            part = (rows[effect.name, model.form if effect.printed else "consistent"], parameter, state)
+            if effect.acts_on == "torque" or effect.states:
+                parts["motions"].append(part)
+            if effect.acts_on in ("sensor", "clock"):
+                parts[f"{effect.acts_on}s"].append(part)
+            if effect.acts_on == "play":
+                play = parameter
+            parameter, state = parameter + len(effect.parameters), state + len(effect.states)
+        self.model, self.n_parameters = model, parameter
+        self.c = build.CModel(n_parameters=parameter, n_states=state, play=play, duration=duration)
+        self._kept = []
+        for kind, found in parts.items():
+            array = (build.CPart * max(1, len(found)))(*found)
+            self._kept.append(array)
+            setattr(self.c, f"n_{kind}", len(found))
+            setattr(self.c, kind, ctypes.cast(array, ctypes.POINTER(build.CPart)))
+
+
+def doubles(array):
+    """A pointer to the contiguous float64 array's first element."""
+    return array.ctypes.data_as(ctypes.POINTER(ctypes.c_double))
+
+
+def checked_times(times):
+    """The times (s) as a contiguous float64 array; InputError unless finite and increasing."""
+    times = np.ascontiguousarray(times, dtype=float)
+    if times.ndim != 1 or times.size < 1:
+        raise InputError("times", f"an array of shape {times.shape}", "one dimension, at least one time")
+    if not np.all(np.isfinite(times)) or np.any(np.diff(times) <= 0):
+        raise InputError(
+            "times", "not finite and increasing", "sample times in seconds, each later than the one before"
+        )
+    return times
+
+
+def _run(model, times, release_angle, release_velocity, free):
+    times = checked_times(times)
+    compiled = Compiled(model, float(times[-1] - times[0]))
+    values = np.array(model.vector())
+    if not (np.all(np.isfinite(values)) and np.isfinite(release_angle) and np.isfinite(release_velocity)):
+        raise InputError(f"model {model.label}", "a value is not finite", "finite parameters and release")
+    for definition, value in zip(model.definitions, values, strict=True):
+        if value < definition.least:
+            raise InputError(
+                f"model {model.label}, {definition.name}",
+                f"{value:g} {definition.unit}",
+                f"{definition.least:g} or more",
+            )
+    codes = {"release_angle": -1, "release_velocity": -2} | {
+        name: k for k, name in enumerate(model.parameters)
+    }
+    if unknown := [name for name in free if name not in codes]:
+        raise InputError(f"model {model.label}", f"no value {unknown[0]!r} to vary", ", ".join(codes))
+    chosen = (ctypes.c_int * max(1, len(free)))(*(codes[name] for name in free))
+    angles, slopes = np.empty(times.size), np.empty((len(free), times.size))
+    report = build.CReport()
+    status = engine().swing_trajectory(
+        ctypes.byref(compiled.c), doubles(values), ctypes.c_double(release_angle), ctypes.c_double(release_velocity),
+        doubles(times), ctypes.c_int(times.size), ctypes.c_double(np.inf), ctypes.c_int(len(free)), chosen, doubles(angles),
+        doubles(slopes) if free else None, ctypes.byref(report),
+    )  # fmt: skip
+    if status:
+        stated = ", ".join(
+            f"{name} {value:.6g}" for name, value in zip(model.parameters, values, strict=True)
+        )
+        raise TrajectoryError(f"model {model.label} with {stated}: {_STATUS[status]}")
+    effort = Effort(
+        report.panels, report.rejected, report.evaluations, report.reversals, report.error,
+        report.stuck_after if report.stuck_after >= 0 else None,
+    )  # fmt: skip
+    return angles, slopes, effort
+
+
+def simulate(model, times, release_angle, release_velocity=0.0):
+    """The angle read at each time, in rad; an array of the shape of ``times``.
+
+    ``times`` in s, increasing, the release at the first; ``release_angle`` in rad, ``release_velocity`` in rad/s.
+    Raises InputError for bad times or a model without values, TrajectoryError where the accuracy cannot be kept.
+    """
+    return _run(model, times, release_angle, release_velocity, ())[0]
+
+
+def simulate_each(model, times, values):
+    """The angles (rad) of one model with other values in each row: an array of shape (rows, n).
+
+    ``values`` has, row by row, the model's parameters, the release angle (rad) and velocity (rad/s). A row whose
+    trajectory cannot be computed is NaN throughout.
+    """
+    times, values = checked_times(times), np.ascontiguousarray(values, dtype=float)
+    if values.ndim != 2 or values.shape[1] != len(model.parameters) + 2:
+        raise InputError(
+            f"model {model.label}", f"values of shape {values.shape}", f"(any, {len(model.parameters) + 2})"
+        )
+    compiled, report, library = Compiled(model, float(times[-1] - times[0])), build.CReport(), engine()
+    angles = np.full((len(values), times.size), np.nan)
+    none = (ctypes.c_int * 1)()
+    for row, series in zip(values, angles, strict=True):
+        if not np.all(np.isfinite(row)):
+            continue
+        status = library.swing_trajectory(
+            ctypes.byref(compiled.c), doubles(row), ctypes.c_double(row[-2]), ctypes.c_double(row[-1]), doubles(times),
+            ctypes.c_int(times.size), ctypes.c_double(np.inf), ctypes.c_int(0), none, doubles(series), None, ctypes.byref(report),
+        )  # fmt: skip
+        if status:
+            series[:] = np.nan
+    return angles
+
+
+def sensitivities(model, times, release_angle, release_velocity=0.0, free=None):
+    """The angle (rad) and its derivatives by each free value: arrays of shapes (n,) and (len(free), n).
+
+    ``free`` names parameters of the model, ``release_angle`` or ``release_velocity``; all of them by default. The
+    units of a row are rad over the parameter's unit. Exact (the variational equations), the jump at reversals included.
+    """
+    free = (*model.parameters, "release_angle", "release_velocity") if free is None else tuple(free)
+    return _run(model, times, release_angle, release_velocity, free)[:2]
+
+
+def effort(model, times, release_angle, release_velocity=0.0):
+    """What the trajectory takes: an ``Effort``."""
+    return _run(model, times, release_angle, release_velocity, ())[2]

@@ -1,0 +1,91 @@
+"""A first guess from the data alone: frequency from zero crossings, decay from successive peaks, release from the start."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..errors import InputError
+
+
+@dataclass(frozen=True)
+class Guess:
+    """What a swing shows before any fit: natural frequency (rad/s), release (rad, rad/s), amplitude and its loss a half-swing (rad)."""
+
+    natural_frequency: float
+    release_angle: float
+    release_velocity: float
+    amplitude: float
+    loss: float
+
+    def damping(self, model):
+        """The value of each damping parameter that would alone explain the loss a half-swing, by name.
+
+        First-order energy balance over a half-swing of harmonic motion (Nayfeh and Mook 1979, ch. 3).
+        """
+        a, w, loss = self.amplitude, self.natural_frequency, max(self.loss, 1e-6 * self.amplitude)
+        seen = {
+            "viscous_ratio": loss / (np.pi * a),
+            "quadratic_coefficient": 3 * loss / (4 * a**2 * w),
+            "load_friction": loss / 2,
+            "constant_friction": loss * w**2 / 2,
+            "structural_coefficient": loss * w**2 / a,
+        }
+        return {name: float(seen[name]) for name in model.parameters if name in seen}
+
+
+def amplitude_factor(amplitude):
+    """Frequency of undamped swings of that amplitude (rad) over that of small ones: agm(1, cos(amplitude / 2))."""
+    mean, root = 1.0, max(np.cos(min(abs(amplitude), 3.1) / 2), 1e-3)
+    for _ in range(6):
+        mean, root = (mean + root) / 2, np.sqrt(mean * root)
+    return float(mean)
+
+
+def half_swings(times, angle):
+    """Times of the middle crossings (s), and the extreme between each two (rad); a tenth of the spread is hysteresis against noise."""
+    band = 0.1 * np.sqrt(np.mean(angle**2))
+    side = (angle > band).astype(int) - (angle < -band)
+    marks = np.flatnonzero(side)
+    turns = np.flatnonzero(np.diff(side[marks]))
+    first, last = marks[turns], marks[turns + 1]
+    if first.size == 0:
+        return np.array([]), np.array([])
+    # the straight line through the samples from one side to the other, of all crossings at once
+    size = last - first + 1
+    begins = np.cumsum(size) - size
+    inside = np.arange(size.sum()) + np.repeat(first - begins, size)
+    after, part = times[inside] - np.repeat(times[first], size), angle[inside]
+    mean_after, mean = np.add.reduceat(after, begins) / size, np.add.reduceat(part, begins) / size
+    centred = after - np.repeat(mean_after, size)
+    slope = np.add.reduceat(centred * part, begins) / np.add.reduceat(centred**2, begins)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        middle = np.where(slope != 0, mean_after - mean / slope, 0.0)
+    crossings = times[first] + np.clip(middle, 0.0, times[last] - times[first])
+    bounds = np.searchsorted(times, crossings)
+    extremes = np.maximum.reduceat(np.abs(angle), bounds)[:-1]
+    extremes[np.diff(bounds) == 0] = 0.0
+    return crossings, extremes
+
+
+def first_guess(times, angle, restoring="sine"):
+    """The ``Guess`` for a swing: times in s, angles in rad; InputError where it crosses its middle fewer than twice."""
+    times, angle = np.asarray(times, dtype=float), np.asarray(angle, dtype=float)
+    crossings, extremes = half_swings(times, angle)
+    if crossings.size < 2:
+        crossings, extremes = half_swings(times, angle - 0.5 * (angle.max() + angle.min()))
+    if crossings.size < 2:
+        raise InputError(
+            "swing",
+            "the angle crosses its middle fewer than twice",
+            "at least one whole half-swing",
+            "record longer",
+        )
+    halves = np.diff(crossings)
+    used = extremes >= 0.5 * extremes[0]  # the late, small ones are mostly noise or friction
+    half, amplitude = float(np.median(halves[used])), float(np.median(extremes[used]))
+    frequency = np.pi / half / (amplitude_factor(amplitude) if restoring == "sine" else 1.0)
+    loss = (extremes[0] - extremes[-1]) / max(1, extremes.size - 1) if extremes.size > 1 else 0.01 * amplitude
+    few = max(4, min(times.size, int(np.searchsorted(times, times[0] + half / 8))))
+    span = times[few - 1] - times[0]
+    local = np.linalg.lstsq(np.vander((times[:few] - times[0]) / span, 3), angle[:few])[0]  # of a parabola
+    return Guess(float(frequency), float(local[2]), float(local[1] / span), amplitude, float(loss))

@@ -1,0 +1,84 @@
+"""Least squares for any residuals, by the same minimiser that fits swings."""
+
+import ctypes
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..engine import build
+from ..engine.trajectory import doubles, engine
+from ..errors import InputError
+
+_MOST_VARIABLES = 192  # the minimiser's own limit
+
+
+@dataclass(frozen=True)
+class Minimum:
+    """Where a sum of squares is least: the variables ``x``, the sum ``rss`` there and J'J (``normal``), and how it was reached."""
+
+    x: np.ndarray
+    rss: float
+    normal: np.ndarray
+    converged: bool
+    evaluations: int
+
+
+def least_squares(residuals_and_jacobian, start, lower=None, upper=None, *, most=20000, tolerance=1e-14):
+    """The ``Minimum`` of a sum of squares within bounds, from ``start``.
+
+    ``residuals_and_jacobian`` takes the variables (n,) and returns the residuals (m,) and their derivatives (m, n); a
+    residual that is not finite marks a point that cannot be computed, and the search steps back from it. ``lower`` and
+    ``upper`` (n,) are bounds held by an active set. ``tolerance`` is the relative fall of the sum below which it is
+    stationary, ``most`` the largest number of evaluations. ``converged`` is True only at a stationary point.
+    Raises InputError where the start cannot be computed or shapes do not agree, and whatever the function raises.
+    Levenberg-Marquardt with Nielsen's damping (Madsen, Nielsen and Tingleff, Methods for Non-Linear Least Squares
+    Problems, 2004).
+    """
+    x = np.array(start, dtype=float, ndmin=1)
+    size = x.size
+    if x.ndim != 1 or not 0 < size <= _MOST_VARIABLES or not np.all(np.isfinite(x)):
+        raise InputError("least squares, start", f"{start!r}", f"1 to {_MOST_VARIABLES} finite numbers")
+    bounds = []
+    for name, given, default in (("lower", lower, -np.inf), ("upper", upper, np.inf)):
+        bounds.append(np.full(size, default) if given is None else np.array(given, dtype=float))
+        if bounds[-1].shape != x.shape:
+            raise InputError(
+                f"least squares, {name}", f"{bounds[-1].size} bounds for {size} variables", "one each"
+            )
+    if not np.all(bounds[0] <= bounds[1]):
+        raise InputError("least squares, lower", "above the upper bound", "lower at most upper")
+    raised = []
+
+    def cost(_, at, gradient, hessian):
+        if raised:
+            return np.nan
+        try:
+            here = np.ctypeslib.as_array(at, (size,)).copy()
+            residuals, jacobian = (np.asarray(part, dtype=float) for part in residuals_and_jacobian(here))
+            if residuals.ndim != 1 or jacobian.shape != (residuals.size, size):
+                raise InputError(
+                    "least squares",
+                    f"residuals of shape {residuals.shape}, derivatives {jacobian.shape}",
+                    f"(m,) and (m, {size})",
+                )
+            if not (np.all(np.isfinite(residuals)) and np.all(np.isfinite(jacobian))):
+                return np.inf
+            np.ctypeslib.as_array(gradient, (size,))[:] = jacobian.T @ residuals
+            np.ctypeslib.as_array(hessian, (size, size))[:] = jacobian.T @ jacobian
+            return 0.5 * float(residuals @ residuals)
+        except BaseException as problem:  # nothing may pass through C; it is raised again below
+            raised.append(problem)
+            return np.nan
+
+    normal, outcome = np.zeros((size, size)), build.COutcome()
+    half = engine().minimise(
+        build.COST(cost), None, ctypes.c_int(size), doubles(x), doubles(bounds[0]), doubles(bounds[1]), ctypes.c_int(most),
+        ctypes.c_double(tolerance), doubles(normal), ctypes.byref(outcome),
+    )  # fmt: skip
+    if raised:
+        raise raised[0]
+    if outcome.converged < 0:
+        raise InputError(
+            "least squares, start", f"the residuals at {x} are not finite", "a start that can be computed"
+        )
+    return Minimum(x, 2.0 * half, normal, outcome.converged == 1, outcome.evaluations)

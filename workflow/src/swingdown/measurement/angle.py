@@ -1,0 +1,140 @@
+"""From a recording to angles in radians, with the random and the systematic part of their uncertainty kept
+apart.
+"""
+
+from math import pi, sqrt
+
+import numpy as np
+import xarray as xr
+
+from ..errors import InputError
+from .noise_level import noise_level, quantisation_step
+
+_RAD = {"rad": 1.0, "deg": pi / 180}
+UNIFORM_95 = 0.95 * sqrt(3)  # half width of the interval that holds 95 % of a uniform distribution, in its u
+
+
+def to_angle(recording, calibration=None, mode="gum"):
+    """The angle dataset of a recording: ``angle``, its uncertainties and its 95 % bound (all rad, over
+    ``time``).
+
+    A recording in volts needs the ``calibration`` dataset; its ``mode`` (paper, gum, monte-carlo) sets the
+    uncertainty. In counts, or in rad or deg in steps, the only uncertainty known is that of the resolution
+    (step / sqrt 12); in rad or deg without steps it is the white noise seen in the recording itself. Nothing
+    is then known of systematic errors: that part is 0, and the attribute ``systematic`` says so. InputError
+    for volts without a calibration, or with one of another campaign.
+    """
+    signal = recording["signal"]
+    unit = signal.attrs["units"]
+    if unit == "V":
+        angle, random, systematic, bound, notes = _from_volts(recording, calibration, mode)
+    else:
+        angle, random, notes = _from_angle(recording, unit)
+        systematic = np.zeros_like(angle)
+        bound = notes["coverage_factor"] * random
+    total = np.hypot(random, systematic)
+
+    def variable(values, text, **more):
+        return (
+            "time",
+            np.broadcast_to(values, angle.shape).copy(),
+            {"units": "rad", "long_name": text, **more},
+        )
+
+    parts = "angle_standard_uncertainty angle_random_uncertainty angle_systematic_uncertainty angle_bound"
+    kept = {
+        key: recording.attrs[key] for key in ("recording", "campaign", "role", "file", "sha256", "source")
+    }
+    emulated = recording.attrs["emulated"]
+    if unit == "V" and calibration.attrs["emulated"] == "yes":
+        emulated = "yes"
+    return xr.Dataset(
+        {
+            "angle": variable(angle, "angle from the vertical", ancillary_variables=parts),
+            "angle_standard_uncertainty": variable(total, "standard uncertainty of the angle"),
+            "angle_random_uncertainty": variable(random, "part that differs from sample to sample"),
+            "angle_systematic_uncertainty": variable(systematic, "part that all samples share"),
+            "angle_bound": variable(bound, "half width of the interval that holds the angle with 95 %"),
+        },
+        {"time": recording["time"]},
+        {**kept, "emulated": emulated, "expected_samples": len(angle), **notes},
+    )
+
+
+def _from_volts(recording, calibration, mode):
+    """Eq. 11 in absolute form: angle = m (V - V0), u^2 = (V - V0)^2 u_m^2 + m^2 (u_V^2 + u_V0^2) + the
+    covariance.
+    """
+    name, campaign = recording.attrs["recording"], recording.attrs["campaign"]
+    if calibration is None:
+        raise InputError(
+            f"{recording.attrs['file']} ({name})",
+            "the recording is in volts and there is no calibration",
+            "an apparatus sheet that lists its campaign",
+            "set the key `apparatus` of the config",
+        )
+    if campaign not in calibration.attrs["campaigns"].split(","):
+        raise InputError(
+            f"{recording.attrs['file']} ({name})",
+            f"the recording is in volts and the apparatus does not serve its campaign {campaign!r}",
+            f"one of {calibration.attrs['campaigns']}",
+            "add the campaign to the apparatus sheet, or correct it in the sample sheet",
+        )
+    if mode not in calibration["mode"].values:
+        known = ", ".join(map(str, calibration["mode"].values))
+        raise InputError("calibration.mode", f"unknown mode {mode!r}", known, "use one of these")
+    own = calibration.sel(mode=mode)
+    volts = recording["signal"].values
+    slope, zero = float(own["line"].sel(coefficient="slope")), float(own["rest_voltage"])
+    variance = float(own["line_covariance"].sel(coefficient="slope", coefficient_2="slope"))
+    covariance, u_zero = float(own["slope_rest_covariance"]), float(own["rest_voltage_uncertainty"])
+    away = volts - zero
+    line = away**2 * variance + slope**2 * u_zero**2 - 2 * slope * away * covariance
+    encoder = (slope * _encoder_limit(calibration, volts, name)) ** 2
+    if mode != "paper":
+        encoder = encoder / 3  # a uniform distribution
+    noise = np.full_like(volts, (slope * float(calibration["noise_voltage"])) ** 2)
+    if calibration.attrs["encoder_kind"] == "random":
+        random, systematic = np.sqrt(noise + encoder), np.sqrt(line)
+    else:
+        random, systematic = np.sqrt(noise), np.sqrt(line + encoder)
+    factor = float(own["coverage_factor"])
+    if mode == "paper":  # limits: the encoder's holds a sample's noise as well
+        bound = np.sqrt(line + encoder)
+    elif mode == "monte-carlo":
+        half = (calibration["grid_high"] - calibration["grid_low"]) / 2 / calibration["grid_uncertainty"]
+        bound = np.interp(volts, calibration["grid"].values, half.values) * np.hypot(random, systematic)
+    else:
+        bound = factor * np.hypot(random, systematic)
+    notes = {
+        "mode": mode,
+        "coverage_factor": factor,
+        "systematic": "line, zero and encoder"
+        if calibration.attrs["encoder_kind"] == "systematic"
+        else "line and zero",
+    }
+    return slope * away, random, systematic, bound, notes
+
+
+def _encoder_limit(calibration, volts, name):
+    up_to, limits = calibration["encoder_up_to"].values, calibration["encoder_limit"].values
+    if (high := np.abs(volts).max()) > up_to[-1]:
+        raise InputError(
+            name,
+            f"{high:.5g} V is beyond the encoder's range",
+            f"at most {up_to[-1]:g} V, as the apparatus sheet says",
+            "correct signal_unit, or the encoder's limits",
+        )
+    return limits[np.searchsorted(up_to, np.abs(volts))]
+
+
+def _from_angle(recording, unit):
+    values = recording["signal"].values
+    scale = 2 * pi / recording.attrs["counts_per_revolution"] if unit == "counts" else _RAD[unit]
+    step = 1.0 if unit == "counts" else quantisation_step(values)
+    if step:
+        u, mode, factor = step / sqrt(12), "resolution", UNIFORM_95
+    else:
+        u, mode, factor = noise_level(recording["time"].values, values), "residual noise", 1.96
+    notes = {"mode": mode, "coverage_factor": factor, "systematic": "not known: no calibration; set to 0"}
+    return scale * values, np.full(len(values), scale * u), notes

@@ -1,0 +1,180 @@
+"""Straight lines through points with errors in both coordinates, and what follows from a line with its
+covariance.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..errors import InputError
+
+FEWEST = 3  # points; two leave nothing to judge the line by
+_ITERATIONS = 200
+
+
+@dataclass(frozen=True)
+class Line:
+    """y = intercept + slope x, with the 2 x 2 ``covariance`` of (intercept, slope) in the units of x and y.
+
+    The covariance is that of York et al. (2004): evaluated at the points as adjusted to the line and not
+    scaled by chi2 / dof. ``adjusted`` are the abscissae of the adjusted points, ``residuals`` y - line(x).
+    """
+
+    intercept: float
+    slope: float
+    covariance: np.ndarray
+    chi2: float
+    dof: int
+    iterations: int
+    adjusted: np.ndarray
+    residuals: np.ndarray
+
+    @property
+    def uncertainties(self):
+        """The standard uncertainties of intercept and slope."""
+        return np.sqrt(np.diag(self.covariance))
+
+    def predict(self, x, u_x=0.0):
+        """y at ``x`` (scalar or array) and its standard uncertainty, ``u_x`` being independent of the line."""
+        x = np.asarray(x, dtype=float)
+        variance = self.covariance[0, 0] + 2 * x * self.covariance[0, 1] + x**2 * self.covariance[1, 1]
+        return self.intercept + self.slope * x, np.sqrt(variance + (self.slope * np.asarray(u_x)) ** 2)
+
+    def inverse(self, y, u_y=0.0):
+        """x where the line takes the value ``y``, and its standard uncertainty (ISO/TS 28037, inverse
+        evaluation).
+        """
+        x = (np.asarray(y, dtype=float) - self.intercept) / self.slope
+        variance = self.covariance[0, 0] + 2 * x * self.covariance[0, 1] + x**2 * self.covariance[1, 1]
+        return x, np.sqrt(variance + np.asarray(u_y) ** 2) / abs(self.slope)
+
+
+def fit_line(x, y, sd_x, sd_y, correlation=0.0):
+    """The Line through points whose errors are independent from point to point.
+
+    ``sd_x`` and ``sd_y`` are standard deviations (scalars or one a point, zero in one coordinate allowed),
+    ``correlation`` that between the two errors of a point. York, Evensen, López Martínez and De Basabe
+    Delgado, Am. J. Phys. 72, 367 (2004), written with variances instead of weights so that a standard
+    deviation may be zero. InputError for fewer than three points, points without any error, or points on a
+    vertical.
+    """
+    x, y = _checked(x, y)
+    sd_x, sd_y, r = (np.broadcast_to(np.asarray(v, dtype=float), x.shape) for v in (sd_x, sd_y, correlation))
+    if np.any(sd_x < 0) or np.any(sd_y < 0) or np.any((sd_x == 0) & (sd_y == 0)) or np.any(np.abs(r) >= 1):
+        raise InputError(
+            "line",
+            "a point has no uncertainty, a negative one, or errors fully correlated",
+            "standard deviations above 0 and correlations between -1 and 1",
+            "state the uncertainty of every point",
+        )
+    vx, vy, cxy = sd_x**2, sd_y**2, r * sd_x * sd_y
+
+    def step(slope):
+        weight = 1 / (vy + slope**2 * vx - 2 * slope * cxy)
+        mean_x, mean_y = np.average(x, weights=weight), np.average(y, weights=weight)
+        u, v = x - mean_x, y - mean_y
+        beta = weight * (u * vy + slope * v * vx - (slope * u + v) * cxy)
+        return np.sum(weight * beta * v) / np.sum(weight * beta * u), weight, mean_x, mean_y, beta
+
+    slope, iterations = _iterate(lambda b: step(b)[0], np.polyfit(x, y, 1)[0])
+    _, weight, mean_x, mean_y, beta = step(slope)
+    intercept = mean_y - slope * mean_x
+    adjusted = mean_x + beta
+    centre = np.average(adjusted, weights=weight)
+    slope_variance = 1 / np.sum(weight * (adjusted - centre) ** 2)
+    cross = -centre * slope_variance
+    covariance = np.array([[1 / weight.sum() + centre**2 * slope_variance, cross], [cross, slope_variance]])
+    residuals = y - intercept - slope * x
+    chi2 = float(np.sum(weight * residuals**2))
+    return Line(float(intercept), float(slope), covariance, chi2, len(x) - 2, iterations, adjusted, residuals)
+
+
+def fit_line_correlated(x, y, covariance_x, covariance_y):
+    """The Line through points whose errors are correlated from point to point, x and y independent of each
+    other.
+
+    ``covariance_x`` and ``covariance_y`` are n x n (one of them may be zero). Generalised least squares as in
+    ISO/TS 28037, clause 10: the points are adjusted along their covariances until they lie on the line. With
+    diagonal matrices it is ``fit_line``. InputError as there, and for covariances that cannot be inverted.
+    """
+    x, y = _checked(x, y)
+    covariance_x, covariance_y = np.asarray(covariance_x, dtype=float), np.asarray(covariance_y, dtype=float)
+
+    def weights(slope):
+        try:
+            return np.linalg.inv(covariance_y + slope**2 * covariance_x)
+        except np.linalg.LinAlgError as error:
+            raise InputError(
+                "line",
+                "the covariance of the points cannot be inverted",
+                "an error of its own for every point",
+                "state the uncertainty of every point",
+            ) from error
+
+    def solve(slope):
+        return solve_lines(x, y, covariance_x, weights(slope), slope)
+
+    slope, iterations = _iterate(lambda b: float(solve(b)[1]), np.polyfit(x, y, 1)[0])
+    intercept, slope, adjusted = solve(slope)
+    weight = weights(slope)
+    design = np.column_stack([np.ones_like(x), adjusted])
+    covariance = np.linalg.inv(design.T @ weight @ design)
+    residuals = y - intercept - slope * x
+    chi2 = float(residuals @ weight @ residuals)
+    return Line(float(intercept), float(slope), covariance, chi2, len(x) - 2, iterations, adjusted, residuals)
+
+
+def solve_lines(x, y, covariance_x, weight, slope, rounds=1):
+    """Intercepts, slopes and adjusted abscissae of lines through many draws of the same points.
+
+    ``x`` and ``y`` have the points along their last axis. ``weight`` (n x n) is the inverse of the combined
+    covariance at the line's slope: it belongs to the procedure and is the same for every draw. ``slope``
+    starts the ``rounds`` in which the points are adjusted to the line.
+    """
+    slope = np.asarray(slope, dtype=float)[..., None]
+    intercept = np.sum((y - slope * x) @ weight, axis=-1, keepdims=True) / weight.sum()
+    sums = weight.sum(axis=0)
+    for _ in range(rounds):
+        adjusted = x + slope * ((y - intercept - slope * x) @ (weight @ covariance_x))
+        # Two normal equations: (1, adjusted) times weight times (y - intercept - slope x) vanish.
+        tilted = adjusted @ weight
+        a, b, p = sums.sum(), np.sum(sums * x, -1, keepdims=True), np.sum(sums * y, -1, keepdims=True)
+        c, d, q = (np.sum(t, -1, keepdims=True) for t in (tilted, tilted * x, tilted * y))
+        determinant = a * d - b * c
+        intercept, slope = (p * d - b * q) / determinant, (a * q - c * p) / determinant
+    return intercept[..., 0], slope[..., 0], adjusted
+
+
+def _checked(x, y):
+    x, y = np.asarray(x, dtype=float), np.asarray(y, dtype=float)
+    if x.shape != y.shape or x.ndim != 1 or len(x) < FEWEST:
+        raise InputError(
+            "line",
+            f"{x.size} and {y.size} coordinates",
+            f"at least {FEWEST} points with an x and a y each",
+            "add points",
+        )
+    if np.ptp(x) == 0:
+        raise InputError(
+            "line", f"every point has x = {x[0]:g}", "points at different x", "spread the points"
+        )
+    return x, y
+
+
+def _iterate(update, slope):
+    for iteration in range(1, _ITERATIONS + 1):
+        last, slope = slope, float(update(slope))
+        if not np.isfinite(slope):
+            break
+        if abs(slope - last) <= 4 * np.finfo(float).eps * abs(slope):
+            return slope, iteration
+    if np.isfinite(slope) and abs(slope - last) <= 1e-12 * abs(
+        slope
+    ):  # rounding keeps it from settling further
+        return slope, _ITERATIONS
+    raise InputError(
+        "line",
+        "no line fits these points: the slope does not settle",
+        "points that follow a straight line within their errors",
+        "look at the points",
+    )

@@ -1,0 +1,102 @@
+"""Checks of a series before anything is computed from it: its times, and whether the sensor was at its rail."""
+
+import numpy as np
+
+from ..errors import InputError
+
+GAP = 1.5  # times the usual interval: a sample is missing
+PLATEAU = 4  # samples at the highest value of one top before it is looked at
+EDGES = (
+    2  # samples that noise may put on the other side of a step, one where a top begins and one where it ends
+)
+STEPS = 8  # quantisation steps below it that are compared with it
+
+
+def check_times(times, lines, place, gaps=False):
+    """None if the times (s) rise evenly enough; InputError if one repeats, runs back, or a sample is missing.
+
+    ``lines`` are the file's line numbers of the samples. ``gaps`` lets missing samples pass.
+    """
+    steps = np.diff(times)
+    usual = float(np.median(steps))
+    window = "leave the part out with start_s and stop_s, or mend the file"
+    if len(bad := np.flatnonzero(steps <= 0)):
+        k = bad[0]
+        problem = "the time repeats" if steps[k] == 0 else "the time runs back"
+        raise InputError(
+            f"{place}, line {lines[k + 1]}",
+            f"{problem}: {times[k + 1]:.9g} s after {times[k]:.9g} s ({len(bad)} times in the file)",
+            "time strictly increasing",
+            window,
+        )
+    if not gaps and len(bad := np.flatnonzero(steps > GAP * usual)):
+        k = bad[0]
+        raise InputError(
+            f"{place}, line {lines[k + 1]}",
+            f"a gap of {steps[k]:.6g} s after {times[k]:.9g} s ({len(bad)} in the file)",
+            f"a sample every {usual:.6g} s",
+            window,
+        )
+
+
+def check_signal(times, signal, place, static=False):
+    """None if the signal moves and is not cut off at a rail; InputError otherwise.
+
+    A static record may be constant: a quantised sensor at rest is. A swing may end at rest.
+    """
+    if static:
+        return
+    if np.ptp(signal) == 0:
+        raise InputError(
+            place,
+            f"the signal is constant ({signal[0]:g})",
+            "a swing",
+            "check the sensor, or set the role to static",
+        )
+    for word, sign in (("highest", 1), ("lowest", -1)):
+        if len(runs := saturated_runs(sign * signal)):
+            first, length = runs[0]
+            raise InputError(
+                f"{place}, {times[first]:.6g} s",
+                f"the signal is saturated: {length} samples at its {word} value {signal[first]:g} ({len(runs)} such tops)",
+                "rounded turning points",
+                "record with a wider range, or leave the part out with start_s and stop_s",
+            )
+
+
+def saturated_runs(signal):
+    """The flat tops cut off by a rail, as (first sample, samples at the rail) pairs; empty if every top is
+    rounded.
+
+    A rounded top seen in steps spends at least twice as long in the eight steps below the highest as at the
+    highest itself, for its distance from the turning point grows with the square of the time. A rail gathers
+    the samples that would lie above it, so the highest value has more than the eight below it together, noise
+    or not. Two such tops are a rail; a single one may be a bob held before its release, and is a rail only if
+    the signal also leaves it in a straight line, where a release starts from rest.
+    """
+    top, span = signal.max(), np.ptp(signal)
+    step = np.diff(np.unique(np.round(signal / span, 9))).min() * span
+    if span < 4 * (STEPS + 1) * step:  # too coarse to tell a rail from a step
+        return []
+    at_top = signal >= top - 1e-9 * span
+    near = signal >= top - (STEPS + 0.5) * step
+    away = np.concatenate(([0], np.cumsum(signal < top - span / 4)))[
+        1:
+    ]  # counts up between one visit and the next
+    cut = []
+    for visit in np.unique(away[at_top]):
+        own = away == visit
+        here = np.flatnonzero(own & at_top)
+        if len(here) >= PLATEAU and np.sum(own & near) < 2 * len(here) - EDGES:
+            cut.append((int(here[0]), len(here)))
+    if len(cut) == 1:
+        here = np.flatnonzero(at_top & (away == away[cut[0][0]]))
+        sides = [side for side in (signal[: here[0]][::-1], signal[here[-1] + 1 :]) if len(side) > 3]
+        return cut if sides and all(_corner(side, step) for side in sides) else []
+    return cut
+
+
+def _corner(side, step):
+    """True if the samples beyond a plateau leave it in a straight line, faster than a few steps a sample."""
+    second, third = side[0] - side[1], side[1] - side[2]  # the first step is cut short by the rail
+    return second > 3 * abs(third - second) and second > 2 * step

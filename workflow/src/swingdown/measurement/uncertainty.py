@@ -1,0 +1,232 @@
+"""Propagation of uncertainty: first order (JCGM 100), by Monte Carlo (JCGM 101), and of means of correlated
+samples.
+"""
+
+from dataclasses import dataclass
+from math import inf, isinf, sqrt
+
+import numpy as np
+from scipy.special import stdtrit
+
+from ..errors import InputError
+
+# What a stated limit is divided by to get a standard uncertainty. A normal limit is taken for a 95 % one.
+DIVISORS = {"uniform": sqrt(3), "triangular": sqrt(6), "arcsine": sqrt(2), "normal": 1.959963984540054}
+KINDS = ("random", "systematic")
+
+
+@dataclass(frozen=True)
+class Input:
+    """An input quantity: its best value and what is known of its error.
+
+    ``standard_uncertainty`` is in the unit of the value; ``distribution`` is normal, uniform, triangular,
+    arcsine or t (with ``dof`` degrees of freedom, scaled to the standard uncertainty). ``limit`` is the
+    stated half width, if the uncertainty comes from one. ``kind``: ``random`` errors differ from sample to
+    sample, ``systematic`` ones are shared by all samples.
+    """
+
+    name: str
+    value: float
+    standard_uncertainty: float
+    distribution: str = "normal"
+    dof: float = inf
+    unit: str = "1"
+    limit: float | None = None
+    kind: str = "systematic"
+
+    @property
+    def divisor(self):
+        """limit / standard uncertainty; 1 if the uncertainty was given as a standard uncertainty."""
+        return DIVISORS[self.distribution] if self.limit is not None else 1.0
+
+    def draw(self, generator, draws):
+        """``draws`` values of the quantity from a numpy ``generator``."""
+        if self.distribution == "t":
+            scale = self.standard_uncertainty * (sqrt((self.dof - 2) / self.dof) if self.dof > 2 else 1.0)
+            return self.value + scale * generator.standard_t(self.dof, draws)
+        if self.distribution == "normal":
+            return self.value + self.standard_uncertainty * generator.standard_normal(draws)
+        half = self.standard_uncertainty * DIVISORS[self.distribution]
+        if self.distribution == "uniform":
+            return self.value + half * generator.uniform(-1, 1, draws)
+        if self.distribution == "triangular":
+            return self.value + half * generator.triangular(-1, 0, 1, draws)
+        return self.value + half * np.sin(generator.uniform(-np.pi, np.pi, draws))
+
+
+def from_limit(name, value, limit, distribution="uniform", **more):
+    """The Input whose true value lies within ``limit`` of ``value``; InputError for a limit that is not above
+    0.
+    """
+    if not limit > 0:
+        raise InputError(
+            f"limit of {name}", f"it is {limit:g}", "a number above 0", "state the instrument's limit"
+        )
+    if distribution not in DIVISORS:
+        raise InputError(
+            f"distribution of {name}",
+            f"unknown distribution {distribution!r}",
+            ", ".join(DIVISORS),
+            "use one of these",
+        )
+    return Input(name, float(value), limit / DIVISORS[distribution], distribution, limit=float(limit), **more)
+
+
+@dataclass(frozen=True)
+class Propagation:
+    """First-order result: ``value`` (m), ``sensitivity`` (m x n), ``covariance`` (m x m), in the inputs'
+    order.
+
+    ``contributions`` (m x n) are sensitivity times standard uncertainty; ``dof`` (m) effective degrees of
+    freedom.
+    """
+
+    inputs: tuple
+    value: np.ndarray
+    sensitivity: np.ndarray
+    covariance: np.ndarray
+    contributions: np.ndarray
+    dof: np.ndarray
+
+    @property
+    def standard_uncertainty(self):
+        """The standard uncertainties of the outputs."""
+        return np.sqrt(np.diag(self.covariance))
+
+    def expanded(self, coverage=0.95):
+        """The half widths of the coverage intervals, U = k u."""
+        return self.standard_uncertainty * coverage_factor(self.dof, coverage)
+
+
+def propagate_gum(function, inputs, correlation=None):
+    """The Propagation of ``inputs`` through ``function`` to first order (JCGM 100, 5.1 and 5.2).
+
+    ``function`` takes an array with the inputs along its first axis (and draws along the second, if any) and
+    gives one output or several along its first axis. Sensitivities are central differences over a third of a
+    standard uncertainty, extrapolated once. ``correlation`` is that of the inputs (n x n; default none). The
+    degrees of freedom follow Welch and Satterthwaite, which holds for independent inputs only.
+    """
+    values = np.array([i.value for i in inputs])
+    u = np.array([i.standard_uncertainty for i in inputs])
+    value = np.atleast_1d(np.asarray(function(values), dtype=float))
+    sensitivity = np.zeros((len(value), len(inputs)))
+    for k in np.flatnonzero(u):
+
+        def slope(step, k=k):
+            shift = np.zeros_like(values)
+            shift[k] = step
+            high, low = function(values + shift), function(values - shift)
+            return (np.atleast_1d(high) - np.atleast_1d(low)) / ((values + shift)[k] - (values - shift)[k])
+
+        sensitivity[:, k] = (4 * slope(u[k] / 6) - slope(u[k] / 3)) / 3
+    contributions = sensitivity * u
+    correlation = np.eye(len(inputs)) if correlation is None else np.asarray(correlation, dtype=float)
+    covariance = contributions @ correlation @ contributions.T
+    dof = np.array(
+        [
+            welch_satterthwaite(row, [i.dof for i in inputs], sqrt(max(variance, 0.0)))
+            for row, variance in zip(contributions, np.diag(covariance), strict=True)
+        ]
+    )
+    return Propagation(tuple(inputs), value, sensitivity, covariance, contributions, dof)
+
+
+def propagate_monte_carlo(function, inputs, draws, seed, correlation=None):
+    """The outputs of ``function`` for ``draws`` joint draws of the inputs (JCGM 101), draws along the last
+    axis.
+
+    ``function`` as in ``propagate_gum``. The same seed gives the same draws. Correlated inputs are drawn as
+    multivariate normal ones, which they must then be. An output that is not a number for some draws is left
+    so.
+    """
+    return np.asarray(function(draw_inputs(inputs, draws, seed, correlation)))
+
+
+def draw_inputs(inputs, draws, seed, correlation=None):
+    """Joint draws of the inputs, shape (inputs, draws)."""
+    generator = np.random.Generator(np.random.PCG64(seed))
+    if correlation is None:
+        return np.array([i.draw(generator, draws) for i in inputs])
+    if any(i.distribution != "normal" for i in inputs):
+        raise InputError(
+            "monte carlo", "correlated inputs that are not normal", "normal inputs, or no correlation"
+        )
+    u = np.array([i.standard_uncertainty for i in inputs])
+    covariance = np.asarray(correlation) * np.outer(u, u)
+    return generator.multivariate_normal([i.value for i in inputs], covariance, draws, method="eigh").T
+
+
+def summarise(values, coverage=0.95):
+    """(mean, standard deviation, low, high) of draws along the last axis, the interval the shortest one."""
+    low, high = shortest_interval(values, coverage)
+    return values.mean(axis=-1), values.std(axis=-1, ddof=1), low, high
+
+
+def shortest_interval(values, coverage=0.95):
+    """The ends of the shortest interval that holds the share ``coverage`` of draws along the last axis."""
+    ordered = np.sort(values, axis=-1)
+    count = ordered.shape[-1]
+    inside = int(coverage * count + 0.5)
+    widths = ordered[..., inside:] - ordered[..., : count - inside]
+    at = np.argmin(widths, axis=-1)[..., None]
+    pick = np.take_along_axis
+    return pick(ordered, at, axis=-1)[..., 0], pick(ordered, at + inside, axis=-1)[..., 0]
+
+
+def symmetric_interval(values, coverage=0.95):
+    """The ends of the interval that leaves out equal shares of draws on either side."""
+    return tuple(np.quantile(values, [(1 - coverage) / 2, (1 + coverage) / 2], axis=-1))
+
+
+def welch_satterthwaite(contributions, dof, combined=None):
+    """Effective degrees of freedom of a sum of independent contributions (JCGM 100, G.4); inf if all are."""
+    contributions = np.asarray(contributions, dtype=float)
+    variance = np.sum(contributions**2) if combined is None else combined**2
+    below = sum(c**4 / d for c, d in zip(contributions, dof, strict=True) if not isinf(d) and c)
+    return variance**2 / below if below else inf
+
+
+def coverage_factor(dof, coverage=0.95):
+    """k such that an interval of half width k u covers the share ``coverage`` (Student's t; normal for
+    infinite dof).
+    """
+    return stdtrit(np.asarray(dof, dtype=float), (1 + coverage) / 2)  # scipy.stats takes a second to load
+
+
+@dataclass(frozen=True)
+class Mean:
+    """A mean of successive samples: ``standard_uncertainty`` and ``dof`` take their correlation into account."""
+
+    value: float
+    standard_deviation: float
+    standard_uncertainty: float
+    dof: float
+    lag_1: float
+    effective_samples: float
+
+
+def mean_of_samples(samples):
+    """The Mean of equally spaced samples, its Type A uncertainty widened for autocorrelation.
+
+    The correlation time sums the autocorrelation up to the first lag where the sum of two neighbours is not
+    positive (Geyer 1992). A sum below that of white noise is not used: anticorrelated samples gain nothing
+    here.
+    """
+    x = np.asarray(samples, dtype=float)
+    n = len(x)
+    if n < 2:
+        raise InputError("mean of samples", f"{n} sample(s)", "at least two", "record for longer")
+    centre = x[0] + np.mean(x - x[0])  # the mean of small differences keeps its digits under a large offset
+    r = x - centre
+    r = r - r.mean()
+    variance = np.dot(r, r) / (n - 1)
+    if variance == 0:
+        return Mean(float(centre), 0.0, 0.0, float(n - 1), 0.0, float(n))
+    size = 1 << (2 * n - 1).bit_length()
+    power = np.abs(np.fft.rfft(r, size)) ** 2
+    rho = np.fft.irfft(power, size)[:n] / np.dot(r, r)
+    pairs = rho[1 : n - (n - 1) % 2].reshape(-1, 2).sum(axis=1) if n > 2 else np.array([])
+    pairs = pairs[: int(np.argmax(pairs <= 0))] if np.any(pairs <= 0) else pairs
+    effective = n / max(1.0, 1 + 2 * pairs.sum())
+    u = sqrt(variance / effective)
+    return Mean(float(centre), sqrt(variance), u, max(effective - 1, 1.0), float(rho[1]), float(effective))

@@ -1,0 +1,136 @@
+"""Paired comparison of models over recordings: which is closer to the data, and by more than runs differ?"""
+
+from itertools import combinations
+
+import numpy as np
+import pandas as pd
+
+from ..fitting.nested import contains
+from ..pendulum.model import symbol
+from .norms import as_text
+
+_FEW = 5  # swings below which a scatter is hardly known
+LEVEL = 0.05  # of the p-values after Holm's correction
+WORTH = 6.0  # "strong" evidence on the scale of Kass and Raftery, J. Am. Stat. Assoc. 90, 773 (1995)
+
+
+def comparison(norms):
+    """A row for each campaign and pair of models: campaign, model_a, model_b, mean_difference, standard_error, t, p, p_holm,
+    wilcoxon_p, delta_bic, delta_bic_effective, n, unit, verdict.
+
+    ``mean_difference`` (degrees) is the mean over recordings of norm a minus norm b, each pair from the same recording;
+    t and p are Student's for it, ``p_holm`` is p corrected for the number of pairs, ``wilcoxon_p`` makes no assumption of
+    normal scatter. ``delta_bic`` is BIC a minus BIC b, summed over recordings, with residuals taken for independent;
+    ``delta_bic_effective`` counts only n / variance_inflation samples. Of nested models the larger always has the lower
+    norm, so there the verdict asks whether that BIC falls by more than 6. With one recording t, p and Wilcoxon are NaN.
+    """
+    tables = [_campaign(str(name), chosen) for name, chosen in norms.groupby("campaign", squeeze=False)]
+    return pd.concat(tables, ignore_index=True)
+
+
+def _campaign(campaign, norms):
+    rows = [_pair(norms, a, b) for a, b in combinations(as_text(norms["fitted"]), 2)]
+    table = pd.DataFrame(rows, columns=["model_a", "model_b", "mean_difference", "standard_error", "t", "p", "wilcoxon_p",
+                                        "delta_bic", "delta_bic_effective", "n"])  # fmt: skip
+    table.insert(6, "p_holm", holm(table["p"].to_numpy(float)))
+    table["unit"] = "degrees"
+    table["verdict"] = [_verdict(row) for row in table.itertuples()]
+    table.insert(0, "campaign", campaign)
+    return table
+
+
+def _pair(norms, a, b):
+    from scipy import stats  # takes a second to load, which jobs that only write a table need not wait for
+
+    first, second = norms.sel(fitted=a), norms.sel(fitted=b)
+    difference = first["norm"].values - second["norm"].values
+    n = difference.size
+    row = {"model_a": a, "model_b": b, "mean_difference": float(difference.mean()), "n": n}
+    if n > 1 and np.ptp(difference) > 0:
+        error = float(difference.std(ddof=1) / np.sqrt(n))
+        t = row["mean_difference"] / error
+        row |= {"standard_error": error, "t": t, "p": float(2 * stats.t.sf(abs(t), n - 1)),
+                "wilcoxon_p": float(stats.wilcoxon(difference).pvalue)}  # fmt: skip
+    row["delta_bic"] = float(np.sum(first["bic"].values - second["bic"].values))
+    row["delta_bic_effective"] = float(np.sum(_effective(first, second)))
+    return row
+
+
+def bic_effective(norms):
+    """BIC by model, summed over recordings, for as many samples as count as independent (an array over ``fitted``).
+
+    The residual of the model with the lowest norm of a recording decides how many those are, for all models alike.
+    """
+    norm, inflation = norms["norm"].transpose("fitted", "recording"), norms["variance_inflation"]
+    inflation = np.take_along_axis(
+        inflation.transpose(*norm.dims).values, norm.values.argmin(axis=0)[np.newaxis], axis=0
+    )
+    independent = np.maximum(norms["samples"].values / inflation, 2.0)
+    terms = np.isfinite(norms["value"].transpose(*norm.dims, "parameter").values).sum(axis=-1)
+    return np.sum(2 * independent * np.log(np.radians(norm.values)) + terms * np.log(independent), axis=1)
+
+
+def _effective(first, second):
+    """BIC of the first minus that of the second model by recording, for as many samples as count as independent.
+
+    The residual of the better model decides how many those are: the other's is all the more correlated for being wrong.
+    """
+    better = first["norm"].values < second["norm"].values
+    inflation = np.where(better, first["variance_inflation"].values, second["variance_inflation"].values)
+    independent = np.maximum(first["samples"].values / inflation, 2.0)
+    terms = [np.sum(np.isfinite(model["value"].values), axis=-1) for model in (first, second)]
+    return 2 * independent * np.log(first["norm"].values / second["norm"].values) + (
+        terms[0] - terms[1]
+    ) * np.log(independent)
+
+
+def holm(p):
+    """The p-values corrected for their number by Holm's step-down method (Scand. J. Stat. 6, 65 (1979)); NaN stays."""
+    corrected = np.full(p.shape, np.nan)
+    known = np.flatnonzero(np.isfinite(p))
+    order = known[np.argsort(p[known])]
+    factors = np.arange(order.size, 0, -1)
+    corrected[order] = np.minimum(1.0, np.maximum.accumulate(factors * p[order]))
+    return corrected
+
+
+def _verdict(row):
+    a, b = symbol(row.model_a), symbol(row.model_b)
+    over = f"over {row.n} swing{'s' if row.n != 1 else ''}"
+    if contains(row.model_b, row.model_a):
+        return _worth(row.model_b, row.model_a, row.delta_bic_effective, over)
+    if contains(row.model_a, row.model_b):
+        return _worth(row.model_a, row.model_b, -row.delta_bic_effective, over)
+    lower, higher = (a, b) if row.mean_difference < 0 else (b, a)
+    if not np.isfinite(row.p):
+        by = f"{abs(row.mean_difference):.2g} degrees"
+        return f"{lower} is closer to the data than {higher} by {by}, but one swing cannot tell whether by chance"
+    by = f"mean paired difference {value_text(abs(row.mean_difference), row.standard_error)} degrees {over}"
+    if row.p_holm >= LEVEL:
+        if row.n < _FEW:
+            return f"{a} and {b} are not told apart, {row.n} swings are few: {by}"
+        return f"{a} and {b} are indistinguishable: {by}"
+    return f"{lower} is closer to the data than {higher}: {by}"
+
+
+def _worth(large, small, gain, over):
+    """Whether the terms that ``large`` has more than ``small`` earn their parameters; ``gain`` is BIC small minus large."""
+    more = len(large.split("+")) - len(small.split("+"))
+    terms, their = (
+        ("the added term", "its parameter") if more == 1 else ("the added terms", "their parameters")
+    )
+    size = f"{abs(gain):.1f}" if abs(gain) < 100 else f"{abs(gain):.0f}"
+    told = f"BIC {'falls' if gain > 0 else 'rises'} by {size} {over}, counting independent samples"
+    if gain > WORTH:
+        verdict = f"{terms} earn{'s' if more == 1 else ''} {their}"
+    elif gain < 0:
+        verdict = f"{terms} do{'es' if more == 1 else ''} not earn {their}"
+    else:
+        verdict = f"the data do not say whether {terms} earn{'s' if more == 1 else ''} {their}"
+    return f"{symbol(large)} against {symbol(small)}: {verdict} ({told})"
+
+
+def value_text(value, uncertainty):
+    """A text such as ``0.0010 ± 0.0012``, both with as many decimals as two digits of the uncertainty need."""
+    decimals = max(0, 1 - int(np.floor(np.log10(uncertainty)))) if uncertainty > 0 else 4
+    return f"{value:.{decimals}f} ± {uncertainty:.{decimals}f}"

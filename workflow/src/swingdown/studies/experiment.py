@@ -1,0 +1,178 @@
+"""The experiment study: models fitted to measured swings, one by one and all swings of a pendulum together."""
+
+import numpy as np
+import xarray as xr
+
+from ..errors import InputError
+from ..fitting.fit import fit_jointly, fit_trajectory
+from ..fitting.guess import first_guess
+from ..fitting.nested import fit_nested
+from ..fitting.robust import robust_covariance, variance_inflation
+from .norms import labelled, model_coords, spread
+
+_ENOUGH = 3  # half-swings: two give a frequency, a decay needs the next
+_DIMS = {
+    "fit": ("fitted", "time"), "residual": ("fitted", "time"), "correlation": ("fitted", "parameter", "parameter_2"),
+    **dict.fromkeys(("value", "standard_error", "robust_standard_error"), ("fitted", "parameter")),
+}  # fmt: skip
+
+
+def fit_recording(angle, fitted, start="free", restoring="sine", form="consistent", bounded=False):
+    """A Dataset (fitted, parameter, parameter_2, time) of models fitted to one swing by trajectory least squares.
+
+    ``angle`` is a Dataset of ``results/angles``: ``angle(time)`` in rad with its random uncertainty and its bound. A
+    model with more terms starts from the optima of those it contains besides its own starts. ``norm`` (degrees) is the
+    RMS of data minus fit, ``error_bound_norm`` (degrees) the paper's benchmark, the RMS of the angle's bound.
+
+    ``reduced_chi2`` weighs the residuals with the *random* uncertainty of the angle (a systematic one is shared by all
+    samples and mostly absorbed by the fit); NaN where that is not known. BIC, AICc and ``standard_error`` take residuals
+    for independent, which those of an incomplete model are not; ``robust_standard_error`` and ``variance_inflation``
+    tell by how much that is too good. InputError for a swing too short to fit.
+    """
+    name, times, series = _swing(angle)
+    options = {"start": start, "restoring": restoring, "form": form, "bounded": bounded}
+    fits = fit_nested(
+        fitted, lambda label, guess: fit_trajectory(label, times, series, guess=guess, **options)
+    ).values()
+    coords = model_coords(fitted)
+    names = coords["parameter"][1]
+    own = [{
+        "norm": np.degrees(fit.rms), "release_angle": fit.release_angle, "release_velocity": fit.release_velocity,
+        "fit": fit.angle, "residual": series - fit.angle,
+    } for fit in fits]  # fmt: skip
+    rows = [_row(fit, [(times, series)], [angle], names) | more for fit, more in zip(fits, own, strict=True)]
+    variables = {key: (_DIMS.get(key, ("fitted",)), [row[key] for row in rows]) for key in rows[0]}
+    bound = _known(angle, "angle_bound")
+    variables["error_bound_norm"] = ((), np.nan if bound is None else np.degrees(np.sqrt(np.mean(bound**2))))
+    variables["samples"] = ((), times.size)
+    coords |= {
+        "parameter_2": ("parameter_2", names, {"long_name": "other parameter"}),
+        "time": ("time", times, {"axis": "T"}),
+        "recording": ((), name, {"long_name": "recording"}),
+        **{key: ((), value, {"long_name": text}) for key, (value, text) in _about(angle).items()},
+    }
+    attrs = options | {"bounded": int(bounded), "emulated": coords["emulated"][1]}
+    return labelled(xr.Dataset(variables, coords, attrs))
+
+
+def fit_campaign(angles, fitted, start="free", restoring="sine", form="consistent", bounded=False):
+    """A Dataset (fitted, recording, parameter, parameter_2) of models fitted to all swings of a campaign together.
+
+    ``angles`` is a list of Datasets as ``fit_recording`` takes them. The parameters are shared, each swing has its own
+    release. ``rms`` (rad) and ``norm`` (degrees) are given for each swing; the rest as there. InputError if there is no
+    swing, or one too short to fit.
+    """
+    if not angles:
+        raise InputError(
+            "campaign",
+            "too few swings to fit: there is none",
+            "at least one",
+            "add swings to the sample sheet",
+        )
+    swings = [_swing(angle) for angle in angles]
+    series = [(times, values) for _, times, values in swings]
+    options = {"start": start, "restoring": restoring, "form": form, "bounded": bounded}
+    fits = fit_nested(
+        fitted, lambda label, guess: fit_jointly(label, series, guess=guess, **options)
+    ).values()
+    coords = model_coords(fitted)
+    names = coords["parameter"][1]
+    rows = [_row(fit, series, angles, names) for fit in fits]
+    variables = {key: (_DIMS.get(key, ("fitted",)), [row[key] for row in rows]) for key in rows[0]}
+    by_swing = {
+        "rms": [fit.swing_rms for fit in fits],
+        "norm": [np.degrees(fit.swing_rms) for fit in fits],
+        "release_angle": [fit.release_angle for fit in fits],
+        "release_velocity": [fit.release_velocity for fit in fits],
+    }
+    variables |= {key: (("fitted", "recording"), values) for key, values in by_swing.items()}
+    variables["samples"] = ("recording", [times.size for times, _ in series])
+    about = [_about(angle) for angle in angles]
+    coords |= {
+        "parameter_2": ("parameter_2", names, {"long_name": "other parameter"}),
+        "recording": ("recording", [name for name, *_ in swings], {"long_name": "recording"}),
+        **{
+            key: ("recording", [one[key][0] for one in about], {"long_name": text})
+            for key, (_, text) in about[0].items()
+        },
+    }
+    emulated = "yes" if "yes" in coords["emulated"][1] else "no"
+    attrs = options | {"bounded": int(bounded), "emulated": emulated, "campaign": coords["campaign"][1][0]}
+    return labelled(xr.Dataset(variables, coords, attrs))
+
+
+def _swing(angle):
+    """The recording's name, times (s) and angle (rad); InputError if it is too short to fit."""
+    name = str(angle.attrs.get("recording", "recording"))
+    times, series = angle["time"].values, angle["angle"].values
+    crossings = np.count_nonzero(np.diff(np.signbit(series - np.median(series))))
+    if times.size < 4 * _ENOUGH or crossings < _ENOUGH + 1:
+        raise InputError(
+            f"recording {name}", f"too few swings to fit: the angle crosses its middle {crossings} times",
+            f"at least {_ENOUGH} whole half-swings", "record longer, or widen start_s and stop_s",
+        )  # fmt: skip
+    try:
+        first_guess(times, series)
+    except InputError as problem:
+        raise InputError(f"recording {name}", problem.problem, problem.expected, problem.mend) from problem
+    return name, times, series
+
+
+def _about(angle):
+    """What is to be known of a recording's angle, as {name: (value, long_name)}."""
+    return {
+        "campaign": (str(angle.attrs.get("campaign", "")), "pendulum the recording belongs to"),
+        "emulated": (str(angle.attrs.get("emulated", "no")), "whether the recording is emulated"),
+        "uncertainty": (str(angle.attrs.get("mode", "unknown")), "what the angle's uncertainty is from"),
+    }
+
+
+def _row(fit, swings, angles, names):
+    """What is kept of every fit, by name."""
+    robust = robust_covariance(fit, swings)
+    errors = dict(zip(fit.free, np.sqrt(np.diag(robust)), strict=True))
+    return {
+        "value": spread(fit.model.values, names),
+        "standard_error": spread(fit.model.standard_errors, names),
+        "robust_standard_error": spread(errors, names),
+        "correlation": _correlation(fit, names),
+        "condition_number": _condition(fit),
+        "reduced_chi2": _reduced_chi2(fit, swings, angles),
+        "bic": fit.bic,
+        "aicc": fit.aicc,
+        "variance_inflation": variance_inflation(fit, robust),
+        "converged": fit.converged,
+        "evaluations": fit.evaluations,
+    }
+
+
+def _reduced_chi2(fit, swings, angles):
+    fitted = fit.angle if isinstance(fit.angle, tuple) else (fit.angle,)
+    total = 0.0
+    for (_, series), angle, values in zip(swings, angles, fitted, strict=True):
+        random = _known(angle, "angle_random_uncertainty")
+        if random is None:
+            return np.nan
+        total += float(np.sum(((series - values) / random) ** 2))
+    return total / (fit.n - len(fit.free))
+
+
+def _correlation(fit, names):
+    """The correlation matrix over ``names``, NaN for those the model lacks."""
+    found = np.full((len(names), len(names)), np.nan)
+    own = fit.model.parameters
+    where = [names.index(name) for name in own]
+    found[np.ix_(where, where)] = fit.correlation[: len(own), : len(own)]
+    return found
+
+
+def _condition(fit):
+    matrix = fit.correlation
+    return float(np.linalg.cond(matrix)) if np.all(np.isfinite(matrix)) else np.nan
+
+
+def _known(angle, name):
+    """The variable's values where it is there and above 0 throughout, else None."""
+    if name not in angle or not np.all(angle[name].values > 0):
+        return None
+    return np.broadcast_to(angle[name].values, angle["angle"].shape)

@@ -1,0 +1,110 @@
+"""Noise on a clean series (in proportion as in the paper's Eq. 5, additive, quantised), and what draws it.
+
+A noise model is a function ``(angle, snr, normals) -> noisy angle`` with an entry in ``NOISES``; a stream is
+anything with ``standard_normal(n)``. The config names both (``simulation.noise``, ``simulation.stream``).
+"""
+
+from zlib import crc32
+
+import numpy as np
+
+from ..errors import InputError
+
+
+def proportional(angle, snr, normals):
+    """The angle (rad) with noise in proportion to its size, ``y + |y|/snr * normal`` (Eq. 5).
+
+    There is none at a zero crossing, which no real sensor achieves: it is the paper's choice.
+    """
+    return angle + np.abs(angle) / snr * normals
+
+
+def additive(angle, snr, normals):
+    """The angle (rad) with noise of one size throughout: its standard deviation is the RMS over ``snr``."""
+    return angle + _rms(angle) / snr * normals
+
+
+def additive_of_size(angle, standard_deviation, normals):
+    """The angle (rad) with noise of the standard deviation given (rad)."""
+    return angle + standard_deviation * normals
+
+
+def quantised(angle, step):
+    """The angle (rad) rounded to the nearest multiple of ``step`` (rad), as an encoder reads it."""
+    return step * np.round(np.asarray(angle) / step)
+
+
+def quantisation(angle, snr, normals=None):
+    """The angle (rad) rounded to steps whose standard deviation (step/sqrt 12) is the RMS over ``snr``.
+
+    Nothing is drawn (``normals`` is there for the common signature): realisations of a series are all alike.
+    """
+    return quantised(angle, np.sqrt(12) * _rms(angle) / snr)
+
+
+NOISES = {"proportional": proportional, "additive": additive, "quantisation": quantisation}
+STREAMS = ("R", "numpy")
+
+
+def add_noise(kind, angle, snr, normals):
+    """The noisy angle (rad, shape of ``angle``) by the noise model named ``kind``.
+
+    ``normals`` are standard normal draws of the same shape. InputError for an unknown kind or an ``snr`` that
+    is not above 0.
+    """
+    if kind not in NOISES:
+        raise InputError("simulation.noise", f"unknown noise {kind!r}", " or ".join(NOISES))
+    if not snr > 0:
+        raise InputError("simulation.snr", f"signal-to-noise ratio {snr!r}", "a number above 0")
+    return NOISES[kind](np.asarray(angle, float), snr, normals)
+
+
+def numpy_stream(seed, label, index):
+    """A numpy Generator that depends on ``seed``, ``label`` and ``index`` alone.
+
+    So a realisation is the same whatever other models are simulated beside it, in whatever order or process.
+    """
+    return np.random.default_rng(np.random.SeedSequence(seed, spawn_key=(crc32(label.encode()), index)))
+
+
+class RStream:
+    """The stream that R draws after ``set.seed(seed)`` with its default kinds (Mersenne Twister, inversion).
+
+    Source: R's ``src/main/RNG.c`` and ``src/nmath/snorm.c``. Draws of ``uniform`` and ``standard_normal`` may be
+    mixed; they advance one state, as ``runif`` and ``rnorm`` do. InputError unless ``seed`` is a 32-bit integer.
+    """
+
+    def __init__(self, seed):
+        if not isinstance(seed, (int, np.integer)) or not -(2**31) < seed < 2**31:
+            expected = "an integer between -2147483647 and 2147483647"
+            raise InputError("seed", f"{seed!r} cannot seed R's stream", expected)
+        scrambled = int(seed) % 2**32
+        words = []
+        for step in range(50 + 625):
+            scrambled = (69069 * scrambled + 1) % 2**32
+            if step >= 50:
+                words.append(scrambled)
+        self._twister = np.random.MT19937()
+        # R keeps its position in word 0 and sets it to "all used", so the twist comes before the first draw.
+        key = np.array(words[1:], dtype=np.uint32)
+        self._twister.state = {"bit_generator": "MT19937", "state": {"key": key, "pos": 624}}
+
+    def uniform(self, size):
+        """``size`` uniforms in the open interval (0, 1), as ``runif(size)``."""
+        smallest = 0.5 * 2.328306437080797e-10
+        raw = self._twister.random_raw(size).astype(float) * 2.3283064365386963e-10
+        return np.clip(raw, smallest, 1 - smallest)
+
+    def standard_normal(self, size):
+        """``size`` standard normals, as ``rnorm(size)``: each the quantile of two uniforms joined into one."""
+        from scipy.special import (
+            ndtri,  # takes half a second to load, which those who draw from numpy need not wait for
+        )
+
+        big = 2.0**27
+        first, second = self.uniform(2 * size).reshape(size, 2).T
+        return ndtri((np.floor(big * first) + second) / big)
+
+
+def _rms(series):
+    return float(np.sqrt(np.mean(np.square(series))))

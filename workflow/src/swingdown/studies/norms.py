@@ -1,0 +1,136 @@
+"""Norm tables as labelled datasets: what each variable means, and one dataset out of many."""
+
+import numpy as np
+import xarray as xr
+
+from ..errors import InputError
+from ..pendulum.catalogue import NATURAL_FREQUENCY, catalogue
+from ..pendulum.model import Model, symbol
+
+# value and standard errors hold parameters of different units side by side; the unit of each stands in parameter_unit
+_OF_EACH = "see parameter_unit"
+LABELS = {
+    "time": ("s", "time"),
+    "truth": ("rad", "noise-free simulated angle"),
+    "noisy": ("rad", "simulated angle with noise"),
+    "norm": ("degrees", "RMS of data minus fit"),
+    "residual_norm": ("degrees", "RMS of noisy data minus fit"),
+    "error_bound_norm": ("degrees", "RMS of the expanded (95 %) uncertainty of the angle"),
+    "value": (_OF_EACH, "fitted value"),
+    "standard_error": (_OF_EACH, "standard error, residuals taken for independent"),
+    "robust_standard_error": (_OF_EACH, "standard error that allows for autocorrelated residuals"),
+    "correlation": ("1", "correlation of two fitted values"),
+    "condition_number": ("1", "condition number of the correlation matrix of all free values"),
+    "release_angle": ("rad", "fitted angle at the first sample"),
+    "release_velocity": ("rad/s", "fitted angular velocity at the first sample"),
+    "reduced_chi2": ("1", "chi-squared with the random uncertainty of the angle, over degrees of freedom"),
+    "bic": ("1", "Bayesian information criterion, residuals taken for independent"),
+    "aicc": ("1", "Akaike information criterion for small samples, residuals taken for independent"),
+    "variance_inflation": (
+        "1",
+        "variance of the fitted values for autocorrelated over that for independent residuals",
+    ),
+    "fit": ("rad", "fitted angle"),
+    "residual": ("rad", "angle minus fitted angle"),
+    "rms": ("rad", "RMS of data minus fit"),
+    "converged": (None, "whether the fit ended at a stationary point"),
+    "evaluations": (None, "trajectories computed by the fit"),
+    "samples": (None, "number of samples"),
+}
+METHODS = {"": "Nelder-Mead", "least_squares_": "trajectory least squares"}
+
+
+def labelled(dataset, **long_names):
+    """The dataset with units and long_name on every variable that ``LABELS`` knows (``long_names`` override).
+
+    A prefix of ``METHODS`` is read off the name and told in the long name.
+    """
+    for name, variable in dataset.variables.items():
+        prefix = next((p for p in METHODS if p and name.startswith(p)), "")
+        units, text = LABELS.get(name.removeprefix(prefix), (None, None))
+        if text:
+            variable.attrs["long_name"] = long_names.get(name, text) + (
+                f" ({METHODS[prefix]})" if prefix else ""
+            )
+        if units:
+            variable.attrs["units"] = units
+    return dataset
+
+
+def model_coords(fitted):
+    """Coordinates for datasets over models and parameters: ``fitted`` with symbols, ``parameter`` with units.
+
+    ``parameter`` holds the parameters of all models together, the natural frequency first, in the catalogue's order.
+    InputError for a label that is no model.
+    """
+    fitted = list(fitted)
+    wanted = {name for label in fitted for name in Model(label).parameters}
+    known = [NATURAL_FREQUENCY, *(p for effect in catalogue().values() for p in effect.parameters)]
+    chosen = [parameter for parameter in known if parameter.name in wanted]
+    return {
+        "fitted": ("fitted", fitted, {"long_name": "fitted model"}),
+        "symbol": (
+            "fitted",
+            [symbol(label) for label in fitted],
+            {"long_name": "symbol of the fitted model"},
+        ),
+        "parameter": ("parameter", [p.name for p in chosen], {"long_name": "parameter"}),
+        "parameter_unit": ("parameter", [p.unit for p in chosen], {"long_name": "unit of the parameter"}),
+    }
+
+
+def as_text(variable):
+    """A list of str: the values of a text coordinate, however the file kept them."""
+    return [str(value) for value in np.atleast_1d(variable.values)]
+
+
+def spread(model_values, names):
+    """An array over ``names`` with the numbers of a mapping by name, NaN where it has none."""
+    return np.array([model_values.get(name, np.nan) for name in names], dtype=float)
+
+
+def combine_simulated(datasets):
+    """One dataset (simulated, fitted, realization, parameter) out of ``simulation.simulation_norms`` results.
+
+    InputError if there are none, or if they were not fitted with the same models.
+    """
+    return _combined(list(datasets), "simulated", "simulation/norms")
+
+
+def combine_recordings(datasets):
+    """One dataset (fitted, recording, parameter) out of ``experiment.fit_recording`` results, the series left out.
+
+    Coordinates over ``recording``: ``campaign``, ``emulated`` and ``uncertainty`` (what it is from). InputError if there are none ("too few swings to
+    fit"), if a name occurs twice or if they were not fitted with the same models.
+    """
+    datasets = [dataset.drop_dims("time", errors="ignore") for dataset in datasets]
+    names = [str(dataset["recording"].item()) for dataset in datasets]
+    if twice := {name for name in names if names.count(name) > 1}:
+        raise InputError(
+            "experiment/norms", f"recording {sorted(twice)[0]!r} is there twice", "each recording once"
+        )
+    combined = _combined([_with_recording(dataset) for dataset in datasets], "recording", "experiment/norms")
+    emulated = "yes" if "yes" in combined["emulated"].values else "no"
+    order = ("fitted", "recording", "parameter", "parameter_2")
+    return combined.transpose(*order, missing_dims="ignore").assign_attrs(emulated=emulated)
+
+
+def _with_recording(dataset):
+    own = {
+        name: ("recording", [str(dataset[name].item())], dataset[name].attrs)
+        for name in ("campaign", "emulated", "uncertainty")
+    }
+    return dataset.expand_dims("recording").assign_coords(own)
+
+
+def _combined(datasets, dimension, where):
+    if not datasets:
+        raise InputError(
+            where, "too few swings to fit: there is none", "at least one", "add swings to the sample sheet"
+        )
+    for dataset in datasets[1:]:
+        if list(dataset["fitted"].values) != list(datasets[0]["fitted"].values):
+            raise InputError(where, "the parts were fitted with different models", "the same models throughout",
+                             "delete the parts and run again")  # fmt: skip
+    return xr.concat(datasets, dimension, data_vars="all", coords="different", compat="equals", join="exact",
+                     combine_attrs="drop_conflicts")  # fmt: skip

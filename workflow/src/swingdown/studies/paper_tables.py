@@ -1,0 +1,178 @@
+"""The study's tables as DataFrames at full precision: the paper's Tables 2 and 3, and the fitted parameters.
+
+Norms are in degrees. The paper's printed numbers stand beside the computed ones (``resources/paper``).
+"""
+
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+from ..paths import written_whole
+from .comparison import bic_effective, comparison
+from .norms import as_text
+from .rounding import value_with_uncertainty
+
+__all__ = ["comparison", "parameters", "table2", "table3", "write_table"]
+PAPER = {"snr": 50, "noise": "proportional", "stream": "R", "seed": 150, "natural_frequency": 7.25, "viscous_ratio": 0.03,
+         "quadratic_coefficient": 0.05, "load_friction": 0.012, "release_angle_deg": 20, "sampling_rate_hz": 100,
+         "duration_s": 5, "start": "rest", "restoring": "sine", "form": "consistent"}  # fmt: skip
+OTHER_APPARATUS = "published: the paper's own apparatus, another one than this"
+
+
+def table2(norms, published):
+    """Table 2 with columns simulated, fitted, mean, std, n, published_mean, published_std, mean_least_squares,
+    std_least_squares, standard_error_of_std, unit, note.
+
+    ``norms`` is ``results/simulation/norms.nc``, ``published`` the paper's twelve cells. Rows are those of the paper's cells
+    that were computed, or every cell if none was. Mean and std (n - 1) are over realisations, by the paper's Nelder-Mead
+    and by trajectory least squares; the std itself is known to std/sqrt(2 (n - 1)). The note names what was inferred, and
+    which settings are not those of the paper.
+    """
+    cells = [(s, f) for s, f in zip(published["simulated"], published["fitted"], strict=True)
+             if s in norms["simulated"].values and f in norms["fitted"].values]  # fmt: skip
+    cells = cells or [(s, f) for s in norms["simulated"].values for f in norms["fitted"].values]
+    printed = published.set_index(["simulated", "fitted"])
+    note = _settings_note(norms.attrs, norms.sizes["realization"])
+    rows = []
+    for simulated, fitted in cells:
+        chosen = norms.sel(simulated=simulated, fitted=fitted)
+        mean, std, n = statistics(chosen["norm"].values)
+        mean_ls, std_ls, _ = statistics(chosen["least_squares_norm"].values)
+        known = printed.loc[(simulated, fitted)] if (simulated, fitted) in printed.index else {}
+        rows.append({
+            "simulated": simulated, "fitted": fitted, "mean": mean, "std": std, "n": n,
+            "published_mean": known.get("mean_degrees", np.nan), "published_std": known.get("std_degrees", np.nan),
+            "mean_least_squares": mean_ls, "std_least_squares": std_ls,
+            "standard_error_of_std": std / np.sqrt(2 * (n - 1)) if n > 1 else np.nan, "unit": "degrees", "note": note,
+        })  # fmt: skip
+    return pd.DataFrame(rows)
+
+
+def _settings_note(settings, count):
+    changed = [
+        f"{key} {settings[key]}" for key, usual in PAPER.items() if key in settings and settings[key] != usual
+    ]
+    changed += [f"{count} realisations"] if count != 10 else []
+    other = f" Other settings than for the published table: {', '.join(changed)}." if changed else ""
+    return settings.get("inferred", "") + other
+
+
+def table3(norms, published):
+    """Table 3 with columns campaign, fitted, mean, std, n, reduced_chi2, bic, delta_bic, delta_bic_effective,
+    variance_inflation, published_mean, published_std, unit, note.
+
+    ``norms`` is ``results/experiment/norms.nc``, ``published`` the paper's eight rows. A campaign's first row is
+    ``error_bounds``, the RMS of the angle's 95 % bound. Mean and std (n - 1) of the norm are over recordings, as is the mean
+    of reduced chi-squared; ``bic`` is the sum over recordings, ``delta_bic`` that above the campaign's lowest. Both take
+    residuals for independent; ``variance_inflation`` (mean) tells how far from it they are, and ``delta_bic_effective``
+    counts only as many samples as are. The note counts recordings in which a coefficient came out negative, and says what
+    was emulated.
+    """
+    printed = published.set_index("fitted")
+    rows = []
+    for campaign, chosen in norms.groupby("campaign", squeeze=False):
+        about = ["emulated recordings"] if "yes" in chosen["emulated"].values else []
+        about += [
+            f"uncertainty of the angle: {', '.join(sorted(set(as_text(chosen['uncertainty']))))}",
+            OTHER_APPARATUS,
+        ]
+        bic = chosen["bic"].sum("recording", skipna=False)
+        bound = dict(zip(("mean", "std", "n"), statistics(chosen["error_bound_norm"].values), strict=True))
+        rows.append({"campaign": campaign, "fitted": "error_bounds", **bound, "note": "; ".join(about)})
+        effective = bic_effective(chosen)
+        for k, label in enumerate(as_text(chosen["fitted"])):
+            one = chosen.sel(fitted=label)
+            mean, std, n = statistics(one["norm"].values)
+            rows.append({
+                "campaign": campaign, "fitted": label, "mean": mean, "std": std, "n": n,
+                "reduced_chi2": float(one["reduced_chi2"].mean(skipna=False)), "bic": float(bic.sel(fitted=label)),
+                "delta_bic": float(bic.sel(fitted=label) - bic.min()),
+                "delta_bic_effective": float(effective[k] - effective.min()),
+                "variance_inflation": float(one["variance_inflation"].mean()), "note": "; ".join([*_negative(one), *about]),
+            })  # fmt: skip
+    table = pd.DataFrame(rows)
+    table["published_mean"] = [printed["mean_degrees"].get(label, np.nan) for label in table["fitted"]]
+    table["published_std"] = [printed["std_degrees"].get(label, np.nan) for label in table["fitted"]]
+    table["unit"] = "degrees"
+    order = ("campaign", "fitted", "mean", "std", "n", "reduced_chi2", "bic", "delta_bic", "delta_bic_effective", "variance_inflation",
+             "published_mean", "published_std", "unit", "note")  # fmt: skip
+    return table.reindex(columns=list(order))
+
+
+def _negative(one):
+    """A remark for each damping coefficient that came out negative: no such damper exists, it stands in for another."""
+    for name in as_text(one["parameter"]):
+        values = one["value"].sel(parameter=name).values
+        if name != "natural_frequency" and (count := int(np.sum(values < 0))):
+            yield f"{name} below 0 in {count} of {values.size}: it stands in for something the model lacks"
+
+
+def parameters(norms, joint=()):
+    """A row for each fitted value: campaign, recording, fitted, parameter, value, standard_error, robust_standard_error,
+    unit, text.
+
+    ``standard_error`` takes residuals for independent, ``robust_standard_error`` allows for their autocorrelation; the larger
+    is the one in ``text``, value(uncertainty). After a campaign's recordings comes ``(mean)`` with the standard error from the
+    scatter between recordings, where there are two or more, and for each dataset of ``joint`` (``results/experiment/joint``)
+    ``(joint)``.
+    """
+    units = dict(zip(as_text(norms["parameter"]), as_text(norms["parameter_unit"]), strict=True))
+    rows = []
+
+    def add(campaign, recording, label, name, value, error, robust=np.nan):
+        if np.isfinite(value):
+            shown = np.fmax(robust, error)
+            rows.append({
+                "campaign": campaign, "recording": recording, "fitted": label, "parameter": name, "value": float(value),
+                "standard_error": float(error), "robust_standard_error": float(robust), "unit": units[name],
+                "text": value_with_uncertainty(float(value), float(shown)),
+            })  # fmt: skip
+
+    keys = ("value", "standard_error", "robust_standard_error")
+    for campaign, chosen in norms.groupby("campaign", squeeze=False):
+        recordings, together = (
+            as_text(chosen["recording"]),
+            [d for d in joint if d.attrs["campaign"] == campaign],
+        )
+        for label in as_text(chosen["fitted"]):
+            for name in units:
+                one = chosen.sel(fitted=label, parameter=name)
+                values = one["value"].values
+                for k, recording in enumerate(recordings):
+                    add(campaign, recording, label, name, *(one[key].values[k] for key in keys))
+                if len(recordings) > 1:
+                    add(
+                        campaign,
+                        "(mean)",
+                        label,
+                        name,
+                        values.mean(),
+                        values.std(ddof=1) / np.sqrt(values.size),
+                    )
+                for whole in together:
+                    shared = whole.sel(fitted=label, parameter=name)
+                    add(
+                        campaign,
+                        "(joint)",
+                        label,
+                        name,
+                        *(shared[key].item() for key in keys if key in shared),
+                    )
+    return pd.DataFrame(rows)
+
+
+def write_table(table, path):
+    """The path written: a CSV file at full precision that appears under its name only when it is complete."""
+    with written_whole(path) as partial:
+        table.to_csv(partial, index=False, lineterminator="\n")
+    return Path(path)
+
+
+def statistics(values):
+    """Mean, standard deviation (n - 1; NaN for a single value) and n."""
+    return (
+        float(np.mean(values)),
+        float(np.std(values, ddof=1)) if values.size > 1 else np.nan,
+        int(values.size),
+    )

@@ -1,0 +1,1 @@
+"""What the workflow asks before it starts: settings, the plan of recordings, and which files a script rests on."""

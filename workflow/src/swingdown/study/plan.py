@@ -1,0 +1,95 @@
+"""What a study consists of: which recordings are fitted, in which campaigns, and which need the calibration."""
+
+import difflib
+from dataclasses import dataclass
+
+from ..errors import InputError
+from ..measurement.apparatus import read_apparatus
+from ..measurement.sheet import read_sheet
+
+
+@dataclass(frozen=True)
+class Plan:
+    """The recordings of a study, by name, in the order of the sample sheet."""
+
+    rows: dict  # recording: {column: value} of the sample sheet
+    campaigns: tuple = ()  # those that are fitted
+    searched: tuple = ()  # those in which missing effects are looked for
+    apparatus: str | None = None  # path of the apparatus sheet, where a recording needs it
+
+    def swings(self, campaign=None):
+        """The names of the recordings that are fitted: all but the static ones, of one campaign or of all chosen."""
+        return self._named(self.campaigns if campaign is None else (campaign,), (False,))
+
+    def statics(self, campaign=None):
+        """The names of the recordings of the pendulum at rest."""
+        return self._named(self.campaigns if campaign is None else (campaign,), (True,))
+
+    @property
+    def in_volts(self):
+        """The names of the recordings whose angle follows from the calibration."""
+        return [name for name in self.measured if self.rows[name]["signal_unit"] == "V"]
+
+    @property
+    def measured(self):
+        """The names of all recordings of the campaigns that are fitted or searched, static ones included."""
+        return self._named((*self.campaigns, *self.searched), (True, False))
+
+    def _named(self, campaigns, static):
+        return [
+            name
+            for name, row in self.rows.items()
+            if row["campaign"] in campaigns and (row["role"] == "static") in static
+        ]
+
+
+def plan(settings):
+    """The Plan that complete settings (``settings.complete``) and the sheets they name lay down.
+
+    InputError for a campaign that is not in the sheet or has nothing to fit, and for recordings in volts without an
+    apparatus sheet that covers their campaign.
+    """
+    if "recordings" not in settings:
+        return Plan({})
+    sheet = read_sheet(settings["recordings"])
+    # The line of a row is left out: inserting a row above must not run the others again.
+    rows = {
+        str(name): {"recording": str(name)} | row.drop("line").to_dict() for name, row in sheet.iterrows()
+    }
+    known = list(dict.fromkeys(row["campaign"] for row in rows.values()))
+    campaigns = _chosen(settings, "experiment", known) or tuple(known)
+    searched = _chosen(settings, "discovery", known) or campaigns
+    result = Plan(rows, campaigns, searched, settings.get("apparatus"))
+    for name in dict.fromkeys((*campaigns, *searched)):
+        if not result.swings(name):
+            where = f"{settings['recordings']}, campaign {name}"
+            raise InputError(where, "every recording is static", "at least one swing to fit", "add a swing")
+    if result.in_volts:
+        _check_apparatus(result, settings)
+    return result
+
+
+def _chosen(settings, part, known):
+    for name in settings[part]["campaigns"]:
+        if name not in known:
+            near = difflib.get_close_matches(name, known, 1, 0.5)
+            mend = f"write {near[0]!r}" if near else "name a campaign of the sheet, or none for all"
+            problem = f"no recording of {settings['recordings']} belongs to the campaign {name!r}"
+            raise InputError(f"config, key {part}.campaigns", problem, ", ".join(known), mend)
+    return tuple(settings[part]["campaigns"])
+
+
+def _check_apparatus(plan, settings):
+    first = plan.in_volts[0]
+    where = f"{settings['recordings']} ({first})"
+    if not plan.apparatus:
+        mend = "set the key `apparatus`, or convert the recording to rad or deg"
+        raise InputError(
+            where, "the recording is in volts and no apparatus sheet calibrates it", "an apparatus", mend
+        )
+    covered = read_apparatus(plan.apparatus)["campaigns"]
+    for name in plan.in_volts:
+        if (campaign := plan.rows[name]["campaign"]) not in covered:
+            where = f"{plan.apparatus}, key campaigns"
+            problem = f"the campaign {campaign!r} of recording {name!r} (in volts) is not listed"
+            raise InputError(where, problem, "every campaign that is recorded in volts", f"add {campaign!r}")

@@ -1,0 +1,66 @@
+"""Which of the package's files a script rests on, so that editing one of them runs its rules again.
+
+Snakemake reruns a rule when its script changes, but knows nothing of what the script imports.
+"""
+
+import ast
+from functools import cache
+from pathlib import Path
+
+PACKAGE = Path(__file__).resolve().parents[1]
+
+
+def sources(script):
+    """The sorted paths of the package's files that ``script`` imports, directly or through one another.
+
+    A sub-package counts with its ``__init__`` and what is imported of it, and with the C and YAML files that lie in it. Imports
+    inside functions count.
+    """
+    seen, waiting = set(), list(imported(script))
+    while waiting:
+        file = waiting.pop()
+        if file not in seen:
+            seen.add(file)
+            waiting += imported(file)
+            if file.name == "__init__.py" and file.parent != PACKAGE:
+                seen.update(
+                    data for ending in ("c", "h", "yaml") for data in file.parent.rglob(f"*.{ending}")
+                )
+    return sorted(map(str, seen))
+
+
+@cache
+def imported(file):
+    """The package's files that one Python file imports, as a tuple of paths."""
+    file = Path(file).resolve()
+    inside = PACKAGE in file.parents
+    found = []
+    for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Import):
+            for alias in node.names:
+                if alias.name.split(".")[0] == PACKAGE.name:
+                    found += _files(PACKAGE, alias.name.split(".")[1:])
+        elif isinstance(node, ast.ImportFrom):
+            parts = (node.module or "").split(".") if node.module else []
+            if node.level and inside:
+                base = file.parents[node.level - 1]
+            elif not node.level and parts[:1] == [PACKAGE.name]:
+                base, parts = PACKAGE, parts[1:]
+            else:
+                continue
+            for alias in node.names:
+                found += _files(base, [*parts, alias.name])
+    return tuple(dict.fromkeys(found))
+
+
+def _files(base, parts):
+    """The files that ``import base.parts`` reads; a last part that is a name inside a module adds none."""
+    for part in parts:
+        module, package = base / f"{part}.py", base / part / "__init__.py"
+        if module.is_file():
+            yield module
+            return
+        if not package.is_file():
+            return
+        yield package
+        base = base / part

@@ -1,0 +1,42 @@
+"""Verdicts on the campaigns of a sample sheet, one after the other: what the scorer holds against the truth."""
+
+import time
+
+from ..discovery.campaign import Swing, campaign
+from ..discovery.files import summary
+from ..discovery.rounds import discover
+from ..discovery.verdict import verdict
+from ..measurement.angle import to_angle
+from ..measurement.recording import ingest
+from ..measurement.sheet import read_sheet
+from ..pendulum import catalogue as effects
+
+
+def find(sheet, base, rounds, excluded=None, model=None):
+    """A dict by campaign of the sample sheet: ``verdict``, ``seconds`` of CPU time, and of the first round the swings that
+    were fitted and the residual (rad) that each effect leaves of them that could be added, by name.
+
+    ``excluded`` names for a campaign the effects that its catalogue lacks.
+    """
+    table, found = read_sheet(sheet), {}
+    for name, rows in table.groupby("campaign", sort=False):
+        started = time.process_time()
+        swings = []
+        for recording, row in rows.iterrows():
+            data = to_angle(ingest(row, sheet))
+            swings.append(Swing(str(recording), data["time"].values, data["angle"].values))
+        one = campaign(str(name), swings)
+        lacks = set((excluded or {}).get(name, ()))
+        allowed = [effect for effect in effects.catalogue() if effect not in lacks]
+        states = discover(one, tuple(base), rounds, allowed, **(model or {}))
+        told = [summary(state, one) for state in states]
+        ranked = [row for row in told[0]["ranking"] if not row["refused"] and row["added"]]
+        found[str(name)] = {
+            "verdict": verdict(told),
+            "seconds": time.process_time() - started,
+            "fitted": [swing.name for swing in one.fit],
+            "rms_rad": {
+                row["added"]: row["rms_rad"] for row in sorted(ranked, key=lambda row: -row["rms_rad"])
+            },
+        }
+    return found

@@ -1,0 +1,61 @@
+"""Which trials are drawn: every effect at every size, pairs, foreign effects, effects taken out of the catalogue, and nulls."""
+
+from typing import NamedTuple
+
+from .second_pendulum import FOREIGN
+from .trial import NOISES, PAIRS, SINGLES, draw
+
+_TRIES = 4  # draws of one kind, before it is left out because no size within reason leaves such a residual
+_AT_ONCE = 2.0  # ratio of residual to noise of each of a pair, and of effects taken out of the catalogue
+
+
+class Planned(NamedTuple):
+    """One trial to draw: kind, hidden effects, ratio of the base model's residual to the noise, noise, and number."""
+
+    kind: str
+    hidden: tuple
+    ratio: float
+    noise: str
+    number: int
+
+
+def planned(settings):
+    """The list of ``Planned`` trials of the settings' group ``hidden_effects``, in a fixed order."""
+    found, sizes, repeats = [], settings["sizes"], settings["repeats"]
+    names = settings["effects"] or SINGLES
+
+    def add(kind, hidden, ratio, number):
+        found.append(Planned(kind, hidden, float(ratio), NOISES[len(found) % len(NOISES)], _TRIES * number))
+
+    for number in range(repeats):
+        for ratio in sizes:
+            for name in names:
+                add("single", (name,), ratio, number)
+        for name in names if settings["removed"] else ():
+            add("removed", (name,), _AT_ONCE, number)
+        for pair in PAIRS if settings["pairs"] else ():
+            add("pair", pair, _AT_ONCE, number)
+        for name in FOREIGN if settings["foreign"] else ():
+            for ratio in sizes:
+                add("foreign", (name,), ratio, number)
+    for number in range(settings["nulls"]):
+        add("null", (), 1.0, number)
+    return found
+
+
+def chunks(settings):
+    """The planned trials by the name of the chunk that holds them: chunks are computed together, and not shared out anew
+    when more are planned.
+    """
+    trials, length = planned(settings), settings["chunk"]
+    return {f"{k:04d}": trials[k * length : (k + 1) * length] for k in range(-(-len(trials) // length))}
+
+
+def drawn(seed, one):
+    """The ``Trial`` of a ``Planned`` one, or None where no size within reason leaves the residual that is asked for."""
+    for k in range(_TRIES):
+        try:
+            return draw(seed, one.kind, one.hidden, one.ratio, one.noise, one.number + k)
+        except ArithmeticError:
+            continue
+    return None

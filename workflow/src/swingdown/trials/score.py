@@ -1,0 +1,186 @@
+"""Verdicts held against the truth: a row for each trial, and the figures that tell how far verdicts can be trusted."""
+
+import numpy as np
+import pandas as pd
+from scipy.stats import beta
+
+from ..discovery.campaign import Noise
+from ..discovery.name import CONTAINS
+from ..discovery.verdict import GUARD
+from ..pendulum import catalogue as effects
+from .trial import CORRELATION
+
+_EXCESS = (
+    100.0  # chi-square that one effect of the catalogue leaves, above which a foreign one is not imitated
+)
+_SEPARABLE = 25.0  # chi-square by which every other effect fails
+_TIE_SET = 4
+
+
+def row(name, truth, found):
+    """One trial's row of scores.csv, as a dict, from its truth and what was found.
+
+    ``named`` and ``tied`` list the verdict's effects and their rivals; ``exact`` every hidden effect and no other is named;
+    ``inside`` every hidden one is named or tied in sets of at most four, and no other is named; ``wrong`` an effect is named, and
+    neither it nor a rival is hidden; ``alarm`` anything but "consistent". ``right`` is what the kind of trial asks for.
+    ``holdout_sigma`` is the last held-out residual in units of the true noise, ``excess`` the chi-square that the best
+    single effect leaves beyond the noise that was added, ``separation`` the same of the best effect that is not hidden,
+    ``covered`` of ``intervals`` 95 % intervals hold the true value.
+    """
+    verdict, hidden = found["verdict"], tuple(truth["hidden"])
+    told = [one for one in verdict["effects"] if one["name"] not in effects.FREE_FORM]
+    sets = {one["name"]: {one["name"], *one["tied_with"]} for one in told}
+    exact = sorted(sets) == sorted(hidden) and verdict["status"] in ("named", "ambiguous")
+    matched = len(sets) == len(hidden) and all(
+        any(one in members for members in sets.values()) for one in hidden
+    )
+    inside = (
+        matched
+        and verdict["status"] in ("named", "ambiguous")
+        and all(len(members) <= _TIE_SET for members in sets.values())
+    )
+    covered, intervals = _coverage(truth, verdict) if exact else (0, 0)
+    excess = _excess(truth, found, found["rms_rad"])
+    # to first order (1 - rho^2) times the chi-square of the hidden effect; what contains it can always do its work
+    rivals = [
+        one for one in found["rms_rad"] if one not in hidden and not set(CONTAINS.get(one, ())) & set(hidden)
+    ]
+    separation = _excess(truth, found, rivals)
+    right = {
+        "single": inside, "pair": inside, "null": verdict["status"] == "consistent",
+        "removed": verdict["status"] == "unknown", "foreign": verdict["status"] == "unknown",
+    }  # fmt: skip
+    return {
+        "campaign": name,
+        "kind": truth["kind"],
+        "hidden": "+".join(hidden),
+        "noise": truth["noise"],
+        "ratio": truth["ratio"],
+        "reached": truth["reached"],
+        "status": verdict["status"],
+        "named": "+".join(sets),
+        "tied": "; ".join("/".join(sorted(members - {name})) for name, members in sets.items()),
+        "exact": exact,
+        "inside": inside,
+        "wrong": verdict["status"] in ("named", "ambiguous")
+        and any(not members & set(hidden) for members in sets.values()),
+        "alarm": verdict["status"] != "consistent",
+        "right": right[truth["kind"]],
+        "holdout_sigma": verdict["gap"]["holdout"][-1] * verdict["noise_rms_rad"] / truth["sigma"],
+        "gap_before": verdict["gap"]["holdout"][0],
+        "gap_after": verdict["gap"]["holdout"][-1],
+        "excess": excess,
+        "separation": separation,
+        "covered": covered,
+        "intervals": intervals,
+        "seconds": found["seconds"],
+        "moves": "; ".join(verdict["moves"]),
+    }
+
+
+def _coverage(truth, verdict):
+    """How many of the model's 95 % intervals hold the truth, and how many there are; phases are left out."""
+    held = count = 0
+    for name, entry in verdict["model"].items():
+        error = entry["standard_error"]
+        if name not in truth["values"] or name.endswith("_phase") or error is None or entry["value"] == 0:
+            continue
+        count += 1
+        held += abs(entry["value"] - truth["values"][name]) < 1.96 * error
+    return held, count
+
+
+def _excess(truth, found, among):
+    """The chi-square (noise at the pendulum's frequencies) that the best of these effects leaves beyond the noise."""
+    left = [found["rms_rad"][name] for name in among]
+    if not left:
+        return np.nan
+    fitted = [int(name.rsplit("-", 1)[1]) - 1 for name in found["fitted"]]
+    noise = np.mean([truth["noise_rms_rad"][k] ** 2 for k in fitted])
+    white = Noise(truth["sigma"], CORRELATION if truth["noise"] == "coloured" else 0.0)
+    return truth["samples"] * len(fitted) * (min(left) ** 2 - noise) / white.slow_variance
+
+
+def read_scores(path):
+    """The table of a scores.csv, in which "null" is a kind of trial and no missing value."""
+    return pd.read_csv(path, keep_default_na=False, na_values=[""])
+
+
+def summarise(scores):
+    """The table of figures: columns ``figure``, ``value``, ``low`` and ``high`` (95 %, Clopper and Pearson), ``n``, ``asked``.
+
+    ``value`` is a share of n, or a median where no limits are given.
+    """
+    kind = {name: scores[scores["kind"] == name] for name in ("single", "pair", "null", "removed", "foreign")}
+    plain = pd.concat([kind["removed"], kind["foreign"]])
+    plain = plain[plain["excess"] > _EXCESS]
+    apart = kind["single"][
+        ~(kind["single"]["separation"] <= _SEPARABLE)
+    ]  # where no other effect could be added at all, too
+    known = pd.concat([kind["single"], kind["pair"]])
+    repaired = known[known["inside"].astype(bool)]
+    covered, intervals = int(scores["covered"].sum()), int(scores["intervals"].sum())
+    rows = [
+        ("named exactly or inside a tie of at most four", *_share(kind["single"]["inside"]), "≥ 90 %"),
+        *((f"the same, effects that leave {ratio:g} times the noise", *_share(part["inside"]), "≥ 90 %")
+          for ratio, part in kind["single"].groupby("ratio")),
+        ("named exactly", *_share(kind["single"]["exact"]), ""),
+        ("named exactly, where every other effect fails by more than 25", *_share(apart["exact"]), "≥ 90 %"),
+        ("a wrong name", *_share(kind["single"]["wrong"]), "≤ 2 %"),
+        ("false alarms where nothing is hidden", *_share(kind["null"]["alarm"]), "≤ 2 %"),
+        *((f"the same, {noise} noise", *_share(part["alarm"]), "≤ 2 %") for noise, part in kind["null"].groupby("noise")),
+        ("unknown, effects not in the catalogue that leave more than 100", *_share(plain["right"]), "≥ 85 %"),
+        ("unknown, all effects not in the catalogue", *_share(pd.concat([kind["removed"], kind["foreign"]])["right"]), ""),
+        ("both of two hidden effects", *_share(kind["pair"]["inside"]), "≥ 70 %"),
+        ("95 % intervals that hold the true value", *_proportion(covered, intervals), "92–98 %"),
+        ("held-out residual after repair, true noise (median)", _median(repaired["holdout_sigma"]), np.nan, np.nan, len(repaired), "≤ 1.05"),
+        ("CPU seconds a campaign, one effect hidden (median)", _median(kind["single"]["seconds"]), np.nan, np.nan, len(kind["single"]), "≤ 10"),
+        ("CPU seconds a campaign, one effect hidden (95 %)", _quantile(kind["single"]["seconds"]), np.nan, np.nan, len(kind["single"]), ""),
+    ]  # fmt: skip
+    return pd.DataFrame(
+        [one for one in rows if one[4]], columns=["figure", "value", "low", "high", "n", "asked"]
+    )
+
+
+def _median(column):
+    return float(column.median()) if len(column) else np.nan
+
+
+def _quantile(column):
+    return float(column.quantile(0.95)) if len(column) else np.nan
+
+
+def _share(flags):
+    return _proportion(int(flags.astype(bool).sum()), len(flags))
+
+
+def _proportion(count, n):
+    if not n:
+        return np.nan, np.nan, np.nan, 0
+    low = beta.ppf(0.025, count, n - count + 1) if count else 0.0
+    high = beta.ppf(0.975, count + 1, n - count) if count < n else 1.0
+    return count / n, float(low), float(high), n
+
+
+def guard(scores):
+    """The contents of guard.yaml with the false alarms of these scores: what verdicts then tell of themselves."""
+    nulls = scores[scores["kind"] == "null"]
+    return GUARD | {"nulls": len(nulls), "false_alarms": int(nulls["alarm"].sum())}
+
+
+def confusion(scores):
+    """The confusion matrix of single hidden effects: rows the hidden one, columns what was named, shares of each row.
+
+    A verdict of "unknown" or "consistent" counts as that; of a tie the hidden effect if it is inside, else the first.
+    """
+    single = scores[scores["kind"] == "single"]
+
+    def told(one):
+        if one["status"] in ("unknown", "consistent"):
+            return one["status"]
+        return one["hidden"] if one["inside"] else one["named"].split("+")[0]
+
+    table = pd.crosstab(single["hidden"], single.apply(told, axis=1), normalize="index")
+    order = [name for name in effects.CATALOGUE if name in table.index]
+    columns = [*order, *(name for name in effects.CATALOGUE if name in table.columns and name not in order)]
+    return table.reindex(index=order, columns=[*columns, "unknown", "consistent"], fill_value=0.0)

@@ -1,0 +1,310 @@
+"""A second pendulum, to hold the engine against and to hide effects in: scipy's DOP853 at rtol 1e-13, equations by hand.
+
+Nothing here is taken from the catalogue's formulas or from the engine: the physics is stated again, differently where
+it can be. The support of the flexible pivot is a two-by-two linear system for both accelerations; presliding friction
+is Dahl's closed form in the angle since the last turning point; play and clock are applied to samples and turning
+points. The signs of the velocity and of every other kink are frozen between events, and each event is located.
+
+Besides the catalogue's effects it knows those of ``FOREIGN``, which the catalogue lacks on purpose: what they leave
+must be called unknown.
+"""
+
+from dataclasses import dataclass, field
+from math import cos, exp, isfinite, pi, sin
+
+import numpy as np
+from scipy.integrate import solve_ivp
+
+RTOL, ATOL = 1e-13, 1e-16
+FAR = 60.0  # rad; beyond, the motion has run away
+FOREIGN = {  # name: its parameters, the first one its size
+    "one_sided_drag": (
+        "one_sided_drag",
+    ),  # 1; drag in the square of the speed on one side of the middle only
+    "friction_patch": (
+        "patch_friction",
+        "patch_from",
+        "patch_to",
+    ),  # rad/s^2, rad, rad; a dirty part of the shaft
+    "soft_stop": ("stop_stiffness", "stop_from"),  # 1/s^2, rad; a buffer that large swings touch on one side
+}
+
+
+@dataclass
+class Motion:
+    """What the oracle saw: the reading (rad) and the side of any play it touches (-1, 0, 1) at each time, the turning
+    points' times (s), and when it stuck last (s, or None)."""
+
+    reading: np.ndarray
+    reversals: list = field(default_factory=list)
+    stuck_after: float | None = None
+    contact: np.ndarray | None = None
+
+
+class Runaway(ArithmeticError):
+    """The motion leaves what a pendulum does; nothing to compare with."""
+
+
+class Pendulum:
+    """Accelerations of a pendulum with the named effects, the parameters given by name."""
+
+    def __init__(self, effects, values, duration, restoring="sine", form="consistent"):
+        self.on, self.p, self.duration = frozenset(effects), dict(values), duration
+        self.restoring, self.form = restoring, form
+        self.flexible = "flexible_pivot" in self.on
+        self.lagging = "sensor_lag" in self.on
+        self.wound = "presliding" in self.on
+        self.F_start = self.th_start = 0.0  # Dahl friction and angle at the last turning point
+
+    def dahl(self, s, th):
+        """Presliding friction torque: dF/dθ = (F_c - s F)/x_c from the last turning point, in closed form."""
+        limit, angle = self.p["presliding_friction"], self.p["presliding_angle"]
+        return s * limit + (self.F_start - s * limit) * exp(-s * (th - self.th_start) / angle)
+
+    def torque(self, t, th, v, s, kinks):
+        """Sum of all torques over the inertia, but for the support's; s the frozen sign of the velocity."""
+        p, on, w = self.p, self.on, self.p["natural_frequency"]
+        speed = max(s * v, 0.0)
+        total = -w * w * (sin(th) if self.restoring == "sine" else th)
+        if "viscous" in on:
+            total -= 2 * p["viscous_ratio"] * w * v
+        if "quadratic_drag" in on:
+            total -= s * w * p["quadratic_coefficient"] * v * v
+        if "load_coulomb" in on:
+            if self.form == "printed":
+                total -= s * w * p["load_friction"] * (v * v + cos(th))
+            else:
+                total -= s * p["load_friction"] * (v * v + w * w * cos(th))
+        if "constant_coulomb" in on:
+            total -= s * p["constant_friction"]
+        if "stribeck" in on:
+            total -= s * p["stribeck_friction"] * exp(min(-s * v / p["stribeck_velocity"], 30.0))
+        if self.wound:
+            total -= self.dahl(s, th)
+        if "power_law_drag" in on:
+            total -= s * p["power_law_coefficient"] * speed ** p["power_law_exponent"]
+        if "structural_damping" in on:
+            total -= s * p["structural_coefficient"] * kinks["angle"] * th
+        if "eddy_brake" in on:
+            total -= p["eddy_coefficient"] * exp(-((th / p["eddy_width"]) ** 2)) * v
+        if "constant_torque" in on:
+            total += p["constant_torque"]
+        if "torsion_spring" in on:
+            total -= p["torsion_stiffness"] * th
+        if "cubic_stiffness" in on:
+            total -= p["cubic_stiffness"] * th * th * th
+        if "detent" in on:
+            total += p["detent_torque"] * sin(p["detent_order"] * th + p["detent_phase"])
+        if "base_vibration" in on:
+            total += (
+                p["vibration_acceleration"]
+                * cos(th)
+                * cos(2 * pi * p["vibration_frequency"] * t + p["vibration_phase"])
+            )
+        if "damping_drift" in on:
+            total -= 2 * p["damping_drift"] * w * v * t / self.duration
+        if "steady_wind" in on:
+            against = v - p["wind_speed"]
+            total -= w * p["wind_coefficient"] * kinks["wind"] * against * against
+        if "finite_amplitude" in on:
+            total += w * w * (th - sin(th))
+        if "one_sided_drag" in on and kinks["side"] > 0:
+            total -= p["one_sided_drag"] * s * v * v
+        if "friction_patch" in on and kinks["patch_from"] * kinks["patch_to"] < 0:
+            total -= s * p["patch_friction"]
+        if "soft_stop" in on and kinks["stop"] > 0:
+            total -= p["stop_stiffness"] * (th - p["stop_from"])
+        return total
+
+    def accelerations(self, t, th, v, q, w_q, s, kinks):
+        """(θ'', q'') from  (1 + m) θ'' + cosθ q'' = torque  and  µ cosθ θ'' + q'' = µ θ'² sinθ - 2 ζ2 ω2 q' - ω2² q."""
+        torque = self.torque(t, th, v, s, kinks)
+        mass = 1.0
+        if "added_mass" in self.on:
+            mass += self.p["added_mass"] * s * v / self.p["natural_frequency"]
+        if not self.flexible:
+            return torque / mass, 0.0
+        mu, w2 = self.p["pivot_mass_ratio"], self.p["pivot_frequency"]
+        support = mu * v * v * sin(th) - 2 * self.p["pivot_damping_ratio"] * w2 * w_q - w2 * w2 * q
+        determinant = mass - mu * cos(th) ** 2
+        return (torque - cos(th) * support) / determinant, (
+            mass * support - mu * cos(th) * torque
+        ) / determinant
+
+    def kinks(self):
+        """The functions of (th, v) whose sign matters besides that of the velocity, by name."""
+        found = {}
+        if "structural_damping" in self.on:
+            found["angle"] = lambda th, v: th
+        if "steady_wind" in self.on:
+            found["wind"] = lambda th, v: v - self.p["wind_speed"]
+        if "friction_patch" in self.on:
+            found["patch_from"] = lambda th, v: th - self.p["patch_from"]
+            found["patch_to"] = lambda th, v: th - self.p["patch_to"]
+        if "soft_stop" in self.on:
+            found["stop"] = lambda th, v: th - self.p["stop_from"]
+        if "one_sided_drag" in self.on:
+            found["side"] = lambda th, v: th
+        return found
+
+    def way_from_rest(self, t, y, came, kinks):
+        """The direction in which it leaves rest, the one opposite to where it came from first; 0 where friction holds it."""
+        free = {s: self.accelerations(t, y[0], 0.0, y[2], y[3], s, kinks)[0] for s in (1, -1)}
+        if self.wound:  # the wound-up friction is the same whichever way it leaves
+            self.th_start = y[0]
+            free = {s: self.accelerations(t, y[0], 0.0, y[2], y[3], s, kinks)[0] for s in (1, -1)}
+        for s in (-came, came) if came else ((1, -1) if free[1] + free[-1] >= 0 else (-1, 1)):
+            if s * free[s] > 0:
+                return s
+        return 0
+
+
+def _first_event(pendulum, t, y, end, s, kinks, samples):
+    """One smooth piece: values at samples before its end, time and state at the end, and what ended it."""
+    p = pendulum
+    switch = p.kinks()
+    lag = p.p.get("lag_time", 1.0)
+
+    def moving(time, state):
+        th, v, q, w_q, reading = state.tolist()
+        a, b = p.accelerations(time, th, v, q, w_q, s, kinks)
+        return [v, a, w_q, b, (th - reading) / lag if p.lagging else 0.0]
+
+    def held(time, state):
+        th, _, q, w_q, reading = state.tolist()
+        if not p.flexible:
+            return [0.0, 0.0, 0.0, 0.0, (th - reading) / lag if p.lagging else 0.0]
+        w2 = p.p["pivot_frequency"]
+        b = -2 * p.p["pivot_damping_ratio"] * w2 * w_q - w2 * w2 * q
+        return [0.0, 0.0, w_q, b, (th - reading) / lag if p.lagging else 0.0]
+
+    def turning(time, state):
+        return s * state[1] if time > t + 1e-8 else 1.0
+
+    def freed(time, state):
+        up, down = (
+            p.accelerations(time, state[0], 0.0, state[2], state[3], way, kinks)[0] for way in (1, -1)
+        )
+        return max(up, -down)
+
+    def crossing(name):
+        return lambda time, state: kinks[name] * switch[name](state[0], state[1]) if time > t + 1e-8 else 1.0
+
+    def away(time, state):
+        return FAR - abs(state[0])
+
+    events = [turning, *map(crossing, switch), away] if s else [freed]
+    for event in events:
+        event.terminal, event.direction = True, -1 if s else 1
+    frequency = max(
+        p.p["natural_frequency"],
+        p.p.get("pivot_frequency", 0.0),
+        2 * pi * p.p.get("vibration_frequency", 0.0),
+        0.3 / lag
+        if p.lagging
+        else 0.0,  # DOP853 keeps its tolerance at the steps' ends; between them only short steps do
+    )
+    done = solve_ivp(
+        moving if s else held, (t, end), y, method="DOP853", rtol=RTOL, atol=ATOL, max_step=0.3 / frequency,
+        events=events, dense_output=True,
+    )  # fmt: skip
+    if done.status < 0 or not np.all(np.isfinite(done.y[:, -1])) or abs(done.y[0, -1]) > 0.99 * FAR:
+        raise Runaway(done.message)
+    ended = next((k for k, found in enumerate(done.t_events) if found.size), None)
+    last = done.t[-1]
+    inside = samples[(samples >= t) & (samples <= last)]
+    return (
+        done.sol(inside)[[0, 4]] if inside.size else np.empty((2, 0)),
+        last,
+        done.y[:, -1],
+        ended,
+        list(switch),
+    )
+
+
+def trajectory(
+    effects,
+    values,
+    times,
+    release_angle,
+    release_velocity=0.0,
+    restoring="sine",
+    form="consistent",
+    most=4000,
+):
+    """The ``Motion`` of a pendulum with these effects (names) and values (by parameter name), release at times[0]."""
+    effects = tuple(effects)
+    stamped = np.asarray(times, dtype=float) - times[0]
+    duration = float(stamped[-1])
+    true = stamped + (values["clock_drift"] * stamped**2 / duration if "clock_drift" in effects else 0.0)
+    pendulum = Pendulum(effects, values, duration, restoring, form)
+    lag = values.get("lag_time", 0.0)
+    y = np.array([release_angle, release_velocity, 0.0, 0.0, release_angle - lag * release_velocity])
+    pendulum.th_start = release_angle
+    kinks = {}
+    for name, function in pendulum.kinks().items():
+        side = function(release_angle, release_velocity)
+        kinks[name] = 1.0 if side >= 0 else -1.0
+    motion = Motion(np.empty(true.size))
+    angle, lagging = np.empty(true.size), np.empty(true.size)
+    t, done, end = 0.0, 0, float(true[-1]) * (1 + 1e-12) + 1e-12
+    s = int(np.sign(release_velocity))
+    pieces = []
+    if s == 0:
+        s = pendulum.way_from_rest(t, y, 0, kinks)
+        motion.stuck_after = t if s == 0 else None
+    for _ in range(most):
+        if done == true.size:
+            break
+        found, t_next, y, ended, names = _first_event(pendulum, t, y, end, s, kinks, true[done:])
+        count = found.shape[1]
+        angle[done : done + count], lagging[done : done + count] = found
+        pieces += [(true[done + k], angle[done + k], done + k) for k in range(count)]
+        done += count
+        t = t_next
+        if ended is None:
+            break
+        if s == 0:
+            up, down = (pendulum.accelerations(t, y[0], 0.0, y[2], y[3], way, kinks)[0] for way in (1, -1))
+            s = 1 if up > -down else -1
+        elif ended == 0:
+            pieces.append((t, y[0], None))
+            motion.reversals.append(t)
+            if pendulum.wound:
+                pendulum.F_start, pendulum.th_start = pendulum.dahl(s, y[0]), y[0]
+            y[1] = 0.0
+            s = pendulum.way_from_rest(t, y, s, kinks)
+            if s == 0:
+                motion.stuck_after = t
+        else:
+            name = names[ended - 1]
+            kinks[name] = -kinks[name]
+    else:
+        raise Runaway("too many events")
+    if done < true.size:
+        raise Runaway("the end was not reached")
+    motion.reading, motion.contact = _read(effects, values, angle, lagging, pieces, release_angle)
+    if not isfinite(motion.reading.sum()):
+        raise Runaway("not finite")
+    return motion
+
+
+def _read(effects, values, angle, lagging, pieces, release_angle):
+    """What the sensors make of the angle: play first, then lag, eccentricity, gain, zero."""
+    reading, contact = angle.copy(), np.zeros(angle.size, dtype=int)
+    if "backlash" in effects:
+        half, follower = values["backlash_width"] / 2, release_angle
+        for _, th, index in pieces:
+            follower = min(max(follower, th - half), th + half)
+            if index is not None:
+                reading[index] = follower
+                contact[index] = int(follower == th - half) - int(follower == th + half)
+    if "sensor_lag" in effects:
+        reading = lagging.copy()
+    if "eccentricity" in effects:
+        reading = reading + values["eccentricity"] * np.sin(reading + values["eccentricity_phase"])
+    if "sensor_gain" in effects:
+        reading = reading * (1 + values["sensor_gain"])
+    if "sensor_zero" in effects:
+        reading = reading + values["sensor_zero"]
+    return reading, contact
