@@ -54,9 +54,9 @@ if "recording" in config:
 
     rule all:
         default_target: True  # in an included file it would count for nothing
-        localrule: True
         input:
             only_capture,
+        localrule: True
 
 else:
     config.pop("capture", None)  # it tells how recordings are made, and no result rests on that
@@ -65,26 +65,22 @@ else:
 
         include: "workflow/rules/simulate.smk"
 
-
     if PLAN.campaigns:
 
         include: "workflow/rules/measure.smk"
         include: "workflow/rules/fit.smk"
         include: "workflow/rules/discover.smk"
-
-
     include: "workflow/rules/hidden_effects.smk"
     include: "workflow/rules/figures.smk"
     include: "workflow/rules/sweep_plan.smk"
     include: "workflow/rules/sweep.smk"
     include: "workflow/rules/report.smk"
 
-
     rule all:
         default_target: True
-        localrule: True
         input:
             TABLES,
             FIGURES,
             VERDICTS,
             "results/report.html",
+        localrule: True

@@ -12,9 +12,12 @@ signal.signal(signal.SIGINT, signal.SIG_IGN)
 
 
 rule capture:
-    message: f"Recording {config['recording']}"
+    log:
+        f"results/logs/capture/{config['recording']}.log",
     localrule: True
-    log: f"results/logs/capture/{config['recording']}.log"
     params:
         config=config,
-    script: "../scripts/capture.py"
+    message:
+        f"Recording {config['recording']}"
+    script:
+        "../scripts/capture.py"

@@ -3,7 +3,13 @@
 # makes: results/discovery/{campaign}/: round-{n}/, verdict.json and figures/
 
 ROUNDS = config["discovery"]["rounds"]
-SEEN = ["residuals", "map", "half_swings", "ranking", "gap"]  # the figures: functions of swingdown.plots.discovery
+SEEN = [
+    "residuals",
+    "map",
+    "half_swings",
+    "ranking",
+    "gap",
+]  # the figures: functions of swingdown.plots.discovery
 VERDICTS += expand("results/discovery/{campaign}/verdict.json", campaign=PLAN.searched)
 SEEN_FIGURES = expand("results/discovery/{campaign}/figures/{name}.svg", campaign=PLAN.searched, name=SEEN)
 
@@ -12,11 +18,14 @@ MEMBERS = {campaign: PLAN.swings(campaign) + PLAN.statics(campaign) for campaign
 
 
 rule discover_round:
-    message: "Looking for what the model of {wildcards.campaign} lacks, round {wildcards.n}"
     input:
-        angles=lambda wildcards: expand("results/angles/{recording}.nc", recording=MEMBERS[wildcards.campaign]),
+        angles=lambda wildcards: expand(
+            "results/angles/{recording}.nc", recording=MEMBERS[wildcards.campaign]
+        ),
         previous=lambda wildcards: (
-            f"results/discovery/{wildcards.campaign}/round-{int(wildcards.n) - 1}/round.json" if int(wildcards.n) else []
+            f"results/discovery/{wildcards.campaign}/round-{int(wildcards.n) - 1}/round.json"
+            if int(wildcards.n)
+            else []
         ),
         code=code("discover_round"),
     output:
@@ -28,44 +37,55 @@ rule discover_round:
         map="results/discovery/{campaign}/round-{n}/map.csv",
         unnamed="results/discovery/{campaign}/round-{n}/unnamed.csv",
         half_swings="results/discovery/{campaign}/round-{n}/half_swings.csv",
+    log:
+        "results/logs/discover/{campaign}/round-{n}.log",
     wildcard_constraints:
         n=r"\d+",
-    log: "results/logs/discover/{campaign}/round-{n}.log"
     params:
         roles=lambda wildcards: [PLAN.rows[name]["role"] for name in MEMBERS[wildcards.campaign]],
         base=config["discovery"]["base"],
         rounds=ROUNDS,
         model=config["model"],
         effects=config["effects"],
-    script: "../scripts/discover_round.py"
+    message:
+        "Looking for what the model of {wildcards.campaign} lacks, round {wildcards.n}"
+    script:
+        "../scripts/discover_round.py"
 
 
 rule discover_verdict:
-    message: "The verdict on {wildcards.campaign}"
     input:
         rounds=expand("results/discovery/{{campaign}}/round-{n}/round.json", n=range(ROUNDS + 1)),
         code=code("discover_verdict"),
-    output: "results/discovery/{campaign}/verdict.json"
-    log: "results/logs/discover/{campaign}/verdict.log"
+    output:
+        "results/discovery/{campaign}/verdict.json",
+    log:
+        "results/logs/discover/{campaign}/verdict.log",
     params:
         effects=config["effects"],
-    script: "../scripts/discover_verdict.py"
+    message:
+        "The verdict on {wildcards.campaign}"
+    script:
+        "../scripts/discover_verdict.py"
 
 
 rule discover_figures:
-    message: "Drawing what was found in {wildcards.campaign}"
     input:
         verdict="results/discovery/{campaign}/verdict.json",
         rounds=expand("results/discovery/{{campaign}}/round-{n}/round.json", n=range(ROUNDS + 1)),
         code=code("discover_figures"),
     output:
         expand("results/discovery/{{campaign}}/figures/{name}.{ending}", name=SEEN, ending=["svg", "png"]),
-    log: "results/logs/discover/{campaign}/figures.log"
-    script: "../scripts/discover_figures.py"
+    log:
+        "results/logs/discover/{campaign}/figures.log",
+    message:
+        "Drawing what was found in {wildcards.campaign}"
+    script:
+        "../scripts/discover_figures.py"
 
 
 rule discover:
-    localrule: True
     input:
         VERDICTS,
         SEEN_FIGURES,
+    localrule: True

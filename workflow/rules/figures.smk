@@ -32,7 +32,6 @@ for name, needed in DRAWN.items():
     rule:
         name:
             name
-        message: f"Drawing Figure {int(name.removeprefix('fig'))}"
         input:
             **needed,
             code=code("figure"),
@@ -44,7 +43,11 @@ for name, needed in DRAWN.items():
                 labels={"figure": str(int(name.removeprefix("fig")))},
             ),
             png=f"results/figures/{name}.png",
-        log: f"results/logs/figures/{name}.log"
+        log:
+            f"results/logs/figures/{name}.log",
         params:
             data=needed,
-        script: "../scripts/figure.py"
+        message:
+            f"Drawing Figure {int(name.removeprefix('fig'))}"
+        script:
+            "../scripts/figure.py"

@@ -6,35 +6,44 @@ TABLES += expand("results/tables/{table}.csv", table=["table3", "comparison", "p
 
 
 rule fit_swing:
-    message: "Fitting the models to {wildcards.recording}"
     input:
         angle="results/angles/{recording}.nc",
         code=code("fit_swing"),
-    output: "results/experiment/fits/{recording}.nc"
-    log: "results/logs/fit_swing/{recording}.log"
+    output:
+        "results/experiment/fits/{recording}.nc",
+    log:
+        "results/logs/fit_swing/{recording}.log",
     params:
         fitted=config["experiment"]["fitted"],
         start=config["experiment"]["start"],
         model=config["model"],
-    script: "../scripts/fit_swing.py"
+    message:
+        "Fitting the models to {wildcards.recording}"
+    script:
+        "../scripts/fit_swing.py"
 
 
 rule fit_campaign:
-    message: "Fitting the models to all swings of {wildcards.campaign} together"
     input:
-        angles=lambda wildcards: expand("results/angles/{recording}.nc", recording=PLAN.swings(wildcards.campaign)),
+        angles=lambda wildcards: expand(
+            "results/angles/{recording}.nc", recording=PLAN.swings(wildcards.campaign)
+        ),
         code=code("fit_campaign"),
-    output: "results/experiment/joint/{campaign}.nc"
-    log: "results/logs/fit_campaign/{campaign}.log"
+    output:
+        "results/experiment/joint/{campaign}.nc",
+    log:
+        "results/logs/fit_campaign/{campaign}.log",
     params:
         fitted=config["experiment"]["fitted"],
         start=config["experiment"]["start"],
         model=config["model"],
-    script: "../scripts/fit_campaign.py"
+    message:
+        "Fitting the models to all swings of {wildcards.campaign} together"
+    script:
+        "../scripts/fit_campaign.py"
 
 
 rule table3:
-    message: "Collecting and comparing the fits of the experiment (Table 3)"
     input:
         fits=expand("results/experiment/fits/{recording}.nc", recording=PLAN.swings()),
         joint=expand("results/experiment/joint/{campaign}.nc", campaign=PLAN.campaigns),
@@ -43,7 +52,13 @@ rule table3:
     output:
         norms="results/experiment/norms.nc",
         table3=report("results/tables/table3.csv", category="Tables", labels={"table": "3"}),
-        comparison=report("results/tables/comparison.csv", category="Tables", labels={"table": "paired comparison"}),
+        comparison=report(
+            "results/tables/comparison.csv", category="Tables", labels={"table": "paired comparison"}
+        ),
         parameters=report("results/tables/parameters.csv", category="Tables", labels={"table": "parameters"}),
-    log: "results/logs/table3.log"
-    script: "../scripts/table3.py"
+    log:
+        "results/logs/table3.log",
+    message:
+        "Collecting and comparing the fits of the experiment (Table 3)"
+    script:
+        "../scripts/table3.py"

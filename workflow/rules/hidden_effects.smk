@@ -9,36 +9,42 @@ TRIALS = chunks(HIDDEN)
 
 
 rule hidden_make:
-    message: "Hiding effects in campaigns {wildcards.chunk}"
     input:
         code=code("hidden_make"),
     output:
         sheet="results/hidden_effects/campaigns/{chunk}/sheet.csv",
         excluded="results/hidden_effects/campaigns/{chunk}/excluded.json",
         truth="results/hidden_effects/truth/{chunk}.json",
-    log: "results/logs/hidden_effects/make-{chunk}.log"
+    log:
+        "results/logs/hidden_effects/make-{chunk}.log",
     params:
         trials=lambda wildcards: [list(one) for one in TRIALS[wildcards.chunk]],
         seed=HIDDEN["seed"],
-    script: "../scripts/hidden_make.py"
+    message:
+        "Hiding effects in campaigns {wildcards.chunk}"
+    script:
+        "../scripts/hidden_make.py"
 
 
 rule hidden_find:
-    message: "Looking for what is hidden in campaigns {wildcards.chunk}"
     input:
         sheet=rules.hidden_make.output.sheet,
         excluded=rules.hidden_make.output.excluded,
         code=code("hidden_find"),
-    output: "results/hidden_effects/verdicts/{chunk}.json"
-    log: "results/logs/hidden_effects/find-{chunk}.log"
+    output:
+        "results/hidden_effects/verdicts/{chunk}.json",
+    log:
+        "results/logs/hidden_effects/find-{chunk}.log",
     params:
         base=["viscous", "load_coulomb"],
         rounds=HIDDEN["rounds"],
-    script: "../scripts/hidden_find.py"
+    message:
+        "Looking for what is hidden in campaigns {wildcards.chunk}"
+    script:
+        "../scripts/hidden_find.py"
 
 
 rule hidden_score:
-    message: "Holding the verdicts against the truth"
     input:
         truths=expand("results/hidden_effects/truth/{chunk}.json", chunk=TRIALS),
         verdicts=expand("results/hidden_effects/verdicts/{chunk}.json", chunk=TRIALS),
@@ -48,24 +54,35 @@ rule hidden_score:
         summary="results/hidden_effects/summary.csv",
         confusion="results/hidden_effects/confusion.csv",
         guard="results/hidden_effects/guard.yaml",
-    log: "results/logs/hidden_effects/score.log"
-    script: "../scripts/hidden_score.py"
+    log:
+        "results/logs/hidden_effects/score.log",
+    message:
+        "Holding the verdicts against the truth"
+    script:
+        "../scripts/hidden_score.py"
 
 
 rule hidden_figures:
-    message: "Drawing the scores"
     input:
         scores=rules.hidden_score.output.scores,
         confusion=rules.hidden_score.output.confusion,
         code=code("hidden_figures"),
     output:
-        expand("results/hidden_effects/figures/{name}.{ending}", name=["confusion", "detection"], ending=["svg", "png"]),
-    log: "results/logs/hidden_effects/figures.log"
-    script: "../scripts/hidden_figures.py"
+        expand(
+            "results/hidden_effects/figures/{name}.{ending}",
+            name=["confusion", "detection"],
+            ending=["svg", "png"],
+        ),
+    log:
+        "results/logs/hidden_effects/figures.log",
+    message:
+        "Drawing the scores"
+    script:
+        "../scripts/hidden_figures.py"
 
 
 rule hidden_effects:
-    localrule: True
     input:
         rules.hidden_score.output,
         rules.hidden_figures.output,
+    localrule: True

@@ -6,31 +6,39 @@ from swingdown.measurement.apparatus import read_apparatus
 
 
 rule record:
-    message: "Reading {wildcards.recording}"
     input:
         file=lambda wildcards: raw(wildcards.recording),
         code=code("record"),
-    output: "results/recordings/{recording}.nc"
-    log: "results/logs/record/{recording}.log"
+    output:
+        "results/recordings/{recording}.nc",
+    log:
+        "results/logs/record/{recording}.log",
     params:
         row=lambda wildcards: PLAN.rows[wildcards.recording],
         sheet=config.get("recordings"),
-    script: "../scripts/record.py"
+    message:
+        "Reading {wildcards.recording}"
+    script:
+        "../scripts/record.py"
 
 
 rule angle:
-    message: "From signal to angle: {wildcards.recording}"
     input:
         recording="results/recordings/{recording}.nc",
         calibration=lambda wildcards: (
             "results/calibration/calibration.nc" if wildcards.recording in PLAN.in_volts else []
         ),
         code=code("angle"),
-    output: "results/angles/{recording}.nc"
-    log: "results/logs/angle/{recording}.log"
+    output:
+        "results/angles/{recording}.nc",
+    log:
+        "results/logs/angle/{recording}.log",
     params:
         mode=config["calibration"]["mode"],
-    script: "../scripts/angle.py"
+    message:
+        "From signal to angle: {wildcards.recording}"
+    script:
+        "../scripts/angle.py"
 
 
 if PLAN.in_volts:
@@ -38,7 +46,6 @@ if PLAN.in_volts:
     TABLES += ["results/tables/uncertainty_budget.csv"]
 
     rule calibrate:
-        message: "Calibrating: heights to angles, angles and voltages to a line"
         input:
             apparatus=str(find(PLAN.apparatus)),
             towers=[
@@ -50,10 +57,16 @@ if PLAN.in_volts:
             code=code("calibrate"),
         output:
             line="results/calibration/calibration.nc",
-            budget=report("results/tables/uncertainty_budget.csv", category="Tables", labels={"table": "budget"}),
-        log: "results/logs/calibrate.log"
+            budget=report(
+                "results/tables/uncertainty_budget.csv", category="Tables", labels={"table": "budget"}
+            ),
+        log:
+            "results/logs/calibrate.log",
         params:
             mode=config["calibration"]["mode"],
             draws=config["calibration"]["draws"],
             seed=config["seed"],
-        script: "../scripts/calibrate.py"
+        message:
+            "Calibrating: heights to angles, angles and voltages to a line"
+        script:
+            "../scripts/calibrate.py"

@@ -5,7 +5,6 @@
 
 
 rule report:
-    message: "Writing the report"
     input:
         tables=TABLES,
         figures=[path for path in FIGURES if path.endswith(".svg")],
@@ -17,9 +16,14 @@ rule report:
         told=told(),
         template=f"{workflow.basedir}/workflow/src/swingdown/report/report.html.j2",
         code=code("report"),
-    output: "results/report.html"
-    log: "results/logs/report.log"
+    output:
+        "results/report.html",
+    log:
+        "results/logs/report.log",
     params:
         settings=config,
         sweeps=swept(),
-    script: "../scripts/report.py"
+    message:
+        "Writing the report"
+    script:
+        "../scripts/report.py"

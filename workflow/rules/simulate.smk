@@ -6,33 +6,40 @@ TABLES += ["results/tables/table2.csv"]
 
 
 rule simulate:
-    message: "Simulating swings and drawing their noise"
     input:
         code=code("simulate"),
-    output: "results/simulation/realizations.nc"
-    log: "results/logs/simulate.log"
+    output:
+        "results/simulation/realizations.nc",
+    log:
+        "results/logs/simulate.log",
     params:
         simulation=config["simulation"],
         model=config["model"],
         seed=config["seed"],
-    script: "../scripts/simulate.py"
+    message:
+        "Simulating swings and drawing their noise"
+    script:
+        "../scripts/simulate.py"
 
 
 rule fit_simulated:
-    message: "Fitting the noisy swings simulated with {wildcards.simulated}"
     input:
         realizations=rules.simulate.output[0],
         code=code("fit_simulated"),
-    output: "results/simulation/norms_{simulated}.nc"
-    log: "results/logs/fit_simulated/{simulated}.log"
+    output:
+        "results/simulation/norms_{simulated}.nc",
+    log:
+        "results/logs/fit_simulated/{simulated}.log",
     params:
         fitted=config["simulation"]["fitted"],
         start=config["simulation"]["start"],
-    script: "../scripts/fit_simulated.py"
+    message:
+        "Fitting the noisy swings simulated with {wildcards.simulated}"
+    script:
+        "../scripts/fit_simulated.py"
 
 
 rule table2:
-    message: "Collecting the norms of the simulation study (Table 2)"
     input:
         norms=expand("results/simulation/norms_{simulated}.nc", simulated=config["simulation"]["simulated"]),
         published=find("resources/paper/table2.csv"),
@@ -40,5 +47,9 @@ rule table2:
     output:
         norms="results/simulation/norms.nc",
         table=report("results/tables/table2.csv", category="Tables", labels={"table": "2"}),
-    log: "results/logs/table2.log"
-    script: "../scripts/table2.py"
+    log:
+        "results/logs/table2.log",
+    message:
+        "Collecting the norms of the simulation study (Table 2)"
+    script:
+        "../scripts/table2.py"

@@ -5,83 +5,107 @@
 from dataclasses import asdict
 
 MAPS = {"identification": ["by_norm", "by_bic", "by_ten"], "detection": ["detection"]}
-SWEEP_CAPTIONS = [f"{workflow.basedir}/workflow/report/sweep_{name}.rst" for maps in MAPS.values() for name in maps]
+SWEEP_CAPTIONS = [
+    f"{workflow.basedir}/workflow/report/sweep_{name}.rst" for maps in MAPS.values() for name in maps
+]
 
 
 rule sweep_identification:
-    message: "Sweep {wildcards.sweep}: computing chunk {wildcards.chunk}"
     input:
         code=code("sweep_identification"),
-    output: "results/sweeps/{sweep}/chunks/{chunk}.nc"
-    log: "results/logs/sweep/{sweep}/{chunk}.log"
-    benchmark: "results/sweeps/{sweep}/benchmarks/{chunk}.tsv"
+    output:
+        "results/sweeps/{sweep}/chunks/{chunk}.nc",
+    log:
+        "results/logs/sweep/{sweep}/{chunk}.log",
+    benchmark:
+        "results/sweeps/{sweep}/benchmarks/{chunk}.tsv"
     wildcard_constraints:
         sweep=named("identification"),
         chunk="[0-9a-f]{16}",
     params:
         book=lambda wildcards: book(wildcards.sweep),
-    script: "../scripts/sweep_identification.py"
+    message:
+        "Sweep {wildcards.sweep}: computing chunk {wildcards.chunk}"
+    script:
+        "../scripts/sweep_identification.py"
 
 
 rule sweep_detection:
-    message: "Sweep {wildcards.sweep}: computing chunk {wildcards.chunk}"
     input:
         code=code("sweep_detection"),
-    output: "results/sweeps/{sweep}/chunks/{chunk}.nc"
-    log: "results/logs/sweep/{sweep}/{chunk}.log"
-    benchmark: "results/sweeps/{sweep}/benchmarks/{chunk}.tsv"
+    output:
+        "results/sweeps/{sweep}/chunks/{chunk}.nc",
+    log:
+        "results/logs/sweep/{sweep}/{chunk}.log",
+    benchmark:
+        "results/sweeps/{sweep}/benchmarks/{chunk}.tsv"
     wildcard_constraints:
         sweep=named("detection"),
         chunk="[0-9a-f]{16}",
     params:
         book=lambda wildcards: book(wildcards.sweep),
-    script: "../scripts/sweep_detection.py"
+    message:
+        "Sweep {wildcards.sweep}: computing chunk {wildcards.chunk}"
+    script:
+        "../scripts/sweep_detection.py"
 
 
 rule sweep_combine:
-    message: "Sweep {wildcards.sweep}: one dataset and a table of all chunks"
     input:
         chunks=chunks_of,
         code=code("sweep_combine"),
     output:
         data="results/sweeps/{sweep}/sweep.nc",
         table="results/sweeps/{sweep}/summary.csv",
-    log: "results/logs/sweep/{sweep}/combine.log"
+    log:
+        "results/logs/sweep/{sweep}/combine.log",
     params:
         sweep=lambda wildcards: asdict(SWEEPS[wildcards.sweep]),  # another table is combined again
-    script: "../scripts/sweep_combine.py"
+    message:
+        "Sweep {wildcards.sweep}: one dataset and a table of all chunks"
+    script:
+        "../scripts/sweep_combine.py"
 
 
 rule sweep_maps:
-    message: "Sweep {wildcards.sweep}: drawing {wildcards.map}"
     input:
         data="results/sweeps/{sweep}/sweep.nc",
         code=code("sweep_maps"),
     output:
         svg="results/sweeps/{sweep}/figures/{map}.svg",
         png="results/sweeps/{sweep}/figures/{map}.png",
-    log: "results/logs/sweep/{sweep}/{map}.log"
-    script: "../scripts/sweep_maps.py"
+    log:
+        "results/logs/sweep/{sweep}/{map}.log",
+    message:
+        "Sweep {wildcards.sweep}: drawing {wildcards.map}"
+    script:
+        "../scripts/sweep_maps.py"
 
 
 rule sweep_page:
-    message: "Writing the page of the sweeps"
     input:
         tables=expand("results/sweeps/{sweep}/summary.csv", sweep=SWEEPS),
         maps=[
-            f"results/sweeps/{name}/figures/{map}.svg" for name, sweep in SWEEPS.items() for map in MAPS[sweep.computes]
+            f"results/sweeps/{name}/figures/{map}.svg"
+            for name, sweep in SWEEPS.items()
+            for map in MAPS[sweep.computes]
         ],
         captions=SWEEP_CAPTIONS,
         template=f"{workflow.basedir}/workflow/src/swingdown/report/report.html.j2",
         code=code("sweep_page"),
-    output: "results/sweeps.html"
-    log: "results/logs/sweep/page.log"
+    output:
+        "results/sweeps.html",
+    log:
+        "results/logs/sweep/page.log",
     params:
         names=list(SWEEPS),
-    script: "../scripts/sweep_page.py"
+    message:
+        "Writing the page of the sweeps"
+    script:
+        "../scripts/sweep_page.py"
 
 
 rule sweep:
-    localrule: True
     input:
         "results/sweeps.html",
+    localrule: True
