@@ -71,4 +71,4 @@ def test_imports_are_found_wherever_they_stand(tmp_path):
 
 
 def test_the_engines_c_files_count_as_sources():
-    assert any(path.endswith(".c") for path in sources.sources(PACKAGE / "fitting/fit.py"))
+    assert any(path.endswith(".c") for path in sources.sources(PACKAGE / "fitting/batch.py"))

@@ -11,7 +11,7 @@ from swingdown.discovery.verdict import verdict
 from swingdown.measurement.angle import to_angle
 from swingdown.measurement.recording import ingest
 from swingdown.measurement.sheet import read_sheet
-from swingdown.pendulum.catalogue import CATALOGUE
+from swingdown.pendulum.catalogue import SHIPPED
 from swingdown.pendulum.model import PAPER_MODELS
 from swingdown.studies import norms
 from swingdown.studies import paper_tables as tables
@@ -117,7 +117,7 @@ def test_what_a_real_arm_lacks_is_told_and_its_gap_shrinks_on_what_was_held_out(
     assert found["gap"]["holdout"][0] > 2 * found["gap"]["holdout"][-1] > 2 * 10
     assert "has no name in the catalogue" in found["sentence"]
     assert "every second held out" in found["split"]
-    dissipations = {p.name: p for name in CATALOGUE for p in CATALOGUE[name].parameters[:1] if p.lower == 0}
+    dissipations = {effect.size.name for effect in SHIPPED if effect.one_sided}
     for parameter, value in found["model"].items():
         assert parameter not in dissipations or value["value"] >= 0
     assert all(parameter.replace("_", " ") in found["sentence"] for parameter in found["misspecified"])

@@ -13,8 +13,9 @@ from swings import CASES, TIMES
 
 from swingdown.engine import build
 from swingdown.engine.trajectory import effort, sensitivities, simulate
-from swingdown.fitting.fit import fit_batch, fit_trajectory
-from swingdown.pendulum import catalogue as effects
+from swingdown.fitting.batch import fit_batch
+from swingdown.fitting.least_squares import fit_trajectory
+from swingdown.pendulum.catalogue import SHIPPED
 from swingdown.pendulum.model import PAPER_MODELS, Model
 from swingdown.studies.noise import RStream, add_noise
 
@@ -180,12 +181,12 @@ def limit():
     from swingdown.engine.trajectory import Compiled, doubles
 
     case = CASES["seven"]
-    path = build.library(tuple(effects.CATALOGUE.values()), tuple(effects.GRAVITY.values()))
+    path = build.library(SHIPPED.known, tuple(SHIPPED.gravity.values()))
     header = max(path.parent.glob("catalogue-*.h"), key=lambda found: found.stat().st_mtime)
     with tempfile.TemporaryDirectory() as work:
         work = Path(work)
         for name in ("swing.h", "points.h", "swing.c"):
-            (work / name).write_text((Path(build.__file__).parent / name).read_text())
+            (work / name).write_text((Path(build.__file__).parent / "c" / name).read_text())
         (work / "catalogue.h").write_text(header.read_text())
         (work / "limit.c").write_text(LIMIT)
         subprocess.run(

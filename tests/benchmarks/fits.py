@@ -17,7 +17,8 @@ from figures import figures
 from swings import CASES, TIMES
 
 from swingdown.engine.trajectory import TrajectoryError, simulate
-from swingdown.fitting.fit import fit_batch, fit_trajectory
+from swingdown.fitting.batch import fit_batch
+from swingdown.fitting.least_squares import fit_trajectory
 
 OURS = "this engine, same start"
 WANTED = {  # in issue 3: at least, goal

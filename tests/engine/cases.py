@@ -5,7 +5,7 @@ from zlib import crc32
 
 import numpy as np
 
-from swingdown.pendulum import catalogue as effects
+from swingdown.pendulum.catalogue import SHIPPED
 from swingdown.pendulum.model import PAPER_MODELS, Model
 
 # Wider than any bench: from a hundredth of the typical size to strong; the paper's terms up to where swings end at once.
@@ -74,8 +74,13 @@ def generator(*key):
 
 def value(rng, parameter):
     """A random value of a parameter: by its order of magnitude where it has a sign, else uniform."""
-    low, high = RANGES[parameter.name]
+    low, high = RANGES.get(parameter.name) or _usual(parameter)
     return float(np.exp(rng.uniform(np.log(low), np.log(high))) if low > 0 else rng.uniform(low, high))
+
+
+def _usual(parameter):
+    """Where a parameter that is not in ``RANGES`` is drawn: about its typical size."""
+    return max(parameter.lower, parameter.typical / 10), min(parameter.upper, parameter.typical * 3)
 
 
 def draw(label, index, largest=SIXTY, seconds=4.0, restoring=None, form="consistent", **fixed):
@@ -112,7 +117,7 @@ def single_effects():
     """Labels of one model for each effect of the catalogue that is not of the paper's, on the paper's viscous pendulum."""
     return [
         "viscous+" + name
-        for name in effects.CATALOGUE
+        for name in SHIPPED.names
         if name not in ("viscous", "quadratic_drag", "load_coulomb")
     ]
 

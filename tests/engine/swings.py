@@ -4,12 +4,13 @@
 end of the record; ``sticking`` is the paper's pendulum, which friction stops after 3 s.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
 from swingdown.engine.trajectory import simulate
-from swingdown.fitting.fit import fit_trajectory
+from swingdown.fitting.least_squares import fit_trajectory
+from swingdown.fitting.result import Begin, SwingStart
 from swingdown.pendulum.model import Model
 
 TIMES = np.arange(1001) / 100
@@ -53,13 +54,7 @@ CASES = {
 
 def fit_from(case, angle, values, release_angle, release_velocity, **options):
     """The fit from these values and this release alone: no start from what is seen in the data."""
-    template = fit_trajectory("viscous", TIMES, angle)
-    start = replace(
-        template,
-        model=case.model.with_values(values),
-        release_angle=release_angle,
-        release_velocity=release_velocity,
-    )
+    start = Begin(case.model, (SwingStart(values, release_angle, release_velocity),))
     return fit_trajectory(case.model.label, TIMES, angle, guess=start, seen=False, **options)
 
 

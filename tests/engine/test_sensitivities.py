@@ -136,7 +136,7 @@ def differences(case, name, step):
         angle += k * step * (name == "release_angle")
         velocity += k * step * (name == "release_velocity")
         runs[k] = oracle.trajectory(
-            case.model.effects, values, case.times, angle, velocity, case.model.restoring, case.model.form
+            case.model.names, values, case.times, angle, velocity, case.model.restoring, case.model.form
         )
     slope = (8 * (runs[1].reading - runs[-1].reading) - (runs[2].reading - runs[-2].reading)) / (12 * step)
     elapsed = case.times - case.times[0]
@@ -147,7 +147,7 @@ def differences(case, name, step):
         spread = np.ptp(moved)
         clear &= (elapsed < min(moved) - spread - 1e-9) | (elapsed > max(moved) + spread + 1e-9)
     if (
-        "clock_drift" in case.model.effects
+        "clock_drift" in case.model.names
     ):  # events are in true time, samples in stamped; their order is all that matters
         true = elapsed + case.model.values["clock_drift"] * elapsed**2 / elapsed[-1]
         clear = elapsed > 1e-3
@@ -226,7 +226,7 @@ def test_nothing_moves_once_it_sticks_but_where_it_sticks():
     values = {"natural_frequency": 7.0, "viscous_ratio": 0.01, "constant_friction": 3.0}
     model, times = Model("viscous+constant_coulomb", values), np.linspace(0, 4, 400)
     _, slopes = sensitivities(model, times, 0.6)
-    seen = oracle.trajectory(model.effects, values, times, 0.6)
+    seen = oracle.trajectory(model.names, values, times, 0.6)
     held = times > seen.stuck_after + 1e-3
     assert held.sum() > 100
     assert np.all(np.ptp(slopes[:, held], axis=1) == 0.0)

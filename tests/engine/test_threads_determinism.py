@@ -10,7 +10,8 @@ import numpy as np
 from swings import CASES, TIMES
 
 from swingdown.engine.trajectory import sensitivities
-from swingdown.fitting.fit import fit_batch, fit_jointly, fit_trajectory
+from swingdown.fitting.batch import fit_batch
+from swingdown.fitting.least_squares import fit_jointly, fit_trajectory
 
 
 def batch(workers=1, count=64, order=None):

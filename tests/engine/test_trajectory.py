@@ -21,7 +21,7 @@ def expected(case):
     model = case.model
     try:
         return oracle.trajectory(
-            model.effects,
+            model.names,
             model.values,
             case.times,
             case.release_angle,
@@ -99,7 +99,7 @@ def test_a_brake_narrower_than_the_nodes_is_seen(index):
 def together(index):
     """A random label of two to four effects, one torque at least, whose order of sensors is theirs to combine."""
     rng = cases.generator("together", index)
-    names = [name for name in cases.effects.CATALOGUE if name != "finite_amplitude"]
+    names = [name for name in cases.SHIPPED.names if name != "finite_amplitude"]
     chosen = set(rng.choice(names, size=rng.integers(2, 5), replace=False))
     if {"backlash", "sensor_lag"} <= chosen:
         chosen.remove("backlash")
@@ -148,7 +148,7 @@ def friction(size, **more):
 @pytest.mark.parametrize("release", [0.3, 0.7, 1.0])
 def test_sticking_inside_the_record(release):
     model = friction(3.0)
-    seen = oracle.trajectory(model.effects, model.values, TIMES, release)
+    seen = oracle.trajectory(model.names, model.values, TIMES, release)
     read = simulate(model, TIMES, release)
     assert seen.stuck_after < 4.0
     assert np.abs(read - seen.reading).max() < 1e-9
@@ -165,7 +165,7 @@ def test_a_release_that_friction_holds_stays(release):
 
 def test_a_push_frees_what_friction_holds():
     model = friction(3.0)
-    seen = oracle.trajectory(model.effects, model.values, TIMES, 0.05, 0.4)
+    seen = oracle.trajectory(model.names, model.values, TIMES, 0.05, 0.4)
     assert np.abs(simulate(model, TIMES, 0.05, 0.4) - seen.reading).max() < 1e-9
     assert simulate(model, TIMES, 0.05, 0.4).max() > 0.06
 
@@ -177,7 +177,7 @@ def test_a_shaken_pendulum_sticks_and_breaks_away_again():
     }  # fmt: skip
     model = Model("constant_coulomb+base_vibration", values)
     times = np.linspace(0, 10, 800)
-    seen = oracle.trajectory(model.effects, values, times, 0.2)
+    seen = oracle.trajectory(model.names, values, times, 0.2)
     read = simulate(model, times, 0.2)
     assert np.abs(read - seen.reading).max() < 1e-8
     held = np.diff(read) == 0
@@ -189,7 +189,7 @@ def test_a_stuck_pendulum_on_a_ringing_support():
         "natural_frequency": 7.0, "constant_friction": 3.0, "pivot_mass_ratio": 0.3, "pivot_frequency": 15.0, "pivot_damping_ratio": 0.01,
     }  # fmt: skip
     model = Model("constant_coulomb+flexible_pivot", values)
-    seen = oracle.trajectory(model.effects, values, TIMES, 0.5)
+    seen = oracle.trajectory(model.names, values, TIMES, 0.5)
     assert np.abs(simulate(model, TIMES, 0.5) - seen.reading).max() < 1e-9
     assert seen.stuck_after is not None
 
@@ -205,7 +205,7 @@ def test_swings_below_one_encoder_step_keep_their_digits(label):
         model = case.model
         if "load_friction" in model.parameters:
             model = model.with_values(model.values | {"load_friction": release * 0.01})
-        seen = oracle.trajectory(model.effects, model.values, case.times, release, 0.0, model.restoring)
+        seen = oracle.trajectory(model.names, model.values, case.times, release, 0.0, model.restoring)
         assert np.abs(simulate(model, case.times, release) - seen.reading).max() < 1e-8 * release
 
 
@@ -213,7 +213,7 @@ def test_the_end_of_a_long_swing():
     """From 40 degrees to a hundredth of an encoder step, and then friction holds it."""
     values = {"natural_frequency": 7.25, "viscous_ratio": 0.03, "load_friction": 1e-7}
     model, times = Model("viscous+load_coulomb", values), np.linspace(0, 45, 901)
-    seen = oracle.trajectory(model.effects, values, times, np.radians(40))
+    seen = oracle.trajectory(model.names, values, times, np.radians(40))
     read = simulate(model, times, np.radians(40))
     assert abs(read[-1]) < STEP / 100
     assert np.abs(read - seen.reading).max() < 1e-9

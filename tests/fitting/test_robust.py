@@ -6,7 +6,7 @@ from scipy.signal import lfilter
 
 from swingdown.engine.trajectory import simulate
 from swingdown.fitting import robust
-from swingdown.fitting.fit import fit_jointly, fit_trajectory
+from swingdown.fitting.least_squares import fit_jointly, fit_trajectory
 from swingdown.fitting.robust import _bartlett, robust_covariance, variance_inflation
 from swingdown.pendulum.model import Model
 

@@ -10,13 +10,14 @@ from scipy.integrate import solve_ivp
 
 from swingdown.engine.trajectory import simulate
 from swingdown.errors import InputError
-from swingdown.pendulum import catalogue as effects
 from swingdown.pendulum import formula
-from swingdown.pendulum.catalogue import CATALOGUE, GRAVITY, Effect, Parameter
+from swingdown.pendulum.catalogue import SHIPPED, Catalogue
+from swingdown.pendulum.effect import TERM_UNITS, VARIABLES, Effect, Parameter, State
 from swingdown.pendulum.model import Model
+from swingdown.trials.torques import KNOWN
 
 UNITS = pint.UnitRegistry()
-ALL = [*GRAVITY.values(), *CATALOGUE.values()]
+ALL = [*SHIPPED.gravity.values(), *SHIPPED]
 NAMED = {"ids": lambda effect: effect.name}
 
 
@@ -59,7 +60,7 @@ def _product(parts):
 
 def assert_units(effect, form="consistent"):
     """Raise Inconsistent unless every formula of the effect has the unit of what it acts on."""
-    known = dict(effects.VARIABLES) | {"thetaddot": "1/s**2"}
+    known = dict(VARIABLES) | {"thetaddot": "1/s**2"}
     known |= {p.symbol: p.unit for p in effect.parameters} | {
         state.symbol: state.unit for state in effect.states
     }
@@ -74,9 +75,9 @@ def assert_units(effect, form="consistent"):
     ]
     wanted += [(first, state.unit) for state, first in zip(effect.states, formulas.initial, strict=True)]
     if formulas.reading is not None:
-        wanted.append((formulas.reading, effects.TERM_UNITS[effect.acts_on]))
+        wanted.append((formulas.reading, TERM_UNITS[effect.acts_on]))
     if effect.acts_on == "play":
-        wanted.append((formula.parse(effect.term, known), effects.TERM_UNITS["play"]))
+        wanted.append((formula.parse(effect.term, known), TERM_UNITS["play"]))
     for expression, unit in wanted:
         if expression == 0:
             continue
@@ -95,7 +96,7 @@ def test_units_are_consistent(effect):
 
 def test_units_of_a_free_exponent():
     """A power of its own takes the velocity in units of 1 rad/s, as its coefficient's text says; all else fits."""
-    drag = CATALOGUE["power_law_drag"]
+    drag = SHIPPED["power_law_drag"]
     with pytest.raises(Inconsistent):
         assert_units(drag)
     assert "at 1 rad/s" in drag.parameters[0].text
@@ -111,12 +112,12 @@ def test_units_of_a_free_exponent():
 def test_the_printed_coulomb_term_is_not_consistent():
     """The paper adds a squared velocity to a cosine; that is why the consistent form is the default."""
     with pytest.raises(Inconsistent, match="adds"):
-        assert_units(CATALOGUE["load_coulomb"], form="printed")
-    assert_units(CATALOGUE["load_coulomb"])
+        assert_units(SHIPPED["load_coulomb"], form="printed")
+    assert_units(SHIPPED["load_coulomb"])
     assert [effect.name for effect in ALL if effect.printed] == ["load_coulomb"]
 
 
-@pytest.mark.parametrize("effect", [e for e in CATALOGUE.values() if e.name != "power_law_drag"], **NAMED)
+@pytest.mark.parametrize("effect", [e for e in SHIPPED if e.name != "power_law_drag"], **NAMED)
 def test_a_wrong_unit_would_be_seen(effect):
     """For each parameter and each state in turn: one more second in its unit and the test above fails."""
     for k, parameter in enumerate(effect.parameters):
@@ -132,16 +133,16 @@ def test_a_wrong_unit_would_be_seen(effect):
 
 
 def test_names_and_bounds():
-    names = [parameter.name for effect in CATALOGUE.values() for parameter in effect.parameters]
+    names = [parameter.name for effect in SHIPPED for parameter in effect.parameters]
     assert len(set(names)) == len(names), "a parameter file goes by name alone"
     assert "natural_frequency" not in names
-    for effect in CATALOGUE.values():
+    for effect in SHIPPED:
         assert effect.explanation.endswith(".") and effect.reference
-        assert effect.acts_on in effects.TERM_UNITS
+        assert effect.acts_on in TERM_UNITS
         symbols = [parameter.symbol for parameter in effect.parameters] + [
             state.symbol for state in effect.states
         ]
-        assert len({*symbols, *effects.VARIABLES}) == len(symbols) + len(effects.VARIABLES)
+        assert len({*symbols, *VARIABLES}) == len(symbols) + len(VARIABLES)
         for parameter in effect.parameters:
             assert parameter.lower < parameter.upper
             assert parameter.lower <= parameter.typical <= parameter.upper
@@ -156,12 +157,12 @@ def test_the_experimenters_effects_are_there():
         "flexible_pivot", "base_vibration", "damping_drift", "steady_wind", "finite_amplitude", "sensor_zero", "sensor_gain",
         "eccentricity", "sensor_lag", "clock_drift", "backlash",
     }  # fmt: skip
-    assert expected <= set(CATALOGUE)
+    assert expected <= set(SHIPPED.names)
 
 
 def test_an_unknown_effect_is_told_with_the_known_ones():
     with pytest.raises(InputError, match="viscous, quadratic_drag, load_coulomb"):
-        effects.effect("viscosity")
+        SHIPPED["viscosity"]
 
 
 def test_an_effect_is_one_entry(monkeypatch, tmp_path):
@@ -173,11 +174,9 @@ def test_an_effect_is_one_entry(monkeypatch, tmp_path):
          Parameter("stop_rate", "r_s", "1/s")),  # fmt: skip
         "A soft stop on one side, and a follower.",
         "none",
-        states=(effects.State("w_f", "1/s", "0", "r_s*(thetadot - w_f)"),),
+        states=(State("w_f", "1/s", "0", "r_s*(thetadot - w_f)"),),
     )  # fmt: skip
-    monkeypatch.setattr(
-        effects, "CATALOGUE", {"viscous": CATALOGUE["viscous"], "stopper": mine}
-    )  # few, to compile soon
+    few = Catalogue((SHIPPED["viscous"], mine))  # to compile soon
     monkeypatch.setenv("SWINGDOWN_CACHE", str(tmp_path))
     assert_units(mine)
     values = {
@@ -189,7 +188,7 @@ def test_an_effect_is_one_entry(monkeypatch, tmp_path):
         "stop_rate": 4.0,
     }
     times = np.linspace(0, 4, 101)
-    read = simulate(Model("viscous+stopper", values), times, 0.6)
+    read = simulate(Model("viscous+stopper", values, catalogue=few), times, 0.6)
 
     def moving(t, y):
         stop = -60.0 * max(y[0] - 0.3, 0.0)
@@ -199,3 +198,59 @@ def test_an_effect_is_one_entry(monkeypatch, tmp_path):
         moving, (0, 4), [0.6, 0.0, 0.0], method="DOP853", rtol=1e-12, atol=1e-14, t_eval=times, max_step=4e-3
     ).y[0]
     assert np.abs(read - expected).max() < 1e-8
+
+
+def test_a_catalogue_never_changes():
+    wider = SHIPPED.with_effects(
+        Effect("own", "-k_o*theta", (Parameter("own_k", "k_o", "1/s^2"),), "A.", "none")
+    )
+    assert "own" in wider.names and "own" not in SHIPPED
+    assert SHIPPED.without("viscous").names == SHIPPED.names[1:]
+    with pytest.raises(TypeError):
+        SHIPPED.parameters["own_k"] = None
+
+
+@pytest.mark.parametrize("effect", SHIPPED, **NAMED)
+def test_what_an_entry_says_of_others_is_about_effects_that_there_are(effect):
+    others = [
+        *(one.name for one in effect.contains),
+        *(one.name for one in effect.replaces),
+        *effect.told_apart,
+    ]
+    assert set(others) <= set(SHIPPED.names) - {effect.name}
+    own = {parameter.name for parameter in effect.parameters}
+    assert set(effect.told) <= own
+    assert all(set(one.at) <= own for one in effect.contains)
+    for one in effect.replaces:
+        known = {p.symbol: 1.5 for p in SHIPPED[one.name].parameters} | {"omega_n": 7.0}
+        for values in one.values:
+            assert set(values) == own
+            assert all(np.isfinite(formula.evaluate(text, **known)) for text in values.values())
+
+
+def torque(effect, **values):
+    """The torque (rad/s^2) of an effect without states over a grid of angles and velocities, within a fraction of a radian."""
+    theta, velocity = np.meshgrid(np.linspace(-0.05, 0.05, 21), np.linspace(-0.4, 0.4, 20))
+    known = {p.symbol: values.get(p.name, 1.0) for p in effect.parameters}
+    at = {"theta": theta, "thetadot": velocity, "t": 0.0, "duration": 1.0, "omega_n": 7.0}
+    return np.ravel(formula.evaluate(effect.term, **at, **known) * np.ones_like(theta))
+
+
+@pytest.mark.parametrize("effect", [e for e in SHIPPED if e.contains and not e.states], **NAMED)
+def test_a_richer_effect_is_the_simpler_one_where_its_entry_says(effect):
+    """Of a cubic spring to the linear one that the natural frequency takes up; limits are taken near enough."""
+    for one in effect.contains:
+        near = {name: float(np.clip(value, 1e-9, 1e9)) for name, value in one.at.items()}
+        columns = [torque(SHIPPED[one.name])]
+        if effect.acts_on == "sensor":
+            columns.append(torque(SHIPPED["sensor_gain"], sensor_gain=0.0))
+        if one.name == "cubic_stiffness":
+            columns.append(torque(SHIPPED["torsion_spring"]))
+        found = torque(effect, **near)
+        left = found - np.column_stack(columns) @ np.linalg.lstsq(np.column_stack(columns), found)[0]
+        assert np.linalg.norm(left) < 0.05 * np.linalg.norm(found), one
+
+
+def test_the_second_pendulum_knows_every_effect():
+    """An effect that trials cannot hide has no measured score: whoever adds one adds its twin."""
+    assert set(SHIPPED.names) <= KNOWN | {effect.name for effect in SHIPPED if effect.twin}

@@ -7,8 +7,8 @@ from scipy.integrate import solve_ivp
 from swingdown.discovery.campaign import Swing, campaign
 from swingdown.discovery.rounds import discover
 from swingdown.errors import InputError
-from swingdown.pendulum import catalogue as effects
-from swingdown.pendulum import own as own_effects
+from swingdown.pendulum.catalogue import SHIPPED, catalogue
+from swingdown.pendulum.model import Model, models
 
 COGGING = {
     "torque": "-k*sin(5*theta + phi)",
@@ -19,34 +19,35 @@ COGGING = {
 }
 
 
-@pytest.fixture(autouse=True)
-def catalogue_as_it_was():
-    yield
-    own_effects.use({})
-
-
-def test_an_own_effect_is_found_like_one_of_the_catalogue():
-    own_effects.use({"five_teeth": COGGING})
-    times, rng, swings = np.arange(1001) / 100, np.random.default_rng(3), []
-    for k, release in enumerate((0.3, -0.5, 0.7, 0.9)):
+def cogged(k, phi):
+    """Swings (times, angles) of a viscous pendulum with a cogging torque, with noise of 1 mrad."""
+    times, rng = np.arange(1001) / 100, np.random.default_rng(3)
+    for number, release in enumerate((0.3, -0.5, 0.7, 0.9)):
 
         def motion(t, state):
             angle, velocity = state
-            return velocity, -(7.0**2) * np.sin(angle) - 0.14 * velocity - 0.15 * np.sin(5 * angle + 0.6)
+            return velocity, -(7.0**2) * np.sin(angle) - 0.14 * velocity - k * np.sin(5 * angle + phi)
 
-        angle = solve_ivp(motion, (0, times[-1]), (release, 0.0), "DOP853", times, rtol=1e-10, atol=1e-12).y[
+        found = solve_ivp(motion, (0, times[-1]), (release, 0.0), "DOP853", times, rtol=1e-10, atol=1e-12).y[
             0
         ]
-        swings.append(Swing(f"swing {k}", times, angle + 1e-3 * rng.standard_normal(times.size)))
+        yield Swing(f"swing {number}", times, found + 1e-3 * rng.standard_normal(times.size))
+
+
+@pytest.mark.parametrize("symbol", ["k", "range"])
+def test_an_own_effect_is_found_like_one_of_the_catalogue(symbol):
+    """Whatever its parameters are called: those of the free forms that are given and not fitted are known by their role."""
+    parameters = {symbol: COGGING["parameters"]["k"], "phi": COGGING["parameters"]["phi"]}
+    own = {"five_teeth": {"torque": f"-{symbol}*sin(5*theta + phi)", "parameters": parameters}}
     states = discover(
-        campaign("cogged", swings),
-        "viscous",
+        campaign("cogged", list(cogged(0.15, 0.6))),
+        Model("viscous", catalogue=catalogue(own)),
         rounds=2,
         allowed=("five_teeth", "quadratic_drag", "constant_torque"),
     )
     assert states[-1].found == ("five_teeth",)
     assert not states[-1].missing
-    assert states[-1].fit.model.values["five_teeth_k"] == pytest.approx(0.15, abs=0.01)
+    assert states[-1].fit.model.values[f"five_teeth_{symbol}"] == pytest.approx(0.15, abs=0.01)
     assert states[-1].fit.model.values["five_teeth_phi"] == pytest.approx(0.6, abs=0.1)
 
 
@@ -64,10 +65,30 @@ def test_an_own_effect_is_found_like_one_of_the_catalogue():
 )
 def test_what_cannot_be_an_effect_is_refused(changes, words):
     with pytest.raises(InputError, match=words):
-        own_effects.use({"five_teeth": COGGING | changes})
-    assert "five_teeth" not in effects.known()
+        catalogue({"five_teeth": COGGING | changes})
 
 
-def test_the_catalogues_names_are_taken():
-    with pytest.raises(InputError, match="catalogue has"):
-        own_effects.use({"viscous": COGGING})
+@pytest.mark.parametrize("name", ["viscous", "unnamed_time", "gravity", "gravity_linear"])
+def test_the_catalogues_names_are_taken(name):
+    with pytest.raises(InputError, match="catalogue has an effect"):
+        catalogue({name: COGGING})
+
+
+def test_the_names_of_the_catalogues_parameters_are_taken():
+    """Files go by a parameter's name alone."""
+    brake = {
+        "torque": "-b*exp(-(theta/width)**2)*thetadot",
+        "parameters": {"b": {}, "width": {"start": [0.1]}},
+    }
+    assert "eddy_width" in SHIPPED.parameters
+    with pytest.raises(InputError, match="a parameter 'eddy_width'"):
+        catalogue({"eddy": brake})
+
+
+def test_one_studys_effects_are_no_other_ones():
+    own = catalogue({"five_teeth": COGGING})
+    assert own.names == (*SHIPPED.names, "five_teeth")
+    assert own is catalogue({"five_teeth": COGGING}), "the same settings, the same compiled engine"
+    assert "five_teeth" not in SHIPPED and "five_teeth" not in catalogue({})
+    with pytest.raises(InputError, match="no such effect"):
+        models(["viscous+five_teeth"])

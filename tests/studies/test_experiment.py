@@ -91,9 +91,9 @@ def test_a_larger_model_starts_from_its_sub_models(angles, monkeypatch):
 
     begun = {}
 
-    def spy(label, times, angle, guess=None, **options):
-        fit = real(label, times, angle, guess=guess, **options)
-        begun[label] = {one.model.label for one in guess or ()}
+    def spy(model, times, angle, guess=None, **options):
+        fit = real(model, times, angle, guess=guess, **options)
+        begun[model.label] = {one.model.label for one in guess or ()}
         return fit
 
     real = experiment.fit_trajectory

@@ -134,7 +134,7 @@ def test_the_dataset_has_axes_for_dimensions_units_settings_and_seeds(reference)
 def test_a_draw_can_be_made_again_from_what_the_file_says(reference):
     """By numpy alone: the seed, the cell's key, the draw's index; then the noise's formula and the fit."""
     from swingdown.engine.trajectory import simulate
-    from swingdown.fitting.fit import fit_trajectory
+    from swingdown.fitting.least_squares import fit_trajectory
     from swingdown.pendulum.model import Model
 
     cell = reference[0].sel(simulated="load_coulomb", snr=20)

@@ -17,6 +17,7 @@ rule fit_swing:
         fitted=config["experiment"]["fitted"],
         start=config["experiment"]["start"],
         model=config["model"],
+        effects=config["effects"],
     message:
         "Fitting the models to {wildcards.recording}"
     script:
@@ -37,6 +38,7 @@ rule fit_campaign:
         fitted=config["experiment"]["fitted"],
         start=config["experiment"]["start"],
         model=config["model"],
+        effects=config["effects"],
     message:
         "Fitting the models to all swings of {wildcards.campaign} together"
     script:

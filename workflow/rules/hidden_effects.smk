@@ -2,10 +2,12 @@
 # needs: nothing but the settings
 # makes: results/hidden_effects/scores.csv, summary.csv, confusion.csv, guard.yaml and their figure; on request only
 
+from swingdown.pendulum.catalogue import catalogue
 from swingdown.trials.schedule import chunks
 
 HIDDEN = config["hidden_effects"]
-TRIALS = chunks(HIDDEN)
+with console.job():
+    TRIALS = chunks(HIDDEN, catalogue(config["effects"]))
 
 
 rule hidden_make:
@@ -20,6 +22,7 @@ rule hidden_make:
     params:
         trials=lambda wildcards: [list(one) for one in TRIALS[wildcards.chunk]],
         seed=HIDDEN["seed"],
+        effects=config["effects"],
     message:
         "Hiding effects in campaigns {wildcards.chunk}"
     script:
@@ -36,8 +39,8 @@ rule hidden_find:
     log:
         "results/logs/hidden_effects/find-{chunk}.log",
     params:
-        base=["viscous", "load_coulomb"],
         rounds=HIDDEN["rounds"],
+        effects=config["effects"],
     message:
         "Looking for what is hidden in campaigns {wildcards.chunk}"
     script:
@@ -56,6 +59,8 @@ rule hidden_score:
         guard="results/hidden_effects/guard.yaml",
     log:
         "results/logs/hidden_effects/score.log",
+    params:
+        effects=config["effects"],
     message:
         "Holding the verdicts against the truth"
     script:

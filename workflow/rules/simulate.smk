@@ -33,6 +33,7 @@ rule fit_simulated:
     params:
         fitted=config["simulation"]["fitted"],
         start=config["simulation"]["start"],
+        effects=config["effects"],
     message:
         "Fitting the noisy swings simulated with {wildcards.simulated}"
     script:

@@ -6,21 +6,22 @@ from pathlib import Path
 from swingdown import console
 from swingdown.discovery import files
 from swingdown.discovery.rounds import first_fit, fit_from, look
-from swingdown.pendulum import own as own_effects
+from swingdown.pendulum.catalogue import catalogue
+from swingdown.pendulum.model import Model
 
 
-def discover_round(campaign, angles, roles, base, previous, number, rounds, model, output):
+def discover_round(campaign, angles, roles, base, previous, number, rounds, output):
     """The round's folder written, and what it found in a sentence."""
     swings, emulated = files.read_campaign(campaign, angles, roles)
     found = ()
     if previous is None:
-        fit = first_fit(swings, base, **model)
+        fit = first_fit(swings, base)
     else:
         start = files.read_rounds([previous])[0]["next"]
         if start is None:  # nothing to add: the round hands its model on
             shutil.copytree(previous, output, dirs_exist_ok=True)
             return f"{campaign}: round {number} has nothing to do"
-        fit, found = fit_from(swings, files.begin(start, **model)), tuple(start["found"])
+        fit, found = fit_from(swings, files.begin(start, base)), tuple(start["found"])
     state = look(number, swings, fit, found, last=number == rounds)
     files.write_round(state, swings, output, emulated)
     said = state.chosen.move if state.chosen else state.reason
@@ -30,12 +31,12 @@ def discover_round(campaign, angles, roles, base, previous, number, rounds, mode
 if __name__ == "__main__":
     with console.job(snakemake.log[0]) as say:
         params, wildcards = snakemake.params, snakemake.wildcards
-        own_effects.use(params.effects)
+        base = Model(tuple(params.base), **params.model, catalogue=catalogue(params.effects))
         previous = snakemake.input.get("previous")
         say(
             discover_round(
-                wildcards.campaign, list(snakemake.input.angles), params.roles, tuple(params.base),
-                Path(previous).parent if previous else None, int(wildcards.n), params.rounds, params.model,
+                wildcards.campaign, list(snakemake.input.angles), params.roles, base,
+                Path(previous).parent if previous else None, int(wildcards.n), params.rounds,
                 Path(snakemake.output.model).parent,
             )
         )  # fmt: skip

@@ -7,14 +7,14 @@ from swingdown import console
 from swingdown.discovery.files import read_rounds
 from swingdown.discovery.verdict import verdict
 from swingdown.paths import written_whole
-from swingdown.pendulum import own as own_effects
+from swingdown.pendulum.catalogue import catalogue
 
 
-def discover_verdict(folders, output):
+def discover_verdict(folders, known, output):
     """The verdict written, and its sentence."""
     rounds = read_rounds(folders)
     last = next((k for k, state in enumerate(rounds) if state["next"] is None), len(rounds) - 1)
-    found = verdict(rounds[: last + 1])
+    found = verdict(rounds[: last + 1], known)
     with written_whole(output) as partial:
         partial.write_text(json.dumps(found, indent=1, ensure_ascii=False) + "\n")
     return f"{found['campaign']}: {found['status']}. {found['sentence']}"
@@ -22,5 +22,5 @@ def discover_verdict(folders, output):
 
 if __name__ == "__main__":
     with console.job(snakemake.log[0]) as say:
-        own_effects.use(snakemake.params.effects)
-        say(discover_verdict([Path(path).parent for path in snakemake.input.rounds], snakemake.output[0]))
+        folders = [Path(path).parent for path in snakemake.input.rounds]
+        say(discover_verdict(folders, catalogue(snakemake.params.effects), snakemake.output[0]))

@@ -3,12 +3,12 @@
 import numpy as np
 
 from swingdown import console, dataset
-from swingdown.pendulum.model import symbol
+from swingdown.pendulum.model import models, symbol
 from swingdown.studies import experiment
 
 
-def fit_campaign(angles, campaign, fitted, start, model, output):
-    fits = experiment.fit_campaign([dataset.read(path) for path in angles], fitted, start=start, **model)
+def fit_campaign(angles, campaign, fitted, start, output):
+    fits = experiment.fit_campaign([dataset.read(path) for path in angles], fitted, start=start)
     dataset.write(fits, output)
     norms = np.sqrt((fits["norm"] ** 2).mean("recording"))
     best = str(norms["fitted"].values[norms.argmin("fitted")])
@@ -18,13 +18,5 @@ def fit_campaign(angles, campaign, fitted, start, model, output):
 if __name__ == "__main__":
     with console.job(snakemake.log[0]) as say:
         params, campaign = snakemake.params, snakemake.wildcards.campaign
-        say(
-            fit_campaign(
-                snakemake.input.angles,
-                campaign,
-                params.fitted,
-                params.start,
-                params.model,
-                snakemake.output[0],
-            )
-        )
+        fitted = models(params.fitted, params.effects, **params.model)
+        say(fit_campaign(snakemake.input.angles, campaign, fitted, params.start, snakemake.output[0]))

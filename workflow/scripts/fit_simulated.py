@@ -5,8 +5,8 @@ from swingdown.pendulum.model import symbol
 from swingdown.studies.simulation import simulation_norms
 
 
-def fit_simulated(realizations, simulated, fitted, start, output):
-    norms = simulation_norms(dataset.read(realizations), simulated, fitted, start=start)
+def fit_simulated(realizations, simulated, fitted, start, effects, output):
+    norms = simulation_norms(dataset.read(realizations), simulated, fitted, start, effects)
     dataset.write(norms, output)
     means = norms["norm"].mean("realization").sel(simulated=simulated)
     best = str(means["fitted"].values[means.argmin("fitted")])
@@ -22,6 +22,7 @@ if __name__ == "__main__":
         simulated = snakemake.wildcards.simulated
         say(
             fit_simulated(
-                snakemake.input.realizations, simulated, params.fitted, params.start, snakemake.output[0]
+                snakemake.input.realizations, simulated, params.fitted, params.start, params.effects,
+                snakemake.output[0],
             )
-        )
+        )  # fmt: skip

@@ -1,12 +1,12 @@
 """All models fitted to one swing."""
 
 from swingdown import console, dataset
-from swingdown.pendulum.model import symbol
+from swingdown.pendulum.model import models, symbol
 from swingdown.studies.experiment import fit_recording
 
 
-def fit_swing(angle, fitted, start, model, output):
-    fits = fit_recording(dataset.read(angle), fitted, start=start, **model)
+def fit_swing(angle, fitted, start, output):
+    fits = fit_recording(dataset.read(angle), fitted, start=start)
     dataset.write(fits, output)
     order = fits["norm"].sortby(fits["norm"])
     told = ", ".join(
@@ -19,4 +19,5 @@ def fit_swing(angle, fitted, start, model, output):
 if __name__ == "__main__":
     with console.job(snakemake.log[0]) as say:
         params = snakemake.params
-        say(fit_swing(snakemake.input.angle, params.fitted, params.start, params.model, snakemake.output[0]))
+        fitted = models(params.fitted, params.effects, **params.model)
+        say(fit_swing(snakemake.input.angle, fitted, params.start, snakemake.output[0]))

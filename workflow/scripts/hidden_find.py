@@ -4,7 +4,10 @@ import json
 from pathlib import Path
 
 from swingdown import console
+from swingdown.pendulum.catalogue import catalogue
+from swingdown.pendulum.model import Model
 from swingdown.trials.find import find
+from swingdown.trials.trial import BASE
 
 
 def verdicts(sheet, excluded, base, rounds, output):
@@ -17,4 +20,5 @@ def verdicts(sheet, excluded, base, rounds, output):
 if __name__ == "__main__":
     with console.job(snakemake.log[0]) as say:
         inputs, params = snakemake.input, snakemake.params
-        say(verdicts(inputs.sheet, inputs.excluded, params.base, params.rounds, snakemake.output[0]))
+        base = Model(BASE, catalogue=catalogue(params.effects))
+        say(verdicts(inputs.sheet, inputs.excluded, base, params.rounds, snakemake.output[0]))

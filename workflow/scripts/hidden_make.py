@@ -6,21 +6,22 @@ from pathlib import Path
 import pandas as pd
 
 from swingdown import console
+from swingdown.pendulum.catalogue import catalogue
 from swingdown.trials.schedule import Planned, drawn
 from swingdown.trials.trial import write_trial
 
 
-def make(chunk, trials, seed, sheet, excluded, truth):
+def make(chunk, trials, seed, known, sheet, excluded, truth):
     """The chunk's files written, and how many trials it has."""
     folder = Path(sheet).parent
     folder.mkdir(parents=True, exist_ok=True)
     rows, truths, lacks = [], {}, {}
     for number, one in enumerate(map(Planned._make, trials), 1):
-        trial = drawn(seed, one)
+        trial = drawn(seed, one, known)
         if trial is None:  # no size within reason leaves such a residual
             continue
         name = f"c{chunk}{number:02d}"
-        more, truths[name] = write_trial(trial, seed, name, folder)
+        more, truths[name] = write_trial(trial, seed, name, folder, known)
         rows += more
         if trial.kind == "removed":
             lacks[name] = list(trial.hidden)
@@ -33,13 +34,10 @@ def make(chunk, trials, seed, sheet, excluded, truth):
 if __name__ == "__main__":
     with console.job(snakemake.log[0]) as say:
         params, output = snakemake.params, snakemake.output
+        known = catalogue(params.effects)
         say(
             make(
-                snakemake.wildcards.chunk,
-                params.trials,
-                params.seed,
-                output.sheet,
-                output.excluded,
+                snakemake.wildcards.chunk, params.trials, params.seed, known, output.sheet, output.excluded,
                 output.truth,
             )
-        )
+        )  # fmt: skip

@@ -7,20 +7,21 @@ import pandas as pd
 import yaml
 
 from swingdown import console
+from swingdown.pendulum.catalogue import catalogue
 from swingdown.trials.score import confusion, guard, row, summarise
 
 
-def score(truths, verdicts, scores, summary, matrix, guarded):
+def score(truths, verdicts, known, scores, summary, matrix, guarded):
     """The tables written, and what they say in a line."""
     rows = []
     for truth, verdict in zip(truths, verdicts, strict=True):
-        known, found = (json.loads(Path(path).read_text()) for path in (truth, verdict))
-        rows += [row(name, known[name], found[name]) for name in known]
+        true, found = (json.loads(Path(path).read_text()) for path in (truth, verdict))
+        rows += [row(name, true[name], found[name], known) for name in true]
     table = pd.DataFrame(rows)
     table.to_csv(scores, index=False, float_format="%.6g")
     figures = summarise(table)
     figures.to_csv(summary, index=False, float_format="%.4g")
-    confusion(table).to_csv(matrix, float_format="%.4g")
+    confusion(table, known).to_csv(matrix, float_format="%.4g")
     Path(guarded).write_text(
         "# To be taken into workflow/src/swingdown/discovery/guard.yaml, which verdicts quote.\n"
         + yaml.safe_dump(guard(table), sort_keys=False)
@@ -31,8 +32,9 @@ def score(truths, verdicts, scores, summary, matrix, guarded):
 if __name__ == "__main__":
     with console.job(snakemake.log[0]) as say:
         inputs, output = snakemake.input, snakemake.output
+        known = catalogue(snakemake.params.effects)
         say(
             score(
-                inputs.truths, inputs.verdicts, output.scores, output.summary, output.confusion, output.guard
+                inputs.truths, inputs.verdicts, known, output.scores, output.summary, output.confusion, output.guard
             )
-        )
+        )  # fmt: skip

@@ -1,7 +1,6 @@
 """One chunk of an identification sweep: every model fitted to every draw of its cells."""
 
 from swingdown import console, dataset
-from swingdown.pendulum import own as own_effects
 from swingdown.sweep import identification
 from swingdown.sweep.chunks import find_chunk
 from swingdown.sweep.compute import compute
@@ -15,5 +14,4 @@ def sweep_chunk(book, name, output):
 
 if __name__ == "__main__":
     with console.job(snakemake.log[0]) as say:
-        own_effects.use(snakemake.config["effects"])
         say(sweep_chunk(snakemake.params.book, snakemake.wildcards.chunk, snakemake.output[0]))

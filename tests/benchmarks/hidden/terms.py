@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from swingdown.pendulum.catalogue import CATALOGUE
+from swingdown.pendulum.catalogue import SHIPPED
 
 
 class Point(NamedTuple):
@@ -48,7 +48,7 @@ ALIASES = {
 
 def _term(name, columns, shapes=0, sign=None):
     if sign is None:
-        sign = int(CATALOGUE[name].parameters[0].lower >= 0)
+        sign = int(SHIPPED[name].size.lower >= 0)
     return Term(ALIASES.get(name, (name,)), columns, shapes, sign)
 
 

@@ -7,7 +7,7 @@ import numpy as np
 from scipy.optimize import minimize_scalar
 
 from ..errors import InputError
-from ..fitting.guess import half_swings
+from ..fitting.guess import middle_crossings
 
 # A single recording is cut into parts of as many half-swings each: odd numbers of them, so that both ends are fitted.
 _PARTS = {5: 20, 3: 9}  # parts, and the half-swings a recording must have to be cut into so many
@@ -100,7 +100,7 @@ def cut(swing):
 
     What follows the last swing that can be told from rest stays with the last part.
     """
-    crossings, _ = half_swings(swing.times, swing.angle - np.mean(swing.angle[-swing.times.size // 4 :]))
+    crossings, _ = middle_crossings(swing.times, swing.angle - np.mean(swing.angle[-swing.times.size // 4 :]))
     count = next((parts for parts, least in _PARTS.items() if crossings.size > least), None)
     if count is None:
         raise InputError(f"recording {swing.name}", f"{max(crossings.size - 1, 0)} half-swings, and no other recording in its campaign",

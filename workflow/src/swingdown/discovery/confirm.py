@@ -1,30 +1,33 @@
 """Held-out swings: a model is asked about swings that it never saw, with only their releases (and phases) refitted."""
 
+from collections.abc import Sequence
+
 import numpy as np
 
-from ..fitting.fit import fit_jointly
-from ..pendulum import catalogue as effects
+from ..fitting.least_squares import fit_jointly
+from ..fitting.result import Array, Fit
+from .campaign import Noise, Swing
 
 
-def predict(fit, swings):
+def predict(fit: Fit, swings: Sequence[Swing]) -> Fit:
     """The ``Fit`` of a model's fixed parameters to further swings, each with its own release."""
     model = fit.model
-    own = [p.name for name in model.effects for p in effects.effect(name).parameters if p.own]
-    fixed = {name: value for name, value in model.values.items() if name not in own}
-    return fit_jointly(model.effects, [swing.pair for swing in swings], guess=model, bounded=True, own=own, fixed=fixed,
-                       restoring=model.restoring, form=model.form)  # fmt: skip
+    fixed = {name: value for name, value in model.values.items() if name not in model.each}
+    return fit_jointly(
+        model, [swing.pair for swing in swings], guess=model, bounded=True, own=model.each, fixed=fixed
+    )
 
 
-def gap(fit, noise):
+def gap(fit: Fit, noise: Noise) -> float:
     """The residual's RMS in units of the measured noise."""
     return float(fit.rms / noise.deviation)
 
 
-def better(before, after, noise):
+def better(before: Fit, after: Fit, noise: Noise) -> float:
     """The fall of the held-out sum of squares in units of the noise at the pendulum's frequencies; above 0 is better."""
     return float((before.rss - after.rss) / noise.slow_variance)
 
 
-def per_swing(fit, noise):
+def per_swing(fit: Fit, noise: Noise) -> Array:
     """The residual's RMS of each swing in units of the noise."""
-    return np.asarray(fit.swing_rms) / noise.deviation
+    return np.array([swing.rms for swing in fit.swings]) / noise.deviation

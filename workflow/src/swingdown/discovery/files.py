@@ -1,21 +1,22 @@
 """A round of discovery as files: written by one job, read by the next."""
 
 import json
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pandas as pd
 import xarray as xr
 
 from .. import dataset
+from ..fitting.result import Begin, Fit, SwingStart
 from ..pendulum.model import Model, write_model
 from .campaign import Swing, campaign
 from .confirm import gap, per_swing
 from .half_swings import said
-from .linear import each_model
 from .locate import kind
-from .refit import Begin
 from .rounds import after
 
 _RANKING = ["move", "added", "dropped", "delta_bic", "rms_rad", "tied", "correlation", "refused", "effects"]
@@ -56,7 +57,7 @@ def write_round(state, campaign, folder, emulated):
 def _series(state, campaign, emulated):
     """Data and fit of every swing, fitted and held out, as one ragged dataset (swing index by sample)."""
     swings = [*campaign.fit, *campaign.holdout]
-    series = [*state.fit.angle, *state.holdout.angle]
+    series = [one.angle for one in (*state.fit.swings, *state.holdout.swings)]
     rad = {"units": "rad"}
     return xr.Dataset(
         {
@@ -96,11 +97,11 @@ def summary(state, campaign):
         "round": state.number,
         "campaign": campaign.name,
         "split": campaign.how,
-        "effects": list(state.fit.model.effects),
+        "effects": list(state.fit.model.names),
         "found": list(state.found),
         "parameters": _parameters(state.model),
         "systematic_rad": campaign.systematic,
-        "largest_angle_rad": max(float(np.max(np.abs(series))) for series in state.fit.angle),
+        "largest_angle_rad": float(np.max(np.abs(state.fit.angle))),
         "noise_rms_rad": state.noise.deviation,
         "noise_correlation": state.noise.correlation,
         "gap": {"fit": gap(state.fit, state.noise), "holdout": gap(state.holdout, state.noise)},
@@ -138,13 +139,13 @@ def _finite(value):
     return float(value) if value is not None and np.isfinite(value) else None
 
 
-def _start(fit):
+def _start(fit: Fit) -> dict[str, Any]:
     """What a fit of the same swings can begin from: effects, each swing's values, releases."""
     return {
-        "effects": list(fit.model.effects),
-        "values": [model.values for model in each_model(fit)],
-        "release_angle": list(fit.release_angle),
-        "release_velocity": list(fit.release_velocity),
+        "effects": list(fit.model.names),
+        "values": [dict(model.values) for model in fit.models],
+        "release_angle": [swing.release_angle for swing in fit.swings],
+        "release_velocity": [swing.release_velocity for swing in fit.swings],
     }
 
 
@@ -153,9 +154,8 @@ def read_rounds(folders):
     return [json.loads((Path(folder) / "round.json").read_text()) for folder in folders]
 
 
-def begin(start, restoring, form):
-    """The ``refit.Begin`` that a round.json's ``next`` describes."""
-    model = Model(tuple(start["effects"]), restoring=restoring, form=form).with_values(start["values"][0])
-    return Begin(
-        model, tuple(start["values"]), tuple(start["release_angle"]), tuple(start["release_velocity"])
-    )
+def begin(start: Mapping[str, Any], base: Model) -> Begin:
+    """The ``Begin`` that a round.json's ``next`` describes, of the catalogue and with the options of the base model."""
+    model = base.with_effects(start["effects"], start["values"][0])
+    releases = start["values"], start["release_angle"], start["release_velocity"]
+    return Begin(model, tuple(map(SwingStart, *releases)))

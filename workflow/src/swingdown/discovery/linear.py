@@ -1,5 +1,6 @@
 """The fit's residual and everything that could move it, to first order: the space in which effects are looked for."""
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -7,7 +8,10 @@ from scipy.linalg import qr
 from scipy.optimize import lsq_linear
 
 from ..engine.trajectory import sensitivities
-from ..pendulum.model import Model
+from ..fitting.problem import RELEASE
+from ..fitting.result import Array, Fit
+from ..pendulum.effect import Effect
+from .campaign import Swing
 
 _ADDS_NOTHING = 1e-6  # of its size: a column that is so little outside the others' span is left out
 
@@ -21,24 +25,24 @@ class Frame:
     ``slices`` tell which samples are whose.
     """
 
-    fit: object
-    swings: tuple
-    residual: np.ndarray
-    slopes: np.ndarray
-    basis: np.ndarray
-    slices: tuple
-    names: tuple
-    of: tuple
+    fit: Fit
+    swings: tuple[Swing, ...]
+    residual: Array
+    slopes: Array
+    basis: Array
+    slices: tuple[slice, ...]
+    names: tuple[str, ...]
+    of: tuple[int, ...]
 
-    def outside(self, columns):
+    def outside(self, columns: Array) -> Array:
         """The part of the columns (samples, any) that the fit cannot absorb by its own parameters."""
         return columns - self.basis @ (self.basis.T @ columns)
 
     @property
-    def room(self):
+    def room(self) -> tuple[Array, Array]:
         """How far each column's value can go down and up from where it is, within the catalogue's bounds: two arrays."""
         definitions = {definition.name: definition for definition in self.fit.model.definitions}
-        values = [model.values for model in each_model(self.fit)]
+        values = [model.values for model in self.fit.models]
         low, high = np.full(len(self.names), -np.inf), np.full(len(self.names), np.inf)
         for k, (name, swing) in enumerate(zip(self.names, self.of, strict=True)):
             if name in definitions:
@@ -53,28 +57,24 @@ class Step:
     the columns that were offered, and the changes of the fit's own values that go with them."""
 
     squares: float
-    coefficients: np.ndarray
-    own: np.ndarray
+    coefficients: Array
+    own: Array
 
 
-def each_model(fit):
-    """The model of each swing of a joint fit: shared values with the swing's own."""
-    own = fit.own or ({},) * len(fit.release_angle)
-    return [fit.model.with_values(fit.model.values | one) for one in own]
-
-
-def frame(fit, swings):
+def frame(fit: Fit, swings: Sequence[Swing]) -> Frame:
     """The ``Frame`` of a joint fit to these swings."""
     edges = np.concatenate([[0], np.cumsum([swing.times.size for swing in swings])])
     slices = tuple(slice(int(a), int(b)) for a, b in zip(edges, edges[1:], strict=False))
-    residual = np.concatenate([swing.angle - series for swing, series in zip(swings, fit.angle, strict=True)])
-    shared = [name for name in fit.model.parameters if not any(name in one for one in fit.own)]
-    each = [*(fit.own[0] if fit.own else ()), "release_angle", "release_velocity"]
+    residual = np.concatenate(
+        [swing.angle - one.angle for swing, one in zip(swings, fit.swings, strict=True)]
+    )
+    own = tuple(fit.swings[0].own)
+    shared = [name for name in fit.model.parameters if name not in own]
+    each = [*own, *RELEASE]
     slopes = np.zeros((residual.size, len(shared) + len(each) * len(swings)))
-    for k, (swing, one) in enumerate(zip(swings, each_model(fit), strict=True)):
-        rows = sensitivities(
-            one, swing.times, fit.release_angle[k], fit.release_velocity[k], free=[*shared, *each]
-        )[1]
+    for k, (swing, one) in enumerate(zip(swings, fit.swings, strict=True)):
+        release = one.release_angle, one.release_velocity
+        rows = sensitivities(one.model, swing.times, *release, free=[*shared, *each])[1]
         slopes[slices[k], : len(shared)] = rows[: len(shared)].T
         first = len(shared) + k * len(each)
         slopes[slices[k], first : first + len(each)] = rows[len(shared) :].T
@@ -83,7 +83,7 @@ def frame(fit, swings):
     return Frame(fit, tuple(swings), residual, slopes, orthonormal(slopes), slices, names, of)
 
 
-def orthonormal(columns):
+def orthonormal(columns: Array) -> Array:
     """An orthonormal basis of the columns' span (samples, rank), those that add nothing left out."""
     size = np.linalg.norm(columns, axis=0)
     kept = columns[:, size > 0] / size[size > 0]
@@ -91,24 +91,20 @@ def orthonormal(columns):
     return basis[:, np.abs(np.diag(triangle)) > _ADDS_NOTHING]
 
 
-def columns_of(frame, effect, values, free):
+def columns_of(frame: Frame, effect: Effect, values: Mapping[str, float], free: Sequence[str]) -> Array:
     """What each of the ``free`` parameters of one further effect does to the angles, at the given values of all of them.
 
     An array (samples, len(free)), or where a parameter is each recording's own, (samples, swings * len(free)) with zeros
     outside the recording.
     """
-    separate = any(parameter.own for parameter in effect.parameters)
     blocks = []
-    for k, (swing, one) in enumerate(zip(frame.swings, each_model(frame.fit), strict=True)):
-        if effect.name in one.effects:  # a free form that the model already has
-            wider = one
-        else:
-            wider = Model(
-                (*one.effects, effect.name), one.values | values, restoring=one.restoring, form=one.form
-            )
-        release = frame.fit.release_angle[k], frame.fit.release_velocity[k]
+    for swing, one in zip(frame.swings, frame.fit.swings, strict=True):
+        wider = one.model  # of a free form that the model already has
+        if effect.name not in wider.names:
+            wider = wider.with_effects((*wider.names, effect.name), {**wider.values, **values})
+        release = one.release_angle, one.release_velocity
         blocks.append(sensitivities(wider, swing.times, *release, free=free)[1].T)
-    if not separate:
+    if not effect.each:
         return np.concatenate(blocks)
     wide = np.zeros((frame.residual.size, len(blocks) * len(free)))
     for k, block in enumerate(blocks):
@@ -116,7 +112,7 @@ def columns_of(frame, effect, values, free):
     return wide
 
 
-def explained(frame, columns):
+def explained(frame: Frame, columns: Array) -> tuple[float, int]:
     """The sum of squares (rad^2) of the residual that the columns explain beyond the fit, and how many of them count."""
     outside = frame.outside(columns)
     size, kept = np.linalg.norm(columns, axis=0), np.linalg.norm(outside, axis=0)
@@ -127,7 +123,7 @@ def explained(frame, columns):
     return float(np.sum((basis.T @ frame.residual) ** 2)), basis.shape[1]
 
 
-def best_step(frame, columns, low, high):
+def best_step(frame: Frame, columns: Array, low: Array, high: Array) -> Step:
     """The ``Step`` of least squares with the coefficients between ``low`` and ``high``, the fit's own values within theirs."""
     whole = np.hstack([frame.slopes, columns])
     size = np.linalg.norm(whole, axis=0)

@@ -4,13 +4,16 @@ Torques of a general form are pushed through the equations of variation at the f
 is projected out; the share of the residual that each group explains is a chi-square. No noisy data are differentiated.
 """
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
 from scipy.stats import chi2
 
+from ..fitting.result import Array
+from .campaign import Noise
 from .free_form import free_columns
-from .linear import explained
+from .linear import Frame, explained
 
 KINDS = {
     "position": "restoring",
@@ -35,7 +38,7 @@ class Group:
     share: float
 
 
-def groups(frame, noise):
+def groups(frame: Frame, noise: Noise) -> list[Group]:
     """The ``Group`` of position, its constant part, velocity, time, sensor, spectral line, and any other, in that order.
 
     ``share`` is the part of the residual beyond the noise that the group explains to first order. The line is the
@@ -64,7 +67,7 @@ def groups(frame, noise):
     return found
 
 
-def kind(found):
+def kind(found: Iterable[Group]) -> str | None:
     """The key of ``KINDS`` for the group that explains most, or None where there are no groups."""
     shares = {group.name: group.share for group in found if group.name not in ("other", "constant")}
     if not shares:
@@ -74,13 +77,12 @@ def kind(found):
     return "constant" if best == "position" and constant > _CONSTANT * shares[best] else best
 
 
-def probes(frame):
+def probes(frame: Frame) -> dict[str, Array]:
     """The columns of each group's general form, by name."""
-    columns = {name: free_columns(frame, f"unnamed_{name}") for name in ("position", "velocity", "time")}
-    angle = np.concatenate(frame.fit.angle)
-    speed = np.concatenate(
-        [np.gradient(s, w.times) for s, w in zip(frame.fit.angle, frame.swings, strict=True)]
-    )
+    columns = {form.over: free_columns(frame, form) for form in frame.fit.model.catalogue.free_forms}
+    angle = frame.fit.angle
+    series = zip(frame.fit.swings, frame.swings, strict=True)
+    speed = np.concatenate([np.gradient(one.angle, swing.times) for one, swing in series])
     since = np.concatenate([(w.times - w.times[0]) / (w.times[-1] - w.times[0]) for w in frame.swings])
     x, v = angle / np.max(np.abs(angle)), speed / np.max(np.abs(speed))
     sensor = np.column_stack([np.ones_like(x), angle, np.cos(angle), np.sin(angle), speed, np.sign(speed)])
@@ -96,7 +98,7 @@ def probes(frame):
     }
 
 
-def line(frame, low=0.3):
+def line(frame: Frame, low: float = 0.3) -> tuple[float, float, int]:
     """The frequency (Hz) at which sines of every recording's own phase explain most of the residual, the sum of squares
     (rad^2) explained there, and how many frequencies were looked at.
     """

@@ -1,25 +1,28 @@
 """One round of discovery after the other: fit, look where it fails, name what is missing, confirm, add."""
 
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
+import pandas as pd
 
 from ..engine.trajectory import TrajectoryError
-from ..fitting.fit import fit_jointly
-from ..pendulum import catalogue as effects
-from .campaign import measure_noise
+from ..fitting.least_squares import fit_jointly
+from ..fitting.result import Begin, Fit
+from ..pendulum.effect import NATURAL_FREQUENCY
+from ..pendulum.model import Model, as_model
+from .campaign import Campaign, Noise, measure_noise
 from .confirm import better, predict
 from .free_form import fit_free_form, kept, missing
 from .half_swings import beside
-from .linear import each_model, frame
-from .locate import groups
-from .name import Candidate, correlation, drops, evidence, in_place_of, ranking, tied
+from .linear import Frame, frame
+from .locate import Group, groups
+from .ranking import Candidate, correlation, drops, evidence, in_place_of, ranking, tied
 from .refit import nudged, refit
 from .verdict import GUARD
 
-_SUBSTANTIAL = (
-    1 / 3
-)  # of what is left beyond the noise: many small additions can imitate anything, and name nothing
+# of what is left beyond the noise: many small additions can imitate anything, and name nothing
+_SUBSTANTIAL = 1 / 3
 _TO_THE_END = 200  # evaluations
 _UNNEEDED = 4.0  # chi-square that a held-out swing may lose with a term that is dropped
 
@@ -35,28 +38,28 @@ class Round:
     """
 
     number: int
-    fit: object
-    holdout: object
-    noise: object
-    groups: tuple
-    curves: object
-    kept: object
-    half_swings: object
-    found: tuple = ()
-    ranked: tuple = ()
-    ties: tuple = ()
-    alike: dict = field(default_factory=dict)
-    rivals: dict = field(default_factory=dict)
-    chosen: object = None  # the Candidate that is the next model, or None
+    fit: Fit
+    holdout: Fit
+    noise: Noise
+    groups: tuple[Group, ...]
+    curves: pd.DataFrame
+    kept: pd.DataFrame
+    half_swings: pd.DataFrame
+    found: tuple[str, ...] = ()
+    ranked: tuple[Candidate, ...] = ()
+    ties: tuple[Candidate, ...] = ()
+    alike: dict[str, float] = field(default_factory=dict)
+    rivals: dict[str, list[str | None]] = field(default_factory=dict)
+    chosen: Candidate | None = None  # the next model
     reason: str = ""  # why there is none
 
     @property
-    def bic(self):
+    def bic(self) -> float:
         """The evidence of the fit, to hold the candidates' against."""
         return evidence(self.fit, self.noise)
 
     @property
-    def model(self):
+    def model(self) -> Model:
         """The model with standard errors that know the noise's colour."""
         wider = np.sqrt(self.noise.inflation)
         model = self.fit.model
@@ -65,69 +68,83 @@ class Round:
         )
 
     @property
-    def missing(self):
+    def nameless(self) -> list[str]:
+        """Those of the effects found that are torques without a name."""
+        return [name for name in self.found if not self.fit.model.catalogue.has_name(name)]
+
+    @property
+    def missing(self) -> bool:
         """True where some group finds more than the noise allows."""
         return any(group.p < GUARD["p_missing"] for group in self.groups)
 
 
-def first_fit(campaign, base, restoring="sine", form="consistent"):
+def first_fit(campaign: Campaign, base: Model) -> Fit:
     """The base model fitted jointly within the catalogue's bounds."""
-    fit = fit_jointly(
-        base, [swing.pair for swing in campaign.fit], bounded=True, restoring=restoring, form=form
-    )
+    fit = fit_jointly(base, [swing.pair for swing in campaign.fit], bounded=True)
     return nudged(fit, campaign.fit)
 
 
-def fit_from(campaign, begin):
-    """The joint fit of the model that a ``refit.Begin`` describes, from the values it has."""
-    return refit(begin.model.effects, begin.own, begin, campaign.fit)
+def fit_from(campaign: Campaign, begin: Begin) -> Fit:
+    """The joint fit of the model that a ``Begin`` has, from the values it has."""
+    return refit(begin, campaign.fit)
 
 
-def look(number, campaign, fit, found=(), allowed=None, last=False):
+def look(
+    number: int,
+    campaign: Campaign,
+    fit: Fit,
+    found: Sequence[str] = (),
+    allowed: Collection[str] | None = None,
+    last: bool = False,
+) -> Round:
     """The ``Round`` at a fit: noise, disagreement, ranking, and the confirmed choice of the next model.
 
     ``found`` names the effects added before; ``allowed`` limits those that may be added; in the ``last`` round nothing
     more is chosen.
     """
-    intervals = [(s.times[-1] - s.times[0]) / (s.times.size - 1) for s in campaign.fit]
-    residuals = [swing.angle - series for swing, series in zip(campaign.fit, fit.angle, strict=True)]
-    noise = measure_noise(
-        residuals, intervals, fit.model.values["natural_frequency"] / (2 * np.pi), campaign.static
-    )
     here = frame(fit, campaign.fit)
-    modelled = [(swing.times, series) for swing, series in zip(campaign.fit, fit.angle, strict=True)]
-    names, pairs = [swing.name for swing in campaign.fit], [swing.pair for swing in campaign.fit]
-    seen = beside(names, pairs, modelled, fit.model.values["natural_frequency"])
-    state = Round(
-        number,
-        fit,
-        predict(fit, campaign.holdout),
-        noise,
-        tuple(groups(here, noise)),
-        missing(here, noise),
-        kept(here, noise),
-        seen,
-        tuple(found),
-    )
+    state = _seen(number, campaign, here, tuple(found))
     if not state.missing:
         return _finished(state, here, campaign, allowed, last)
     if last:
         return replace(state, reason="no round is left")
-    if nameless(found):  # names given to what a free curve leaves would be names of its failings
+    if state.nameless:  # names given to what a free curve leaves would be names of its failings
         return _without_a_name(replace(state, reason="what remains has no form either"), here, campaign)
-    ranked = list(ranking(here, noise, allowed))
+    ranked = list(ranking(here, state.noise, allowed))
     for (
         old
     ) in found:  # two that were found may stand for two others: a better one may take an earlier one's place
-        ranked += in_place_of(here, noise, old, allowed)
+        ranked += in_place_of(here, state.noise, old, allowed)
     ranked.sort(key=lambda one: (bool(one.refused), one.bic))
-    ties = tuple(tied(ranked, noise))
+    ties = tuple(tied(ranked, state.noise))
     alike = {one.move: correlation(here, ties[0], one) for one in ties}
     state = replace(
         state, ranked=tuple(ranked), ties=ties, alike=alike, reason="no effect of the catalogue explains it"
     )
-    excess = fit.rss - fit.n * noise.deviation**2
-    for one in ties:
+    state = _confirmed(state, campaign)
+    return state if state.chosen else _without_a_name(state, here, campaign)
+
+
+def _seen(number: int, campaign: Campaign, here: Frame, found: tuple[str, ...]) -> Round:
+    """The ``Round`` at a fit before anything is tried: the noise, and where model and measurement disagree."""
+    fit, swings = here.fit, campaign.fit
+    frequency = fit.model.values[NATURAL_FREQUENCY.name]
+    intervals = [(swing.times[-1] - swing.times[0]) / (swing.times.size - 1) for swing in swings]
+    residuals = [swing.angle - one.angle for swing, one in zip(swings, fit.swings, strict=True)]
+    noise = measure_noise(residuals, intervals, frequency / (2 * np.pi), campaign.static)
+    modelled = [(swing.times, one.angle) for swing, one in zip(swings, fit.swings, strict=True)]
+    names, pairs = [swing.name for swing in swings], [swing.pair for swing in swings]
+    return Round(
+        number, fit, predict(fit, campaign.holdout), noise, tuple(groups(here, noise)), missing(here, noise),
+        kept(here, noise), beside(names, pairs, modelled, frequency), found,
+    )  # fmt: skip
+
+
+def _confirmed(state: Round, campaign: Campaign) -> Round:
+    """The state with the first of its tied candidates that held-out swings confirm as its choice, or why there is none."""
+    fit = state.fit
+    excess = fit.rss - fit.n * state.noise.deviation**2
+    for one in state.ties:
         if state.bic - one.bic < GUARD["worth_bic"]:
             continue
         if fit.rss - one.fit.rss < _SUBSTANTIAL * excess:
@@ -141,22 +158,16 @@ def look(number, campaign, fit, found=(), allowed=None, last=False):
         if gained(state, settled, campaign) > 0:
             return replace(state, chosen=settled, reason="")
         state = replace(state, reason=f"{one.move} is not confirmed on held-out swings")
-    return _without_a_name(state, here, campaign)
+    return state
 
 
-def _settled(one, state, campaign):
+def _settled(one: Candidate, state: Round, campaign: Campaign) -> Candidate:
     """The candidate with its fit brought to an end: those that are only ranked stop early, and held-out swings judge the end."""
-    fit = refit(
-        one.fit.model.effects,
-        tuple(model.values for model in each_model(one.fit)),
-        one.fit,
-        campaign.fit,
-        most=_TO_THE_END,
-    )
+    fit = refit(one.fit.begin, campaign.fit, most=_TO_THE_END)
     return replace(one, fit=fit, bic=evidence(fit, state.noise))
 
 
-def gained(state, candidate, campaign):
+def gained(state: Round, candidate: Candidate, campaign: Campaign) -> float:
     """What a candidate's model gains on the held-out swings, in units of the noise's variance; less than 0 is worse."""
     try:
         return better(state.holdout, predict(candidate.fit, campaign.holdout), state.noise)
@@ -164,9 +175,11 @@ def gained(state, candidate, campaign):
         return -np.inf
 
 
-def _finished(state, here, campaign, allowed, last):
+def _finished(
+    state: Round, here: Frame, campaign: Campaign, allowed: Collection[str] | None, last: bool
+) -> Round:
     """The state where nothing is missing: what is not needed is dropped, and the rivals of what was found are told."""
-    if nameless(state.found):
+    if state.nameless:
         return replace(state, reason="what was missing has no name")
     state = replace(state, reason="nothing is missing")
     now = evidence(state.fit, state.noise)
@@ -178,24 +191,23 @@ def _finished(state, here, campaign, allowed, last):
     if len(state.found) > 1:
         own = Candidate(None, None, state.fit, now)
         for name in state.found:
-            near = tied(
-                [replace(own, added=name), *in_place_of(here, state.noise, name, allowed)], state.noise
-            )
-            rivals[name] = [one.added for one in near if one.added != name]
+            others = in_place_of(here, state.noise, name, allowed)
+            near = tied([replace(own, added=name), *others], state.noise)
+            rivals[name] = [one.added for one in near if one.added not in (None, name)]
     return replace(state, rivals=rivals)
 
 
-def _without_a_name(state, here, campaign):
+def _without_a_name(state: Round, here: Frame, campaign: Campaign) -> Round:
     """The state with a free-form torque as its choice, if one explains something that held-out swings have too.
 
     The forms are tried in the order of what their groups explain, those that the model has already left out.
     """
-    shares = {f"unnamed_{group.name}": group.share for group in state.groups}
-    left = [name for name in effects.FREE_FORM if name not in state.found]
-    for name in sorted(left, key=lambda name: -shares[name]):
+    shares = {group.name: group.share for group in state.groups}
+    left = [form for form in state.fit.model.catalogue.free_forms if form.name not in state.found]
+    for form in sorted(left, key=lambda form: -shares[form.over]):
         try:
-            fit = fit_free_form(here, name)
-            one = _settled(Candidate(name, None, fit, evidence(fit, state.noise)), state, campaign)
+            fit = fit_free_form(here, form)
+            one = _settled(Candidate(form.name, None, fit, evidence(fit, state.noise)), state, campaign)
         except TrajectoryError:
             continue
         if state.bic - one.bic >= GUARD["worth_bic"] and gained(state, one, campaign) > 0:
@@ -203,9 +215,12 @@ def _without_a_name(state, here, campaign):
     return state
 
 
-def discover(campaign, base, rounds=4, allowed=None, restoring="sine", form="consistent"):
+def discover(
+    campaign: Campaign, base: Model | str, rounds: int = 4, allowed: Collection[str] | None = None
+) -> list[Round]:
     """The list of ``Round``s from the base model until nothing is missing, nothing helps, or ``rounds`` moves were made."""
-    fit, found, states = first_fit(campaign, base, restoring, form), (), []
+    found: tuple[str, ...] = ()
+    fit, states = first_fit(campaign, as_model(base)), []
     for number in range(rounds + 1):
         states.append(look(number, campaign, fit, found, allowed, last=number == rounds))
         if states[-1].chosen is None:
@@ -214,11 +229,6 @@ def discover(campaign, base, rounds=4, allowed=None, restoring="sine", form="con
     return states
 
 
-def nameless(found):
-    """Those of the effects that are torques without a name."""
-    return [name for name in found if name in effects.FREE_FORM]
-
-
-def after(found, chosen):
+def after(found: Sequence[str], chosen: Candidate) -> tuple[str, ...]:
     """The names of the effects found, after a move."""
-    return tuple(name for name in (*found, chosen.added) if name not in (None, chosen.dropped))
+    return tuple(name for name in (*found, chosen.added) if name is not None and name != chosen.dropped)

@@ -71,7 +71,9 @@ def _header(catalogue, gravity):
         (_HERE / name).read_text()
         for name in ("generate.py", "collocation.py", "rows.py", "../pendulum/formula.py")
     ]
-    key = hashlib.sha256("\0".join([repr((catalogue, gravity)), *writers]).encode()).hexdigest()[:20]
+    key = hashlib.sha256(
+        "\0".join([repr([effect.numerics for effect in (*catalogue, *gravity)]), *writers]).encode()
+    ).hexdigest()[:20]
     path = folder() / f"catalogue-{key}.h"
     if path.exists():
         return path.read_text()

@@ -2,11 +2,12 @@
 
 import ctypes
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
 from ..errors import InputError
-from ..pendulum import catalogue as effects
+from ..pendulum.catalogue import SHIPPED
 from . import build
 from .rows import entries
 
@@ -35,36 +36,30 @@ class Effort:
     stuck_after: float | None
 
 
-_loaded = {}
+@lru_cache(maxsize=20)
+def _loaded(catalogue):
+    """The compiled engine for a catalogue, and the row of each effect and form in its table."""
+    effects, gravity = catalogue.known, tuple(catalogue.gravity.values())
+    rows = {(e.name, form): k for k, (e, form) in enumerate(entries(effects, gravity))}
+    return build.load(effects, gravity), rows
 
 
-def _current():
-    """The compiled engine for the catalogue as it is now, and the row of each effect and form in its table."""
-    catalogue = tuple(effects.known().values())
-    key = tuple(
-        map(id, catalogue)
-    )  # an entry's own hash goes through all its text, which a short fit would notice
-    if key not in _loaded:
-        gravity = tuple(effects.GRAVITY.values())
-        rows = {(e.name, form): k for k, (e, form) in enumerate(entries(catalogue, gravity))}
-        _loaded[key] = build.load(catalogue, gravity), rows, catalogue
-    return _loaded[key]
-
-
-def engine():
-    """The compiled engine for the catalogue (compiled at the first use on a machine)."""
-    return _current()[0]
+def engine(catalogue=SHIPPED):
+    """The compiled engine for a catalogue (compiled at the first use on a machine)."""
+    return _loaded(catalogue)[0]
 
 
 class Compiled:
-    """A model as the engine takes it: which effects act where, and where each one's parameters and states begin."""
+    """A model as the engine takes it: which effects act where, and where each one's parameters and states begin.
+
+    ``library`` is the engine that knows these effects.
+    """
 
     def __init__(self, model, duration):
-        gravity = effects.GRAVITY[model.restoring]
-        rows = _current()[1]
-        parts = {"motions": [(rows[gravity.name, "consistent"], 1, 0)], "sensors": [], "clocks": []}
+        self.library, rows = _loaded(model.catalogue)
+        parts = {"motions": [(rows[model.gravity.name, "consistent"], 1, 0)], "sensors": [], "clocks": []}
         play, parameter, state = -1, 1, 0
-        for effect in map(effects.effect, model.effects):
+        for effect in model.effects:
             part = (rows[effect.name, model.form if effect.printed else "consistent"], parameter, state)
             if effect.acts_on == "torque" or effect.states:
                 parts["motions"].append(part)
@@ -121,7 +116,7 @@ def _run(model, times, release_angle, release_velocity, free):
     chosen = (ctypes.c_int * max(1, len(free)))(*(codes[name] for name in free))
     angles, slopes = np.empty(times.size), np.empty((len(free), times.size))
     report = build.CReport()
-    status = engine().swing_trajectory(
+    status = compiled.library.swing_trajectory(
         ctypes.byref(compiled.c), doubles(values), ctypes.c_double(release_angle), ctypes.c_double(release_velocity),
         doubles(times), ctypes.c_int(times.size), ctypes.c_double(np.inf), ctypes.c_int(len(free)), chosen, doubles(angles),
         doubles(slopes) if free else None, ctypes.byref(report),
@@ -158,13 +153,13 @@ def simulate_each(model, times, values):
         raise InputError(
             f"model {model.label}", f"values of shape {values.shape}", f"(any, {len(model.parameters) + 2})"
         )
-    compiled, report, library = Compiled(model, float(times[-1] - times[0])), build.CReport(), engine()
+    compiled, report = Compiled(model, float(times[-1] - times[0])), build.CReport()
     angles = np.full((len(values), times.size), np.nan)
     none = (ctypes.c_int * 1)()
     for row, series in zip(values, angles, strict=True):
         if not np.all(np.isfinite(row)):
             continue
-        status = library.swing_trajectory(
+        status = compiled.library.swing_trajectory(
             ctypes.byref(compiled.c), doubles(row), ctypes.c_double(row[-2]), ctypes.c_double(row[-1]), doubles(times),
             ctypes.c_int(times.size), ctypes.c_double(np.inf), ctypes.c_int(0), none, doubles(series), None, ctypes.byref(report),
         )  # fmt: skip

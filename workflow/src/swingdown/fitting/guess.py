@@ -1,10 +1,14 @@
 """A first guess from the data alone: frequency from zero crossings, decay from successive peaks, release from the start."""
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from ..errors import InputError
+from ..pendulum.formula import evaluate
+from ..pendulum.model import Model
+from .result import Array
 
 
 @dataclass(frozen=True)
@@ -17,23 +21,21 @@ class Guess:
     amplitude: float
     loss: float
 
-    def damping(self, model):
-        """The value of each damping parameter that would alone explain the loss a half-swing, by name.
-
-        First-order energy balance over a half-swing of harmonic motion (Nayfeh and Mook 1979, ch. 3).
-        """
-        a, w, loss = self.amplitude, self.natural_frequency, max(self.loss, 1e-6 * self.amplitude)
+    def damping(self, model: Model) -> dict[str, float]:
+        """The size of each damping effect that would alone explain the loss a half-swing, by parameter (``Effect.damping``)."""
         seen = {
-            "viscous_ratio": loss / (np.pi * a),
-            "quadratic_coefficient": 3 * loss / (4 * a**2 * w),
-            "load_friction": loss / 2,
-            "constant_friction": loss * w**2 / 2,
-            "structural_coefficient": loss * w**2 / a,
+            "amplitude": self.amplitude,
+            "omega_n": self.natural_frequency,
+            "loss": max(self.loss, 1e-6 * self.amplitude),
         }
-        return {name: float(seen[name]) for name in model.parameters if name in seen}
+        return {
+            effect.size.name: float(evaluate(effect.damping, **seen))
+            for effect in model.effects
+            if effect.damping and effect.size
+        }
 
 
-def amplitude_factor(amplitude):
+def amplitude_factor(amplitude: float) -> float:
     """Frequency of undamped swings of that amplitude (rad) over that of small ones: agm(1, cos(amplitude / 2))."""
     mean, root = 1.0, max(np.cos(min(abs(amplitude), 3.1) / 2), 1e-3)
     for _ in range(6):
@@ -41,7 +43,7 @@ def amplitude_factor(amplitude):
     return float(mean)
 
 
-def half_swings(times, angle):
+def middle_crossings(times: Array, angle: Array) -> tuple[Array, Array]:
     """Times of the middle crossings (s), and the extreme between each two (rad); a tenth of the spread is hysteresis against noise."""
     band = 0.1 * np.sqrt(np.mean(angle**2))
     side = (angle > band).astype(int) - (angle < -band)
@@ -67,12 +69,12 @@ def half_swings(times, angle):
     return crossings, extremes
 
 
-def first_guess(times, angle, restoring="sine"):
+def first_guess(times: Any, angle: Any, restoring: str = "sine") -> Guess:
     """The ``Guess`` for a swing: times in s, angles in rad; InputError where it crosses its middle fewer than twice."""
     times, angle = np.asarray(times, dtype=float), np.asarray(angle, dtype=float)
-    crossings, extremes = half_swings(times, angle)
+    crossings, extremes = middle_crossings(times, angle)
     if crossings.size < 2:
-        crossings, extremes = half_swings(times, angle - 0.5 * (angle.max() + angle.min()))
+        crossings, extremes = middle_crossings(times, angle - 0.5 * (angle.max() + angle.min()))
     if crossings.size < 2:
         raise InputError(
             "swing",

@@ -1,15 +1,19 @@
 """Covariance of a fit's values where its residuals are autocorrelated, as those of an incomplete model are."""
 
+from collections.abc import Iterator
 from math import ceil, pi
+from typing import Any
 
 import numpy as np
 
 from ..engine.trajectory import sensitivities
+from .problem import Swings
+from .result import Array, Fit
 
 _SHARE = 10  # of the record: the longest memory that is looked for
 
 
-def robust_covariance(fit, swings):
+def robust_covariance(fit: Fit, swings: Swings) -> Array:
     """The covariance of the values in ``fit.free`` (same order and units) that allows for autocorrelated residuals.
 
     ``swings`` are the (times in s, angles in rad) that were fitted, one or several, all parameters shared. The sandwich
@@ -36,25 +40,18 @@ def robust_covariance(fit, swings):
     return covariance
 
 
-def _each(fit, swings):
+def _each(fit: Fit, swings: Swings) -> Iterator[tuple[Any, Array, Array, Array]]:
     """Of each swing: where its free values sit in ``fit.free``, the angle's derivatives, the residual, the times."""
-    angles, velocities, series = fit.release_angle, fit.release_velocity, fit.angle
-    if not isinstance(angles, tuple):
-        angles, velocities, series = (angles,), (velocities,), (series,)
     shared = len(fit.model.parameters)
     own = (len(fit.free) - shared) // len(swings)
-    for k, ((times, angle), fitted) in enumerate(zip(swings, series, strict=True)):
+    for k, ((times, angle), fitted) in enumerate(zip(swings, fit.swings, strict=True)):
         where = np.r_[:shared, shared + k * own : shared + (k + 1) * own]
-        names = [fit.free[i] for i in where]
-        yield (
-            where,
-            sensitivities(fit.model, times, angles[k], velocities[k], free=names)[1],
-            angle - fitted,
-            times,
-        )
+        release = fitted.release_angle, fitted.release_velocity
+        slopes = sensitivities(fit.model, times, *release, free=[fit.free[i] for i in where])[1]
+        yield where, slopes, angle - fitted.angle, times
 
 
-def _bartlett(scores, lag):
+def _bartlett(scores: Array, lag: int) -> Array:
     """The sum of products of scores up to ``lag`` samples apart, weighted 1 - distance/(lag + 1).
 
     It equals the mean over all windows of lag + 1 samples, those cut by the ends included, of the window's sum squared.
@@ -64,7 +61,7 @@ def _bartlett(scores, lag):
     return windows @ windows.T / (lag + 1)
 
 
-def variance_inflation(fit, robust):
+def variance_inflation(fit: Fit, robust: Array) -> float:
     """Variance for autocorrelated over that for independent residuals: geometric mean over the fit's values, at least 1.
 
     n over this is the number of samples that count as independent.

@@ -1,106 +1,157 @@
-"""Formulas as text, read against a whitelist: the only road from a catalogue entry or a config file to code."""
+"""Formulas as text, read against a whitelist: the only road from a catalogue entry or a config file to code or a number."""
 
 import ast
+import operator
+from collections.abc import Callable, Iterable, Mapping
 from functools import lru_cache
+from typing import Any
 
-import sympy
+import numpy as np
 
 from ..errors import InputError
 
+# what a formula may call, by its name there and in sympy; numpy has the same names but for abs
 FUNCTIONS = {
-    "sin": sympy.sin, "cos": sympy.cos, "tan": sympy.tan, "exp": sympy.exp, "log": sympy.log, "sqrt": sympy.sqrt,
-    "tanh": sympy.tanh, "abs": sympy.Abs, "sign": sympy.sign,
+    "sin": "sin", "cos": "cos", "tan": "tan", "exp": "exp", "log": "log", "sqrt": "sqrt", "tanh": "tanh", "abs": "Abs",
+    "sign": "sign",
 }  # fmt: skip
-CONSTANTS = {"pi": sympy.pi}
-_BINARY = {
-    ast.Add: lambda a, b: a + b, ast.Sub: lambda a, b: a - b, ast.Mult: lambda a, b: a * b,
-    ast.Div: lambda a, b: a / b, ast.Pow: lambda a, b: a**b,
+_BINARY: Mapping[type, Callable[[Any, Any], Any]] = {
+    ast.Add: operator.add, ast.Sub: operator.sub, ast.Mult: operator.mul, ast.Div: operator.truediv, ast.Pow: operator.pow,
 }  # fmt: skip
 _LONGEST = 400
+_HIGHEST_POWER = 20
 _LARGEST = 1e300  # of a number on its own, as a double still holds it with room to spare
 
 
-def symbol(name):
+def symbol(name: str) -> Any:
     """The sympy symbol that stands for ``name`` in every formula (real, so that abs and sign differentiate)."""
+    import sympy  # takes half a second, and only what is compiled or differentiated needs it
+
     return sympy.Symbol(name, real=True)
 
 
-def parse(text, names, where="formula"):
+def parse(text: str, names: Iterable[str], where: str = "formula") -> Any:
     """The sympy expression that ``text`` states, built from ``names`` and the whitelisted functions alone.
 
     Numbers, + - * / **, parentheses, the functions in ``FUNCTIONS``, ``pi`` and the given names are allowed;
     anything else raises InputError naming ``where``. Nothing is ever evaluated as Python.
     """
-    if not isinstance(text, str) or not text.strip():
-        raise InputError(where, f"formula {text!r} is not a text", "a formula such as -k*sin(5*theta + phi)")
-    if len(text) > _LONGEST:
-        raise InputError(where, f"the formula is {len(text)} characters long", f"at most {_LONGEST}")
+    tree = _tree(text, frozenset(names), where)
     try:
-        tree = ast.parse(text, mode="eval")
-    except (SyntaxError, ValueError, RecursionError, MemoryError) as problem:
-        raise InputError(
-            where, f"formula {text!r} cannot be read ({problem})", "ordinary arithmetic"
-        ) from None
-    try:
-        return _convert(tree.body, frozenset(names), text, where)
+        return _expression(tree, text, where)
     except RecursionError:
         raise InputError(
             where, f"formula {text!r} is nested too deep", "a formula a person would write"
         ) from None
 
 
-def _convert(node, names, text, where):
-    found = _converted(node, names, text, where)
-    if found.is_number:
-        fine = found.is_extended_real and found.is_finite
-        if not fine or abs(found.evalf(5)) > _LARGEST:
-            raise InputError(
-                where, f"{ast.unparse(node)!r} in formula {text!r} is no number", "real, finite numbers"
-            )
-    return found
+def evaluate(text: str, /, **values: Any) -> Any:
+    """The number or array that the formula ``text`` takes at these values (numbers or arrays) of all its names."""
+    return _compiled(text, frozenset(values))(values)
 
 
-def _converted(node, names, text, where):
-    def refuse(what):
+def _tree(text: str, names: frozenset[str], where: str) -> ast.expr:
+    """The syntax tree of a formula, every node of it on the whitelist; InputError names ``where`` otherwise."""
+    if not isinstance(text, str) or not text.strip():
+        raise InputError(where, f"formula {text!r} is not a text", "a formula such as -k*sin(5*theta + phi)")
+    if len(text) > _LONGEST:
+        raise InputError(where, f"the formula is {len(text)} characters long", f"at most {_LONGEST}")
+    try:
+        body = ast.parse(text, mode="eval").body
+        _check(body, names, text, where)
+    except (SyntaxError, ValueError, MemoryError) as problem:
+        raise InputError(
+            where, f"formula {text!r} cannot be read ({problem})", "ordinary arithmetic"
+        ) from None
+    except RecursionError:
+        raise InputError(
+            where, f"formula {text!r} is nested too deep", "a formula a person would write"
+        ) from None
+    return body
+
+
+def _check(node: ast.AST, names: frozenset[str], text: str, where: str) -> None:
+    def refuse(what: str) -> InputError:
         allowed = f"names {', '.join(sorted(names))}; functions {', '.join(FUNCTIONS)}; + - * / ** ( )"
         return InputError(where, f"{what} is not allowed in formula {text!r}", allowed)
 
-    def convert(part):
-        return _convert(part, names, text, where)
-
-    if isinstance(node, ast.Constant) and type(node.value) in (int, float):
-        if abs(node.value) > _LARGEST:
-            raise refuse("a number that large")
-        whole = type(node.value) is int and abs(node.value) < 10**15
-        return sympy.Integer(node.value) if whole else sympy.Float(node.value, 17)
-    if isinstance(node, ast.Name):
-        if node.id in names:
-            return symbol(node.id)
-        if node.id in CONSTANTS:
-            return CONSTANTS[node.id]
-        raise refuse(f"the name {node.id!r}")
-    if isinstance(node, ast.UnaryOp) and isinstance(node.op, (ast.USub, ast.UAdd)):
-        return -convert(node.operand) if isinstance(node.op, ast.USub) else convert(node.operand)
-    if isinstance(node, ast.BinOp) and type(node.op) in _BINARY:
-        left, right = convert(node.left), convert(node.right)
-        if isinstance(node.op, ast.Pow) and right.is_number and abs(right) > 20:
-            raise refuse(f"the power {right}")
-        if isinstance(node.op, ast.Div) and right == 0:
-            raise refuse("division by zero")
-        return _BINARY[type(node.op)](left, right)
-    if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id in FUNCTIONS:
-        if len(node.args) != 1 or node.keywords:
-            raise refuse(f"{node.func.id} with other than one argument")
-        return FUNCTIONS[node.func.id](convert(node.args[0]))
-    raise refuse(f"{ast.unparse(node)!r}")
+    match node:
+        case ast.Constant(value=int() | float() as value) if type(value) in (int, float):
+            if not abs(value) < _LARGEST:
+                raise refuse("a number that large")
+        case ast.Name(id=name):
+            if name not in names and name != "pi":
+                raise refuse(f"the name {name!r}")
+        case ast.UnaryOp(op=ast.USub() | ast.UAdd(), operand=operand):
+            _check(operand, names, text, where)
+        case ast.BinOp(left=left, op=op, right=right) if type(op) in _BINARY:
+            _check(left, names, text, where)
+            _check(right, names, text, where)
+        case ast.Call(func=ast.Name(id=name), args=arguments, keywords=keywords) if name in FUNCTIONS:
+            if len(arguments) != 1 or keywords:
+                raise refuse(f"{name} with other than one argument")
+            _check(arguments[0], names, text, where)
+        case _:
+            raise refuse(repr(ast.unparse(node)))
 
 
-def evaluate(text, **values):
-    """The number or array that the formula ``text`` takes at these values (numbers or arrays) of all its names."""
-    names = tuple(sorted(values))
-    return _compiled(text, names)(*(values[name] for name in names))
+def _expression(node: ast.expr, text: str, where: str) -> Any:
+    """The sympy expression of a checked tree; InputError where a part of it is a number that is not real and finite."""
+    import sympy
+
+    match node:
+        case ast.Constant(value=int() as value) if abs(value) < 10**15:
+            found = sympy.Integer(value)
+        case ast.Constant(value=value):
+            found = sympy.Float(value, 17)
+        case ast.Name(id=name):
+            found = sympy.pi if name == "pi" else symbol(name)
+        case ast.UnaryOp(op=op, operand=operand):
+            found = _expression(operand, text, where)
+            found = -found if isinstance(op, ast.USub) else found
+        case ast.BinOp(left=left, op=op, right=right):
+            first, second = _expression(left, text, where), _expression(right, text, where)
+            if isinstance(op, ast.Pow) and second.is_number and abs(second) > _HIGHEST_POWER:
+                raise InputError(
+                    where,
+                    f"the power {second} is not allowed in formula {text!r}",
+                    f"at most {_HIGHEST_POWER}",
+                )
+            if isinstance(op, ast.Div) and second == 0:
+                raise InputError(
+                    where, f"division by zero is not allowed in formula {text!r}", "real, finite numbers"
+                )
+            found = _BINARY[type(op)](first, second)
+        case ast.Call(func=ast.Name(id=name), args=[argument]):
+            found = getattr(sympy, FUNCTIONS[name])(_expression(argument, text, where))
+    if found.is_number and not (
+        found.is_extended_real and found.is_finite and abs(found.evalf(5)) <= _LARGEST
+    ):
+        raise InputError(
+            where, f"{ast.unparse(node)!r} in formula {text!r} is no number", "real, finite numbers"
+        )
+    return found
 
 
-@lru_cache(maxsize=100)
-def _compiled(text, names):
-    return sympy.lambdify([symbol(name) for name in names], parse(text, names), "numpy")
+@lru_cache(maxsize=500)
+def _compiled(text: str, names: frozenset[str]) -> Callable[[Mapping[str, Any]], Any]:
+    return _function(_tree(text, names, "formula"))
+
+
+def _function(node: ast.AST) -> Callable[[Mapping[str, Any]], Any]:
+    """A checked tree as a function of its names' values."""
+    match node:
+        case ast.Constant(value=value):
+            return lambda values: value
+        case ast.Name(id=name):
+            return (lambda values: np.pi) if name == "pi" else (lambda values: values[name])
+        case ast.UnaryOp(op=op, operand=operand):
+            inner = _function(operand)
+            return (lambda values: -inner(values)) if isinstance(op, ast.USub) else inner
+        case ast.BinOp(left=left, op=op, right=right):
+            first, second, joined = _function(left), _function(right), _BINARY[type(op)]
+            return lambda values: joined(first(values), second(values))
+        case ast.Call(func=ast.Name(id=name), args=[argument]):
+            inner, called = _function(argument), getattr(np, name)
+            return lambda values: called(inner(values))
+    raise TypeError(node)  # _check lets nothing else through

@@ -1,18 +1,22 @@
-"""A pendulum model: the effects it has, their values and standard errors; reading and writing model files."""
+"""A pendulum model: the effects it has, their values and standard errors; writing model files."""
 
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import combinations
 from pathlib import Path
+from typing import Any
 
 import yaml
 
 from ..errors import InputError
 from ..paths import written_whole
-from . import catalogue as effects
+from .catalogue import SHIPPED, Catalogue, catalogue
+from .catalogue.restoring import GRAVITY
+from .effect import NATURAL_FREQUENCY, Effect, Parameter
 
 FORMS = ("consistent", "printed")
-RESTORING = tuple(effects.GRAVITY)
+RESTORING = tuple(GRAVITY)
 _TABLE_1 = ("viscous", "quadratic_drag", "load_coulomb")
 PAPER_MODELS = tuple("+".join(terms) for size in (1, 2, 3) for terms in combinations(_TABLE_1, size))
 
@@ -21,25 +25,25 @@ PAPER_MODELS = tuple("+".join(terms) for size in (1, 2, 3) for terms in combinat
 class Model:
     """A pendulum with chosen effects: ``theta'' = gravity + the sum of its torques``, and what its sensor does.
 
-    ``effects`` is a label such as ``viscous+load_coulomb`` or a sequence of names, kept in catalogue order.
-    ``values`` and ``standard_errors`` go by parameter name, in each parameter's unit. ``restoring`` is ``sine`` or
-    ``linear``; ``form`` is ``consistent`` or ``printed`` (the paper's Table 1 to the letter). An unknown effect,
-    form or parameter raises InputError.
+    ``names`` is a label such as ``viscous+load_coulomb`` or a sequence of names, kept in the order of the ``catalogue`` they
+    are taken from; ``effects`` are the entries themselves. ``values`` and ``standard_errors`` go by parameter name, in each
+    parameter's unit. ``restoring`` is ``sine`` or ``linear``; ``form`` is ``consistent`` or ``printed`` (the paper's Table 1
+    to the letter). An unknown effect, form or parameter raises InputError.
     """
 
-    effects: tuple[str, ...]
-    values: dict = field(default_factory=dict)
-    standard_errors: dict = field(default_factory=dict)
+    names: tuple[str, ...]
+    values: dict[str, float] = field(default_factory=dict)
+    standard_errors: dict[str, float] = field(default_factory=dict)
     restoring: str = "sine"
     form: str = "consistent"
+    catalogue: Catalogue = field(default=SHIPPED, repr=False, compare=False)
 
-    def __post_init__(self):
-        names = self.effects.split("+") if isinstance(self.effects, str) else list(self.effects)
-        for name in names:
-            effects.effect(name)
+    def __post_init__(self) -> None:
+        names = self.names.split("+") if isinstance(self.names, str) else list(self.names)
+        ordered = self.catalogue.ordered(names)
         if len(set(names)) < len(names):
             raise InputError(f"model {'+'.join(names)}", "an effect is named twice", "each effect once")
-        object.__setattr__(self, "effects", tuple(sorted(names, key=list(effects.known()).index)))
+        object.__setattr__(self, "names", ordered)
         for key, value, known in (("restoring", self.restoring, RESTORING), ("form", self.form, FORMS)):
             if value not in known:
                 raise InputError(f"model {self.label}, {key}", f"unknown {key} {value!r}", " or ".join(known))
@@ -48,31 +52,51 @@ class Model:
                 raise InputError(f"model {self.label}", f"no parameter {name!r}", ", ".join(self.parameters))
 
     @property
-    def label(self):
+    def label(self) -> str:
         """The effects' names joined by ``+``, in catalogue order."""
-        return "+".join(self.effects)
+        return "+".join(self.names)
 
     @cached_property
-    def definitions(self):
-        """The definitions (``effects.Parameter``) of all parameters, the natural frequency first."""
-        own = (parameter for name in self.effects for parameter in effects.known()[name].parameters)
-        return (effects.NATURAL_FREQUENCY, *own)
+    def effects(self) -> tuple[Effect, ...]:
+        """The effects, in catalogue order."""
+        return tuple(self.catalogue[name] for name in self.names)
+
+    @property
+    def gravity(self) -> Effect:
+        """The restoring torque of its weight."""
+        return self.catalogue.gravity[self.restoring]
 
     @cached_property
-    def parameters(self):
+    def definitions(self) -> tuple[Parameter, ...]:
+        """The definitions of all parameters, the natural frequency first."""
+        return (NATURAL_FREQUENCY, *(parameter for effect in self.effects for parameter in effect.parameters))
+
+    @cached_property
+    def parameters(self) -> tuple[str, ...]:
         """The parameters' names, the natural frequency first."""
         return tuple(parameter.name for parameter in self.definitions)
 
     @property
-    def units(self):
+    def each(self) -> tuple[str, ...]:
+        """The names of the parameters that each recording has for itself."""
+        return tuple(name for effect in self.effects for name in effect.each)
+
+    @property
+    def units(self) -> dict[str, str]:
         """The unit of each parameter, by name."""
         return {parameter.name: parameter.unit for parameter in self.definitions}
 
-    def with_values(self, values, standard_errors=None):
+    def with_values(
+        self, values: Mapping[str, float], standard_errors: Mapping[str, float] | None = None
+    ) -> "Model":
         """The same model with other values and standard errors."""
         return replace(self, values=dict(values), standard_errors=dict(standard_errors or {}))
 
-    def vector(self):
+    def with_effects(self, names: Sequence[str], values: Mapping[str, float] | None = None) -> "Model":
+        """A model of the same catalogue, restoring torque and form with these effects and values."""
+        return Model(tuple(names), dict(values or {}), {}, self.restoring, self.form, self.catalogue)
+
+    def vector(self) -> list[float]:
         """The values in the order of ``parameters``; InputError names those that are missing."""
         if lost := [name for name in self.parameters if name not in self.values]:
             raise InputError(
@@ -81,13 +105,34 @@ class Model:
         return [float(self.values[name]) for name in self.parameters]
 
 
-def symbol(label, mathtext=False):
-    """The model's symbol as in the paper: ``κv,q`` for ``viscous+quadratic_drag``, in mathtext on request."""
-    letters = ",".join(effects.effect(name).symbol or name.replace("_", " ") for name in label.split("+"))
+def as_model(model: Model | str | Sequence[str]) -> Model:
+    """The model itself, or that of a label or of names, of the shipped catalogue."""
+    return model if isinstance(model, Model) else Model(model)  # type: ignore[arg-type]
+
+
+def models(
+    labels: Iterable[str],
+    own: Mapping[str, Any] | None = None,
+    restoring: str = "sine",
+    form: str = "consistent",
+) -> list[Model]:
+    """The models of these labels, built from the catalogue with a study's own effects (the settings' key ``effects``)."""
+    entries = catalogue(own)
+    return [Model(label, {}, {}, restoring, form, entries) for label in labels]  # type: ignore[arg-type]
+
+
+def symbol(label: str, mathtext: bool = False) -> str:
+    """The model's symbol as in the paper: ``κv,q`` for ``viscous+quadratic_drag``, in mathtext on request.
+
+    An effect that has no letter of its own, one of a study's own included, is told by its name.
+    """
+    letters = ",".join(
+        (name in SHIPPED and SHIPPED[name].symbol) or name.replace("_", " ") for name in label.split("+")
+    )
     return rf"$\kappa_{{{letters}}}$".replace(" ", r"\ ") if mathtext else f"κ{letters}"
 
 
-def write_model(model, path):
+def write_model(model: Model, path: Path | str) -> Path:
     """The path written: a model file (YAML) with effects, options, and value ± standard error and unit of each parameter."""
     values = {
         name: {"value": float(model.values[name]), "unit": model.units[name]}
@@ -96,7 +141,7 @@ def write_model(model, path):
         if name in model.values
     }
     content = {
-        "effects": list(model.effects),
+        "effects": list(model.names),
         "restoring": model.restoring,
         "form": model.form,
         "parameters": values,
@@ -104,45 +149,3 @@ def write_model(model, path):
     with written_whole(path) as partial:
         partial.write_text(yaml.safe_dump(content, sort_keys=False, allow_unicode=True))
     return Path(path)
-
-
-def read_model(path):
-    """The model that a model file states; InputError names the file and the key that is wrong."""
-    try:
-        content = yaml.safe_load(Path(path).read_text())
-    except yaml.YAMLError as problem:
-        raise InputError(
-            path, f"it cannot be read as YAML ({' '.join(str(problem).split())})", "a model file"
-        ) from None
-    if not isinstance(content, dict) or "effects" not in content:
-        raise InputError(path, "not a model file", "a mapping with the key 'effects'")
-    if unknown := set(content) - {"effects", "restoring", "form", "parameters"}:
-        raise InputError(path, f"unknown key {sorted(unknown)[0]!r}", "effects, restoring, form, parameters")
-    names, parameters = content["effects"], content.get("parameters") or {}
-    names = names.split("+") if isinstance(names, str) else names
-    if not isinstance(names, list) or not all(isinstance(name, str) for name in names):
-        raise InputError(
-            f"{path}, key effects", f"{names!r} is no list of names", "a list such as [viscous, load_coulomb]"
-        )
-    if not isinstance(parameters, dict):
-        raise InputError(
-            f"{path}, key parameters", "it is not a mapping", "parameter names, each with value and unit"
-        )
-    try:
-        model = Model(
-            tuple(names), restoring=content.get("restoring", "sine"), form=content.get("form", "consistent")
-        )
-        values, errors = {}, {}
-        for name, entry in parameters.items():
-            if not isinstance(entry, dict) or not isinstance(entry.get("value"), (int, float)):
-                raise InputError(
-                    f"parameter {name}", f"{entry!r} has no number as value", "a mapping with value and unit"
-                )
-            if name in model.units and entry.get("unit", model.units[name]) != model.units[name]:
-                raise InputError(f"parameter {name}", f"unit {entry['unit']!r}", model.units[name])
-            values[name] = float(entry["value"])
-            if "standard_error" in entry:
-                errors[name] = float(entry["standard_error"])
-        return model.with_values(values, errors)
-    except InputError as problem:
-        raise InputError(path, str(problem)) from None

@@ -1,95 +1,78 @@
 """Effects that a study brings of its own: a torque written as a formula in the settings, with its parameters."""
 
 import re
+from collections.abc import Mapping
 from math import inf
+from typing import Any
 
 from ..errors import InputError
-from . import catalogue as effects
-from .catalogue import CATALOGUE, FREE_FORM, VARIABLES, Effect, Parameter
+from .effect import VARIABLES, Effect, Parameter
 
 _NAME = re.compile(r"[a-z][a-z0-9_]*")
 _SYMBOL = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
 
 
-def use(entries, where="config, key effects"):
-    """The effects of the settings' key ``effects`` by name, from now on part of the catalogue.
+def own_effects(entries: Mapping[str, Any], where: str = "config, key effects") -> tuple[Effect, ...]:
+    """The effects of the settings' key ``effects``, in their order.
 
     ``entries`` maps a name to its ``torque`` (rad/s^2, in theta, thetadot, t, duration, omega_n and the parameters'
     symbols), its ``parameters`` and an ``explanation``. Each parameter has a ``unit`` and may have ``lower``, ``upper``,
     ``typical`` (its usual size) and ``start`` (values to start fits from, needed for those in which the torque is not
-    linear). InputError for a name that is taken, a formula that is not whitelisted arithmetic, a symbol that it does not
-    use, and a missing ``start``.
+    linear). InputError for a formula that is not whitelisted arithmetic, a symbol that it does not use, and a missing
+    ``start``; a name that is taken is the catalogue's to refuse.
     """
-    return effects.use_own(
-        [_effect(name, entry, f"{where}.{name}") for name, entry in (entries or {}).items()]
-    )
+    return tuple(_effect(name, entry, f"{where}.{name}") for name, entry in entries.items())
 
 
-def _effect(name, entry, where):
+def _effect(name: str, entry: Mapping[str, Any], where: str) -> Effect:
     if not _NAME.fullmatch(name):
         raise InputError(
             where, f"{name!r} is no name of an effect", "small letters, digits and _", "rename it"
         )
-    if name in CATALOGUE or name in FREE_FORM:
-        raise InputError(where, f"the catalogue has an effect {name!r}", "a name of its own", "rename it")
     parameters = tuple(
         _parameter(name, symbol, one or {}, where) for symbol, one in entry.get("parameters", {}).items()
     )
-    found = Effect(
-        name,
-        entry["torque"],
-        parameters,
-        entry.get("explanation", "An effect of this study's own."),
-        "this study's settings",
-    )
+    explanation = entry.get("explanation", "An effect of this study's own.")
+    found = Effect(name, entry["torque"], parameters, explanation, "this study's settings")
     _check_formula(found, where)
     return found
 
 
-def _parameter(effect, symbol, entry, where):
+def _parameter(effect: str, symbol: str, entry: Mapping[str, Any], where: str) -> Parameter:
     place = f"{where}.parameters.{symbol}"
     if not _SYMBOL.fullmatch(symbol) or symbol in VARIABLES:
         problem = "is a variable of every formula" if symbol in VARIABLES else "is no symbol"
         raise InputError(place, f"{symbol!r} {problem}", "a letter, then letters, digits and _", "rename it")
     lower, upper = entry.get("lower", -inf), entry.get("upper", inf)
-    start = tuple(map(float, entry.get("start", ())))
+    starts = tuple(map(float, entry.get("start", ())))
     if not lower < upper:
         raise InputError(
             place, f"the bounds {lower:g} and {upper:g} leave nothing between them", "lower below upper"
         )
-    if outside := [value for value in start if not lower <= value <= upper]:
+    if outside := [value for value in starts if not lower <= value <= upper]:
         raise InputError(f"{place}.start", f"{outside[0]:g} is outside the bounds", f"{lower:g} to {upper:g}")
-    typical = entry.get("typical", abs(start[0]) if start and start[0] else 1.0)
+    typical = entry.get("typical", abs(starts[0]) if starts and starts[0] else 1.0)
     return Parameter(
-        f"{effect}_{symbol}",
-        symbol,
-        entry.get("unit", "1"),
-        float(lower),
-        float(upper),
-        "",
-        float(typical),
-        start,
-    )
+        f"{effect}_{symbol}", symbol, entry.get("unit", "1"), float(lower), float(upper), "", float(typical),
+        role="shape" if starts else "size", starts=starts,
+    )  # fmt: skip
 
 
-def _check_formula(effect, where):
-    from . import formula  # sympy takes half a second, and most studies have no effect of their own
+def _check_formula(effect: Effect, where: str) -> None:
+    from . import formula
 
     torque = effect.expressions().motion["torque"]
     if not effect.parameters:
         raise InputError(f"{where}.parameters", "it has no parameter", "at least one, such as its size")
     for parameter in effect.parameters:
-        at = formula.symbol(parameter.symbol)
+        at, place = formula.symbol(parameter.symbol), f"{where}.parameters.{parameter.symbol}"
         if not torque.has(at):
             raise InputError(
-                f"{where}.parameters.{parameter.symbol}",
-                "the torque does not use it",
-                f"only what is in {effect.term!r}",
-                "remove it",
+                place, "the torque does not use it", f"only what is in {effect.term!r}", "remove it"
             )
-        if not parameter.grid and torque.diff(at).has(at):
-            raise InputError(f"{where}.parameters.{parameter.symbol}", "the torque is not linear in it",
-                             "values to start fits from", "add a key `start` with a few")  # fmt: skip
-    if all(parameter.grid for parameter in effect.parameters):
+        if parameter.role == "size" and torque.diff(at).has(at):
+            raise InputError(place, "the torque is not linear in it", "values to start fits from",
+                             "add a key `start` with a few")  # fmt: skip
+    if effect.size is None:
         raise InputError(f"{where}.parameters", "every one has values to start from", "one that is linear, such as its size",
                          "leave `start` out for the one that the torque is in proportion to")  # fmt: skip

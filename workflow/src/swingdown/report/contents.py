@@ -84,11 +84,10 @@ def plain_findings(material):
 
 
 def model_symbol(label):
-    """A model's symbol as HTML, the effects as subscript; ``error bounds`` and the like as they are."""
-    try:
-        text = symbol(label)
-    except ValueError:
+    """A model's symbol as HTML, the effects as subscript; the row of the error bounds, which is no model, in words."""
+    if label == "error_bounds":
         return Markup(escape(label.replace("_", " ")))
+    text = symbol(label)
     return Markup(f"{text[0]}<sub>{escape(text[1:])}</sub>")
 
 

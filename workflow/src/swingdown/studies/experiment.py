@@ -1,13 +1,17 @@
 """The experiment study: models fitted to measured swings, one by one and all swings of a pendulum together."""
 
+from collections.abc import Sequence
+from typing import Any
+
 import numpy as np
 import xarray as xr
 
 from ..errors import InputError
-from ..fitting.fit import fit_jointly, fit_trajectory
 from ..fitting.guess import first_guess
+from ..fitting.least_squares import fit_jointly, fit_trajectory
 from ..fitting.nested import fit_nested
 from ..fitting.robust import robust_covariance, variance_inflation
+from ..pendulum.model import Model, as_model
 from .norms import labelled, model_coords, spread
 
 _ENOUGH = 3  # half-swings: two give a frequency, a decay needs the next
@@ -17,7 +21,9 @@ _DIMS = {
 }  # fmt: skip
 
 
-def fit_recording(angle, fitted, start="free", restoring="sine", form="consistent", bounded=False):
+def fit_recording(
+    angle: xr.Dataset, fitted: Sequence[Model | str], start: str = "free", bounded: bool = False
+) -> xr.Dataset:
     """A Dataset (fitted, parameter, parameter_2, time) of models fitted to one swing by trajectory least squares.
 
     ``angle`` is a Dataset of ``results/angles``: ``angle(time)`` in rad with its random uncertainty and its bound. A
@@ -30,14 +36,14 @@ def fit_recording(angle, fitted, start="free", restoring="sine", form="consisten
     tell by how much that is too good. InputError for a swing too short to fit.
     """
     name, times, series = _swing(angle)
-    options = {"start": start, "restoring": restoring, "form": form, "bounded": bounded}
+    models, options = [as_model(one) for one in fitted], {"start": start, "bounded": bounded}
     fits = fit_nested(
-        fitted, lambda label, guess: fit_trajectory(label, times, series, guess=guess, **options)
-    ).values()
-    coords = model_coords(fitted)
+        models, lambda model, guess: fit_trajectory(model, times, series, guess=guess, **options)
+    )
+    coords = model_coords(models)
     names = coords["parameter"][1]
     own = [{
-        "norm": np.degrees(fit.rms), "release_angle": fit.release_angle, "release_velocity": fit.release_velocity,
+        "norm": np.degrees(fit.rms), "release_angle": fit.only.release_angle, "release_velocity": fit.only.release_velocity,
         "fit": fit.angle, "residual": series - fit.angle,
     } for fit in fits]  # fmt: skip
     rows = [_row(fit, [(times, series)], [angle], names) | more for fit, more in zip(fits, own, strict=True)]
@@ -51,11 +57,13 @@ def fit_recording(angle, fitted, start="free", restoring="sine", form="consisten
         "recording": ((), name, {"long_name": "recording"}),
         **{key: ((), value, {"long_name": text}) for key, (value, text) in _about(angle).items()},
     }
-    attrs = options | {"bounded": int(bounded), "emulated": coords["emulated"][1]}
+    attrs = _options(models, start, bounded) | {"emulated": coords["emulated"][1]}
     return labelled(xr.Dataset(variables, coords, attrs))
 
 
-def fit_campaign(angles, fitted, start="free", restoring="sine", form="consistent", bounded=False):
+def fit_campaign(
+    angles: Sequence[xr.Dataset], fitted: Sequence[Model | str], start: str = "free", bounded: bool = False
+) -> xr.Dataset:
     """A Dataset (fitted, recording, parameter, parameter_2) of models fitted to all swings of a campaign together.
 
     ``angles`` is a list of Datasets as ``fit_recording`` takes them. The parameters are shared, each swing has its own
@@ -71,19 +79,17 @@ def fit_campaign(angles, fitted, start="free", restoring="sine", form="consisten
         )
     swings = [_swing(angle) for angle in angles]
     series = [(times, values) for _, times, values in swings]
-    options = {"start": start, "restoring": restoring, "form": form, "bounded": bounded}
-    fits = fit_nested(
-        fitted, lambda label, guess: fit_jointly(label, series, guess=guess, **options)
-    ).values()
-    coords = model_coords(fitted)
+    models, options = [as_model(one) for one in fitted], {"start": start, "bounded": bounded}
+    fits = fit_nested(models, lambda model, guess: fit_jointly(model, series, guess=guess, **options))
+    coords = model_coords(models)
     names = coords["parameter"][1]
     rows = [_row(fit, series, angles, names) for fit in fits]
     variables = {key: (_DIMS.get(key, ("fitted",)), [row[key] for row in rows]) for key in rows[0]}
     by_swing = {
-        "rms": [fit.swing_rms for fit in fits],
-        "norm": [np.degrees(fit.swing_rms) for fit in fits],
-        "release_angle": [fit.release_angle for fit in fits],
-        "release_velocity": [fit.release_velocity for fit in fits],
+        "rms": [[swing.rms for swing in fit.swings] for fit in fits],
+        "norm": [[np.degrees(swing.rms) for swing in fit.swings] for fit in fits],
+        "release_angle": [[swing.release_angle for swing in fit.swings] for fit in fits],
+        "release_velocity": [[swing.release_velocity for swing in fit.swings] for fit in fits],
     }
     variables |= {key: (("fitted", "recording"), values) for key, values in by_swing.items()}
     variables["samples"] = ("recording", [times.size for times, _ in series])
@@ -97,8 +103,14 @@ def fit_campaign(angles, fitted, start="free", restoring="sine", form="consisten
         },
     }
     emulated = "yes" if "yes" in coords["emulated"][1] else "no"
-    attrs = options | {"bounded": int(bounded), "emulated": emulated, "campaign": coords["campaign"][1][0]}
+    attrs = _options(models, start, bounded) | {"emulated": emulated, "campaign": coords["campaign"][1][0]}
     return labelled(xr.Dataset(variables, coords, attrs))
+
+
+def _options(models: Sequence[Model], start: str, bounded: bool) -> dict[str, Any]:
+    """What a dataset says of how its models were fitted."""
+    options = {"restoring": models[0].restoring, "form": models[0].form}
+    return {"start": start, **options, "bounded": int(bounded)}
 
 
 def _swing(angle):
@@ -147,13 +159,12 @@ def _row(fit, swings, angles, names):
 
 
 def _reduced_chi2(fit, swings, angles):
-    fitted = fit.angle if isinstance(fit.angle, tuple) else (fit.angle,)
     total = 0.0
-    for (_, series), angle, values in zip(swings, angles, fitted, strict=True):
+    for (_, series), angle, fitted in zip(swings, angles, fit.swings, strict=True):
         random = _known(angle, "angle_random_uncertainty")
         if random is None:
             return np.nan
-        total += float(np.sum(((series - values) / random) ** 2))
+        total += float(np.sum(((series - fitted.angle) / random) ** 2))
     return total / (fit.n - len(fit.free))
 
 

@@ -1,11 +1,13 @@
 """Norm tables as labelled datasets: what each variable means, and one dataset out of many."""
 
+from collections.abc import Iterable
+from typing import Any
+
 import numpy as np
 import xarray as xr
 
 from ..errors import InputError
-from ..pendulum.catalogue import NATURAL_FREQUENCY, catalogue
-from ..pendulum.model import Model, symbol
+from ..pendulum.model import Model, as_model, symbol
 
 # value and standard errors hold parameters of different units side by side; the unit of each stands in parameter_unit
 _OF_EACH = "see parameter_unit"
@@ -57,21 +59,20 @@ def labelled(dataset, **long_names):
     return dataset
 
 
-def model_coords(fitted):
+def model_coords(fitted: Iterable[Model | str]) -> dict[str, Any]:
     """Coordinates for datasets over models and parameters: ``fitted`` with symbols, ``parameter`` with units.
 
     ``parameter`` holds the parameters of all models together, the natural frequency first, in the catalogue's order.
-    InputError for a label that is no model.
     """
-    fitted = list(fitted)
-    wanted = {name for label in fitted for name in Model(label).parameters}
-    known = [NATURAL_FREQUENCY, *(p for effect in catalogue().values() for p in effect.parameters)]
-    chosen = [parameter for parameter in known if parameter.name in wanted]
+    models = [as_model(one) for one in fitted]
+    labels = [model.label for model in models]
+    wanted = {name for model in models for name in model.parameters}
+    chosen = [p for p in models[0].catalogue.parameters.values() if p.name in wanted]
     return {
-        "fitted": ("fitted", fitted, {"long_name": "fitted model"}),
+        "fitted": ("fitted", labels, {"long_name": "fitted model"}),
         "symbol": (
             "fitted",
-            [symbol(label) for label in fitted],
+            [symbol(label) for label in labels],
             {"long_name": "symbol of the fitted model"},
         ),
         "parameter": ("parameter", [p.name for p in chosen], {"long_name": "parameter"}),

@@ -4,14 +4,18 @@ The paper does not report several settings of its Table 2. They were inferred by
 shows that one consistent reading exists and confirms nothing independently; ``INFERRED`` names them wherever shown.
 """
 
+from collections.abc import Mapping, Sequence
+from typing import Any
+
 import numpy as np
 import xarray as xr
 
 from ..engine.trajectory import simulate
 from ..errors import InputError
-from ..fitting.fit import fit_nelder_mead, fit_trajectory
+from ..fitting.least_squares import fit_trajectory
+from ..fitting.nelder_mead import fit_nelder_mead
 from ..fitting.nested import fit_nested
-from ..pendulum.model import Model
+from ..pendulum.model import Model, models
 from .noise import STREAMS, RStream, add_noise, numpy_stream
 from .norms import labelled, model_coords, spread
 
@@ -76,13 +80,20 @@ def _draws(stream, seed, size):
     raise InputError("simulation.stream", f"unknown stream {stream!r}", " or ".join(STREAMS))
 
 
-def simulation_norms(realizations, simulated, fitted, start="rest"):
+def simulation_norms(
+    realizations: xr.Dataset,
+    simulated: str,
+    fitted: Sequence[str],
+    start: str = "rest",
+    own: Mapping[str, Any] | None = None,
+) -> xr.Dataset:
     """A Dataset (simulated, fitted, realization, parameter): how far each fitted model is from one simulated truth.
 
     ``norm`` (degrees) is the RMS of fit minus noise-free truth, ``residual_norm`` that of noisy data minus fit; ``value``,
     ``standard_error``, ``converged`` and ``evaluations`` go with it. Plain names are of the paper's Nelder-Mead, restarted
     until stationary; those with the prefix ``least_squares_`` of trajectory least squares. ``realizations`` is what the
-    function of that name returns, ``simulated`` one of its models; the fits take its gravity and form of the terms.
+    function of that name returns, ``simulated`` one of its models; the fits take its gravity and form of the terms. ``own``
+    are the study's own effects, as the settings' key ``effects`` states them.
     """
     if simulated not in realizations["simulated"].values:
         raise InputError(
@@ -92,17 +103,13 @@ def simulation_norms(realizations, simulated, fitted, start="rest"):
         )
     chosen = realizations.sel(simulated=simulated)
     times, truth, swings = (chosen[name].values for name in ("time", "truth", "noisy"))
-    coords = model_coords(fitted)
+    family = models(fitted, own, realizations.attrs["restoring"], realizations.attrs["form"])
+    coords = model_coords(family)
     names = coords["parameter"][1]
-    options = {
-        "start": start,
-        "restoring": realizations.attrs["restoring"],
-        "form": realizations.attrs["form"],
-    }
     shape = (1, len(fitted), len(swings))
     variables = {}
     for prefix, method in (("", fit_nelder_mead), ("least_squares_", fit_trajectory)):
-        rows = [_rows(method, fitted, times, swing, truth, names, options) for swing in swings]
+        rows = [_rows(method, family, times, swing, truth, names, start) for swing in swings]
         for name in rows[0]:
             stacked = np.array([row[name] for row in rows]).swapaxes(0, 1)
             dims = ("simulated", "fitted", "realization", "parameter")[: stacked.ndim + 1]
@@ -117,10 +124,8 @@ def simulation_norms(realizations, simulated, fitted, start="rest"):
     )
 
 
-def _rows(method, fitted, times, swing, truth, names, options):
-    fits = fit_nested(
-        fitted, lambda label, guess: method(label, times, swing, guess=guess, **options)
-    ).values()
+def _rows(method, family, times, swing, truth, names, start):
+    fits = fit_nested(family, lambda model, guess: method(model, times, swing, guess=guess, start=start))
     return {
         "norm": [_rms_degrees(fit.angle - truth) for fit in fits],
         "residual_norm": [_rms_degrees(fit.angle - swing) for fit in fits],

@@ -1,42 +1,46 @@
 """The study's settings: held against their schema, completed with its defaults, refused with a mend."""
 
+from collections.abc import Iterable, Mapping
+from typing import Any
+
 from ..errors import InputError
-from ..pendulum import own as own_effects
-from ..pendulum.catalogue import catalogue
-from ..pendulum.model import Model
+from ..pendulum.catalogue import Catalogue, catalogue
 from ..schema import as_said, check, near
 
 
-def complete(config, where="config"):
+def complete(config: Mapping[str, Any], where: str = "config") -> dict[str, Any]:
     """A copy of ``config`` with every default filled in.
 
     Raises InputError, with the full name of the key and a near match where there is one, for an unknown key, a value
-    of another kind or out of bounds, and a model that is not built from the catalogue's effects.
+    of another kind or out of bounds, and a model that is not built from the catalogue's effects and the study's own.
     """
     config = as_said(config, "config.schema.yaml", ("capture", "live", "recover"))
     settings = check(config, "config.schema.yaml", where)
-    own_effects.use(settings["effects"], f"{where}, key effects")
+    known = catalogue(settings["effects"], f"{where}, key effects")
     for number, name in enumerate(settings["discovery"]["base"], 1):
-        _check_effects([name], f"{where}, key discovery.base[{number}]")
-    _check_effects([settings["detection"]["effect"]], f"{where}, key detection.effect")
+        _check_effects([name], known, f"{where}, key discovery.base[{number}]")
+    for number, name in enumerate(settings["hidden_effects"]["effects"], 1):
+        _check_effects([name], known, f"{where}, key hidden_effects.effects[{number}]")
+    _check_effects([settings["detection"]["effect"]], known, f"{where}, key detection.effect")
     for part in ("simulation", "experiment"):
         for number, label in enumerate(settings[part]["fitted"], 1):
-            _check_model(label, f"{where}, key {part}.fitted[{number}]")
+            _check_model(label, known, f"{where}, key {part}.fitted[{number}]")
     return settings
 
 
-def _check_model(label, place):
+def _check_model(label: str, known: Catalogue, place: str) -> None:
     names = label.split("+")
-    _check_effects(names, place)
+    _check_effects(names, known, place)
     if len(set(names)) < len(names):
         raise InputError(place, f"an effect is named twice in {label!r}", "each effect once", "remove one")
-    if (ordered := Model(label).label) != label:  # the label names results, so each model must have one
+    ordered = "+".join(known.ordered(names))  # the label names results, so each model must have one
+    if ordered != label:
         problem = f"{label!r} is not in the catalogue's order"
         raise InputError(place, problem, ordered, f"write {ordered!r}")
 
 
-def _check_effects(names, place):
+def _check_effects(names: Iterable[str], known: Catalogue, place: str) -> None:
     for name in names:
-        if name not in catalogue():
+        if name not in known.names:
             problem = f"no effect {name!r} in the catalogue"
-            raise InputError(place, problem, ", ".join(catalogue()), near(name, catalogue()))
+            raise InputError(place, problem, ", ".join(known.names), near(name, known.names))

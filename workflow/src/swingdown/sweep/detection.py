@@ -11,14 +11,14 @@ from ..discovery.files import summary
 from ..discovery.verdict import verdict
 from ..engine.trajectory import TrajectoryError, simulate
 from ..errors import InputError
-from ..fitting.fit import fit_jointly
-from ..pendulum.catalogue import CATALOGUE, effect
+from ..fitting.least_squares import fit_jointly
+from ..pendulum.catalogue import SHIPPED, catalogue
 from ..pendulum.model import Model
 from ..studies.noise import additive_of_size
 from .table import noise_key, stream
 
 OUTCOMES = ("nothing", "named", "among_others", "unknown", "wrong", "failed")
-ANSWERS = ("none", *CATALOGUE, "other")  # other: an effect of the study's own, or a torque without a name
+ANSWERS = ("none", *SHIPPED.names, "other")  # other: an effect of the study's own, or a torque without a name
 VARIABLES = {
     "outcome": (None, "what discovery said of the campaign"),
     "answer": (None, "the effect that discovery added first"),
@@ -90,12 +90,15 @@ def _row(campaign, settings, hidden):
 
 def answer(campaign, settings):
     """The verdict (a dict as in verdict.json) of discovery on a campaign, under the settings of a cell."""
-    base, options = (
-        tuple(settings["discovery.base"]),
-        {"restoring": settings["model.restoring"], "form": settings["model.form"]},
-    )
-    states = rounds.discover(campaign, base, settings["discovery.rounds"], **options)
-    return verdict([summary(state, campaign) for state in states])
+    base = _model(settings, settings["discovery.base"])
+    states = rounds.discover(campaign, base, settings["discovery.rounds"])
+    return verdict([summary(state, campaign) for state in states], base.catalogue)
+
+
+def _model(settings, names):
+    """The model of these effects, of the catalogue with the study's own and with the options that the settings say."""
+    options = settings["model.restoring"], settings["model.form"]
+    return Model(tuple(names), {}, {}, *options, catalogue(settings.get("effects")))
 
 
 def _outcome(found, present):
@@ -120,7 +123,7 @@ def _hidden(settings):
         settings["detection.size"],
         settings["detection.noise_rad"],
     )
-    first = effect(name).parameters[0]
+    first = catalogue(settings.get("effects"))[name].size
     if size == 0:
         return _Hidden(times, _swings(settings, times, None), 0.0, 0.0)
     coefficient = first.typical * 0.1
@@ -151,10 +154,10 @@ def _swings(settings, times, coefficient):
     """The noise-free swings (rad) by name, with the hidden effect at ``coefficient`` or without it (None)."""
     base = tuple(settings["discovery.base"])
     names = base if coefficient is None else (*base, settings["detection.effect"])
-    model = Model(names, restoring=settings["model.restoring"], form=settings["model.form"])
+    model = _model(settings, names)
     values = {p.name: settings.get(f"simulation.{p.name}", p.typical) for p in model.definitions}
     if coefficient is not None:
-        values[effect(settings["detection.effect"]).parameters[0].name] = coefficient
+        values[model.catalogue[settings["detection.effect"]].size.name] = coefficient
     return {
         f"{angle:g} degrees": simulate(model.with_values(values), times, math.radians(angle))
         for angle in settings["detection.release_angles_deg"]
@@ -163,6 +166,5 @@ def _swings(settings, times, coefficient):
 
 def _left(settings, times, swings):
     """The RMS (rad) that the base model leaves of noise-free swings."""
-    options = {"restoring": settings["model.restoring"], "form": settings["model.form"]}
     pairs = [(times, angle) for angle in swings.values()]
-    return fit_jointly(tuple(settings["discovery.base"]), pairs, bounded=True, **options).rms
+    return fit_jointly(_model(settings, settings["discovery.base"]), pairs, bounded=True).rms

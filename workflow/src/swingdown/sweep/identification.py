@@ -7,8 +7,10 @@ import numpy as np
 
 from ..engine.trajectory import simulate, simulate_each
 from ..errors import InputError
-from ..fitting.fit import fit_batch, fit_trajectory
+from ..fitting.batch import fit_batch
+from ..fitting.least_squares import fit_trajectory
 from ..fitting.nested import contains
+from ..pendulum.catalogue import catalogue
 from ..pendulum.model import Model
 from ..studies.noise import add_noise
 from .table import noise_key, stream
@@ -82,8 +84,8 @@ def _cell(settings):
     times = np.arange(round(duration * rate) + 1) / rate
     release = math.radians(settings["simulation.release_angle_deg"])
     (label,) = settings["simulation.simulated"]
-    options = {"restoring": settings["model.restoring"], "form": settings["model.form"]}
-    model = Model(label, **options)
+    options = settings["model.restoring"], settings["model.form"]
+    model = Model(label, {}, {}, *options, catalogue(settings.get("effects")))
     try:
         model = model.with_values({name: settings[f"simulation.{name}"] for name in model.parameters})
         truth = simulate(model, times, release)
@@ -93,17 +95,17 @@ def _cell(settings):
     begin = {}
     for one in sorted(settings["simulation.fitted"], key=_size):
         guess = [begin[other] for other in begin if contains(one, other) and begin[other]]
-        begin[one] = _noise_free(one, times, truth, model, guess, options)
+        begin[one] = _noise_free(one, times, truth, model, guess)
     return _Cell(settings, noise_key(settings), times, truth, release, begin)
 
 
-def _noise_free(label, times, truth, model, guess, options):
+def _noise_free(label, times, truth, model, guess):
     """A model with the values that come closest to the noise-free swing: the truth, where it contains it; None if there are none."""
+    wider = model.with_effects(label.split("+"))
     if label == model.label or contains(label, model.label):
-        wider = Model(label, **options)
         return wider.with_values({name: model.values.get(name, 0.0) for name in wider.parameters})
     try:
-        return fit_trajectory(label, times, truth, start="free", guess=guess, **options).model
+        return fit_trajectory(wider, times, truth, start="free", guess=guess).model
     except (InputError, ArithmeticError):
         return None
 

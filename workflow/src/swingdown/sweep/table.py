@@ -9,7 +9,7 @@ from itertools import product
 import numpy as np
 
 from ..errors import InputError
-from ..pendulum.catalogue import CATALOGUE, NATURAL_FREQUENCY
+from ..pendulum.catalogue import SHIPPED
 from ..schema import near
 from ..study.settings import complete
 
@@ -229,8 +229,7 @@ def _dims(keys):
 def unit(key):
     """The unit of a key's value: of a coefficient from the catalogue, else as its name ends; empty for words."""
     name = key.rpartition(".")[2]
-    known = {p.name: p.unit for effect in CATALOGUE.values() for p in effect.parameters}
-    known[NATURAL_FREQUENCY.name] = NATURAL_FREQUENCY.unit
+    known = {one.name: one.unit for one in SHIPPED.parameters.values()}
     return known.get(name) or _UNITS.get(name.rpartition("_")[2], "1")
 
 

@@ -1,6 +1,9 @@
 """Verdicts on the campaigns of a sample sheet, one after the other: what the scorer holds against the truth."""
 
 import time
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Any
 
 from ..discovery.campaign import Swing, campaign
 from ..discovery.files import summary
@@ -9,10 +12,12 @@ from ..discovery.verdict import verdict
 from ..measurement.angle import to_angle
 from ..measurement.recording import ingest
 from ..measurement.sheet import read_sheet
-from ..pendulum import catalogue as effects
+from ..pendulum.model import Model
 
 
-def find(sheet, base, rounds, excluded=None, model=None):
+def find(
+    sheet: Path | str, base: Model, rounds: int, excluded: Mapping[str, Iterable[str]] | None = None
+) -> dict[str, Any]:
     """A dict by campaign of the sample sheet: ``verdict``, ``seconds`` of CPU time, and of the first round the swings that
     were fitted and the residual (rad) that each effect leaves of them that could be added, by name.
 
@@ -27,12 +32,12 @@ def find(sheet, base, rounds, excluded=None, model=None):
             swings.append(Swing(str(recording), data["time"].values, data["angle"].values))
         one = campaign(str(name), swings)
         lacks = set((excluded or {}).get(name, ()))
-        allowed = [effect for effect in effects.catalogue() if effect not in lacks]
-        states = discover(one, tuple(base), rounds, allowed, **(model or {}))
+        allowed = [name for name in base.catalogue.names if name not in lacks]
+        states = discover(one, base, rounds, allowed)
         told = [summary(state, one) for state in states]
         ranked = [row for row in told[0]["ranking"] if not row["refused"] and row["added"]]
         found[str(name)] = {
-            "verdict": verdict(told),
+            "verdict": verdict(told, base.catalogue),
             "seconds": time.process_time() - started,
             "fitted": [swing.name for swing in one.fit],
             "rms_rad": {

@@ -1,9 +1,11 @@
 """Which trials are drawn: every effect at every size, pairs, foreign effects, effects taken out of the catalogue, and nulls."""
 
-from typing import NamedTuple
+from collections.abc import Mapping
+from typing import Any, NamedTuple
 
-from .second_pendulum import FOREIGN
-from .trial import NOISES, PAIRS, SINGLES, draw
+from ..pendulum.catalogue import SHIPPED, Catalogue
+from .torques import FOREIGN
+from .trial import NOISES, PAIRS, Trial, check_known, draw, hideable
 
 _TRIES = 4  # draws of one kind, before it is left out because no size within reason leaves such a residual
 _AT_ONCE = 2.0  # ratio of residual to noise of each of a pair, and of effects taken out of the catalogue
@@ -19,10 +21,14 @@ class Planned(NamedTuple):
     number: int
 
 
-def planned(settings):
-    """The list of ``Planned`` trials of the settings' group ``hidden_effects``, in a fixed order."""
+def planned(settings: Mapping[str, Any], catalogue: Catalogue = SHIPPED) -> list[Planned]:
+    """The list of ``Planned`` trials of the settings' group ``hidden_effects``, in a fixed order.
+
+    InputError for an effect that the second pendulum does not know: none is left out in silence.
+    """
     found, sizes, repeats = [], settings["sizes"], settings["repeats"]
-    names = settings["effects"] or SINGLES
+    names = settings["effects"] or hideable(catalogue)
+    check_known(names, catalogue)
 
     def add(kind, hidden, ratio, number):
         found.append(Planned(kind, hidden, float(ratio), NOISES[len(found) % len(NOISES)], _TRIES * number))
@@ -43,19 +49,19 @@ def planned(settings):
     return found
 
 
-def chunks(settings):
+def chunks(settings: Mapping[str, Any], catalogue: Catalogue = SHIPPED) -> dict[str, list[Planned]]:
     """The planned trials by the name of the chunk that holds them: chunks are computed together, and not shared out anew
     when more are planned.
     """
-    trials, length = planned(settings), settings["chunk"]
+    trials, length = planned(settings, catalogue), settings["chunk"]
     return {f"{k:04d}": trials[k * length : (k + 1) * length] for k in range(-(-len(trials) // length))}
 
 
-def drawn(seed, one):
+def drawn(seed: int, one: Planned, catalogue: Catalogue = SHIPPED) -> Trial | None:
     """The ``Trial`` of a ``Planned`` one, or None where no size within reason leaves the residual that is asked for."""
     for k in range(_TRIES):
         try:
-            return draw(seed, one.kind, one.hidden, one.ratio, one.noise, one.number + k)
+            return draw(seed, one.kind, one.hidden, one.ratio, one.noise, one.number + k, catalogue)
         except ArithmeticError:
             continue
     return None

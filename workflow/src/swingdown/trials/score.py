@@ -1,13 +1,15 @@
 """Verdicts held against the truth: a row for each trial, and the figures that tell how far verdicts can be trusted."""
 
+from collections.abc import Mapping
+from typing import Any
+
 import numpy as np
 import pandas as pd
 from scipy.stats import beta
 
 from ..discovery.campaign import Noise
-from ..discovery.name import CONTAINS
 from ..discovery.verdict import GUARD
-from ..pendulum import catalogue as effects
+from ..pendulum.catalogue import SHIPPED, Catalogue
 from .trial import CORRELATION
 
 _EXCESS = (
@@ -17,7 +19,9 @@ _SEPARABLE = 25.0  # chi-square by which every other effect fails
 _TIE_SET = 4
 
 
-def row(name, truth, found):
+def row(
+    name: str, truth: Mapping[str, Any], found: Mapping[str, Any], catalogue: Catalogue = SHIPPED
+) -> dict[str, Any]:
     """One trial's row of scores.csv, as a dict, from its truth and what was found.
 
     ``named`` and ``tied`` list the verdict's effects and their rivals; ``exact`` every hidden effect and no other is named;
@@ -28,7 +32,7 @@ def row(name, truth, found):
     ``covered`` of ``intervals`` 95 % intervals hold the true value.
     """
     verdict, hidden = found["verdict"], tuple(truth["hidden"])
-    told = [one for one in verdict["effects"] if one["name"] not in effects.FREE_FORM]
+    told = [one for one in verdict["effects"] if catalogue.has_name(one["name"])]
     sets = {one["name"]: {one["name"], *one["tied_with"]} for one in told}
     exact = sorted(sets) == sorted(hidden) and verdict["status"] in ("named", "ambiguous")
     matched = len(sets) == len(hidden) and all(
@@ -43,7 +47,9 @@ def row(name, truth, found):
     excess = _excess(truth, found, found["rms_rad"])
     # to first order (1 - rho^2) times the chi-square of the hidden effect; what contains it can always do its work
     rivals = [
-        one for one in found["rms_rad"] if one not in hidden and not set(CONTAINS.get(one, ())) & set(hidden)
+        one
+        for one in found["rms_rad"]
+        if one not in hidden and not set(catalogue.contained_in(one)) & set(hidden)
     ]
     separation = _excess(truth, found, rivals)
     right = {
@@ -168,7 +174,7 @@ def guard(scores):
     return GUARD | {"nulls": len(nulls), "false_alarms": int(nulls["alarm"].sum())}
 
 
-def confusion(scores):
+def confusion(scores: pd.DataFrame, catalogue: Catalogue = SHIPPED) -> pd.DataFrame:
     """The confusion matrix of single hidden effects: rows the hidden one, columns what was named, shares of each row.
 
     A verdict of "unknown" or "consistent" counts as that; of a tie the hidden effect if it is inside, else the first.
@@ -181,6 +187,6 @@ def confusion(scores):
         return one["hidden"] if one["inside"] else one["named"].split("+")[0]
 
     table = pd.crosstab(single["hidden"], single.apply(told, axis=1), normalize="index")
-    order = [name for name in effects.CATALOGUE if name in table.index]
-    columns = [*order, *(name for name in effects.CATALOGUE if name in table.columns and name not in order)]
+    order = [name for name in catalogue.names if name in table.index]
+    columns = [*order, *(name for name in catalogue.names if name in table.columns and name not in order)]
     return table.reindex(index=order, columns=[*columns, "unknown", "consistent"], fill_value=0.0)

@@ -5,8 +5,7 @@ it can be. The support of the flexible pivot is a two-by-two linear system for b
 is Dahl's closed form in the angle since the last turning point; play and clock are applied to samples and turning
 points. The signs of the velocity and of every other kink are frozen between events, and each event is located.
 
-Besides the catalogue's effects it knows those of ``FOREIGN``, which the catalogue lacks on purpose: what they leave
-must be called unknown.
+Its torques, one function an effect, stand in ``torques``.
 """
 
 from dataclasses import dataclass, field
@@ -15,19 +14,11 @@ from math import cos, exp, isfinite, pi, sin
 import numpy as np
 from scipy.integrate import solve_ivp
 
+from ..errors import InputError
+from .torques import KNOWN, TORQUES, of_twin
+
 RTOL, ATOL = 1e-13, 1e-16
 FAR = 60.0  # rad; beyond, the motion has run away
-FOREIGN = {  # name: its parameters, the first one its size
-    "one_sided_drag": (
-        "one_sided_drag",
-    ),  # 1; drag in the square of the speed on one side of the middle only
-    "friction_patch": (
-        "patch_friction",
-        "patch_from",
-        "patch_to",
-    ),  # rad/s^2, rad, rad; a dirty part of the shaft
-    "soft_stop": ("stop_stiffness", "stop_from"),  # 1/s^2, rad; a buffer that large swings touch on one side
-}
 
 
 @dataclass
@@ -48,8 +39,10 @@ class Runaway(ArithmeticError):
 class Pendulum:
     """Accelerations of a pendulum with the named effects, the parameters given by name."""
 
-    def __init__(self, effects, values, duration, restoring="sine", form="consistent"):
+    def __init__(self, effects, values, duration, restoring="sine", form="consistent", twins=None):
         self.on, self.p, self.duration = frozenset(effects), dict(values), duration
+        self.torques = [TORQUES[name] for name in TORQUES if name in self.on]
+        self.torques += [of_twin(one) for name, one in (twins or {}).items() if name in self.on]
         self.restoring, self.form = restoring, form
         self.flexible = "flexible_pivot" in self.on
         self.lagging = "sensor_lag" in self.on
@@ -63,57 +56,9 @@ class Pendulum:
 
     def torque(self, t, th, v, s, kinks):
         """Sum of all torques over the inertia, but for the support's; s the frozen sign of the velocity."""
-        p, on, w = self.p, self.on, self.p["natural_frequency"]
-        speed = max(s * v, 0.0)
-        total = -w * w * (sin(th) if self.restoring == "sine" else th)
-        if "viscous" in on:
-            total -= 2 * p["viscous_ratio"] * w * v
-        if "quadratic_drag" in on:
-            total -= s * w * p["quadratic_coefficient"] * v * v
-        if "load_coulomb" in on:
-            if self.form == "printed":
-                total -= s * w * p["load_friction"] * (v * v + cos(th))
-            else:
-                total -= s * p["load_friction"] * (v * v + w * w * cos(th))
-        if "constant_coulomb" in on:
-            total -= s * p["constant_friction"]
-        if "stribeck" in on:
-            total -= s * p["stribeck_friction"] * exp(min(-s * v / p["stribeck_velocity"], 30.0))
-        if self.wound:
-            total -= self.dahl(s, th)
-        if "power_law_drag" in on:
-            total -= s * p["power_law_coefficient"] * speed ** p["power_law_exponent"]
-        if "structural_damping" in on:
-            total -= s * p["structural_coefficient"] * kinks["angle"] * th
-        if "eddy_brake" in on:
-            total -= p["eddy_coefficient"] * exp(-((th / p["eddy_width"]) ** 2)) * v
-        if "constant_torque" in on:
-            total += p["constant_torque"]
-        if "torsion_spring" in on:
-            total -= p["torsion_stiffness"] * th
-        if "cubic_stiffness" in on:
-            total -= p["cubic_stiffness"] * th * th * th
-        if "detent" in on:
-            total += p["detent_torque"] * sin(p["detent_order"] * th + p["detent_phase"])
-        if "base_vibration" in on:
-            total += (
-                p["vibration_acceleration"]
-                * cos(th)
-                * cos(2 * pi * p["vibration_frequency"] * t + p["vibration_phase"])
-            )
-        if "damping_drift" in on:
-            total -= 2 * p["damping_drift"] * w * v * t / self.duration
-        if "steady_wind" in on:
-            against = v - p["wind_speed"]
-            total -= w * p["wind_coefficient"] * kinks["wind"] * against * against
-        if "finite_amplitude" in on:
-            total += w * w * (th - sin(th))
-        if "one_sided_drag" in on and kinks["side"] > 0:
-            total -= p["one_sided_drag"] * s * v * v
-        if "friction_patch" in on and kinks["patch_from"] * kinks["patch_to"] < 0:
-            total -= s * p["patch_friction"]
-        if "soft_stop" in on and kinks["stop"] > 0:
-            total -= p["stop_stiffness"] * (th - p["stop_from"])
+        total = -(self.p["natural_frequency"] ** 2) * (sin(th) if self.restoring == "sine" else th)
+        for torque in self.torques:
+            total += torque(self, t, th, v, s, kinks)
         return total
 
     def accelerations(self, t, th, v, q, w_q, s, kinks):
@@ -231,13 +176,22 @@ def trajectory(
     restoring="sine",
     form="consistent",
     most=4000,
+    twins=None,
 ):
-    """The ``Motion`` of a pendulum with these effects (names) and values (by parameter name), release at times[0]."""
+    """The ``Motion`` of a pendulum with these effects (names) and values (by parameter name), release at times[0].
+
+    ``twins`` holds, by name, the torques of effects that are not written here (``Effect.twin``). InputError for an effect
+    that is in neither place: what a trial leaves out in silence would be looked for in vain.
+    """
     effects = tuple(effects)
+    if unknown := [name for name in effects if name not in KNOWN and name not in (twins or {})]:
+        raise InputError(
+            f"effect {unknown[0]!r}", "the second pendulum does not know it", ", ".join(sorted(KNOWN))
+        )
     stamped = np.asarray(times, dtype=float) - times[0]
     duration = float(stamped[-1])
     true = stamped + (values["clock_drift"] * stamped**2 / duration if "clock_drift" in effects else 0.0)
-    pendulum = Pendulum(effects, values, duration, restoring, form)
+    pendulum = Pendulum(effects, values, duration, restoring, form, twins)
     lag = values.get("lag_time", 0.0)
     y = np.array([release_angle, release_velocity, 0.0, 0.0, release_angle - lag * release_velocity])
     pendulum.th_start = release_angle

@@ -1,7 +1,9 @@
 """Campaigns in which effects are hidden: drawn by number, swung by the second pendulum, written as sheet and CSV files."""
 
-from dataclasses import asdict, dataclass, field
+from collections.abc import Iterable, Sequence
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -9,34 +11,19 @@ from scipy.signal import lfilter
 
 from ..engine.trajectory import TrajectoryError
 from ..errors import InputError
-from ..fitting.fit import fit_jointly
-from ..pendulum.catalogue import effect
-from .second_pendulum import FOREIGN, Runaway, trajectory
+from ..fitting.least_squares import fit_jointly
+from ..fitting.result import Array
+from ..pendulum.catalogue import SHIPPED, Catalogue
+from ..pendulum.effect import Effect, Parameter
+from ..pendulum.model import Model
+from .second_pendulum import Runaway, trajectory
+from .torques import FOREIGN, KNOWN
 
 BASE = ("viscous", "load_coulomb")
 NOISES = ("white", "coloured", "steps")
 SWINGS, DURATION, RATE = 6, 20.0, 100.0  # each campaign's; s, samples a second
 CORRELATION = 0.5  # of neighbouring samples of coloured noise
 STEP = 2.0  # of noise in steps, in units of its whole standard deviation (an encoder's steps and little else)
-# where the effects' other parameters are drawn (their first one sets the size); a phase is drawn from the whole turn
-SHAPES = {
-    "stribeck_velocity": (0.05, 0.5),
-    "presliding_angle": (0.002, 0.02),
-    "power_law_exponent": ((1.3, 1.7), (2.4, 3.2)),
-    "eddy_width": (0.06, 0.3),
-    "detent_order": (4, 5, 6, 8, 12, 16),
-    "pivot_frequency": (14.0, 45.0),
-    "pivot_damping_ratio": (0.02, 0.2),
-    "vibration_frequency": ((0.3, 0.55), (1.8, 6.0)),  # not the pendulum's own
-    "wind_speed": ((-1.5, -0.2), (0.2, 1.5)),
-    "patch_from": (-0.1, 0.1),
-    "stop_from": (0.15, 0.35),
-}
-SINGLES = (
-    "quadratic_drag", "constant_coulomb", "stribeck", "presliding", "power_law_drag", "structural_damping", "added_mass",
-    "eddy_brake", "constant_torque", "torsion_spring", "cubic_stiffness", "detent", "flexible_pivot", "base_vibration",
-    "damping_drift", "steady_wind", "backlash", "sensor_lag", "eccentricity", "sensor_gain", "sensor_zero", "clock_drift",
-)  # fmt: skip
 # one that takes energy away, drives or reads wrongly beside one that does not: pairs of which the data can tell both
 PAIRS = (
     ("quadratic_drag", "constant_torque"), ("quadratic_drag", "base_vibration"), ("presliding", "cubic_stiffness"),
@@ -44,13 +31,6 @@ PAIRS = (
     ("quadratic_drag", "cubic_stiffness"), ("damping_drift", "detent"), ("structural_damping", "backlash"),
     ("steady_wind", "clock_drift"), ("flexible_pivot", "constant_torque"), ("power_law_drag", "sensor_lag"),
 )  # fmt: skip
-_LARGEST = {
-    "sensor_gain": 0.3,
-    "pivot_mass_ratio": 0.4,
-    "eccentricity": 0.3,
-    "clock_drift": 0.05,
-    "backlash_width": 0.2,
-}
 
 
 @dataclass(frozen=True)
@@ -64,21 +44,40 @@ class Trial:
 
     name: str
     kind: str
-    hidden: tuple
+    hidden: tuple[str, ...]
     ratio: float
     noise: str
     sigma: float
-    values: dict
-    releases: tuple
-    own: tuple = ()
-    reached: float = field(default=1.0)
+    values: dict[str, float]
+    releases: tuple[tuple[float, float], ...]
+    own: tuple[dict[str, float], ...] = ()
+    reached: float = 1.0
 
 
-def draw(seed, kind, hidden=(), ratio=1.0, noise="white", number=0):
+def hideable(catalogue: Catalogue) -> tuple[str, ...]:
+    """The names of the effects that can be hidden beside ``BASE``: all others that the second pendulum knows and that make
+    sense with the weight's sine."""
+    return tuple(e.name for e in catalogue if e.name not in BASE and e.beside in ("", "sine") and _known(e))
+
+
+def _known(effect: Effect) -> bool:
+    return effect.name in KNOWN or effect.twin is not None
+
+
+def draw(
+    seed: int,
+    kind: str,
+    hidden: str | Sequence[str] = (),
+    ratio: float = 1.0,
+    noise: str = "white",
+    number: int = 0,
+    catalogue: Catalogue = SHIPPED,
+) -> Trial:
     """The ``Trial`` of that seed, kind, hidden effects, size, noise and number: always the same one.
 
     Sizes are found with the engine's fits of the base model to the noiseless swings; the swings themselves never see it.
-    ArithmeticError where no size within reason leaves such a residual.
+    ArithmeticError where no size within reason leaves such a residual; InputError for an effect that the second pendulum
+    does not know.
     """
     hidden = (hidden,) if isinstance(hidden, str) else tuple(hidden)
     words = [*(ord(letter) for letter in "+".join((kind, *hidden, noise))), round(100 * ratio), number]
@@ -90,72 +89,88 @@ def draw(seed, kind, hidden=(), ratio=1.0, noise="white", number=0):
     }
     sigma = rng.uniform(1e-3, 3e-3)
     largest = np.linspace(0.3, rng.uniform(0.8, 1.05), SWINGS) * rng.uniform(0.95, 1.05, SWINGS)
+    velocities = rng.normal(0, 0.05, SWINGS)
     releases = tuple(
-        (float(a * (-1) ** k), float(v))
-        for k, (a, v) in enumerate(zip(largest, rng.normal(0, 0.05, SWINGS), strict=True))
+        (float(a * (-1) ** k), float(v)) for k, (a, v) in enumerate(zip(largest, velocities, strict=True))
     )
-    own = [{} for _ in range(SWINGS)]
+    own: list[dict[str, float]] = [{} for _ in range(SWINGS)]
     for name in hidden:
-        for parameter, phase in _shape(name):
-            if phase == "own":
-                for one in own:
-                    one[parameter] = float(rng.uniform(-np.pi, np.pi))
-            else:
-                values[parameter] = (
-                    float(rng.uniform(-np.pi, np.pi)) if phase else _drawn(rng, SHAPES[parameter])
-                )
-    if "friction_patch" in hidden:
-        values["patch_to"] = values["patch_from"] + 0.15
-    signs = {name: rng.choice((-1.0, 1.0)) if _signed(name) else 1.0 for name in hidden}
+        _draw_shape(rng, name, catalogue, values, own)
+    signs = {name: rng.choice((-1.0, 1.0)) if _signed(name, catalogue) else 1.0 for name in hidden}
     label = "+".join(hidden) or "null"
-    trial = Trial(
-        f"{kind}-{label}-{ratio:g}-{noise}-{number}".replace("+", "-and-"),
-        kind,
-        hidden,
-        ratio,
-        noise,
-        sigma,
-        values,
-        releases,
-        tuple(own),
-    )
+    called = f"{kind}-{label}-{ratio:g}-{noise}-{number}".replace("+", "-and-")
+    trial = Trial(called, kind, hidden, ratio, noise, sigma, values, releases, tuple(own))
     for name in hidden:  # each alone to its share, as if the others were not there
-        trial = _sized(trial, name, signs[name])
+        trial = _sized(trial, name, signs[name], catalogue)
     return trial
 
 
-def _shape(name):
+def _draw_shape(
+    rng: np.random.Generator,
+    name: str,
+    catalogue: Catalogue,
+    values: dict[str, float],
+    own: Sequence[dict[str, float]],
+) -> None:
+    """Draw all that an effect has beside its size into ``values``, or into each swing's ``own``."""
     if name in FOREIGN:
-        return [(parameter, None) for parameter in FOREIGN[name][1:] if parameter in SHAPES]
-    return [(p.name, "own" if p.own else "phase" if p.phase else None) for p in effect(name).parameters[1:]]
+        for parameter, among in FOREIGN[name].drawn.items():
+            values[parameter] = _drawn(rng, among)
+        for parameter, (other, distance) in FOREIGN[name].beyond.items():
+            values[parameter] = values[other] + distance
+        return
+    for parameter in catalogue[name].parameters:
+        if parameter == catalogue[name].size:
+            continue
+        if parameter.each:
+            for one in own:
+                one[parameter.name] = float(rng.uniform(-np.pi, np.pi))
+        elif parameter.role == "phase":
+            values[parameter.name] = float(rng.uniform(-np.pi, np.pi))
+        else:
+            values[parameter.name] = _drawn(rng, parameter.drawn or _usual(parameter))
 
 
-def _drawn(rng, among):
+def _usual(parameter: Parameter) -> tuple[float, float]:
+    """Where a parameter is drawn that says nothing of it: between its starts, or about its typical size."""
+    among = parameter.starts or (parameter.typical / 2, 2 * parameter.typical)
+    return min(among), max(among)
+
+
+def _drawn(rng: np.random.Generator, among: Sequence[Any]) -> float:
     if isinstance(among[0], tuple):
         return float(rng.uniform(*among[rng.integers(len(among))]))
     return float(rng.choice(among)) if len(among) > 2 else float(rng.uniform(*among))
 
 
-def _size_name(name):
-    return FOREIGN[name][0] if name in FOREIGN else effect(name).parameters[0].name
+def _size(name: str, catalogue: Catalogue) -> tuple[str, float, float]:
+    """The name of the parameter that sizes an effect, its usual size, and the largest that a trial may have."""
+    if name in FOREIGN:
+        return FOREIGN[name].parameters[0], FOREIGN[name].typical, np.inf
+    size = catalogue[name].size
+    if size is None:
+        raise InputError(f"effect {name!r}", "it has no size, so none can be drawn", "an effect with one")
+    return size.name, size.typical, size.largest
 
 
-def _signed(name):
-    return name not in FOREIGN and effect(name).parameters[0].lower < 0
+def _signed(name: str, catalogue: Catalogue) -> bool:
+    if name in FOREIGN:
+        return False
+    size = catalogue[name].size
+    return size is not None and size.lower < 0
 
 
-def _sized(trial, name, sign):
+def _sized(trial: Trial, name: str, sign: float, catalogue: Catalogue) -> Trial:
     """The trial with the effect's size such that the base model, fitted to it alone without noise, leaves what it should."""
+    if name not in FOREIGN:
+        check_known([name], catalogue)
     target = trial.sigma * np.sqrt(trial.ratio**2 - 1)
-    parameter = _size_name(name)
-    typical = 0.1 if name in FOREIGN else effect(name).parameters[0].typical
-    if name == "soft_stop":
-        typical = 5.0
+    parameter, typical, largest = _size(name, catalogue)
     low, high, size = 0.0, np.inf, typical / 3
     for _ in range(14):
-        one = Trial(**asdict(trial) | {"values": trial.values | {parameter: float(sign * size)}})
+        one = replace(trial, values=trial.values | {parameter: float(sign * size)})
         try:
-            left = _left_by_base(one, (name,))
+            left = _left_by_base(one, (name,), catalogue)
         except (Runaway, TrajectoryError, InputError):
             left = np.inf
         if abs(left / target - 1) < 0.08 or (high < np.inf and high - low < 1e-3 * high):
@@ -163,38 +178,46 @@ def _sized(trial, name, sign):
         low, high = (size, high) if left < target else (low, size)
         step = np.clip(target / left if left > 0 else 8.0, 0.15, 8.0)
         size = size * step if low < size * step < high else (low + high) / 2 if high < np.inf else 2 * size
-        if size > _LARGEST.get(parameter, np.inf):
+        if size > largest:
             raise ArithmeticError(
-                f"{name} would have to be beyond {_LARGEST[parameter]} to leave {trial.ratio} times the noise"
+                f"{name} would have to be beyond {largest} to leave {trial.ratio} times the noise"
             )
     if not 0.5 < left / target < 2:
         raise ArithmeticError(
             f"{name}: no size leaves {trial.ratio} times the noise (nearest {left / target:.2g} of it)"
         )
     reached = float(np.sqrt(trial.reached**2 + (left / trial.sigma) ** 2))
-    return Trial(**asdict(trial) | {"values": one.values, "reached": reached})
+    return replace(trial, values=one.values, reached=reached)
 
 
-def _left_by_base(trial, hidden):
+def check_known(names: Iterable[str], catalogue: Catalogue) -> None:
+    """Raise InputError for an effect that the second pendulum, which trials are made with, does not know."""
+    if unknown := [name for name in names if not _known(catalogue[name])]:
+        raise InputError(
+            f"effect {unknown[0]!r}", "the second pendulum, which trials are made with, does not know it",
+            ", ".join(e.name for e in catalogue if _known(e)), "give its entry a twin (CONTRIBUTING.md), or leave it out of the trials",
+        )  # fmt: skip
+
+
+def _left_by_base(trial: Trial, hidden: Sequence[str], catalogue: Catalogue) -> float:
     """RMS (rad) that the base model leaves of every second swing, sampled at a third of the rate, without noise."""
     times = np.arange(0, DURATION, 3 / RATE)
-    pairs = [(times, _swing(trial, hidden, k, times)) for k in range(0, SWINGS, 2)]
-    return fit_jointly(BASE, pairs, bounded=True).rms
+    pairs = [(times, _swing(trial, hidden, k, times, catalogue)) for k in range(0, SWINGS, 2)]
+    return fit_jointly(Model(BASE), pairs, bounded=True).rms
 
 
-def _swing(trial, hidden, k, times):
-    angle, velocity = trial.releases[k]
-    values = trial.values | trial.own[k]
-    return trajectory((*BASE, *hidden), values, times, angle, velocity).reading
+def _swing(trial: Trial, hidden: Sequence[str], k: int, times: Array, catalogue: Catalogue) -> Array:
+    values, twins = trial.values | trial.own[k], {e.name: e.twin for e in catalogue if e.twin}
+    return trajectory((*BASE, *hidden), values, times, *trial.releases[k], twins=twins).reading
 
 
-def swings(trial, seed):
+def swings(trial: Trial, seed: int, catalogue: Catalogue = SHIPPED) -> list[tuple[Array, Array]]:
     """The trial's swings with noise: a list of (times in s, angles in rad)."""
     times = np.arange(round(DURATION * RATE) + 1) / RATE
     rng = np.random.default_rng(np.random.SeedSequence(seed, spawn_key=[*map(ord, trial.name), 1]))
     found = []
     for k in range(SWINGS):
-        clean = _swing(trial, trial.hidden, k, times)
+        clean = _swing(trial, trial.hidden, k, times, catalogue)
         white = rng.standard_normal(times.size + 100)
         if trial.noise == "coloured":
             white = lfilter([np.sqrt(1 - CORRELATION**2)], [1, -CORRELATION], white)
@@ -208,15 +231,19 @@ def swings(trial, seed):
     return found
 
 
-def write_trial(trial, seed, name, folder):
+def write_trial(
+    trial: Trial, seed: int, name: str, folder: Path | str, catalogue: Catalogue = SHIPPED
+) -> tuple[list[dict[str, str]], dict[str, Any]]:
     """(rows of a sample sheet, truth): the trial's CSV files written to ``folder`` under a name that tells nothing of it.
 
     The truth is the ``Trial`` as a dict, with the noise's RMS in each swing (rad) and the samples of each.
     """
     rows, noise = [], []
-    for k, (times, angle) in enumerate(swings(trial, seed), 1):
+    for k, (times, angle) in enumerate(swings(trial, seed, catalogue), 1):
         path = Path(folder) / f"{name}-{k}.csv"
         pd.DataFrame({"t_s": times, "theta_rad": angle}).to_csv(path, index=False, float_format="%.7g")
         rows.append({"recording": f"{name}-{k}", "campaign": name, "file": str(path.resolve())})
-        noise.append(float(np.sqrt(np.mean((angle - _swing(trial, trial.hidden, k - 1, times)) ** 2))))
+        noise.append(
+            float(np.sqrt(np.mean((angle - _swing(trial, trial.hidden, k - 1, times, catalogue)) ** 2)))
+        )
     return rows, asdict(trial) | {"noise_rms_rad": noise, "samples": times.size}

@@ -1,19 +1,28 @@
 """Which effect is missing: every move refitted from several starts, inadmissible ones refused, ranked by evidence."""
 
+from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from ..engine.trajectory import TrajectoryError
-from ..pendulum import catalogue as effects
-from .candidates import additions, describe, starts_to_add, starts_to_drop, starts_to_exchange, without
-from .linear import each_model, frame
+from ..fitting.result import Fit
+from ..pendulum.effect import NATURAL_FREQUENCY
+from .campaign import Noise
+from .candidates import (
+    Start,
+    additions,
+    describe,
+    starts_to_add,
+    starts_to_drop,
+    starts_to_exchange,
+    without,
+)
+from .linear import Frame, frame
 from .refit import nudged, refit
 
 TIE = 10.0  # difference of BIC below which two candidates are told as tied
-_PROMISING = (
-    0.05  # of the best promise: candidates below are not refitted, a linear step already tells them off
-)
+_PROMISING = 0.05  # of the best predicted gain: candidates below are not refitted, a linear step already tells them off
 _HOPEFUL = (
     0.01  # the same, for those tried from more starts where none of the promising ones leaves the noise alone
 )
@@ -21,22 +30,9 @@ _FEW = 4  # effects tried in another one's place
 _NUDGED = 2  # candidates looked for in their neighbourhood, too
 _SHAPES = 3  # of an effect, to start from where the first ones did not do
 _DETERMINED = 3.0  # standard errors that an effect's size must be from nothing
-# Of the small swing's frequency: a drive so near resonance, with a phase for each recording, takes up any error of the
-# pendulum's own motion; large swings are slower.
-_OWN_SWING = (0.75, 1.2)
 _SUGGESTED = (
     4.0  # chi-square by which a richer effect must beat a simpler one that it contains to be tied with it
 )
-# what a richer effect contains at one value of its shape: without evidence for more, the simpler one is named
-CONTAINS = {
-    "power_law_drag": ("viscous", "quadratic_drag", "constant_coulomb"),
-    "steady_wind": ("quadratic_drag",),
-    "presliding": ("constant_coulomb",),
-    "stribeck": ("constant_coulomb",),
-    "eddy_brake": ("viscous",),
-    "eccentricity": ("sensor_zero", "sensor_gain"),
-    "detent": ("constant_torque", "cubic_stiffness", "torsion_spring"),
-}
 
 
 @dataclass(frozen=True)
@@ -45,23 +41,23 @@ class Candidate:
 
     added: str | None
     dropped: str | None
-    fit: object
+    fit: Fit
     bic: float
     refused: str = ""
 
     @property
-    def move(self):
+    def move(self) -> str:
         """What is done to the model, in words."""
         return describe(self.added, self.dropped)
 
 
-def evidence(fit, noise):
+def evidence(fit: Fit, noise: Noise) -> float:
     """The BIC of a fit whose residuals are correlated as the noise is: n effective ln(rss / n) + k ln(n effective)."""
     n = noise.effective(fit.n)
     return float(n * np.log(fit.rss / fit.n) + len(fit.free) * np.log(n))
 
 
-def ranking(here, noise, allowed=None):
+def ranking(here: Frame, noise: Noise, allowed: Collection[str] | None = None) -> list[Candidate]:
     """The ``Candidate``s that mend a fit seen in a ``Frame``, best first: additions, and exchanges of known rivals.
 
     ``allowed`` limits the effects that may be added (all of the catalogue by default). A candidate is refused where a
@@ -70,76 +66,80 @@ def ranking(here, noise, allowed=None):
     the model it begins from, must not hide the one that does.
     """
     moves = _offered(here, additions(here.fit.model, allowed))
-    most = max((starts[0].promise for starts in moves), default=0.0)
+    most = max((starts[0].predicted for starts in moves), default=0.0)
     found = _moved(
-        here, noise, [starts for starts in moves if starts[0].promise >= _PROMISING * most], allowed
+        here, noise, [starts for starts in moves if starts[0].predicted >= _PROMISING * most], allowed
     )
     if found and leaves_noise(found[0].fit, noise):
         return found
-    hopeful = [starts[0].added for starts in moves if starts[0].promise >= _HOPEFUL * most]
-    wide = _moved(here, noise, [starts_to_add(here, name, best=_SHAPES) for name in hopeful], allowed)
-    best = {}
+    hopeful = [starts[0].added for starts in moves if starts[0].predicted >= _HOPEFUL * most]
+    wide = _moved(here, noise, [starts_to_add(here, name, best=_SHAPES) for name in hopeful if name], allowed)
+    best: dict[str, list[Candidate]] = {}
     for one in (*found, *wide):
         best.setdefault(one.move, []).append(one)
-    found = _sorted([min(several, key=lambda one: one.fit.rss) for several in best.values()])
+    found = _sorted(min(several, key=lambda one: one.fit.rss) for several in best.values())
     return _sorted([*(_nudged(one, here, noise) for one in found[:_NUDGED]), *found[_NUDGED:]])
 
 
-def _offered(here, names, dropped=None):
+def _offered(here: Frame, names: Iterable[str], dropped: str | None = None) -> list[list[Start]]:
     """The starts of each effect that has any."""
     return [starts for starts in (starts_to_add(here, name, dropped=dropped) for name in names) if starts]
 
 
-def leaves_noise(fit, noise):
+def leaves_noise(fit: Fit, noise: Noise) -> bool:
     """True if the residual's size is that of the noise, to five standard deviations of what the samples allow."""
     n = noise.effective(fit.n)
-    return abs(fit.rms / noise.deviation - 1) < 5 / np.sqrt(2 * n) + 0.01
+    return bool(abs(fit.rms / noise.deviation - 1) < 5 / np.sqrt(2 * n) + 0.01)
 
 
-def _nudged(one, here, noise):
+def _nudged(one: Candidate, here: Frame, noise: Noise) -> Candidate:
     fit = nudged(one.fit, here.swings, rounds=1)
     return replace(one, fit=fit, bic=evidence(fit, noise), refused=inadmissible(fit, one.added))
 
 
-def _moved(here, noise, moves, allowed):
-    exchanges = {}
+def _moved(
+    here: Frame, noise: Noise, moves: Sequence[list[Start]], allowed: Collection[str] | None
+) -> list[Candidate]:
+    exchanges: dict[str, list[Start]] = {}
     for start in starts_to_exchange(here, allowed):
         exchanges.setdefault(start.move, []).append(start)
     return _sorted([_best(starts, here, noise) for starts in (*moves, *exchanges.values())])
 
 
-def in_place_of(here, noise, old, allowed=None, few=_FEW):
+def in_place_of(
+    here: Frame, noise: Noise, old: str, allowed: Collection[str] | None = None, few: int = _FEW
+) -> list[Candidate]:
     """The ``Candidate``s that have another effect in the place of one of the model's own, best first.
 
     The model is fitted without it, and the ``few`` effects that then promise most are fitted in its place.
     """
-    kept, values = without(here.fit, old)
-    if not kept:
+    begin = without(here.fit, old)
+    if not begin.model.names:
         return []
     try:
-        fit = refit(kept, values, here.fit, here.swings)
+        fit = refit(begin, here.swings)
     except TrajectoryError:
         return []
     there = frame(fit, here.swings)
     moves = _offered(there, [name for name in additions(fit.model, allowed) if name != old], old)
-    moves.sort(key=lambda starts: -starts[0].promise)
+    moves.sort(key=lambda starts: -starts[0].predicted)
     return _sorted([_best(starts, there, noise) for starts in moves[:few]])
 
 
-def drops(here, noise):
+def drops(here: Frame, noise: Noise) -> list[Candidate]:
     """The ``Candidate``s with one effect less, best first."""
     return _sorted([_best([start], here, noise) for start in starts_to_drop(here)])
 
 
-def _sorted(found):
+def _sorted(found: Iterable[Candidate | None]) -> list[Candidate]:
     return sorted((one for one in found if one), key=lambda one: (bool(one.refused), one.bic))
 
 
-def _best(starts, here, noise):
+def _best(starts: Sequence[Start], here: Frame, noise: Noise) -> Candidate | None:
     fits = []
     for start in starts:
         try:
-            fits.append(refit(start.effects, start.values, here.fit, here.swings, start.releases))
+            fits.append(refit(start.begin, here.swings))
         except TrajectoryError:
             continue
     if not fits:
@@ -148,27 +148,32 @@ def _best(starts, here, noise):
     return Candidate(start.added, start.dropped, fit, evidence(fit, noise), inadmissible(fit, start.added))
 
 
-def inadmissible(fit, added):
+def inadmissible(fit: Fit, added: str | None) -> str:
     """Why a fitted effect cannot be what it is called: empty, or the parameter that runs to a bound."""
-    if added is None or not effects.effect(added).parameters:
+    if added is None:
         return ""
-    first, *others = effects.effect(added).parameters
-    values = each_model(fit)[0].values
-    if values[first.name] <= first.lower + 1e-12:
-        return f"{first.name} wants to be below {first.lower:g} {first.unit}"
-    if _DETERMINED * fit.model.standard_errors.get(first.name, 0.0) > abs(values[first.name]):
-        return f"{first.name} is not determined"
-    if added == "base_vibration":
-        own = values["natural_frequency"] / (2 * np.pi)
-        if _OWN_SWING[0] < values["vibration_frequency"] / own < _OWN_SWING[1]:
-            return "vibration_frequency is that of the pendulum's own swing"
-    for parameter in others:
-        if not parameter.phase and values[parameter.name] >= parameter.upper * (1 - 1e-9):
+    effect = fit.model.catalogue[added]
+    size, values = effect.size, fit.models[0].values
+    if size is None:
+        return ""
+    if values[size.name] <= size.lower + 1e-12:
+        return f"{size.name} wants to be below {size.lower:g} {size.unit}"
+    if _DETERMINED * fit.model.standard_errors.get(size.name, 0.0) > abs(values[size.name]):
+        return f"{size.name} is not determined"
+    for parameter in effect.parameters:
+        if parameter.apart_from_swing:
+            own = values[NATURAL_FREQUENCY.name] / (2 * np.pi)
+            low, high = parameter.apart_from_swing
+            if low < values[parameter.name] / own < high:
+                return f"{parameter.name} is that of the pendulum's own swing"
+    for parameter in effect.parameters:
+        bounded = parameter != size and parameter.role != "phase"
+        if bounded and values[parameter.name] >= parameter.upper * (1 - 1e-9):
             return f"{parameter.name} runs to its bound {parameter.upper:g} {parameter.unit}"
     return ""
 
 
-def tied(ranked, noise):
+def tied(ranked: Sequence[Candidate], noise: Noise) -> list[Candidate]:
     """The admissible candidates that the evidence does not tell from the best: within ``TIE`` of its BIC, additions first.
 
     Of a richer effect and a simpler one that it contains, the simpler is preferred unless the evidence is for the richer,
@@ -180,9 +185,8 @@ def tied(ranked, noise):
     near = [one for one in admissible if one.bic - admissible[0].bic < TIE]
     kept = []
     for one in near:
-        simpler = [
-            other for other in near if other.added in CONTAINS.get(one.added, ()) and other.bic <= one.bic
-        ]
+        contained = one.fit.model.catalogue.contained_in(one.added) if one.added else ()
+        simpler = [other for other in near if other.added in contained and other.bic <= one.bic]
         scale = noise.deviation**2 * noise.inflation
         if all((other.fit.rss - one.fit.rss) / scale > _SUGGESTED for other in simpler):
             kept.append(one)
@@ -190,11 +194,8 @@ def tied(ranked, noise):
     return sorted(kept, key=lambda one: one.dropped is not None)
 
 
-def correlation(here, first, second):
+def correlation(here: Frame, first: Candidate, second: Candidate) -> float:
     """How alike two candidates are to the data: the correlation of what each adds to the angles, beyond the current fit."""
-    changes = []
-    for one in (first, second):
-        series = np.concatenate(one.fit.angle) - np.concatenate(here.fit.angle)
-        changes.append(here.outside(series))
+    changes = [here.outside(one.fit.angle - here.fit.angle) for one in (first, second)]
     size = np.linalg.norm(changes[0]) * np.linalg.norm(changes[1])
     return float(changes[0] @ changes[1] / size) if size > 0 else np.nan

@@ -1,0 +1,84 @@
+"""What a person would say of a verdict, in a sentence or two."""
+
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+from ..pendulum.catalogue import SHIPPED, Catalogue
+from ..pendulum.effect import Effect
+
+_SMALLER = {"rad": (1e-3, "mrad"), "s": (1e-3, "ms")}
+_SMALL = 0.1  # of a unit that has a smaller one beside it
+
+
+def sentence(found: Mapping[str, Any], catalogue: Catalogue = SHIPPED) -> str:
+    """What a person would say of a verdict."""
+    fit, holdout, where = found["gap"]["fit"], found["gap"]["holdout"], found["where"]
+    dropped = f" Not needed: {_listed(found['removed'])}." if found["removed"] else ""
+    if found["status"] == "consistent":
+        text = f"Nothing is missing: the model leaves {fit[-1]:.3g} times the noise on fitted and {holdout[-1]:.3g} on held-out swings."
+        return text + dropped + _misspecified(found)
+    named = [one for one in found["effects"] if catalogue.has_name(one["name"])]
+    seen = where["seen"][:1].upper() + where["seen"][1:] + ": " if where["seen"] else ""
+    said = []
+    if named:
+        joined = " and ".join(_described(one, catalogue[one["name"]]) for one in named)
+        said.append(f"{seen}{joined} {'is' if len(named) == 1 else 'are'} missing.")
+    elif seen:
+        said.append(f"{seen.removesuffix(': ')}.")
+    if len(fit) > 1:
+        said.append(f"Held-out residual {holdout[0]:.3g} → {holdout[-1]:.3g} times the noise.")
+    if found["status"] == "unknown":
+        kind = f", mostly {where['remaining_kind']}" if where["remaining_kind"] else ""
+        nameless = [one["name"] for one in found["effects"] if not catalogue.has_name(one["name"])]
+        before = holdout[-1 - len(nameless)]
+        said.append(f"What remains, {before:.3g} times the noise{kind}, has no name in the catalogue"
+                    + (f"; it is kept as {' and '.join(nameless)}." if nameless else "."))  # fmt: skip
+    return " ".join(said) + dropped + _misspecified(found)
+
+
+def _misspecified(found: Mapping[str, Any]) -> str:
+    names = found["misspecified"]
+    return (
+        f" {_listed(names)} would be negative if it could: a sign that the model is not the pendulum's."
+        if names
+        else ""
+    )
+
+
+def _listed(names: Iterable[str]) -> str:
+    return ", ".join(name.replace("_", " ") for name in names)
+
+
+def _described(one: Mapping[str, Any], effect: Effect) -> str:
+    """An effect with the parameters that the catalogue has told first, and its rivals."""
+    name, ties = one["name"].replace("_", " "), one["tied_with"]
+    told = [
+        _quantity(_words(key, name), one["parameters"][key])
+        for key in effect.told
+        if one["parameters"].get(key, {}).get("value") is not None
+    ]
+    if told and one["within_calibration"]:
+        told.append("within what the calibration leaves open")
+    rivals = " or ".join(tie.replace("_", " ") for tie in ties)
+    return (
+        name
+        + (f" ({', '.join(told)})" if told else "")
+        + (f", or {rivals}, which the data do not tell apart," if ties else "")
+    )
+
+
+def _words(key: str, name: str) -> str:
+    """A parameter's name without that of its effect; nothing where it is called as the effect is."""
+    words = key.replace("_", " ")
+    if words == name:
+        return ""
+    return words.removeprefix(name + " ").removeprefix(name.split()[0] + " ")
+
+
+def _quantity(words: str, entry: Mapping[str, Any]) -> str:
+    value, error, unit = (entry[part] for part in ("value", "standard_error", "unit"))
+    if unit in _SMALLER and abs(value) < _SMALL:
+        scale, unit = _SMALLER[unit]
+        value, error = value / scale, error and error / scale
+    size = f"{value:.3g}" + (f" ± {error:.1g}" if error else "") + ("" if unit == "1" else f" {unit}")
+    return f"{words} {size}".strip()

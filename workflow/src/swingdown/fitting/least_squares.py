@@ -1,0 +1,164 @@
+"""Trajectory least squares with exact sensitivities: one model to one swing, or to several at once."""
+
+import ctypes
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+import numpy as np
+
+from ..engine import build
+from ..engine.trajectory import TrajectoryError, doubles, simulate
+from ..pendulum.model import Model, as_model
+from .covariance import covariance_of
+from .problem import Problem, Swings
+from .result import Array, Fit, SwingFit
+
+_FEWEST = 8  # samples of a swing's first part
+_PARTS = (0.15, 0.25, 0.35, 0.45, 0.55, 0.65, 0.75, 0.85, 0.95)  # of the record, for a start
+_TELLING = 0.35  # a part that tells all values apart, where a shorter one may have led astray
+_SAME = 1e-6  # of the sum of squares: the same optimum
+_ROUGH, _ROUGH_EVALUATIONS = (
+    1e-6,
+    200,
+)  # tolerance of a part's optimum, which is only a start; evaluations for all parts
+
+
+def fit_jointly(
+    model: Model | str,
+    swings: Swings,
+    *,
+    start: str = "free",
+    guess: Any = None,
+    bounded: bool = False,
+    own: Iterable[str] | None = None,
+    fixed: Mapping[str, float] | None = None,
+    seen: bool = True,
+    grown: bool = True,
+    most: int = 200,
+    tolerance: float = 1e-10,
+) -> Fit:
+    """The ``Fit`` of one model to several swings at once: shared parameters, each swing its own release.
+
+    ``model`` is a Model (its values are not used) or a label; ``swings`` a list of (times in s, angles in rad). ``start``:
+    ``free`` fits each release angle and velocity, ``rest`` starts each swing at rest at its first sample. ``guess``: a model
+    with values, a fit or a ``Begin``, or several, to start from besides the decay seen in the data. ``bounded`` keeps
+    parameters within the catalogue's bounds. ``own`` names parameters that each swing has for itself (by default those that
+    the catalogue says, such as a phase, where there are several swings); ``fixed`` holds values, by name, that are not
+    fitted. ``seen=False`` leaves out the starts from the decay where there are fits to start from, ``grown=False`` the one
+    that is found by fitting ever longer parts of the swings. ``most`` evaluations a start are spent, fewer where a
+    trajectory takes far more work than those of a pendulum usually do; ``converged`` tells.
+    Raises InputError for swings that cannot be fitted and TrajectoryError where no start gives a trajectory.
+    """
+    model = as_model(model)
+    own = (model.each if len(swings) > 1 else ()) if own is None else tuple(own)
+    problem = Problem(model, swings, start, bounded, own, fixed)
+    starts, from_data = problem.starts(guess, seen)
+    first = len(starts) - from_data + 1 if from_data else 0
+    found, agreeing, tried = _from_all(problem, starts, first, most, tolerance, grown)
+    rss, best, hessian, _, outcome = found
+    if outcome.converged < 0:
+        raise TrajectoryError(f"model {model.label}: no start of {tried} gives a trajectory")
+    message = f"{agreeing} of {tried} starts reached the best optimum; "
+    message += (
+        "stationary" if outcome.converged else f"not stationary after {outcome.evaluations} evaluations"
+    )
+    covariance = covariance_of(problem, hessian, rss, best)
+    return fit_at(
+        problem, "least squares", best, covariance, rss, bool(outcome.converged), message, outcome.evaluations
+    )
+
+
+def fit_trajectory(model: Model | str, times: Any, angle: Any, **options: Any) -> Fit:
+    """The ``Fit`` of a model to one swing (times in s, angles in rad); options as in ``fit_jointly``."""
+    return fit_jointly(model, [(times, angle)], **options)
+
+
+def fit_at(
+    problem: Problem,
+    method: str,
+    best: Array,
+    covariance: Array,
+    rss: float,
+    converged: bool,
+    message: str,
+    evaluations: int,
+) -> Fit:
+    """The ``Fit`` at the free variables ``best``, however they were found."""
+    names, slots = problem.model.parameters, problem.slots(best)
+    errors = dict(zip(problem.free, np.sqrt(np.diag(covariance)), strict=True))
+    shared = slots[:, :-2].mean(axis=0) if problem.own else slots[0, :-2]
+    model = problem.model.with_values(
+        {name: float(value) for name, value in zip(names, shared, strict=True)},
+        {name: float(errors[name]) for name in problem.shared},
+    )
+    swings = []
+    for row, (times, angle) in zip(slots, problem.swings, strict=True):
+        one = model
+        if problem.own:
+            one = model.with_values(dict(zip(names, map(float, row[:-2]), strict=True)))
+        series = simulate(one, times, *row[-2:])
+        rms = float(np.sqrt(np.mean((series - angle) ** 2)))
+        own = {name: one.values[name] for name in problem.own}
+        swings.append(SwingFit(one, float(row[-2]), float(row[-1]), series, rms, own))
+    return Fit(
+        model, method, tuple(problem.free), best, covariance, float(rss), problem.n, tuple(swings), converged,
+        message, int(evaluations),
+    )  # fmt: skip
+
+
+def _grown(problem: Problem, starts: Array, most: int, tolerance: float) -> Array:
+    """One more start: the optimum of the first part of every swing, then of ever longer parts.
+
+    Where friction stops the pendulum within the record, the whole record has many minima and its first part few.
+    """
+    grown, left = starts, _ROUGH_EVALUATIONS
+    for share in _PARTS:
+        tried = np.vstack([grown, starts]) if share == _TELLING else grown
+        *_, outcome = part = _search(problem, tried, min(most, left, 30), max(tolerance, _ROUGH), share)
+        if outcome.converged < 0:
+            break
+        grown = part[1][None]
+        left -= outcome.evaluations
+        if left <= 0:
+            break
+    return grown[:1]
+
+
+def _from_all(
+    problem: Problem, starts: Array, first: int, most: int, tolerance: float, grow: bool = True
+) -> tuple[Any, int, int]:
+    """The least sum of squares over the whole of every swing, how many starts reached it and how many were tried.
+
+    The ``first`` so many of the starts and the optimum of one part from all of them do where they come to one place at which
+    no swing stops: then no start is far off. Else parts are grown into the whole, unless ``grow`` is False, and all starts
+    tried. Of many samples a few tell where to: the search among all ends there.
+    """
+    thin = problem.thinned(float(problem.slots(starts[0])[0, 0]))
+    grown, agreed = starts[:0], False
+    if first:
+        part = _search(thin, starts, min(most, 30), max(tolerance, _ROUGH), _TELLING)
+        tried = np.vstack([part[1], starts[:first]])
+        rss, best, _, squares, outcome = found = _search(thin, tried, most, tolerance)
+        stationary = part[-1].converged > 0 and outcome.converged > 0
+        agreed = stationary and not outcome.stops and bool(np.all(squares <= rss * (1 + _SAME)))
+    if not agreed:
+        grown = _grown(thin, starts, most, tolerance) if grow else starts[:0]
+        tried = np.vstack([grown, starts])
+        rss, best, _, squares, _ = found = _search(thin, tried, most, tolerance)
+    if thin is not problem:
+        found = _search(problem, np.vstack([best, grown]), most, tolerance)
+    return found, int(np.sum(squares <= rss * (1 + _SAME))), len(tried)
+
+
+def _search(problem: Problem, starts: Array, most: int, tolerance: float, share: float = 1.0) -> Any:
+    """The least sum of squares over a share of every swing: it, where, J'J (near there, for a part), each start's, and how."""
+    count, size = len(problem.swings), len(problem.free)
+    lengths = (ctypes.c_int * count)(*(min(times.size, max(_FEWEST, round(share * times.size))) for times, _ in problem.swings))  # fmt: skip
+    values, best, hessian = problem.given.copy(), np.zeros(size), np.zeros((size, size))
+    starts, squares, outcome = np.ascontiguousarray(starts), np.zeros(len(starts)), build.COutcome()
+    rss = problem.compiled[0].library.fit_swings(
+        problem.models, ctypes.c_int(count), lengths, problem.times, problem.angles, doubles(values), problem.where_pointer,
+        ctypes.c_int(size), ctypes.c_int(len(starts)), doubles(starts), problem.lower_pointer, problem.upper_pointer,
+        ctypes.c_int(most), ctypes.c_double(tolerance), ctypes.c_int(share == 1), doubles(best), doubles(hessian), doubles(squares), ctypes.byref(outcome),
+    )  # fmt: skip
+    return rss, best, hessian, squares, outcome

@@ -1,0 +1,170 @@
+"""The free variables of a fit: which they are, their bounds, where each sits in every swing's values, where searches start."""
+
+import ctypes
+from collections.abc import Iterable, Mapping, Sequence
+from copy import copy
+from typing import Any
+
+import numpy as np
+
+from ..engine import build
+from ..engine.trajectory import Compiled, checked_times, doubles
+from ..errors import InputError
+from ..pendulum.effect import NATURAL_FREQUENCY, Parameter
+from ..pendulum.model import Model
+from .guess import first_guess
+from .result import Array, Begin, Fit
+
+STARTS = ("free", "rest")
+RELEASE = ("release_angle", "release_velocity")
+_DENSE, _ENOUGH = (
+    32,
+    1000,
+)  # samples a half-swing, and in all, that are as good as any number to tell where to search
+_SMALLEST_FREQUENCY = 1e-3  # rad/s; a pendulum slower than an hour is none
+
+Swings = Sequence[tuple[Any, Any]]
+"""(times in s, angles in rad) of each swing."""
+
+
+def checked_swing(times: Any, angle: Any) -> tuple[Array, Array]:
+    """Times (s) and angles (rad) as contiguous arrays; InputError unless they match, are finite and increase."""
+    times, angle = checked_times(times), np.ascontiguousarray(angle, dtype=float)
+    if angle.shape != times.shape:
+        raise InputError("swing", f"{angle.size} angles for {times.size} times", "one angle for each time")
+    if not np.all(np.isfinite(angle)):
+        raise InputError("swing", "an angle is not finite", "numbers only")
+    return times, angle
+
+
+def limits(definition: Parameter, bounded: bool) -> tuple[float, float]:
+    """Lower and upper bound of a parameter in a fit; where that is not bounded, only those beyond which there is no such effect."""
+    if definition.name == NATURAL_FREQUENCY.name:
+        return _SMALLEST_FREQUENCY, np.inf
+    return (definition.lower, definition.upper) if bounded else (definition.least, np.inf)
+
+
+class Problem:
+    """The free variables of a fit and where each sits in every swing's values.
+
+    The variables are the shared parameters, then for each swing in turn its own ones and its release where that is free.
+    """
+
+    def __init__(
+        self,
+        model: Model,
+        swings: Swings,
+        start: str,
+        bounded: bool,
+        own: Iterable[str] = (),
+        fixed: Mapping[str, float] | None = None,
+    ) -> None:
+        if start not in STARTS:
+            raise InputError("fit, start", f"unknown start {start!r}", " or ".join(STARTS))
+        self.fixed = dict(fixed or {})
+        if unknown := [name for name in (*own, *self.fixed) if name not in model.parameters]:
+            raise InputError(
+                "fit, own or fixed",
+                f"no parameter {unknown[0]!r} in {model.label}",
+                ", ".join(model.parameters),
+            )
+        self.model, self.swings, self.start = model, [checked_swing(*swing) for swing in swings], start
+        self.shared = [name for name in model.parameters if name not in own and name not in self.fixed]
+        self.own = [name for name in model.parameters if name in own]
+        slots = [*model.parameters, *RELEASE]
+        each = [*self.own, *(RELEASE if start == "free" else [])]
+        count = len(self.swings)
+        self.free = self.shared + each * count
+        self.given = np.tile([self.fixed.get(name, 0.0) for name in slots], (count, 1))
+        self.given[:, slots.index("release_angle")] = [angle[0] for _, angle in self.swings]
+        self.where = np.full(self.given.shape, -1, dtype=np.int32)
+        for k in range(count):
+            place = {name: i for i, name in enumerate(self.shared)}
+            place |= {name: len(self.shared) + k * len(each) + i for i, name in enumerate(each)}
+            self.where[k] = [place.get(name, -1) for name in slots]
+        self.n = sum(times.size for times, _ in self.swings)
+        if self.n <= len(self.free):
+            raise InputError(
+                "fit", f"{self.n} samples for {len(self.free)} free values", "more samples than free values"
+            )
+        bounds = {d.name: limits(d, bounded) for d in model.definitions}
+        self.lower, self.upper = np.array(
+            [bounds.get(name, (-np.inf, np.inf)) for name in self.free]
+        ).T.copy()
+        self.compiled = [Compiled(model, float(times[-1] - times[0])) for times, _ in self.swings]
+        self.models = (build.CModel * count)(*(compiled.c for compiled in self.compiled))
+        self._point_at_swings()
+        self.where_pointer = self.where.ctypes.data_as(ctypes.POINTER(ctypes.c_int))
+        self.lower_pointer, self.upper_pointer = doubles(self.lower), doubles(self.upper)
+
+    def _point_at_swings(self) -> None:
+        self.times, self.angles = (_pointers(arrays) for arrays in zip(*self.swings, strict=True))
+
+    def thinned(self, frequency: float) -> "Problem":
+        """The problem with every so many samples only, as many as tell a pendulum of this frequency (rad/s); or itself."""
+        seconds = sum(times[-1] - times[0] for times, _ in self.swings)
+        shortest = min(times.size for times, _ in self.swings)
+        dense = self.n * np.pi / (_DENSE * max(abs(frequency), _SMALLEST_FREQUENCY) * seconds)
+        every = int(min(dense, self.n / _ENOUGH, shortest / _DENSE))
+        if every < 2:
+            return self
+        thin = copy(self)
+        thin.swings = [(times[::every].copy(), angle[::every].copy()) for times, angle in self.swings]
+        thin._point_at_swings()
+        return thin
+
+    def variables(
+        self, values: Mapping[str, float] | Sequence[Mapping[str, float]], releases: Iterable[Sequence[float]]
+    ) -> Array:
+        """The vector of free variables for parameter values (by name, 0 where absent) and the swings' releases.
+
+        ``values`` is one mapping, or one for each swing.
+        """
+        each = [values] * len(self.swings) if isinstance(values, Mapping) else values
+        slots = np.array([[one.get(name, 0.0) for name in self.model.parameters] + list(release)
+                          for one, release in zip(each, releases, strict=True)])  # fmt: skip
+        x = np.zeros(len(self.free))
+        taken = self.where >= 0
+        x[self.where[taken]] = slots[taken]
+        return np.clip(x, self.lower, self.upper)
+
+    def slots(self, x: Array) -> Array:
+        """Every swing's values at the free variables: parameters, release angle, release velocity; (swing, slot)."""
+        return np.where(self.where >= 0, np.asarray(x)[self.where], self.given)
+
+    def starts(self, guess: Any, seen: bool = True) -> tuple[Array, int]:
+        """Starting points (start, variable), and how many of them, at the end, are seen in the data.
+
+        The guesses if there are any; the seen decay laid on all damping effects, and on each in turn. ``seen=False`` leaves
+        those out where there is a fit to go on from.
+        """
+        known = guess if isinstance(guess, (list, tuple)) else [] if guess is None else [guess]
+        if not seen and known and not any(isinstance(one, Model) for one in known):
+            return np.array([self._from_guess(one, ()) for one in known]), 0
+        found = [first_guess(times, angle, self.model.restoring) for times, angle in self.swings]
+        releases = [(g.release_angle, g.release_velocity) for g in found]
+        shares = [g.damping(self.model) for g in found]
+        loss = {name: float(np.mean([share[name] for share in shares])) for name in shares[0]}
+        frequency = {NATURAL_FREQUENCY.name: float(np.mean([g.natural_frequency for g in found]))}
+        split = frequency | {name: value / max(1, len(loss)) for name, value in loss.items()}
+        alone = [
+            frequency | {name: value if name == only else 0.0 for name, value in loss.items()}
+            for only in loss
+        ]
+        starts = [split, *(alone if len(loss) > 1 else [])]
+        from_data = [self.variables(values, releases) for values in starts]
+        return np.array([*(self._from_guess(one, releases) for one in known), *from_data]), len(starts)
+
+    def _from_guess(self, guess: Model | Begin | Fit, releases: Iterable[Sequence[float]]) -> Array:
+        """The free variables of a model, with the releases seen in the data, or of a fit, with its own."""
+        if isinstance(guess, Model):
+            return self.variables(guess.values, releases)
+        begin = guess.begin if isinstance(guess, Fit) else guess
+        return self.variables(
+            [swing.values for swing in begin.swings],
+            [(swing.release_angle, swing.release_velocity) for swing in begin.swings],
+        )
+
+
+def _pointers(arrays: Sequence[Array]) -> Any:
+    return (ctypes.POINTER(ctypes.c_double) * len(arrays))(*(doubles(array) for array in arrays))

@@ -1,0 +1,127 @@
+"""What fits give: a model with its covariance and each swing's part in it, and many fits at once as arrays."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..pendulum.model import Model
+
+Array = NDArray[np.float64]
+
+
+class SwingStart(NamedTuple):
+    """Where the fit of one swing begins: values by parameter name, release angle (rad) and velocity (rad/s)."""
+
+    values: Mapping[str, float]
+    release_angle: float
+    release_velocity: float
+
+
+@dataclass(frozen=True)
+class Begin:
+    """Where a joint fit begins: a model, and for each swing its values and its release."""
+
+    model: Model
+    swings: tuple[SwingStart, ...]
+
+
+@dataclass(frozen=True)
+class SwingFit:
+    """One swing's part in a fit: its model (shared values with its own), release (rad, rad/s), fitted series (rad), RMS (rad).
+
+    ``own`` holds, by name, the parameters that were not shared with other swings.
+    """
+
+    model: Model
+    release_angle: float
+    release_velocity: float
+    angle: Array
+    rms: float
+    own: Mapping[str, float]
+
+
+@dataclass(frozen=True)
+class Fit:
+    """A model fitted to one swing, or to several at once: shared parameters, each swing its own release.
+
+    ``free`` names the fitted values: the model's parameters, then ``release_angle`` (rad) and ``release_velocity``
+    (rad/s) where these are free, of each swing in turn. ``covariance`` is s^2 (J'J)^-1 with s^2 = rss / (n - k): it
+    takes the residuals for independent. ``rss`` in rad^2. Of parameters that are not shared the model has the means.
+    """
+
+    model: Model
+    method: str
+    free: tuple[str, ...]
+    values: Array
+    covariance: Array
+    rss: float
+    n: int
+    swings: tuple[SwingFit, ...]
+    converged: bool
+    message: str
+    evaluations: int
+
+    @property
+    def rms(self) -> float:
+        """Root mean square of data minus fit, rad."""
+        return float(np.sqrt(self.rss / self.n))
+
+    @property
+    def only(self) -> SwingFit:
+        """The one swing of a fit that has no other; ValueError where there are several."""
+        (swing,) = self.swings
+        return swing
+
+    @property
+    def models(self) -> tuple[Model, ...]:
+        """The model of each swing: shared values with the swing's own."""
+        return tuple(swing.model for swing in self.swings)
+
+    @property
+    def angle(self) -> Array:
+        """The fitted series (rad), of all swings one after the other."""
+        return np.concatenate([swing.angle for swing in self.swings])
+
+    @property
+    def begin(self) -> Begin:
+        """Where another fit of the same swings begins to go on from this one."""
+        return Begin(
+            self.model,
+            tuple(SwingStart(s.model.values, s.release_angle, s.release_velocity) for s in self.swings),
+        )
+
+    @property
+    def standard_errors(self) -> Array:
+        """Standard errors in the order of ``free``; not finite where the data do not determine a value."""
+        return np.sqrt(np.diag(self.covariance))
+
+    @property
+    def correlation(self) -> Array:
+        """The correlation matrix in the order of ``free``."""
+        errors = self.standard_errors
+        return self.covariance / np.outer(errors, errors)
+
+    @property
+    def bic(self) -> float:
+        """Bayesian information criterion, n ln(rss/n) + k ln n, for independent residuals of one unknown variance."""
+        return float(self.n * np.log(self.rss / self.n) + len(self.free) * np.log(self.n))
+
+    @property
+    def aicc(self) -> float:
+        """Akaike's criterion with the correction for small samples."""
+        k = len(self.free) + 1
+        return float(self.n * np.log(self.rss / self.n) + 2 * k + 2 * k * (k + 1) / (self.n - k - 1))
+
+
+@dataclass(frozen=True)
+class BatchFit:
+    """Many series fitted alike: ``values`` (series, free), and of each series rss (rad^2), converged, evaluations."""
+
+    free: tuple[str, ...]
+    values: Array
+    rss: Array
+    converged: NDArray[np.bool_]
+    evaluations: NDArray[np.int32]

@@ -1,0 +1,124 @@
+"""The catalogue of effects: an immutable value that is handed on. An entry gives an effect all that is known of it.
+
+The entries stand by kind in the modules beside this one. ``catalogue(own)`` is the catalogue of a study that has effects
+of its own; a ``Model`` knows the catalogue that it is built from.
+"""
+
+import json
+from collections.abc import Iterator, Mapping
+from functools import lru_cache
+from types import MappingProxyType
+from typing import Any
+
+from ...errors import InputError
+from ..effect import NATURAL_FREQUENCY, Effect, Parameter
+from ..free_form import FREE_FORMS, FreeForm
+from ..own import own_effects
+from .clock import CLOCK
+from .dissipation import DISSIPATION
+from .drive import DRIVE
+from .restoring import GRAVITY, RESTORING
+from .sensor import SENSOR
+
+ENTRIES: tuple[Effect, ...] = (*DISSIPATION, *RESTORING, *DRIVE, *SENSOR, *CLOCK)
+
+
+class Catalogue:
+    """The effects a pendulum may have, by name and in the order in which models list them; it never changes.
+
+    Iterating gives the effects that have a name; ``free_forms`` are the torques without one, which models may have too.
+    ``names`` are the names of the former. InputError for two effects or two parameters of one name.
+    """
+
+    __slots__ = ("_known", "_parameters", "_places", "free_forms", "gravity", "names")
+
+    def __init__(self, entries: tuple[Effect, ...] = ENTRIES, where: str = "catalogue") -> None:
+        self.gravity: Mapping[str, Effect] = GRAVITY
+        self.free_forms: tuple[FreeForm, ...] = FREE_FORMS
+        self.names = tuple(effect.name for effect in entries)
+        self._known: dict[str, Effect] = {}
+        taken = {effect.name for effect in self.gravity.values()}
+        for effect in (*entries, *self.free_forms):
+            if effect.name in self._known or effect.name in taken:
+                raise InputError(
+                    f"{where}.{effect.name}", f"the catalogue has an effect {effect.name!r}", "a name of its own", "rename it"
+                )  # fmt: skip
+            self._known[effect.name] = effect
+        self._places = {name: place for place, name in enumerate(self._known)}
+        self._parameters: dict[str, Parameter] = {NATURAL_FREQUENCY.name: NATURAL_FREQUENCY}
+        for effect in self._known.values():
+            for parameter in effect.parameters:
+                if parameter.name in self._parameters:
+                    raise InputError(
+                        f"{where}.{effect.name}", f"the catalogue has a parameter {parameter.name!r}",
+                        "a name that no other effect's parameter has", "rename the effect or the symbol",
+                    )  # fmt: skip
+                self._parameters[parameter.name] = parameter
+
+    def __iter__(self) -> Iterator[Effect]:
+        return (self._known[name] for name in self.names)
+
+    def __len__(self) -> int:
+        return len(self.names)
+
+    def __contains__(self, name: object) -> bool:
+        return name in self._known
+
+    def __repr__(self) -> str:
+        return f"Catalogue of {', '.join(self.names)}"
+
+    def __getitem__(self, name: str) -> Effect:
+        """The effect of that name, one without a name included; InputError with the known names otherwise."""
+        if name not in self._known:
+            raise InputError(f"effect {name!r}", "no such effect in the catalogue", ", ".join(self.names))
+        return self._known[name]
+
+    @property
+    def known(self) -> tuple[Effect, ...]:
+        """Every effect a model may have, those without a name last."""
+        return tuple(self._known.values())
+
+    @property
+    def parameters(self) -> Mapping[str, Parameter]:
+        """Every parameter a model may have by name: the natural frequency, then those of the effects in order."""
+        return MappingProxyType(self._parameters)
+
+    def has_name(self, name: str) -> bool:
+        """True for an effect that has a name, False for a free form."""
+        return not isinstance(self[name], FreeForm)
+
+    def ordered(self, names: Any) -> tuple[str, ...]:
+        """The names in the catalogue's order; InputError for one that is unknown."""
+        return tuple(sorted(names, key=lambda name: self._places[self[name].name]))
+
+    def without(self, *names: str) -> "Catalogue":
+        """The catalogue that lacks these effects."""
+        return Catalogue(tuple(effect for effect in self if effect.name not in names))
+
+    def with_effects(self, *effects: Effect, where: str = "catalogue") -> "Catalogue":
+        """The catalogue that has these effects too, after its own."""
+        return Catalogue((*self, *effects), where)
+
+    def contained_in(self, name: str) -> tuple[str, ...]:
+        """The names of the simpler effects that an effect becomes at some value of its shape."""
+        return tuple(one.name for one in self[name].contains)
+
+    def measurement(self, one: str, other: str) -> str | None:
+        """The measurement that tells two effects apart, as a sentence, or None where none is known."""
+        return self[one].told_apart.get(other) or self[other].told_apart.get(one)
+
+
+SHIPPED = Catalogue()
+
+
+def catalogue(own: Mapping[str, Any] | None = None, where: str = "config, key effects") -> Catalogue:
+    """The catalogue with a study's own effects (its settings' key ``effects``) after the shipped ones.
+
+    The same settings give the same object. InputError as ``own_effects`` and ``Catalogue`` raise it.
+    """
+    return _with_own(json.dumps(own), where) if own else SHIPPED
+
+
+@lru_cache(maxsize=20)
+def _with_own(own: str, where: str) -> Catalogue:
+    return SHIPPED.with_effects(*own_effects(json.loads(own), where), where=where)

@@ -1,0 +1,72 @@
+"""What the sensor makes of the angle, in the order in which it acts: play, lag, eccentricity, gain, zero."""
+
+from math import inf, pi
+
+from ..effect import Contained, Effect, Parameter, State
+from .sources import METROLOGY
+
+SENSOR = (
+    Effect(
+        "backlash",
+        "w_p",
+        (Parameter("backlash_width", "w_p", "rad", 0.0, inf, "of the dead band", 0.005, largest=0.2),),
+        "The sensor's coupling has play: at each turning point it waits before it follows.",
+        "Visintin, Differential Models of Hysteresis (1994), the play operator",
+        acts_on="play",
+    ),
+    Effect(
+        "sensor_lag",
+        "y_l",
+        (Parameter("lag_time", "tau_l", "s", 1e-5, inf, "time constant", 0.01),),
+        "The sensor answers late, as through a filter.",
+        METROLOGY,
+        acts_on="sensor",
+        states=(
+            State(
+                "y_l", "rad", "theta - tau_l*thetadot", "(theta - y_l)/tau_l", "reading of the slow sensor"
+            ),
+        ),
+    ),
+    Effect(
+        "eccentricity",
+        "theta + a_e*sin(theta + phi_e)",
+        (
+            Parameter(
+                "eccentricity", "a_e", "rad", 0.0, inf, "amplitude of the error a turn", 0.01, largest=0.3
+            ),
+            Parameter(
+                "eccentricity_phase", "phi_e", "rad", -2 * pi, 2 * pi, "at the bottom", 0.8, role="phase"
+            ),
+        ),
+        "The encoder's disc is off centre: it reads ahead on one side and behind on the other.",
+        METROLOGY,
+        acts_on="sensor",
+        contains=(
+            Contained("sensor_zero", {"eccentricity_phase": pi / 2}),
+            Contained("sensor_gain", {"eccentricity_phase": 0.0}),
+        ),
+        told_apart={
+            "sensor_gain": "Read the sensor at rest at known angles on both sides.",
+            "sensor_zero": "Read the sensor at rest at known angles on both sides.",
+        },
+        reading_error="abs(a_e)",
+    ),
+    Effect(
+        "sensor_gain",
+        "(1 + g_s)*theta",
+        (Parameter("sensor_gain", "g_s", "1", -0.5, 0.5, "relative error of the sensitivity", largest=0.3),),
+        "The sensor reads every angle too large, or too small, by the same share.",
+        METROLOGY,
+        acts_on="sensor",
+        reading_error="abs(g_s)*largest_angle",
+    ),
+    Effect(
+        "sensor_zero",
+        "theta + b_s",
+        (Parameter("sensor_zero", "b_s", "rad", -inf, inf, "reading at rest"),),
+        "The sensor does not read zero when the pendulum hangs straight down.",
+        METROLOGY,
+        acts_on="sensor",
+        reading_error="abs(b_s)",
+    ),
+)

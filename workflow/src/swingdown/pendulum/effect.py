@@ -1,0 +1,193 @@
+"""What an effect is: its equation, its parameters and their roles, and all that is known of it beside others.
+
+A formula is written in ``theta`` (rad, 0 hanging straight down), ``thetadot`` (rad/s), ``t`` (s since the first
+sample), ``duration`` (s, of the record), ``omega_n`` (rad/s), the effect's own symbols and its own states. What it
+acts on decides what its term means:
+
+- ``torque``: added to the angular acceleration (rad/s^2);
+- ``sensor``: the reading, with ``theta`` the angle (or the reading of the sensor effect before it in the catalogue);
+- ``play``: the width of a dead band between angle and reading (rad);
+- ``clock``: the true time of a sample stamped ``t`` (s).
+
+``inertia`` is a fraction added to the pendulum's own: theta'' = sum of torques / (1 + sum of inertias). A state has a
+first-order equation of motion of its own, which may also use ``thetaddot``.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from math import inf
+from typing import Any, Literal, NamedTuple
+
+VARIABLES = {"theta": "1", "thetadot": "1/s", "t": "s", "duration": "s", "omega_n": "1/s"}
+TERM_UNITS = {"torque": "1/s**2", "sensor": "1", "play": "1", "clock": "s"}
+
+Role = Literal["size", "shape", "phase", "range"]
+
+
+class Parameter(NamedTuple):
+    """A number an effect has: its name in files, its symbol in formulas, unit, admissible bounds, and typical size.
+
+    ``role`` tells what it does: the effect is linear in a ``size`` and nothing is left of it at zero; a ``shape`` decides
+    where or how fast it acts; a ``phase`` is an angle that turns a sine into a cosine; a ``range`` is given, never fitted.
+    """
+
+    name: str
+    symbol: str
+    unit: str
+    lower: float = -inf
+    upper: float = inf
+    text: str = ""
+    typical: float = 0.01
+    role: Role = "size"
+    starts: tuple[float, ...] = ()
+    """Of a shape: the values that searches start from; in units of the natural frequency where ``relative``."""
+    relative: bool = False
+    at_line: bool = False
+    """Of a frequency: searches start where the residual's spectrum has its line."""
+    apart_from_swing: tuple[float, float] | None = None
+    """Of a frequency in Hz: ratios to the pendulum's own between which it would imitate the pendulum's own error."""
+    each: bool = False
+    """Each recording has a value of its own, such as a phase at its first sample."""
+    drawn: tuple = ()
+    """Where trials draw it: (low, high), several such pairs, or more than two values; by default between its starts."""
+    largest: float = inf
+    """Of a size: beyond this no trial goes."""
+
+    @property
+    def least(self) -> float:
+        """The value below which there is no such effect, or none the engine can follow: a lower bound above zero."""
+        return self.lower if self.lower > 0 else -inf
+
+    def starting_values(self, natural_frequency: float) -> list[float]:
+        """The values to start a search from, in the parameter's unit; ``natural_frequency`` in rad/s."""
+        return [value * natural_frequency if self.relative else value for value in self.starts]
+
+
+class State(NamedTuple):
+    """A quantity with a memory: symbol, unit, its value at the release and its rate of change, as formulas."""
+
+    symbol: str
+    unit: str
+    initial: str
+    rate: str
+    text: str = ""
+
+
+class Contained(NamedTuple):
+    """A simpler effect that an effect becomes where its parameters take the values ``at`` (infinite: in that limit)."""
+
+    name: str
+    at: dict[str, float]
+
+
+class StandIn(NamedTuple):
+    """An effect whose work this one can do, and with which values: formulas by parameter, in the other's symbols and ``omega_n``.
+
+    Each dict of ``values`` is one place to start a fit of the exchange from.
+    """
+
+    name: str
+    values: tuple[dict[str, str], ...]
+
+
+class Formulas(NamedTuple):
+    """An effect's formulas as sympy expressions: torque and inertia, rates and initial values of states, the reading."""
+
+    motion: dict[str, Any]
+    rates: tuple[Any, ...]
+    initial: tuple[Any, ...]
+    reading: Any
+
+
+@dataclass(frozen=True)
+class Effect:
+    """One physical effect: its term, where it acts, its parameters, where it comes from, and what is known of it beside others.
+
+    ``printed`` is the term as the paper prints it, where that differs from the dimensionally consistent form.
+    """
+
+    name: str
+    term: str
+    parameters: tuple[Parameter, ...]
+    explanation: str
+    reference: str
+    acts_on: str = "torque"
+    printed: str | None = None
+    inertia: str | None = None
+    states: tuple[State, ...] = ()
+    symbol: str = ""
+    beside: str = ""
+    """The restoring torque (``sine`` or ``linear``) that alone it makes sense beside; empty for any."""
+    damping: str = ""
+    """The size that alone would take the ``loss`` (rad) a half-swing from the ``amplitude`` (rad): a formula of these and
+    ``omega_n``, from the energy balance of harmonic motion (Nayfeh and Mook 1979, ch. 3). Empty where it does not damp."""
+    contains: tuple[Contained, ...] = field(default=(), hash=False)
+    replaces: tuple[StandIn, ...] = field(default=(), hash=False)
+    told_apart: dict[str, str] = field(default_factory=dict, hash=False)
+    """By rival: the measurement that tells the two apart, as a sentence to an experimenter."""
+    headline: tuple[str, ...] = ()
+    """Names of the parameters that a sentence tells, the first first; by default the size."""
+    reading_error: str = ""
+    """Of a sensor effect that a calibration may leave open: its largest error (rad), a formula of its own symbols and
+    ``largest_angle`` (rad)."""
+    twin: Callable[..., float] | None = field(default=None, repr=False, compare=False)
+    """The torque (rad/s^2) for the second pendulum, written by hand: a function of time, angle, velocity, direction of
+    motion, values by name and the record's duration. The shipped effects have theirs in ``trials.second_pendulum``."""
+
+    @property
+    def size(self) -> Parameter | None:
+        """The parameter that the effect vanishes with; None where it has none."""
+        return next((parameter for parameter in self.parameters if parameter.role == "size"), None)
+
+    @property
+    def one_sided(self) -> bool:
+        """True where a size below zero would be another thing than the effect: it takes energy, or pulls back."""
+        return self.size is not None and self.size.lower == 0
+
+    def with_role(self, *roles: Role) -> tuple[Parameter, ...]:
+        """The parameters that have one of these roles."""
+        return tuple(parameter for parameter in self.parameters if parameter.role in roles)
+
+    @property
+    def each(self) -> tuple[str, ...]:
+        """The names of the parameters that each recording has for itself."""
+        return tuple(parameter.name for parameter in self.parameters if parameter.each)
+
+    @property
+    def ranges(self) -> tuple[str, ...]:
+        """The names of the parameters that are given and never fitted."""
+        return tuple(parameter.name for parameter in self.with_role("range"))
+
+    @property
+    def told(self) -> tuple[str, ...]:
+        """The names of the parameters that a sentence tells, in that order."""
+        return self.headline or ((self.size.name,) if self.size else ())
+
+    @property
+    def numerics(self) -> tuple:
+        """All that the compiled engine depends on."""
+        symbols = tuple(parameter.symbol for parameter in self.parameters)
+        states = tuple((state.symbol, state.initial, state.rate) for state in self.states)
+        return self.name, self.term, self.printed, self.inertia, self.acts_on, symbols, states
+
+    def expressions(self, form: str = "consistent") -> Formulas:
+        """The ``Formulas`` in the chosen form (``consistent`` or ``printed``); InputError where one cannot be read."""
+        from . import formula
+
+        names = (*VARIABLES, *(p.symbol for p in self.parameters), *(state.symbol for state in self.states))
+
+        def read(text: str, *more: str) -> Any:
+            return formula.parse(text, (*names, *more), where=f"effect {self.name}")
+
+        term = read(self.printed if form == "printed" and self.printed else self.term)
+        motion = {"torque": term} if self.acts_on == "torque" else {}
+        if self.inertia:
+            motion["inertia"] = read(self.inertia)
+        rates = tuple(read(state.rate, "thetaddot") for state in self.states)
+        initial = tuple(read(state.initial) for state in self.states)
+        return Formulas(motion, rates, initial, term if self.acts_on in ("sensor", "clock") else None)
+
+
+NATURAL_FREQUENCY = Parameter(
+    "natural_frequency", "omega_n", "rad/s", 0.0, inf, "of small undamped swings, sqrt(m g r / I)", 7.0
+)
