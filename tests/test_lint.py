@@ -1,18 +1,31 @@
-"""Style is checked by machine: ruff on every Python file, Snakemake's own lint on the rules."""
+"""Style is checked by machine: ruff on every Python file, snakefmt and Snakemake's own lint on the rules."""
 
 import re
 import subprocess
 import sys
+import tomllib
+from pathlib import Path
 
 import pytest
 
+CHECKS = {
+    "formatter": ["ruff", "format", "--check", "."],
+    "linter": ["ruff", "check", "--output-format", "concise", "."],
+    "rules": ["snakefmt", "--check", "Snakefile", "workflow/rules"],
+}
 
-def test_ruff_finds_nothing(root):
-    done = subprocess.run(
-        [sys.executable, "-m", "ruff", "check", "workflow", "tests", "resources", "--output-format", "concise"],
-        cwd=root, text=True, capture_output=True,
-    )  # fmt: skip
+
+@pytest.mark.parametrize("check", CHECKS)
+def test_nothing_is_left_to_do(root, check):
+    """What is checked here is what .pre-commit-config.yaml does before a commit."""
+    command = [Path(sys.executable).with_name(CHECKS[check][0]), *CHECKS[check][1:]]
+    done = subprocess.run(command, cwd=root, text=True, capture_output=True)
     assert done.returncode == 0, done.stdout + done.stderr
+
+
+def test_python_and_rules_have_lines_of_one_length(root):
+    tools = tomllib.loads((root / "pyproject.toml").read_text())["tool"]
+    assert tools["snakefmt"]["line_length"] == tools["ruff"]["line-length"]
 
 
 @pytest.mark.parametrize("words", [(), ("--config", "recording=swing-07")], ids=["study", "capture"])

@@ -12,9 +12,13 @@ from .errors import InputError
 
 SCHEMAS = Path(__file__).with_name("schemas")
 _KINDS = {
-    "string": "text", "integer": "a whole number", "number": "a number", "array": "a list", "object": "a group of keys",
+    "string": "text",
+    "integer": "a whole number",
+    "number": "a number",
+    "array": "a list",
+    "object": "a group of keys",
     "boolean": "true or false",
-}  # fmt: skip
+}
 _BOUNDS = {"minimum": "≥", "exclusiveMinimum": ">", "maximum": "≤", "exclusiveMaximum": "<"}
 
 

@@ -77,9 +77,14 @@ def paper(apparatus, chain, still):
     if still is not None:
         zero = still.value
     return SimpleNamespace(
-        line=line, values=[line.intercept, line.slope, float(zero)], covariance=covariance, factor=1.0, dof=np.inf,
-        boxes=(volts, bounds), worst=worst,
-    )  # fmt: skip
+        line=line,
+        values=[line.intercept, line.slope, float(zero)],
+        covariance=covariance,
+        factor=1.0,
+        dof=np.inf,
+        boxes=(volts, bounds),
+        worst=worst,
+    )
 
 
 def gum(chain):
@@ -87,9 +92,14 @@ def gum(chain):
     volts, angles = (np.sqrt(np.diag(c)) for c in chain.covariance_of_points)
     factor = propagation.expanded(COVERAGE)[-1] / propagation.standard_uncertainty[-1]
     return SimpleNamespace(
-        line=chain.line, values=propagation.value[:3], covariance=propagation.covariance[:3, :3],
-        factor=float(factor), dof=float(propagation.dof[-1]), boxes=(volts, angles), propagation=propagation,
-    )  # fmt: skip
+        line=chain.line,
+        values=propagation.value[:3],
+        covariance=propagation.covariance[:3, :3],
+        factor=float(factor),
+        dof=float(propagation.dof[-1]),
+        boxes=(volts, angles),
+        propagation=propagation,
+    )
 
 
 def monte_carlo(chain, apparatus, noise, draws, seed):

@@ -47,8 +47,12 @@ def fig08(calibration, mode=None):
     whole.set(ylabel=r"angle $\theta$ (°)", title="(a) calibration line")
     whole.tick_params(labelbottom=False)
     rest.set(xlabel="encoder voltage $V$ (V)", ylabel="point − line (°)", title="(b) beside the line")
-    style.symmetric(rest, np.concatenate([np.abs(angle - _at(best, voltage)) + boxes[1],
-                                          *(_at(line - best, volts) for line in extreme)]))  # fmt: skip
+    style.symmetric(
+        rest,
+        np.concatenate(
+            [np.abs(angle - _at(best, voltage)) + boxes[1], *(_at(line - best, volts) for line in extreme)]
+        ),
+    )
     figure.align_ylabels((whole, rest))
     frame = Rectangle(
         (near[0], middle - high), np.ptp(near), 2 * high, fill=False, edgecolor=style.GREY, lw=0.8
@@ -69,8 +73,9 @@ def fig08(calibration, mode=None):
     ]
     handles += [style.mark("X", FLAG, "tower height, flagged")] if flagged.any() else []
     figure.legend(handles=handles, loc="outside upper left", ncols=len(handles))
-    return style.footnote(figure, style.emulated_note(calibration), f"boxes: ± {boxed} (mode {mode})",
-                          _stretched(data))  # fmt: skip
+    return style.footnote(
+        figure, style.emulated_note(calibration), f"boxes: ± {boxed} (mode {mode})", _stretched(data)
+    )
 
 
 def _stretched(data):

@@ -105,8 +105,12 @@ def missing_torque(first, last, unnamed, rounds):
     grid[0].set_ylabel("missing torque over inertia (rad/s²)")
     labelled = {handle.get_label(): handle for axes in grid for handle in axes.get_legend_handles_labels()[0]}
     figure.legend(handles=labelled.values(), loc="outside upper left", ncols=3)
-    return style.footnote(figure, "each as if it alone were missing", "bands: ± 2 standard errors under the measured noise",
-                          "time: a change of drag or stiffness, or a push, as a torque at the largest velocity or angle")  # fmt: skip
+    return style.footnote(
+        figure,
+        "each as if it alone were missing",
+        "bands: ± 2 standard errors under the measured noise",
+        "time: a change of drag or stiffness, or a push, as a torque at the largest velocity or angle",
+    )
 
 
 def _largest(part):

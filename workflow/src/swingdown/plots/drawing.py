@@ -80,9 +80,19 @@ def threads(axes, start, end, half=0.05, pitch=0.075):
     length = np.hypot(*(end - start))
     along = (end - start) / length
     across = np.array([-along[1], along[0]])
-    edge(Polygon([start + half * across, end + half * across, end - half * across, start - half * across],
-                  facecolor=STEEL), axes, 4)  # fmt: skip
+    edge(
+        Polygon(
+            [start + half * across, end + half * across, end - half * across, start - half * across],
+            facecolor=STEEL,
+        ),
+        axes,
+        4,
+    )
     for place in np.arange(pitch, length, pitch):
         middle = start + place * along
-        axes.plot(*zip(middle - half * across, middle + half * (across + 0.5 * along), strict=True), color=style.GREY,
-                  lw=0.4, zorder=5)  # fmt: skip
+        axes.plot(
+            *zip(middle - half * across, middle + half * (across + 0.5 * along), strict=True),
+            color=style.GREY,
+            lw=0.4,
+            zorder=5,
+        )

@@ -156,9 +156,14 @@ def legend_above(axes, handles=None):
     marks_only = handles is not None
     handles = axes.get_legend_handles_labels()[0] if handles is None else handles
     return axes.legend(
-        handles=handles, loc="lower left", bbox_to_anchor=(0, 1.005), ncols=len(handles), handletextpad=0.5,
-        borderpad=0.1, handlelength=1.0 if marks_only else 1.8,
-    )  # fmt: skip
+        handles=handles,
+        loc="lower left",
+        bbox_to_anchor=(0, 1.005),
+        ncols=len(handles),
+        handletextpad=0.5,
+        borderpad=0.1,
+        handlelength=1.0 if marks_only else 1.8,
+    )
 
 
 def runs(axes, place, values, colour, marker):

@@ -114,8 +114,13 @@ def probability(maps, name):
     bar.outline.set_visible(False)
     figure.suptitle(_CRITERIA[name], x=0.012, ha="left", fontsize=10.5)
     seed = f"seed {maps.attrs['seed']}" if "seed" in maps.attrs else ""
-    return style.footnote(figure, "share of draws, in per cent", f"{maps.attrs['realizations']} draws a cell", seed,
-                          f"shown at {', '.join(fixed)}" if fixed else "")  # fmt: skip
+    return style.footnote(
+        figure,
+        "share of draws, in per cent",
+        f"{maps.attrs['realizations']} draws a cell",
+        seed,
+        f"shown at {', '.join(fixed)}" if fixed else "",
+    )
 
 
 @style.styled
@@ -174,8 +179,13 @@ def detection(maps):
     figure.legend(handles=handles, loc="outside upper left", ncols=3, handletextpad=0.4, columnspacing=1.4)
     seed = f"seed {maps.attrs['seed']}" if "seed" in maps.attrs else ""
     at = ", ".join(_told(dim, maps[dim].values[0]) for dim in fixed)
-    return style.footnote(figure, "size: RMS that the hidden effect leaves in the base model's fit, over the noise; 0: nothing is hidden",
-                          f"{n} campaigns a bar", seed, f"shown at {at}" if at else "")  # fmt: skip
+    return style.footnote(
+        figure,
+        "size: RMS that the hidden effect leaves in the base model's fit, over the noise; 0: nothing is hidden",
+        f"{n} campaigns a bar",
+        seed,
+        f"shown at {at}" if at else "",
+    )
 
 
 MAPS = {function.__name__: function for function in (by_norm, by_bic, by_ten, detection)}

@@ -192,33 +192,58 @@ def missing(material):
 
 def _added(found):
     columns = [
-        Column("effect"), Column("parameter"), Column("value", style="n"), Column("unit"), Column("BIC gained", style="n"),
+        Column("effect"),
+        Column("parameter"),
+        Column("value", style="n"),
+        Column("unit"),
+        Column("BIC gained", style="n"),
         Column("not told apart from"),
-    ]  # fmt: skip
+    ]
     rows = [
         [
-            one["name"].replace("_", " "), name.replace("_", " "), numbers.brief(entry["value"], entry["standard_error"]), entry["unit"],
-            numbers.whole(one["delta_bic"]), ", ".join(one["tied_with"]).replace("_", " ") or "–",
+            one["name"].replace("_", " "),
+            name.replace("_", " "),
+            numbers.brief(entry["value"], entry["standard_error"]),
+            entry["unit"],
+            numbers.whole(one["delta_bic"]),
+            ", ".join(one["tied_with"]).replace("_", " ") or "–",
         ]
-        for one in found["effects"] for name, entry in one["parameters"].items() if entry["value"] is not None
-    ]  # fmt: skip
+        for one in found["effects"]
+        for name, entry in one["parameters"].items()
+        if entry["value"] is not None
+    ]
     caption = f"What was added to the model of {found['campaign']}; in parentheses the standard error in units of the last digits."
     notes = [f"Moves: {'; '.join(found['moves']).replace('_', ' ')}. {found['split'].capitalize()}."]
     return Table(f"Effects, {found['campaign']}", caption, columns, rows, tuple(notes))
 
 
 def _where(found):
-    columns = [Column("group"), Column("share of the excess", "%", "n"), Column("χ²", style="n"), Column("freedom", style="n"),
-               Column("χ² at the end", style="n")]  # fmt: skip
+    columns = [
+        Column("group"),
+        Column("share of the excess", "%", "n"),
+        Column("χ²", style="n"),
+        Column("freedom", style="n"),
+        Column("χ² at the end", style="n"),
+    ]
     last = found["where"]["remaining"]
     rows = [
-        [name, f"{100 * one['share']:.0f}", numbers.whole(one["chi_square"]), int(one["freedom"]),
-         numbers.whole(last[name]["chi_square"]) if name in last else "–"]
+        [
+            name,
+            f"{100 * one['share']:.0f}",
+            numbers.whole(one["chi_square"]),
+            int(one["freedom"]),
+            numbers.whole(last[name]["chi_square"]) if name in last else "–",
+        ]
         for name, one in found["where"]["groups"].items()
-    ]  # fmt: skip
+    ]
     caption = f"Where the base model of {found['campaign']} fails: what a torque of any form in one variable, a sensor error or a line would explain."
-    return Table(f"Disagreement, {found['campaign']}", caption, columns, rows,
-                 ("Groups overlap: shares do not add up. “At the end” is told where something remains.",))  # fmt: skip
+    return Table(
+        f"Disagreement, {found['campaign']}",
+        caption,
+        columns,
+        rows,
+        ("Groups overlap: shares do not add up. “At the end” is told where something remains.",),
+    )
 
 
 def simulation(material):
@@ -228,17 +253,24 @@ def simulation(material):
         return None
     settings = material.settings["simulation"]
     columns = [
-        Column("simulated"), Column("fitted"), Column("norm, Nelder–Mead", "degrees", "n"),
-        Column("norm, least squares", "degrees", "n"), Column("paper", "degrees", "n"), Column("n", style="n"),
-    ]  # fmt: skip
+        Column("simulated"),
+        Column("fitted"),
+        Column("norm, Nelder–Mead", "degrees", "n"),
+        Column("norm, least squares", "degrees", "n"),
+        Column("paper", "degrees", "n"),
+        Column("n", style="n"),
+    ]
     rows = [
         [
-            model_symbol(row.simulated), model_symbol(row.fitted), numbers.spread(row.mean, row.std),
+            model_symbol(row.simulated),
+            model_symbol(row.fitted),
+            numbers.spread(row.mean, row.std),
             numbers.spread(row.mean_least_squares, row.std_least_squares),
-            numbers.spread(row.published_mean, row.published_std), int(row.n),
+            numbers.spread(row.published_mean, row.published_std),
+            int(row.n),
         ]
         for row in table.itertuples()
-    ]  # fmt: skip
+    ]
     caption = (
         f"Simulated swings ({settings['realizations']} noisy copies of each, signal to noise {settings['snr']:g}): norm of fit "
         "less noise-free swing, mean ± standard deviation over the copies."
@@ -260,10 +292,16 @@ def apparatus(material):
 def _budget(budget):
     quantity = budget["quantity"].iloc[-1]  # the angle of one sample, to which all else leads
     columns = [
-        Column("source"), Column("limit", style="n"), Column("divisor", style="n"), Column("u", "standard", "n"),
-        Column("unit"), Column("sensitivity", style="n"), Column("contribution", "mrad", "n"), Column("share", "%", "n"),
+        Column("source"),
+        Column("limit", style="n"),
+        Column("divisor", style="n"),
+        Column("u", "standard", "n"),
+        Column("unit"),
+        Column("sensitivity", style="n"),
+        Column("contribution", "mrad", "n"),
+        Column("share", "%", "n"),
         Column("kind"),
-    ]  # fmt: skip
+    ]
     shown = budget[budget["quantity"] == quantity].sort_values("share", ascending=False)
     rows = [
         [
@@ -296,18 +334,28 @@ def experiment(material):
 
 def _table3(table, material):
     columns = [
-        Column("campaign"), Column("fitted"), Column("norm", "degrees", "n"), Column("reduced χ²", style="n"),
-        Column("ΔBIC", "above the lowest", "n"), Column("variance inflation", style="n"), Column("n", style="n"),
+        Column("campaign"),
+        Column("fitted"),
+        Column("norm", "degrees", "n"),
+        Column("reduced χ²", style="n"),
+        Column("ΔBIC", "above the lowest", "n"),
+        Column("variance inflation", style="n"),
+        Column("n", style="n"),
         Column("paper", "degrees", "n"),
-    ]  # fmt: skip
+    ]
     rows = [
         [
-            row.campaign, model_symbol(row.fitted), numbers.spread(row.mean, row.std), numbers.plain(row.reduced_chi2),
-            numbers.whole(row.delta_bic), numbers.whole(row.variance_inflation), int(row.n),
+            row.campaign,
+            model_symbol(row.fitted),
+            numbers.spread(row.mean, row.std),
+            numbers.plain(row.reduced_chi2),
+            numbers.whole(row.delta_bic),
+            numbers.whole(row.variance_inflation),
+            int(row.n),
             numbers.spread(row.published_mean, row.published_std),
         ]
         for row in table.itertuples()
-    ]  # fmt: skip
+    ]
     notes = [
         "Norm: RMS of data less fit, mean ± standard deviation over the n swings. BIC: summed over them.",
         "Variance inflation: how many times the standard errors squared are too small for taking residuals as independent.",
@@ -326,17 +374,24 @@ def _table3(table, material):
 
 def _comparison(table):
     columns = [
-        Column("campaign"), Column("models"), Column("difference", "degrees", "n"), Column("p", "after Holm", "n"),
-        Column("ΔBIC", "independent samples", "n"), Column("verdict"),
-    ]  # fmt: skip
+        Column("campaign"),
+        Column("models"),
+        Column("difference", "degrees", "n"),
+        Column("p", "after Holm", "n"),
+        Column("ΔBIC", "independent samples", "n"),
+        Column("verdict"),
+    ]
     rows = [
         [
-            row.campaign, Markup("{}\u00a0−\u00a0{}").format(model_symbol(row.model_a), model_symbol(row.model_b)),
-            numbers.brief(row.mean_difference, row.standard_error), numbers.plain(row.p_holm, 2),
-            numbers.whole(row.delta_bic_effective), with_symbols(row.verdict),
+            row.campaign,
+            Markup("{}\u00a0−\u00a0{}").format(model_symbol(row.model_a), model_symbol(row.model_b)),
+            numbers.brief(row.mean_difference, row.standard_error),
+            numbers.plain(row.p_holm, 2),
+            numbers.whole(row.delta_bic_effective),
+            with_symbols(row.verdict),
         ]
         for row in table.itertuples()
-    ]  # fmt: skip
+    ]
     caption = "The difference of two models' norms on the same swing: mean (standard error) over the swings."
     notes = ["p: Student's for the mean difference, corrected for the number of pairs."]
     return _by_campaign("Paired comparison", caption, columns, rows, notes)
@@ -345,10 +400,15 @@ def _comparison(table):
 def _parameters(table):
     keys = ["campaign", "fitted", "parameter", "unit"]
     columns = [
-        Column("campaign"), Column("fitted"), Column("parameter"), Column("mean over swings", style="n"),
-        Column("swings together", style="n"), Column("unit"), Column("std between swings", style="n"),
+        Column("campaign"),
+        Column("fitted"),
+        Column("parameter"),
+        Column("mean over swings", style="n"),
+        Column("swings together", style="n"),
+        Column("unit"),
+        Column("std between swings", style="n"),
         Column("standard error of one fit", "robust, median", "n"),
-    ]  # fmt: skip
+    ]
     rows = []
     for (campaign, fitted, parameter, unit), part in table.groupby(keys, sort=False, dropna=False):
         single = part[~part["recording"].isin(["(mean)", "(joint)"])]

@@ -137,13 +137,25 @@ def _detected(title, table):
     by = [name for name in ("effect", "size") if name in table]
     more = [c for c in table.columns[: list(table.columns).index("draws")] if c not in by]
     columns = [Column(name.replace("_", " ")) for name in (*by[:1], *more)]
-    columns += [Column("left by the base model", "σ", "n"), Column("found", "%", "n"), Column("named alone", "%", "n"),
-                Column("among others", "%", "n"), Column("without a name", "%", "n"), Column("wrong", "%", "n")]  # fmt: skip
+    columns += [
+        Column("left by the base model", "σ", "n"),
+        Column("found", "%", "n"),
+        Column("named alone", "%", "n"),
+        Column("among others", "%", "n"),
+        Column("without a name", "%", "n"),
+        Column("wrong", "%", "n"),
+    ]
     rows = [
-        [*(_words(row[name]) for name in (*by[:1], *more)), f"{row['left_by_base']:.2g}",
-         *(f"{100 * row[name]:.0f}" for name in ("found", "named", "said_among_others", "said_unknown", "said_wrong"))]
+        [
+            *(_words(row[name]) for name in (*by[:1], *more)),
+            f"{row['left_by_base']:.2g}",
+            *(
+                f"{100 * row[name]:.0f}"
+                for name in ("found", "named", "said_among_others", "said_unknown", "said_wrong")
+            ),
+        ]
         for _, row in table.iterrows()
-    ]  # fmt: skip
+    ]
     effects = list(table[by[0]]) if by else []
     groups = tuple(k for k in range(1, len(effects)) if effects[k] != effects[k - 1])
     caption = "What discovery said of campaigns with one effect more than its base model."

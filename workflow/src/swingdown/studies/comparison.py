@@ -49,8 +49,12 @@ def _pair(norms, a, b):
     if n > 1 and np.ptp(difference) > 0:
         error = float(difference.std(ddof=1) / np.sqrt(n))
         t = row["mean_difference"] / error
-        row |= {"standard_error": error, "t": t, "p": float(2 * stats.t.sf(abs(t), n - 1)),
-                "wilcoxon_p": float(stats.wilcoxon(difference).pvalue)}  # fmt: skip
+        row |= {
+            "standard_error": error,
+            "t": t,
+            "p": float(2 * stats.t.sf(abs(t), n - 1)),
+            "wilcoxon_p": float(stats.wilcoxon(difference).pvalue),
+        }
     row["delta_bic"] = float(np.sum(first["bic"].values - second["bic"].values))
     row["delta_bic_effective"] = float(np.sum(_effective(first, second)))
     return row

@@ -12,9 +12,11 @@ from .norms import labelled, model_coords, spread
 
 _ENOUGH = 3  # half-swings: two give a frequency, a decay needs the next
 _DIMS = {
-    "fit": ("fitted", "time"), "residual": ("fitted", "time"), "correlation": ("fitted", "parameter", "parameter_2"),
+    "fit": ("fitted", "time"),
+    "residual": ("fitted", "time"),
+    "correlation": ("fitted", "parameter", "parameter_2"),
     **dict.fromkeys(("value", "standard_error", "robust_standard_error"), ("fitted", "parameter")),
-}  # fmt: skip
+}
 
 
 def fit_recording(angle, fitted, start="free", restoring="sine", form="consistent", bounded=False):
@@ -36,10 +38,16 @@ def fit_recording(angle, fitted, start="free", restoring="sine", form="consisten
     ).values()
     coords = model_coords(fitted)
     names = coords["parameter"][1]
-    own = [{
-        "norm": np.degrees(fit.rms), "release_angle": fit.release_angle, "release_velocity": fit.release_velocity,
-        "fit": fit.angle, "residual": series - fit.angle,
-    } for fit in fits]  # fmt: skip
+    own = [
+        {
+            "norm": np.degrees(fit.rms),
+            "release_angle": fit.release_angle,
+            "release_velocity": fit.release_velocity,
+            "fit": fit.angle,
+            "residual": series - fit.angle,
+        }
+        for fit in fits
+    ]
     rows = [_row(fit, [(times, series)], [angle], names) | more for fit, more in zip(fits, own, strict=True)]
     variables = {key: (_DIMS.get(key, ("fitted",)), [row[key] for row in rows]) for key in rows[0]}
     bound = _known(angle, "angle_bound")
@@ -108,9 +116,11 @@ def _swing(angle):
     crossings = np.count_nonzero(np.diff(np.signbit(series - np.median(series))))
     if times.size < 4 * _ENOUGH or crossings < _ENOUGH + 1:
         raise InputError(
-            f"recording {name}", f"too few swings to fit: the angle crosses its middle {crossings} times",
-            f"at least {_ENOUGH} whole half-swings", "record longer, or widen start_s and stop_s",
-        )  # fmt: skip
+            f"recording {name}",
+            f"too few swings to fit: the angle crosses its middle {crossings} times",
+            f"at least {_ENOUGH} whole half-swings",
+            "record longer, or widen start_s and stop_s",
+        )
     try:
         first_guess(times, series)
     except InputError as problem:

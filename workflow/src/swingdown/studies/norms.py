@@ -130,7 +130,11 @@ def _combined(datasets, dimension, where):
         )
     for dataset in datasets[1:]:
         if list(dataset["fitted"].values) != list(datasets[0]["fitted"].values):
-            raise InputError(where, "the parts were fitted with different models", "the same models throughout",
-                             "delete the parts and run again")  # fmt: skip
+            raise InputError(
+                where,
+                "the parts were fitted with different models",
+                "the same models throughout",
+                "delete the parts and run again",
+            )
     return xr.concat(datasets, dimension, data_vars="all", coords="different", compat="equals", join="exact",
                      combine_attrs="drop_conflicts")  # fmt: skip

@@ -29,8 +29,11 @@ def table2(norms, published):
     and by trajectory least squares; the std itself is known to std/sqrt(2 (n - 1)). The note names what was inferred, and
     which settings are not those of the paper.
     """
-    cells = [(s, f) for s, f in zip(published["simulated"], published["fitted"], strict=True)
-             if s in norms["simulated"].values and f in norms["fitted"].values]  # fmt: skip
+    cells = [
+        (s, f)
+        for s, f in zip(published["simulated"], published["fitted"], strict=True)
+        if s in norms["simulated"].values and f in norms["fitted"].values
+    ]
     cells = cells or [(s, f) for s in norms["simulated"].values for f in norms["fitted"].values]
     printed = published.set_index(["simulated", "fitted"])
     note = _settings_note(norms.attrs, norms.sizes["realization"])

@@ -16,10 +16,15 @@ from .noise import STREAMS, RStream, add_noise, numpy_stream
 from .norms import labelled, model_coords, spread
 
 INFERRED = (
-    "quadratic_coefficient", "load_friction", "release_angle_deg", "duration_s", "start (at rest, at the first noisy sample)",
-    "the fit's coefficients unbounded", "the norm (RMS of fit minus noise-free series, in degrees)",
+    "quadratic_coefficient",
+    "load_friction",
+    "release_angle_deg",
+    "duration_s",
+    "start (at rest, at the first noisy sample)",
+    "the fit's coefficients unbounded",
+    "the norm (RMS of fit minus noise-free series, in degrees)",
     "the order of the draws (viscous, quadratic, Coulomb)",
-)  # fmt: skip
+)
 INFERRED_NOTE = (
     f"Not reported in the paper, inferred from its Table 2 itself: {'; '.join(INFERRED)}. "
     "Agreement shows one consistent reading and is no independent confirmation."
