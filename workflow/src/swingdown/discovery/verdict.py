@@ -5,6 +5,7 @@ from importlib import resources
 import yaml
 
 from ..pendulum import catalogue as effects
+from ..rounding import plus_minus
 from .locate import KINDS
 
 GUARD = yaml.safe_load(resources.files(__package__).joinpath("guard.yaml").read_text())
@@ -198,6 +199,8 @@ def _described(one):
         if abs(value) < 0.1:
             value, error, unit = value / scale, error and error / scale, smaller
     words = key.replace("_", " ").removeprefix(name + " ").removeprefix(name.split()[0] + " ")
-    size = f"{value:.3g}" + (f" ± {error:.1g}" if error else "") + ("" if unit == "1" else f" {unit}")
+    size = (plus_minus(value, error, "one") if error else f"{value:.3g}") + (
+        "" if unit == "1" else f" {unit}"
+    )
     calibration = ", within what the calibration leaves open" if one["within_calibration"] else ""
     return f"{name} ({words} {size}{calibration}){ties}"

@@ -3,6 +3,7 @@
 import numpy as np
 from matplotlib.patches import Arc, Circle, Polygon, Rectangle
 
+from ..rounding import plus_minus
 from . import style
 from .drawing import DASHED, DOTTED, FORCE, MOTION, ROD, STEEL, arrow, canvas, dimension, edge, ground, label
 
@@ -161,17 +162,11 @@ def _length_table(axes, apparatus):
     y, step = 0.88, min(0.062, 0.5 / len(rows))
     for name, mark in _SYMBOLS.items():
         for value, limit in ((1e3 * value, 1e3 * limit) for length, value, limit in rows if length == name):
-            decimals = _decimals(limit)
+            number, sign, bound = plus_minus(value, limit, "limit").partition("±")
             axes.text(0.0, y, mark, va="center", size=11)
-            axes.text(0.62, y, f"{value:.{decimals}f}", va="center", ha="right", size=9)
-            axes.text(0.65, y, f"± {limit:.{decimals}f}", va="center", ha="left", size=9)
+            axes.text(0.62, y, number.strip(), va="center", ha="right", size=9)
+            axes.text(0.65, y, sign + bound, va="center", ha="left", size=9)
             mark, y = "", y - step
     axes.text(0, y - 0.03, "follows", color=style.GREY, va="center")
     for number, equation in enumerate(_EQUATIONS):
         axes.text(0, y - 0.13 - 0.088 * number, equation, va="center", size=11)
-
-
-def _decimals(limit):
-    """The decimals that show a limit to two digits, or to one where the second is a zero."""
-    digits = max(0, 1 - int(np.floor(np.log10(limit) + 1e-9)))
-    return digits - 1 if digits and np.isclose(round(limit, digits - 1), limit) else digits

@@ -2,9 +2,7 @@
 
 from math import floor, isfinite, log10
 
-from ..studies.rounding import value_with_uncertainty
-
-DIGITS = 2  # of an uncertainty
+from ..rounding import plus_minus, value_with_uncertainty
 
 
 def spread(value, deviation):
@@ -13,8 +11,7 @@ def spread(value, deviation):
         return "–"
     if not _ok(deviation) or deviation <= 0:
         return plain(value)
-    places = _places(deviation)
-    return f"{_fixed(value, places)} ± {_fixed(deviation, places)}"
+    return _typeset(plus_minus(value, deviation))
 
 
 def brief(value, uncertainty):
@@ -23,8 +20,7 @@ def brief(value, uncertainty):
         return "–"
     if not _ok(uncertainty) or uncertainty <= 0:
         return plain(value)
-    number, _, power = value_with_uncertainty(value, uncertainty).replace("-", "−").partition("e")
-    return f"{number} × 10{_superscript(power)}" if power else number
+    return _typeset(value_with_uncertainty(value, uncertainty))
 
 
 def plain(value, digits=3):
@@ -44,12 +40,9 @@ def whole(value):
     return _fixed(value, 0) if _ok(value) else "–"
 
 
-def _places(uncertainty):
-    """Decimals that show two significant digits; 0.0995 rounds up to 0.10, which has them one decimal earlier."""
-    places = DIGITS - 1 - floor(log10(uncertainty))
-    if round(uncertainty, places) >= 10.0 ** (DIGITS - places):
-        places -= 1
-    return max(places, 0)
+def _typeset(text):
+    number, _, power = text.replace("-", "−").partition("e")
+    return f"{number} × 10{_superscript(power)}" if power else number
 
 
 def _fixed(value, places):

@@ -7,6 +7,7 @@ import pandas as pd
 
 from ..fitting.nested import contains
 from ..pendulum.model import symbol
+from ..rounding import plus_minus
 from .norms import as_text
 
 _FEW = 5  # swings below which a scatter is hardly known
@@ -109,7 +110,7 @@ def _verdict(row):
     if not np.isfinite(row.p):
         by = f"{abs(row.mean_difference):.2g} degrees"
         return f"{lower} is closer to the data than {higher} by {by}, but one swing cannot tell whether by chance"
-    by = f"mean paired difference {value_text(abs(row.mean_difference), row.standard_error)} degrees {over}"
+    by = f"mean paired difference {plus_minus(abs(row.mean_difference), row.standard_error)} degrees {over}"
     if row.p_holm >= LEVEL:
         if row.n < _FEW:
             return f"{a} and {b} are not told apart, {row.n} swings are few: {by}"
@@ -132,9 +133,3 @@ def _worth(large, small, gain, over):
     else:
         verdict = f"the data do not say whether {terms} earn{'s' if more == 1 else ''} {their}"
     return f"{symbol(large)} against {symbol(small)}: {verdict} ({told})"
-
-
-def value_text(value, uncertainty):
-    """A text such as ``0.0010 ± 0.0012``, both with as many decimals as two digits of the uncertainty need."""
-    decimals = max(0, 1 - int(np.floor(np.log10(uncertainty)))) if uncertainty > 0 else 4
-    return f"{value:.{decimals}f} ± {uncertainty:.{decimals}f}"

@@ -9,9 +9,9 @@ import numpy as np
 import pandas as pd
 
 from ..paths import written_whole
+from ..rounding import value_with_uncertainty
 from .comparison import bic_effective, comparison
 from .norms import as_text
-from .rounding import value_with_uncertainty
 
 __all__ = ["comparison", "parameters", "table2", "table3", "write_table"]
 PAPER = {"snr": 50, "noise": "proportional", "stream": "R", "seed": 150, "natural_frequency": 7.25, "viscous_ratio": 0.03,
