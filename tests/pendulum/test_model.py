@@ -5,7 +5,7 @@ import pytest
 import yaml
 
 from swingdown.errors import InputError
-from swingdown.pendulum.model import PAPER_MODELS, Model, read_model, symbol, write_model
+from swingdown.pendulum.model import PAPER_MODELS, Model, symbol, write_model
 
 VALUES = {"natural_frequency": 7.25, "viscous_ratio": 0.03, "load_friction": 0.012}
 
@@ -69,7 +69,13 @@ def test_a_model_file_reads_as_it_was_written(tmp_path, restoring, form):
         form,
     )
     path = write_model(model, tmp_path / "round-1" / "model.yaml")
-    assert read_model(path) == model
+    content = yaml.safe_load(path.read_text())
+    entries = content.pop("parameters")
+    read = {
+        key: {name: entry[key] for name, entry in entries.items() if key in entry}
+        for key in ("value", "standard_error")
+    }
+    assert Model(tuple(content.pop("effects")), *read.values(), **content) == model
     assert [found.name for found in path.parent.iterdir()] == ["model.yaml"], "no half-written file stays"
 
 
@@ -82,29 +88,3 @@ def test_a_model_file_tells_units_and_errors(tmp_path):
     content = yaml.safe_load(write_model(model, tmp_path / "model.yaml").read_text())
     assert content["parameters"]["viscous_ratio"] == {"value": 0.03, "unit": "1", "standard_error": 0.001}
     assert content["parameters"]["natural_frequency"] == {"value": 7.25, "unit": "rad/s"}
-
-
-@pytest.mark.parametrize(
-    ("text", "told"),
-    [
-        ("", "effects"),
-        ("- viscous", "effects"),
-        ("effects: [viscous]\nparameter: {}", "'parameter'"),
-        ("effects: [viscose]", "viscose"),
-        ("effects: [viscous]\nparameters: {viscous_ratio: {value: 0.1, unit: s}}", "unit 's'"),
-        ("effects: [viscous]\nparameters: {gamma: {value: 0.1}}", "gamma"),
-        ("effects: [viscous]\nrestoring: square", "square"),
-        ("effects: viscous+load_coulomb\nparameters: {viscous_ratio: {value: much}}", "viscous_ratio"),
-        ("effects: [viscous]\nparameters: {viscous_ratio: 0.1}", "viscous_ratio"),
-        ("effects: [viscous]\nparameters: {viscous_ratio: {unit: '1'}}", "viscous_ratio"),
-        ("effects: [viscous]\nparameters: [viscous_ratio]", "parameters"),
-        ("effects: 3", "effects"),
-        ("effects: [viscous", "model.yaml"),
-    ],
-)
-def test_a_bad_model_file_is_told_with_its_name(tmp_path, text, told):
-    path = tmp_path / "model.yaml"
-    path.write_text(text)
-    with pytest.raises(InputError, match=told) as refusal:
-        read_model(path)
-    assert "model.yaml" in str(refusal.value)

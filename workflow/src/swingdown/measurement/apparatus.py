@@ -1,7 +1,6 @@
 """The apparatus sheet: the lengths, tower points and encoder limits that a calibration rests on, checked."""
 
 import numpy as np
-import pandas as pd
 import yaml
 
 from ..errors import InputError
@@ -10,7 +9,7 @@ from ..schema import check
 from .line import FEWEST
 from .uncertainty import from_limit
 
-_SYMBOLS = {"over_shaft": "h_over", "shaft_diameter": "d_shaft", "bob_diameter": "d_bob", "arm": "l_arm"}
+_SHARED = ("over_shaft", "shaft_diameter", "bob_diameter", "arm")
 
 
 def read_apparatus(path, check_files=True):
@@ -85,7 +84,7 @@ def length_inputs(apparatus):
     m).
     """
     shared = [
-        _length(name, apparatus["lengths"][name], apparatus["lengths"][name]["value"]) for name in _SYMBOLS
+        _length(name, apparatus["lengths"][name], apparatus["lengths"][name]["value"]) for name in _SHARED
     ]
     heights = [_length(f"height_{k}", p, p["height"]) for k, p in enumerate(apparatus["points"], 1)]
     return shared, heights
@@ -108,13 +107,3 @@ def encoder_limit(apparatus, voltage, place="voltage"):
         )
     index = np.searchsorted([entry["up_to"] for entry in limits], size)
     return np.array([entry["limit"] for entry in limits])[index]
-
-
-def lengths_table(apparatus):
-    """The measured lengths as a table: length (h_over, d_shaft, d_bob, l_arm, h_cal …), value, limit, unit
-    (mm).
-    """
-    rows = [(symbol, apparatus["lengths"][name]) for name, symbol in _SYMBOLS.items()]
-    rows += [("h_cal", {"value": point["height"], "limit": point["limit"]}) for point in apparatus["points"]]
-    table = [(symbol, 1e3 * entry["value"], 1e3 * entry["limit"], "mm") for symbol, entry in rows]
-    return pd.DataFrame(table, columns=["length", "value", "limit", "unit"])
