@@ -168,7 +168,7 @@ def test_a_file_with_one_column(refused):
     [
         ("time_unit", "sec", "s, ms, us"),
         ("signal_unit", "volts", "V, rad"),
-        ("signal_unit", "Deg", "did you mean 'deg'"),
+        ("signal_unit", "Deg", "write 'deg'"),
     ],
 )
 def test_an_unknown_unit(refused, key, unit, hint):
