@@ -1,6 +1,7 @@
 """Where a file named in the config or a sheet is found, and how a file comes to be: whole, or not at all."""
 
 import os
+from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -8,12 +9,12 @@ PROJECT = Path(__file__).resolve().parents[3]
 _SCHEMES = ("http://", "https://", "file://")
 
 
-def is_url(name):
+def is_url(name: object) -> bool:
     """True for an http, https or file address, False for a path."""
     return str(name).startswith(_SCHEMES)
 
 
-def find(name):
+def find(name: str | Path) -> Path:
     """The path of ``name``: in the working directory (or absolute) if it is there, else in the project's
     folder.
 
@@ -27,7 +28,7 @@ def find(name):
 
 
 @contextmanager
-def written_whole(path):
+def written_whole(path: str | Path) -> Iterator[Path]:
     """A path to write to, beside ``path``: what is there at the end takes its name, on disk and whole.
 
     Where writing fails, ``path`` is as it was before and nothing is left behind.
@@ -44,7 +45,7 @@ def written_whole(path):
         partial.unlink(missing_ok=True)
 
 
-def _to_disk(path):
+def _to_disk(path: Path) -> None:
     descriptor = os.open(path, os.O_RDONLY)
     try:
         os.fsync(descriptor)

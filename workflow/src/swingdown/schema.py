@@ -62,7 +62,7 @@ def as_said(content: Any, schema: str, keys: Iterable[str]) -> Any:
     return content | {key: _said(content[key], known[key]) for key in keys if key in content}
 
 
-def _said(value, rule):
+def _said(value: Any, rule: dict[str, Any]) -> Any:
     if isinstance(value, dict):
         known = rule.get("properties", {})
         return {key: _said(part, known.get(key, {"type": "string"})) for key, part in value.items()}
@@ -80,7 +80,7 @@ def rules(schema: str) -> dict[str, Any]:
     return yaml.safe_load((SCHEMAS / schema).read_text(encoding="utf-8"))
 
 
-def _is_number(checker, value):
+def _is_number(checker: object, value: object) -> bool:
     return isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)
 
 
@@ -91,11 +91,11 @@ _Validator = jsonschema.validators.extend(
 
 
 @cache
-def _validator(schema):
+def _validator(schema: str) -> jsonschema.Draft202012Validator:
     return _Validator(rules(schema))
 
 
-def _filled(content, schema):
+def _filled(content: dict[str, Any], schema: dict[str, Any]) -> dict[str, Any]:
     for key, rule in schema.get("properties", {}).items():
         if key not in content and "default" in rule:
             content[key] = copy.deepcopy(rule["default"])
@@ -110,7 +110,7 @@ def _filled(content, schema):
     return content
 
 
-def _told(fault, schema, where, part):
+def _told(fault: jsonschema.ValidationError, schema: dict[str, Any], where: object, part: str) -> InputError:
     """The InputError that tells a jsonschema error: which key, what was expected, the mend."""
     key = "".join(
         f"[{step + 1}]" if isinstance(step, int) else f".{step}" for step in fault.absolute_path
@@ -138,7 +138,9 @@ def _told(fault, schema, where, part):
     return InputError(place, f"{value!r} does not fit", _expected(rule), "correct the value")
 
 
-def _missing(fault, schema, where, part, place):
+def _missing(
+    fault: jsonschema.ValidationError, schema: dict[str, Any], where: object, part: str, place: str
+) -> InputError:
     lost = next(name for name in fault.validator_value if name not in fault.instance)
     rule = fault.schema.get("properties", schema["properties"]).get(lost, {})
     if part == "column":
@@ -146,12 +148,12 @@ def _missing(fault, schema, where, part, place):
     return InputError(place, f"the key {lost!r} is missing", _expected(rule), f"add {lost!r}")
 
 
-def _no_number(value, rule, place):
+def _no_number(value: object, rule: dict[str, Any], place: str) -> InputError:
     """The fault of something else where a number belongs: text, or a number that is infinite or none."""
     whole = rule["type"] == "integer"
     try:
-        number = float(value)
-    except (TypeError, ValueError):
+        number = float(str(value))
+    except ValueError:
         return InputError(place, f"{value!r} is not a number", _expected(rule), "correct the value")
     if not math.isfinite(number):
         return InputError(place, f"{value!r} is not a finite number", _expected(rule), "correct the value")
@@ -161,7 +163,9 @@ def _no_number(value, rule, place):
     return InputError(place, f"{value!r} is text", _expected(rule), mend)
 
 
-def _unknown_key(fault, schema, where, key):
+def _unknown_key(
+    fault: jsonschema.ValidationError, schema: dict[str, Any], where: object, key: str
+) -> InputError:
     known = fault.schema["properties"]
     name = next(name for name in fault.instance if name not in known)
     full = f"{key}.{name}" if key else str(name)
@@ -186,9 +190,10 @@ def near(name: object, known: Iterable[object]) -> str:
     )
 
 
-def _expected(rule):
+def _expected(rule: dict[str, Any]) -> str:
     bounds = " and ".join(f"{sign} {rule[bound]}" for bound, sign in _BOUNDS.items() if bound in rule)
-    kinds = [rule.get("type")] if isinstance(rule.get("type"), str) else rule.get("type", [])
+    named = rule.get("type", [])
+    kinds = [named] if isinstance(named, str) else named
     kind = " or ".join(_KINDS.get(name, name) for name in kinds)
     if "enum" in rule:
         kind = " or ".join(map(str, rule["enum"]))

@@ -5,7 +5,7 @@ from math import floor, isfinite, log10
 from ..rounding import plus_minus, value_with_uncertainty
 
 
-def spread(value, deviation):
+def spread(value: float, deviation: float) -> str:
     """``0.131 ± 0.010``: the deviation with two significant digits, the value to the same decimal."""
     if not _ok(value):
         return "–"
@@ -14,7 +14,7 @@ def spread(value, deviation):
     return _typeset(plus_minus(value, deviation))
 
 
-def brief(value, uncertainty):
+def brief(value: float, uncertainty: float) -> str:
     """``0.0512(13)``: the uncertainty in units of the last digits of the value; powers of ten where they help."""
     if not _ok(value):
         return "–"
@@ -23,7 +23,7 @@ def brief(value, uncertainty):
     return _typeset(value_with_uncertainty(value, uncertainty))
 
 
-def plain(value, digits=3):
+def plain(value: float, digits: int = 3) -> str:
     """A number with so many significant digits, without trailing noise; a power of ten if very large or small."""
     if not _ok(value):
         return "–"
@@ -35,28 +35,28 @@ def plain(value, digits=3):
     return f"{_fixed(value / 10.0**power, digits - 1)} × 10{_superscript(power)}"
 
 
-def whole(value):
+def whole(value: float) -> str:
     """A number without decimals."""
     return _fixed(value, 0) if _ok(value) else "–"
 
 
-def _typeset(text):
+def _typeset(text: str) -> str:
     number, _, power = text.replace("-", "−").partition("e")
     return f"{number} × 10{_superscript(power)}" if power else number
 
 
-def _fixed(value, places):
+def _fixed(value: float, places: int) -> str:
     text = f"{value:.{places}f}"
     if float(text) == 0:
         text = text.lstrip("-")
     return text.replace("-", "−")
 
 
-def _superscript(power):
+def _superscript(power: object) -> str:
     return str(power).translate(str.maketrans("−-0123456789", "⁻⁻⁰¹²³⁴⁵⁶⁷⁸⁹"))
 
 
-def _ok(value):
+def _ok(value: float) -> bool:
     try:
         return isfinite(value)
     except TypeError:

@@ -4,6 +4,7 @@ import hashlib
 import importlib.metadata
 import platform
 import subprocess
+from collections.abc import Iterable
 from pathlib import Path
 
 from ..paths import PROJECT
@@ -11,7 +12,7 @@ from ..paths import PROJECT
 _PACKAGES = ("swingdown", "numpy", "scipy", "pandas", "xarray", "netCDF4", "matplotlib", "sympy", "snakemake")
 
 
-def versions(seed):
+def versions(seed: int) -> list[tuple[str, str]]:
     """Pairs of name and version: seed, commit (where the project is a git clone), Python and the packages used."""
     pairs = [("seed", str(seed))]
     if commit := _commit():
@@ -25,7 +26,7 @@ def versions(seed):
     return pairs
 
 
-def checksums(paths):
+def checksums(paths: Iterable[str | Path]) -> list[tuple[str, str]]:
     """Pairs of name and SHA-256 of the files; a file of the project is named from its folder."""
     pairs = []
     for path in map(Path, paths):
@@ -35,8 +36,8 @@ def checksums(paths):
     return pairs
 
 
-def _commit():
-    def git(*words):
+def _commit() -> str:
+    def git(*words: str) -> subprocess.CompletedProcess[str]:
         return subprocess.run(["git", "-C", str(PROJECT), *words], capture_output=True, text=True, timeout=20)
 
     try:

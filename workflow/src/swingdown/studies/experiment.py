@@ -1,17 +1,21 @@
 """The experiment study: models fitted to measured swings, one by one and all swings of a pendulum together."""
 
+from collections.abc import Sequence
+from typing import Any
+
 import numpy as np
 import xarray as xr
 
+from ..arrays import Floats, Swing
 from ..errors import InputError
-from ..fitting.fit import fit_jointly, fit_trajectory
+from ..fitting.fit import Fit, fit_jointly, fit_trajectory
 from ..fitting.guess import first_guess
 from ..fitting.nested import fit_nested
 from ..fitting.robust import robust_covariance, variance_inflation
-from .norms import labelled, model_coords, spread
+from .norms import Variable, labelled, model_coords, spread
 
 _ENOUGH = 3  # half-swings: two give a frequency, a decay needs the next
-_DIMS = {
+_DIMS: dict[str, tuple[str, ...]] = {
     "fit": ("fitted", "time"),
     "residual": ("fitted", "time"),
     "correlation": ("fitted", "parameter", "parameter_2"),
@@ -19,7 +23,14 @@ _DIMS = {
 }
 
 
-def fit_recording(angle, fitted, start="free", restoring="sine", form="consistent", bounded=False):
+def fit_recording(
+    angle: xr.Dataset,
+    fitted: Sequence[str],
+    start: str = "free",
+    restoring: str = "sine",
+    form: str = "consistent",
+    bounded: bool = False,
+) -> xr.Dataset:
     """A Dataset (fitted, parameter, parameter_2, time) of models fitted to one swing by trajectory least squares.
 
     ``angle`` is a Dataset of ``results/angles``: ``angle(time)`` in rad with its random uncertainty and its bound. A
@@ -49,7 +60,9 @@ def fit_recording(angle, fitted, start="free", restoring="sine", form="consisten
         for fit in fits
     ]
     rows = [_row(fit, [(times, series)], [angle], names) | more for fit, more in zip(fits, own, strict=True)]
-    variables = {key: (_DIMS.get(key, ("fitted",)), [row[key] for row in rows]) for key in rows[0]}
+    variables: dict[str, Variable] = {
+        key: (_DIMS.get(key, ("fitted",)), [row[key] for row in rows]) for key in rows[0]
+    }
     bound = _known(angle, "angle_bound")
     variables["error_bound_norm"] = ((), np.nan if bound is None else np.degrees(np.sqrt(np.mean(bound**2))))
     variables["samples"] = ((), times.size)
@@ -63,7 +76,14 @@ def fit_recording(angle, fitted, start="free", restoring="sine", form="consisten
     return labelled(xr.Dataset(variables, coords, attrs))
 
 
-def fit_campaign(angles, fitted, start="free", restoring="sine", form="consistent", bounded=False):
+def fit_campaign(
+    angles: Sequence[xr.Dataset],
+    fitted: Sequence[str],
+    start: str = "free",
+    restoring: str = "sine",
+    form: str = "consistent",
+    bounded: bool = False,
+) -> xr.Dataset:
     """A Dataset (fitted, recording, parameter, parameter_2) of models fitted to all swings of a campaign together.
 
     ``angles`` is a list of Datasets as ``fit_recording`` takes them. The parameters are shared, each swing has its own
@@ -86,7 +106,9 @@ def fit_campaign(angles, fitted, start="free", restoring="sine", form="consisten
     coords = model_coords(fitted)
     names = coords["parameter"][1]
     rows = [_row(fit, series, angles, names) for fit in fits]
-    variables = {key: (_DIMS.get(key, ("fitted",)), [row[key] for row in rows]) for key in rows[0]}
+    variables: dict[str, Variable] = {
+        key: (_DIMS.get(key, ("fitted",)), [row[key] for row in rows]) for key in rows[0]
+    }
     by_swing = {
         "rms": [fit.swing_rms for fit in fits],
         "norm": [np.degrees(fit.swing_rms) for fit in fits],
@@ -109,7 +131,7 @@ def fit_campaign(angles, fitted, start="free", restoring="sine", form="consisten
     return labelled(xr.Dataset(variables, coords, attrs))
 
 
-def _swing(angle):
+def _swing(angle: xr.Dataset) -> tuple[str, Floats, Floats]:
     """The recording's name, times (s) and angle (rad); InputError if it is too short to fit."""
     name = str(angle.attrs.get("recording", "recording"))
     times, series = angle["time"].values, angle["angle"].values
@@ -128,7 +150,7 @@ def _swing(angle):
     return name, times, series
 
 
-def _about(angle):
+def _about(angle: xr.Dataset) -> dict[str, tuple[str, str]]:
     """What is to be known of a recording's angle, as {name: (value, long_name)}."""
     return {
         "campaign": (str(angle.attrs.get("campaign", "")), "pendulum the recording belongs to"),
@@ -137,7 +159,9 @@ def _about(angle):
     }
 
 
-def _row(fit, swings, angles, names):
+def _row(
+    fit: Fit, swings: Sequence[Swing], angles: Sequence[xr.Dataset], names: Sequence[str]
+) -> dict[str, Any]:
     """What is kept of every fit, by name."""
     robust = robust_covariance(fit, swings)
     errors = dict(zip(fit.free, np.sqrt(np.diag(robust)), strict=True))
@@ -156,7 +180,7 @@ def _row(fit, swings, angles, names):
     }
 
 
-def _reduced_chi2(fit, swings, angles):
+def _reduced_chi2(fit: Fit, swings: Sequence[Swing], angles: Sequence[xr.Dataset]) -> float:
     fitted = fit.angle if isinstance(fit.angle, tuple) else (fit.angle,)
     total = 0.0
     for (_, series), angle, values in zip(swings, angles, fitted, strict=True):
@@ -167,7 +191,7 @@ def _reduced_chi2(fit, swings, angles):
     return total / (fit.n - len(fit.free))
 
 
-def _correlation(fit, names):
+def _correlation(fit: Fit, names: Sequence[str]) -> Floats:
     """The correlation matrix over ``names``, NaN for those the model lacks."""
     found = np.full((len(names), len(names)), np.nan)
     own = fit.model.parameters
@@ -176,12 +200,12 @@ def _correlation(fit, names):
     return found
 
 
-def _condition(fit):
+def _condition(fit: Fit) -> float:
     matrix = fit.correlation
     return float(np.linalg.cond(matrix)) if np.all(np.isfinite(matrix)) else np.nan
 
 
-def _known(angle, name):
+def _known(angle: xr.Dataset, name: str) -> Floats | None:
     """The variable's values where it is there and above 0 throughout, else None."""
     if name not in angle or not np.all(angle[name].values > 0):
         return None

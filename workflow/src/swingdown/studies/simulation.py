@@ -4,16 +4,20 @@ The paper does not report several settings of its Table 2. They were inferred by
 shows that one consistent reading exists and confirms nothing independently; ``INFERRED`` names them wherever shown.
 """
 
+from collections.abc import Callable, Sequence
+from typing import Any
+
 import numpy as np
 import xarray as xr
 
+from ..arrays import Floats
 from ..engine.trajectory import simulate
 from ..errors import InputError
-from ..fitting.fit import fit_nelder_mead, fit_trajectory
+from ..fitting.fit import Fit, fit_nelder_mead, fit_trajectory
 from ..fitting.nested import fit_nested
 from ..pendulum.model import Model
 from .noise import STREAMS, RStream, add_noise, numpy_stream
-from .norms import labelled, model_coords, spread
+from .norms import Variable, labelled, model_coords, spread
 
 INFERRED = (
     "quadratic_coefficient",
@@ -31,10 +35,7 @@ INFERRED_NOTE = (
 )
 
 
-def realizations(
-    *, simulated, natural_frequency, viscous_ratio, quadratic_coefficient, load_friction, release_angle_deg, sampling_rate_hz,
-    duration_s, snr, noise, stream, realizations, seed, restoring="sine", form="consistent",
-):  # fmt: skip
+def realizations(*, simulated: Sequence[str], natural_frequency: float, viscous_ratio: float, quadratic_coefficient: float, load_friction: float, release_angle_deg: float, sampling_rate_hz: float, duration_s: float, snr: float, noise: str, stream: str, realizations: int, seed: int, restoring: str = "sine", form: str = "consistent") -> xr.Dataset:  # fmt: skip
     """A Dataset with ``truth`` (simulated, time) and ``noisy`` (simulated, realization, time), both in rad.
 
     Each model of ``simulated`` is released from rest at ``release_angle_deg`` (degrees) and sampled over ``duration_s`` (s)
@@ -53,7 +54,7 @@ def realizations(
     draws = _draws(stream, seed, times.size)
     truth, noisy = [], []
     for label in simulated:
-        model = Model(label, restoring=restoring, form=form)
+        model = Model(tuple(label.split("+")), restoring=restoring, form=form)
         known = {name: settings[name] for name in model.parameters if name in settings}
         truth.append(simulate(model.with_values(known), times, np.radians(release_angle_deg)))
         noisy.append([add_noise(noise, truth[-1], snr, draws(label, k)) for k in range(realizations)])
@@ -72,7 +73,7 @@ def realizations(
     return labelled(data)
 
 
-def _draws(stream, seed, size):
+def _draws(stream: str, seed: int, size: int) -> Callable[[str, int], Floats]:
     if stream == "R":
         drawn = RStream(seed)
         return lambda label, index: drawn.standard_normal(size)
@@ -81,7 +82,9 @@ def _draws(stream, seed, size):
     raise InputError("simulation.stream", f"unknown stream {stream!r}", " or ".join(STREAMS))
 
 
-def simulation_norms(realizations, simulated, fitted, start="rest"):
+def simulation_norms(
+    realizations: xr.Dataset, simulated: str, fitted: Sequence[str], start: str = "rest"
+) -> xr.Dataset:
     """A Dataset (simulated, fitted, realization, parameter): how far each fitted model is from one simulated truth.
 
     ``norm`` (degrees) is the RMS of fit minus noise-free truth, ``residual_norm`` that of noisy data minus fit; ``value``,
@@ -105,7 +108,7 @@ def simulation_norms(realizations, simulated, fitted, start="rest"):
         "form": realizations.attrs["form"],
     }
     shape = (1, len(fitted), len(swings))
-    variables = {}
+    variables: dict[str, Variable] = {}
     for prefix, method in (("", fit_nelder_mead), ("least_squares_", fit_trajectory)):
         rows = [_rows(method, fitted, times, swing, truth, names, options) for swing in swings]
         for name in rows[0]:
@@ -114,7 +117,7 @@ def simulation_norms(realizations, simulated, fitted, start="rest"):
             variables[prefix + name] = (dims, stacked.reshape(*shape, *stacked.shape[2:]))
     coords |= {
         "simulated": ("simulated", [simulated], {"long_name": "simulated model"}),
-        "realization": chosen["realization"],
+        "realization": ("realization", chosen["realization"].values, dict(chosen["realization"].attrs)),
     }
     data = xr.Dataset(variables, coords, realizations.attrs | {"start": start})
     return labelled(
@@ -122,7 +125,15 @@ def simulation_norms(realizations, simulated, fitted, start="rest"):
     )
 
 
-def _rows(method, fitted, times, swing, truth, names, options):
+def _rows(
+    method: Callable[..., Fit],
+    fitted: Sequence[str],
+    times: Floats,
+    swing: Floats,
+    truth: Floats,
+    names: Sequence[str],
+    options: dict[str, str],
+) -> dict[str, list[Any]]:
     fits = fit_nested(
         fitted, lambda label, guess: method(label, times, swing, guess=guess, **options)
     ).values()
@@ -136,5 +147,5 @@ def _rows(method, fitted, times, swing, truth, names, options):
     }
 
 
-def _rms_degrees(series):
+def _rms_degrees(series: Floats) -> float:
     return float(np.degrees(np.sqrt(np.mean(np.square(series)))))

@@ -1,5 +1,8 @@
 """The study's settings: held against their schema, completed with its defaults, refused with a mend."""
 
+from collections.abc import Iterable
+from typing import Any
+
 from ..errors import InputError
 from ..pendulum import own as own_effects
 from ..pendulum.catalogue import catalogue
@@ -7,7 +10,7 @@ from ..pendulum.model import Model
 from ..schema import as_said, check, near
 
 
-def complete(config, where="config"):
+def complete(config: dict[str, Any], where: str = "config") -> dict[str, Any]:
     """A copy of ``config`` with every default filled in.
 
     Raises InputError, with the full name of the key and a near match where there is one, for an unknown key, a value
@@ -25,17 +28,19 @@ def complete(config, where="config"):
     return settings
 
 
-def _check_model(label, place):
+def _check_model(label: str, place: str) -> None:
     names = label.split("+")
     _check_effects(names, place)
     if len(set(names)) < len(names):
         raise InputError(place, f"an effect is named twice in {label!r}", "each effect once", "remove one")
-    if (ordered := Model(label).label) != label:  # the label names results, so each model must have one
+    if (
+        ordered := Model(tuple(names)).label
+    ) != label:  # the label names results, so each model must have one
         problem = f"{label!r} is not in the catalogue's order"
         raise InputError(place, problem, ordered, f"write {ordered!r}")
 
 
-def _check_effects(names, place):
+def _check_effects(names: Iterable[str], place: str) -> None:
     for name in names:
         if name not in catalogue():
             problem = f"no effect {name!r} in the catalogue"
