@@ -5,7 +5,15 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-PROJECT = Path(__file__).resolve().parents[3]
+
+def _checkout() -> Path | None:
+    """The folder with the workflow around this package; None where the package was installed by itself."""
+    folder = Path(__file__).resolve().parents[3]
+    inside = folder / "workflow" / "src" / "swingdown" / "paths.py"
+    return folder if inside.is_file() and (folder / "Snakefile").is_file() else None
+
+
+PROJECT = _checkout()
 _SCHEMES = ("http://", "https://", "file://")
 
 
@@ -16,13 +24,13 @@ def is_url(name: object) -> bool:
 
 def find(name: str | Path) -> Path:
     """The path of ``name``: in the working directory (or absolute) if it is there, else in the project's
-    folder.
+    folder, where the package lies in one.
 
     A study run with ``--directory elsewhere`` finds its own files first and the shipped ones after. A name
     found in neither place comes back unchanged, so that the caller's message shows what was written.
     """
     path = Path(name)
-    if not path.is_absolute() and not path.exists() and (PROJECT / path).exists():
+    if PROJECT and not path.is_absolute() and not path.exists() and (PROJECT / path).exists():
         return PROJECT / path
     return path
 

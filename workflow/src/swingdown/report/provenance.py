@@ -30,13 +30,15 @@ def checksums(paths: Iterable[str | Path]) -> list[tuple[str, str]]:
     """Pairs of name and SHA-256 of the files; a file of the project is named from its folder."""
     pairs = []
     for path in map(Path, paths):
-        inside = path.is_absolute() and path.is_relative_to(PROJECT)
-        name = path.relative_to(PROJECT) if inside else path
+        name = path.relative_to(PROJECT) if PROJECT and path.is_relative_to(PROJECT) else path
         pairs.append((str(name), hashlib.sha256(path.read_bytes()).hexdigest()))
     return pairs
 
 
 def _commit() -> str:
+    if not PROJECT:
+        return ""
+
     def git(*words: str) -> subprocess.CompletedProcess[str]:
         return subprocess.run(["git", "-C", str(PROJECT), *words], capture_output=True, text=True, timeout=20)
 
