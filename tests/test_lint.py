@@ -7,6 +7,7 @@ import tomllib
 from pathlib import Path
 
 import pytest
+import yaml
 
 CHECKS = {
     "formatter": ["ruff", "format", "--check", "."],
@@ -42,3 +43,29 @@ def test_no_script_imports_another_or_touches_the_path(root):
         assert "sys.path" not in text, script
         assert "from __future__" not in text, script
         assert text.count('if __name__ == "__main__":') == 1, script
+
+
+def test_the_hooks_before_a_commit_call_tools_that_are_there(root):
+    """A hook's program, with what it is called with, runs in the environment that make lays."""
+    (local,) = yaml.safe_load((root / ".pre-commit-config.yaml").read_text())["repos"]
+    for hook in local["hooks"]:
+        program, *words = hook["entry"].split()
+        tool = Path(sys.executable).with_name(Path(program).name)
+        done = subprocess.run([tool, *words, "--help"], cwd=root, text=True, capture_output=True)
+        assert program.startswith(".venv/bin/") and done.returncode == 0, hook["id"]
+    told = {hook["entry"].split()[0].removeprefix(".venv/bin/") for hook in local["hooks"]}
+    assert told == {"ruff", "snakefmt", "mypy", "lint-imports"}
+
+
+def test_hosted_ci_and_ci_run_the_same_parts(root):
+    hosted = yaml.safe_load((root / ".github/workflows/ci.yml").read_text())
+    steps = [step["run"] for job in hosted["jobs"].values() for step in job["steps"] if "run" in step]
+    assert {".ci/run", "make test", "sudo tools/install-test-tools"} <= set(steps)
+    named = [path for run in steps for path in re.findall(r"[\w./]+\.py|\.ci/run|tools/[\w-]+", run)]
+    assert all((root / path).is_file() for path in named), named
+
+
+def test_the_changelog_tells_the_version_that_the_project_has(root):
+    version = tomllib.loads((root / "pyproject.toml").read_text())["project"]["version"]
+    headings = re.findall(r"^## \[(.+?)\]", (root / "CHANGELOG.md").read_text(), re.MULTILINE)
+    assert headings[:2] == ["Unreleased", version]
