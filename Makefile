@@ -75,7 +75,7 @@ LOCK := --system-certs $(UPGRADE) --universal --python-version 3.11 --generate-h
   --no-emit-index-url --no-emit-find-links --no-header --no-annotate
 
 clean:
-	@rm -rf results .snakemake .pytest_cache .ruff_cache
+	@rm -rf results .snakemake .pytest_cache .mypy_cache .ruff_cache
 
 distclean: clean
 	@rm -rf .venv

@@ -5,8 +5,11 @@ import pytest
 import xarray as xr
 
 NUMBERS = (
-    "results/simulation/norms.nc", "results/experiment/norms.nc", "results/calibration/calibration.nc", "results/angles/swing_01.nc",
-)  # fmt: skip
+    "results/simulation/norms.nc",
+    "results/experiment/norms.nc",
+    "results/calibration/calibration.nc",
+    "results/angles/swing_01.nc",
+)
 TABLES = ("table2", "table3", "comparison", "parameters", "uncertainty_budget")
 
 
@@ -40,9 +43,15 @@ def test_a_second_run_has_nothing_to_do(small_study, snakemake):
 
 def test_another_setting_runs_only_what_rests_on_it(small_study, snakemake):
     done = snakemake(
-        "--configfile", small_study / "small.yaml", "--dry-run", "--quiet", "rules",
-        "--config", "experiment={start: rest}", directory=small_study,
-    )  # fmt: skip
+        "--configfile",
+        small_study / "small.yaml",
+        "--dry-run",
+        "--quiet",
+        "rules",
+        "--config",
+        "experiment={start: rest}",
+        directory=small_study,
+    )
     rules = set(done.stdout.split("Job stats:")[1].split("total")[0].split())
     assert {"fit_swing", "fit_campaign", "table3", "report", "fig15"} <= rules
     assert not {"record", "angle", "calibrate", "simulate", "fit_simulated", "fig02", "fig09"} & rules

@@ -66,7 +66,7 @@ def test_imports_are_found_wherever_they_stand(tmp_path):
         "import numpy\nfrom swingdown.pendulum import model\ndef f():\n    from swingdown.measurement.sheet import COLUMNS\n"
     )
     found = {Path(path).stem for path in sources.sources(script)}
-    assert {"model", "catalogue", "errors", "sheet", "paths"} <= found
+    assert {"model", "dissipation", "errors", "sheet", "paths"} <= found
     assert "trajectory" not in found
 
 

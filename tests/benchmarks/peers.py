@@ -77,9 +77,14 @@ class Counted:
             )[:, 0]
         else:
             th = solve_ivp(
-                lambda t, y: (y[1], acceleration(p, y[0], y[1])), (times[0], times[-1]), (angle, velocity), t_eval=times,
-                method="RK45", rtol=self.rtol, atol=self.atol,
-            ).y[0]  # fmt: skip
+                lambda t, y: (y[1], acceleration(p, y[0], y[1])),
+                (times[0], times[-1]),
+                (angle, velocity),
+                t_eval=times,
+                method="RK45",
+                rtol=self.rtol,
+                atol=self.atol,
+            ).y[0]
         return th + zero - self.task.angle if th.size == times.size else np.full(times.size, 1e3)
 
 
@@ -121,9 +126,13 @@ def odeint_lmfit(task):
     for name, value in zip(names, task.start / task.scale, strict=True):
         parameters.add(name, value=float(value))
     found = lmfit.minimize(
-        lambda p: residuals(np.array([p[name].value for name in names]) * task.scale), parameters, method="leastsq",
-        epsfcn=STEP**2, ftol=STOP, xtol=STOP,
-    )  # fmt: skip
+        lambda p: residuals(np.array([p[name].value for name in names]) * task.scale),
+        parameters,
+        method="leastsq",
+        epsfcn=STEP**2,
+        ftol=STOP,
+        xtol=STOP,
+    )
     return Found(np.array([found.params[name].value for name in names]) * task.scale, residuals.count)
 
 

@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
+from minimiser import least_squares
 
 from swingdown.errors import InputError
-from swingdown.fitting.optimise import least_squares
 
 exp, pi = np.exp, np.pi
 

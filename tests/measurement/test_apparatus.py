@@ -7,7 +7,7 @@ import pytest
 import yaml
 
 from swingdown.errors import InputError
-from swingdown.measurement.apparatus import encoder_limit, lengths_table, read_apparatus
+from swingdown.measurement.apparatus import encoder_limit, read_apparatus
 
 SHEET = {
     "campaigns": ["bench"],
@@ -58,12 +58,6 @@ def test_the_encoders_limit_depends_on_the_voltage(read):
     assert encoder_limit(read(), [0.0, 5.0, 5.01, -7.0]) == pytest.approx([0.015, 0.015, 0.025, 0.025])
     with pytest.raises(InputError, match="12 V is beyond the encoder's range"):
         encoder_limit(read(), 12.0)
-
-
-def test_lengths_as_a_table(read):
-    table = lengths_table(read())
-    assert list(table.length) == ["h_over", "d_shaft", "d_bob", "l_arm", *["h_cal"] * 3]
-    assert list(table.value[:2]) == pytest.approx([230, 10]) and set(table.unit) == {"mm"}
 
 
 @pytest.mark.parametrize(

@@ -168,7 +168,7 @@ def test_a_file_with_one_column(refused):
     [
         ("time_unit", "sec", "s, ms, us"),
         ("signal_unit", "volts", "V, rad"),
-        ("signal_unit", "Deg", "did you mean 'deg'"),
+        ("signal_unit", "Deg", "write 'deg'"),
     ],
 )
 def test_an_unknown_unit(refused, key, unit, hint):
@@ -246,9 +246,14 @@ def test_a_recording_that_lost_samples_on_disk(make):
 
 @pytest.mark.parametrize(
     "name",
-    ["dynamicslab_single/free_swing_large", "dynamicslab_single/free_swing_small", "jensen_rotary/rel45",
-     "jensen_rotary/rel90", "jensen_rotary/rel135"],
-)  # fmt: skip
+    [
+        "dynamicslab_single/free_swing_large",
+        "dynamicslab_single/free_swing_small",
+        "jensen_rotary/rel45",
+        "jensen_rotary/rel90",
+        "jensen_rotary/rel135",
+    ],
+)
 def test_recordings_of_real_pendulums_are_accepted(make, shared_data, name):
     made = make(file=str(shared_data / "real" / f"{name}.csv"))
     assert made.attrs["emulated"] == "no" and made.sizes["time"] >= 5000

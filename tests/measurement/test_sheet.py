@@ -5,8 +5,9 @@ import math
 import pytest
 
 from swingdown.errors import InputError
-from swingdown.measurement.sheet import read_sheet
+from swingdown.measurement.sheet import SCHEMA, TIME_UNITS, read_sheet
 from swingdown.paths import PROJECT, find
+from swingdown.schema import rules
 
 
 @pytest.fixture
@@ -55,7 +56,7 @@ def test_files_are_found_in_the_working_directory_first_then_in_the_project(shee
 @pytest.mark.parametrize(
     ("text", "told"),
     [
-        ("recording,file,campain\na,a.csv,x\n", ["line 1, column campain", "did you mean 'campaign'"]),
+        ("recording,file,campain\na,a.csv,x\n", ["line 1, column campain", "write 'campaign'"]),
         ("recording,file,wind\na,a.csv,x\n", ["line 1, column wind", "unknown column"]),
         ("recording,file,file\na,a.csv,a.csv\n", ["column file", "twice"]),
         ("recording\na\n", ["no column 'file'"]),
@@ -67,14 +68,17 @@ def test_files_are_found_in_the_working_directory_first_then_in_the_project(shee
         ("recording,file\na,gone.csv\n", ["line 2, column file", "no file gone.csv"]),
         ("recording,file\na,a.csv,1\n", ["line 2", "3 cells in a row of 2 columns"]),
         ("recording,file,signal_unit\na,a.csv,volt\n", ["line 2, column signal_unit", "'volt'"]),
-        ("recording,file,role\na,a.csv,hold-out\n", ["line 2, column role", "did you mean 'holdout'"]),
+        ("recording,file,role\na,a.csv,hold-out\n", ["line 2, column role", "write 'holdout'"]),
         (
             "recording,file,signal_unit\na,a.csv,counts\n",
             ["line 2, column counts_per_revolution", "in counts"],
         ),
-        ("recording,file,counts_per_revolution\na,a.csv,0\n", ["column counts_per_revolution", "above 0"]),
+        ("recording,file,counts_per_revolution\na,a.csv,0\n", ["column counts_per_revolution", "> 0"]),
         ("recording,file,start_s\na,a.csv,soon\n", ["line 2, column start_s", "'soon' is not a number"]),
         ("recording,file,start_s\na,a.csv,inf\n", ["line 2, column start_s", "finite"]),
+        ("recording,file,start_s\na,a.csv,nan\n", ["line 2, column start_s", "finite"]),
+        ("recording,file,signal_unit\na,a.csv,v\n", ["line 2, column signal_unit", "write 'V'"]),
+        ("recording,file,campaign\na,a.csv,a/b\n", ["line 2, column campaign", "cannot name a file"]),
         ("recording,file,start_s,stop_s\na,a.csv,3,2\n", ["line 2, column stop_s", "stop_s after start_s"]),
         ("recording,file,sha256\na,a.csv,abc\n", ["line 2, column sha256", "64 hexadecimal digits"]),
     ],
@@ -84,6 +88,10 @@ def test_what_a_sheet_may_not_hold(sheet, text, told):
         sheet(text)
     for part in ("sheet.csv", *told, "Expected:", "Mend:"):
         assert part in str(caught.value), str(caught.value)
+
+
+def test_every_unit_of_time_that_the_schema_knows_has_a_length():
+    assert list(TIME_UNITS) == rules(SCHEMA)["properties"]["time_unit"]["enum"]
 
 
 def test_a_missing_sheet_is_told(tmp_path):

@@ -109,7 +109,8 @@ def test_the_summary_counts_misses():
     assert table.loc["named exactly", "value"] == 0.5
     assert table.loc["a wrong name", "value"] == 0.5
     assert table.loc["false alarms where nothing is hidden", "value"] == 0.5
-    assert table.loc["a wrong name", "low"] < 0.5 < table.loc["a wrong name", "high"]
+    limit = 1 - 0.975**0.5  # of one in two, by Clopper and Pearson
+    assert table.loc["a wrong name", ["low", "high"]].tolist() == pytest.approx([limit, 1 - limit])
 
 
 def test_naming_exactly_is_asked_only_where_no_other_effect_does_as_well():

@@ -8,9 +8,13 @@ def sweep_page(names, captions, output):
     found = sweeps.made(names, captions)
     section = sweeps.section(found)
     page.write(
-        output, [section], title="How often is it the right model?", subtitle=f"Sweeps: {', '.join(found)}", notices=[],
+        output,
+        [section],
+        title="How often is it the right model?",
+        subtitle=f"Sweeps: {', '.join(found)}",
+        notices=[],
         footer="Made by swingdown. The datasets behind every map lie in results/sweeps.",
-    )  # fmt: skip
+    )
     return "\n".join(
         [
             *section.items[0].lines,

@@ -59,11 +59,13 @@ class System:
             for one in self.swings:
                 one.weigh(omega2, viscous)
             target = self._stack(lambda one: one.second @ one.angle)
-            base = np.column_stack([
-                self._stack(lambda one: -(one.zeroth @ np.sin(one.angle))),
-                self._stack(lambda one: one.first @ one.angle),  # of -2 zeta omega thetadot
-                self.column(load_coulomb),
-            ])  # fmt: skip
+            base = np.column_stack(
+                [
+                    self._stack(lambda one: -(one.zeroth @ np.sin(one.angle))),
+                    self._stack(lambda one: one.first @ one.angle),  # of -2 zeta omega thetadot
+                    self.column(load_coulomb),
+                ]
+            )
             self.base = np.linalg.qr(base)[0]
             self.coefficients = np.linalg.lstsq(base, target)[0]
             self.left = target - self.base @ (self.base.T @ target)

@@ -2,8 +2,10 @@
 
 import sys
 import traceback
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import NoReturn
 
 from .errors import InputError
 
@@ -11,7 +13,7 @@ _INDENT = "        "  # under the "[ 3/48] " that starts a job's line
 
 
 @contextmanager
-def job(log=None):
+def job(log: str | Path | None = None) -> Iterator[Callable[[object], None]]:
     """A function ``say(text)`` that prints a finding in the terminal and in the file ``log``.
 
     An input that cannot be used, or a full disk, is told in one block in both places and ends the process with exit
@@ -19,7 +21,7 @@ def job(log=None):
     """
     told = []
 
-    def say(text):
+    def say(text: object) -> None:
         told.append(str(text))
         for line in str(text).splitlines():
             print(_INDENT + line, file=sys.stderr, flush=True)
@@ -40,25 +42,25 @@ def job(log=None):
         raise
 
 
-def block(error):
+def block(error: InputError) -> str:
     """The text of an InputError laid out for the eye: a line each for where, problem, expected and mend."""
     parts = ("where", "problem", "expected", "mend")
     lines = [f"{part + ':':10} {getattr(error, part)}" for part in parts if getattr(error, part)]
     return _framed("This input cannot be used.", *lines)
 
 
-def _framed(*lines):
+def _framed(*lines: str) -> str:
     rule = "-" * 78
     return "\n".join(["", rule, *(f"  {line}" for line in lines), rule, ""])
 
 
-def _stop(text, log, told):
+def _stop(text: str, log: str | Path | None, told: list[str]) -> NoReturn:
     print(text, file=sys.stderr, flush=True)
     _keep(log, [*told, text])
     sys.exit(1)
 
 
-def _keep(log, lines):
+def _keep(log: str | Path | None, lines: list[str]) -> None:
     if log:
         Path(log).parent.mkdir(parents=True, exist_ok=True)
         Path(log).write_text("\n".join([*lines, ""]), encoding="utf-8")

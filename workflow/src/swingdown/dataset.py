@@ -2,7 +2,9 @@
 
 import errno
 import shutil
+from collections.abc import Hashable, Iterator
 from pathlib import Path
+from typing import Any
 
 import netCDF4
 import numpy as np
@@ -14,7 +16,7 @@ from .paths import written_whole
 CONVENTIONS = "CF-1.8"
 
 
-def write(dataset, path):
+def write(dataset: xr.Dataset, path: str | Path) -> Path:
     """The path written. The file appears under its name only when it is complete and on the disk.
 
     Every numeric and text variable is compressed with zlib, because a flipped bit in an uncompressed file
@@ -25,7 +27,9 @@ def write(dataset, path):
     if lost := [f"{name}: no {key}" for name, key in _unlabelled(dataset)]:
         raise ValueError(f"{path} is not written. {'; '.join(lost)}")
     dataset = _with_plain_text(dataset).assign_attrs(Conventions=CONVENTIONS)
-    encoding = {name: {"zlib": True, "complevel": 4} for name in dataset.variables}
+    encoding: dict[Hashable, dict[str, Any]] = {
+        name: {"zlib": True, "complevel": 4} for name in dataset.variables
+    }
     for name, variable in dataset.variables.items():
         if variable.dtype.kind == "U":  # variable-length strings cannot be compressed, characters can
             encoding[name]["dtype"] = "S1"
@@ -53,7 +57,7 @@ def write(dataset, path):
     return path
 
 
-def read(path):
+def read(path: str | Path) -> xr.Dataset:
     """The dataset of a file written by ``write``, loaded whole.
 
     A file that is missing, damaged, incomplete, or that lost the unit of a float variable raises InputError.
@@ -77,12 +81,12 @@ def read(path):
     return dataset
 
 
-def _unlabelled(dataset):
+def _unlabelled(dataset: xr.Dataset) -> Iterator[tuple[Hashable, str]]:
     for name, variable in dataset.variables.items():
         if variable.dtype.kind == "f":
             yield from ((name, key) for key in ("units", "long_name") if key not in variable.attrs)
 
 
-def _with_plain_text(dataset):
+def _with_plain_text(dataset: xr.Dataset) -> xr.Dataset:
     texts = {n: v.astype(str) for n, v in dataset.variables.items() if v.dtype.kind not in "fiubSUMm"}
     return dataset.assign({n: (v.dims, np.asarray(v.values, dtype="U"), v.attrs) for n, v in texts.items()})

@@ -7,7 +7,7 @@ class InputError(ValueError):
     ``where`` names the file, row, column or key; the other parts are plain sentences without a final full stop.
     """
 
-    def __init__(self, where, problem, expected="", mend=""):
+    def __init__(self, where: object, problem: str, expected: str = "", mend: str = "") -> None:
         self.where, self.problem, self.expected, self.mend = str(where), problem, expected, mend
         parts = [f"{where}: {problem}."]
         if expected:

@@ -5,13 +5,17 @@
 - ``monte-carlo``: every input drawn once a draw and carried through the whole chain (JCGM 101).
 """
 
+from collections.abc import Sequence
+
 import numpy as np
 import pandas as pd
+import xarray as xr
 
 from ..errors import InputError
+from ..measurement.apparatus import Apparatus
 from ..measurement.line import FEWEST
 from ..measurement.recording import ingest
-from ..measurement.uncertainty import mean_of_samples
+from ..measurement.uncertainty import Mean, Propagation, mean_of_samples
 from . import layout, modes
 from .chain import OUTPUTS, measurement
 from .modes import MODES
@@ -19,7 +23,13 @@ from .modes import MODES
 __all__ = ["MODES", "budget", "calibrate", "tower"]
 
 
-def calibrate(apparatus, rest=None, draws=200_000, seed=150, mode="gum"):
+def calibrate(
+    apparatus: Apparatus,
+    rest: xr.Dataset | None = None,
+    draws: int = 200_000,
+    seed: int = 150,
+    mode: str = "gum",
+) -> tuple[xr.Dataset, pd.DataFrame]:
     """The calibration dataset and the uncertainty budget (DataFrame) of an apparatus.
 
     ``apparatus`` as read by ``read_apparatus``; ``rest`` the recording dataset of the pendulum hanging still,
@@ -43,7 +53,8 @@ def calibrate(apparatus, rest=None, draws=200_000, seed=150, mode="gum"):
             f"at least {FEWEST}",
             "use higher towers, or measure the lengths more closely",
         )
-    chosen = {**apparatus, "points": [apparatus["points"][k] for k in used]}
+    chosen = apparatus.copy()
+    chosen["points"] = [apparatus["points"][k] for k in used]
     chain = measurement(chosen, [means[k] for k in used], still, noise)
     results = {
         "paper": modes.paper(chosen, chain, still),
@@ -67,7 +78,7 @@ def calibrate(apparatus, rest=None, draws=200_000, seed=150, mode="gum"):
     return dataset, budget(results["gum"].propagation)
 
 
-def tower(apparatus, number):
+def tower(apparatus: Apparatus, number: int) -> xr.Dataset:
     """The recording dataset of one tower height, the first being number 1; it must be in volts."""
     point = apparatus["points"][number - 1]
     row = {
@@ -88,7 +99,7 @@ def tower(apparatus, number):
     return ingest(row, f"{apparatus['path']}, key points[{number}]")
 
 
-def budget(propagation):
+def budget(propagation: Propagation) -> pd.DataFrame:
     """The uncertainty budget, a row for each output and source: limit, divisor, u, sensitivity, contribution,
     share.
 
@@ -123,7 +134,7 @@ def budget(propagation):
     return pd.DataFrame(rows)
 
 
-def _mean_at_rest(rest):
+def _mean_at_rest(rest: xr.Dataset | None) -> Mean | None:
     if rest is None:
         return None
     if (unit := rest["signal"].attrs["units"]) != "V":
@@ -136,7 +147,7 @@ def _mean_at_rest(rest):
     return mean_of_samples(rest["signal"].values)
 
 
-def _noise(towers, rest):
+def _noise(towers: Sequence[xr.Dataset], rest: xr.Dataset | None) -> float:
     """The standard deviation (V) of a sample about its mean, pooled over all records in which nothing moves."""
     records = [record["signal"].values for record in [*towers, rest] if record is not None]
     squares = sum(np.sum((x - x.mean()) ** 2) for x in records)

@@ -2,14 +2,16 @@
 angle.
 """
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
-from ..measurement.apparatus import encoder_limit, length_inputs
+from ..arrays import Floats
+from ..measurement.apparatus import Apparatus, encoder_limit, length_inputs
 from ..measurement.line import Line, fit_line_correlated, solve_lines
-from ..measurement.uncertainty import Input, from_limit, propagate_gum
+from ..measurement.uncertainty import Input, Mean, from_limit, propagate_gum
 from .geometry import arm_angle
 
 REFERENCE_DEG = 20.0  # the angle whose budget is told
@@ -33,7 +35,7 @@ class Chain:
     has_rest: bool
     sample_voltages: tuple  # at rest and at the reference angle
 
-    def part(self, name):
+    def part(self, name: str) -> slice:
         """The slice of the inputs that ``name`` (voltages, encoder, rest, sample) covers."""
         n, start = self.points, 4 + 3 * self.points
         after = start + (2 if self.has_rest else 0)
@@ -44,21 +46,21 @@ class Chain:
             "sample": slice(after, after + 2 * len(self.sample_voltages)),
         }[name]
 
-    def angles(self, x):
+    def angles(self, x: Floats) -> Floats:
         """The angles (rad) of the points, points first, for inputs ``x`` (inputs first)."""
         return _angles(x[: 4 + self.points])
 
-    def voltages(self, x):
+    def voltages(self, x: Floats) -> Floats:
         """The voltages (V) of the points."""
         return x[self.part("voltages")] + x[self.part("encoder")]
 
     @cached_property
-    def values(self):
+    def values(self) -> Floats:
         """The best values of the inputs."""
         return np.array([i.value for i in self.inputs])
 
     @cached_property
-    def covariance_of_points(self):
+    def covariance_of_points(self) -> tuple[Floats, Floats]:
         """Covariances of the points' voltages (V^2, diagonal) and of their angles (rad^2, from the shared
         lengths).
         """
@@ -73,7 +75,7 @@ class Chain:
             self.voltages(self.values), self.angles(self.values), *self.covariance_of_points
         )
 
-    def __call__(self, x):
+    def __call__(self, x: Floats) -> Floats:
         """``OUTPUTS`` along the first axis: rad, rad/V, V, rad, rad. The line's weights are the same for
         every draw.
         """
@@ -94,7 +96,7 @@ class Chain:
         return np.stack(np.broadcast_arrays(intercept, slope, rest, *at))
 
 
-def lengths(apparatus):
+def lengths(apparatus: Apparatus) -> tuple[list[Input], Callable[[Floats], Floats]]:
     """The Inputs (shared lengths, then heights) and the function from an array of them to the points' angles
     (rad).
     """
@@ -102,11 +104,14 @@ def lengths(apparatus):
     return [*shared, *heights], _angles
 
 
-def _angles(x):
-    return arm_angle(*x[:4], x[4:])
+def _angles(x: Floats) -> Floats:
+    over_shaft, shaft_diameter, bob_diameter, arm = x[:4]
+    return arm_angle(over_shaft, shaft_diameter, bob_diameter, arm, x[4:])
 
 
-def measurement(apparatus, towers, rest=None, noise=0.0):
+def measurement(
+    apparatus: Apparatus, towers: Sequence[Mean], rest: Mean | None = None, noise: float = 0.0
+) -> Chain:
     """The Chain of an apparatus.
 
     ``towers`` are the ``uncertainty.Mean`` voltages of its points and ``rest`` that of the pendulum at rest
@@ -114,10 +119,10 @@ def measurement(apparatus, towers, rest=None, noise=0.0):
     """
     kind = apparatus["encoder"]["kind"]
 
-    def encoder(name, voltage):
+    def encoder(name: str, voltage: float) -> Input:
         return from_limit(name, 0.0, float(encoder_limit(apparatus, voltage, name)), unit="V", kind=kind)
 
-    def mean(name, found):
+    def mean(name: str, found: Mean) -> Input:
         return Input(name, found.value, found.standard_uncertainty, dof=found.dof, unit="V")
 
     n = len(towers)

@@ -3,11 +3,14 @@
 import numpy as np
 from scipy.optimize import linprog
 
+from ..arrays import Floats
+from ..measurement.line import Line
+
 KINDS = ("extreme", "one-sigma", "covariance")
 _FACTORS = tuple(2.0**k for k in range(8))
 
 
-def deviation_lines(line, x, y, half_x, half_y):
+def deviation_lines(line: Line, x: Floats, y: Floats, half_x: Floats, half_y: Floats) -> tuple[Floats, float]:
     """Intercept and slope of a lower and an upper line for each of ``KINDS``, shape (3, 2, 2), and a box
     factor.
 
@@ -28,7 +31,7 @@ def deviation_lines(line, x, y, half_x, half_y):
     return np.stack([extreme, one_sigma, asymptotes]), factor
 
 
-def extreme_lines(x, y, half_x, half_y):
+def extreme_lines(x: Floats, y: Floats, half_x: Floats, half_y: Floats) -> tuple[Floats, float]:
     """((intercept, slope) of the least and of the greatest slope through all boxes, the factor of the boxes)."""
     direction = np.sign(np.polyfit(x, y, 1)[0]) or 1.0
     for factor in _FACTORS:

@@ -1,9 +1,19 @@
 """From the height of the tower under the bob to the angle of the arm (Eqs. 7-10)."""
 
+from collections.abc import Sequence
+
 import numpy as np
 
+from ..arrays import Floats, Numbers
 
-def arm_angle(over_shaft, shaft_diameter, bob_diameter, arm, height):
+
+def arm_angle(
+    over_shaft: Numbers,
+    shaft_diameter: Numbers,
+    bob_diameter: Numbers,
+    arm: Numbers,
+    height: Numbers,
+) -> Floats:
     """The angle (rad) of the arm from the vertical; NaN where the drop is longer than the arm. Lengths in m.
 
     Eqs. 7a, 8, 9, 10. ``height`` is of the tower the bob rests on, ``over_shaft`` of the shaft's top. A drop
@@ -15,12 +25,20 @@ def arm_angle(over_shaft, shaft_diameter, bob_diameter, arm, height):
     return np.arccos(np.where(np.abs(ratio) <= 1, ratio, np.nan))
 
 
-def drop_below_shaft(over_shaft, shaft_diameter, bob_diameter, height):
+def drop_below_shaft(
+    over_shaft: Numbers, shaft_diameter: Numbers, bob_diameter: Numbers, height: Numbers
+) -> Numbers:
     """The height (m) of the shaft's centre above the bob's (Eqs. 8-10)."""
     return (over_shaft - shaft_diameter / 2) - (height + bob_diameter / 2)
 
 
-def printed_bound(lengths, limits, height, height_limit, signed=True):
+def printed_bound(
+    lengths: Sequence[float] | Floats,
+    limits: Sequence[float],
+    height: float,
+    height_limit: float,
+    signed: bool = True,
+) -> float:
     """The limit of error (rad) of the angle as Eq. 7b prints it, limits added as in Eqs. 9 and 10.
 
     ``lengths`` and ``limits`` are over_shaft, shaft_diameter, bob_diameter and arm (m). Eq. 10's "½ δh_bob"

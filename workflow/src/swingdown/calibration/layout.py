@@ -1,19 +1,36 @@
 """How a calibration is laid out as a dataset: every number with its unit and what it is."""
 
+from collections.abc import Callable, Mapping, Sequence
+from types import SimpleNamespace
+
 import numpy as np
 import xarray as xr
+from numpy.typing import ArrayLike
 
+from ..arrays import Floats
+from ..measurement.apparatus import Apparatus
+from ..measurement.uncertainty import Mean
+from .chain import Chain
 from .deviation import KINDS, deviation_lines
 from .modes import COVERAGE, MODES
 
 
-def dataset(apparatus, points, results, means, chain, used, noise, still):
+def dataset(
+    apparatus: Apparatus,
+    points: SimpleNamespace,
+    results: Mapping[str, SimpleNamespace],
+    means: Sequence[Mean],
+    chain: Chain,
+    used: list[int],
+    noise: float,
+    still: Mean | None,
+) -> xr.Dataset:
     n = len(means)
 
-    def each(pick):
+    def each(pick: Callable[[SimpleNamespace], ArrayLike]) -> Floats:
         return np.array([pick(results[mode]) for mode in MODES])
 
-    def over_points(pick):
+    def over_points(pick: Callable[[SimpleNamespace], ArrayLike]) -> Floats:
         filled = np.full((len(MODES), n), np.nan)
         filled[:, used] = each(pick)
         return filled
@@ -91,10 +108,10 @@ def dataset(apparatus, points, results, means, chain, used, noise, still):
         ),
         "flagged": (
             "point",
-            [bool(r) for r in points.reasons],
+            np.array([bool(r) for r in points.reasons]),
             {"long_name": "point where the angle's uncertainty is in doubt"},
         ),
-        "used": ("point", [k in used for k in range(n)], {"long_name": "point used for the line"}),
+        "used": ("point", np.array([k in used for k in range(n)]), {"long_name": "point used for the line"}),
         "flag_reason": (
             "point",
             np.array(points.reasons, dtype="U"),

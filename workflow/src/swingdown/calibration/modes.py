@@ -6,10 +6,10 @@ from types import SimpleNamespace
 import numpy as np
 
 from ..errors import InputError
-from ..measurement.apparatus import encoder_limit
+from ..measurement.apparatus import Apparatus, encoder_limit
 from ..measurement.line import fit_line
-from ..measurement.uncertainty import draw_inputs, propagate_gum, symmetric_interval
-from .chain import lengths
+from ..measurement.uncertainty import Mean, draw_inputs, propagate_gum, symmetric_interval
+from .chain import Chain, lengths
 from .geometry import printed_bound
 
 MODES = ("paper", "gum", "monte-carlo")
@@ -20,7 +20,7 @@ _GRID = 81
 _BLOCK = 8
 
 
-def judge(apparatus, draws, seed):
+def judge(apparatus: Apparatus, draws: int, seed: int) -> SimpleNamespace:
     """For each point: its angle, u by first order and by Monte Carlo, how far they differ, flags and
     refusals.
     """
@@ -55,7 +55,7 @@ def judge(apparatus, draws, seed):
     )
 
 
-def paper(apparatus, chain, still):
+def paper(apparatus: Apparatus, chain: Chain, still: Mean | None) -> SimpleNamespace:
     """Limits as they are: York's line with limits for standard deviations, its zero, Eq. 11 in absolute form."""
     x, y = chain.voltages(chain.values), chain.angles(chain.values)
     lengths = chain.values[:4]
@@ -74,25 +74,34 @@ def paper(apparatus, chain, still):
     gradient = np.array([-1 / line.slope, -zero / line.slope])  # of the zero: -intercept / slope
     covariance[2, :2] = covariance[:2, 2] = line.covariance @ gradient
     covariance[2, 2] = u_zero**2
-    if still is not None:
-        zero = still.value
+    rest = float(zero) if still is None else still.value
     return SimpleNamespace(
-        line=line, values=[line.intercept, line.slope, float(zero)], covariance=covariance, factor=1.0, dof=np.inf,
-        boxes=(volts, bounds), worst=worst,
-    )  # fmt: skip
+        line=line,
+        values=[line.intercept, line.slope, rest],
+        covariance=covariance,
+        factor=1.0,
+        dof=np.inf,
+        boxes=(volts, bounds),
+        worst=worst,
+    )
 
 
-def gum(chain):
+def gum(chain: Chain) -> SimpleNamespace:
     propagation = propagate_gum(chain, chain.inputs)
     volts, angles = (np.sqrt(np.diag(c)) for c in chain.covariance_of_points)
     factor = propagation.expanded(COVERAGE)[-1] / propagation.standard_uncertainty[-1]
     return SimpleNamespace(
-        line=chain.line, values=propagation.value[:3], covariance=propagation.covariance[:3, :3],
-        factor=float(factor), dof=float(propagation.dof[-1]), boxes=(volts, angles), propagation=propagation,
-    )  # fmt: skip
+        line=chain.line,
+        values=propagation.value[:3],
+        covariance=propagation.covariance[:3, :3],
+        factor=float(factor),
+        dof=float(propagation.dof[-1]),
+        boxes=(volts, angles),
+        propagation=propagation,
+    )
 
 
-def monte_carlo(chain, apparatus, noise, draws, seed):
+def monte_carlo(chain: Chain, apparatus: Apparatus, noise: float, draws: int, seed: int) -> SimpleNamespace:
     """All inputs drawn once a draw; draws whose drop is longer than the arm are impossible and left out, and
     counted.
     """

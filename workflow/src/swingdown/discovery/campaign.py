@@ -1,11 +1,14 @@
 """A campaign as discovery takes it: swings that are fitted, swings that are held out, and the noise on them."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 from scipy.optimize import minimize_scalar
 
+from ..arrays import Floats
 from ..errors import InputError
 from ..fitting.guess import middle_crossings
 
@@ -18,16 +21,16 @@ class Swing:
     """One recording, or a part of one: name, times (s), angles (rad), and its largest angle (rad)."""
 
     name: str
-    times: np.ndarray
-    angle: np.ndarray
+    times: Floats
+    angle: Floats
 
     @property
-    def amplitude(self):
+    def amplitude(self) -> float:
         """The largest angle from the middle of the swing, rad."""
         return float(np.ptp(self.angle) / 2)
 
     @property
-    def pair(self):
+    def pair(self) -> tuple[Floats, Floats]:
         """(times, angles), as the fitter takes them."""
         return self.times, self.angle
 
@@ -40,16 +43,16 @@ class Noise:
     correlation: float = 0.0
 
     @property
-    def inflation(self):
+    def inflation(self) -> float:
         """How much larger the noise's spectrum is at the pendulum's frequencies than that of white noise as strong."""
         return (1 + self.correlation) / (1 - self.correlation)
 
     @property
-    def slow_variance(self):
+    def slow_variance(self) -> float:
         """The variance (rad^2) of white noise with the same spectrum at low frequency: what slow residuals count against."""
         return self.deviation**2 * self.inflation
 
-    def effective(self, samples):
+    def effective(self, samples: float) -> float:
         """The number of independent samples that so many correlated ones are worth."""
         return samples / self.inflation
 
@@ -62,14 +65,19 @@ class Campaign:
     """
 
     name: str
-    fit: tuple
-    holdout: tuple
+    fit: tuple[Swing, ...]
+    holdout: tuple[Swing, ...]
     how: str
-    static: tuple = field(default=())
+    static: tuple[tuple[Floats, Floats], ...] = field(default=())
     systematic: float = 0.0
 
 
-def campaign(name, swings, holdout=(), static=()):
+def campaign(
+    name: str,
+    swings: Sequence[Swing],
+    holdout: Sequence[Swing] = (),
+    static: Sequence[tuple[Floats, Floats]] = (),
+) -> Campaign:
     """The ``Campaign`` of these swings: as the sheet says where it names held-out ones, else by amplitude.
 
     From three swings on, every third in order of amplitude is held out, the largest and smallest stay; of two, the
@@ -95,7 +103,7 @@ def campaign(name, swings, holdout=(), static=()):
     return Campaign(name, fit, tuple(held), f"held out by amplitude: {names}", tuple(static))
 
 
-def cut(swing):
+def cut(swing: Swing) -> list[Swing]:
     """The parts of one recording, as many half-swings in each; InputError where it has too few.
 
     What follows the last swing that can be told from rest stays with the last part.
@@ -113,7 +121,12 @@ def cut(swing):
     ]
 
 
-def measure_noise(residuals, intervals, frequency, static=()):
+def measure_noise(
+    residuals: Sequence[Floats],
+    intervals: Sequence[float],
+    frequency: float,
+    static: Sequence[tuple[Floats, Floats]] = (),
+) -> Noise:
     """The ``Noise`` of a campaign, from the residuals of a fit above the pendulum's harmonics and from static records.
 
     ``residuals`` (rad) and their sampling ``intervals`` (s), ``frequency`` of the pendulum in Hz; ``static`` holds (times,
@@ -141,13 +154,13 @@ def measure_noise(residuals, intervals, frequency, static=()):
     cosine, power = np.concatenate(shapes), np.concatenate(powers)
     floor = 1e-300 + 1e-12 * np.mean(power)
 
-    def level(correlation):
+    def level(correlation: float) -> tuple[Floats, Any]:
         shape = 1 / (1 + correlation**2 - 2 * correlation * cosine)
         return shape, np.mean((power + floor) / shape)
 
-    def cost(correlation):
+    def cost(correlation: float) -> float:
         shape, variance = level(correlation)
-        return np.sum(np.log(variance * shape)) + power.size
+        return float(np.sum(np.log(variance * shape)) + power.size)
 
     best = minimize_scalar(cost, bounds=(-0.9, 0.95), method="bounded", options={"xatol": 1e-4}).x
     # a correlation that the data do not ask for is none

@@ -9,8 +9,9 @@ from itertools import product
 
 import numpy as np
 
+from ..arrays import Floats
 from ..engine.trajectory import TrajectoryError
-from ..fitting.result import Array, Begin, Fit, SwingStart
+from ..fitting.result import Begin, Fit, SwingStart
 from ..pendulum.effect import NATURAL_FREQUENCY, Effect, Parameter
 from ..pendulum.formula import evaluate
 from ..pendulum.model import Model
@@ -101,7 +102,7 @@ def _starting_values(frame: Frame, parameter: Parameter) -> list[float]:
 
 
 def _stepped(
-    coefficients: Array,
+    coefficients: Floats,
     values: Mapping[str, float],
     free: Sequence[str],
     phases: Sequence[Parameter],
@@ -119,7 +120,7 @@ def _stepped(
     return tuple({**values, free[0]: mean, phases[0].name: float(one)} for one in angle)
 
 
-def _shifted(frame: Frame, own: Array) -> Begin:
+def _shifted(frame: Frame, own: Floats) -> Begin:
     """What the same linear step does to the values the model already has, and to the releases."""
     definitions = {definition.name: definition for definition in frame.fit.model.definitions}
     values = [dict(model.values) for model in frame.fit.models]

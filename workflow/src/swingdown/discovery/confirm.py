@@ -4,8 +4,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from ..arrays import Floats
 from ..fitting.least_squares import fit_jointly
-from ..fitting.result import Array, Fit
+from ..fitting.result import Fit
 from .campaign import Noise, Swing
 
 
@@ -28,6 +29,6 @@ def better(before: Fit, after: Fit, noise: Noise) -> float:
     return float((before.rss - after.rss) / noise.slow_variance)
 
 
-def per_swing(fit: Fit, noise: Noise) -> Array:
+def per_swing(fit: Fit, noise: Noise) -> Floats:
     """The residual's RMS of each swing in units of the noise."""
     return np.array([swing.rms for swing in fit.swings]) / noise.deviation

@@ -1,7 +1,7 @@
 """A round of discovery as files: written by one job, read by the next."""
 
 import json
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -13,20 +13,20 @@ import xarray as xr
 from .. import dataset
 from ..fitting.result import Begin, Fit, SwingStart
 from ..pendulum.model import Model, write_model
-from .campaign import Swing, campaign
+from .campaign import Campaign, Swing, campaign
 from .confirm import gap, per_swing
 from .half_swings import said
 from .locate import kind
-from .rounds import after
+from .rounds import Round, after
 
 _RANKING = ["move", "added", "dropped", "delta_bic", "rms_rad", "tied", "correlation", "refused", "effects"]
 
 
-def read_campaign(name, paths, roles):
+def read_campaign(name: str, paths: Sequence[Path | str], roles: Sequence[str]) -> tuple[Campaign, bool]:
     """The ``Campaign`` of angle files, and whether any is emulated: ``roles`` gives each one's role in the sample sheet
     (fit, holdout, static or empty).
     """
-    kinds = {"fit": [], "holdout": [], "static": []}
+    kinds: dict[str, list[Swing]] = {"fit": [], "holdout": [], "static": []}
     emulated, systematic = False, 0.0
     for path, role in zip(paths, roles, strict=True):
         with xr.open_dataset(path) as data:
@@ -38,7 +38,7 @@ def read_campaign(name, paths, roles):
     return replace(campaign(name, kinds["fit"], kinds["holdout"], static), systematic=systematic), emulated
 
 
-def write_round(state, campaign, folder, emulated):
+def write_round(state: Round, campaign: Campaign, folder: Path | str, emulated: bool) -> Path:
     """The folder written: round.json, model.yaml, fit.nc and the tables of one ``Round`` (groups, ranking, map, unnamed, half-swings)."""
     folder = Path(folder)
     folder.mkdir(parents=True, exist_ok=True)
@@ -54,7 +54,7 @@ def write_round(state, campaign, folder, emulated):
     return folder
 
 
-def _series(state, campaign, emulated):
+def _series(state: Round, campaign: Campaign, emulated: bool) -> xr.Dataset:
     """Data and fit of every swing, fitted and held out, as one ragged dataset (swing index by sample)."""
     swings = [*campaign.fit, *campaign.holdout]
     series = [one.angle for one in (*state.fit.swings, *state.holdout.swings)]
@@ -87,7 +87,7 @@ def _series(state, campaign, emulated):
     )
 
 
-def summary(state, campaign):
+def summary(state: Round, campaign: Campaign) -> dict[str, Any]:
     """What round.json holds of a ``Round``: the state in numbers and words, the groups, the ranking, and the next start."""
     chosen, swings = state.chosen, [s.name for s in (*campaign.fit, *campaign.holdout)]
     ratios = [*per_swing(state.fit, state.noise), *per_swing(state.holdout, state.noise)]
@@ -124,7 +124,7 @@ def summary(state, campaign):
     }  # fmt: skip
 
 
-def _parameters(model):
+def _parameters(model: Model) -> dict[str, dict[str, Any]]:
     return {
         name: {
             "value": value,
@@ -135,7 +135,7 @@ def _parameters(model):
     }
 
 
-def _finite(value):
+def _finite(value: float | None) -> float | None:
     return float(value) if value is not None and np.isfinite(value) else None
 
 
@@ -149,7 +149,7 @@ def _start(fit: Fit) -> dict[str, Any]:
     }
 
 
-def read_rounds(folders):
+def read_rounds(folders: Iterable[Path | str]) -> list[dict[str, Any]]:
     """The round.json of each folder, in order."""
     return [json.loads((Path(folder) / "round.json").read_text()) for folder in folders]
 

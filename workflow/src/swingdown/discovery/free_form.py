@@ -6,7 +6,8 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from ..fitting.result import Array, Fit
+from ..arrays import Floats
+from ..fitting.result import Fit
 from ..pendulum.effect import NATURAL_FREQUENCY
 from ..pendulum.formula import evaluate
 from ..pendulum.free_form import FreeForm
@@ -32,7 +33,7 @@ def _range(frame: Frame, form: FreeForm) -> dict[str, float]:
     return {name: known.get(name, extents(frame)[form.over]) for name in form.ranges}
 
 
-def free_columns(frame: Frame, form: FreeForm) -> Array:
+def free_columns(frame: Frame, form: FreeForm) -> Floats:
     """What each coefficient of a free form does to the angles: an array (samples, coefficients)."""
     free = form.coefficients
     return columns_of(frame, form, dict.fromkeys(free, 0.0) | _range(frame, form), free)
@@ -70,7 +71,7 @@ def kept(frame: Frame, noise: Noise) -> pd.DataFrame:
     return pd.concat(tables, ignore_index=True) if tables else pd.DataFrame(columns=COLUMNS)
 
 
-def _curve(frame: Frame, form: FreeForm, estimate: Array, covariance: Array) -> pd.DataFrame:
+def _curve(frame: Frame, form: FreeForm, estimate: Floats, covariance: Floats) -> pd.DataFrame:
     """The table of one free form with these coefficients (rad/s^2) and their covariance."""
     tables = []
     for part, (x, shapes) in _shapes(frame, form).items():
@@ -80,7 +81,7 @@ def _curve(frame: Frame, form: FreeForm, estimate: Array, covariance: Array) -> 
     return pd.concat(tables, ignore_index=True)
 
 
-def _shapes(frame: Frame, form: FreeForm) -> dict[str, tuple[Array, Array]]:
+def _shapes(frame: Frame, form: FreeForm) -> dict[str, tuple[Floats, Floats]]:
     """By part of a free form: the places (rad, rad/s, share of the record) and what each coefficient gives there."""
     reached, since = extents(frame), np.linspace(0, 1, _POINTS)
     at: dict[str, Any] = {"theta": 0.0, "thetadot": 0.0, "t": 0.0, "duration": 1.0}
@@ -96,14 +97,15 @@ def _shapes(frame: Frame, form: FreeForm) -> dict[str, tuple[Array, Array]]:
         return {"torque": (x * span, _pieces(form, at | {"thetadot": x * span}))}
     # each part where it is seen: a drag at the largest speed, a stiffness at the largest angle
     seen = {"theta": reached["position"], "thetadot": reached["velocity"], "t": since}
-    pieces, found = _pieces(form, at | seen), {}
+    pieces = _pieces(form, at | seen)
+    found: dict[str, tuple[Floats, Floats]] = {}
     of = np.arange(pieces.shape[1]) // (pieces.shape[1] // len(form.parts))
     for k, part in enumerate(form.parts):
         found[part] = since, np.where(of == k, pieces, 0.0)
     return found
 
 
-def _pieces(form: FreeForm, at: Mapping[str, Any]) -> Array:
+def _pieces(form: FreeForm, at: Mapping[str, Any]) -> Floats:
     """What each coefficient of a free form, at 1 and alone, gives at these places: an array (places, coefficients)."""
     symbols = [parameter.symbol for parameter in form.with_role("size")]
     nothing = dict.fromkeys(symbols, 0.0)
@@ -111,7 +113,7 @@ def _pieces(form: FreeForm, at: Mapping[str, Any]) -> Array:
     return np.column_stack([np.broadcast_to(one, _POINTS) for one in alone])
 
 
-def _estimate(frame: Frame, columns: Array, noise: Noise) -> tuple[Array, Array]:
+def _estimate(frame: Frame, columns: Floats, noise: Noise) -> tuple[Floats, Floats]:
     """Coefficients of the columns beyond the fit, and their covariance under the noise.
 
     A curve that the fit's own terms could imitate stays at nothing: any amount of it would leave the residual as it is.

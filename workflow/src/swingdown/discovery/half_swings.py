@@ -1,14 +1,18 @@
 """Energy loss, period and mid-point of each half-swing: what a recording shows without any fit, to hold a model against."""
 
+from collections.abc import Sequence
+
 import numpy as np
 import pandas as pd
+
+from ..arrays import Floats, Swing
 
 _COLUMNS = ["time_s", "amplitude_rad", "energy_loss", "period_ratio", "midpoint_rad"]
 _ABOVE_NOISE = 8.0  # standard deviations that a turning point must be from the middle
 _NEAR = 0.12  # of a half-swing on each side of a turning point, where the angle is a parabola to the noise
 
 
-def turning_points(times, angle):
+def turning_points(times: Floats, angle: Floats) -> tuple[Floats, Floats]:
     """Times (s) and angles (rad) of the turning points, each from a parabola through the samples around it."""
     middle = angle - np.median(angle)
     side = np.where(middle > 0.15 * np.std(angle), 1, np.where(middle < -0.15 * np.std(angle), -1, 0))
@@ -26,10 +30,11 @@ def turning_points(times, angle):
         if c2 == 0 or abs(c1 / (2 * c2)) > np.ptp(local):
             continue
         found.append((times[k] - c1 / (2 * c2), c0 - c1**2 / (4 * c2)))
-    return np.array(found).reshape(-1, 2).T
+    when, where = np.array(found).reshape(-1, 2).T
+    return when, where
 
 
-def half_swings(times, angle, natural_frequency):
+def half_swings(times: Floats, angle: Floats, natural_frequency: float) -> pd.DataFrame:
     """A table, one row a half-swing: amplitude (rad), loss (share of the potential energy), half-period against that of
     an undamped pendulum of that amplitude (ratio), and mid-point (rad, from three turning points, so that decay leaves it
     alone). Half-swings that the noise could have made are left out.
@@ -58,7 +63,9 @@ def half_swings(times, angle, natural_frequency):
     )
 
 
-def beside(names, swings, modelled, natural_frequency):
+def beside(
+    names: Sequence[str], swings: Sequence[Swing], modelled: Sequence[Swing], natural_frequency: float
+) -> pd.DataFrame:
     """One table of all half-swings of several swings, measured beside modelled: columns ``swing``, ``of`` and those of
     ``half_swings``. ``swings`` and ``modelled`` hold (times in s, angles in rad).
     """
@@ -69,7 +76,7 @@ def beside(names, swings, modelled, natural_frequency):
     return pd.concat(tables, ignore_index=True)
 
 
-def differences(table):
+def differences(table: pd.DataFrame) -> pd.DataFrame:
     """What differs between measured and modelled half-swings, by amplitude: a table with the columns ``quantity``,
     ``low_rad`` and ``high_rad`` (of the amplitude), ``difference`` (measured less modelled) and ``error`` (its standard error).
 
@@ -123,10 +130,10 @@ _SAID = {
 }
 
 
-def said(table, kind):
+def said(table: pd.DataFrame, kind: str | None) -> str:
     """A clause that tells the disagreement of a kind (a key of ``locate.KINDS``) by amplitude; empty where none is plain."""
     found = differences(table)
-    found = found[found["quantity"] == _OF_KIND.get(kind)]
+    found = found[found["quantity"] == _OF_KIND.get(kind or "")]
     if found.empty:
         return ""
     sizes = found["difference"].abs() / found["error"].clip(lower=1e-12)

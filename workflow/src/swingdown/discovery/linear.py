@@ -7,9 +7,11 @@ import numpy as np
 from scipy.linalg import qr
 from scipy.optimize import lsq_linear
 
-from ..engine.trajectory import sensitivities
+from ..arrays import Floats
+from ..engine.trajectory import TrajectoryError, sensitivities
+from ..errors import InputError
 from ..fitting.problem import RELEASE
-from ..fitting.result import Array, Fit
+from ..fitting.result import Fit
 from ..pendulum.effect import Effect
 from .campaign import Swing
 
@@ -27,19 +29,19 @@ class Frame:
 
     fit: Fit
     swings: tuple[Swing, ...]
-    residual: Array
-    slopes: Array
-    basis: Array
+    residual: Floats
+    slopes: Floats
+    basis: Floats
     slices: tuple[slice, ...]
     names: tuple[str, ...]
     of: tuple[int, ...]
 
-    def outside(self, columns: Array) -> Array:
+    def outside(self, columns: Floats) -> Floats:
         """The part of the columns (samples, any) that the fit cannot absorb by its own parameters."""
         return columns - self.basis @ (self.basis.T @ columns)
 
     @property
-    def room(self) -> tuple[Array, Array]:
+    def room(self) -> tuple[Floats, Floats]:
         """How far each column's value can go down and up from where it is, within the catalogue's bounds: two arrays."""
         definitions = {definition.name: definition for definition in self.fit.model.definitions}
         values = [model.values for model in self.fit.models]
@@ -57,8 +59,8 @@ class Step:
     the columns that were offered, and the changes of the fit's own values that go with them."""
 
     squares: float
-    coefficients: Array
-    own: Array
+    coefficients: Floats
+    own: Floats
 
 
 def frame(fit: Fit, swings: Sequence[Swing]) -> Frame:
@@ -83,7 +85,7 @@ def frame(fit: Fit, swings: Sequence[Swing]) -> Frame:
     return Frame(fit, tuple(swings), residual, slopes, orthonormal(slopes), slices, names, of)
 
 
-def orthonormal(columns: Array) -> Array:
+def orthonormal(columns: Floats) -> Floats:
     """An orthonormal basis of the columns' span (samples, rank), those that add nothing left out."""
     size = np.linalg.norm(columns, axis=0)
     kept = columns[:, size > 0] / size[size > 0]
@@ -91,7 +93,7 @@ def orthonormal(columns: Array) -> Array:
     return basis[:, np.abs(np.diag(triangle)) > _ADDS_NOTHING]
 
 
-def columns_of(frame: Frame, effect: Effect, values: Mapping[str, float], free: Sequence[str]) -> Array:
+def columns_of(frame: Frame, effect: Effect, values: Mapping[str, float], free: Sequence[str]) -> Floats:
     """What each of the ``free`` parameters of one further effect does to the angles, at the given values of all of them.
 
     An array (samples, len(free)), or where a parameter is each recording's own, (samples, swings * len(free)) with zeros
@@ -103,7 +105,10 @@ def columns_of(frame: Frame, effect: Effect, values: Mapping[str, float], free: 
         if effect.name not in wider.names:
             wider = wider.with_effects((*wider.names, effect.name), {**wider.values, **values})
         release = one.release_angle, one.release_velocity
-        blocks.append(sensitivities(wider, swing.times, *release, free=free)[1].T)
+        try:
+            blocks.append(sensitivities(wider, swing.times, *release, free=free)[1].T)
+        except InputError as problem:  # of one candidate, which is no reason to end a search
+            raise TrajectoryError(str(problem)) from problem
     if not effect.each:
         return np.concatenate(blocks)
     wide = np.zeros((frame.residual.size, len(blocks) * len(free)))
@@ -112,7 +117,7 @@ def columns_of(frame: Frame, effect: Effect, values: Mapping[str, float], free: 
     return wide
 
 
-def explained(frame: Frame, columns: Array) -> tuple[float, int]:
+def explained(frame: Frame, columns: Floats) -> tuple[float, int]:
     """The sum of squares (rad^2) of the residual that the columns explain beyond the fit, and how many of them count."""
     outside = frame.outside(columns)
     size, kept = np.linalg.norm(columns, axis=0), np.linalg.norm(outside, axis=0)
@@ -123,7 +128,7 @@ def explained(frame: Frame, columns: Array) -> tuple[float, int]:
     return float(np.sum((basis.T @ frame.residual) ** 2)), basis.shape[1]
 
 
-def best_step(frame: Frame, columns: Array, low: Array, high: Array) -> Step:
+def best_step(frame: Frame, columns: Floats, low: Floats, high: Floats) -> Step:
     """The ``Step`` of least squares with the coefficients between ``low`` and ``high``, the fit's own values within theirs."""
     whole = np.hstack([frame.slopes, columns])
     size = np.linalg.norm(whole, axis=0)

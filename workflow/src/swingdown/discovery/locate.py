@@ -4,13 +4,13 @@ Torques of a general form are pushed through the equations of variation at the f
 is projected out; the share of the residual that each group explains is a chi-square. No noisy data are differentiated.
 """
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 
 import numpy as np
 from scipy.stats import chi2
 
-from ..fitting.result import Array
+from ..arrays import Floats
 from .campaign import Noise
 from .free_form import free_columns
 from .linear import Frame, explained
@@ -47,10 +47,11 @@ def groups(frame: Frame, noise: Noise) -> list[Group]:
     """
     beyond = max(float(np.sum(frame.residual**2)) - noise.deviation**2 * frame.residual.size, 1e-300)
 
-    def group(name, squares, freedom, p=None):
+    def group(name: str, squares: float, freedom: int, p: Callable[[float], float] | None = None) -> Group:
         statistic = squares / noise.slow_variance
-        p = (float(chi2.sf(statistic, freedom)) if freedom else 1.0) if p is None else p(statistic)
-        return Group(name, statistic, freedom, p, min(1.0, squares / beyond))
+        plain = float(chi2.sf(statistic, freedom)) if freedom else 1.0
+        chance = plain if p is None else p(statistic)
+        return Group(name, statistic, freedom, chance, min(1.0, squares / beyond))
 
     found = [group(name, *explained(frame, columns)) for name, columns in probes(frame).items()]
     _, squares, looked = line(frame)
@@ -72,12 +73,12 @@ def kind(found: Iterable[Group]) -> str | None:
     shares = {group.name: group.share for group in found if group.name not in ("other", "constant")}
     if not shares:
         return None
-    best = max(shares, key=shares.get)
+    best = max(shares, key=lambda name: shares[name])
     constant = next((group.share for group in found if group.name == "constant"), 0.0)
     return "constant" if best == "position" and constant > _CONSTANT * shares[best] else best
 
 
-def probes(frame: Frame) -> dict[str, Array]:
+def probes(frame: Frame) -> dict[str, Floats]:
     """The columns of each group's general form, by name."""
     columns = {form.over: free_columns(frame, form) for form in frame.fit.model.catalogue.free_forms}
     angle = frame.fit.angle

@@ -3,6 +3,7 @@
 from collections.abc import Iterable, Mapping, Sequence
 
 from ..engine.trajectory import TrajectoryError
+from ..errors import InputError
 from ..fitting.least_squares import fit_jointly
 from ..fitting.result import Begin, Fit
 from .campaign import Swing
@@ -15,12 +16,15 @@ def refit(begin: Begin, swings: Sequence[Swing], grown: bool = True, most: int =
     """The ``Fit`` of the model that ``begin`` has, within the catalogue's bounds, from its values and releases.
 
     ``grown`` as in ``fit_jointly``. What the catalogue calls a range is not fitted. TrajectoryError where the values give
-    no trajectory.
+    no trajectory, or are none that the model can have.
     """
     model, values = begin.model, begin.swings[0].values
     fixed = {name: values[name] for effect in model.effects for name in effect.ranges}
-    return fit_jointly(model, [swing.pair for swing in swings], guess=begin, seen=False, bounded=True, own=model.each,
-                       fixed=fixed, grown=grown, most=most)  # fmt: skip
+    try:
+        return fit_jointly(model, [swing.pair for swing in swings], guess=begin, seen=False, bounded=True, own=model.each,
+                           fixed=fixed, grown=grown, most=most)  # fmt: skip
+    except InputError as problem:  # one candidate that cannot be is no reason to end a search
+        raise TrajectoryError(str(problem)) from problem
 
 
 def moved(begin: Begin, **values: float) -> Begin:

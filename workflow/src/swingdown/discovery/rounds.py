@@ -49,7 +49,7 @@ class Round:
     ranked: tuple[Candidate, ...] = ()
     ties: tuple[Candidate, ...] = ()
     alike: dict[str, float] = field(default_factory=dict)
-    rivals: dict[str, list[str | None]] = field(default_factory=dict)
+    rivals: dict[str, list[str]] = field(default_factory=dict)
     chosen: Candidate | None = None  # the next model
     reason: str = ""  # why there is none
 
@@ -187,13 +187,13 @@ def _finished(
         for one in drops(here, state.noise):
             if not one.refused and one.bic < now and gained(state, one, campaign) > -_UNNEEDED:
                 return replace(state, chosen=one, reason="")
-    rivals = {}
+    rivals: dict[str, list[str]] = {}
     if len(state.found) > 1:
         own = Candidate(None, None, state.fit, now)
         for name in state.found:
             others = in_place_of(here, state.noise, name, allowed)
             near = tied([replace(own, added=name), *others], state.noise)
-            rivals[name] = [one.added for one in near if one.added not in (None, name)]
+            rivals[name] = [one.added for one in near if one.added is not None and one.added != name]
     return replace(state, rivals=rivals)
 
 

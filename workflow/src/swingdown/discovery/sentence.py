@@ -5,6 +5,7 @@ from typing import Any
 
 from ..pendulum.catalogue import SHIPPED, Catalogue
 from ..pendulum.effect import Effect
+from ..rounding import plus_minus
 
 _SMALLER = {"rad": (1e-3, "mrad"), "s": (1e-3, "ms")}
 _SMALL = 0.1  # of a unit that has a smaller one beside it
@@ -80,5 +81,5 @@ def _quantity(words: str, entry: Mapping[str, Any]) -> str:
     if unit in _SMALLER and abs(value) < _SMALL:
         scale, unit = _SMALLER[unit]
         value, error = value / scale, error and error / scale
-    size = f"{value:.3g}" + (f" ± {error:.1g}" if error else "") + ("" if unit == "1" else f" {unit}")
-    return f"{words} {size}".strip()
+    size = plus_minus(value, error, "one") if error else f"{value:.3g}"
+    return f"{words} {size}".strip() + ("" if unit == "1" else f" {unit}")

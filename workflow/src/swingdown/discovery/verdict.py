@@ -74,6 +74,8 @@ def _effect(effect: Effect, rounds: Sequence[Mapping[str, Any]], fitted: Mapping
     last, name = rounds[-1], effect.name
     state = next(state for state in reversed(rounds) if state["chosen"] and state["chosen"]["added"] == name)
     ties = [row for row in state["ranking"] if row["tied"] and row["added"] not in (None, name)]
+    tied: list[str]
+    alike: dict[str, float]
     if isinstance(effect, FreeForm):  # what was tied in that round was refused for it
         tied, alike = [], {}
     elif name in last["rivals"]:

@@ -2,12 +2,12 @@
 
 import numpy as np
 
+from ..arrays import Floats
 from ..engine.trajectory import sensitivities
 from .problem import Problem
-from .result import Array
 
 
-def covariance_of(problem: Problem, hessian: Array, rss: float, best: Array) -> Array:
+def covariance_of(problem: Problem, hessian: Floats, rss: float, best: Floats) -> Floats:
     """s^2 (J'J)^-1 over the variables that no bound holds, s^2 = rss / (n - k); NaN for those held or undetermined."""
     free = (best > problem.lower) & (best < problem.upper)
     covariance = np.full(hessian.shape, np.nan)
@@ -26,7 +26,7 @@ def covariance_of(problem: Problem, hessian: Array, rss: float, best: Array) -> 
     return covariance
 
 
-def covariance_at(problem: Problem, best: Array, rss: float) -> Array:
+def covariance_at(problem: Problem, best: Floats, rss: float) -> Floats:
     """The same for the one swing of a problem, from the trajectory's own slopes there."""
     (times, _), (*values, release_angle, release_velocity) = problem.swings[0], problem.slots(best)[0]
     model = problem.model.with_values(dict(zip(problem.model.parameters, values, strict=True)))

@@ -5,10 +5,10 @@ from typing import Any
 
 import numpy as np
 
+from ..arrays import Floats
 from ..errors import InputError
 from ..pendulum.formula import evaluate
 from ..pendulum.model import Model
-from .result import Array
 
 
 @dataclass(frozen=True)
@@ -43,7 +43,7 @@ def amplitude_factor(amplitude: float) -> float:
     return float(mean)
 
 
-def middle_crossings(times: Array, angle: Array) -> tuple[Array, Array]:
+def middle_crossings(times: Floats, angle: Floats) -> tuple[Floats, Floats]:
     """Times of the middle crossings (s), and the extreme between each two (rad); a tenth of the spread is hysteresis against noise."""
     band = 0.1 * np.sqrt(np.mean(angle**2))
     side = (angle > band).astype(int) - (angle < -band)

@@ -6,12 +6,13 @@ from typing import Any
 
 import numpy as np
 
+from ..arrays import Floats
 from ..engine import build
 from ..engine.trajectory import TrajectoryError, doubles, simulate
 from ..pendulum.model import Model, as_model
 from .covariance import covariance_of
 from .problem import Problem, Swings
-from .result import Array, Fit, SwingFit
+from .result import Fit, SwingFit
 
 _FEWEST = 8  # samples of a swing's first part
 _PARTS = (0.15, 0.25, 0.35, 0.45, 0.55, 0.65, 0.75, 0.85, 0.95)  # of the record, for a start
@@ -76,8 +77,8 @@ def fit_trajectory(model: Model | str, times: Any, angle: Any, **options: Any) -
 def fit_at(
     problem: Problem,
     method: str,
-    best: Array,
-    covariance: Array,
+    best: Floats,
+    covariance: Floats,
     rss: float,
     converged: bool,
     message: str,
@@ -106,7 +107,7 @@ def fit_at(
     )  # fmt: skip
 
 
-def _grown(problem: Problem, starts: Array, most: int, tolerance: float) -> Array:
+def _grown(problem: Problem, starts: Floats, most: int, tolerance: float) -> Floats:
     """One more start: the optimum of the first part of every swing, then of ever longer parts.
 
     Where friction stops the pendulum within the record, the whole record has many minima and its first part few.
@@ -125,7 +126,7 @@ def _grown(problem: Problem, starts: Array, most: int, tolerance: float) -> Arra
 
 
 def _from_all(
-    problem: Problem, starts: Array, first: int, most: int, tolerance: float, grow: bool = True
+    problem: Problem, starts: Floats, first: int, most: int, tolerance: float, grow: bool = True
 ) -> tuple[Any, int, int]:
     """The least sum of squares over the whole of every swing, how many starts reached it and how many were tried.
 
@@ -150,7 +151,7 @@ def _from_all(
     return found, int(np.sum(squares <= rss * (1 + _SAME))), len(tried)
 
 
-def _search(problem: Problem, starts: Array, most: int, tolerance: float, share: float = 1.0) -> Any:
+def _search(problem: Problem, starts: Floats, most: int, tolerance: float, share: float = 1.0) -> Any:
     """The least sum of squares over a share of every swing: it, where, J'J (near there, for a part), each start's, and how."""
     count, size = len(problem.swings), len(problem.free)
     lengths = (ctypes.c_int * count)(*(min(times.size, max(_FEWEST, round(share * times.size))) for times, _ in problem.swings))  # fmt: skip

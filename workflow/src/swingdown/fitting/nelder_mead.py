@@ -4,12 +4,13 @@ from typing import Any
 
 import numpy as np
 
+from ..arrays import Floats
 from ..engine.trajectory import TrajectoryError, simulate
 from ..pendulum.model import Model, as_model
 from .covariance import covariance_at
 from .least_squares import fit_at
 from .problem import Problem
-from .result import Array, Fit
+from .result import Fit
 
 _GAIN = 1e-8  # of the sum of squares; a simplex that gains less is stationary
 
@@ -35,7 +36,7 @@ def fit_nelder_mead(
     (times, angle) = problem.swings[0]
     model = problem.model
 
-    def squares(x: Array) -> float:
+    def squares(x: Floats) -> float:
         if np.any(x < problem.lower) or np.any(x > problem.upper):
             return np.inf
         try:

@@ -7,13 +7,14 @@ from typing import Any
 
 import numpy as np
 
+from ..arrays import Floats
 from ..engine import build
 from ..engine.trajectory import Compiled, checked_times, doubles
 from ..errors import InputError
 from ..pendulum.effect import NATURAL_FREQUENCY, Parameter
 from ..pendulum.model import Model
 from .guess import first_guess
-from .result import Array, Begin, Fit
+from .result import Begin, Fit
 
 STARTS = ("free", "rest")
 RELEASE = ("release_angle", "release_velocity")
@@ -27,7 +28,7 @@ Swings = Sequence[tuple[Any, Any]]
 """(times in s, angles in rad) of each swing."""
 
 
-def checked_swing(times: Any, angle: Any) -> tuple[Array, Array]:
+def checked_swing(times: Any, angle: Any) -> tuple[Floats, Floats]:
     """Times (s) and angles (rad) as contiguous arrays; InputError unless they match, are finite and increase."""
     times, angle = checked_times(times), np.ascontiguousarray(angle, dtype=float)
     if angle.shape != times.shape:
@@ -115,7 +116,7 @@ class Problem:
 
     def variables(
         self, values: Mapping[str, float] | Sequence[Mapping[str, float]], releases: Iterable[Sequence[float]]
-    ) -> Array:
+    ) -> Floats:
         """The vector of free variables for parameter values (by name, 0 where absent) and the swings' releases.
 
         ``values`` is one mapping, or one for each swing.
@@ -128,11 +129,11 @@ class Problem:
         x[self.where[taken]] = slots[taken]
         return np.clip(x, self.lower, self.upper)
 
-    def slots(self, x: Array) -> Array:
+    def slots(self, x: Floats) -> Floats:
         """Every swing's values at the free variables: parameters, release angle, release velocity; (swing, slot)."""
         return np.where(self.where >= 0, np.asarray(x)[self.where], self.given)
 
-    def starts(self, guess: Any, seen: bool = True) -> tuple[Array, int]:
+    def starts(self, guess: Any, seen: bool = True) -> tuple[Floats, int]:
         """Starting points (start, variable), and how many of them, at the end, are seen in the data.
 
         The guesses if there are any; the seen decay laid on all damping effects, and on each in turn. ``seen=False`` leaves
@@ -155,7 +156,7 @@ class Problem:
         from_data = [self.variables(values, releases) for values in starts]
         return np.array([*(self._from_guess(one, releases) for one in known), *from_data]), len(starts)
 
-    def _from_guess(self, guess: Model | Begin | Fit, releases: Iterable[Sequence[float]]) -> Array:
+    def _from_guess(self, guess: Model | Begin | Fit, releases: Iterable[Sequence[float]]) -> Floats:
         """The free variables of a model, with the releases seen in the data, or of a fit, with its own."""
         if isinstance(guess, Model):
             return self.variables(guess.values, releases)
@@ -166,5 +167,5 @@ class Problem:
         )
 
 
-def _pointers(arrays: Sequence[Array]) -> Any:
+def _pointers(arrays: Sequence[Floats]) -> Any:
     return (ctypes.POINTER(ctypes.c_double) * len(arrays))(*(doubles(array) for array in arrays))

@@ -7,9 +7,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ..arrays import Floats
 from ..pendulum.model import Model
-
-Array = NDArray[np.float64]
 
 
 class SwingStart(NamedTuple):
@@ -38,7 +37,7 @@ class SwingFit:
     model: Model
     release_angle: float
     release_velocity: float
-    angle: Array
+    angle: Floats
     rms: float
     own: Mapping[str, float]
 
@@ -55,8 +54,8 @@ class Fit:
     model: Model
     method: str
     free: tuple[str, ...]
-    values: Array
-    covariance: Array
+    values: Floats
+    covariance: Floats
     rss: float
     n: int
     swings: tuple[SwingFit, ...]
@@ -81,7 +80,7 @@ class Fit:
         return tuple(swing.model for swing in self.swings)
 
     @property
-    def angle(self) -> Array:
+    def angle(self) -> Floats:
         """The fitted series (rad), of all swings one after the other."""
         return np.concatenate([swing.angle for swing in self.swings])
 
@@ -94,12 +93,12 @@ class Fit:
         )
 
     @property
-    def standard_errors(self) -> Array:
+    def standard_errors(self) -> Floats:
         """Standard errors in the order of ``free``; not finite where the data do not determine a value."""
         return np.sqrt(np.diag(self.covariance))
 
     @property
-    def correlation(self) -> Array:
+    def correlation(self) -> Floats:
         """The correlation matrix in the order of ``free``."""
         errors = self.standard_errors
         return self.covariance / np.outer(errors, errors)
@@ -121,7 +120,7 @@ class BatchFit:
     """Many series fitted alike: ``values`` (series, free), and of each series rss (rad^2), converged, evaluations."""
 
     free: tuple[str, ...]
-    values: Array
-    rss: Array
+    values: Floats
+    rss: Floats
     converged: NDArray[np.bool_]
     evaluations: NDArray[np.int32]

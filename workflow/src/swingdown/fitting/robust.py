@@ -6,14 +6,15 @@ from typing import Any
 
 import numpy as np
 
+from ..arrays import Floats
 from ..engine.trajectory import sensitivities
 from .problem import Swings
-from .result import Array, Fit
+from .result import Fit
 
 _SHARE = 10  # of the record: the longest memory that is looked for
 
 
-def robust_covariance(fit: Fit, swings: Swings) -> Array:
+def robust_covariance(fit: Fit, swings: Swings) -> Floats:
     """The covariance of the values in ``fit.free`` (same order and units) that allows for autocorrelated residuals.
 
     ``swings`` are the (times in s, angles in rad) that were fitted, one or several, all parameters shared. The sandwich
@@ -40,7 +41,7 @@ def robust_covariance(fit: Fit, swings: Swings) -> Array:
     return covariance
 
 
-def _each(fit: Fit, swings: Swings) -> Iterator[tuple[Any, Array, Array, Array]]:
+def _each(fit: Fit, swings: Swings) -> Iterator[tuple[Any, Floats, Floats, Floats]]:
     """Of each swing: where its free values sit in ``fit.free``, the angle's derivatives, the residual, the times."""
     shared = len(fit.model.parameters)
     own = (len(fit.free) - shared) // len(swings)
@@ -51,7 +52,7 @@ def _each(fit: Fit, swings: Swings) -> Iterator[tuple[Any, Array, Array, Array]]
         yield where, slopes, angle - fitted.angle, times
 
 
-def _bartlett(scores: Array, lag: int) -> Array:
+def _bartlett(scores: Floats, lag: int) -> Floats:
     """The sum of products of scores up to ``lag`` samples apart, weighted 1 - distance/(lag + 1).
 
     It equals the mean over all windows of lag + 1 samples, those cut by the ends included, of the window's sum squared.
@@ -61,7 +62,7 @@ def _bartlett(scores: Array, lag: int) -> Array:
     return windows @ windows.T / (lag + 1)
 
 
-def variance_inflation(fit: Fit, robust: Array) -> float:
+def variance_inflation(fit: Fit, robust: Floats) -> float:
     """Variance for autocorrelated over that for independent residuals: geometric mean over the fit's values, at least 1.
 
     n over this is the number of samples that count as independent.

@@ -3,10 +3,12 @@ apart.
 """
 
 from math import pi, sqrt
+from typing import Any
 
 import numpy as np
 import xarray as xr
 
+from ..arrays import Floats
 from ..errors import InputError
 from .noise_level import noise_level, quantisation_step
 
@@ -14,7 +16,7 @@ _RAD = {"rad": 1.0, "deg": pi / 180}
 UNIFORM_95 = 0.95 * sqrt(3)  # half width of the interval that holds 95 % of a uniform distribution, in its u
 
 
-def to_angle(recording, calibration=None, mode="gum"):
+def to_angle(recording: xr.Dataset, calibration: xr.Dataset | None = None, mode: str = "gum") -> xr.Dataset:
     """The angle dataset of a recording: ``angle``, its uncertainties and its 95 % bound (all rad, over
     ``time``).
 
@@ -34,7 +36,7 @@ def to_angle(recording, calibration=None, mode="gum"):
         bound = notes["coverage_factor"] * random
     total = np.hypot(random, systematic)
 
-    def variable(values, text, **more):
+    def variable(values: Floats, text: str, **more: str) -> tuple[str, Floats, dict[str, str]]:
         return (
             "time",
             np.broadcast_to(values, angle.shape).copy(),
@@ -46,7 +48,7 @@ def to_angle(recording, calibration=None, mode="gum"):
         key: recording.attrs[key] for key in ("recording", "campaign", "role", "file", "sha256", "source")
     }
     emulated = recording.attrs["emulated"]
-    if unit == "V" and calibration.attrs["emulated"] == "yes":
+    if unit == "V" and calibration is not None and calibration.attrs["emulated"] == "yes":
         emulated = "yes"
     return xr.Dataset(
         {
@@ -61,7 +63,9 @@ def to_angle(recording, calibration=None, mode="gum"):
     )
 
 
-def _from_volts(recording, calibration, mode):
+def _from_volts(
+    recording: xr.Dataset, calibration: xr.Dataset | None, mode: str
+) -> tuple[Floats, Floats, Floats, Floats, dict[str, Any]]:
     """Eq. 11 in absolute form: angle = m (V - V0), u^2 = (V - V0)^2 u_m^2 + m^2 (u_V^2 + u_V0^2) + the
     covariance.
     """
@@ -116,7 +120,7 @@ def _from_volts(recording, calibration, mode):
     return slope * away, random, systematic, bound, notes
 
 
-def _encoder_limit(calibration, volts, name):
+def _encoder_limit(calibration: xr.Dataset, volts: Floats, name: str) -> Floats:
     up_to, limits = calibration["encoder_up_to"].values, calibration["encoder_limit"].values
     if (high := np.abs(volts).max()) > up_to[-1]:
         raise InputError(
@@ -128,7 +132,7 @@ def _encoder_limit(calibration, volts, name):
     return limits[np.searchsorted(up_to, np.abs(volts))]
 
 
-def _from_angle(recording, unit):
+def _from_angle(recording: xr.Dataset, unit: str) -> tuple[Floats, Floats, dict[str, Any]]:
     values = recording["signal"].values
     scale = 2 * pi / recording.attrs["counts_per_revolution"] if unit == "counts" else _RAD[unit]
     step = 1.0 if unit == "counts" else quantisation_step(values)

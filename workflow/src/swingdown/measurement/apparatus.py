@@ -1,19 +1,80 @@
 """The apparatus sheet: the lengths, tower points and encoder limits that a calibration rests on, checked."""
 
-import numpy as np
-import pandas as pd
-import yaml
+from pathlib import Path
+from typing import NotRequired, TypedDict, cast
 
+import numpy as np
+import yaml
+from numpy.typing import ArrayLike
+
+from ..arrays import Floats
 from ..errors import InputError
 from ..paths import find, is_url
 from ..schema import check
 from .line import FEWEST
-from .uncertainty import from_limit
-
-_SYMBOLS = {"over_shaft": "h_over", "shaft_diameter": "d_shaft", "bob_diameter": "d_bob", "arm": "l_arm"}
+from .uncertainty import Input, from_limit
 
 
-def read_apparatus(path, check_files=True):
+class Length(TypedDict):
+    """A length and the half width of the interval that holds it, in m."""
+
+    value: float
+    limit: float
+    distribution: NotRequired[str]
+
+
+class Point(TypedDict):
+    """A tower height with its limit (m), and the record in volts that belongs to it."""
+
+    height: float
+    limit: float
+    file: str
+    distribution: NotRequired[str]
+    time_column: NotRequired[str]
+    time_unit: NotRequired[str]
+    signal_column: NotRequired[str]
+    sha256: NotRequired[str]
+    partial: NotRequired[str]
+
+
+class EncoderLimit(TypedDict):
+    """The encoder's limit of error for readings up to a voltage, both in V."""
+
+    up_to: float
+    limit: float
+
+
+class Encoder(TypedDict):
+    """What the encoder's manual says of its error."""
+
+    limits: list[EncoderLimit]
+    kind: str
+    step: NotRequired[float]
+
+
+class Rest(TypedDict):
+    """How far from the vertical friction may hold the pendulum at rest, in rad."""
+
+    limit: float
+
+
+class Apparatus(TypedDict):
+    """An apparatus sheet as ``apparatus.schema.yaml`` lets it through, and its path."""
+
+    name: str
+    emulated: bool
+    campaigns: list[str]
+    lengths: dict[str, Length]
+    points: list[Point]
+    encoder: Encoder
+    rest: Rest
+    path: str
+
+
+_SHARED = ("over_shaft", "shaft_diameter", "bob_diameter", "arm")
+
+
+def read_apparatus(path: str | Path, check_files: bool = True) -> Apparatus:
     """The sheet as nested dicts, defaults filled in: campaigns, lengths (m), points, encoder (V), rest (rad).
 
     InputError with file and key for an unknown key, a limit that is not above 0, fewer than three points, a
@@ -32,7 +93,7 @@ def read_apparatus(path, check_files=True):
         content = yaml.safe_load(found.read_text(encoding="utf-8"))
     except (yaml.YAMLError, UnicodeDecodeError) as error:
         raise InputError(path, f"it is not YAML ({error})", "keys and values", "correct the file") from error
-    apparatus = check(content, "apparatus.schema.yaml", path)
+    apparatus = cast(Apparatus, check(content, "apparatus.schema.yaml", path) | {"path": str(path)})
     points = apparatus["points"]
     if len(points) < FEWEST:
         raise InputError(
@@ -55,11 +116,10 @@ def read_apparatus(path, check_files=True):
         raise InputError(
             f"{path}, key encoder.limits", "up_to does not rise", "limits in rising order", "sort them"
         )
-    apparatus["path"] = str(path)
     return apparatus
 
 
-def _check_height(apparatus, height, place):
+def _check_height(apparatus: Apparatus, height: float, place: str) -> None:
     size = {name: entry["value"] for name, entry in apparatus["lengths"].items()}
     below = size["over_shaft"] - size["shaft_diameter"] / 2 - height - size["bob_diameter"] / 2
     lowest = size["over_shaft"] - (size["shaft_diameter"] + size["bob_diameter"]) / 2 - size["arm"]
@@ -80,22 +140,22 @@ def _check_height(apparatus, height, place):
         )
 
 
-def length_inputs(apparatus):
+def length_inputs(apparatus: Apparatus) -> tuple[list[Input], list[Input]]:
     """The shared lengths (over_shaft, shaft_diameter, bob_diameter, arm) as Inputs, and the heights' (lists;
     m).
     """
     shared = [
-        _length(name, apparatus["lengths"][name], apparatus["lengths"][name]["value"]) for name in _SYMBOLS
+        _length(name, apparatus["lengths"][name], apparatus["lengths"][name]["value"]) for name in _SHARED
     ]
     heights = [_length(f"height_{k}", p, p["height"]) for k, p in enumerate(apparatus["points"], 1)]
     return shared, heights
 
 
-def _length(name, entry, value):
+def _length(name: str, entry: Length | Point, value: float) -> Input:
     return from_limit(name, value, entry["limit"], entry.get("distribution", "uniform"), unit="m")
 
 
-def encoder_limit(apparatus, voltage, place="voltage"):
+def encoder_limit(apparatus: Apparatus, voltage: ArrayLike, place: str = "voltage") -> Floats:
     """The manual's error limit (V) at each voltage (V); InputError for one beyond the encoder's range."""
     limits = apparatus["encoder"]["limits"]
     size = np.abs(np.asarray(voltage, dtype=float))
@@ -108,13 +168,3 @@ def encoder_limit(apparatus, voltage, place="voltage"):
         )
     index = np.searchsorted([entry["up_to"] for entry in limits], size)
     return np.array([entry["limit"] for entry in limits])[index]
-
-
-def lengths_table(apparatus):
-    """The measured lengths as a table: length (h_over, d_shaft, d_bob, l_arm, h_cal …), value, limit, unit
-    (mm).
-    """
-    rows = [(symbol, apparatus["lengths"][name]) for name, symbol in _SYMBOLS.items()]
-    rows += [("h_cal", {"value": point["height"], "limit": point["limit"]}) for point in apparatus["points"]]
-    table = [(symbol, 1e3 * entry["value"], 1e3 * entry["limit"], "mm") for symbol, entry in rows]
-    return pd.DataFrame(table, columns=["length", "value", "limit", "unit"])

@@ -2,10 +2,13 @@
 covariance.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import ArrayLike
 
+from ..arrays import Floats, Numbers
 from ..errors import InputError
 
 FEWEST = 3  # points; two leave nothing to judge the line by
@@ -30,17 +33,17 @@ class Line:
     residuals: np.ndarray
 
     @property
-    def uncertainties(self):
+    def uncertainties(self) -> Floats:
         """The standard uncertainties of intercept and slope."""
         return np.sqrt(np.diag(self.covariance))
 
-    def predict(self, x, u_x=0.0):
+    def predict(self, x: ArrayLike, u_x: ArrayLike = 0.0) -> tuple[Floats, Floats]:
         """y at ``x`` (scalar or array) and its standard uncertainty, ``u_x`` being independent of the line."""
         x = np.asarray(x, dtype=float)
         variance = self.covariance[0, 0] + 2 * x * self.covariance[0, 1] + x**2 * self.covariance[1, 1]
         return self.intercept + self.slope * x, np.sqrt(variance + (self.slope * np.asarray(u_x)) ** 2)
 
-    def inverse(self, y, u_y=0.0):
+    def inverse(self, y: ArrayLike, u_y: ArrayLike = 0.0) -> tuple[Floats, Floats]:
         """x where the line takes the value ``y``, and its standard uncertainty (ISO/TS 28037, inverse
         evaluation).
         """
@@ -49,7 +52,9 @@ class Line:
         return x, np.sqrt(variance + np.asarray(u_y) ** 2) / abs(self.slope)
 
 
-def fit_line(x, y, sd_x, sd_y, correlation=0.0):
+def fit_line(
+    x: ArrayLike, y: ArrayLike, sd_x: ArrayLike, sd_y: ArrayLike, correlation: ArrayLike = 0.0
+) -> Line:
     """The Line through points whose errors are independent from point to point.
 
     ``sd_x`` and ``sd_y`` are standard deviations (scalars or one a point, zero in one coordinate allowed),
@@ -69,12 +74,13 @@ def fit_line(x, y, sd_x, sd_y, correlation=0.0):
         )
     vx, vy, cxy = sd_x**2, sd_y**2, r * sd_x * sd_y
 
-    def step(slope):
+    def step(slope: float) -> tuple[float, Floats, float, float, Floats]:
         weight = 1 / (vy + slope**2 * vx - 2 * slope * cxy)
         mean_x, mean_y = np.average(x, weights=weight), np.average(y, weights=weight)
         u, v = x - mean_x, y - mean_y
         beta = weight * (u * vy + slope * v * vx - (slope * u + v) * cxy)
-        return np.sum(weight * beta * v) / np.sum(weight * beta * u), weight, mean_x, mean_y, beta
+        slope = float(np.sum(weight * beta * v) / np.sum(weight * beta * u))
+        return slope, weight, float(mean_x), float(mean_y), beta
 
     slope, iterations = _iterate(lambda b: step(b)[0], np.polyfit(x, y, 1)[0])
     _, weight, mean_x, mean_y, beta = step(slope)
@@ -89,7 +95,7 @@ def fit_line(x, y, sd_x, sd_y, correlation=0.0):
     return Line(float(intercept), float(slope), covariance, chi2, len(x) - 2, iterations, adjusted, residuals)
 
 
-def fit_line_correlated(x, y, covariance_x, covariance_y):
+def fit_line_correlated(x: ArrayLike, y: ArrayLike, covariance_x: ArrayLike, covariance_y: ArrayLike) -> Line:
     """The Line through points whose errors are correlated from point to point, x and y independent of each
     other.
 
@@ -100,7 +106,7 @@ def fit_line_correlated(x, y, covariance_x, covariance_y):
     x, y = _checked(x, y)
     covariance_x, covariance_y = np.asarray(covariance_x, dtype=float), np.asarray(covariance_y, dtype=float)
 
-    def weights(slope):
+    def weights(slope: float) -> Floats:
         try:
             return np.linalg.inv(covariance_y + slope**2 * covariance_x)
         except np.linalg.LinAlgError as error:
@@ -111,12 +117,12 @@ def fit_line_correlated(x, y, covariance_x, covariance_y):
                 "state the uncertainty of every point",
             ) from error
 
-    def solve(slope):
+    def solve(slope: float) -> tuple[Floats, Floats, Floats]:
         return solve_lines(x, y, covariance_x, weights(slope), slope)
 
-    slope, iterations = _iterate(lambda b: float(solve(b)[1]), np.polyfit(x, y, 1)[0])
-    intercept, slope, adjusted = solve(slope)
-    weight = weights(slope)
+    start, iterations = _iterate(lambda b: float(solve(b)[1]), float(np.polyfit(x, y, 1)[0]))
+    intercept, slope, adjusted = solve(start)
+    weight = weights(float(slope))
     design = np.column_stack([np.ones_like(x), adjusted])
     covariance = np.linalg.inv(design.T @ weight @ design)
     residuals = y - intercept - slope * x
@@ -124,28 +130,30 @@ def fit_line_correlated(x, y, covariance_x, covariance_y):
     return Line(float(intercept), float(slope), covariance, chi2, len(x) - 2, iterations, adjusted, residuals)
 
 
-def solve_lines(x, y, covariance_x, weight, slope, rounds=1):
+def solve_lines(
+    x: Floats, y: Floats, covariance_x: Floats, weight: Floats, slope: Numbers, rounds: int = 1
+) -> tuple[Floats, Floats, Floats]:
     """Intercepts, slopes and adjusted abscissae of lines through many draws of the same points.
 
     ``x`` and ``y`` have the points along their last axis. ``weight`` (n x n) is the inverse of the combined
     covariance at the line's slope: it belongs to the procedure and is the same for every draw. ``slope``
     starts the ``rounds`` in which the points are adjusted to the line.
     """
-    slope = np.asarray(slope, dtype=float)[..., None]
-    intercept = np.sum((y - slope * x) @ weight, axis=-1, keepdims=True) / weight.sum()
+    tilt = np.asarray(slope, dtype=float)[..., None]
+    intercept = np.sum((y - tilt * x) @ weight, axis=-1, keepdims=True) / weight.sum()
     sums = weight.sum(axis=0)
     for _ in range(rounds):
-        adjusted = x + slope * ((y - intercept - slope * x) @ (weight @ covariance_x))
-        # Two normal equations: (1, adjusted) times weight times (y - intercept - slope x) vanish.
+        adjusted = x + tilt * ((y - intercept - tilt * x) @ (weight @ covariance_x))
+        # Two normal equations: (1, adjusted) times weight times (y - intercept - tilt x) vanish.
         tilted = adjusted @ weight
         a, b, p = sums.sum(), np.sum(sums * x, -1, keepdims=True), np.sum(sums * y, -1, keepdims=True)
         c, d, q = (np.sum(t, -1, keepdims=True) for t in (tilted, tilted * x, tilted * y))
         determinant = a * d - b * c
-        intercept, slope = (p * d - b * q) / determinant, (a * q - c * p) / determinant
-    return intercept[..., 0], slope[..., 0], adjusted
+        intercept, tilt = (p * d - b * q) / determinant, (a * q - c * p) / determinant
+    return intercept[..., 0], tilt[..., 0], adjusted
 
 
-def _checked(x, y):
+def _checked(x: ArrayLike, y: ArrayLike) -> tuple[Floats, Floats]:
     x, y = np.asarray(x, dtype=float), np.asarray(y, dtype=float)
     if x.shape != y.shape or x.ndim != 1 or len(x) < FEWEST:
         raise InputError(
@@ -161,7 +169,7 @@ def _checked(x, y):
     return x, y
 
 
-def _iterate(update, slope):
+def _iterate(update: Callable[[float], float], slope: float) -> tuple[float, int]:
     for iteration in range(1, _ITERATIONS + 1):
         last, slope = slope, float(update(slope))
         if not np.isfinite(slope):

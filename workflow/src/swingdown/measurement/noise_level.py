@@ -1,13 +1,15 @@
 """The white noise of a recording, read from the recording itself where the pendulum has nothing to say."""
 
 import numpy as np
+from numpy.typing import ArrayLike
 
+from ..arrays import Floats
 from ..errors import InputError
 
 BAND = (15.0, 50.0)  # Hz; far above a pendulum's harmonics, below what mains and bearings bring
 
 
-def noise_level(times, signal, band=BAND):
+def noise_level(times: ArrayLike, signal: ArrayLike, band: tuple[float, float] = BAND) -> float:
     """The standard deviation of the white noise, in the unit of ``signal``, from the level of its spectrum in
     a band.
 
@@ -31,13 +33,13 @@ def noise_level(times, signal, band=BAND):
     return float(np.sqrt(np.median(power[inside] / gain[inside]) / np.log(2)))
 
 
-def _blackman_harris(size):
+def _blackman_harris(size: int) -> Floats:
     """The window of Harris, Proc. IEEE 66, 51 (1978), four terms (scipy.signal has it and takes a second to load)."""
     x = np.linspace(0, 2 * np.pi, size)
     return 0.35875 - 0.48829 * np.cos(x) + 0.14128 * np.cos(2 * x) - 0.01168 * np.cos(3 * x)
 
 
-def quantisation_step(signal):
+def quantisation_step(signal: Floats) -> float:
     """The step in which ``signal`` comes, in its unit; 0.0 if it does not come in steps."""
     values = np.unique(signal)
     if len(values) < 3 or len(values) > 0.5 * len(signal):

@@ -1,7 +1,9 @@
 """Checks of a series before anything is computed from it: its times, and whether the sensor was at its rail."""
 
 import numpy as np
+from numpy.typing import NDArray
 
+from ..arrays import Floats
 from ..errors import InputError
 
 GAP = 1.5  # times the usual interval: a sample is missing
@@ -12,7 +14,7 @@ EDGES = (
 STEPS = 8  # quantisation steps below it that are compared with it
 
 
-def check_times(times, lines, place, gaps=False):
+def check_times(times: Floats, lines: NDArray[np.integer], place: str, gaps: bool = False) -> None:
     """None if the times (s) rise evenly enough; InputError if one repeats, runs back, or a sample is missing.
 
     ``lines`` are the file's line numbers of the samples. ``gaps`` lets missing samples pass.
@@ -39,7 +41,7 @@ def check_times(times, lines, place, gaps=False):
         )
 
 
-def check_signal(times, signal, place, static=False):
+def check_signal(times: Floats, signal: Floats, place: str, static: bool = False) -> None:
     """None if the signal moves and is not cut off at a rail; InputError otherwise.
 
     A static record may be constant: a quantised sensor at rest is. A swing may end at rest.
@@ -64,7 +66,7 @@ def check_signal(times, signal, place, static=False):
             )
 
 
-def saturated_runs(signal):
+def saturated_runs(signal: Floats) -> list[tuple[int, int]]:
     """The flat tops cut off by a rail, as (first sample, samples at the rail) pairs; empty if every top is
     rounded.
 
@@ -96,7 +98,7 @@ def saturated_runs(signal):
     return cut
 
 
-def _corner(side, step):
+def _corner(side: Floats, step: float) -> bool:
     """True if the samples beyond a plateau leave it in a straight line, faster than a few steps a sample."""
     second, third = side[0] - side[1], side[1] - side[2]  # the first step is cut short by the rail
     return second > 3 * abs(third - second) and second > 2 * step

@@ -4,14 +4,18 @@ import hashlib
 import io
 import math
 import urllib.request
+from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 import netCDF4
 import numpy as np
 import pandas as pd
 import xarray as xr
+from numpy.typing import NDArray
 
 from .. import dataset
+from ..arrays import Floats
 from ..errors import InputError
 from ..paths import find, is_url
 from .quality import check_signal, check_times
@@ -27,7 +31,7 @@ LONG_NAMES = {
 }
 
 
-def ingest(row, sheet="sample sheet"):
+def ingest(row: Mapping[str, Any] | pd.Series, sheet: str = "sample sheet") -> xr.Dataset:
     """The dataset of one recording: ``signal(time)`` as recorded, ``time`` in seconds, provenance.
 
     ``row`` is a row of ``sheet.read_sheet``, or a mapping of the same with the key ``recording``. Leading
@@ -48,7 +52,7 @@ def ingest(row, sheet="sample sheet"):
     return from_bytes(payload, row, place, digest)
 
 
-def from_bytes(payload, row, place, digest):
+def from_bytes(payload: bytes, row: Mapping[str, Any], place: str, digest: str) -> xr.Dataset:
     """The dataset of ``ingest`` from a file's content."""
     name = row["file"]
     table, about = (
@@ -101,7 +105,7 @@ def from_bytes(payload, row, place, digest):
     )
 
 
-def read_recording(path):
+def read_recording(path: str | Path) -> xr.Dataset:
     """The dataset of a recording on disk; InputError if it lost samples or was not finished."""
     recording = dataset.read(path)
     expected, found = recording.attrs.get("expected_samples"), recording.sizes.get("time", 0)
@@ -115,7 +119,7 @@ def read_recording(path):
     return recording
 
 
-def read_bytes(name, place):
+def read_bytes(name: str, place: str) -> bytes:
     """The content of a file or URL, as bytes; InputError with ``place`` if it cannot be had."""
     try:
         if is_url(name):
@@ -132,7 +136,7 @@ def read_bytes(name, place):
         ) from error
 
 
-def check_sha256(payload, expected, name, place):
+def check_sha256(payload: bytes, expected: str, name: str, place: str) -> str:
     """The SHA-256 of ``payload``; InputError if ``expected`` is another one (empty: anything goes)."""
     digest = hashlib.sha256(payload).hexdigest()
     if expected and digest != expected.lower():
@@ -145,7 +149,7 @@ def check_sha256(payload, expected, name, place):
     return digest
 
 
-def _csv(payload, name):
+def _csv(payload: bytes, name: str) -> tuple[pd.DataFrame, dict[str, str]]:
     try:
         text = payload.decode("utf-8-sig")
     except UnicodeDecodeError as error:
@@ -171,7 +175,7 @@ def _csv(payload, name):
     return table, about
 
 
-def _check_whole(about, row, name, place):
+def _check_whole(about: Mapping[str, Any], row: Mapping[str, Any], name: str, place: str) -> bool:
     """True for a recording that says it is partial and that the sheet allows; InputError if it does not."""
     if about.get("captured") == "yes" and about.get("complete") != 1:
         raise InputError(
@@ -193,7 +197,7 @@ def _check_whole(about, row, name, place):
     return True
 
 
-def _netcdf(payload, name, time_column=""):
+def _netcdf(payload: bytes, name: str, time_column: str = "") -> tuple[pd.DataFrame, dict[str, Any]]:
     try:
         with netCDF4.Dataset(name, memory=payload) as file:
             store = xr.backends.NetCDF4DataStore(file)
@@ -203,13 +207,17 @@ def _netcdf(payload, name, time_column=""):
     series = {key: data[key] for key in (*data.coords, *data.data_vars) if data[key].ndim == 1}
     # the columns are those along the time, or along the longest dimension where the sheet names no time
     sizes = {value.dims[0]: value.size for value in series.values()}
-    along = series[time_column].dims[0] if time_column in series else max(sizes, key=sizes.get, default="")
+    along = (
+        series[time_column].dims[0]
+        if time_column in series
+        else max(sizes, key=lambda name: sizes[name], default="")
+    )
     table = pd.DataFrame({key: value.values for key, value in series.items() if value.dims[0] == along})
     table.attrs["first_line"] = 1
     return table, {str(key).lower(): value for key, value in data.attrs.items()}
 
 
-def _column(table, wanted, position, name, place, key):
+def _column(table: pd.DataFrame, wanted: str, position: int, name: str, place: str, key: str) -> str:
     columns = [str(column) for column in table.columns]
     if not wanted and len(columns) > position:
         return columns[position]
@@ -223,7 +231,7 @@ def _column(table, wanted, position, name, place, key):
     return wanted
 
 
-def _numbers(column, lines, name, key):
+def _numbers(column: pd.Series, lines: NDArray[np.integer], name: str, key: str) -> Floats:
     values = pd.to_numeric(column, errors="coerce").to_numpy(dtype=float)
     bad = np.flatnonzero(~np.isfinite(values))
     if len(bad):
@@ -237,7 +245,7 @@ def _numbers(column, lines, name, key):
     return values
 
 
-def _check_unit(row, column, unit, name, place):
+def _check_unit(row: Mapping[str, Any], column: str, unit: str, name: str, place: str) -> None:
     """Refuses units that need more than the file tells: they are stated in the sheet, where the workflow sees
     them.
     """

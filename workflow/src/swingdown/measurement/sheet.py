@@ -1,38 +1,24 @@
 """The sample sheet: a CSV file with a row for each recording. config/README.md tells columns and defaults."""
 
 import csv
-import difflib
-import math
-import re
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any
 
 import pandas as pd
 
 from ..errors import InputError
 from ..paths import find, is_url
+from ..schema import check, near, rules
 
-COLUMNS = {  # name: default; None = must be given
-    "recording": None,
-    "campaign": "pendulum",
-    "file": None,
-    "time_column": "",  # the file's first column
-    "time_unit": "",  # as the time column's name ends (_s, _ms, _us), else s
-    "signal_column": "",  # the file's second column
-    "signal_unit": "",  # as the signal column's name ends (_V, _rad, _deg, _counts), else rad
-    "counts_per_revolution": math.nan,
-    "start_s": math.nan,
-    "stop_s": math.nan,
-    "role": "",
-    "sha256": "",
-    "partial": "",  # a recording that is marked partial is refused
-}
+SCHEMA = "recordings.schema.yaml"  # what a row may hold
+COLUMNS: dict[str, Any] = {name: rule.get("default") for name, rule in rules(SCHEMA)["properties"].items()}
+NUMBERS = tuple(name for name, rule in rules(SCHEMA)["properties"].items() if rule.get("type") == "number")
+SIGNAL_UNITS = tuple(rules(SCHEMA)["properties"]["signal_unit"]["enum"])
 TIME_UNITS = {"s": 1.0, "ms": 1e-3, "us": 1e-6}
-SIGNAL_UNITS = ("V", "rad", "deg", "counts")
-ROLES = ("fit", "holdout", "static")
-PARTIAL = ("allow",)
-_NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]*")
 
 
-def read_sheet(path, check_files=True):
+def read_sheet(path: str | Path, check_files: bool = True) -> pd.DataFrame:
     """A DataFrame indexed by recording: the sheet's columns with defaults filled in, and each row's ``line``.
 
     A unit that neither its cell nor the named column tells is "": the file's own column name then decides.
@@ -78,26 +64,27 @@ def read_sheet(path, check_files=True):
     return table
 
 
-def unit_of(column, known):
+def unit_of(column: str, known: Iterable[str]) -> str:
     """The unit that a column's name ends in (``theta_rad``: rad), or "" if that is none of the known ones."""
     return next((unit for unit in known if column.endswith(f"_{unit}")), "")
 
 
-def _check_header(path, header):
+def _check_header(path: object, header: list[str]) -> None:
     place = f"{path}, line 1"
     for name in header:
         if name not in COLUMNS:
-            near = difflib.get_close_matches(name, COLUMNS, 1, 0.5)
-            hint = f"did you mean {near[0]!r}?" if near else "remove the column"
             raise InputError(
-                f"{place}, column {name or '(empty)'}", "unknown column", ", ".join(COLUMNS), hint
+                f"{place}, column {name or '(empty)'}",
+                "unknown column",
+                ", ".join(COLUMNS),
+                near(name, COLUMNS),
             )
         if header.count(name) > 1:
             raise InputError(
                 f"{place}, column {name}", "the column is there twice", "each column once", "remove one"
             )
-    for name, default in COLUMNS.items():
-        if default is None and name not in header:
+    for name in rules(SCHEMA)["required"]:
+        if name not in header:
             raise InputError(
                 place,
                 f"no column {name!r}",
@@ -106,89 +93,46 @@ def _check_header(path, header):
             )
 
 
-def _row(path, number, header, cells, check_files):
-    def fail(column, problem, expected, mend):
-        raise InputError(f"{path}, line {number}, column {column}", problem, expected, mend)
-
+def _row(path: object, number: int, header: list[str], cells: list[str], check_files: bool) -> dict[str, Any]:
+    place = f"{path}, line {number}"
     if len(cells) > len(header):
-        fail(
-            header[-1],
+        raise InputError(
+            f"{place}, column {header[-1]}",
             f"{len(cells)} cells in a row of {len(header)} columns",
             "a cell for each column",
             "quote a cell that contains a comma",
         )
-    given = {name: cell for name, cell in zip(header, cells, strict=False) if cell}
-    row = {name: given.get(name, default) for name, default in COLUMNS.items()}
-    row["line"] = number
-
-    for column in ("recording", "file"):
-        if not row[column]:
-            fail(column, "the cell is empty", f"the {column} of the row", "fill it in")
-    for column in ("recording", "campaign"):
-        if not _NAME.fullmatch(row[column]):
-            fail(column, f"{row[column]!r} cannot name a file", "letters, digits, . _ and -", "rename it")
-    for column, known in (
-        ("time_unit", TIME_UNITS),
-        ("signal_unit", SIGNAL_UNITS),
-        ("role", ROLES),
-        ("partial", PARTIAL),
+    given: dict[str, Any] = {name: cell for name, cell in zip(header, cells, strict=False) if cell}
+    for column, unit, known in (
+        ("time_column", "time_unit", tuple(TIME_UNITS)),
+        ("signal_column", "signal_unit", SIGNAL_UNITS),
     ):
-        if row[column] and row[column] not in known:
-            near = difflib.get_close_matches(row[column].lower(), [k.lower() for k in known], 1, 0.6)
-            hint = next(
-                (f"did you mean {k!r}?" for k in known if near and k.lower() == near[0]), "use one of these"
-            )
-            fail(
-                column,
-                f"unknown {column.replace('_', ' ')} {row[column]!r}",
-                f"{', '.join(known)}, or empty",
-                hint,
-            )
-    row["time_unit"] = row["time_unit"] or unit_of(row["time_column"], TIME_UNITS)
-    row["signal_unit"] = row["signal_unit"] or unit_of(row["signal_column"], SIGNAL_UNITS)
-    for column in ("counts_per_revolution", "start_s", "stop_s"):
-        try:
-            row[column] = float(row[column])
-        except ValueError:
-            fail(column, f"{row[column]!r} is not a number", "a number, or empty", "correct the cell")
-        if column in given and not math.isfinite(row[column]):
-            fail(
-                column, f"{given[column]!r} is not a finite number", "a number, or empty", "correct the cell"
-            )
-    if row["counts_per_revolution"] <= 0:
-        fail(
-            "counts_per_revolution",
-            f"{row['counts_per_revolution']:g} counts a revolution",
-            "a number above 0",
-            "correct the cell",
-        )
-    if row["signal_unit"] == "counts" and math.isnan(row["counts_per_revolution"]):
-        fail(
-            "counts_per_revolution",
-            "the cell is empty though the signal is in counts",
-            "the encoder's counts per revolution",
-            "fill it in",
-        )
+        if unit not in given and (told := unit_of(given.get(column, ""), known)):
+            given[unit] = told
+    given |= {name: _number(given[name]) for name in NUMBERS if name in given}
+    filled = check(given, SCHEMA, place, part="column")
+    row = {name: filled[name] for name in COLUMNS} | {"line": number}
+    row["sha256"] = row["sha256"].lower()
     if row["stop_s"] <= row["start_s"]:
-        fail(
-            "stop_s",
+        raise InputError(
+            f"{place}, column stop_s",
             f"the window ends at {row['stop_s']:g} s and starts at {row['start_s']:g} s",
             "stop_s after start_s",
             "correct the window",
         )
-    if row["sha256"] and not re.fullmatch(r"[0-9a-fA-F]{64}", row["sha256"]):
-        fail(
-            "sha256",
-            f"{row['sha256']!r} is not a SHA-256",
-            "64 hexadecimal digits, or empty",
-            "paste the output of sha256sum",
-        )
-    row["sha256"] = row["sha256"].lower()
     if check_files and not is_url(row["file"]) and not find(row["file"]).is_file():
-        fail(
-            "file",
+        raise InputError(
+            f"{place}, column file",
             f"there is no file {row['file']}",
             "a path relative to the working directory, an absolute path or a URL",
             "correct the path",
         )
     return row
+
+
+def _number(cell: str) -> float | str:
+    """The number in a cell, or the cell's text where it holds none."""
+    try:
+        return float(cell)
+    except ValueError:
+        return cell

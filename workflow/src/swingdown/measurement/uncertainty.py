@@ -2,12 +2,16 @@
 samples.
 """
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from math import inf, isinf, sqrt
+from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 from scipy.special import stdtrit
 
+from ..arrays import Floats
 from ..errors import InputError
 
 # What a stated limit is divided by to get a standard uncertainty. A normal limit is taken for a 95 % one.
@@ -35,11 +39,11 @@ class Input:
     kind: str = "systematic"
 
     @property
-    def divisor(self):
+    def divisor(self) -> float:
         """limit / standard uncertainty; 1 if the uncertainty was given as a standard uncertainty."""
         return DIVISORS[self.distribution] if self.limit is not None else 1.0
 
-    def draw(self, generator, draws):
+    def draw(self, generator: np.random.Generator, draws: int) -> Floats:
         """``draws`` values of the quantity from a numpy ``generator``."""
         if self.distribution == "t":
             scale = self.standard_uncertainty * (sqrt((self.dof - 2) / self.dof) if self.dof > 2 else 1.0)
@@ -54,7 +58,7 @@ class Input:
         return self.value + half * np.sin(generator.uniform(-np.pi, np.pi, draws))
 
 
-def from_limit(name, value, limit, distribution="uniform", **more):
+def from_limit(name: str, value: float, limit: float, distribution: str = "uniform", **more: Any) -> Input:
     """The Input whose true value lies within ``limit`` of ``value``; InputError for a limit that is not above
     0.
     """
@@ -89,16 +93,18 @@ class Propagation:
     dof: np.ndarray
 
     @property
-    def standard_uncertainty(self):
+    def standard_uncertainty(self) -> Floats:
         """The standard uncertainties of the outputs."""
         return np.sqrt(np.diag(self.covariance))
 
-    def expanded(self, coverage=0.95):
+    def expanded(self, coverage: float = 0.95) -> Floats:
         """The half widths of the coverage intervals, U = k u."""
         return self.standard_uncertainty * coverage_factor(self.dof, coverage)
 
 
-def propagate_gum(function, inputs, correlation=None):
+def propagate_gum(
+    function: Callable[[Floats], ArrayLike], inputs: Sequence[Input], correlation: ArrayLike | None = None
+) -> Propagation:
     """The Propagation of ``inputs`` through ``function`` to first order (JCGM 100, 5.1 and 5.2).
 
     ``function`` takes an array with the inputs along its first axis (and draws along the second, if any) and
@@ -112,7 +118,7 @@ def propagate_gum(function, inputs, correlation=None):
     sensitivity = np.zeros((len(value), len(inputs)))
     for k in np.flatnonzero(u):
 
-        def slope(step, k=k):
+        def slope(step: float, k: np.intp = k) -> Floats:
             shift = np.zeros_like(values)
             shift[k] = step
             high, low = function(values + shift), function(values - shift)
@@ -131,7 +137,13 @@ def propagate_gum(function, inputs, correlation=None):
     return Propagation(tuple(inputs), value, sensitivity, covariance, contributions, dof)
 
 
-def propagate_monte_carlo(function, inputs, draws, seed, correlation=None):
+def propagate_monte_carlo(
+    function: Callable[[Floats], ArrayLike],
+    inputs: Sequence[Input],
+    draws: int,
+    seed: int | Sequence[int],
+    correlation: ArrayLike | None = None,
+) -> Floats:
     """The outputs of ``function`` for ``draws`` joint draws of the inputs (JCGM 101), draws along the last
     axis.
 
@@ -142,7 +154,9 @@ def propagate_monte_carlo(function, inputs, draws, seed, correlation=None):
     return np.asarray(function(draw_inputs(inputs, draws, seed, correlation)))
 
 
-def draw_inputs(inputs, draws, seed, correlation=None):
+def draw_inputs(
+    inputs: Sequence[Input], draws: int, seed: int | Sequence[int], correlation: ArrayLike | None = None
+) -> Floats:
     """Joint draws of the inputs, shape (inputs, draws)."""
     generator = np.random.Generator(np.random.PCG64(seed))
     if correlation is None:
@@ -156,13 +170,13 @@ def draw_inputs(inputs, draws, seed, correlation=None):
     return generator.multivariate_normal([i.value for i in inputs], covariance, draws, method="eigh").T
 
 
-def summarise(values, coverage=0.95):
+def summarise(values: Floats, coverage: float = 0.95) -> tuple[Floats, Floats, Floats, Floats]:
     """(mean, standard deviation, low, high) of draws along the last axis, the interval the shortest one."""
     low, high = shortest_interval(values, coverage)
     return values.mean(axis=-1), values.std(axis=-1, ddof=1), low, high
 
 
-def shortest_interval(values, coverage=0.95):
+def shortest_interval(values: Floats, coverage: float = 0.95) -> tuple[Floats, Floats]:
     """The ends of the shortest interval that holds the share ``coverage`` of draws along the last axis."""
     ordered = np.sort(values, axis=-1)
     count = ordered.shape[-1]
@@ -173,12 +187,14 @@ def shortest_interval(values, coverage=0.95):
     return pick(ordered, at, axis=-1)[..., 0], pick(ordered, at + inside, axis=-1)[..., 0]
 
 
-def symmetric_interval(values, coverage=0.95):
+def symmetric_interval(values: Floats, coverage: float = 0.95) -> tuple[Floats, Floats]:
     """The ends of the interval that leaves out equal shares of draws on either side."""
     return tuple(np.quantile(values, [(1 - coverage) / 2, (1 + coverage) / 2], axis=-1))
 
 
-def welch_satterthwaite(contributions, dof, combined=None):
+def welch_satterthwaite(
+    contributions: ArrayLike, dof: Sequence[float], combined: float | None = None
+) -> float:
     """Effective degrees of freedom of a sum of independent contributions (JCGM 100, G.4); inf if all are."""
     contributions = np.asarray(contributions, dtype=float)
     variance = np.sum(contributions**2) if combined is None else combined**2
@@ -186,7 +202,7 @@ def welch_satterthwaite(contributions, dof, combined=None):
     return variance**2 / below if below else inf
 
 
-def coverage_factor(dof, coverage=0.95):
+def coverage_factor(dof: ArrayLike, coverage: float = 0.95) -> Floats:
     """k such that an interval of half width k u covers the share ``coverage`` (Student's t; normal for
     infinite dof).
     """
@@ -205,7 +221,7 @@ class Mean:
     effective_samples: float
 
 
-def mean_of_samples(samples):
+def mean_of_samples(samples: ArrayLike) -> Mean:
     """The Mean of equally spaced samples, its Type A uncertainty widened for autocorrelation.
 
     The correlation time sums the autocorrelation up to the first lag where the sum of two neighbours is not

@@ -39,7 +39,8 @@ class Model:
     catalogue: Catalogue = field(default=SHIPPED, repr=False, compare=False)
 
     def __post_init__(self) -> None:
-        names = self.names.split("+") if isinstance(self.names, str) else list(self.names)
+        given: Any = self.names  # a label too
+        names = given.split("+") if isinstance(given, str) else list(given)
         ordered = self.catalogue.ordered(names)
         if len(set(names)) < len(names):
             raise InputError(f"model {'+'.join(names)}", "an effect is named twice", "each effect once")

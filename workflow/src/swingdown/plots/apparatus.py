@@ -1,14 +1,17 @@
 """Figure 6: the apparatus, as the paper describes it, from the front and from the side."""
 
 import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 from matplotlib.patches import Arc, Circle, FancyBboxPatch, Polygon, Rectangle
 
+from ..arrays import Floats
 from . import style
-from .drawing import BRASS, DASHED, PLASTIC, STEEL, callout, canvas, edge, label, threads
+from .drawing import BRASS, DASHED, PLASTIC, STEEL, callout, canvas, edge, label, threads, xy
 
 
 @style.styled
-def fig06():
+def fig06() -> Figure:
     """The apparatus with the calibration tower, from the front and from the side (for the paper's Figure 6)."""
     figure = style.new_figure(9.3)
     front, side = figure.subplots(1, 2, width_ratios=(6.1, 5.15))
@@ -23,13 +26,13 @@ SHAFT_HEIGHT, ARM, TILT, BOB = 3.7, 2.75, np.radians(-41), 0.27
 BOB_HEIGHT = SHAFT_HEIGHT - ARM * np.cos(TILT)
 
 
-def _table(axes, x0, x1):
+def _table(axes: Axes, x0: float, x1: float) -> None:
     edge(Rectangle((x0, -0.36), x1 - x0, 0.36, facecolor="#cfd5db"), axes)
     for x in np.arange(x0 + 0.2, x1, 0.4):
         axes.plot([x, x], [-0.12, 0.0], color=style.GREY, lw=1.6, solid_capstyle="butt", zorder=3)
 
 
-def _tower(axes, x):
+def _tower(axes: Axes, x: float) -> tuple[float, float]:
     """The calibration tower under the bob: a base with its magnets, and cylinders stacked to the height wanted."""
     top, half = BOB_HEIGHT - BOB, 0.24
     for side in (-0.3, 0.14):
@@ -44,7 +47,7 @@ def _tower(axes, x):
     return x, 0.5 * (edges[1] + edges[2])
 
 
-def _front(axes):
+def _front(axes: Axes) -> None:
     shaft = np.array([0.95, SHAFT_HEIGHT])
     arm = np.array([np.sin(TILT), -np.cos(TILT)])
     bob = shaft + ARM * arm
@@ -63,12 +66,12 @@ def _front(axes):
         lw=0.8,
         zorder=7,
     )
-    edge(Circle(shaft, 0.14, facecolor=STEEL), axes, 8)
-    edge(Circle(bob, BOB, facecolor=STEEL), axes, 6)
+    edge(Circle(xy(shaft), 0.14, facecolor=STEEL), axes, 8)
+    edge(Circle(xy(bob), BOB, facecolor=STEEL), axes, 6)
     axes.add_patch(
-        Arc(shaft, 2.0, 2.0, theta1=-90 + np.degrees(TILT), theta2=-90, color=style.INK, lw=0.9, zorder=6)
+        Arc(xy(shaft), 2.0, 2.0, theta1=-90 + np.degrees(TILT), theta2=-90, color=style.INK, lw=0.9, zorder=6)
     )
-    label(axes, *(shaft + 1.18 * np.array([np.sin(TILT / 2), -np.cos(TILT / 2)])), r"$\theta$", size=11)
+    label(axes, *xy(shaft + 1.18 * np.array([np.sin(TILT / 2), -np.cos(TILT / 2)])), r"$\theta$", size=11)
     callout(axes, shaft + (0.1, 0.09), "shaft", (2.1, 4.3))
     callout(axes, shaft + 0.27 * arm[::-1] * (1, -1) + (0.0, 0.05), "split collar", (-0.2, 4.45), "right")
     callout(axes, shaft + 1.75 * arm, "threaded rod\n(aluminium)", (-1.15, 3.35), "right")
@@ -85,13 +88,13 @@ def _front(axes):
     callout(axes, (-1.6, -0.24), "optical table", (-1.2, -0.72))
 
 
-def _clamp(shaft, arm):
+def _clamp(shaft: Floats, arm: Floats) -> Polygon:
     half, across = 0.3, arm[::-1] * (1, -1)
     corners = [shaft + half * (i * arm + j * across) for i, j in ((-0.8, -1), (-0.8, 1), (0.8, 1), (0.8, -1))]
     return Polygon(corners, facecolor="#eceff2", edgecolor=style.INK, lw=0.9, zorder=6, joinstyle="round")
 
 
-def _side(axes):
+def _side(axes: Axes) -> None:
     _table(axes, -1.95, 2.75)
     edge(Polygon([(-0.1, 0), (1.4, 0), (1.4, 0.24), (1.1, 0.24), (1.1, 4.2), (0.3, 4.2), (0.3, 0.24), (-0.1, 0.24)],
                   facecolor=PLASTIC, joinstyle="round"), axes)  # fmt: skip

@@ -1,15 +1,20 @@
 """Figures 8 and 9: from volts to degrees, and how far that can be trusted."""
 
 import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
+from numpy.typing import ArrayLike, NDArray
 
+from ..arrays import Floats
 from . import style
 
 LINE, EXTREME, FLAG = style.COLOURS["viscous"], style.COLOURS["load_coulomb"], style.COLOURS["quadratic_drag"]
 
 
 @style.styled
-def fig08(calibration, mode=None):
+def fig08(calibration: xr.Dataset, mode: str | None = None) -> Figure:
     """The calibration line, the lowest point enlarged, and what is left beside the line (the paper's Figure 8).
 
     ``calibration`` is the calibration dataset; ``mode`` picks one of its modes of uncertainty, by default the one its
@@ -47,8 +52,12 @@ def fig08(calibration, mode=None):
     whole.set(ylabel=r"angle $\theta$ (°)", title="(a) calibration line")
     whole.tick_params(labelbottom=False)
     rest.set(xlabel="encoder voltage $V$ (V)", ylabel="point − line (°)", title="(b) beside the line")
-    style.symmetric(rest, np.concatenate([np.abs(angle - _at(best, voltage)) + boxes[1],
-                                          *(_at(line - best, volts) for line in extreme)]))  # fmt: skip
+    style.symmetric(
+        rest,
+        np.concatenate(
+            [np.abs(angle - _at(best, voltage)) + boxes[1], *(_at(line - best, volts) for line in extreme)]
+        ),
+    )
     figure.align_ylabels((whole, rest))
     frame = Rectangle(
         (near[0], middle - high), np.ptp(near), 2 * high, fill=False, edgecolor=style.GREY, lw=0.8
@@ -69,28 +78,31 @@ def fig08(calibration, mode=None):
     ]
     handles += [style.mark("X", FLAG, "tower height, flagged")] if flagged.any() else []
     figure.legend(handles=handles, loc="outside upper left", ncols=len(handles))
-    return style.footnote(figure, style.emulated_note(calibration), f"boxes: ± {boxed} (mode {mode})",
-                          _stretched(data))  # fmt: skip
+    return style.footnote(
+        figure, style.emulated_note(calibration), f"boxes: ± {boxed} (mode {mode})", _stretched(data)
+    )
 
 
-def _stretched(data):
+def _stretched(data: xr.Dataset) -> str:
     """What is said where no line passes through all boxes as they are."""
     factor = float(data["deviation_line_factor"])
     return f"the dashed lines pass through boxes {factor:g} times as large" if factor > 1 else ""
 
 
-def _at(line, voltage):
+def _at(line: Floats, voltage: ArrayLike) -> Floats:
     """The angle (°) of a line (intercept in rad, slope in rad/V) at a voltage."""
     return style.degrees(line[0] + line[1] * np.asarray(voltage))
 
 
-def _lines(axes, span, best, extreme, about):
+def _lines(axes: Axes, span: Floats, best: Floats, extreme: Floats, about: Floats | float) -> None:
     for line in extreme:
         axes.plot(span, _at(line - about, span), color=EXTREME, lw=1, ls=(0, (4, 2)))
     axes.plot(span, _at(best - about, span), color=LINE, lw=1.3)
 
 
-def _points(axes, voltage, angle, boxes, flagged):
+def _points(
+    axes: Axes, voltage: Floats, angle: Floats, boxes: tuple[Floats, Floats], flagged: NDArray[np.bool_]
+) -> None:
     for x, y, wide, high, flag in zip(voltage, angle, *boxes, flagged, strict=True):
         colour = FLAG if flag else style.INK
         if np.isfinite(wide + high):
@@ -102,7 +114,7 @@ def _points(axes, voltage, angle, boxes, flagged):
 
 
 @style.styled
-def fig09(angles):
+def fig09(angles: xr.Dataset) -> Figure:
     """One swing in degrees between its upper and lower bounds, with two places enlarged (the paper's Figure 9).
 
     ``angles`` is one recording's angle dataset: ``angle`` and ``angle_bound`` (time), in rad.
@@ -148,13 +160,13 @@ def fig09(angles):
     return style.footnote(figure, recording_note(angles), expanded)
 
 
-def recording_note(data):
+def recording_note(data: xr.Dataset) -> str:
     """Which recording a figure shows and, where it was emulated, that it was."""
     named = f"recording {data.attrs['recording']}" if "recording" in data.attrs else ""
     return " · ".join(part for part in (named, style.emulated_note(data)) if part)
 
 
-def _windows(time, angle):
+def _windows(time: Floats, angle: Floats) -> tuple[slice, slice]:
     """Two short stretches of samples worth enlarging: about the highest angle of the first half, and a later zero."""
     half = len(time) // 2
     reach, narrow = min(8, half - 1), min(3, half - 1)

@@ -1,19 +1,27 @@
 """What discovery saw and did: residuals before and after, the missing torque, half-swings, the ranking, the gap by round."""
 
-import numpy as np
+from collections.abc import Mapping, Sequence
+from typing import Any
 
+import numpy as np
+import pandas as pd
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from ..arrays import Floats
 from . import style
 
 BEFORE, AFTER, HELD = "#D55E00", "#0072B2", "#009E73"
 _ROWS = 12  # of a ranking
 
 
-def _words(name):
+def _words(name: str) -> str:
     return name.replace("_", " ")
 
 
 @style.styled
-def residuals(first, last):
+def residuals(first: xr.Dataset, last: xr.Dataset) -> Figure:
     """Residuals of the fitted swing and the held-out swing that are worst at first, before and after, with the noise.
 
     ``first`` and ``last`` are the rounds' fit datasets: ``angle``, ``fit``, ``time``, ``swing`` (sample), ``held_out`` (swings).
@@ -50,19 +58,21 @@ def residuals(first, last):
     return style.footnote(figure, f"campaign {first.attrs['campaign']}", style.emulated_note(first))
 
 
-def _residual(data, k):
+def _residual(data: xr.Dataset, k: int) -> tuple[Floats, Floats]:
     rows = data["swing"].values == k
     time = data["time"].values[rows]
     return time - time[0], style.degrees(data["angle"].values[rows] - data["fit"].values[rows])
 
 
-def _worst(data, held):
-    sizes = {k: np.mean(_residual(data, k)[1] ** 2) for k in np.flatnonzero(data["held_out"].values == held)}
-    return max(sizes, key=sizes.get) if sizes else None
+def _worst(data: xr.Dataset, held: bool) -> int | None:
+    swings = np.flatnonzero(data["held_out"].values == held).tolist()
+    return max(swings, key=lambda k: float(np.mean(_residual(data, k)[1] ** 2)), default=None)
 
 
 @style.styled
-def missing_torque(first, last, unnamed, rounds):
+def missing_torque(
+    first: pd.DataFrame, last: pd.DataFrame, unnamed: pd.DataFrame, rounds: Sequence[Mapping[str, Any]]
+) -> Figure:
     """The torque that the base model and the last one lack, over angle, velocity and time, with bands of two standard errors.
 
     ``first`` and ``last`` are the rounds' map tables (``over``, ``part``, ``x``, ``torque``, ``band``), ``unnamed`` that of the
@@ -105,18 +115,22 @@ def missing_torque(first, last, unnamed, rounds):
     grid[0].set_ylabel("missing torque over inertia (rad/s²)")
     labelled = {handle.get_label(): handle for axes in grid for handle in axes.get_legend_handles_labels()[0]}
     figure.legend(handles=labelled.values(), loc="outside upper left", ncols=3)
-    return style.footnote(figure, "each as if it alone were missing", "bands: ± 2 standard errors under the measured noise",
-                          "time: a change of drag or stiffness, or a push, as a torque at the largest velocity or angle")  # fmt: skip
+    return style.footnote(
+        figure,
+        "each as if it alone were missing",
+        "bands: ± 2 standard errors under the measured noise",
+        "time: a change of drag or stiffness, or a push, as a torque at the largest velocity or angle",
+    )
 
 
-def _largest(part):
+def _largest(part: pd.DataFrame) -> str:
     """The part (drag, stiffness, push) that differs most from nothing, in units of its own band."""
     size = (part["torque"].abs() / part["band"].clip(lower=1e-12)).groupby(part["part"]).max()
     return size.idxmax()
 
 
 @style.styled
-def half_swings(first, last):
+def half_swings(first: pd.DataFrame, last: pd.DataFrame) -> Figure:
     """Energy loss, period and mid-point of each half-swing against its amplitude: measured, base model and last model.
 
     ``first`` and ``last`` are the rounds' half-swing tables.
@@ -166,7 +180,7 @@ def half_swings(first, last):
     return figure
 
 
-def _left(table, column):
+def _left(table: pd.DataFrame, column: str) -> pd.Series:
     """Amplitude (rad) and measured less modelled of each half-swing that both have."""
     pairs = []
     for _, one in table.groupby("swing", sort=False):
@@ -178,19 +192,18 @@ def _left(table, column):
     )
 
 
-def _reach(axes, values):
+def _reach(axes: Axes, values: Floats) -> None:
     """The axes widened so that all but a few strays are in view."""
     if not len(values):
         return
     low, high = np.nanquantile(values, [0.02, 0.98])
     room = 0.25 * (high - low) + 1e-12
-    before = axes.get_ylim() if getattr(axes, "reached", False) else (np.inf, -np.inf)
+    before = (np.inf, -np.inf) if axes.get_autoscaley_on() else axes.get_ylim()
     axes.set_ylim(min(low - room, before[0]), max(high + room, before[1]))
-    axes.reached = True
 
 
 @style.styled
-def ranking(ranked, move):
+def ranking(ranked: pd.DataFrame, move: str) -> Figure:
     """What each move would gain in the first round that looked: the difference of BIC to the best, refused ones crossed out.
 
     ``ranked`` is a ranking table with ``move``, ``delta_bic``, ``tied`` and ``refused``; ``move`` the one that was chosen.
@@ -232,7 +245,7 @@ def ranking(ranked, move):
 
 
 @style.styled
-def gap(verdict):
+def gap(verdict: Mapping[str, Any]) -> Figure:
     """The residual in units of the noise, round by round, on fitted and held-out swings; ``verdict`` is verdict.json's contents."""
     fit, held = verdict["gap"]["fit"], verdict["gap"]["holdout"]
     figure = style.new_figure(7.2)

@@ -1,7 +1,13 @@
 """Figures 10 to 15: what each damping model makes of the recorded swings."""
 
 import numpy as np
+import pandas as pd
+import xarray as xr
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
+from ..arrays import Floats
 from ..pendulum.model import symbol
 from . import style
 from .calibration import recording_note
@@ -11,32 +17,32 @@ EARLY_AND_LATE = 3.0  # seconds enlarged at each end of a swing
 ERROR_BOUNDS = "error_bounds"
 
 
-def fig10(fits, angles):
+def fig10(fits: xr.Dataset, angles: xr.Dataset) -> Figure:
     """The best viscous fit on one swing (the paper's Figure 10); see ``fit_of``."""
     return fit_of("viscous", fits, angles)
 
 
-def fig11(fits, angles):
+def fig11(fits: xr.Dataset, angles: xr.Dataset) -> Figure:
     """The best quadratic fit on one swing (the paper's Figure 11); see ``fit_of``."""
     return fit_of("quadratic_drag", fits, angles)
 
 
-def fig12(fits, angles):
+def fig12(fits: xr.Dataset, angles: xr.Dataset) -> Figure:
     """The best Coulomb fit on one swing (the paper's Figure 12); see ``fit_of``."""
     return fit_of("load_coulomb", fits, angles)
 
 
-def fig13(fits, angles, norms):
+def fig13(fits: xr.Dataset, angles: xr.Dataset, norms: xr.Dataset) -> Figure:
     """The fit of the pair of effects with the lowest mean norm (the paper's Figure 13); see ``fit_of``."""
     return _pair(0, fits, angles, norms)
 
 
-def fig14(fits, angles, norms):
+def fig14(fits: xr.Dataset, angles: xr.Dataset, norms: xr.Dataset) -> Figure:
     """The fit of the pair of effects with the second lowest mean norm (the paper's Figure 14); see ``fit_of``."""
     return _pair(1, fits, angles, norms)
 
 
-def _pair(rank, fits, angles, norms):
+def _pair(rank: int, fits: xr.Dataset, angles: xr.Dataset, norms: xr.Dataset) -> Figure:
     mean = _of_campaign(norms, angles.attrs.get("campaign"))["norm"].mean("recording").to_series()
     pairs = mean[[label for label in mean.index if label.count("+") == 1]].sort_values(kind="stable")
     if len(pairs) <= rank:
@@ -44,7 +50,7 @@ def _pair(rank, fits, angles, norms):
     return fit_of(pairs.index[rank], fits, angles, ("best pair", "second best pair")[rank] + " of effects")
 
 
-def _of_campaign(norms, campaign):
+def _of_campaign(norms: xr.Dataset, campaign: str | None) -> xr.Dataset:
     """The runs of one campaign; all of them where the dataset does not tell campaigns apart."""
     if campaign is None or "campaign" not in norms.coords:
         return norms
@@ -52,7 +58,7 @@ def _of_campaign(norms, campaign):
 
 
 @style.styled
-def fit_of(label, fits, angles, remark=""):
+def fit_of(label: str, fits: xr.Dataset, angles: xr.Dataset, remark: str = "") -> Figure:
     """A figure of one model's best fit on one swing: the whole, both ends enlarged, and the residual.
 
     ``fits`` holds ``fit`` and ``residual`` (fitted, time; rad) and ``norm`` (fitted; degrees), ``angles`` the same
@@ -102,9 +108,13 @@ def fit_of(label, fits, angles, remark=""):
     return style.footnote(figure, recording_note(angles))
 
 
-def _residual(axes, time, residual, bound, angles, colour):
+def _residual(
+    axes: Axes, time: Floats, residual: Floats, bound: Floats, angles: xr.Dataset, colour: str
+) -> list[Artist]:
     """The legend entries of the bands behind a residual, which this draws into the axes."""
-    bands = [axes.fill_between(time, -bound, bound, color=style.FAINT, alpha=0.6, lw=0, label="error bound")]
+    bands: list[Artist] = [
+        axes.fill_between(time, -bound, bound, color=style.FAINT, alpha=0.6, lw=0, label="error bound")
+    ]
     if "angle_random_uncertainty" in angles and (angles["angle_random_uncertainty"] > 0).all():
         noise = 2 * style.degrees(angles["angle_random_uncertainty"])
         label = "± 2 random uncertainties"
@@ -122,7 +132,7 @@ def _residual(axes, time, residual, bound, angles, colour):
 
 
 @style.styled
-def fig15(norms, table3, campaign=None):
+def fig15(norms: xr.Dataset, table3: pd.DataFrame, campaign: str | None = None) -> Figure:
     """The norms of all models, run by run and as mean ± standard deviation (the paper's Figure 15).
 
     ``norms`` has ``norm`` (fitted, recording) and ``error_bound_norm`` (recording), in degrees; ``table3`` has the

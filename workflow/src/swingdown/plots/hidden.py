@@ -1,12 +1,15 @@
 """How far verdicts can be trusted: what is named where one effect is hidden, and how often by size."""
 
 import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
 from . import style
 
 
 @style.styled
-def confusion(matrix):
+def confusion(matrix: pd.DataFrame) -> Figure:
     """The confusion matrix of single hidden effects: rows what was hidden, columns what was said, shares of each row."""
     table = matrix.set_index("hidden")
     used = [name for name in table.columns if table[name].sum() > 0 or name in table.index]
@@ -62,7 +65,7 @@ _KINDS = {
 
 
 @style.styled
-def detection(scores):
+def detection(scores: pd.DataFrame) -> Figure:
     """Shares of right verdicts against the effect's size, of false alarms and abstentions, and the time of each campaign."""
     figure = style.new_figure(12)
     grid = figure.add_gridspec(2, 2)
@@ -77,7 +80,7 @@ def detection(scores):
     return figure
 
 
-def _by_size(axes, single):
+def _by_size(axes: Axes, single: pd.DataFrame) -> None:
     sizes = sorted(single["ratio"].unique())
     for flag, label, colour, marker in _SAID:
         shares = [100 * single.loc[single["ratio"] == ratio, flag].astype(bool).mean() for ratio in sizes]
@@ -95,7 +98,7 @@ def _by_size(axes, single):
     axes.grid(True, axis="y")
 
 
-def _others(axes, scores):
+def _others(axes: Axes, scores: pd.DataFrame) -> None:
     """Bars with what they are written above each, for the words are long."""
     for place, (kind, flag, words) in enumerate(_TRIALS):
         part = scores.loc[scores["kind"] == kind, flag].astype(bool)
@@ -118,7 +121,7 @@ def _others(axes, scores):
     )
 
 
-def _times(axes, scores):
+def _times(axes: Axes, scores: pd.DataFrame) -> None:
     """A dot for each campaign, moved up and down a little so that many can be seen, and the median."""
     kinds = [kind for kind in _KINDS if (scores["kind"] == kind).any()]
     for place, kind in enumerate(kinds):

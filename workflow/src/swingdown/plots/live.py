@@ -1,16 +1,27 @@
 """A window with the trace while a swing is recorded, where there is a screen."""
 
 import os
+from collections.abc import Callable, Sequence
+from typing import Generic, TypeVar
 
 import matplotlib
 
 SCREENS = ("DISPLAY", "WAYLAND_DISPLAY")
 
 
-class Window:
+_Recorder = TypeVar("_Recorder", contravariant=True)
+
+
+class Window(Generic[_Recorder]):
     """A window that shows what a view of ``capture.live`` shows; ``status`` and ``recent`` are functions of the recorder."""
 
-    def __init__(self, title, unit, status, recent):
+    def __init__(
+        self,
+        title: str,
+        unit: str,
+        status: Callable[[_Recorder], str],
+        recent: Callable[[_Recorder], tuple[Sequence[float], Sequence[float]]],
+    ) -> None:
         if not any(os.environ.get(name) for name in SCREENS):
             raise OSError("there is no screen (neither DISPLAY nor WAYLAND_DISPLAY is set)")
         try:
@@ -32,7 +43,7 @@ class Window:
         self._axes = axes
         self._figure.show()
 
-    def show(self, recorder):
+    def show(self, recorder: _Recorder) -> None:
         """Draws the recorder as it stands; a window that was closed stays closed."""
         if not self._figure.canvas.manager or not matplotlib.pyplot.fignum_exists(self._figure.number):
             return
@@ -45,6 +56,6 @@ class Window:
         self._figure.canvas.draw()
         self._figure.canvas.flush_events()
 
-    def close(self):
+    def close(self) -> None:
         """Closes the window."""
         matplotlib.pyplot.close(self._figure)

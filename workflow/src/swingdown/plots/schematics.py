@@ -1,14 +1,35 @@
 """Figures 1 and 7: what hangs and what pulls at it, and which lengths make the angle. Drawn, not plotted."""
 
-import numpy as np
-from matplotlib.patches import Arc, Circle, Polygon, Rectangle
+from collections.abc import Mapping
+from typing import Any
 
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.patches import Arc, Circle, Polygon, Rectangle
+from numpy.typing import ArrayLike
+
+from ..rounding import plus_minus
 from . import style
-from .drawing import DASHED, DOTTED, FORCE, MOTION, ROD, STEEL, arrow, canvas, dimension, edge, ground, label
+from .drawing import (
+    DASHED,
+    DOTTED,
+    FORCE,
+    MOTION,
+    ROD,
+    STEEL,
+    arrow,
+    canvas,
+    dimension,
+    edge,
+    ground,
+    label,
+    xy,
+)
 
 
 @style.styled
-def fig01():
+def fig01() -> Figure:
     """The pendulum and its free-body diagram (the paper's Figure 1): two drawn panels."""
     figure = style.new_figure(7.6)
     left, right = figure.subplots(1, 2)
@@ -23,12 +44,12 @@ _SWING = np.radians(33)
 _ALONG, _ACROSS = np.array([np.sin(_SWING), -np.cos(_SWING)]), np.array([np.cos(_SWING), np.sin(_SWING)])
 
 
-def _bob(axes, centre):
-    axes.add_patch(Circle(centre, 0.095, facecolor=STEEL, edgecolor=style.INK, lw=1.1, zorder=4))
-    label(axes, *centre, r"$m$", size=12)
+def _bob(axes: Axes, centre: ArrayLike) -> None:
+    axes.add_patch(Circle(xy(centre), 0.095, facecolor=STEEL, edgecolor=style.INK, lw=1.1, zorder=4))
+    label(axes, *xy(centre), r"$m$", size=12)
 
 
-def _pendulum(axes):
+def _pendulum(axes: Axes) -> None:
     ground(axes, -0.3, 0.3, 0.1, -0.09)
     axes.add_patch(
         Polygon([(-0.09, 0.1), (0.09, 0.1), (0, 0)], facecolor=style.PALE, edgecolor=style.INK, lw=1)
@@ -50,7 +71,7 @@ def _pendulum(axes):
     label(axes, -0.54, -0.58, r"$g$", size=12)
 
 
-def _free_body(axes):
+def _free_body(axes: Axes) -> None:
     weight, radius = 0.76, 0.1
     down, damping = np.array([0.0, -1.0]), style.COLOURS["load_coulomb"]
     axes.plot(
@@ -61,7 +82,7 @@ def _free_body(axes):
     )
     _bob(axes, (0, 0))
     arrow(axes, -radius * _ALONG, -0.52 * _ALONG, FORCE, 1.9, 12)
-    label(axes, *(-0.36 * _ALONG + (-0.07, -0.01)), "tension $T$", FORCE, 11, ha="right")
+    label(axes, *xy(-0.36 * _ALONG + (-0.07, -0.01)), "tension $T$", FORCE, 11, ha="right")
     arrow(axes, (0, 0), weight * down, FORCE, 1.9, 12)
     label(axes, -0.06, -0.5, r"weight $m g$", FORCE, 11, ha="right")
     arrow(axes, -radius * _ACROSS, -0.56 * _ACROSS, damping, 1.9, 12)
@@ -96,7 +117,7 @@ _EQUATIONS = (
 
 
 @style.styled
-def fig07(apparatus):
+def fig07(apparatus: Mapping[str, Any]) -> Figure:
     """Which lengths make the angle, and how well each is known (the paper's Figure 7).
 
     ``apparatus`` is an apparatus sheet as read: ``lengths`` (arm, shaft_diameter, over_shaft, bob_diameter; each with
@@ -114,7 +135,7 @@ def fig07(apparatus):
     )
 
 
-def _layout(axes):
+def _layout(axes: Axes) -> None:
     tilt, arm, shaft_radius, bob_radius = np.radians(-44), 2.7, 0.34, 0.4
     shaft = np.array([0.35, 3.7])
     reach = np.array([np.sin(tilt), -np.cos(tilt)])
@@ -125,12 +146,12 @@ def _layout(axes):
     axes.plot([shaft[0]] * 2, [shaft[1], bob[1]], color=style.GREY, lw=0.8, ls=DASHED, zorder=3)
     axes.plot(*zip(shaft, bob, strict=True), color=ROD, lw=3, zorder=3)
     for centre, radius, shade in ((shaft, shaft_radius, "#e9edf1"), (bob, bob_radius, STEEL)):
-        edge(Circle(centre, radius, facecolor=shade), axes, 4)
+        edge(Circle(xy(centre), radius, facecolor=shade), axes, 4)
         axes.plot(*centre, "+", color=style.INK, ms=7, mew=0.9, zorder=6)
     axes.add_patch(
-        Arc(shaft, 2.1, 2.1, theta1=-90 + np.degrees(tilt), theta2=-90, color=MOTION, lw=1.2, zorder=5)
+        Arc(xy(shaft), 2.1, 2.1, theta1=-90 + np.degrees(tilt), theta2=-90, color=MOTION, lw=1.2, zorder=5)
     )
-    label(axes, *(shaft + 1.27 * np.array([np.sin(tilt / 2), -np.cos(tilt / 2)])), r"$\theta$", MOTION, 14)
+    label(axes, *xy(shaft + 1.27 * np.array([np.sin(tilt / 2), -np.cos(tilt / 2)])), r"$\theta$", MOTION, 14)
     measured = style.COLOURS["quadratic_drag"]
     across = np.array([-reach[1], reach[0]]) * -1
     dimension(axes, shaft, bob, r"$l_\mathrm{arm}$", 0.6 * across, reach=0.12, size=12, line=measured)
@@ -154,24 +175,18 @@ def _layout(axes):
     dimension(axes, (-0.75, 0), (-0.75, bob[1]), r"$h_\mathrm{bob}$", size=12)
 
 
-def _length_table(axes, apparatus):
+def _length_table(axes: Axes, apparatus: Mapping[str, Any]) -> None:
     rows = [(name, entry["value"], entry["limit"]) for name, entry in apparatus["lengths"].items()]
     rows += [("tower", point["height"], point["limit"]) for point in apparatus["points"]]
     axes.text(0, 0.985, "measured (mm)", color=style.COLOURS["quadratic_drag"], va="top")
     y, step = 0.88, min(0.062, 0.5 / len(rows))
     for name, mark in _SYMBOLS.items():
         for value, limit in ((1e3 * value, 1e3 * limit) for length, value, limit in rows if length == name):
-            decimals = _decimals(limit)
+            number, sign, bound = plus_minus(value, limit, "limit").partition("±")
             axes.text(0.0, y, mark, va="center", size=11)
-            axes.text(0.62, y, f"{value:.{decimals}f}", va="center", ha="right", size=9)
-            axes.text(0.65, y, f"± {limit:.{decimals}f}", va="center", ha="left", size=9)
+            axes.text(0.62, y, number.strip(), va="center", ha="right", size=9)
+            axes.text(0.65, y, sign + bound, va="center", ha="left", size=9)
             mark, y = "", y - step
     axes.text(0, y - 0.03, "follows", color=style.GREY, va="center")
-    for number, equation in enumerate(_EQUATIONS):
-        axes.text(0, y - 0.13 - 0.088 * number, equation, va="center", size=11)
-
-
-def _decimals(limit):
-    """The decimals that show a limit to two digits, or to one where the second is a zero."""
-    digits = max(0, 1 - int(np.floor(np.log10(limit) + 1e-9)))
-    return digits - 1 if digits and np.isclose(round(limit, digits - 1), limit) else digits
+    for line, equation in enumerate(_EQUATIONS):
+        axes.text(0, y - 0.13 - 0.088 * line, equation, va="center", size=11)

@@ -1,5 +1,9 @@
 """Figures 2 to 5: the simulated swings, and how well each model fits what another has made."""
 
+import pandas as pd
+import xarray as xr
+from matplotlib.figure import Figure
+
 from ..pendulum.model import symbol
 from . import style
 
@@ -8,7 +12,7 @@ PAPER, NELDER_MEAD, LEAST_SQUARES = -0.24, -0.05, 0.18  # where marks stand, fro
 
 
 @style.styled
-def fig02(realizations, simulated="viscous", realization=0):
+def fig02(realizations: xr.Dataset, simulated: str = "viscous", realization: int = 0) -> Figure:
     """One noisy realisation on the noise-free series, the noise alone below (the paper's Figure 2).
 
     ``realizations`` has ``truth`` (simulated, time) and ``noisy`` (simulated, realization, time), in rad.
@@ -42,23 +46,23 @@ def fig02(realizations, simulated="viscous", realization=0):
     )
 
 
-def fig03(norms, table2):
+def fig03(norms: xr.Dataset, table2: pd.DataFrame) -> Figure:
     """The norms of every model fitted to simulated viscous damping (the paper's Figure 3); see ``norms_of``."""
     return norms_of("viscous", norms, table2)
 
 
-def fig04(norms, table2):
+def fig04(norms: xr.Dataset, table2: pd.DataFrame) -> Figure:
     """The norms of every model fitted to simulated quadratic damping (the paper's Figure 4); see ``norms_of``."""
     return norms_of("quadratic_drag", norms, table2)
 
 
-def fig05(norms, table2):
+def fig05(norms: xr.Dataset, table2: pd.DataFrame) -> Figure:
     """The norms of every model fitted to simulated Coulomb damping (the paper's Figure 5); see ``norms_of``."""
     return norms_of("load_coulomb", norms, table2)
 
 
 @style.styled
-def norms_of(simulated, norms, table2):
+def norms_of(simulated: str, norms: xr.Dataset, table2: pd.DataFrame) -> Figure:
     """A figure of the norms of every fitted model, for one simulated model.
 
     ``norms`` has ``norm`` and ``least_squares_norm`` (simulated, fitted, realization), in degrees; ``table2`` has
@@ -105,7 +109,7 @@ def norms_of(simulated, norms, table2):
     return style.footnote(figure, bars, _settings(norms), _inferred(norms, INFERRED))
 
 
-def _settings(data):
+def _settings(data: xr.Dataset) -> str:
     """The signal-to-noise ratio and seed that a simulation's dataset states."""
     parts = [f"SNR {data.attrs['snr']:g}:1"] if "snr" in data.attrs else []
     if "seed" in data.attrs:
@@ -113,6 +117,6 @@ def _settings(data):
     return ", ".join(parts)
 
 
-def _inferred(data, settings):
+def _inferred(data: xr.Dataset, settings: str) -> str:
     """That ``settings`` were inferred, where the dataset says so (in full, in its attribute ``inferred``)."""
     return f"not in the paper, inferred from its Table 2: {settings}" if data.attrs.get("inferred") else ""

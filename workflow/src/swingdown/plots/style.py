@@ -1,18 +1,30 @@
 """How every figure looks: sizes, type, the models' colours, the small notes, and saving without a trace of the day."""
 
+from collections.abc import Callable, Mapping, Sequence
 from functools import wraps
 from pathlib import Path
+from typing import Any, ParamSpec, TypeVar
 
 import matplotlib
 import numpy as np
+import xarray as xr
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.axis import Axis
 from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
+from matplotlib.layout_engine import ConstrainedLayoutEngine
+from matplotlib.legend import Legend
 from matplotlib.lines import Line2D
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
+from numpy.typing import ArrayLike
 
+from ..arrays import Floats
 from ..paths import written_whole
 from ..pendulum.model import symbol
 
+_P = ParamSpec("_P")
+_T = TypeVar("_T")
 WIDTH_CM = 16.0
 DPI = 200
 _MANY = 10_000  # points of one line or band
@@ -38,7 +50,7 @@ NAMES = {
 }
 
 # Only fonts that come with matplotlib, so that a figure looks the same, byte for byte, on every machine.
-RC = {
+RC: dict[str, Any] = {
     "font.family": "STIXGeneral",
     "mathtext.fontset": "stix",
     "font.size": 10,
@@ -81,37 +93,36 @@ RC = {
 }
 
 
-def styled(function):
+def styled(function: Callable[_P, _T]) -> Callable[_P, _T]:
     """The function, run with this module's settings whatever the caller's matplotlib is set to."""
 
     @wraps(function)
-    def run(*args, **kwargs):
+    def run(*args: _P.args, **kwargs: _P.kwargs) -> _T:
         with matplotlib.rc_context():
             matplotlib.rcdefaults()
-            matplotlib.rcParams.update(RC)
+            matplotlib.rcParams.update(RC)  # type: ignore[arg-type]  # the stubs know its keys one by one
             return function(*args, **kwargs)
 
     return run
 
 
-def new_figure(height_cm):
+def new_figure(height_cm: float) -> Figure:
     """An empty figure as wide as the report's column (``WIDTH_CM``), laid out so that nothing overlaps."""
-    figure = Figure(figsize=(WIDTH_CM / 2.54, height_cm / 2.54), dpi=DPI, layout="constrained")
-    figure.get_layout_engine().set(w_pad=0.06, h_pad=0.06, wspace=0.03, hspace=0.03)
-    return figure
+    layout = ConstrainedLayoutEngine(w_pad=0.06, h_pad=0.06, wspace=0.03, hspace=0.03)
+    return Figure(figsize=(WIDTH_CM / 2.54, height_cm / 2.54), dpi=DPI, layout=layout)
 
 
-def colour(label):
+def colour(label: str) -> str:
     """The colour of a model, by its label; dark grey for a model that is not one of the paper's seven."""
     return COLOURS.get(label, COLOURS["viscous+quadratic_drag+load_coulomb"])
 
 
-def name(label):
+def name(label: str) -> str:
     """A model's name in words: ``viscous + Coulomb``."""
     return " + ".join(NAMES.get(term, term.replace("_", " ")) for term in label.split("+"))
 
 
-def model_axis(axes, entries):
+def model_axis(axes: Axes, entries: Sequence[str | tuple[str, str]]) -> Axes:
     """The axes with one place a model: its symbol, and below it its effects in words, one a line.
 
     ``entries`` are model labels, or (head, words) for what is not a model.
@@ -132,36 +143,41 @@ def model_axis(axes, entries):
     return axes
 
 
-def degrees(radians):
+def degrees(radians: ArrayLike) -> Floats:
     """Radians in degrees, as a plain array."""
     return np.degrees(np.asarray(radians, float))
 
 
-def symmetric(axes, values, room=1.12):
+def symmetric(axes: Axes, values: ArrayLike, room: float = 1.12) -> Axes:
     """The axes with zero in the middle and all ``values`` in view."""
     reach = room * float(np.nanmax(np.abs(values))) or 1.0
     axes.set_ylim(-reach, reach)
     return axes
 
 
-def mark(marker, colour, label, hollow=False):
+def mark(marker: str, colour: str, label: str, hollow: bool = False) -> Line2D:
     """A legend entry: one marker without a line."""
     face = "white" if hollow else colour
     size = {".": 4.5, "D": 4.6}.get(marker, 5.5)
     return Line2D([], [], ls="", marker=marker, ms=size, color=colour, mfc=face, mew=1.0, label=label)
 
 
-def legend_above(axes, handles=None):
+def legend_above(axes: Axes, handles: Sequence[Artist] | None = None) -> Legend:
     """A one-line legend above the axes, where it cannot cover data."""
     marks_only = handles is not None
     handles = axes.get_legend_handles_labels()[0] if handles is None else handles
     return axes.legend(
-        handles=handles, loc="lower left", bbox_to_anchor=(0, 1.005), ncols=len(handles), handletextpad=0.5,
-        borderpad=0.1, handlelength=1.0 if marks_only else 1.8,
-    )  # fmt: skip
+        handles=handles,
+        loc="lower left",
+        bbox_to_anchor=(0, 1.005),
+        ncols=len(handles),
+        handletextpad=0.5,
+        borderpad=0.1,
+        handlelength=1.0 if marks_only else 1.8,
+    )
 
 
-def runs(axes, place, values, colour, marker):
+def runs(axes: Axes, place: float, values: ArrayLike, colour: str, marker: str) -> None:
     """One model's runs on a category axis: a faint dot each, and their mean with a bar of ± one standard deviation.
 
     The dots are spread sideways by rank, not at random, so that a figure is the same each time.
@@ -178,7 +194,7 @@ def runs(axes, place, values, colour, marker):
     )  # fmt: skip
 
 
-def published(axes, place, mean, deviation):
+def published(axes: Axes, place: float, mean: float, deviation: float) -> None:
     """The paper's mean ± standard deviation as a hollow square, nothing where the paper gives none."""
     if np.isfinite(mean):
         axes.errorbar(
@@ -187,15 +203,15 @@ def published(axes, place, mean, deviation):
         )  # fmt: skip
 
 
-def decimal_log(axis):
+def decimal_log(axis: Axis) -> None:
     """A logarithmic axis marked 0.1, 0.2, 0.5, 1 … instead of in powers of ten."""
     axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0), numticks=20))
     axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
-    axis.set_minor_locator(LogLocator(subs=np.arange(1, 10), numticks=20))
+    axis.set_minor_locator(LogLocator(subs=range(1, 10), numticks=20))
     axis.set_minor_formatter(NullFormatter())
 
 
-def footnote(figure, *parts):
+def footnote(figure: Figure, *parts: str) -> Figure:
     """The figure with the given remarks (empty ones left out) in small type along its lower edge."""
     lines = [""]
     for part in filter(None, parts):
@@ -206,7 +222,7 @@ def footnote(figure, *parts):
     return figure
 
 
-def emulated_note(data):
+def emulated_note(data: xr.Dataset | Mapping[str, Any]) -> str:
     """What is said of data that no real apparatus stands behind, where they say so of themselves; else nothing.
 
     ``data`` is a dataset, or a mapping such as an apparatus sheet.
@@ -216,7 +232,7 @@ def emulated_note(data):
 
 
 @styled
-def absent(message):
+def absent(message: str) -> Figure:
     """A figure that says why there is nothing to see, for a study that leaves a model out."""
     figure = new_figure(4)
     figure.text(0.5, 0.5, message, ha="center", va="center", color=GREY)
@@ -227,14 +243,14 @@ def absent(message):
 _NO_TRACE = {".svg": {"Date": None, "Creator": None}, ".png": {"Software": None}}
 
 
-def _points(artist):
+def _points(artist: Line2D | PolyCollection) -> int:
     if isinstance(artist, Line2D):
-        return len(artist.get_xdata())
-    return sum(len(path.vertices) for path in artist.get_paths())
+        return np.size(artist.get_xdata())
+    return sum(np.shape(path.vertices)[0] for path in artist.get_paths())
 
 
 @styled
-def save(figure, path):
+def save(figure: Figure, path: str | Path) -> list[Path]:
     """The paths written: ``path`` as SVG or PNG by its suffix, or both if it has neither, whole or not at all.
 
     A series of more samples than the page has room for is stored as pixels in an SVG, which would else be many megabytes.
@@ -244,8 +260,8 @@ def save(figure, path):
     path = Path(path)
     figure.draw_without_rendering()
     figure.set_layout_engine("none")
-    for artist in figure.findobj(lambda artist: isinstance(artist, (Line2D, PolyCollection))):
-        if _points(artist) > _MANY:
+    for artist in figure.findobj():
+        if isinstance(artist, Line2D | PolyCollection) and _points(artist) > _MANY:
             artist.set_rasterized(True)
     targets = (
         [path] if path.suffix in _NO_TRACE else [path.with_name(path.name + suffix) for suffix in _NO_TRACE]

@@ -1,7 +1,9 @@
 """The maps of a sweep: how often the true model is told, over the settings; and what discovery says of a hidden effect."""
 
 import numpy as np
+import xarray as xr
 from matplotlib.colors import LinearSegmentedColormap, TwoSlopeNorm
+from matplotlib.figure import Figure
 
 from . import style
 
@@ -31,23 +33,23 @@ _AXES = {
 }
 
 
-def by_norm(maps):
+def by_norm(maps: xr.Dataset) -> Figure:
     """How often the true model has the lowest norm; see ``probability``."""
     return probability(maps, "true_by_norm")
 
 
-def by_bic(maps):
+def by_bic(maps: xr.Dataset) -> Figure:
     """How often the true model has the lowest BIC; see ``probability``."""
     return probability(maps, "true_by_bic")
 
 
-def by_ten(maps):
+def by_ten(maps: xr.Dataset) -> Figure:
     """How often the true model has the lowest mean norm of ten runs, as the paper compares; see ``probability``."""
     return probability(maps, "true_by_ten")
 
 
 @style.styled
-def probability(maps, name):
+def probability(maps: xr.Dataset, name: str) -> Figure:
     """A map for each simulated model and further setting: one probability (per cent) over the last two numeric axes.
 
     ``maps`` is what ``sweep.combine.read_maps`` returns, ``name`` one of its probabilities over the axes. White is the
@@ -114,12 +116,17 @@ def probability(maps, name):
     bar.outline.set_visible(False)
     figure.suptitle(_CRITERIA[name], x=0.012, ha="left", fontsize=10.5)
     seed = f"seed {maps.attrs['seed']}" if "seed" in maps.attrs else ""
-    return style.footnote(figure, "share of draws, in per cent", f"{maps.attrs['realizations']} draws a cell", seed,
-                          f"shown at {', '.join(fixed)}" if fixed else "")  # fmt: skip
+    return style.footnote(
+        figure,
+        "share of draws, in per cent",
+        f"{maps.attrs['realizations']} draws a cell",
+        seed,
+        f"shown at {', '.join(fixed)}" if fixed else "",
+    )
 
 
 @style.styled
-def detection(maps):
+def detection(maps: xr.Dataset) -> Figure:
     """What discovery said of a hidden effect, as shares of the campaigns, over the effect's size: a panel for each effect.
 
     ``maps`` is what ``sweep.combine.read_maps`` returns for a sweep that computes detection. Bars carry the standard
@@ -174,25 +181,30 @@ def detection(maps):
     figure.legend(handles=handles, loc="outside upper left", ncols=3, handletextpad=0.4, columnspacing=1.4)
     seed = f"seed {maps.attrs['seed']}" if "seed" in maps.attrs else ""
     at = ", ".join(_told(dim, maps[dim].values[0]) for dim in fixed)
-    return style.footnote(figure, "size: RMS that the hidden effect leaves in the base model's fit, over the noise; 0: nothing is hidden",
-                          f"{n} campaigns a bar", seed, f"shown at {at}" if at else "")  # fmt: skip
+    return style.footnote(
+        figure,
+        "size: RMS that the hidden effect leaves in the base model's fit, over the noise; 0: nothing is hidden",
+        f"{n} campaigns a bar",
+        seed,
+        f"shown at {at}" if at else "",
+    )
 
 
 MAPS = {function.__name__: function for function in (by_norm, by_bic, by_ten, detection)}
 
 
-def _told(dim, value):
+def _told(dim: str, value: object) -> str:
     """A setting in words: ``release angle 20°``."""
     label, _, unit = _label(dim).partition(" (")
     unit = unit.rstrip(")")
     return f"{label} {_text(value)}" + (unit if unit == "°" else f" {unit}" if unit else "")
 
 
-def _label(dim):
+def _label(dim: str) -> str:
     return _AXES.get(dim, str(dim).replace("_", " "))
 
 
-def _text(value):
+def _text(value: object) -> str:
     return (
         f"{value:g}"
         if isinstance(value, (float, np.floating, int, np.integer))

@@ -1,8 +1,10 @@
 """What the report says: one function for each section. A further section is a further function in ``SECTIONS``."""
 
 import re
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
 import pandas as pd
 import yaml
@@ -14,7 +16,7 @@ from ..studies.comparison import WORTH
 from ..studies.simulation import INFERRED_NOTE
 from . import numbers, provenance
 from . import sweeps as swept
-from .page import Column, Figure, Findings, Listing, Section, Table, Text
+from .page import Cell, Column, Figure, Findings, Item, Listing, Section, Table, Text
 
 EMULATED = (
     "The bench of this report is emulated. The paper's raw data were never published; the recordings of the campaign "
@@ -31,23 +33,23 @@ class Material:
     ``sweeps``: those whose results are there, as ``sweeps.made`` returns them.
     """
 
-    tables: dict
-    figures: dict
-    recordings: list
-    settings: dict
-    inputs: list = field(default_factory=list)  # files whose checksums are told
-    verdicts: list = field(default_factory=list)  # contents of each campaign's verdict.json
-    seen: list = field(
+    tables: dict[str, pd.DataFrame]
+    figures: dict[str, tuple[str, str]]
+    recordings: list[dict[str, Any]]
+    settings: dict[str, Any]
+    inputs: list[str] = field(default_factory=list)  # files whose checksums are told
+    verdicts: list[dict[str, Any]] = field(default_factory=list)  # contents of each campaign's verdict.json
+    seen: list[str] = field(
         default_factory=list
     )  # paths of their figures, discovery/{campaign}/figures/{name}.svg
-    sweeps: dict = field(default_factory=dict)
+    sweeps: dict[str, swept.Made] = field(default_factory=dict)
 
     @property
-    def emulated(self):
+    def emulated(self) -> list[str]:
         """The campaigns that come from an emulated apparatus, each once."""
         return list(dict.fromkeys(r["campaign"] for r in self.recordings if r.get("emulated") == "yes"))
 
-    def shown(self, *names):
+    def shown(self, *names: str) -> list[Figure]:
         """The figures of those names that were made."""
         return [
             Figure(f"Figure {int(name.removeprefix('fig'))}", *self.figures[name])
@@ -56,12 +58,12 @@ class Material:
         ]
 
 
-def sections(material):
+def sections(material: Material) -> list[Section]:
     """The report's sections in reading order; a section with nothing to show is left out."""
     return [section for make in SECTIONS if (section := make(material)) and section.items]
 
 
-def head(material):
+def head(material: Material) -> dict[str, str | list[str]]:
     """Title, subtitle, footer, and the notices that a reader must see before anything else."""
     swings = [recording for recording in material.recordings if recording.get("role") != "static"]
     campaigns = ", ".join(dict.fromkeys(recording["campaign"] for recording in swings))
@@ -77,13 +79,13 @@ def head(material):
     }
 
 
-def plain_findings(material):
+def plain_findings(material: Material) -> list[str]:
     """The findings as plain text, for the terminal."""
-    items = findings(material).items
-    return [Markup(line).striptags() for line in items[0].lines] if items else []
+    items = [item for item in findings(material).items if isinstance(item, Findings)]
+    return [Markup(line).striptags() for item in items for line in item.lines]
 
 
-def model_symbol(label):
+def model_symbol(label: str) -> Markup:
     """A model's symbol as HTML, the effects as subscript; the row of the error bounds, which is no model, in words."""
     if label == "error_bounds":
         return Markup(escape(label.replace("_", " ")))
@@ -94,7 +96,7 @@ def model_symbol(label):
 # --- the sections -------------------------------------------------------------------------------------------------
 
 
-def findings(material):
+def findings(material: Material) -> Section:
     """The sentences that open the report."""
     lines = [f"{found['campaign']}: {found['sentence']}" for found in material.verdicts]
     table, comparison = material.tables.get("table3"), material.tables.get("comparison")
@@ -112,7 +114,9 @@ def findings(material):
     return Section("Findings", [Findings(lines)] if lines else [])
 
 
-def _experiment_findings(campaign, rows, comparison, material):
+def _experiment_findings(
+    campaign: str, rows: pd.DataFrame, comparison: pd.DataFrame, material: Material
+) -> list[str]:
     models = rows[rows["fitted"] != "error_bounds"].set_index("fitted")
     if models.empty:
         return []
@@ -122,7 +126,7 @@ def _experiment_findings(campaign, rows, comparison, material):
     best, swings = models.loc[label], int(models.loc[label, "n"])
     them = "swing" if swings == 1 else f"{swings} swings"
     words = f"{campaign}: {{}} ({wording(label)}) describes the {them} best; it leaves {{}}° RMS."
-    lines = [Markup(words).format(model_symbol(label), numbers.spread(best["mean"], best["std"]))]
+    lines: list[str] = [Markup(words).format(model_symbol(label), numbers.spread(best["mean"], best["std"]))]
     if label != lowest:
         further = "{}: {} comes closer still, by terms that are not worth their parameters."
         lines.append(Markup(further).format(campaign, model_symbol(lowest)))
@@ -142,7 +146,7 @@ def _experiment_findings(campaign, rows, comparison, material):
     return lines
 
 
-def simplest(label, pairs):
+def simplest(label: str, pairs: pd.DataFrame) -> str:
     """The smallest model inside ``label`` that its further terms do not improve by more than they cost."""
     enough = [
         (row.model_a, row.mean_difference)
@@ -152,7 +156,7 @@ def simplest(label, pairs):
     return min(enough, key=lambda found: (found[0].count("+"), found[1]))[0] if enough else label
 
 
-def wording(label):
+def wording(label: str) -> str:
     """A model's effects in words: ``quadratic drag and load Coulomb``."""
     names = [name.replace("_", " ").replace("coulomb", "Coulomb") for name in label.split("+")]
     return " and ".join([", ".join(names[:-1]), names[-1]] if len(names) > 1 else names)
@@ -167,9 +171,9 @@ _SEEN = {
 }
 
 
-def missing(material):
+def missing(material: Material) -> Section:
     """What the models lack: each campaign's verdict, where they fail, and the figures."""
-    items = []
+    items: list[Item] = []
     for found in material.verdicts:
         campaign = found["campaign"]
         items.append(Text(Markup("<b>{}</b> ({}): {}").format(campaign, found["status"], found["sentence"])))
@@ -189,55 +193,87 @@ def missing(material):
     return Section("What is missing", items)
 
 
-def _added(found):
+def _added(found: dict[str, Any]) -> Table:
     columns = [
-        Column("effect"), Column("parameter"), Column("value", style="n"), Column("unit"), Column("BIC gained", style="n"),
+        Column("effect"),
+        Column("parameter"),
+        Column("value", style="n"),
+        Column("unit"),
+        Column("BIC gained", style="n"),
         Column("not told apart from"),
-    ]  # fmt: skip
+    ]
     rows = [
         [
-            one["name"].replace("_", " "), name.replace("_", " "), numbers.brief(entry["value"], entry["standard_error"]), entry["unit"],
-            numbers.whole(one["delta_bic"]), ", ".join(one["tied_with"]).replace("_", " ") or "–",
+            one["name"].replace("_", " "),
+            name.replace("_", " "),
+            numbers.brief(entry["value"], entry["standard_error"]),
+            entry["unit"],
+            numbers.whole(one["delta_bic"]),
+            ", ".join(one["tied_with"]).replace("_", " ") or "–",
         ]
-        for one in found["effects"] for name, entry in one["parameters"].items() if entry["value"] is not None
-    ]  # fmt: skip
+        for one in found["effects"]
+        for name, entry in one["parameters"].items()
+        if entry["value"] is not None
+    ]
     caption = f"What was added to the model of {found['campaign']}; in parentheses the standard error in units of the last digits."
     notes = [f"Moves: {'; '.join(found['moves']).replace('_', ' ')}. {found['split'].capitalize()}."]
     return Table(f"Effects, {found['campaign']}", caption, columns, rows, tuple(notes))
 
 
-def _where(found):
-    columns = [Column("group"), Column("share of the excess", "%", "n"), Column("χ²", style="n"), Column("freedom", style="n"),
-               Column("χ² at the end", style="n")]  # fmt: skip
+def _where(found: dict[str, Any]) -> Table:
+    columns = [
+        Column("group"),
+        Column("share of the excess", "%", "n"),
+        Column("χ²", style="n"),
+        Column("freedom", style="n"),
+        Column("χ² at the end", style="n"),
+    ]
     last = found["where"]["remaining"]
     rows = [
-        [name, f"{100 * one['share']:.0f}", numbers.whole(one["chi_square"]), int(one["freedom"]),
-         numbers.whole(last[name]["chi_square"]) if name in last else "–"]
+        [
+            name,
+            f"{100 * one['share']:.0f}",
+            numbers.whole(one["chi_square"]),
+            int(one["freedom"]),
+            numbers.whole(last[name]["chi_square"]) if name in last else "–",
+        ]
         for name, one in found["where"]["groups"].items()
-    ]  # fmt: skip
+    ]
     caption = f"Where the base model of {found['campaign']} fails: what a torque of any form in one variable, a sensor error or a line would explain."
-    return Table(f"Disagreement, {found['campaign']}", caption, columns, rows,
-                 ("Groups overlap: shares do not add up. “At the end” is told where something remains.",))  # fmt: skip
+    return Table(
+        f"Disagreement, {found['campaign']}",
+        caption,
+        columns,
+        rows,
+        ("Groups overlap: shares do not add up. “At the end” is told where something remains.",),
+    )
 
 
-def simulation(material):
+def simulation(material: Material) -> Section | None:
     """The simulation study: Table 2 and its figures."""
     table = material.tables.get("table2")
     if table is None:
         return None
     settings = material.settings["simulation"]
     columns = [
-        Column("simulated"), Column("fitted"), Column("norm, Nelder–Mead", "degrees", "n"),
-        Column("norm, least squares", "degrees", "n"), Column("paper", "degrees", "n"), Column("n", style="n"),
-    ]  # fmt: skip
-    rows = [
+        Column("simulated"),
+        Column("fitted"),
+        Column("norm, Nelder–Mead", "degrees", "n"),
+        Column("norm, least squares", "degrees", "n"),
+        Column("paper", "degrees", "n"),
+        Column("n", style="n"),
+    ]
+    rows: list[list[Cell]] = [
         [
-            model_symbol(row.simulated), model_symbol(row.fitted), numbers.spread(row.mean, row.std),
+            model_symbol(row.simulated),
+            model_symbol(row.fitted),
+            numbers.spread(row.mean, row.std),
             numbers.spread(row.mean_least_squares, row.std_least_squares),
-            numbers.spread(row.published_mean, row.published_std), int(row.n),
+            numbers.spread(row.published_mean, row.published_std),
+            int(row.n),
         ]
         for row in table.itertuples()
-    ]  # fmt: skip
+    ]
     caption = (
         f"Simulated swings ({settings['realizations']} noisy copies of each, signal to noise {settings['snr']:g}): norm of fit "
         "less noise-free swing, mean ± standard deviation over the copies."
@@ -248,21 +284,27 @@ def simulation(material):
     return Section("Simulation", [shown, *material.shown("fig02", "fig03", "fig04", "fig05")])
 
 
-def apparatus(material):
+def apparatus(material: Material) -> Section:
     """The pendulum, what was measured of it, and how voltage becomes angle."""
-    items = list(material.shown("fig01", "fig06", "fig07", "fig08"))
+    items: list[Item] = list(material.shown("fig01", "fig06", "fig07", "fig08"))
     if (budget := material.tables.get("uncertainty_budget")) is not None:
         items.append(_budget(budget))
     return Section("Pendulum and calibration", [*items, *material.shown("fig09")])
 
 
-def _budget(budget):
+def _budget(budget: pd.DataFrame) -> Table:
     quantity = budget["quantity"].iloc[-1]  # the angle of one sample, to which all else leads
     columns = [
-        Column("source"), Column("limit", style="n"), Column("divisor", style="n"), Column("u", "standard", "n"),
-        Column("unit"), Column("sensitivity", style="n"), Column("contribution", "mrad", "n"), Column("share", "%", "n"),
+        Column("source"),
+        Column("limit", style="n"),
+        Column("divisor", style="n"),
+        Column("u", "standard", "n"),
+        Column("unit"),
+        Column("sensitivity", style="n"),
+        Column("contribution", "mrad", "n"),
+        Column("share", "%", "n"),
         Column("kind"),
-    ]  # fmt: skip
+    ]
     shown = budget[budget["quantity"] == quantity].sort_values("share", ascending=False)
     rows = [
         [
@@ -280,9 +322,9 @@ def _budget(budget):
     return Table("Uncertainty budget", caption, columns, rows, notes)
 
 
-def experiment(material):
+def experiment(material: Material) -> Section:
     """The experiment study: Table 3, which models differ, the parameters, and the figures."""
-    items = []
+    items: list[Item] = []
     if (table := material.tables.get("table3")) is not None:
         items.append(_table3(table, material))
     items += material.shown("fig15")
@@ -293,20 +335,30 @@ def experiment(material):
     return Section("Experiment", [*items, *material.shown("fig10", "fig11", "fig12", "fig13", "fig14")])
 
 
-def _table3(table, material):
+def _table3(table: pd.DataFrame, material: Material) -> Table:
     columns = [
-        Column("campaign"), Column("fitted"), Column("norm", "degrees", "n"), Column("reduced χ²", style="n"),
-        Column("ΔBIC", "above the lowest", "n"), Column("variance inflation", style="n"), Column("n", style="n"),
+        Column("campaign"),
+        Column("fitted"),
+        Column("norm", "degrees", "n"),
+        Column("reduced χ²", style="n"),
+        Column("ΔBIC", "above the lowest", "n"),
+        Column("variance inflation", style="n"),
+        Column("n", style="n"),
         Column("paper", "degrees", "n"),
-    ]  # fmt: skip
+    ]
     rows = [
         [
-            row.campaign, model_symbol(row.fitted), numbers.spread(row.mean, row.std), numbers.plain(row.reduced_chi2),
-            numbers.whole(row.delta_bic), numbers.whole(row.variance_inflation), int(row.n),
+            row.campaign,
+            model_symbol(row.fitted),
+            numbers.spread(row.mean, row.std),
+            numbers.plain(row.reduced_chi2),
+            numbers.whole(row.delta_bic),
+            numbers.whole(row.variance_inflation),
+            int(row.n),
             numbers.spread(row.published_mean, row.published_std),
         ]
         for row in table.itertuples()
-    ]  # fmt: skip
+    ]
     notes = [
         "Norm: RMS of data less fit, mean ± standard deviation over the n swings. BIC: summed over them.",
         "Variance inflation: how many times the standard errors squared are too small for taking residuals as independent.",
@@ -323,31 +375,43 @@ def _table3(table, material):
     return _by_campaign("Table 3", "The models fitted to each swing.", columns, rows, notes)
 
 
-def _comparison(table):
+def _comparison(table: pd.DataFrame) -> Table:
     columns = [
-        Column("campaign"), Column("models"), Column("difference", "degrees", "n"), Column("p", "after Holm", "n"),
-        Column("ΔBIC", "independent samples", "n"), Column("verdict"),
-    ]  # fmt: skip
+        Column("campaign"),
+        Column("models"),
+        Column("difference", "degrees", "n"),
+        Column("p", "after Holm", "n"),
+        Column("ΔBIC", "independent samples", "n"),
+        Column("verdict"),
+    ]
     rows = [
         [
-            row.campaign, Markup("{}\u00a0−\u00a0{}").format(model_symbol(row.model_a), model_symbol(row.model_b)),
-            numbers.brief(row.mean_difference, row.standard_error), numbers.plain(row.p_holm, 2),
-            numbers.whole(row.delta_bic_effective), with_symbols(row.verdict),
+            row.campaign,
+            Markup("{}\u00a0−\u00a0{}").format(model_symbol(row.model_a), model_symbol(row.model_b)),
+            numbers.brief(row.mean_difference, row.standard_error),
+            numbers.plain(row.p_holm, 2),
+            numbers.whole(row.delta_bic_effective),
+            with_symbols(row.verdict),
         ]
         for row in table.itertuples()
-    ]  # fmt: skip
+    ]
     caption = "The difference of two models' norms on the same swing: mean (standard error) over the swings."
     notes = ["p: Student's for the mean difference, corrected for the number of pairs."]
     return _by_campaign("Paired comparison", caption, columns, rows, notes)
 
 
-def _parameters(table):
+def _parameters(table: pd.DataFrame) -> Table:
     keys = ["campaign", "fitted", "parameter", "unit"]
     columns = [
-        Column("campaign"), Column("fitted"), Column("parameter"), Column("mean over swings", style="n"),
-        Column("swings together", style="n"), Column("unit"), Column("std between swings", style="n"),
+        Column("campaign"),
+        Column("fitted"),
+        Column("parameter"),
+        Column("mean over swings", style="n"),
+        Column("swings together", style="n"),
+        Column("unit"),
+        Column("std between swings", style="n"),
         Column("standard error of one fit", "robust, median", "n"),
-    ]  # fmt: skip
+    ]
     rows = []
     for (campaign, fitted, parameter, unit), part in table.groupby(keys, sort=False, dropna=False):
         single = part[~part["recording"].isin(["(mean)", "(joint)"])]
@@ -364,7 +428,7 @@ def _parameters(table):
     return _by_campaign("Parameters", caption, columns, rows, notes)
 
 
-def _told(part, recording=None):
+def _told(part: pd.DataFrame, recording: str | None = None) -> str:
     """``value(standard error)`` of the first row, of one kind of row; nothing where there is none."""
     chosen = part if recording is None else part[part["recording"] == recording]
     if chosen.empty:
@@ -374,7 +438,9 @@ def _told(part, recording=None):
     return numbers.brief(row["value"], robust if pd.notna(robust) else row["standard_error"])
 
 
-def _by_campaign(label, caption, columns, rows, notes):
+def _by_campaign(
+    label: str, caption: str, columns: list[Column], rows: list[list[Cell]], notes: Sequence[str]
+) -> Table:
     """A table whose first column is the campaign: grouped by it, or without it where there is only one."""
     campaigns = [row[0] for row in rows]
     if len(set(campaigns)) > 1:
@@ -390,12 +456,12 @@ def _by_campaign(label, caption, columns, rows, notes):
     )
 
 
-def sweeps(material):
+def sweeps(material: Material) -> Section:
     """The sweeps that were computed: their maps beside the paper's claim."""
     return swept.section(material.sweeps)
 
 
-def settings(material):
+def settings(material: Material) -> Section:
     """The whole config, defaults filled in."""
     text = yaml.safe_dump(material.settings, sort_keys=False, allow_unicode=True, width=110)
     return Section(
@@ -408,7 +474,7 @@ def settings(material):
     )
 
 
-def origin(material):
+def origin(material: Material) -> Section:
     """Seed, versions and checksums: what is needed to get the same numbers again."""
     facts = [[name, value] for name, value in provenance.versions(material.settings["seed"])]
     about = Table(
@@ -424,17 +490,17 @@ def origin(material):
 SECTIONS = (findings, missing, simulation, apparatus, experiment, sweeps, settings, origin)
 
 
-def with_symbols(text):
+def with_symbols(text: str) -> Markup:
     """A sentence with the models' symbols typeset: ``κv,q`` with its subscript."""
     return Markup(re.sub(r"κ(\w+(?:,\w+)*)", r"κ<sub>\1</sub>", str(escape(text))))
 
 
-def _groups(labels):
+def _groups(labels: Iterable[object]) -> tuple[int, ...]:
     """The positions at which a column of labels changes."""
     labels = list(labels)
     return tuple(k for k in range(1, len(labels)) if labels[k] != labels[k - 1])
 
 
-def read_tables(paths):
+def read_tables(paths: Iterable[str | Path]) -> dict[str, pd.DataFrame]:
     """The tables of the given CSV files by name without ending."""
     return {Path(path).stem: pd.read_csv(path) for path in paths}

@@ -2,6 +2,7 @@
 
 import base64
 import re
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -12,6 +13,7 @@ from markupsafe import Markup
 from ..paths import written_whole
 
 TEMPLATE = Path(__file__).with_name("report.html.j2")
+Cell = str | int | Markup
 _MEDIA = {".png": "image/png", ".svg": "image/svg+xml"}
 
 
@@ -27,7 +29,7 @@ class Text:
 class Findings:
     """What a reader in a hurry takes away: a few sentences."""
 
-    lines: list
+    lines: list[str]
     kind = "findings"
 
 
@@ -54,14 +56,14 @@ class Table:
 
     label: str
     caption: str
-    columns: list
-    rows: list
-    notes: tuple = ()
-    groups: tuple = ()
+    columns: Sequence[Column]
+    rows: Sequence[Sequence[Cell]]
+    notes: tuple[str, ...] = ()
+    groups: tuple[int, ...] = ()
     kind = "table"
 
     @property
-    def anchor(self):
+    def anchor(self) -> str:
         return _anchor(self.label)
 
 
@@ -75,17 +77,20 @@ class Figure:
     kind = "figure"
 
     @property
-    def anchor(self):
+    def anchor(self) -> str:
         return _anchor(self.label)
 
     @property
-    def source(self):
+    def source(self) -> str:
         path = Path(self.path)
         return f"data:{_MEDIA[path.suffix]};base64,{base64.b64encode(path.read_bytes()).decode()}"
 
     @property
-    def caption(self):
+    def caption(self) -> Markup:
         return Markup(rst(self.text))
+
+
+Item = Text | Findings | Listing | Table | Figure
 
 
 @dataclass(frozen=True)
@@ -93,18 +98,18 @@ class Section:
     """A heading and what stands under it."""
 
     title: str
-    items: list
+    items: list[Item]
 
     @property
-    def anchor(self):
+    def anchor(self) -> str:
         return _anchor(self.title)
 
     @property
-    def listed(self):
-        return [item for item in self.items if item.kind in ("table", "figure")]
+    def listed(self) -> list[Table | Figure]:
+        return [item for item in self.items if isinstance(item, Table | Figure)]
 
 
-def rst(text):
+def rst(text: str) -> str:
     """The HTML of a caption in reStructuredText; mathematics becomes plain HTML, which needs no font of its own."""
     options = {"math_output": "HTML", "report_level": 3, "halt_level": 5, "file_insertion_enabled": False}
     body = publish_parts(text, writer="html5", settings_overrides=options)["body"].strip()
@@ -112,7 +117,7 @@ def rst(text):
     return single[1] if single and "<p>" not in single[1] else body
 
 
-def write(path, sections, **head):
+def write(path: str | Path, sections: Sequence[Section], **head: str | Sequence[str]) -> Path:
     """The path written: the report with its sections; ``head`` fills title, subtitle, notices and footer."""
     environment = jinja2.Environment(autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True)
     html = environment.from_string(TEMPLATE.read_text(encoding="utf-8")).render(sections=sections, **head)
@@ -121,5 +126,5 @@ def write(path, sections, **head):
     return Path(path)
 
 
-def _anchor(label):
+def _anchor(label: str) -> str:
     return re.sub(r"[^a-z0-9]+", "-", label.lower()).strip("-")

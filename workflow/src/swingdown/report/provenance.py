@@ -4,6 +4,7 @@ import hashlib
 import importlib.metadata
 import platform
 import subprocess
+from collections.abc import Iterable
 from pathlib import Path
 
 from ..paths import PROJECT
@@ -11,7 +12,7 @@ from ..paths import PROJECT
 _PACKAGES = ("swingdown", "numpy", "scipy", "pandas", "xarray", "netCDF4", "matplotlib", "sympy", "snakemake")
 
 
-def versions(seed):
+def versions(seed: int) -> list[tuple[str, str]]:
     """Pairs of name and version: seed, commit (where the project is a git clone), Python and the packages used."""
     pairs = [("seed", str(seed))]
     if commit := _commit():
@@ -25,18 +26,20 @@ def versions(seed):
     return pairs
 
 
-def checksums(paths):
+def checksums(paths: Iterable[str | Path]) -> list[tuple[str, str]]:
     """Pairs of name and SHA-256 of the files; a file of the project is named from its folder."""
     pairs = []
     for path in map(Path, paths):
-        inside = path.is_absolute() and path.is_relative_to(PROJECT)
-        name = path.relative_to(PROJECT) if inside else path
+        name = path.relative_to(PROJECT) if PROJECT and path.is_relative_to(PROJECT) else path
         pairs.append((str(name), hashlib.sha256(path.read_bytes()).hexdigest()))
     return pairs
 
 
-def _commit():
-    def git(*words):
+def _commit() -> str:
+    if not PROJECT:
+        return ""
+
+    def git(*words: str) -> subprocess.CompletedProcess[str]:
         return subprocess.run(["git", "-C", str(PROJECT), *words], capture_output=True, text=True, timeout=20)
 
     try:

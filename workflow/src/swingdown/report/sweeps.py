@@ -1,13 +1,14 @@
 """What the report says of sweeps: their maps, and beside them the paper's claim."""
 
 import itertools
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
 
-from .page import Column, Figure, Findings, Section, Table, Text
+from .page import Cell, Column, Figure, Findings, Item, Section, Table, Text
 
 CLAIM = 68  # per cent
 _LABELS = {
@@ -28,10 +29,12 @@ class Made:
     """A sweep whose results are there: its summary table, and for each map its name, picture and caption."""
 
     table: pd.DataFrame
-    maps: list
+    maps: list[tuple[str, str, str]]
 
 
-def made(names, captions, results="results/sweeps"):
+def made(
+    names: Iterable[str], captions: Iterable[str], results: str | Path = "results/sweeps"
+) -> dict[str, Made]:
     """The sweeps of those names whose table and maps lie in the results folder, by name (``Made``).
 
     ``captions`` are the paths of the maps' captions, ``sweep_by_norm.rst`` and so on.
@@ -51,9 +54,9 @@ def made(names, captions, results="results/sweeps"):
     return found
 
 
-def section(sweeps):
+def section(sweeps: Mapping[str, Made]) -> Section:
     """The section of all sweeps that were computed."""
-    items = []
+    items: list[Item] = []
     for name, one in sweeps.items():
         title = name.replace("_", " ")
         items.append(
@@ -75,7 +78,7 @@ def section(sweeps):
     return Section("Sweeps", items)
 
 
-def _said(name, table):
+def _said(name: str, table: pd.DataFrame) -> Iterator[str]:
     """A few sentences on a sweep."""
     if "true_by_norm" in table:
         parts = (
@@ -112,14 +115,14 @@ def _said(name, table):
             )
 
 
-def _identified(title, table):
+def _identified(title: str, table: pd.DataFrame) -> Table:
     by = [
         name for name in ("simulated", "start", "noise") if name in table and table[name].nunique() > 1
     ] or [table.columns[0]]
     names = [name for name in _LABELS if table[name].notna().any()]
     columns = [Column(name.replace("_", " ")) for name in by] + [Column("cells", style="n")]
     columns += [Column(_LABELS[name], "mean % · cells ≥ 68 %", "n") for name in names]
-    rows = []
+    rows: list[list[Cell]] = []
     for keys, part in table.groupby(by, sort=False):
         values = [
             f"{100 * part[name].mean():.0f} · {int((part[name] >= CLAIM / 100).sum())}" for name in names
@@ -133,17 +136,29 @@ def _identified(title, table):
     return Table(f"Sweep {title}", caption, columns, rows, notes[: 2 if "true_by_ten" in names else 1])
 
 
-def _detected(title, table):
+def _detected(title: str, table: pd.DataFrame) -> Table:
     by = [name for name in ("effect", "size") if name in table]
     more = [c for c in table.columns[: list(table.columns).index("draws")] if c not in by]
     columns = [Column(name.replace("_", " ")) for name in (*by[:1], *more)]
-    columns += [Column("left by the base model", "σ", "n"), Column("found", "%", "n"), Column("named alone", "%", "n"),
-                Column("among others", "%", "n"), Column("without a name", "%", "n"), Column("wrong", "%", "n")]  # fmt: skip
+    columns += [
+        Column("left by the base model", "σ", "n"),
+        Column("found", "%", "n"),
+        Column("named alone", "%", "n"),
+        Column("among others", "%", "n"),
+        Column("without a name", "%", "n"),
+        Column("wrong", "%", "n"),
+    ]
     rows = [
-        [*(_words(row[name]) for name in (*by[:1], *more)), f"{row['left_by_base']:.2g}",
-         *(f"{100 * row[name]:.0f}" for name in ("found", "named", "said_among_others", "said_unknown", "said_wrong"))]
+        [
+            *(_words(row[name]) for name in (*by[:1], *more)),
+            f"{row['left_by_base']:.2g}",
+            *(
+                f"{100 * row[name]:.0f}"
+                for name in ("found", "named", "said_among_others", "said_unknown", "said_wrong")
+            ),
+        ]
         for _, row in table.iterrows()
-    ]  # fmt: skip
+    ]
     effects = list(table[by[0]]) if by else []
     groups = tuple(k for k in range(1, len(effects)) if effects[k] != effects[k - 1])
     caption = "What discovery said of campaigns with one effect more than its base model."
@@ -152,13 +167,13 @@ def _detected(title, table):
     )
 
 
-def _words(value):
+def _words(value: object) -> str:
     return str(value).replace("_", " ").replace("coulomb", "Coulomb")
 
 
-def _percent(values):
+def _percent(values: pd.Series) -> str:
     return f"{100 * np.nanmean(values):.0f} %"
 
 
-def _reached(values):
+def _reached(values: pd.Series) -> str:
     return f"{int((values >= CLAIM / 100).sum())} of {int(values.notna().sum())}"

@@ -1,12 +1,16 @@
 """Paired comparison of models over recordings: which is closer to the data, and by more than runs differ?"""
 
 from itertools import combinations
+from typing import Any
 
 import numpy as np
 import pandas as pd
+import xarray as xr
 
+from ..arrays import Floats
 from ..fitting.nested import contains
 from ..pendulum.model import symbol
+from ..rounding import plus_minus
 from .norms import as_text
 
 _FEW = 5  # swings below which a scatter is hardly known
@@ -14,7 +18,7 @@ LEVEL = 0.05  # of the p-values after Holm's correction
 WORTH = 6.0  # "strong" evidence on the scale of Kass and Raftery, J. Am. Stat. Assoc. 90, 773 (1995)
 
 
-def comparison(norms):
+def comparison(norms: xr.Dataset) -> pd.DataFrame:
     """A row for each campaign and pair of models: campaign, model_a, model_b, mean_difference, standard_error, t, p, p_holm,
     wilcoxon_p, delta_bic, delta_bic_effective, n, unit, verdict.
 
@@ -28,7 +32,7 @@ def comparison(norms):
     return pd.concat(tables, ignore_index=True)
 
 
-def _campaign(campaign, norms):
+def _campaign(campaign: str, norms: xr.Dataset) -> pd.DataFrame:
     rows = [_pair(norms, a, b) for a, b in combinations(as_text(norms["fitted"]), 2)]
     table = pd.DataFrame(rows, columns=["model_a", "model_b", "mean_difference", "standard_error", "t", "p", "wilcoxon_p",
                                         "delta_bic", "delta_bic_effective", "n"])  # fmt: skip
@@ -39,7 +43,7 @@ def _campaign(campaign, norms):
     return table
 
 
-def _pair(norms, a, b):
+def _pair(norms: xr.Dataset, a: str, b: str) -> dict[str, Any]:
     from scipy import stats  # takes a second to load, which jobs that only write a table need not wait for
 
     first, second = norms.sel(fitted=a), norms.sel(fitted=b)
@@ -49,28 +53,31 @@ def _pair(norms, a, b):
     if n > 1 and np.ptp(difference) > 0:
         error = float(difference.std(ddof=1) / np.sqrt(n))
         t = row["mean_difference"] / error
-        row |= {"standard_error": error, "t": t, "p": float(2 * stats.t.sf(abs(t), n - 1)),
-                "wilcoxon_p": float(stats.wilcoxon(difference).pvalue)}  # fmt: skip
+        row |= {
+            "standard_error": error,
+            "t": t,
+            "p": float(2 * stats.t.sf(abs(t), n - 1)),
+            "wilcoxon_p": float(stats.wilcoxon(difference).pvalue),
+        }
     row["delta_bic"] = float(np.sum(first["bic"].values - second["bic"].values))
     row["delta_bic_effective"] = float(np.sum(_effective(first, second)))
     return row
 
 
-def bic_effective(norms):
+def bic_effective(norms: xr.Dataset) -> Floats:
     """BIC by model, summed over recordings, for as many samples as count as independent (an array over ``fitted``).
 
     The residual of the model with the lowest norm of a recording decides how many those are, for all models alike.
     """
-    norm, inflation = norms["norm"].transpose("fitted", "recording"), norms["variance_inflation"]
-    inflation = np.take_along_axis(
-        inflation.transpose(*norm.dims).values, norm.values.argmin(axis=0)[np.newaxis], axis=0
-    )
+    norm = norms["norm"].transpose("fitted", "recording")
+    inflations = norms["variance_inflation"].transpose(*norm.dims).values
+    inflation = np.take_along_axis(inflations, norm.values.argmin(axis=0)[np.newaxis], axis=0)
     independent = np.maximum(norms["samples"].values / inflation, 2.0)
     terms = np.isfinite(norms["value"].transpose(*norm.dims, "parameter").values).sum(axis=-1)
     return np.sum(2 * independent * np.log(np.radians(norm.values)) + terms * np.log(independent), axis=1)
 
 
-def _effective(first, second):
+def _effective(first: xr.Dataset, second: xr.Dataset) -> Floats:
     """BIC of the first minus that of the second model by recording, for as many samples as count as independent.
 
     The residual of the better model decides how many those are: the other's is all the more correlated for being wrong.
@@ -84,7 +91,7 @@ def _effective(first, second):
     ) * np.log(independent)
 
 
-def holm(p):
+def holm(p: Floats) -> Floats:
     """The p-values corrected for their number by Holm's step-down method (Scand. J. Stat. 6, 65 (1979)); NaN stays."""
     corrected = np.full(p.shape, np.nan)
     known = np.flatnonzero(np.isfinite(p))
@@ -94,7 +101,7 @@ def holm(p):
     return corrected
 
 
-def _verdict(row):
+def _verdict(row: Any) -> str:
     a, b = symbol(row.model_a), symbol(row.model_b)
     over = f"over {row.n} swing{'s' if row.n != 1 else ''}"
     if contains(row.model_b, row.model_a):
@@ -105,7 +112,7 @@ def _verdict(row):
     if not np.isfinite(row.p):
         by = f"{abs(row.mean_difference):.2g} degrees"
         return f"{lower} is closer to the data than {higher} by {by}, but one swing cannot tell whether by chance"
-    by = f"mean paired difference {value_text(abs(row.mean_difference), row.standard_error)} degrees {over}"
+    by = f"mean paired difference {plus_minus(abs(row.mean_difference), row.standard_error)} degrees {over}"
     if row.p_holm >= LEVEL:
         if row.n < _FEW:
             return f"{a} and {b} are not told apart, {row.n} swings are few: {by}"
@@ -113,7 +120,7 @@ def _verdict(row):
     return f"{lower} is closer to the data than {higher}: {by}"
 
 
-def _worth(large, small, gain, over):
+def _worth(large: str, small: str, gain: float, over: str) -> str:
     """Whether the terms that ``large`` has more than ``small`` earn their parameters; ``gain`` is BIC small minus large."""
     more = len(large.split("+")) - len(small.split("+"))
     terms, their = (
@@ -128,9 +135,3 @@ def _worth(large, small, gain, over):
     else:
         verdict = f"the data do not say whether {terms} earn{'s' if more == 1 else ''} {their}"
     return f"{symbol(large)} against {symbol(small)}: {verdict} ({told})"
-
-
-def value_text(value, uncertainty):
-    """A text such as ``0.0010 ± 0.0012``, both with as many decimals as two digits of the uncertainty need."""
-    decimals = max(0, 1 - int(np.floor(np.log10(uncertainty)))) if uncertainty > 0 else 4
-    return f"{value:.{decimals}f} ± {uncertainty:.{decimals}f}"

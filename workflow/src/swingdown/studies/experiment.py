@@ -6,19 +6,23 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from ..arrays import Floats, Swing
 from ..errors import InputError
 from ..fitting.guess import first_guess
 from ..fitting.least_squares import fit_jointly, fit_trajectory
 from ..fitting.nested import fit_nested
+from ..fitting.result import Fit
 from ..fitting.robust import robust_covariance, variance_inflation
 from ..pendulum.model import Model, as_model
-from .norms import labelled, model_coords, spread
+from .norms import Variable, labelled, model_coords, spread
 
 _ENOUGH = 3  # half-swings: two give a frequency, a decay needs the next
-_DIMS = {
-    "fit": ("fitted", "time"), "residual": ("fitted", "time"), "correlation": ("fitted", "parameter", "parameter_2"),
+_DIMS: dict[str, tuple[str, ...]] = {
+    "fit": ("fitted", "time"),
+    "residual": ("fitted", "time"),
+    "correlation": ("fitted", "parameter", "parameter_2"),
     **dict.fromkeys(("value", "standard_error", "robust_standard_error"), ("fitted", "parameter")),
-}  # fmt: skip
+}
 
 
 def fit_recording(
@@ -36,10 +40,12 @@ def fit_recording(
     tell by how much that is too good. InputError for a swing too short to fit.
     """
     name, times, series = _swing(angle)
-    models, options = [as_model(one) for one in fitted], {"start": start, "bounded": bounded}
-    fits = fit_nested(
-        models, lambda model, guess: fit_trajectory(model, times, series, guess=guess, **options)
-    )
+    models = [as_model(one) for one in fitted]
+
+    def fit_one(model: Model, guess: list[Fit] | None) -> Fit:
+        return fit_trajectory(model, times, series, guess=guess, start=start, bounded=bounded)
+
+    fits = fit_nested(models, fit_one)
     coords = model_coords(models)
     names = coords["parameter"][1]
     own = [{
@@ -47,7 +53,9 @@ def fit_recording(
         "fit": fit.angle, "residual": series - fit.angle,
     } for fit in fits]  # fmt: skip
     rows = [_row(fit, [(times, series)], [angle], names) | more for fit, more in zip(fits, own, strict=True)]
-    variables = {key: (_DIMS.get(key, ("fitted",)), [row[key] for row in rows]) for key in rows[0]}
+    variables: dict[str, Variable] = {
+        key: (_DIMS.get(key, ("fitted",)), [row[key] for row in rows]) for key in rows[0]
+    }
     bound = _known(angle, "angle_bound")
     variables["error_bound_norm"] = ((), np.nan if bound is None else np.degrees(np.sqrt(np.mean(bound**2))))
     variables["samples"] = ((), times.size)
@@ -79,12 +87,16 @@ def fit_campaign(
         )
     swings = [_swing(angle) for angle in angles]
     series = [(times, values) for _, times, values in swings]
-    models, options = [as_model(one) for one in fitted], {"start": start, "bounded": bounded}
-    fits = fit_nested(models, lambda model, guess: fit_jointly(model, series, guess=guess, **options))
+    models = [as_model(one) for one in fitted]
+    fits = fit_nested(
+        models, lambda model, guess: fit_jointly(model, series, guess=guess, start=start, bounded=bounded)
+    )
     coords = model_coords(models)
     names = coords["parameter"][1]
     rows = [_row(fit, series, angles, names) for fit in fits]
-    variables = {key: (_DIMS.get(key, ("fitted",)), [row[key] for row in rows]) for key in rows[0]}
+    variables: dict[str, Variable] = {
+        key: (_DIMS.get(key, ("fitted",)), [row[key] for row in rows]) for key in rows[0]
+    }
     by_swing = {
         "rms": [[swing.rms for swing in fit.swings] for fit in fits],
         "norm": [[np.degrees(swing.rms) for swing in fit.swings] for fit in fits],
@@ -113,16 +125,18 @@ def _options(models: Sequence[Model], start: str, bounded: bool) -> dict[str, An
     return {"start": start, **options, "bounded": int(bounded)}
 
 
-def _swing(angle):
+def _swing(angle: xr.Dataset) -> tuple[str, Floats, Floats]:
     """The recording's name, times (s) and angle (rad); InputError if it is too short to fit."""
     name = str(angle.attrs.get("recording", "recording"))
     times, series = angle["time"].values, angle["angle"].values
     crossings = np.count_nonzero(np.diff(np.signbit(series - np.median(series))))
     if times.size < 4 * _ENOUGH or crossings < _ENOUGH + 1:
         raise InputError(
-            f"recording {name}", f"too few swings to fit: the angle crosses its middle {crossings} times",
-            f"at least {_ENOUGH} whole half-swings", "record longer, or widen start_s and stop_s",
-        )  # fmt: skip
+            f"recording {name}",
+            f"too few swings to fit: the angle crosses its middle {crossings} times",
+            f"at least {_ENOUGH} whole half-swings",
+            "record longer, or widen start_s and stop_s",
+        )
     try:
         first_guess(times, series)
     except InputError as problem:
@@ -130,7 +144,7 @@ def _swing(angle):
     return name, times, series
 
 
-def _about(angle):
+def _about(angle: xr.Dataset) -> dict[str, tuple[str, str]]:
     """What is to be known of a recording's angle, as {name: (value, long_name)}."""
     return {
         "campaign": (str(angle.attrs.get("campaign", "")), "pendulum the recording belongs to"),
@@ -139,7 +153,9 @@ def _about(angle):
     }
 
 
-def _row(fit, swings, angles, names):
+def _row(
+    fit: Fit, swings: Sequence[Swing], angles: Sequence[xr.Dataset], names: Sequence[str]
+) -> dict[str, Any]:
     """What is kept of every fit, by name."""
     robust = robust_covariance(fit, swings)
     errors = dict(zip(fit.free, np.sqrt(np.diag(robust)), strict=True))
@@ -158,7 +174,7 @@ def _row(fit, swings, angles, names):
     }
 
 
-def _reduced_chi2(fit, swings, angles):
+def _reduced_chi2(fit: Fit, swings: Sequence[Swing], angles: Sequence[xr.Dataset]) -> float:
     total = 0.0
     for (_, series), angle, fitted in zip(swings, angles, fit.swings, strict=True):
         random = _known(angle, "angle_random_uncertainty")
@@ -168,7 +184,7 @@ def _reduced_chi2(fit, swings, angles):
     return total / (fit.n - len(fit.free))
 
 
-def _correlation(fit, names):
+def _correlation(fit: Fit, names: Sequence[str]) -> Floats:
     """The correlation matrix over ``names``, NaN for those the model lacks."""
     found = np.full((len(names), len(names)), np.nan)
     own = fit.model.parameters
@@ -177,12 +193,12 @@ def _correlation(fit, names):
     return found
 
 
-def _condition(fit):
+def _condition(fit: Fit) -> float:
     matrix = fit.correlation
     return float(np.linalg.cond(matrix)) if np.all(np.isfinite(matrix)) else np.nan
 
 
-def _known(angle, name):
+def _known(angle: xr.Dataset, name: str) -> Floats | None:
     """The variable's values where it is there and above 0 throughout, else None."""
     if name not in angle or not np.all(angle[name].values > 0):
         return None

@@ -7,11 +7,13 @@ anything with ``standard_normal(n)``. The config names both (``simulation.noise`
 from zlib import crc32
 
 import numpy as np
+from numpy.typing import ArrayLike
 
+from ..arrays import Floats
 from ..errors import InputError
 
 
-def proportional(angle, snr, normals):
+def proportional(angle: Floats, snr: float, normals: Floats) -> Floats:
     """The angle (rad) with noise in proportion to its size, ``y + |y|/snr * normal`` (Eq. 5).
 
     There is none at a zero crossing, which no real sensor achieves: it is the paper's choice.
@@ -19,22 +21,22 @@ def proportional(angle, snr, normals):
     return angle + np.abs(angle) / snr * normals
 
 
-def additive(angle, snr, normals):
+def additive(angle: Floats, snr: float, normals: Floats) -> Floats:
     """The angle (rad) with noise of one size throughout: its standard deviation is the RMS over ``snr``."""
     return angle + _rms(angle) / snr * normals
 
 
-def additive_of_size(angle, standard_deviation, normals):
+def additive_of_size(angle: Floats, standard_deviation: float, normals: Floats) -> Floats:
     """The angle (rad) with noise of the standard deviation given (rad)."""
     return angle + standard_deviation * normals
 
 
-def quantised(angle, step):
+def quantised(angle: ArrayLike, step: float) -> Floats:
     """The angle (rad) rounded to the nearest multiple of ``step`` (rad), as an encoder reads it."""
     return step * np.round(np.asarray(angle) / step)
 
 
-def quantisation(angle, snr, normals=None):
+def quantisation(angle: Floats, snr: float, normals: Floats | None = None) -> Floats:
     """The angle (rad) rounded to steps whose standard deviation (step/sqrt 12) is the RMS over ``snr``.
 
     Nothing is drawn (``normals`` is there for the common signature): realisations of a series are all alike.
@@ -46,7 +48,7 @@ NOISES = {"proportional": proportional, "additive": additive, "quantisation": qu
 STREAMS = ("R", "numpy")
 
 
-def add_noise(kind, angle, snr, normals):
+def add_noise(kind: str, angle: ArrayLike, snr: float, normals: Floats) -> Floats:
     """The noisy angle (rad, shape of ``angle``) by the noise model named ``kind``.
 
     ``normals`` are standard normal draws of the same shape. InputError for an unknown kind or an ``snr`` that
@@ -59,7 +61,7 @@ def add_noise(kind, angle, snr, normals):
     return NOISES[kind](np.asarray(angle, float), snr, normals)
 
 
-def numpy_stream(seed, label, index):
+def numpy_stream(seed: int, label: str, index: int) -> np.random.Generator:
     """A numpy Generator that depends on ``seed``, ``label`` and ``index`` alone.
 
     So a realisation is the same whatever other models are simulated beside it, in whatever order or process.
@@ -74,7 +76,7 @@ class RStream:
     mixed; they advance one state, as ``runif`` and ``rnorm`` do. InputError unless ``seed`` is a 32-bit integer.
     """
 
-    def __init__(self, seed):
+    def __init__(self, seed: int) -> None:
         if not isinstance(seed, (int, np.integer)) or not -(2**31) < seed < 2**31:
             expected = "an integer between -2147483647 and 2147483647"
             raise InputError("seed", f"{seed!r} cannot seed R's stream", expected)
@@ -89,13 +91,13 @@ class RStream:
         key = np.array(words[1:], dtype=np.uint32)
         self._twister.state = {"bit_generator": "MT19937", "state": {"key": key, "pos": 624}}
 
-    def uniform(self, size):
+    def uniform(self, size: int) -> Floats:
         """``size`` uniforms in the open interval (0, 1), as ``runif(size)``."""
         smallest = 0.5 * 2.328306437080797e-10
         raw = self._twister.random_raw(size).astype(float) * 2.3283064365386963e-10
         return np.clip(raw, smallest, 1 - smallest)
 
-    def standard_normal(self, size):
+    def standard_normal(self, size: int) -> Floats:
         """``size`` standard normals, as ``rnorm(size)``: each the quantile of two uniforms joined into one."""
         from scipy.special import (
             ndtri,  # takes half a second to load, which those who draw from numpy need not wait for
@@ -106,5 +108,5 @@ class RStream:
         return ndtri((np.floor(big * first) + second) / big)
 
 
-def _rms(series):
+def _rms(series: Floats) -> float:
     return float(np.sqrt(np.mean(np.square(series))))

@@ -1,17 +1,18 @@
 """Norm tables as labelled datasets: what each variable means, and one dataset out of many."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
+from ..arrays import Floats
 from ..errors import InputError
 from ..pendulum.model import Model, as_model, symbol
 
 # value and standard errors hold parameters of different units side by side; the unit of each stands in parameter_unit
 _OF_EACH = "see parameter_unit"
-LABELS = {
+LABELS: dict[str, tuple[str | None, str]] = {
     "time": ("s", "time"),
     "truth": ("rad", "noise-free simulated angle"),
     "noisy": ("rad", "simulated angle with noise"),
@@ -39,17 +40,20 @@ LABELS = {
     "evaluations": (None, "trajectories computed by the fit"),
     "samples": (None, "number of samples"),
 }
+Variable = tuple[str | tuple[str, ...], Any]  # what xarray makes a variable of: dimensions, values ...
+Coordinate = tuple[str | tuple[str, ...], Any, dict[str, str]]  # ... and attributes
 METHODS = {"": "Nelder-Mead", "least_squares_": "trajectory least squares"}
 
 
-def labelled(dataset, **long_names):
+def labelled(dataset: xr.Dataset, **long_names: str) -> xr.Dataset:
     """The dataset with units and long_name on every variable that ``LABELS`` knows (``long_names`` override).
 
     A prefix of ``METHODS`` is read off the name and told in the long name.
     """
-    for name, variable in dataset.variables.items():
+    for key, variable in dataset.variables.items():
+        name = str(key)
         prefix = next((p for p in METHODS if p and name.startswith(p)), "")
-        units, text = LABELS.get(name.removeprefix(prefix), (None, None))
+        units, text = LABELS.get(name.removeprefix(prefix), (None, ""))
         if text:
             variable.attrs["long_name"] = long_names.get(name, text) + (
                 f" ({METHODS[prefix]})" if prefix else ""
@@ -59,7 +63,7 @@ def labelled(dataset, **long_names):
     return dataset
 
 
-def model_coords(fitted: Iterable[Model | str]) -> dict[str, Any]:
+def model_coords(fitted: Iterable[Model | str]) -> dict[str, Coordinate]:
     """Coordinates for datasets over models and parameters: ``fitted`` with symbols, ``parameter`` with units.
 
     ``parameter`` holds the parameters of all models together, the natural frequency first, in the catalogue's order.
@@ -80,17 +84,17 @@ def model_coords(fitted: Iterable[Model | str]) -> dict[str, Any]:
     }
 
 
-def as_text(variable):
+def as_text(variable: xr.DataArray) -> list[str]:
     """A list of str: the values of a text coordinate, however the file kept them."""
     return [str(value) for value in np.atleast_1d(variable.values)]
 
 
-def spread(model_values, names):
+def spread(model_values: Mapping[str, float], names: Sequence[str]) -> Floats:
     """An array over ``names`` with the numbers of a mapping by name, NaN where it has none."""
     return np.array([model_values.get(name, np.nan) for name in names], dtype=float)
 
 
-def combine_simulated(datasets):
+def combine_simulated(datasets: Iterable[xr.Dataset]) -> xr.Dataset:
     """One dataset (simulated, fitted, realization, parameter) out of ``simulation.simulation_norms`` results.
 
     InputError if there are none, or if they were not fitted with the same models.
@@ -98,7 +102,7 @@ def combine_simulated(datasets):
     return _combined(list(datasets), "simulated", "simulation/norms")
 
 
-def combine_recordings(datasets):
+def combine_recordings(datasets: Iterable[xr.Dataset]) -> xr.Dataset:
     """One dataset (fitted, recording, parameter) out of ``experiment.fit_recording`` results, the series left out.
 
     Coordinates over ``recording``: ``campaign``, ``emulated`` and ``uncertainty`` (what it is from). InputError if there are none ("too few swings to
@@ -116,7 +120,7 @@ def combine_recordings(datasets):
     return combined.transpose(*order, missing_dims="ignore").assign_attrs(emulated=emulated)
 
 
-def _with_recording(dataset):
+def _with_recording(dataset: xr.Dataset) -> xr.Dataset:
     own = {
         name: ("recording", [str(dataset[name].item())], dataset[name].attrs)
         for name in ("campaign", "emulated", "uncertainty")
@@ -124,14 +128,18 @@ def _with_recording(dataset):
     return dataset.expand_dims("recording").assign_coords(own)
 
 
-def _combined(datasets, dimension, where):
+def _combined(datasets: Sequence[xr.Dataset], dimension: str, where: str) -> xr.Dataset:
     if not datasets:
         raise InputError(
             where, "too few swings to fit: there is none", "at least one", "add swings to the sample sheet"
         )
     for dataset in datasets[1:]:
         if list(dataset["fitted"].values) != list(datasets[0]["fitted"].values):
-            raise InputError(where, "the parts were fitted with different models", "the same models throughout",
-                             "delete the parts and run again")  # fmt: skip
+            raise InputError(
+                where,
+                "the parts were fitted with different models",
+                "the same models throughout",
+                "delete the parts and run again",
+            )
     return xr.concat(datasets, dimension, data_vars="all", coords="different", compat="equals", join="exact",
                      combine_attrs="drop_conflicts")  # fmt: skip

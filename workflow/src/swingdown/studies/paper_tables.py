@@ -3,15 +3,19 @@
 Norms are in degrees. The paper's printed numbers stand beside the computed ones (``resources/paper``).
 """
 
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pandas as pd
+import xarray as xr
 
+from ..arrays import Floats
 from ..paths import written_whole
+from ..rounding import value_with_uncertainty
 from .comparison import bic_effective, comparison
 from .norms import as_text
-from .rounding import value_with_uncertainty
 
 __all__ = ["comparison", "parameters", "table2", "table3", "write_table"]
 PAPER = {"snr": 50, "noise": "proportional", "stream": "R", "seed": 150, "natural_frequency": 7.25, "viscous_ratio": 0.03,
@@ -20,7 +24,7 @@ PAPER = {"snr": 50, "noise": "proportional", "stream": "R", "seed": 150, "natura
 OTHER_APPARATUS = "published: the paper's own apparatus, another one than this"
 
 
-def table2(norms, published):
+def table2(norms: xr.Dataset, published: pd.DataFrame) -> pd.DataFrame:
     """Table 2 with columns simulated, fitted, mean, std, n, published_mean, published_std, mean_least_squares,
     std_least_squares, standard_error_of_std, unit, note.
 
@@ -29,8 +33,11 @@ def table2(norms, published):
     and by trajectory least squares; the std itself is known to std/sqrt(2 (n - 1)). The note names what was inferred, and
     which settings are not those of the paper.
     """
-    cells = [(s, f) for s, f in zip(published["simulated"], published["fitted"], strict=True)
-             if s in norms["simulated"].values and f in norms["fitted"].values]  # fmt: skip
+    cells = [
+        (s, f)
+        for s, f in zip(published["simulated"], published["fitted"], strict=True)
+        if s in norms["simulated"].values and f in norms["fitted"].values
+    ]
     cells = cells or [(s, f) for s in norms["simulated"].values for f in norms["fitted"].values]
     printed = published.set_index(["simulated", "fitted"])
     note = _settings_note(norms.attrs, norms.sizes["realization"])
@@ -49,7 +56,7 @@ def table2(norms, published):
     return pd.DataFrame(rows)
 
 
-def _settings_note(settings, count):
+def _settings_note(settings: Mapping[str, Any], count: int) -> str:
     changed = [
         f"{key} {settings[key]}" for key, usual in PAPER.items() if key in settings and settings[key] != usual
     ]
@@ -58,7 +65,7 @@ def _settings_note(settings, count):
     return settings.get("inferred", "") + other
 
 
-def table3(norms, published):
+def table3(norms: xr.Dataset, published: pd.DataFrame) -> pd.DataFrame:
     """Table 3 with columns campaign, fitted, mean, std, n, reduced_chi2, bic, delta_bic, delta_bic_effective,
     variance_inflation, published_mean, published_std, unit, note.
 
@@ -100,7 +107,7 @@ def table3(norms, published):
     return table.reindex(columns=list(order))
 
 
-def _negative(one):
+def _negative(one: xr.Dataset) -> Iterator[str]:
     """A remark for each damping coefficient that came out negative: no such damper exists, it stands in for another."""
     for name in as_text(one["parameter"]):
         values = one["value"].sel(parameter=name).values
@@ -108,7 +115,7 @@ def _negative(one):
             yield f"{name} below 0 in {count} of {values.size}: it stands in for something the model lacks"
 
 
-def parameters(norms, joint=()):
+def parameters(norms: xr.Dataset, joint: Iterable[xr.Dataset] = ()) -> pd.DataFrame:
     """A row for each fitted value: campaign, recording, fitted, parameter, value, standard_error, robust_standard_error,
     unit, text.
 
@@ -120,7 +127,15 @@ def parameters(norms, joint=()):
     units = dict(zip(as_text(norms["parameter"]), as_text(norms["parameter_unit"]), strict=True))
     rows = []
 
-    def add(campaign, recording, label, name, value, error, robust=np.nan):
+    def add(
+        campaign: str,
+        recording: str,
+        label: str,
+        name: str,
+        value: float,
+        error: float,
+        robust: float = np.nan,
+    ) -> None:
         if np.isfinite(value):
             shown = np.fmax(robust, error)
             rows.append({
@@ -162,14 +177,14 @@ def parameters(norms, joint=()):
     return pd.DataFrame(rows)
 
 
-def write_table(table, path):
+def write_table(table: pd.DataFrame, path: str | Path) -> Path:
     """The path written: a CSV file at full precision that appears under its name only when it is complete."""
     with written_whole(path) as partial:
         table.to_csv(partial, index=False, lineterminator="\n")
     return Path(path)
 
 
-def statistics(values):
+def statistics(values: Floats) -> tuple[float, float, int]:
     """Mean, standard deviation (n - 1; NaN for a single value) and n."""
     return (
         float(np.mean(values)),

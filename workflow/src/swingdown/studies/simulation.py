@@ -4,36 +4,40 @@ The paper does not report several settings of its Table 2. They were inferred by
 shows that one consistent reading exists and confirms nothing independently; ``INFERRED`` names them wherever shown.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
+from ..arrays import Floats
 from ..engine.trajectory import simulate
 from ..errors import InputError
 from ..fitting.least_squares import fit_trajectory
 from ..fitting.nelder_mead import fit_nelder_mead
 from ..fitting.nested import fit_nested
+from ..fitting.result import Fit
 from ..pendulum.model import Model, models
 from .noise import STREAMS, RStream, add_noise, numpy_stream
-from .norms import labelled, model_coords, spread
+from .norms import Variable, labelled, model_coords, spread
 
 INFERRED = (
-    "quadratic_coefficient", "load_friction", "release_angle_deg", "duration_s", "start (at rest, at the first noisy sample)",
-    "the fit's coefficients unbounded", "the norm (RMS of fit minus noise-free series, in degrees)",
+    "quadratic_coefficient",
+    "load_friction",
+    "release_angle_deg",
+    "duration_s",
+    "start (at rest, at the first noisy sample)",
+    "the fit's coefficients unbounded",
+    "the norm (RMS of fit minus noise-free series, in degrees)",
     "the order of the draws (viscous, quadratic, Coulomb)",
-)  # fmt: skip
+)
 INFERRED_NOTE = (
     f"Not reported in the paper, inferred from its Table 2 itself: {'; '.join(INFERRED)}. "
     "Agreement shows one consistent reading and is no independent confirmation."
 )
 
 
-def realizations(
-    *, simulated, natural_frequency, viscous_ratio, quadratic_coefficient, load_friction, release_angle_deg, sampling_rate_hz,
-    duration_s, snr, noise, stream, realizations, seed, restoring="sine", form="consistent",
-):  # fmt: skip
+def realizations(*, simulated: Sequence[str], natural_frequency: float, viscous_ratio: float, quadratic_coefficient: float, load_friction: float, release_angle_deg: float, sampling_rate_hz: float, duration_s: float, snr: float, noise: str, stream: str, realizations: int, seed: int, restoring: str = "sine", form: str = "consistent") -> xr.Dataset:  # fmt: skip
     """A Dataset with ``truth`` (simulated, time) and ``noisy`` (simulated, realization, time), both in rad.
 
     Each model of ``simulated`` is released from rest at ``release_angle_deg`` (degrees) and sampled over ``duration_s`` (s)
@@ -41,7 +45,7 @@ def realizations(
     first model, then of the second and so on as in one R session, or ``numpy``, where each realisation depends on seed,
     model and index alone. All settings are attributes. InputError for a setting that cannot be used.
     """
-    settings = {
+    settings: dict[str, Any] = {
         "natural_frequency": natural_frequency, "viscous_ratio": viscous_ratio, "quadratic_coefficient": quadratic_coefficient,
         "load_friction": load_friction, "release_angle_deg": release_angle_deg, "sampling_rate_hz": sampling_rate_hz,
         "duration_s": duration_s, "snr": snr, "noise": noise, "stream": stream, "seed": seed, "restoring": restoring, "form": form,
@@ -52,7 +56,7 @@ def realizations(
     draws = _draws(stream, seed, times.size)
     truth, noisy = [], []
     for label in simulated:
-        model = Model(label, restoring=restoring, form=form)
+        model = Model(tuple(label.split("+")), restoring=restoring, form=form)
         known = {name: settings[name] for name in model.parameters if name in settings}
         truth.append(simulate(model.with_values(known), times, np.radians(release_angle_deg)))
         noisy.append([add_noise(noise, truth[-1], snr, draws(label, k)) for k in range(realizations)])
@@ -71,7 +75,7 @@ def realizations(
     return labelled(data)
 
 
-def _draws(stream, seed, size):
+def _draws(stream: str, seed: int, size: int) -> Callable[[str, int], Floats]:
     if stream == "R":
         drawn = RStream(seed)
         return lambda label, index: drawn.standard_normal(size)
@@ -107,7 +111,7 @@ def simulation_norms(
     coords = model_coords(family)
     names = coords["parameter"][1]
     shape = (1, len(fitted), len(swings))
-    variables = {}
+    variables: dict[str, Variable] = {}
     for prefix, method in (("", fit_nelder_mead), ("least_squares_", fit_trajectory)):
         rows = [_rows(method, family, times, swing, truth, names, start) for swing in swings]
         for name in rows[0]:
@@ -116,7 +120,7 @@ def simulation_norms(
             variables[prefix + name] = (dims, stacked.reshape(*shape, *stacked.shape[2:]))
     coords |= {
         "simulated": ("simulated", [simulated], {"long_name": "simulated model"}),
-        "realization": chosen["realization"],
+        "realization": ("realization", chosen["realization"].values, dict(chosen["realization"].attrs)),
     }
     data = xr.Dataset(variables, coords, realizations.attrs | {"start": start})
     return labelled(
@@ -124,7 +128,15 @@ def simulation_norms(
     )
 
 
-def _rows(method, family, times, swing, truth, names, start):
+def _rows(
+    method: Callable[..., Fit],
+    family: Sequence[Model],
+    times: Floats,
+    swing: Floats,
+    truth: Floats,
+    names: Sequence[str],
+    start: str,
+) -> dict[str, list[Any]]:
     fits = fit_nested(family, lambda model, guess: method(model, times, swing, guess=guess, start=start))
     return {
         "norm": [_rms_degrees(fit.angle - truth) for fit in fits],
@@ -136,5 +148,5 @@ def _rows(method, family, times, swing, truth, names, start):
     }
 
 
-def _rms_degrees(series):
+def _rms_degrees(series: Floats) -> float:
     return float(np.degrees(np.sqrt(np.mean(np.square(series)))))

@@ -1,7 +1,9 @@
 """What a study consists of: which recordings are fitted, in which campaigns, and which need the calibration."""
 
 import difflib
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 from ..errors import InputError
 from ..measurement.apparatus import read_apparatus
@@ -17,25 +19,25 @@ class Plan:
     searched: tuple = ()  # those in which missing effects are looked for
     apparatus: str | None = None  # path of the apparatus sheet, where a recording needs it
 
-    def swings(self, campaign=None):
+    def swings(self, campaign: str | None = None) -> list[str]:
         """The names of the recordings that are fitted: all but the static ones, of one campaign or of all chosen."""
         return self._named(self.campaigns if campaign is None else (campaign,), (False,))
 
-    def statics(self, campaign=None):
+    def statics(self, campaign: str | None = None) -> list[str]:
         """The names of the recordings of the pendulum at rest."""
         return self._named(self.campaigns if campaign is None else (campaign,), (True,))
 
     @property
-    def in_volts(self):
+    def in_volts(self) -> list[str]:
         """The names of the recordings whose angle follows from the calibration."""
         return [name for name in self.measured if self.rows[name]["signal_unit"] == "V"]
 
     @property
-    def measured(self):
+    def measured(self) -> list[str]:
         """The names of all recordings of the campaigns that are fitted or searched, static ones included."""
         return self._named((*self.campaigns, *self.searched), (True, False))
 
-    def _named(self, campaigns, static):
+    def _named(self, campaigns: Sequence[str], static: Sequence[bool]) -> list[str]:
         return [
             name
             for name, row in self.rows.items()
@@ -43,7 +45,7 @@ class Plan:
         ]
 
 
-def plan(settings):
+def plan(settings: dict[str, Any]) -> Plan:
     """The Plan that complete settings (``settings.complete``) and the sheets they name lay down.
 
     InputError for a campaign that is not in the sheet or has nothing to fit, and for recordings in volts without an
@@ -69,7 +71,7 @@ def plan(settings):
     return result
 
 
-def _chosen(settings, part, known):
+def _chosen(settings: dict[str, Any], part: str, known: Sequence[str]) -> tuple[str, ...]:
     for name in settings[part]["campaigns"]:
         if name not in known:
             near = difflib.get_close_matches(name, known, 1, 0.5)
@@ -79,7 +81,7 @@ def _chosen(settings, part, known):
     return tuple(settings[part]["campaigns"])
 
 
-def _check_apparatus(plan, settings):
+def _check_apparatus(plan: Plan, settings: dict[str, Any]) -> None:
     first = plan.in_volts[0]
     where = f"{settings['recordings']} ({first})"
     if not plan.apparatus:

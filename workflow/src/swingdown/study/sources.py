@@ -4,13 +4,14 @@ Snakemake reruns a rule when its script changes, but knows nothing of what the s
 """
 
 import ast
+from collections.abc import Iterator, Sequence
 from functools import cache
 from pathlib import Path
 
 PACKAGE = Path(__file__).resolve().parents[1]
 
 
-def sources(script):
+def sources(script: str | Path) -> list[str]:
     """The sorted paths of the package's files that ``script`` imports, directly or through one another.
 
     A sub-package counts with its ``__init__`` and what is imported of it, and with the C and YAML files that lie in it. Imports
@@ -30,11 +31,11 @@ def sources(script):
 
 
 @cache
-def imported(file):
+def imported(file: str | Path) -> tuple[Path, ...]:
     """The package's files that one Python file imports, as a tuple of paths."""
     file = Path(file).resolve()
     inside = PACKAGE in file.parents
-    found = []
+    found: list[Path] = []
     for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
         if isinstance(node, ast.Import):
             for alias in node.names:
@@ -53,7 +54,7 @@ def imported(file):
     return tuple(dict.fromkeys(found))
 
 
-def _files(base, parts):
+def _files(base: Path, parts: Sequence[str]) -> Iterator[Path]:
     """The files that ``import base.parts`` reads; a last part that is a name inside a module adds none."""
     for part in parts:
         module, package = base / f"{part}.py", base / part / "__init__.py"

@@ -28,7 +28,7 @@ def find(
         started = time.process_time()
         swings = []
         for recording, row in rows.iterrows():
-            data = to_angle(ingest(row, sheet))
+            data = to_angle(ingest(row, str(sheet)))
             swings.append(Swing(str(recording), data["time"].values, data["angle"].values))
         one = campaign(str(name), swings)
         lacks = set((excluded or {}).get(name, ()))

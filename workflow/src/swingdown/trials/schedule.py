@@ -26,7 +26,8 @@ def planned(settings: Mapping[str, Any], catalogue: Catalogue = SHIPPED) -> list
 
     InputError for an effect that the second pendulum does not know: none is left out in silence.
     """
-    found, sizes, repeats = [], settings["sizes"], settings["repeats"]
+    found: list[Planned] = []
+    sizes, repeats = settings["sizes"], settings["repeats"]
     names = settings["effects"] or hideable(catalogue)
     check_known(names, catalogue)
 

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-from scipy.stats import beta
+from scipy.stats import binomtest
 
 from ..discovery.campaign import Noise
 from ..discovery.verdict import GUARD
@@ -163,9 +163,8 @@ def _share(flags):
 def _proportion(count, n):
     if not n:
         return np.nan, np.nan, np.nan, 0
-    low = beta.ppf(0.025, count, n - count + 1) if count else 0.0
-    high = beta.ppf(0.975, count + 1, n - count) if count < n else 1.0
-    return count / n, float(low), float(high), n
+    interval = binomtest(count, n).proportion_ci(method="exact")
+    return count / n, float(interval.low), float(interval.high), n
 
 
 def guard(scores):

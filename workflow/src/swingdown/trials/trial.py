@@ -9,10 +9,10 @@ import numpy as np
 import pandas as pd
 from scipy.signal import lfilter
 
+from ..arrays import Floats
 from ..engine.trajectory import TrajectoryError
 from ..errors import InputError
 from ..fitting.least_squares import fit_jointly
-from ..fitting.result import Array
 from ..pendulum.catalogue import SHIPPED, Catalogue
 from ..pendulum.effect import Effect, Parameter
 from ..pendulum.model import Model
@@ -139,7 +139,7 @@ def _usual(parameter: Parameter) -> tuple[float, float]:
 
 def _drawn(rng: np.random.Generator, among: Sequence[Any]) -> float:
     if isinstance(among[0], tuple):
-        return float(rng.uniform(*among[rng.integers(len(among))]))
+        return float(rng.uniform(*among[int(rng.integers(len(among)))]))
     return float(rng.choice(among)) if len(among) > 2 else float(rng.uniform(*among))
 
 
@@ -206,16 +206,16 @@ def _left_by_base(trial: Trial, hidden: Sequence[str], catalogue: Catalogue) -> 
     return fit_jointly(Model(BASE), pairs, bounded=True).rms
 
 
-def _swing(trial: Trial, hidden: Sequence[str], k: int, times: Array, catalogue: Catalogue) -> Array:
+def _swing(trial: Trial, hidden: Sequence[str], k: int, times: Floats, catalogue: Catalogue) -> Floats:
     values, twins = trial.values | trial.own[k], {e.name: e.twin for e in catalogue if e.twin}
     return trajectory((*BASE, *hidden), values, times, *trial.releases[k], twins=twins).reading
 
 
-def swings(trial: Trial, seed: int, catalogue: Catalogue = SHIPPED) -> list[tuple[Array, Array]]:
+def swings(trial: Trial, seed: int, catalogue: Catalogue = SHIPPED) -> list[tuple[Floats, Floats]]:
     """The trial's swings with noise: a list of (times in s, angles in rad)."""
     times = np.arange(round(DURATION * RATE) + 1) / RATE
     rng = np.random.default_rng(np.random.SeedSequence(seed, spawn_key=[*map(ord, trial.name), 1]))
-    found = []
+    found: list[tuple[Floats, Floats]] = []
     for k in range(SWINGS):
         clean = _swing(trial, trial.hidden, k, times, catalogue)
         white = rng.standard_normal(times.size + 100)

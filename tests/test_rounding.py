@@ -5,7 +5,7 @@ from math import inf, nan
 
 import pytest
 
-from swingdown.studies.rounding import value_with_uncertainty
+from swingdown.rounding import plus_minus, value_with_uncertainty
 
 
 def test_published_cases_of_the_pdg_rule(shared_data):
@@ -16,6 +16,13 @@ def test_published_cases_of_the_pdg_rule(shared_data):
         value, uncertainty = float(case["value"]), float(case["std"])
         assert value_with_uncertainty(value, uncertainty, "pdg") == case["uncertainties_3.2.3_default_S"]
         assert value_with_uncertainty(value, uncertainty) == case["two_digit_S"]
+        for rule, column in (("pdg", "uncertainties_3.2.3_default_S"), ("two", "two_digit_S")):
+            number, _, digits = case[column].removesuffix(")").partition("(")
+            decimals = len(number.partition(".")[2])
+            assert (
+                plus_minus(value, uncertainty, rule)
+                == f"{number} ± {int(digits) / 10**decimals:.{decimals}f}"
+            )
 
 
 @pytest.mark.parametrize(
@@ -28,6 +35,7 @@ def test_published_cases_of_the_pdg_rule(shared_data):
         (3e-9, 1.2e-10, "3.00(12)e-9"),
         (1.23456e8, 1.2e5, "1.2346(12)e8"),
         (0.0, 0.01, "0.000(10)"),
+        (-0.001, 0.12, "0.00(12)"),
         (2.6e-7, 6.0e-6, "0.3(6.0)e-6"),
         (7.25, 0.0, "7.25(?)"),
         (7.25, nan, "7.25(?)"),
@@ -37,6 +45,29 @@ def test_published_cases_of_the_pdg_rule(shared_data):
 )
 def test_two_digits_of_the_uncertainty(value, uncertainty, text):
     assert value_with_uncertainty(value, uncertainty) == text
+
+
+@pytest.mark.parametrize(
+    ("value", "uncertainty", "rule", "text"),
+    [
+        (0.5, 0.0996, "two", "0.50 ± 0.10"),
+        (0.5, 0.0994, "two", "0.500 ± 0.099"),
+        (0.5, 0.0996, "one", "0.5 ± 0.1"),
+        (5.94, 0.096, "one", "5.9 ± 0.1"),
+        (0.31, 0.02, "one", "0.31 ± 0.02"),
+        (1234.5, 567.0, "two", "1234 ± 567"),
+        (1.2e-7, 3.4e-9, "two", "(1.200 ± 0.034)e-7"),
+        (-0.0004, 0.12, "two", "0.00 ± 0.12"),
+        (208.0, 0.5, "limit", "208.0 ± 0.5"),
+        (50.9, 1e3 * 0.00004, "limit", "50.90 ± 0.04"),
+        (300.0, 0.25, "limit", "300.00 ± 0.25"),
+        (300.0, 20.0, "limit", "300 ± 20"),
+        (7.25, nan, "two", "7.25 ± ?"),
+        (nan, 1.0, "two", "nan"),
+    ],
+)
+def test_a_value_and_its_uncertainty_side_by_side(value, uncertainty, rule, text):
+    assert plus_minus(value, uncertainty, rule) == text
 
 
 @pytest.mark.parametrize(

@@ -5,9 +5,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..engine import build
-from ..engine.trajectory import doubles, engine
-from ..errors import InputError
+from swingdown.engine import build
+from swingdown.engine.trajectory import doubles, engine
+from swingdown.errors import InputError
 
 _MOST_VARIABLES = 192  # the minimiser's own limit
 

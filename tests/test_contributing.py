@@ -1,0 +1,60 @@
+"""The changes that CONTRIBUTING.md works through can be made as they stand there, and do what it says."""
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+
+import pytest
+
+
+@pytest.fixture(scope="module")
+def changes(root):
+    """All diffs of CONTRIBUTING.md as one patch."""
+    text = (root / "CONTRIBUTING.md").read_text(encoding="utf-8")
+    return "".join(re.findall(r"^```diff\n(.*?)^```$", text, re.DOTALL | re.MULTILINE))
+
+
+def git_apply(changes, folder, *options):
+    done = subprocess.run(
+        ["git", "apply", *options, "-"], input=changes, cwd=folder, text=True, capture_output=True
+    )
+    assert done.returncode == 0, done.stderr
+
+
+def test_the_changes_fit_the_files_as_they_are(root, changes):
+    assert changes.count("+++ b/") == 9
+    git_apply(changes, root, "--check")
+
+
+@pytest.mark.slow
+def test_with_the_changes_made_the_tests_pass(root, changes, tmp_path):
+    """On a copy: formatter and linter find nothing, the figure is drawn, the format is read."""
+    copy, ignored = tmp_path / "copy", shutil.ignore_patterns("__pycache__", "*.egg-info")
+    for name in ("workflow", "tests", "config", "resources"):
+        shutil.copytree(root / name, copy / name, ignore=ignored)
+    for name in ("pyproject.toml", "Snakefile"):
+        shutil.copy(root / name, copy / name)
+    git_apply(changes, copy)
+    asked = [
+        "tests/plots/test_captions.py",
+        "tests/plots/test_figures.py",
+        "tests/capture/test_capture_formats.py",
+    ]
+    commands = [
+        ["ruff", "format", "--check", "."],
+        ["ruff", "check", "."],
+        ["snakefmt", "--check", "workflow/rules"],
+        ["pytest", "-q", *asked, "-k", "fig16 or one_more or decimal_commas or neither_hang"],
+    ]
+    for command in commands:
+        done = subprocess.run(
+            [sys.executable, "-m", *command],
+            cwd=copy,
+            env=os.environ | {"PYTHONPATH": str(copy / "workflow/src")},
+            text=True,
+            capture_output=True,
+        )
+        assert done.returncode == 0, done.stdout + done.stderr
+    assert " passed" in done.stdout

@@ -1,0 +1,127 @@
+"""The package by itself: built as a wheel, put into an environment of its own, used where no project is around it."""
+
+import os
+import shutil
+import subprocess
+import sys
+import sysconfig
+import zipfile
+from pathlib import Path
+
+import pytest
+
+SOURCES = ("pyproject.toml", "README.md", "LICENSE", "workflow/src")
+USE = """
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import snakemake_logger_plugin_swingdown
+
+import swingdown
+from swingdown import paths, schema
+from swingdown.discovery.verdict import GUARD
+from swingdown.engine.trajectory import simulate
+from swingdown.errors import InputError
+from swingdown.fitting.fit import fit_trajectory
+from swingdown.measurement.sheet import read_sheet
+from swingdown.pendulum.model import Model
+from swingdown.report import contents, page, provenance
+from swingdown.study.settings import complete
+
+print("package", Path(swingdown.__file__).parent)
+assert paths.PROJECT is None
+assert paths.find("config/config.yaml") == Path("config/config.yaml")
+
+truth = {"natural_frequency": 7.25, "viscous_ratio": 0.03, "load_friction": 0.012}
+times = np.arange(501) / 100
+angle = simulate(Model(("viscous", "load_coulomb"), truth), times, 0.35)
+fit = fit_trajectory("viscous+load_coulomb", times, angle, start="rest")
+for name, value in truth.items():
+    print("fitted", name, fit.model.values[name] / value)
+
+settings = complete({})
+try:
+    complete({"sead": 1})
+except InputError as error:
+    print("refused", error.mend)
+Path("swing.csv").write_text("t_s,theta_rad\\n")
+Path("sheet.csv").write_text("recording,file\\nswing,swing.csv\\n")
+assert list(read_sheet("sheet.csv").index) == ["swing"]
+assert GUARD["nulls"] > 0
+
+table = pd.DataFrame([{
+    "simulated": "viscous", "fitted": "viscous", "mean": 0.131, "std": 0.0996, "n": 10, "mean_least_squares": 0.13,
+    "std_least_squares": 0.01, "published_mean": 0.13, "published_std": 0.01,
+}])
+inputs = [str(Path("sheet.csv").absolute())]
+material = contents.Material({"table2": table}, {}, [], settings, inputs=inputs)
+page.write("report.html", contents.sections(material), **contents.head(material))
+assert "commit" not in dict(provenance.versions(1))
+"""
+
+
+@pytest.fixture(scope="module")
+def wheel(root, tmp_path_factory):
+    """The wheel, built from a copy, so that nothing appears in the project's folder."""
+    folder = tmp_path_factory.mktemp("wheel")
+    for name in SOURCES:
+        if (root / name).is_dir():
+            ignored = shutil.ignore_patterns("__pycache__", "*.egg-info")
+            shutil.copytree(root / name, folder / "copy" / name, ignore=ignored)
+        else:
+            (folder / "copy").mkdir(exist_ok=True)
+            shutil.copy(root / name, folder / "copy" / name)
+    pip = [sys.executable, "-m", "pip", "--disable-pip-version-check"]
+    building = [
+        *pip,
+        "wheel",
+        "--no-deps",
+        "--no-build-isolation",
+        "--no-index",
+        "-w",
+        folder,
+        folder / "copy",
+    ]
+    done = subprocess.run(list(map(str, building)), text=True, capture_output=True)
+    assert done.returncode == 0, done.stdout + done.stderr
+    (made,) = folder.glob("swingdown-*.whl")
+    return made
+
+
+@pytest.mark.slow
+def test_the_wheel_holds_every_file_of_the_package(root, wheel):
+    source = root / "workflow/src"
+    packages = ("swingdown", "snakemake_logger_plugin_swingdown")
+    files = [path for name in packages for path in (source / name).rglob("*") if path.is_file()]
+    wanted = {path.relative_to(source).as_posix() for path in files if "__pycache__" not in path.parts}
+    assert {".c", ".h", ".yaml", ".j2", ".typed"} <= {Path(name).suffix for name in wanted}
+    assert wanted <= set(zipfile.ZipFile(wheel).namelist())
+
+
+@pytest.mark.slow
+def test_the_wheel_works_where_no_project_is_around_it(wheel, tmp_path):
+    """Its dependencies are those of the present environment, so that no network is asked; the package is its own."""
+    environment, elsewhere = tmp_path / "environment", tmp_path / "elsewhere"
+    elsewhere.mkdir()
+    subprocess.run([sys.executable, "-m", "venv", "--without-pip", str(environment)], check=True)
+    python = environment / "bin/python"
+    pip = [sys.executable, "-m", "pip", "--disable-pip-version-check", "--python", python]
+    subprocess.run(list(map(str, [*pip, "install", "-q", "--no-deps", "--no-index", wheel])), check=True)
+    (site,) = environment.glob("lib/python*/site-packages")
+    # a path in such a file is added, and the files of this kind that lie there (the editable install's) are not read
+    (site / "dependencies.pth").write_text(
+        f"{sysconfig.get_paths()['purelib']}\n{sysconfig.get_paths()['platlib']}\n"
+    )
+    clean = {key: value for key, value in os.environ.items() if not key.startswith("PYTHON")}
+    clean["SWINGDOWN_CACHE"] = str(tmp_path / "cache")
+    done = subprocess.run([str(python), "-c", USE], cwd=elsewhere, env=clean, text=True, capture_output=True)
+    assert done.returncode == 0, done.stdout + done.stderr
+    said = [line.split(maxsplit=1) for line in done.stdout.splitlines()]
+    assert ["package", str(site / "swingdown")] in said
+    assert ["refused", "write 'seed', if that is what was meant"] in said
+    ratios = [float(text.split()[1]) for word, text in said if word == "fitted"]
+    assert ratios == pytest.approx([1.0] * 3, abs=1e-6)
+    report = (elsewhere / "report.html").read_text(encoding="utf-8")
+    assert "0.13 ± 0.10" in report and "sheet.csv" in report
+    assert list((tmp_path / "cache").glob("engine-*.so"))

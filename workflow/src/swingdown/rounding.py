@@ -1,0 +1,97 @@
+"""A value and its uncertainty as a reader wants them: both cut at the uncertainty's last meaningful digit.
+
+Whatever shows a value with its uncertainty asks here; full precision belongs in files.
+"""
+
+from decimal import ROUND_HALF_EVEN, Decimal
+from math import isfinite
+
+RULES = ("two", "one", "pdg", "limit")
+_SMALLEST = -4  # power of ten of the larger of the two below which, and ...
+_COARSEST = 2  # ... of the last digit shown above which a power of ten reads better
+
+
+def value_with_uncertainty(value: float, uncertainty: float, rule: str = "two") -> str:
+    """A text such as ``1.418(45)``: the standard uncertainty in units of the last digits.
+
+    ``rule`` says how many digits of the uncertainty are shown: ``two`` (GUM 7.2.6), ``one``, ``pdg`` (Particle Data
+    Group: leading digits 100-354 two, 355-949 one, 950-999 rounded up to 1000 and two) or ``limit`` (a limit as it is
+    stated: two, or one where the second is a zero). ``value(?)`` where the uncertainty is not a number above 0.
+    ValueError for another rule.
+    """
+    if (parts := _cut(value, uncertainty, rule)) is None:
+        return _unknown(value, "(?)")
+    number, error, last, power = parts
+    if last >= 0:
+        return f"{int(number)}({int(error)})" + _power(power)
+    inside = f"{error:.{-last}f}" if error >= 1 else str(int(error.scaleb(-last)))
+    return f"{number:.{-last}f}({inside})" + _power(power)
+
+
+def plus_minus(value: float, uncertainty: float, rule: str = "two") -> str:
+    """A text such as ``1.418 ± 0.045``, or ``(1.20 ± 0.34)e-7``: both numbers with the same decimals.
+
+    ``rule`` as for ``value_with_uncertainty``; digits before the point are never rounded away. ``value ± ?`` where the
+    uncertainty is not a number above 0.
+    """
+    if (parts := _cut(value, uncertainty, rule, coarsest=0)) is None:
+        return _unknown(value, " ± ?")
+    number, error, last, power = parts
+    text = f"{number:.{max(-last, 0)}f} ± {error:.{max(-last, 0)}f}"
+    return f"({text}){_power(power)}" if power else text
+
+
+def _cut(
+    value: float, uncertainty: float, rule: str, coarsest: int | None = None
+) -> tuple[Decimal, Decimal, int, int] | None:
+    """Value and uncertainty at the last digit shown, in units of a power of ten; that digit's power and this one.
+
+    None where there is nothing to cut at. ``coarsest`` is the power that the last digit shown does not exceed; then
+    only small numbers are told with a power of ten.
+    """
+    if rule not in RULES:
+        raise ValueError(f"unknown rule {rule!r}: {', '.join(RULES)}")
+    if not (isfinite(value) and isfinite(uncertainty) and uncertainty > 0):
+        return None
+    # Decimal of a float is exact, so that a half is a half in what is stored and not in how it prints
+    number, error = Decimal(float(value)), Decimal(float(uncertainty))
+    error, last = _last_digit(error, rule)
+    size = max(number, error, key=abs).adjusted()
+    power = 0
+    if size < _SMALLEST or (coarsest is None and last > _COARSEST):
+        power = size
+    if coarsest is not None:
+        last = min(last, coarsest + power)
+    number, error = (_rounded(part, last).scaleb(-power) for part in (number, error))
+    return abs(number) if number == 0 else number, error, last - power, power
+
+
+def _last_digit(error: Decimal, rule: str) -> tuple[Decimal, int]:
+    """The uncertainty to be rounded, and the power of ten of its last digit shown."""
+    exponent, digits = error.adjusted(), 1 if rule == "one" else 2
+    if rule == "pdg":
+        leading = int(error.scaleb(2 - exponent))
+        if leading > 949:
+            error, exponent = Decimal(1).scaleb(exponent + 1), exponent + 1
+        elif leading > 354:
+            digits = 1
+    last = exponent - digits + 1
+    rounded = _rounded(error, last)
+    if rounded.adjusted() > exponent:  # 0.0996 becomes 0.100, which is again two digits too few
+        last += 1
+    if rule == "limit" and last < 0 and _rounded(rounded, last + 1) == rounded:
+        last += 1
+    return error, last
+
+
+def _rounded(number: Decimal, last: int) -> Decimal:
+    step = Decimal(1).scaleb(last)
+    return (number / step).to_integral_value(ROUND_HALF_EVEN) * step
+
+
+def _power(power: int) -> str:
+    return f"e{power}" if power else ""
+
+
+def _unknown(value: float, mark: str) -> str:
+    return f"{value:.7g}{mark}" if isfinite(value) else str(float(value))
