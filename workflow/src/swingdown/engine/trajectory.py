@@ -1,21 +1,20 @@
 """Trajectories of a model: the angle over time, exact at velocity reversals and with sticking, and its sensitivities."""
 
-import ctypes
 from dataclasses import dataclass
 
 import numpy as np
 
 from ..errors import InputError
 from ..pendulum import catalogue as effects
-from . import build
+from . import build, interface
 from .rows import entries
 
 _STATUS = {
-    1: "the accuracy could not be kept (the motion is not that of a pendulum at these parameters)",
-    2: "the motion ran away",
-    3: "the clock runs backwards at these parameters",
-    4: "the model has more parameters than the engine takes",
-    5: "out of memory",
+    "LOST_ACCURACY": "the accuracy could not be kept (the motion is not that of a pendulum at these parameters)",
+    "RAN_AWAY": "the motion ran away",
+    "CLOCK_RUNS_BACK": "the clock runs backwards at these parameters",
+    "TOO_LARGE": "the model has more parameters than the engine takes",
+    "NO_MEMORY": "out of memory",
 }
 
 
@@ -74,18 +73,9 @@ class Compiled:
                 play = parameter
             parameter, state = parameter + len(effect.parameters), state + len(effect.states)
         self.model, self.n_parameters = model, parameter
-        self.c = build.CModel(n_parameters=parameter, n_states=state, play=play, duration=duration)
-        self._kept = []
-        for kind, found in parts.items():
-            array = (build.CPart * max(1, len(found)))(*found)
-            self._kept.append(array)
-            setattr(self.c, f"n_{kind}", len(found))
-            setattr(self.c, kind, ctypes.cast(array, ctypes.POINTER(build.CPart)))
-
-
-def doubles(array):
-    """A pointer to the contiguous float64 array's first element."""
-    return array.ctypes.data_as(ctypes.POINTER(ctypes.c_double))
+        self.c, self._kept = interface.model(
+            **parts, n_parameters=parameter, n_states=state, play=play, duration=duration
+        )
 
 
 def checked_times(times):
@@ -113,24 +103,29 @@ def _run(model, times, release_angle, release_velocity, free):
                 f"{value:g} {definition.unit}",
                 f"{definition.least:g} or more",
             )
-    codes = {"release_angle": -1, "release_velocity": -2} | {
+    library = engine()
+    codes = {"release_angle": library.RELEASE_ANGLE, "release_velocity": library.RELEASE_VELOCITY} | {
         name: k for k, name in enumerate(model.parameters)
     }
     if unknown := [name for name in free if name not in codes]:
         raise InputError(f"model {model.label}", f"no value {unknown[0]!r} to vary", ", ".join(codes))
-    chosen = (ctypes.c_int * max(1, len(free)))(*(codes[name] for name in free))
+    chosen = [codes[name] for name in free]
     angles, slopes = np.empty(times.size), np.empty((len(free), times.size))
-    report = build.CReport()
-    status = engine().swing_trajectory(
-        ctypes.byref(compiled.c), doubles(values), ctypes.c_double(release_angle), ctypes.c_double(release_velocity),
-        doubles(times), ctypes.c_int(times.size), ctypes.c_double(np.inf), ctypes.c_int(len(free)), chosen, doubles(angles),
-        doubles(slopes) if free else None, ctypes.byref(report),
-    )  # fmt: skip
+    status, report = interface.swing_trajectory(
+        library,
+        compiled.c,
+        values,
+        (release_angle, release_velocity),
+        times,
+        chosen,
+        angles,
+        slopes if free else None,
+    )
     if status:
         stated = ", ".join(
             f"{name} {value:.6g}" for name, value in zip(model.parameters, values, strict=True)
         )
-        raise TrajectoryError(f"model {model.label} with {stated}: {_STATUS[status]}")
+        raise TrajectoryError(f"model {model.label} with {stated}: {_STATUS[interface.status_name(status)]}")
     effort = Effort(
         report.panels, report.rejected, report.evaluations, report.reversals, report.error,
         report.stuck_after if report.stuck_after >= 0 else None,
@@ -158,16 +153,12 @@ def simulate_each(model, times, values):
         raise InputError(
             f"model {model.label}", f"values of shape {values.shape}", f"(any, {len(model.parameters) + 2})"
         )
-    compiled, report, library = Compiled(model, float(times[-1] - times[0])), build.CReport(), engine()
+    compiled, library = Compiled(model, float(times[-1] - times[0])), engine()
     angles = np.full((len(values), times.size), np.nan)
-    none = (ctypes.c_int * 1)()
     for row, series in zip(values, angles, strict=True):
         if not np.all(np.isfinite(row)):
             continue
-        status = library.swing_trajectory(
-            ctypes.byref(compiled.c), doubles(row), ctypes.c_double(row[-2]), ctypes.c_double(row[-1]), doubles(times),
-            ctypes.c_int(times.size), ctypes.c_double(np.inf), ctypes.c_int(0), none, doubles(series), None, ctypes.byref(report),
-        )  # fmt: skip
+        status, _ = interface.swing_trajectory(library, compiled.c, row[:-2], row[-2:], times, (), series)
         if status:
             series[:] = np.nan
     return angles

@@ -1,18 +1,16 @@
 """Fits of models to swings: trajectory least squares with exact sensitivities, and the paper's Nelder-Mead."""
 
-import ctypes
 from concurrent.futures import ThreadPoolExecutor
 from copy import copy
 from dataclasses import dataclass
 
 import numpy as np
 
-from ..engine import build
+from ..engine import interface
 from ..engine.trajectory import (
     Compiled,
     TrajectoryError,
     checked_times,
-    doubles,
     engine,
     sensitivities,
     simulate,
@@ -149,13 +147,11 @@ class _Problem:
             [limits.get(name, (-np.inf, np.inf)) for name in self.free]
         ).T.copy()
         self.compiled = [Compiled(model, float(times[-1] - times[0])) for times, _ in self.swings]
-        self.models = (build.CModel * count)(*(compiled.c for compiled in self.compiled))
         self._point_at_swings()
-        self.where_pointer = self.where.ctypes.data_as(ctypes.POINTER(ctypes.c_int))
-        self.lower_pointer, self.upper_pointer = doubles(self.lower), doubles(self.upper)
 
     def _point_at_swings(self):
-        self.times, self.angles = (_pointers(arrays) for arrays in zip(*self.swings, strict=True))
+        models = [compiled.c for compiled in self.compiled]
+        self.c = interface.FitProblem(models, self.swings, self.where, self.lower, self.upper)
 
     def thinned(self, frequency):
         """The problem with every so many samples only, as many as tell a pendulum of this frequency (rad/s); or itself."""
@@ -274,24 +270,12 @@ def _from_all(problem, starts, first, most, tolerance, grow=True):
     return found, int(np.sum(squares <= rss * (1 + _SAME))), len(tried)
 
 
-def _pointers(arrays):
-    return (ctypes.POINTER(ctypes.c_double) * len(arrays))(*(doubles(array) for array in arrays))
-
-
 def _least_squares(problem, starts, most, tolerance, share=1.0):
     """The least sum of squares over a share of every swing: it, where, J'J (near there, for a part), each start's, and how."""
-    count, size = len(problem.swings), len(problem.free)
-    lengths = (ctypes.c_int * count)(
-        *(min(times.size, max(_FEWEST, round(share * times.size))) for times, _ in problem.swings)
+    lengths = [min(times.size, max(_FEWEST, round(share * times.size))) for times, _ in problem.swings]
+    return interface.fit_swings(
+        engine(), problem.c, problem.given, starts, lengths, most, tolerance, share == 1
     )
-    values, best, hessian = problem.given.copy(), np.zeros(size), np.zeros((size, size))
-    starts, squares, outcome = np.ascontiguousarray(starts), np.zeros(len(starts)), build.COutcome()
-    rss = engine().fit_swings(
-        problem.models, ctypes.c_int(count), lengths, problem.times, problem.angles, doubles(values), problem.where_pointer,
-        ctypes.c_int(size), ctypes.c_int(len(starts)), doubles(starts), problem.lower_pointer, problem.upper_pointer,
-        ctypes.c_int(most), ctypes.c_double(tolerance), ctypes.c_int(share == 1), doubles(best), doubles(hessian), doubles(squares), ctypes.byref(outcome),
-    )  # fmt: skip
-    return rss, best, hessian, squares, outcome
 
 
 def _covariance(hessian, rss, freedom, lower, upper, best):
@@ -468,15 +452,12 @@ def fit_batch(guess, times, series, release_angle, release_velocity=0.0, *, star
     where[len(free) :] = -1
     values, rss = np.zeros((count, len(free))), np.zeros(count)
     converged, evaluations = np.zeros(count, dtype=np.int32), np.zeros(count, dtype=np.int32)
-    integers = ctypes.POINTER(ctypes.c_int)
     library = engine()
 
     def work(part):
-        library.fit_batch(
-            ctypes.byref(compiled.c), ctypes.c_int(times.size), doubles(times), ctypes.c_int(part.stop - part.start),
-            doubles(series[part]), doubles(starts[part]), where.ctypes.data_as(integers), ctypes.c_int(len(free)),
-            doubles(lower), doubles(upper), ctypes.c_int(most), ctypes.c_double(tolerance), doubles(values[part]),
-            doubles(rss[part]), converged[part].ctypes.data_as(integers), evaluations[part].ctypes.data_as(integers),
+        into = interface.BatchResult(values[part], rss[part], converged[part], evaluations[part])
+        interface.fit_batch(
+            library, compiled.c, times, series[part], starts[part], where, lower[: len(free)], upper[: len(free)], most, tolerance, into
         )  # fmt: skip
 
     edges = np.linspace(0, count, min(workers, count) * 8 + 1).astype(int) if workers > 1 else [0, count]

@@ -1,0 +1,209 @@
+"""The engine's interface for Python: c/interface.h declares it, once for both; here numpy arrays go in and come out.
+
+Every function takes the loaded library first (``build.load``), gives up the interpreter's lock while C runs, and leaves
+checks of what it is given to its callers.
+"""
+
+from functools import lru_cache
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import _cffi_backend
+import numpy as np
+
+from . import cache
+
+_HEADER = Path(__file__).parent / "c" / "interface.h"
+
+
+@lru_cache
+def ffi() -> Any:
+    """The declarations of c/interface.h, as cffi's FFI object (ABI mode).
+
+    cffi's parser takes 50 ms: what it makes of the header is kept in the cache, as the libraries are.
+    """
+    plain = "".join(
+        line for line in _HEADER.read_text().splitlines(keepends=True) if not line.startswith("#")
+    )
+
+    def make(path):
+        from cffi import FFI  # here, for the same reason
+
+        declared = FFI()
+        declared.cdef(plain)
+        declared.set_source("interface", None, compiler_verbose=0)
+        declared.emit_python_code(str(path))
+
+    path = cache.kept(f"interface-{cache.key(plain, _cffi_backend.__version__)}.py", make)
+    names: dict = {}
+    exec(compile(path.read_text(), str(path), "exec"), names)
+    return names["ffi"]
+
+
+def doubles(array: np.ndarray) -> Any:
+    """The contiguous float64 array as C's doubles."""
+    return ffi().from_buffer("double[]", array)
+
+
+def integers(array: np.ndarray) -> Any:
+    """The contiguous int32 array as C's int."""
+    return ffi().from_buffer("int[]", array)
+
+
+# ---- Models ----
+
+
+def model(motions, sensors, clocks, *, n_parameters, n_states, play, duration) -> Any:
+    """A C ``Model``, and the arrays it points to, which must live as long.
+
+    ``motions``, ``sensors``, ``clocks``: (row, first parameter, first state) of each effect; ``play``: a parameter or -1;
+    ``duration`` in s.
+    """
+    kinds = {"motions": motions, "sensors": sensors, "clocks": clocks}
+    arrays = {kind: ffi().new("PlacedEffect[]", placed) for kind, placed in kinds.items()}
+    counts = {f"n_{kind}": len(placed) for kind, placed in kinds.items()}
+    others = {"n_parameters": n_parameters, "n_states": n_states, "play": play, "duration": duration}
+    return ffi().new("Model *", arrays | counts | others), arrays
+
+
+# ---- Trajectories ----
+
+
+def status_name(status: int) -> str:
+    """The name of a status in c/interface.h."""
+    return ffi().typeof("enum Status").elements[status]
+
+
+def swing_trajectory(library, model, values, release, times, free, angles, slopes=None) -> tuple[int, Any]:
+    """The status and the report of a trajectory; ``angles`` (n,) and ``slopes`` (len(free), n) are filled.
+
+    ``values`` (parameters,), ``release`` angle and velocity (rad, rad/s), ``times`` (n,) in s; ``free`` are the codes of
+    the free values.
+    """
+    new = ffi().new
+    report = new("TrajectoryReport *")
+    free_values = new("int[]", free)
+    problem = new(
+        "InitialValueProblem *",
+        (model, doubles(values), *release, doubles(times), times.size, np.inf, len(free), free_values),
+    )
+    status = library.swing_trajectory(
+        problem, doubles(angles), ffi().NULL if slopes is None else doubles(slopes), report
+    )
+    return status, report
+
+
+# ---- Least squares ----
+
+
+class Outcome(NamedTuple):
+    """How a search ended: a ``Convergence`` of c/interface.h, its evaluations, the relative reduction that its last full
+    step predicted, and whether a swing stops within its record."""
+
+    converged: int
+    evaluations: int
+    predicted_reduction: float
+    stops: bool
+
+
+def _outcome(c):
+    return Outcome(c.converged, c.evaluations, c.predicted_reduction, bool(c.stops))
+
+
+def _bounds(lower, upper):
+    return {"lower": doubles(lower), "upper": doubles(upper)}
+
+
+def minimise(library, cost, x, lower, upper, most, tolerance) -> tuple[float, np.ndarray, Outcome]:
+    """Half the least sum of squares, J'J there, and how it ended; ``x`` moves to the minimum.
+
+    ``cost(x, gradient, normal)`` fills the arrays J'r and J'J and returns half the sum of squares; it must not raise.
+    """
+    size, buffer = x.size, ffi().buffer
+    normal, outcome = np.zeros((size, size)), ffi().new("SearchOutcome *")
+
+    def array(pointer, count):
+        return np.frombuffer(buffer(pointer, 8 * count))
+
+    @ffi().callback("Cost", error=np.nan)  # then the search ends
+    def called(_, at, gradient, to):
+        return cost(array(at, size), array(gradient, size), array(to, size * size).reshape(size, size))
+
+    problem = ffi().new(
+        "LeastSquares *",
+        (called, ffi().NULL, size, _bounds(lower, upper), (most, tolerance)),
+    )
+    half = library.minimise(problem, doubles(x), doubles(normal), outcome)
+    return half, normal, _outcome(outcome)
+
+
+# ---- Fits of swings ----
+
+
+class FitProblem:
+    """Swings with a common model as C takes them; keeps alive what C points to.
+
+    ``models``: a C ``Model`` for each of the ``swings``, which are (times in s, angles in rad); ``where`` (swing, value):
+    the variable that each value is, or -1; ``lower``, ``upper``: the variables' bounds.
+    """
+
+    def __init__(self, models, swings, where, lower, upper):
+        new = ffi().new
+        self._kept = swings, where, lower, upper
+        self.n_variables = lower.size
+        self.models = new("Model[]", [one[0] for one in models])
+        self.times, self.angles = (
+            new("double *[]", [doubles(array) for array in arrays]) for arrays in zip(*swings, strict=True)
+        )
+        self.where, self.bounds = integers(where), _bounds(lower, upper)
+
+
+def fit_swings(library, problem, given, starts, lengths, most, tolerance, evaluate_best):
+    """The least sum of squares (rad^2) from the starts, the variables there, J'J, the sum from each start, the ``Outcome``.
+
+    ``given`` (swing, value): the values that are no variables; ``starts`` (start, variable); ``lengths``: how many
+    samples of each swing count. J'J is that of a point close by unless ``evaluate_best``.
+    """
+    size, count, new = problem.n_variables, len(lengths), ffi().new
+    values, best, normal = given.copy(), np.zeros(size), np.zeros((size, size))
+    starts, squares = np.ascontiguousarray(starts), np.zeros(len(starts))
+    n_samples = new("int[]", lengths)
+    swings = new(
+        "FitProblem *",
+        (problem.models, count, n_samples, problem.times, problem.angles, doubles(values), problem.where, size, problem.bounds),
+    )  # fmt: skip
+    result = new(
+        "FitResult *", {"variables": doubles(best), "normal": doubles(normal), "squares": doubles(squares)}
+    )
+    all_starts = new("Starts *", (len(starts), doubles(starts), bool(evaluate_best)))
+    rss = library.fit_swings(swings, all_starts, new("SearchOptions *", (most, tolerance)), result)
+    return rss, best, normal, squares, _outcome(result.outcome)
+
+
+class BatchResult(NamedTuple):
+    """Arrays for a batch's results by series: variables (series, variable), rss (rad^2), converged and evaluations (int32)."""
+
+    values: np.ndarray
+    rss: np.ndarray
+    converged: np.ndarray
+    evaluations: np.ndarray
+
+
+def fit_batch(library, model, times, series, values, where, lower, upper, most, tolerance, result) -> None:
+    """Fit each row of ``series`` (rad) over the same times (s) from the values in its row, into the ``BatchResult``."""
+    new = ffi().new
+    batch = new(
+        "Batch *",
+        (model, times.size, doubles(times), len(series), doubles(series), doubles(values), integers(where), lower.size,
+         _bounds(lower, upper)),
+    )  # fmt: skip
+    into = new(
+        "BatchResult *",
+        (
+            doubles(result.values),
+            doubles(result.rss),
+            integers(result.converged),
+            integers(result.evaluations),
+        ),
+    )
+    library.fit_batch(batch, new("SearchOptions *", (most, tolerance)), into)
