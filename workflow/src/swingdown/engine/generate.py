@@ -74,48 +74,47 @@ def _with_shared_points(expression):
     return expression.replace(sympy.log(_DIRECTION * _VELOCITY), sympy.log(_SPEED))
 
 
+def _inputs(effect):
+    """Where a function finds what formulas name: arrays over the points, and numbers, as {symbol: C expression}."""
+    states = {symbol(state.symbol): f"(q->z + {k} * q->stride)" for k, state in enumerate(effect.states)}
+    numbers = {_OMEGA: "q->omega_n", symbol("duration"): "q->duration", _DIRECTION: "q->direction"}
+    numbers |= {symbol(parameter.symbol): f"p[{k}]" for k, parameter in enumerate(effect.parameters)}
+    numbers |= {symbol(f"sign_{k}"): f"sign[{k}]" for k in range(8)}
+    return _POINTS | states, numbers
+
+
+def _declare(name, value):
+    return f"const double {_printer.doprint(name)} = {value};"
+
+
 def _function(name, signature, effect, assignments):
     """A C function that does each (target, operator, expression) at every point, subexpressions shared."""
-    assignments = [
-        (target, operator, _with_shared_points(formula)) for target, operator, formula in assignments
-    ]
+    head = [f"static void {name}{signature} {{", "(void)q; (void)p; (void)sign; (void)at;"]
+    if not assignments:
+        return [*head, "(void)" + ("d;" if "Partials" in signature else "out;"), "}"]
+    targets, operators, formulas = zip(*assignments, strict=True)
     shared, reduced = sympy.cse(
-        [e for *_, e in assignments], symbols=sympy.numbered_symbols("x", real=True), list=True
+        [_with_shared_points(formula) for formula in formulas],
+        symbols=sympy.numbered_symbols("x", real=True),
+        list=True,
     )
     used = set().union(*(e.free_symbols for e in reduced), *(e.free_symbols for _, e in shared))
-    arrays = _POINTS | {
-        symbol(state.symbol): f"(q->z + {k} * q->stride)" for k, state in enumerate(effect.states)
-    }
-    scalars = {_OMEGA: "q->omega_n", symbol("duration"): "q->duration", _DIRECTION: "q->direction"}
-    scalars |= {symbol(parameter.symbol): f"p[{k}]" for k, parameter in enumerate(effect.parameters)}
-    scalars |= {symbol(f"sign_{k}"): f"sign[{k}]" for k in range(8)}
-    lines = [f"static void {name}{signature} {{", "(void)q; (void)p; (void)sign; (void)at;"]
-    lines += [
-        f"const double {_printer.doprint(key)} = {value};" for key, value in scalars.items() if key in used
+    arrays, numbers = _inputs(effect)
+    arrays = {key: (f"in{k}", array) for k, (key, array) in enumerate(arrays.items()) if key in used}
+    speed = {_SPEED: "fmax(q->direction * q->v[i], 1e-300)"} if _SPEED in used else {}
+    return [
+        *head,
+        *(_declare(key, value) for key, value in numbers.items() if key in used),
+        *(f"const double *restrict {local} = {array};" for local, array in arrays.values()),
+        *(f"double *restrict out{k} = {target};" for k, target in enumerate(targets)),
+        "for (int i = 0; i < q->n; i++) {",
+        *(_declare(key, f"{local}[i]") for key, (local, _) in arrays.items()),
+        *(_declare(key, value) for key, value in speed.items()),
+        *(_declare(key, _printer.doprint(value)) for key, value in shared),
+        *(f"out{k}[i] {operators[k]} {_printer.doprint(value)};" for k, value in enumerate(reduced)),
+        "}",
+        "}",
     ]
-    lines += [
-        f"const double *restrict in{k} = {array};"
-        for k, (key, array) in enumerate(arrays.items())
-        if key in used
-    ]
-    lines += [f"double *restrict out{k} = {target};" for k, (target, *_) in enumerate(assignments)]
-    if assignments:
-        lines.append("for (int i = 0; i < q->n; i++) {")
-        lines += [
-            f"const double {_printer.doprint(key)} = in{k}[i];" for k, key in enumerate(arrays) if key in used
-        ]
-        if _SPEED in used:
-            lines.append("const double s_speed = fmax(q->direction * q->v[i], 1e-300);")
-        lines += [
-            f"const double {_printer.doprint(key)} = {_printer.doprint(value)};" for key, value in shared
-        ]
-        lines += [
-            f"out{k}[i] {assignments[k][1]} {_printer.doprint(value)};" for k, value in enumerate(reduced)
-        ]
-        lines.append("}")
-    else:
-        lines.append("(void)" + ("d;" if "Partials" in signature else "out;"))
-    return [*lines, "}"]
 
 
 def _partials(outputs, inputs, parameters):
