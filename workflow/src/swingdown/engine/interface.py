@@ -106,15 +106,29 @@ class Outcome(NamedTuple):
     stops: bool
 
 
+class Bounds(NamedTuple):
+    """Arrays of the variables' lower and upper bounds; infinite where there is none."""
+
+    lower: np.ndarray
+    upper: np.ndarray
+
+
+class Options(NamedTuple):
+    """The most evaluations of a search, and the relative fall of the sum of squares below which it is stationary."""
+
+    most: int
+    tolerance: float
+
+
 def _outcome(c):
     return Outcome(c.converged, c.evaluations, c.predicted_reduction, bool(c.stops))
 
 
-def _bounds(lower, upper):
-    return {"lower": doubles(lower), "upper": doubles(upper)}
+def _c_bounds(bounds):
+    return doubles(bounds.lower), doubles(bounds.upper)
 
 
-def minimise(library, cost, x, lower, upper, most, tolerance) -> tuple[float, np.ndarray, Outcome]:
+def minimise(library, cost, x, bounds: Bounds, options: Options) -> tuple[float, np.ndarray, Outcome]:
     """Half the least sum of squares, J'J there, and how it ended; ``x`` moves to the minimum.
 
     ``cost(x, gradient, normal)`` fills the arrays J'r and J'J and returns half the sum of squares; it must not raise.
@@ -131,7 +145,7 @@ def minimise(library, cost, x, lower, upper, most, tolerance) -> tuple[float, np
 
     problem = ffi().new(
         "LeastSquares *",
-        (called, ffi().NULL, size, _bounds(lower, upper), (most, tolerance)),
+        (called, ffi().NULL, size, _c_bounds(bounds), options),
     )
     half = library.minimise(problem, doubles(x), doubles(normal), outcome)
     return half, normal, _outcome(outcome)
@@ -144,21 +158,21 @@ class FitProblem:
     """Swings with a common model as C takes them; keeps alive what C points to.
 
     ``models``: a C ``Model`` for each of the ``swings``, which are (times in s, angles in rad); ``where`` (swing, value):
-    the variable that each value is, or -1; ``lower``, ``upper``: the variables' bounds.
+    the variable that each value is, or -1; ``bounds``: the variables'.
     """
 
-    def __init__(self, models, swings, where, lower, upper):
+    def __init__(self, models, swings, where, bounds: Bounds):
         new = ffi().new
-        self._kept = swings, where, lower, upper
-        self.n_variables = lower.size
+        self._kept = swings, where, bounds
+        self.n_variables = bounds.lower.size
         self.models = new("Model[]", [one[0] for one in models])
         self.times, self.angles = (
             new("double *[]", [doubles(array) for array in arrays]) for arrays in zip(*swings, strict=True)
         )
-        self.where, self.bounds = integers(where), _bounds(lower, upper)
+        self.where, self.bounds = integers(where), _c_bounds(bounds)
 
 
-def fit_swings(library, problem, given, starts, lengths, most, tolerance, evaluate_best):
+def fit_swings(library, problem: FitProblem, given, starts, lengths, options: Options, evaluate_best):
     """The least sum of squares (rad^2) from the starts, the variables there, J'J, the sum from each start, the ``Outcome``.
 
     ``given`` (swing, value): the values that are no variables; ``starts`` (start, variable); ``lengths``: how many
@@ -176,7 +190,7 @@ def fit_swings(library, problem, given, starts, lengths, most, tolerance, evalua
         "FitResult *", {"variables": doubles(best), "normal": doubles(normal), "squares": doubles(squares)}
     )
     all_starts = new("Starts *", (len(starts), doubles(starts), bool(evaluate_best)))
-    rss = library.fit_swings(swings, all_starts, new("SearchOptions *", (most, tolerance)), result)
+    rss = library.fit_swings(swings, all_starts, new("SearchOptions *", options), result)
     return rss, best, normal, squares, _outcome(result.outcome)
 
 
@@ -189,13 +203,13 @@ class BatchResult(NamedTuple):
     evaluations: np.ndarray
 
 
-def fit_batch(library, model, times, series, values, where, lower, upper, most, tolerance, result) -> None:
+def fit_batch(library, model, times, series, values, where, bounds: Bounds, options: Options, result) -> None:
     """Fit each row of ``series`` (rad) over the same times (s) from the values in its row, into the ``BatchResult``."""
     new = ffi().new
     batch = new(
         "Batch *",
-        (model, times.size, doubles(times), len(series), doubles(series), doubles(values), integers(where), lower.size,
-         _bounds(lower, upper)),
+        (model, times.size, doubles(times), len(series), doubles(series), doubles(values), integers(where), bounds.lower.size,
+         _c_bounds(bounds)),
     )  # fmt: skip
     into = new(
         "BatchResult *",
@@ -206,4 +220,4 @@ def fit_batch(library, model, times, series, values, where, lower, upper, most, 
             integers(result.evaluations),
         ),
     )
-    library.fit_batch(batch, new("SearchOptions *", (most, tolerance)), into)
+    library.fit_batch(batch, new("SearchOptions *", options), into)

@@ -151,7 +151,8 @@ class _Problem:
 
     def _point_at_swings(self):
         models = [compiled.c for compiled in self.compiled]
-        self.c = interface.FitProblem(models, self.swings, self.where, self.lower, self.upper)
+        bounds = interface.Bounds(self.lower, self.upper)
+        self.c = interface.FitProblem(models, self.swings, self.where, bounds)
 
     def thinned(self, frequency):
         """The problem with every so many samples only, as many as tell a pendulum of this frequency (rad/s); or itself."""
@@ -273,9 +274,8 @@ def _from_all(problem, starts, first, most, tolerance, grow=True):
 def _least_squares(problem, starts, most, tolerance, share=1.0):
     """The least sum of squares over a share of every swing: it, where, J'J (near there, for a part), each start's, and how."""
     lengths = [min(times.size, max(_FEWEST, round(share * times.size))) for times, _ in problem.swings]
-    return interface.fit_swings(
-        engine(), problem.c, problem.given, starts, lengths, most, tolerance, share == 1
-    )
+    options = interface.Options(most, tolerance)
+    return interface.fit_swings(engine(), problem.c, problem.given, starts, lengths, options, share == 1)
 
 
 def _covariance(hessian, rss, freedom, lower, upper, best):
@@ -452,13 +452,14 @@ def fit_batch(guess, times, series, release_angle, release_velocity=0.0, *, star
     where[len(free) :] = -1
     values, rss = np.zeros((count, len(free))), np.zeros(count)
     converged, evaluations = np.zeros(count, dtype=np.int32), np.zeros(count, dtype=np.int32)
-    library = engine()
+    library, options = engine(), interface.Options(most, tolerance)
+    bounds = interface.Bounds(lower[: len(free)], upper[: len(free)])
 
     def work(part):
         into = interface.BatchResult(values[part], rss[part], converged[part], evaluations[part])
         interface.fit_batch(
-            library, compiled.c, times, series[part], starts[part], where, lower[: len(free)], upper[: len(free)], most, tolerance, into
-        )  # fmt: skip
+            library, compiled.c, times, series[part], starts[part], where, bounds, options, into
+        )
 
     edges = np.linspace(0, count, min(workers, count) * 8 + 1).astype(int) if workers > 1 else [0, count]
     parts = [slice(int(a), int(b)) for a, b in zip(edges, edges[1:], strict=False) if b > a]

@@ -69,7 +69,9 @@ def least_squares(residuals_and_jacobian, start, lower=None, upper=None, *, most
             raised.append(problem)
             return np.nan
 
-    half, normal, outcome = interface.minimise(engine(), cost, x, *bounds, most, tolerance)
+    half, normal, outcome = interface.minimise(
+        engine(), cost, x, interface.Bounds(*bounds), interface.Options(most, tolerance)
+    )
     if raised:
         raise raised[0]
     if outcome.converged < 0:

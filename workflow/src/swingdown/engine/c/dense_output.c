@@ -6,9 +6,10 @@
 #define BROKEN_POWER_DEFECT 10.0
 #define NARROW 0.015 /* rad; the catalogue's narrowest effect in the angle has 0.01 */
 
-static void integrate_state(const System *s, const Panel *panel, int k, const double *u, const PanelStart *start,
-                            const double *th_poly, StateCurve *out) {
+/* State k, where the curve's angle is known. */
+static void integrate_state(const System *s, const Panel *panel, int k, const double *u, const PanelStart *start, MotionCurve *curve) {
     const int block = s->method[k].of;
+    StateCurve *out = &curve->state[k];
     double c[N], once[N + 1];
     switch (s->method[k].kind) {
     case COLLOCATED:
@@ -24,7 +25,7 @@ static void integrate_state(const System *s, const Panel *panel, int k, const do
         break;
     case LAG: {
         const LagProblem lag = {s->relaxation[k], s->gain[k], panel->h, start->z[k], panel->lag_inverse[k],
-                                start->input + k * N, start->th_nodes, th_poly};
+                                start->input + k * N, start->th_nodes, curve->th};
         solve_lag(&lag, out);
         break;
     }
@@ -32,14 +33,13 @@ static void integrate_state(const System *s, const Panel *panel, int k, const do
     }
 }
 
-static void integrate_unknowns(const System *s, const Panel *panel, const double *u, const PanelStart *start,
-                               double *th_poly, double *v_poly, StateCurve *state) {
+static void integrate_unknowns(const System *s, const Panel *panel, const double *u, const PanelStart *start, MotionCurve *out) {
     double c[N];
     multiply(T_monomial, u, c);
-    integrate(c, N - 1, panel->h, start->v, v_poly);
-    v_poly[N + 1] = 0.0;
-    integrate(v_poly, N, panel->h, start->th, th_poly);
-    for (int k = 0; k < s->model->n_states; k++) integrate_state(s, panel, k, u, start, th_poly, &state[k]);
+    integrate(c, N - 1, panel->h, start->v, out->v);
+    out->v[N + 1] = 0.0;
+    integrate(out->v, N, panel->h, start->th, out->th);
+    for (int k = 0; k < s->model->n_states; k++) integrate_state(s, panel, k, u, start, out);
 }
 
 static void lay_dense_output(const System *s, Panel *panel) {
@@ -47,19 +47,19 @@ static void lay_dense_output(const System *s, Panel *panel) {
     const MotionPoints nodes = nodes_of(panel);
     if (s->lags) right_hand_side(s, &nodes, f, NULL);
     const PanelStart start = {panel->from.th, panel->from.v, panel->from.z, f + N, panel->th};
-    integrate_unknowns(s, panel, panel->u, &start, panel->th_poly, panel->v_poly, panel->state);
+    integrate_unknowns(s, panel, panel->u, &start, &panel->curve);
     for (int k = 0; k < s->model->n_states; k++)
         if (s->method[k].kind == LAG)
-            for (int i = 0; i < N; i++) panel->z[k * N + i] = horner(panel->state[k].poly, N + 1, 2.0 * T_nodes[i] - 1.0);
+            for (int i = 0; i < N; i++) panel->z[k * N + i] = horner(panel->curve.state[k].poly, N + 1, 2.0 * T_nodes[i] - 1.0);
 }
 
 static PhasePoint point_at(const System *s, const Panel *panel, double x) {
     const double after = 0.5 * panel->h * (x + 1.0);
-    PhasePoint at = {panel->from.t + after, horner(panel->th_poly, N + 1, x), horner(panel->v_poly, N, x), {0.0}};
+    PhasePoint at = {panel->from.t + after, horner(panel->curve.th, N + 1, x), horner(panel->curve.v, N, x), {0.0}};
     for (int k = 0; k < s->model->n_states; k++)
         at.z[k] = s->method[k].kind == RATE_INDEPENDENT
             ? rate_independent_at(s, &panel->from, k, remainder_at(s, &panel->from, k, at.th))
-            : horner(panel->state[k].poly, N + 1, x) + transient_after(&panel->state[k], s->relaxation[k], after);
+            : horner(panel->curve.state[k].poly, N + 1, x) + transient_after(&panel->curve.state[k], s->relaxation[k], after);
     return at;
 }
 
@@ -82,13 +82,13 @@ static double defect_at(const System *s, const Panel *panel, const double *x) {
     double t[N], th[N], v[N], again[N], u[BLOCKS * N], z[MAX_STATES * N] = {0.0}, remaining[N], f[BLOCKS * N], most = 0.0;
     const MotionPoints points = {N, th, v, u, t, z};
     for (int i = 0; i < N; i++) t[i] = panel->from.t + 0.5 * panel->h * (x[i] + 1.0);
-    values_and_slopes(panel->th_poly, panel->h, x, th, again);
-    values_and_slopes(panel->v_poly, panel->h, x, v, u);
+    values_and_slopes(panel->curve.th, panel->h, x, th, again);
+    values_and_slopes(panel->curve.v, panel->h, x, v, u);
     for (int k = 0; k < s->model->n_states; k++) {
         const StateMethod method = s->method[k];
         if (method.kind == RATE_INDEPENDENT) rate_independent(s, &panel->from, k, th, remaining, z + k * N);
         else if (method.kind != LAG)
-            values_and_slopes(panel->state[k].poly, panel->h, x, z + k * N, method.kind == COLLOCATED ? u + method.of * N : again);
+            values_and_slopes(panel->curve.state[k].poly, panel->h, x, z + k * N, method.kind == COLLOCATED ? u + method.of * N : again);
     }
     right_hand_side(s, &points, f, NULL);
     for (int block = 0; block < s->blocks; block++) {

@@ -9,9 +9,8 @@ typedef struct {
     const double *z, *input, *th_nodes;
 } PanelStart;
 
-/* Polynomials of angle, velocity and states from the unknowns u, for the motion or its change by a free value. */
-static void integrate_unknowns(const System *s, const Panel *panel, const double *u, const PanelStart *start,
-                               double *th_poly, double *v_poly, StateCurve *state);
+/* Angle, velocity and states from the unknowns u, for the motion or its change by a free value. */
+static void integrate_unknowns(const System *s, const Panel *panel, const double *u, const PanelStart *start, MotionCurve *out);
 
 /* The dense output of the solved panel. */
 static void lay_dense_output(const System *s, Panel *panel);

@@ -18,6 +18,7 @@ typedef struct {
     double *by_input, *by_parameter;
     int n_inputs, n_parameters, stride;
 } Partials;
+/* in a function that has its Partials as d */
 #define PARTIAL(output, input) (d->by_input + ((output) * d->n_inputs + (input)) * d->stride)
 #define PARTIAL_BY_PARAMETER(output, k) (d->by_parameter + ((output) * d->n_parameters + (k)) * d->stride)
 

@@ -23,10 +23,10 @@ static double velocity_root(const Panel *panel, double direction, Bracket at) {
     double x = difference != 0.0 ? low + (high - low) * at.at_low / difference : low;
     if (!(x > low && x < high)) x = 0.5 * (low + high);
     for (int k = 0; k < 80; k++) {
-        double value = panel->v_poly[N], slope = 0.0;
+        double value = panel->curve.v[N], slope = 0.0;
         for (int j = N - 1; j >= 0; j--) {
             slope = slope * x + value;
-            value = value * x + panel->v_poly[j];
+            value = value * x + panel->curve.v[j];
         }
         double next = x - value / slope;
         if (fabs(next - x) < 1e-7) return next; /* Newton's next step would be below rounding */
@@ -42,7 +42,7 @@ static Event first_reversal(const System *s, const Panel *panel) {
     Bracket at = {.low = -1.0, .at_low = panel->from.v};
     for (int i = 0; i <= N && !s->stuck; i++) {
         at.high = position_of(i);
-        at.at_high = i < N ? panel->v[i] : horner(panel->v_poly, N, 1.0);
+        at.at_high = i < N ? panel->v[i] : horner(panel->curve.v, N, 1.0);
         if (s->direction * at.at_high < 0.0) return (Event){velocity_root(panel, s->direction, at), REVERSAL};
         at.low = at.high;
         at.at_low = at.at_high;

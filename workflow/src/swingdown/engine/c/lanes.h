@@ -75,7 +75,9 @@ static inline int gauss_jordan(int size, double *g) {
         if (!(fabs(g[pivot * size + c]) > 1e-300)) return 0;
         double *row = g + c * size;
         if (pivot != c) exchange_rows(size, g, c, pivot);
-        const double unit = 1.0 / row[c], *one = ones + MOST_ROWS - c; /* one at c; added by lanes, for a store of one double before lanes are read stalls */
+        const double unit = 1.0 / row[c];
+        /* one at c; added by lanes, for a store of one double before lanes are read stalls */
+        const double *one = ones + MOST_ROWS - c;
         Lanes pivot_row[LANES_OF(MOST_ROWS)];
         /* 1 + unit at c, so that each other row's own entry, factor, becomes -factor * unit */
         for (int k = 0; k < LANES_OF(size); k++) pivot_row[k] = (READ_LANES(row, k) + READ_LANES(one, k)) * unit;

@@ -31,8 +31,10 @@ static void substitute_rate_independent(const System *s, Panel *panel, int k) {
             const double remaining = panel->remaining[k * N + i];
             panel->by[row * inputs * N + i] += *by_state * by_angle;
             panel->by_start[row * N + i] -= *by_state * by_angle;
-            for (int p = 0; p < np; p++)
-                panel->by_parameter[(row * np + p) * N + i] += *by_state * rate_independent_by(s, &panel->from, k, p, panel->th[i], remaining);
+            for (int p = 0; p < np; p++) {
+                const double by_parameter = rate_independent_by(s, &panel->from, k, p, panel->th[i], remaining);
+                panel->by_parameter[(row * np + p) * N + i] += *by_state * by_parameter;
+            }
             *by_state *= remaining;
         }
 }

@@ -15,9 +15,7 @@ typedef struct {
     double u[BLOCKS * N]; /* the unknowns at the nodes: a block for the acceleration, one for each collocated state's rate */
     double th[N], v[N], t[N], z[MAX_STATES * N];
     double remaining[MAX_STATES * N]; /* of a rate-independent state, of its value at the start */
-    /* dense output: polynomials in the position on the panel, -1 to 1 */
-    double th_poly[N + 2], v_poly[N + 2];
-    StateCurve state[MAX_STATES];
+    MotionCurve curve; /* its dense output */
     /* derivatives of every rate by angle, velocity, acceleration and states (a rate-independent one: by its value at the
      * start) at the nodes, by the angle at the panel's start, and by the parameters */
     double by[BLOCKS * (3 + MAX_STATES) * N], by_start[BLOCKS * N], by_parameter[BLOCKS * MAX_PARAMETERS * N];

@@ -5,7 +5,8 @@
 static inline int smaller(int a, int b) { return a < b ? a : b; }
 
 /* One clock's true times of up to CHUNK samples, in place; slopes: those of the chunk, rows of n_times. */
-static void apply_clock(const InitialValueProblem *problem, PlacedEffect at, const FreeValues *free, int size, double *times, double *slopes) {
+static void apply_clock(const InitialValueProblem *problem, PlacedEffect at, const FreeValues *free, int size,
+                        double *times, double *slopes) {
     const Model *m = problem->model;
     const Effect *e = &EFFECTS[at.row];
     const double *p = problem->parameters;
@@ -53,7 +54,9 @@ static void chain_slopes(const InitialValueProblem *problem, const FreeValues *f
     }
 }
 
-static void apply_sensor(const InitialValueProblem *problem, PlacedEffect at, const FreeValues *free, const Readings *readings, int start, int size) {
+/* One sensor's reading of up to CHUNK samples from `start` on. */
+static void apply_sensor(const InitialValueProblem *problem, PlacedEffect at, const FreeValues *free, const Readings *readings,
+                         int start, int size) {
     const Model *m = problem->model;
     const Effect *e = &EFFECTS[at.row];
     const double *p = problem->parameters, *times = problem->times;

@@ -33,7 +33,7 @@ static inline double *state_slopes_of(const Record *r, int k, int f) {
 static void move_states_by_clock(Record *r, const System *s, const Panel *panel, int last) {
     for (int k = 0; k < r->n_states; k++)
         for (int i = r->next; i < last; i++) {
-            const double rate = state_rate(&panel->state[k], s->relaxation[k], panel->h, r->positions[i]);
+            const double rate = state_rate(&panel->curve.state[k], s->relaxation[k], panel->h, r->positions[i]);
             for (int f = 0; f < r->free.n_free; f++)
                 state_slopes_of(r, k, f)[i] += rate * r->clock_slopes[(size_t)f * r->problem->n_times + i];
         }
@@ -54,14 +54,14 @@ static void read_panel(Record *r, const System *s, const Panel *panel, const Sen
     const int next = r->next, size = last - next;
     const double h = panel->h, per_second = 2.0 / h, *x = r->positions + next;
     for (int i = next; i < last; i++) r->positions[i] = (r->times[i] - panel->from.t) * per_second - 1.0;
-    sample(panel->th_poly, N + 1, x, size, r->angles + next);
-    if (r->clock_slopes) sample(panel->v_poly, N, x, size, r->velocities + next);
+    sample(panel->curve.th, N + 1, x, size, r->angles + next);
+    if (r->clock_slopes) sample(panel->curve.v, N, x, size, r->velocities + next);
     for (int k = 0; k < r->n_states; k++)
-        sample_state(&panel->state[k], s->relaxation[k], h, x, size, r->states + (size_t)k * r->problem->n_times + next);
+        sample_state(&panel->curve.state[k], s->relaxation[k], h, x, size, r->states + (size_t)k * r->problem->n_times + next);
     for (int f = 0; f < r->free.n_free; f++) {
-        sample(d->th_poly[f], N + 1, x, size, slopes_of(r, f) + next);
+        sample(d->curve[f].th, N + 1, x, size, slopes_of(r, f) + next);
         for (int k = 0; k < r->n_states; k++)
-            sample_state(&d->state[f][k], s->relaxation[k], h, x, size, state_slopes_of(r, k, f) + next);
+            sample_state(&d->curve[f].state[k], s->relaxation[k], h, x, size, state_slopes_of(r, k, f) + next);
     }
     if (r->clock_slopes) move_states_by_clock(r, s, panel, last);
     if (r->play.parameter >= 0) read_play(r, last);

@@ -45,18 +45,22 @@ static void forcing(const System *s, const Panel *panel, const Sensitivities *d,
         for (int i = 0; i < N; i++) out[i] += panel->by_parameter[(row * s->model->n_parameters + d->by[f]) * N + i];
 }
 
-/* What drives the change of lag k: as the blocks', with the change du of the motion that is now known; th: of the angle. */
-static void lag_forcing(const System *s, const Panel *panel, const Sensitivities *d, int f, int k, const double *du,
-                        double *out, double *th) {
+/* What drives the change of lag k: as the blocks', with the change du of the motion that is now known. */
+static void lag_forcing(const System *s, const Panel *panel, const Sensitivities *d, int f, int k, const double *du, double *out) {
     const double h = panel->h, *by = panel->by + (1 + k) * (3 + s->model->n_states) * N;
     double once[N], twice[N];
     forcing(s, panel, d, f, 1 + k, out);
     multiply(T_first, du, once);
     multiply(T_second, du, twice);
-    for (int i = 0; i < N; i++) {
+    for (int i = 0; i < N; i++)
         out[i] += h * (h * by[i] * twice[i] + by[N + i] * once[i]) + by[2 * N + i] * du[i] + s->relaxation[k] * d->z[f][k];
-        th[i] = d->th[f] + h * (d->v[f] * T_nodes[i] + h * twice[i]);
-    }
+}
+
+/* The change of the angle at the nodes. */
+static void angle_change(const Panel *panel, const Sensitivities *d, int f, const double *du, double *out) {
+    double twice[N];
+    multiply(T_second, du, twice);
+    for (int i = 0; i < N; i++) out[i] = d->th[f] + panel->h * (d->v[f] * T_nodes[i] + panel->h * twice[i]);
 }
 
 static void propagate(const System *s, const Panel *panel, Sensitivities *d) {
@@ -65,29 +69,31 @@ static void propagate(const System *s, const Panel *panel, Sensitivities *d) {
         double rhs[BLOCKS * N], du[BLOCKS * N], input[MAX_STATES * N], th[N];
         for (int block = 0; block < s->blocks; block++) forcing(s, panel, d, f, s->row[block], rhs + block * N);
         apply_inverse(panel, s->blocks, rhs, du);
+        if (s->lags) angle_change(panel, d, f, du, th);
         for (int k = 0; s->lags && k < nz; k++)
-            if (s->method[k].kind == LAG) lag_forcing(s, panel, d, f, k, du, input + k * N, th);
+            if (s->method[k].kind == LAG) lag_forcing(s, panel, d, f, k, du, input + k * N);
         const PanelStart start = {d->th[f], d->v[f], d->z[f], input, th};
-        integrate_unknowns(s, panel, du, &start, d->th_poly[f], d->v_poly[f], d->state[f]);
+        integrate_unknowns(s, panel, du, &start, &d->curve[f]);
         for (int k = 0; s->lags && k < nz; k++)
-            if (d->by[f] >= 0) d->state[f][k].transient[1] = -s->relaxation_by[k][d->by[f]] * panel->state[k].transient[0];
+            if (d->by[f] >= 0)
+                d->curve[f].state[k].transient[1] = -s->relaxation_by[k][d->by[f]] * panel->curve.state[k].transient[0];
     }
 }
 
 static void move_to(const System *s, const Panel *panel, Sensitivities *d, double x) {
-    const double after = 0.5 * panel->h * (x + 1.0), th = horner(panel->th_poly, N + 1, x);
+    const double after = 0.5 * panel->h * (x + 1.0), th = horner(panel->curve.th, N + 1, x);
     const PhasePoint *from = &panel->from;
     for (int f = 0; f < d->n; f++) {
         const double th_before = d->th[f];
-        d->th[f] = horner(d->th_poly[f], N + 1, x);
-        d->v[f] = horner(d->v_poly[f], N, x);
+        d->th[f] = horner(d->curve[f].th, N + 1, x);
+        d->v[f] = horner(d->curve[f].v, N, x);
         for (int k = 0; k < s->model->n_states; k++) {
             if (s->method[k].kind == RATE_INDEPENDENT) {
                 const double remaining = remainder_at(s, from, k, th), turned = d->th[f] - th_before;
                 d->z[f][k] = remaining * (d->z[f][k] - s->relaxation[k] * (from->z[k] - equilibrium(s, k)) * turned)
                              + (d->by[f] >= 0 ? rate_independent_by(s, from, k, d->by[f], th, remaining) : 0.0);
             } else
-                d->z[f][k] = horner(d->state[f][k].poly, N + 1, x) + transient_after(&d->state[f][k], s->relaxation[k], after);
+                d->z[f][k] = horner(d->curve[f].state[k].poly, N + 1, x) + transient_after(&d->curve[f].state[k], s->relaxation[k], after);
         }
     }
 }

@@ -9,8 +9,7 @@ typedef struct {
     int n;
     const int *by; /* parameter, RELEASE_ANGLE or RELEASE_VELOCITY */
     double th[MAX_PARAMETERS], v[MAX_PARAMETERS], z[MAX_PARAMETERS][MAX_STATES];
-    double th_poly[MAX_PARAMETERS][N + 2], v_poly[MAX_PARAMETERS][N + 2];
-    StateCurve state[MAX_PARAMETERS][MAX_STATES];
+    MotionCurve curve[MAX_PARAMETERS];
 } Sensitivities;
 
 /* At the release; where the model has states also their initial values, into x. */

@@ -10,6 +10,12 @@ typedef struct {
     double poly[N + 2], transient[2];
 } StateCurve;
 
+/* Dense output: angle, velocity and states along a panel, as polynomials in the position, -1 to 1. */
+typedef struct {
+    double th[N + 2], v[N + 2];
+    StateCurve state[MAX_STATES];
+} MotionCurve;
+
 /* The coefficients of the states' linear equations in the present direction, with their derivatives. */
 static void set_linear_states(System *s);
 
