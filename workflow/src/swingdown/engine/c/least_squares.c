@@ -8,7 +8,7 @@
 #define TINY 1e-300
 #define MOST_DAMPING 1e18
 
-/* Where a search is, and the step it tries. J'J is `normal`; damping multiplies the scale. */
+/* Where a search is, and the step it tries. normal: J'J; damping multiplies the scale (Marquardt's). */
 typedef struct {
     const LeastSquares *problem;
     int n;
@@ -16,10 +16,10 @@ typedef struct {
     double *trial, *trial_gradient, *trial_normal;
     double *step, *cholesky;
     double *scale; /* J'J's diagonal, falling no faster than by half: a variable whose column fades does not run off */
-    unsigned char held[MAX_VARIABLES]; /* by a bound */
+    unsigned char active[MAX_VARIABLES]; /* a bound that the variable is on and would cross */
     double damping, growth; /* Nielsen's: growth multiplies the damping after a step that does not gain */
     double trust_radius;    /* of a step, in units of the residuals; -1 before the first */
-    int bare_last;          /* the last step may be taken without slopes */
+    int skip_last_slopes;   /* a last step may be taken without them */
     SearchOutcome *outcome;
 } Search;
 
@@ -27,7 +27,7 @@ typedef struct {
 typedef struct {
     int solvable;
     double size, predicted, relative;
-    int bare, still;
+    int without_slopes, motionless;
 } Proposal;
 
 /* ---- Linear algebra ---- */
@@ -56,19 +56,19 @@ static void substitute(int k, const double *a, double *b) {
     }
 }
 
-/* The damped Gauss-Newton step of the variables that are not held (those of the others are given); 0 where J'J with the
+/* The damped Gauss-Newton step of the variables that no bound holds (those of the others are given); 0 where J'J with the
  * damping is not positive definite. */
 static int solve_damped(Search *s, double damping) {
     int index[MAX_VARIABLES], k = 0;
     const int n = s->n;
     for (int i = 0; i < n; i++)
-        if (!s->held[i]) index[k++] = i;
+        if (!s->active[i]) index[k++] = i;
     double *a = s->cholesky, *rhs = a + k * k;
     for (int i = 0; i < k; i++) {
         const double *row = s->normal + index[i] * n;
         double b = -s->gradient[index[i]];
         for (int j = 0; j < n; j++)
-            if (s->held[j]) b -= row[j] * s->step[j];
+            if (s->active[j]) b -= row[j] * s->step[j];
         rhs[i] = b;
         for (int j = 0; j <= i; j++) a[i * k + j] = row[index[j]];
         a[i * k + i] += damping * s->scale[index[i]] + TINY;
@@ -103,18 +103,18 @@ static double predicted_reduction(const Search *s) {
 static int step_within_bounds(Search *s) {
     const double *lower = s->problem->bounds.lower, *upper = s->problem->bounds.upper;
     for (int i = 0; i < s->n; i++) {
-        s->held[i] = (s->x[i] <= lower[i] && s->gradient[i] > 0.0) || (s->x[i] >= upper[i] && s->gradient[i] < 0.0);
+        s->active[i] = (s->x[i] <= lower[i] && s->gradient[i] > 0.0) || (s->x[i] >= upper[i] && s->gradient[i] < 0.0);
         s->step[i] = 0.0;
     }
     for (int again = 1; again;) {
         if (!solve_damped(s, s->damping)) return 0;
         again = 0;
         for (int i = 0; i < s->n; i++) {
-            if (s->held[i]) continue;
+            if (s->active[i]) continue;
             const double low = lower[i] - s->x[i], high = upper[i] - s->x[i];
             if (s->step[i] < low || s->step[i] > high) {
                 s->step[i] = s->step[i] < low ? low : high;
-                s->held[i] = 1;
+                s->active[i] = 1;
                 again = 1;
             }
         }
@@ -134,9 +134,9 @@ static Proposal propose(Search *s) {
     const double tolerance = s->problem->options.tolerance;
     step.predicted = step.solvable ? predicted_reduction(s) : 0.0;
     step.relative = step.predicted / (s->value + TINY);
-    step.bare = s->bare_last && step.relative < tolerance && s->damping < 1.0;
+    step.without_slopes = s->skip_last_slopes && step.relative < tolerance && s->damping < 1.0;
     /* residuals down to their rounding, as of a model fitted to itself: the sum wanders, but nothing moves any more */
-    step.still = step.solvable && step.size <= tolerance * length(s, s->x);
+    step.motionless = step.solvable && step.size <= tolerance * length(s, s->x);
     return step;
 }
 
@@ -158,7 +158,7 @@ static double evaluate_trial(Search *s, const Proposal *step) {
     const Bounds *bounds = &s->problem->bounds;
     if (!step->solvable || !(step->predicted > 0.0)) return INFINITY;
     for (int i = 0; i < s->n; i++) s->trial[i] = fmin(fmax(s->x[i] + s->step[i], bounds->lower[i]), bounds->upper[i]);
-    return step->bare ? evaluate(s, s->trial, NULL, NULL) : evaluate(s, s->trial, s->trial_gradient, s->trial_normal);
+    return step->without_slopes ? evaluate(s, s->trial, NULL, NULL) : evaluate(s, s->trial, s->trial_gradient, s->trial_normal);
 }
 
 static int is_at(const Search *s, const KnownMinimum *known) {
@@ -175,7 +175,7 @@ static int accept(Search *s, const Proposal *step, double found, const KnownMini
     const double tolerance = s->problem->options.tolerance, gain = (s->value - found) / step->predicted;
     const double fall = (s->value - found) / (s->value + TINY);
     memcpy(s->x, s->trial, s->n * sizeof(double));
-    if (!step->bare) {
+    if (!step->without_slopes) {
         memcpy(s->gradient, s->trial_gradient, s->n * sizeof(double));
         memcpy(s->normal, s->trial_normal, (size_t)s->n * s->n * sizeof(double));
     } else if (fall >= tolerance) { /* more than predicted: not the end after all */
@@ -184,7 +184,7 @@ static int accept(Search *s, const Proposal *step, double found, const KnownMini
     }
     s->value = found;
     s->outcome->predicted_reduction = step->relative;
-    const int at_end = (step->relative < tolerance && fall < tolerance) || step->still;
+    const int at_end = (step->relative < tolerance && fall < tolerance) || step->motionless;
     if (s->value == 0.0 || (at_end && s->damping < 1.0)) s->outcome->converged = STATIONARY;
     if (gain > 0.75) s->trust_radius = fmax(s->trust_radius, 2.0 * step->size);
     const double twice = 2.0 * gain - 1.0;
@@ -195,7 +195,7 @@ static int accept(Search *s, const Proposal *step, double found, const KnownMini
 }
 
 /* No shorter step gains: a minimum only if a full step would gain or move next to nothing. */
-static void judge_stuck(Search *s) {
+static void judge_no_gain(Search *s) {
     memset(s->step, 0, s->n * sizeof(double));
     const int solvable = solve_damped(s, 1e-10);
     const double relative = solvable ? predicted_reduction(s) / (s->value + TINY) : INFINITY;
@@ -206,17 +206,17 @@ static void judge_stuck(Search *s) {
 /* Damp the next step more; 0 where there is nothing more to gain. */
 static int reject(Search *s, const Proposal *step, double found) {
     /* the prediction is within the rounding of the sum itself */
-    const int negligible = (step->predicted > 0.0 && step->relative < s->problem->options.tolerance) || step->still;
+    const int negligible = (step->predicted > 0.0 && step->relative < s->problem->options.tolerance) || step->motionless;
     if (step->solvable && negligible && s->damping < 1.0) {
         s->outcome->converged = STATIONARY;
         s->outcome->predicted_reduction = step->relative;
         return 0;
     }
-    /* where there is no trajectory at all the step was far too long, and finding that out is dear */
+    /* where there is no trajectory at all the step was far too long, and finding that out is costly */
     s->damping = isfinite(found) || !step->solvable ? s->damping * s->growth : fmax(s->damping, 1e-2) * 100.0;
     s->growth *= 2.0;
     if (s->damping <= MOST_DAMPING) return 1;
-    judge_stuck(s);
+    judge_no_gain(s);
     return 0;
 }
 
@@ -244,7 +244,7 @@ static double search(const LeastSquares *problem, const KnownMinimum *known, int
     double *memory = n > MAX_VARIABLES ? NULL : malloc((2 * nn + 6 * (size_t)n + 8) * sizeof(double));
     if (!memory) return NAN;
     Search s = {.problem = problem, .n = n, .x = x, .normal = normal, .outcome = outcome,
-                .damping = 1e-4, .growth = 4.0, .trust_radius = -1.0, .bare_last = !normal_at_end};
+                .damping = 1e-4, .growth = 4.0, .trust_radius = -1.0, .skip_last_slopes = !normal_at_end};
     s.gradient = memory;
     s.trial_gradient = s.gradient + n;
     s.step = s.trial_gradient + n;

@@ -1,4 +1,6 @@
-/* Least squares: Levenberg-Marquardt with an active set of bounds, for swings and for any other residual. */
+/* Least squares for swings and for any other residual: Levenberg-Marquardt with Marquardt's scaling, Nielsen's damping (Madsen,
+ * Nielsen and Tingleff, Methods for Non-Linear Least Squares Problems, 2004), a trust radius that keeps the first steps
+ * short, and an active set of bounds. */
 #ifndef LEAST_SQUARES_H
 #define LEAST_SQUARES_H
 #include "interface.h"

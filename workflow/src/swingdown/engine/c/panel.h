@@ -1,4 +1,5 @@
-/* A collocation panel: the equations of motion at N Gauss-Legendre nodes, solved by Newton's iteration.
+/* A collocation panel: the equations of motion at N Gauss-Legendre nodes, solved by Newton's iteration (Hairer, Norsett and
+ * Wanner, Solving Ordinary Differential Equations I, 1993, section II.7).
  *
  * A panel is the time from a reversal to just past the next one (or a part of it). The acceleration on it, and the rate of
  * every collocated state, is a polynomial through the nodes that satisfies the equations of motion at each node; the signs

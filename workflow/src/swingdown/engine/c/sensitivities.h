@@ -1,5 +1,6 @@
 /* Sensitivities: the exact derivatives of the motion by each free value, along panels (variational equations, solved with
- * the panel's own inverse) and across events (saltation). */
+ * the panel's own inverse) and across events (saltation: Leine and Nijmeijer, Dynamics and Bifurcations of Non-Smooth
+ * Mechanical Systems, 2004). */
 #ifndef SENSITIVITIES_H
 #define SENSITIVITIES_H
 #include "dense_output.h"

@@ -6,7 +6,7 @@
 #include "least_squares.h"
 #include "trajectory.h"
 
-#define DEAR 4.0 /* times the usual work */
+#define MOST_WORK 4.0 /* of a trajectory, times the usual */
 
 /* A fit under way: the cost function's own.
  *
@@ -83,7 +83,7 @@ static int compute_swing(Fit *fit, int k, const SwingVariables *own, int with_sl
     const double *values = values_of(problem, k), *angles = problem->angles[k];
     const int n = problem->n_samples[k];
     const InitialValueProblem swing = {m, values, values[m->n_parameters], values[m->n_parameters + 1], problem->times[k], n,
-                                       DEAR * fit->usual / fit->seconds, own->n, own->free_value};
+                                       MOST_WORK * fit->usual / fit->seconds, own->n, own->free_value};
     TrajectoryReport report;
     const int failed = swing_trajectory(&swing, fit->residuals, with_slopes ? fit->slopes : NULL, &report);
     const int panels = report.panels + report.rejected;
