@@ -7,6 +7,7 @@ checks of what it is given to its callers.
 from functools import lru_cache
 from pathlib import Path
 from typing import Any, NamedTuple
+from weakref import WeakKeyDictionary
 
 import _cffi_backend
 import numpy as np
@@ -53,8 +54,11 @@ def integers(array: np.ndarray) -> Any:
 # ---- Models ----
 
 
+_arrays: WeakKeyDictionary = WeakKeyDictionary()  # what a model points to, alive as long as it
+
+
 def model(motions, sensors, clocks, *, n_parameters, n_states, play, duration) -> Any:
-    """A C ``Model``, and the arrays it points to, which must live as long.
+    """A C ``Model``.
 
     ``motions``, ``sensors``, ``clocks``: (row, first parameter, first state) of each effect; ``play``: a parameter or -1;
     ``duration`` in s.
@@ -63,7 +67,9 @@ def model(motions, sensors, clocks, *, n_parameters, n_states, play, duration) -
     arrays = {kind: ffi().new("PlacedEffect[]", placed) for kind, placed in kinds.items()}
     counts = {f"n_{kind}": len(placed) for kind, placed in kinds.items()}
     others = {"n_parameters": n_parameters, "n_states": n_states, "play": play, "duration": duration}
-    return ffi().new("Model *", arrays | counts | others), arrays
+    found = ffi().new("Model *", arrays | counts | others)
+    _arrays[found] = arrays
+    return found
 
 
 # ---- Trajectories ----
@@ -163,7 +169,7 @@ class FitProblem:
 
     def __init__(self, models, swings, where, bounds: Bounds):
         new = ffi().new
-        self._kept = swings, where, bounds
+        self._kept = models, swings, where, bounds
         self.n_variables = bounds.lower.size
         self.models = new("Model[]", [one[0] for one in models])
         self.times, self.angles = (

@@ -73,7 +73,7 @@ class Compiled:
                 play = parameter
             parameter, state = parameter + len(effect.parameters), state + len(effect.states)
         self.model, self.n_parameters = model, parameter
-        self.c, self._kept = interface.model(
+        self.c = interface.model(
             **parts, n_parameters=parameter, n_states=state, play=play, duration=duration
         )
 
