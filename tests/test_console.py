@@ -3,7 +3,7 @@
 import pytest
 
 from swingdown import console
-from swingdown.errors import InputError
+from swingdown.errors import EngineError, InputError
 
 
 def test_a_finding_is_printed_and_kept(tmp_path, capsys):
@@ -25,6 +25,15 @@ def test_an_unusable_input_ends_the_job_with_one_block_and_no_traceback(tmp_path
         assert part in log.read_text()
     assert "Traceback" not in shown
     assert log.read_text().startswith("so far\n")
+
+
+def test_a_missing_compiler_is_told_as_an_unusable_input_is(tmp_path, capsys):
+    with pytest.raises(SystemExit), console.job(tmp_path / "job.log"):
+        raise EngineError("engine", "there is no C compiler", mend="install gcc")
+    shown = capsys.readouterr().err
+    for part in ("The engine cannot be built.", "there is no C compiler", "install gcc"):
+        assert part in shown and part in (tmp_path / "job.log").read_text()
+    assert "Traceback" not in shown
 
 
 def test_a_fault_of_the_program_keeps_its_traceback(tmp_path):

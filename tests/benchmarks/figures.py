@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 from swings import CASES, TIMES
 
-from swingdown.engine import build
+from swingdown.engine import build, compiler, interface
 from swingdown.engine.trajectory import effort, sensitivities, simulate
 from swingdown.fitting.batch import fit_batch
 from swingdown.fitting.least_squares import fit_trajectory
@@ -154,20 +154,21 @@ def memory():
 LIMIT = """
 #include <stdio.h>
 #include <time.h>
-#include "swing.c"
+#include "engine.c"
 /* CPU seconds for one whole right-hand side at all nodes of a panel: values, and values with all slopes. */
 void cost(const Model *m, const double *p, double angle, double velocity, double *values, double *slopes) {
-    Pendulum s;
+    System s;
     static Panel b;
     double out[BLOCKS * N], sum = 0.0;
-    prepare(&s, m, p, m->n_parameters);
+    const MotionPoints nodes = nodes_of(&b);
+    set_up_system(&s, m, p, m->n_parameters);
     s.direction = 1.0;
     for (int i = 0; i < N; i++) { b.th[i] = angle * cos(0.2 * i); b.v[i] = velocity * sin(0.2 * i); b.t[i] = 0.01 * i; }
     clock_t begun = clock();
-    for (int k = 0; k < 200000; k++) { b.th[0] += 1e-12; rates(&s, N, b.th, b.v, b.u, b.t, b.z, out, NULL); sum += out[k % N]; }
+    for (int k = 0; k < 200000; k++) { b.th[0] += 1e-12; right_hand_side(&s, &nodes, out, NULL); sum += out[k % N]; }
     *values = (double)(clock() - begun) / CLOCKS_PER_SEC / 200000;
     begun = clock();
-    for (int k = 0; k < 50000; k++) { b.th[0] += 1e-12; slopes_at_nodes(&s, &b); sum += b.by[k % N]; }
+    for (int k = 0; k < 50000; k++) { b.th[0] += 1e-12; partials_at_nodes(&s, &b); sum += b.by[k % N]; }
     *slopes = (double)(clock() - begun) / CLOCKS_PER_SEC / 50000;
     if (sum == 0.12345) puts("");
 }
@@ -178,28 +179,24 @@ def limit():
     """CPU seconds of one trajectory with slopes of the full paper model, and what its right-hand sides alone cost."""
     import ctypes
 
-    from swingdown.engine.trajectory import Compiled, doubles
+    from swingdown.engine.trajectory import Compiled
 
     case = CASES["seven"]
-    path = build.library(SHIPPED.known, tuple(SHIPPED.gravity.values()))
-    header = max(path.parent.glob("catalogue-*.h"), key=lambda found: found.stat().st_mtime)
+    files = build.sources() | {
+        "catalogue.h": build.header(SHIPPED.known, tuple(SHIPPED.gravity.values())),
+        "limit.c": LIMIT,
+    }
     with tempfile.TemporaryDirectory() as work:
         work = Path(work)
-        for name in ("swing.h", "points.h", "swing.c"):
-            (work / name).write_text((Path(build.__file__).parent / "c" / name).read_text())
-        (work / "catalogue.h").write_text(header.read_text())
-        (work / "limit.c").write_text(LIMIT)
-        subprocess.run(
-            [build._compiler(), *build._FLAGS, "-march=native", "-o", "limit.so", "limit.c", "-lm"],
-            cwd=work,
-            check=True,
-        )
+        for name, text in files.items():
+            (work / name).write_text(text)
+        compiler.compile_library("limit.c", work / "limit.so", work)
         library = ctypes.CDLL(str(work / "limit.so"))
         compiled, p = Compiled(case.model, 10.0), np.array(case.model.vector())
         plain, slopes = ctypes.c_double(), ctypes.c_double()
         library.cost(
-            ctypes.byref(compiled.c),
-            doubles(p),
+            ctypes.c_void_p(int(interface.ffi().cast("uintptr_t", compiled.c))),
+            ctypes.c_void_p(p.ctypes.data),
             ctypes.c_double(0.5),
             ctypes.c_double(3.0),
             ctypes.byref(plain),

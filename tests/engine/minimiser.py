@@ -1,15 +1,12 @@
 """Least squares for any residuals, by the same minimiser that fits swings."""
 
-import ctypes
 from dataclasses import dataclass
 
 import numpy as np
 
-from swingdown.engine import build
-from swingdown.engine.trajectory import doubles, engine
+from swingdown.engine import interface
+from swingdown.engine.trajectory import engine
 from swingdown.errors import InputError
-
-_MOST_VARIABLES = 192  # the minimiser's own limit
 
 
 @dataclass(frozen=True)
@@ -36,8 +33,9 @@ def least_squares(residuals_and_jacobian, start, lower=None, upper=None, *, most
     """
     x = np.array(start, dtype=float, ndmin=1)
     size = x.size
-    if x.ndim != 1 or not 0 < size <= _MOST_VARIABLES or not np.all(np.isfinite(x)):
-        raise InputError("least squares, start", f"{start!r}", f"1 to {_MOST_VARIABLES} finite numbers")
+    most_variables = engine().MAX_VARIABLES
+    if x.ndim != 1 or not 0 < size <= most_variables or not np.all(np.isfinite(x)):
+        raise InputError("least squares, start", f"{start!r}", f"1 to {most_variables} finite numbers")
     bounds = []
     for name, given, default in (("lower", lower, -np.inf), ("upper", upper, np.inf)):
         bounds.append(np.full(size, default) if given is None else np.array(given, dtype=float))
@@ -49,12 +47,13 @@ def least_squares(residuals_and_jacobian, start, lower=None, upper=None, *, most
         raise InputError("least squares, lower", "above the upper bound", "lower at most upper")
     raised = []
 
-    def cost(_, at, gradient, hessian):
+    def cost(at, gradient, normal):
         if raised:
             return np.nan
         try:
-            here = np.ctypeslib.as_array(at, (size,)).copy()
-            residuals, jacobian = (np.asarray(part, dtype=float) for part in residuals_and_jacobian(here))
+            residuals, jacobian = (
+                np.asarray(part, dtype=float) for part in residuals_and_jacobian(at.copy())
+            )
             if residuals.ndim != 1 or jacobian.shape != (residuals.size, size):
                 raise InputError(
                     "least squares",
@@ -63,18 +62,16 @@ def least_squares(residuals_and_jacobian, start, lower=None, upper=None, *, most
                 )
             if not (np.all(np.isfinite(residuals)) and np.all(np.isfinite(jacobian))):
                 return np.inf
-            np.ctypeslib.as_array(gradient, (size,))[:] = jacobian.T @ residuals
-            np.ctypeslib.as_array(hessian, (size, size))[:] = jacobian.T @ jacobian
+            gradient[:] = jacobian.T @ residuals
+            normal[:] = jacobian.T @ jacobian
             return 0.5 * float(residuals @ residuals)
         except BaseException as problem:  # nothing may pass through C; it is raised again below
             raised.append(problem)
             return np.nan
 
-    normal, outcome = np.zeros((size, size)), build.COutcome()
-    half = engine().minimise(
-        build.COST(cost), None, ctypes.c_int(size), doubles(x), doubles(bounds[0]), doubles(bounds[1]), ctypes.c_int(most),
-        ctypes.c_double(tolerance), doubles(normal), ctypes.byref(outcome),
-    )  # fmt: skip
+    half, normal, outcome = interface.minimise(
+        engine(), cost, x, interface.Bounds(*bounds), interface.Options(most, tolerance)
+    )
     if raised:
         raise raised[0]
     if outcome.converged < 0:

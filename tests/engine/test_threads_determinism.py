@@ -3,6 +3,7 @@
 import os
 import subprocess
 import sys
+import time
 from concurrent.futures import ThreadPoolExecutor
 
 import cases
@@ -39,6 +40,19 @@ def test_neither_the_order_nor_the_company_matters():
     one, order = batch(), np.random.default_rng(0).permutation(64)
     assert np.array_equal(batch(2, order=order).values, one.values[order])
     assert np.array_equal(batch(2, order=[5]).values, one.values[[5]])
+
+
+def test_other_threads_go_on_while_one_fits():
+    """A thousand fits take about half a second; a window that is redrawn meanwhile must not wait for them."""
+    case = CASES["five"]
+    series = case.clean() + 0.005 * np.random.default_rng(1).standard_normal((1000, TIMES.size))
+    with ThreadPoolExecutor(1) as pool:
+        fits = pool.submit(fit_batch, case.model, TIMES, series, case.release_angle, case.release_velocity)
+        rounds = 0
+        while not fits.done():
+            time.sleep(0.001)
+            rounds += 1
+    assert rounds > 30
 
 
 def test_trajectories_in_threads():

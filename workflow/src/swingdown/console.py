@@ -7,7 +7,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import NoReturn
 
-from .errors import InputError
+from .errors import EngineError, InputError
 
 _INDENT = "        "  # under the "[ 3/48] " that starts a job's line
 
@@ -16,7 +16,7 @@ _INDENT = "        "  # under the "[ 3/48] " that starts a job's line
 def job(log: str | Path | None = None) -> Iterator[Callable[[object], None]]:
     """A function ``say(text)`` that prints a finding in the terminal and in the file ``log``.
 
-    An input that cannot be used, or a full disk, is told in one block in both places and ends the process with exit
+    An input that cannot be used, an engine that cannot be built, or a full disk, is told in one block in both places and ends the process with exit
     code 1. Any other error is a fault of the program: its traceback goes to both places.
     """
     told = []
@@ -30,7 +30,7 @@ def job(log: str | Path | None = None) -> Iterator[Callable[[object], None]]:
     _keep(log, told)
     try:
         yield say
-    except InputError as error:
+    except (InputError, EngineError) as error:
         _stop(block(error), log, told)
     except OSError as error:
         if "the disk is full" not in str(error):
@@ -42,11 +42,12 @@ def job(log: str | Path | None = None) -> Iterator[Callable[[object], None]]:
         raise
 
 
-def block(error: InputError) -> str:
-    """The text of an InputError laid out for the eye: a line each for where, problem, expected and mend."""
+def block(error: InputError | EngineError) -> str:
+    """The text of an InputError or EngineError laid out for the eye: a line each for where, problem, expected and mend."""
     parts = ("where", "problem", "expected", "mend")
     lines = [f"{part + ':':10} {getattr(error, part)}" for part in parts if getattr(error, part)]
-    return _framed("This input cannot be used.", *lines)
+    what = "The engine cannot be built." if isinstance(error, EngineError) else "This input cannot be used."
+    return _framed(what, *lines)
 
 
 def _framed(*lines: str) -> str:

@@ -9,9 +9,21 @@ class InputError(ValueError):
 
     def __init__(self, where: object, problem: str, expected: str = "", mend: str = "") -> None:
         self.where, self.problem, self.expected, self.mend = str(where), problem, expected, mend
-        parts = [f"{where}: {problem}."]
-        if expected:
-            parts.append(f"Expected: {expected}.")
-        if mend:
-            parts.append(f"Mend: {mend}.")
-        super().__init__(" ".join(parts))
+        super().__init__(_sentences(where, problem, expected, mend))
+
+
+class EngineError(RuntimeError):
+    """An engine that cannot be built or loaded, told as an ``InputError`` is: where, what is wrong, what was expected, the mend."""
+
+    def __init__(self, where: object, problem: str, expected: str = "", mend: str = "") -> None:
+        self.where, self.problem, self.expected, self.mend = str(where), problem, expected, mend
+        super().__init__(_sentences(where, problem, expected, mend))
+
+
+def _sentences(where: object, problem: str, expected: str, mend: str) -> str:
+    parts = [f"{where}: {problem}."]
+    if expected:
+        parts.append(f"Expected: {expected}.")
+    if mend:
+        parts.append(f"Mend: {mend}.")
+    return " ".join(parts)

@@ -1,162 +1,61 @@
-"""Compiling the engine once and loading it: a shared library kept under the hash of all that went into it."""
+"""Building the engine once and loading it: a shared library kept under the hash of all that went into it."""
 
-import ctypes
-import hashlib
-import os
-import platform
-import shutil
-import subprocess
-import tempfile
 from functools import lru_cache
 from pathlib import Path
+from typing import Any
 
-import platformdirs
+from ..pendulum.effect import Effect
+from . import cache, compiler, interface
+
+Effects = tuple[Effect, ...]
 
 _HERE = Path(__file__).parent
-# No fast-math and no contraction: every machine gives the same bits.
-_FLAGS = ("-O3", "-std=c99", "-fPIC", "-shared", "-ffp-contract=off", "-fno-math-errno", "-fno-trapping-math")
+_WRITERS = ("generate.py", "state_methods.py", "collocation.py", "rows.py", "../pendulum/formula.py")
 
 
-class EngineError(RuntimeError):
-    """The engine could not be compiled or loaded; the message says what to install."""
+def sources() -> dict[str, str]:
+    """The engine's hand-written C files, by name."""
+    return {path.name: path.read_text() for path in sorted((_HERE / "c").glob("*.[ch]"))}
 
 
-def _compiler():
-    command = os.environ.get("CC") or next(
-        (name for name in ("gcc", "cc", "clang") if shutil.which(name)), None
-    )
-    if command is None:
-        raise EngineError(
-            "no C compiler found. Install gcc (or set CC to a C compiler); it is needed once, at the first use."
-        )
-    return command
-
-
-def _processor():
-    """What distinguishes processors that cannot run each other's native code."""
-    try:
-        flags = next(
-            line
-            for line in Path("/proc/cpuinfo").read_text().splitlines()
-            if line.startswith(("flags", "Features"))
-        )
-    except (OSError, StopIteration):
-        flags = platform.processor()
-    return f"{platform.machine()} {flags}"
-
-
-def folder():
-    """The folder that keeps compiled engines: SWINGDOWN_CACHE if set, else the user's cache folder."""
-    return Path(os.environ.get("SWINGDOWN_CACHE") or platformdirs.user_cache_dir("swingdown"))
-
-
-def library(catalogue, gravity):
+def library(catalogue: Effects, gravity: Effects) -> Path:
     """The path of the engine compiled for these effects, from the cache or compiled now (about two seconds).
 
-    EngineError where there is no compiler or it fails.
+    EngineError where there is no compiler or it fails, or the cache cannot be written.
     """
-    parts = {name: (_HERE / "c" / name).read_text() for name in ("swing.h", "points.h", "swing.c", "fit.c")}
-    header = _header(tuple(catalogue), tuple(gravity))
-    flags = (*_FLAGS, "-march=native")
-    key = hashlib.sha256("\0".join([header, *parts.values(), *flags, _processor()]).encode()).hexdigest()[:20]
-    path = folder() / f"engine-{key}.so"
-    if not path.exists():
-        _compile(path, parts | {"catalogue.h": header}, flags)
-    return path
+    parts = sources() | {"catalogue.h": header(tuple(catalogue), tuple(gravity))}
+    content = cache.key(*parts, *parts.values(), *compiler.FLAGS, compiler.processor())
+    by = compiler.find()
+    if by is None:  # then an engine that any compiler has made of the same is as good
+        for path in sorted(cache.folder().glob(f"engine-{content}-*.so")):
+            if cache.is_whole(path):
+                return path
+        by = compiler.found()
 
-
-def _header(catalogue, gravity):
-    """The generated header, kept beside the libraries under the formulas' hash: sympy is imported only when they change."""
-    writers = [
-        (_HERE / name).read_text()
-        for name in ("generate.py", "collocation.py", "rows.py", "../pendulum/formula.py")
-    ]
-    key = hashlib.sha256(
-        "\0".join([repr([effect.numerics for effect in (*catalogue, *gravity)]), *writers]).encode()
-    ).hexdigest()[:20]
-    path = folder() / f"catalogue-{key}.h"
-    if path.exists():
-        return path.read_text()
-    from . import generate  # here, because sympy takes half a second and only a changed catalogue needs it
-
-    text = generate.source(catalogue, gravity)
-    path.parent.mkdir(parents=True, exist_ok=True)
-    with tempfile.NamedTemporaryFile("w", dir=path.parent, delete=False) as file:
-        file.write(text)
-    os.replace(file.name, path)
-    return text
-
-
-def _compile(path, parts, flags):
-    path.parent.mkdir(parents=True, exist_ok=True)
-    compiler = _compiler()
-    with tempfile.TemporaryDirectory(dir=path.parent) as work:
+    def make(path: Path) -> None:
         for name, text in parts.items():
-            (Path(work) / name).write_text(text)
-        command = [*compiler.split(), *flags, "-o", "engine.so", "swing.c", "fit.c", "-lm"]
-        done = subprocess.run(command, cwd=work, capture_output=True, text=True)
-        if done.returncode:
-            raise EngineError(f"the C compiler failed: {' '.join(command)}\n{done.stderr[-2000:]}")
-        os.replace(Path(work) / "engine.so", path)
+            (path.parent / name).write_text(text)
+        compiler.compile_library("engine.c", path, path.parent)
+
+    return cache.kept(f"engine-{content}-{cache.key(by.identity)}.so", make)
 
 
-class CPart(ctypes.Structure):
-    _fields_ = [(name, ctypes.c_int) for name in ("row", "first_parameter", "first_state")]
+def header(catalogue: Effects, gravity: Effects) -> str:
+    """The generated header, kept beside the libraries under the formulas' hash: sympy is imported only when they change."""
+    name = cache.key(
+        repr([effect.numerics for effect in (*catalogue, *gravity)]),
+        *((_HERE / writer).read_text() for writer in _WRITERS),
+    )
 
+    def make(path: Path) -> None:
+        from . import generate  # sympy takes half a second, and only a changed catalogue needs it
 
-class CModel(ctypes.Structure):
-    _fields_ = [
-        (name, ctypes.c_int) for name in ("n_motions", "n_sensors", "n_clocks", "n_parameters", "n_states")
-    ]
-    _fields_ += [(name, ctypes.POINTER(CPart)) for name in ("motions", "sensors", "clocks")]
-    _fields_ += [("play", ctypes.c_int), ("duration", ctypes.c_double)]
+        path.write_text(generate.source(catalogue, gravity))
 
-
-class CReport(ctypes.Structure):
-    _fields_ = [(name, ctypes.c_int) for name in ("status", "panels", "rejected", "evaluations", "reversals")]
-    _fields_ += [("error", ctypes.c_double), ("stuck_after", ctypes.c_double)]
-
-
-class COutcome(ctypes.Structure):
-    _fields_ = [
-        ("converged", ctypes.c_int),
-        ("evaluations", ctypes.c_int),
-        ("predicted", ctypes.c_double),
-        ("stops", ctypes.c_int),
-    ]
-
-
-COST = ctypes.CFUNCTYPE(
-    ctypes.c_double, ctypes.c_void_p, *[ctypes.POINTER(ctypes.c_double)] * 3
-)  # of, x, gradient, hessian
+    return cache.kept(f"catalogue-{name}.h", make).read_text()
 
 
 @lru_cache
-def load(catalogue, gravity):
-    """The loaded engine for a tuple of effects and a tuple of gravities, its functions typed."""
-    engine = ctypes.CDLL(str(library(catalogue, gravity)))
-    number, real, numbers, reals = (
-        ctypes.c_int,
-        ctypes.c_double,
-        ctypes.POINTER(ctypes.c_int),
-        ctypes.POINTER(ctypes.c_double),
-    )
-    model, several = ctypes.POINTER(CModel), ctypes.POINTER(reals)
-    engine.swing_trajectory.restype = number
-    engine.swing_trajectory.argtypes = (
-        model, reals, real, real, reals, number, real, number, numbers, reals, reals, ctypes.POINTER(CReport)
-    )  # fmt: skip
-    engine.minimise.restype = real
-    engine.minimise.argtypes = (
-        COST, ctypes.c_void_p, number, reals, reals, reals, number, real, reals, ctypes.POINTER(COutcome)
-    )  # fmt: skip
-    engine.fit_swings.restype = real
-    engine.fit_swings.argtypes = (
-        model, number, numbers, several, several, reals, numbers, number, number, reals, reals, reals, number, real, number,
-        reals, reals, reals, ctypes.POINTER(COutcome),
-    )  # fmt: skip
-    engine.fit_batch.restype = number
-    engine.fit_batch.argtypes = (
-        model, number, reals, number, reals, reals, numbers, number, reals, reals, number, real, reals, reals, numbers, numbers
-    )  # fmt: skip
-    return engine
+def load(catalogue: Effects, gravity: Effects) -> Any:
+    """The loaded engine for a tuple of effects and a tuple of gravities: what ``interface`` takes as its library."""
+    return interface.ffi().dlopen(str(library(catalogue, gravity)))

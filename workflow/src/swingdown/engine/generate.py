@@ -6,6 +6,7 @@ from sympy.printing.c import C99CodePrinter
 from ..pendulum.formula import symbol
 from . import collocation
 from .rows import entries
+from .state_methods import localisation, state_methods
 
 _THETA, _VELOCITY, _ACCELERATION = symbol("theta"), symbol("thetadot"), symbol("thetaddot")
 _TIME, _DIRECTION, _OMEGA = symbol("t"), symbol("direction"), symbol("omega_n")
@@ -18,8 +19,8 @@ _POINTS = {
     _SINE: "q->sn",
     _COSINE: "q->cs",
 }
-_VALUES = "(const Points *q, const double *p, const double *sign, double *out, Part at)"
-_DERIVATIVES = "(const Points *q, const double *p, const double *sign, const Slopes *d, Part at)"
+_FORMULA = "(const Points *q, const double *p, const double *sign, double *out, PlacedEffect at)"
+_PARTIALS = "(const Points *q, const double *p, const double *sign, const Partials *d, PlacedEffect at)"
 
 
 class _Printer(C99CodePrinter):
@@ -73,195 +74,153 @@ def _with_shared_points(expression):
     return expression.replace(sympy.log(_DIRECTION * _VELOCITY), sympy.log(_SPEED))
 
 
+def _inputs(effect):
+    """Where a function finds what formulas name: arrays over the points, and numbers, as {symbol: C expression}."""
+    states = {symbol(state.symbol): f"(q->z + {k} * q->stride)" for k, state in enumerate(effect.states)}
+    numbers = {_OMEGA: "q->omega_n", symbol("duration"): "q->duration", _DIRECTION: "q->direction"}
+    numbers |= {symbol(parameter.symbol): f"p[{k}]" for k, parameter in enumerate(effect.parameters)}
+    numbers |= {symbol(f"sign_{k}"): f"sign[{k}]" for k in range(8)}
+    return _POINTS | states, numbers
+
+
+def _declare(name, value):
+    return f"const double {_printer.doprint(name)} = {value};"
+
+
 def _function(name, signature, effect, assignments):
     """A C function that does each (target, operator, expression) at every point, subexpressions shared."""
-    assignments = [
-        (target, operator, _with_shared_points(formula)) for target, operator, formula in assignments
-    ]
+    head = [f"static void {name}{signature} {{", "(void)q; (void)p; (void)sign; (void)at;"]
+    if not assignments:
+        return [*head, "(void)" + ("d;" if "Partials" in signature else "out;"), "}"]
+    targets, operators, formulas = zip(*assignments, strict=True)
     shared, reduced = sympy.cse(
-        [e for *_, e in assignments], symbols=sympy.numbered_symbols("x", real=True), list=True
+        [_with_shared_points(formula) for formula in formulas],
+        symbols=sympy.numbered_symbols("x", real=True),
+        list=True,
     )
     used = set().union(*(e.free_symbols for e in reduced), *(e.free_symbols for _, e in shared))
-    arrays = _POINTS | {
-        symbol(state.symbol): f"(q->z + {k} * q->stride)" for k, state in enumerate(effect.states)
-    }
-    scalars = {_OMEGA: "q->omega_n", symbol("duration"): "q->duration", _DIRECTION: "q->direction"}
-    scalars |= {symbol(parameter.symbol): f"p[{k}]" for k, parameter in enumerate(effect.parameters)}
-    scalars |= {symbol(f"sign_{k}"): f"sign[{k}]" for k in range(8)}
-    lines = [f"static void {name}{signature} {{", "(void)q; (void)p; (void)sign; (void)at;"]
-    lines += [
-        f"const double {_printer.doprint(key)} = {value};" for key, value in scalars.items() if key in used
+    arrays, numbers = _inputs(effect)
+    arrays = {key: (f"in{k}", array) for k, (key, array) in enumerate(arrays.items()) if key in used}
+    speed = {_SPEED: "fmax(q->direction * q->v[i], 1e-300)"} if _SPEED in used else {}
+    return [
+        *head,
+        *(_declare(key, value) for key, value in numbers.items() if key in used),
+        *(f"const double *restrict {local} = {array};" for local, array in arrays.values()),
+        *(f"double *restrict out{k} = {target};" for k, target in enumerate(targets)),
+        "for (int i = 0; i < q->n; i++) {",
+        *(_declare(key, f"{local}[i]") for key, (local, _) in arrays.items()),
+        *(_declare(key, value) for key, value in speed.items()),
+        *(_declare(key, _printer.doprint(value)) for key, value in shared),
+        *(f"out{k}[i] {operators[k]} {_printer.doprint(value)};" for k, value in enumerate(reduced)),
+        "}",
+        "}",
     ]
-    lines += [
-        f"const double *restrict in{k} = {array};"
-        for k, (key, array) in enumerate(arrays.items())
-        if key in used
-    ]
-    lines += [f"double *restrict out{k} = {target};" for k, (target, *_) in enumerate(assignments)]
-    if assignments:
-        lines.append("for (int i = 0; i < q->n; i++) {")
-        lines += [
-            f"const double {_printer.doprint(key)} = in{k}[i];" for k, key in enumerate(arrays) if key in used
-        ]
-        if _SPEED in used:
-            lines.append("const double s_speed = fmax(q->direction * q->v[i], 1e-300);")
-        lines += [
-            f"const double {_printer.doprint(key)} = {_printer.doprint(value)};" for key, value in shared
-        ]
-        lines += [
-            f"out{k}[i] {assignments[k][1]} {_printer.doprint(value)};" for k, value in enumerate(reduced)
-        ]
-        lines.append("}")
-    else:
-        lines.append("(void)" + ("d;" if "Slopes" in signature else "out;"))
-    return [*lines, "}"]
 
 
-def _narrow(expression):
-    """2 where a formula can change all at once at some angle, 1 where only at some velocity or time, 0 where nowhere.
-
-    Sums, whole powers, sines and cosines of what moves are smooth; anything else may be as narrow as its parameters say.
-    """
-    calls = expression.atoms(sympy.exp, sympy.log, sympy.tan, sympy.tanh, sympy.Pow)
-    sharp = [
-        call.free_symbols for call in calls if not (call.is_Pow and call.exp.is_Integer and call.exp > 0)
-    ]
-    if any(symbols & {_THETA, _ACCELERATION} for symbols in sharp):
-        return 2
-    return int(any(symbols & {_VELOCITY, _TIME} for symbols in sharp))
-
-
-def _manners(formulas, rates, states, arguments):
-    """How each state is found (points.h): a list of (kind, of, pull, push, lead), from the rates with their signs frozen."""
-    found = []
-    for k, (state, rate) in enumerate(zip(states, rates, strict=True)):
-        others = [*formulas.motion.values(), *arguments, *(r for j, r in enumerate(rates) if j != k)]
-        feeds = any(state in expression.free_symbols for expression in others)
-        of = [
-            j
-            for j, other in enumerate(states)
-            if other == rate and states[j] not in _positions(rates, states)
-        ]
-        moving = {_THETA, _VELOCITY, _ACCELERATION, _TIME, *states}
-        along = sympy.cancel(rate / _VELOCITY)
-        pull, pull_along = (sympy.expand(expression).diff(state) for expression in (rate, along))
-        read = formulas.reading is not None and state in formulas.reading.free_symbols
-        if of and not read:
-            found.append(("POSITION", of[0], 0, 0, 0))
-        elif (
-            not feeds
-            and pull != 0
-            and not pull.free_symbols & moving
-            and not rate.free_symbols & (set(states) - {state})
-        ):
-            lead = sympy.expand(rate).diff(_THETA)
-            found.append(("FOLLOWER", k, pull, 0, 0 if lead.free_symbols & moving else lead))
-        elif (
-            pull_along != 0
-            and not along.free_symbols & (moving - {state})
-            and not pull_along.has(state)
-            and not read
-        ):
-            found.append(("ALONG", k, pull_along, sympy.simplify(along - pull_along * state), 0))
-        else:
-            found.append(("RATE", k, 0, 0, 0))
-    return found
-
-
-def _positions(rates, states):
-    return {state for state, rate in zip(states, rates, strict=True) if rate in states}
-
-
-def _slopes(outputs, inputs, parameters):
+def _partials(outputs, inputs, parameters):
     """The assignments of all derivatives that are not zero: outputs and inputs as {row: expression or symbol}."""
     found = []
     for row, expression in outputs.items():
-        found += [(f"BY({row}, {column})", "+=", expression.diff(of)) for column, of in inputs.items()]
-        found.append((f"BY_PARAMETER({row}, 0)", "+=", expression.diff(_OMEGA)))
+        found += [(f"PARTIAL({row}, {column})", "+=", expression.diff(of)) for column, of in inputs.items()]
+        found.append((f"PARTIAL_BY_PARAMETER({row}, 0)", "+=", expression.diff(_OMEGA)))
         found += [
-            (f"BY_PARAMETER({row}, at.first_parameter + {k})", "=", expression.diff(symbol(parameter.symbol)))
+            (
+                f"PARTIAL_BY_PARAMETER({row}, at.first_parameter + {k})",
+                "=",
+                expression.diff(symbol(parameter.symbol)),
+            )
             for k, parameter in enumerate(parameters)
         ]
     return [(target, operator, derivative) for target, operator, derivative in found if derivative != 0]
 
 
-def _effect(number, effect, form):
-    """C source of one entry and the initialiser of its row in the table of effects."""
-    formulas = effect.expressions(form)
-    arguments = switches(*formulas.motion.values(), *formulas.rates)
-    states = {f"3 + at.first_state + {k}": symbol(state.symbol) for k, state in enumerate(effect.states)}
-    outputs = {
-        row: formulas.motion[kind]
-        for row, kind in (("0", "torque"), ("1", "inertia"))
-        if kind in formulas.motion
-    }
-    outputs |= {f"2 + at.first_state + {k}": rate for k, rate in enumerate(formulas.rates)}
-    outputs = {row: _frozen(expression, arguments) for row, expression in outputs.items()}
-    moves = {"0": _THETA, "1": _VELOCITY, "2": _ACCELERATION} | states
-    first = {f"{k}": value for k, value in enumerate(formulas.initial)}
-    symbols = list(states.values())
-    rates = [outputs[f"2 + at.first_state + {k}"] for k in range(len(symbols))]
-    manners = _manners(formulas, rates, symbols, arguments)
-    linear = {
-        f"{3 * k + j}": manner[2 + j]
-        for k, manner in enumerate(manners)
-        for j in range(3)
-        if manner[0] in ("FOLLOWER", "ALONG")
-    }
-    linear = {row: sympy.sympify(expression) for row, expression in linear.items()}
-    reads = {} if formulas.reading is None else {"0": formulas.reading}
-    read_inputs = {"0": _TIME} if effect.acts_on == "clock" else {"0": _THETA} | states
+def _values(outputs, operator="+="):
+    """The assignments of outputs as {row: expression}."""
+    return [(f"out + ({row}) * q->stride", operator, expression) for row, expression in outputs.items()]
 
-    def values(outputs):
-        return [(f"out + ({row}) * q->stride", "+=", expression) for row, expression in outputs.items()]
 
-    def signed(outputs):  # a reading is taken point by point, so its signs are those of each point
-        return {
-            row: expression.replace(sympy.sign, lambda x: 2 * sympy.Heaviside(x, 1) - 1)
-            for row, expression in outputs.items()
+def _by_point(expression):
+    """A reading is taken point by point, so its signs are those of each point."""
+    return expression.replace(sympy.sign, lambda x: 2 * sympy.Heaviside(x, 1) - 1)
+
+
+class _Outputs:
+    """What an entry of the catalogue computes, as {row in C: expression} with frozen signs."""
+
+    def __init__(self, effect, form):
+        formulas = effect.expressions(form)
+        self.effect = effect
+        self.switches = switches(*formulas.motion.values(), *formulas.rates)
+        self.states = {
+            f"3 + at.first_state + {k}": symbol(state.symbol) for k, state in enumerate(effect.states)
+        }
+        motion = {row: formulas.motion.get(kind) for row, kind in (("0", "torque"), ("1", "inertia"))}
+        motion |= {f"2 + at.first_state + {k}": rate for k, rate in enumerate(formulas.rates)}
+        self.motion = {
+            row: _frozen(expression, self.switches)
+            for row, expression in motion.items()
+            if expression is not None
+        }
+        self.initial = {f"{k}": value for k, value in enumerate(formulas.initial)}
+        self.reading = {} if formulas.reading is None else {"0": _by_point(formulas.reading)}
+        self.methods = self._methods(formulas)
+        self.linear = {
+            f"{3 * k + j}": sympy.sympify(coefficient)
+            for k, method in enumerate(self.methods)
+            for j, coefficient in enumerate(method.coefficients)
         }
 
-    functions = {
-        "motion": (_VALUES, values(outputs)),
-        "reading": (_VALUES, values(signed(reads))),
-        "initial": (_VALUES, values(first)),
-        "switches": (
-            _VALUES,
-            [(f"out + {k} * q->stride", "=", argument) for k, argument in enumerate(arguments)],
-        ),
-        "linear": (_VALUES, values(linear)),
-        "linear_slopes": (_DERIVATIVES, _slopes(linear, {}, effect.parameters)),
-        "motion_slopes": (_DERIVATIVES, _slopes(outputs, moves, effect.parameters)),
-        "reading_slopes": (_DERIVATIVES, _slopes(signed(reads), read_inputs, effect.parameters)),
-        "initial_slopes": (_DERIVATIVES, _slopes(first, {"0": _THETA, "1": _VELOCITY}, effect.parameters)),
-    }
-    lines = []
-    for kind, (signature, assignments) in functions.items():
-        lines += _function(f"e{number}_{kind}", signature, effect, assignments)
-    timed = any(expression.has(_TIME) for expression in outputs.values())
-    rough = any(_with_shared_points(expression).has(_SPEED) for expression in outputs.values())
-    sharp = max(
-        [manner[0] == "ALONG" for manner in manners]
-        + [_narrow(expression) for expression in outputs.values()],
-        default=0,
-    )
-    counts = (
-        len(effect.parameters),
-        len(effect.states),
-        len(arguments),
-        int(timed),
-        int("1" in outputs),
-        int(rough),
-        int(sharp),
-    )
-    names = ", ".join(f".{kind} = e{number}_{kind}" for kind in functions)
-    fields = ("n_parameters", "n_states", "n_switches", "timed", "inertial", "rough", "sharp")
-    if manners:
-        names += f", .manner = {{{', '.join(f'{{{kind}, {of}}}' for kind, of, *_ in manners)}}}"
-    return (
-        lines,
-        f"{{{names}, {', '.join(f'.{key} = {value}' for key, value in zip(fields, counts, strict=True))}}},",
-    )
+    def _methods(self, formulas):
+        states = list(self.states.values())
+        rates = [self.motion[f"2 + at.first_state + {k}"] for k in range(len(states))]
+        return state_methods(formulas, rates, states, self.switches)
+
+    def functions(self):
+        """The C functions of the entry: {name in the table of effects: (signature, assignments)}."""
+        parameters = self.effect.parameters
+        moves = {"0": _THETA, "1": _VELOCITY, "2": _ACCELERATION} | self.states
+        read = {"0": _TIME} if self.effect.acts_on == "clock" else {"0": _THETA} | self.states
+        crossed = {f"{k}": argument for k, argument in enumerate(self.switches)}
+        released = {"0": _THETA, "1": _VELOCITY}
+        return {
+            "motion": (_FORMULA, _values(self.motion)),
+            "reading": (_FORMULA, _values(self.reading)),
+            "initial": (_FORMULA, _values(self.initial)),
+            "switches": (_FORMULA, _values(crossed, "=")),
+            "linear": (_FORMULA, _values(self.linear)),
+            "linear_partials": (_PARTIALS, _partials(self.linear, {}, parameters)),
+            "motion_partials": (_PARTIALS, _partials(self.motion, moves, parameters)),
+            "reading_partials": (_PARTIALS, _partials(self.reading, read, parameters)),
+            "initial_partials": (_PARTIALS, _partials(self.initial, released, parameters)),
+        }
+
+    def properties(self):
+        """The numbers in the entry's row of the table of effects, by name."""
+        motion = self.motion.values()
+        localised = [localisation(expression) for expression in motion]
+        localised += [int(method.kind == "RATE_INDEPENDENT") for method in self.methods]
+        return {
+            "n_parameters": len(self.effect.parameters),
+            "n_states": len(self.effect.states),
+            "n_switches": len(self.switches),
+            "timed": int(any(expression.has(_TIME) for expression in motion)),
+            "inertial": int("1" in self.motion),
+            "fractional_power": int(any(_with_shared_points(one).has(_SPEED) for one in motion)),
+            "localised": max(localised, default=0),
+        }
+
+
+def _effect(number, effect, form):
+    """C source of one entry and the initialiser of its row in the table of effects."""
+    outputs = _Outputs(effect, form)
+    lines, fields = [], {}
+    for name, (signature, assignments) in outputs.functions().items():
+        fields[name] = f"e{number}_{name}"
+        lines += _function(fields[name], signature, effect, assignments)
+    if outputs.methods:
+        fields["method"] = f"{{{', '.join(f'{{{one.kind}, {one.of}}}' for one in outputs.methods)}}}"
+    fields |= outputs.properties()
+    return lines, f"{{{', '.join(f'.{name} = {value}' for name, value in fields.items())}}},"
 
 
 def source(catalogue, gravity):

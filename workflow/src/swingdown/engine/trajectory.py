@@ -1,22 +1,25 @@
 """Trajectories of a model: the angle over time, exact at velocity reversals and with sticking, and its sensitivities."""
 
-import ctypes
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 
+from ..arrays import Floats
 from ..errors import InputError
-from ..pendulum.catalogue import SHIPPED
-from . import build
+from ..pendulum.catalogue import SHIPPED, Catalogue
+from ..pendulum.model import Model
+from . import build, interface
 from .rows import entries
 
 _STATUS = {
-    1: "the accuracy could not be kept (the motion is not that of a pendulum at these parameters)",
-    2: "the motion ran away",
-    3: "the clock runs backwards at these parameters",
-    4: "the model has more parameters than the engine takes",
-    5: "out of memory",
+    "LOST_ACCURACY": "the accuracy could not be kept (the motion is not that of a pendulum at these parameters)",
+    "RAN_AWAY": "the motion ran away",
+    "CLOCK_RUNS_BACK": "the clock runs backwards at these parameters",
+    "TOO_LARGE": "the model has more parameters than the engine takes",
+    "NO_MEMORY": "out of memory",
 }
 
 
@@ -37,14 +40,14 @@ class Effort:
 
 
 @lru_cache(maxsize=20)
-def _loaded(catalogue):
+def _loaded(catalogue: Catalogue) -> tuple[Any, dict[tuple[str, str], int]]:
     """The compiled engine for a catalogue, and the row of each effect and form in its table."""
     effects, gravity = catalogue.known, tuple(catalogue.gravity.values())
     rows = {(e.name, form): k for k, (e, form) in enumerate(entries(effects, gravity))}
     return build.load(effects, gravity), rows
 
 
-def engine(catalogue=SHIPPED):
+def engine(catalogue: Catalogue = SHIPPED) -> Any:
     """The compiled engine for a catalogue (compiled at the first use on a machine)."""
     return _loaded(catalogue)[0]
 
@@ -55,9 +58,13 @@ class Compiled:
     ``library`` is the engine that knows these effects.
     """
 
-    def __init__(self, model, duration):
+    def __init__(self, model: Model, duration: float) -> None:
         self.library, rows = _loaded(model.catalogue)
-        parts = {"motions": [(rows[model.gravity.name, "consistent"], 1, 0)], "sensors": [], "clocks": []}
+        parts: dict[str, list[tuple[int, int, int]]] = {
+            "motions": [(rows[model.gravity.name, "consistent"], 1, 0)],
+            "sensors": [],
+            "clocks": [],
+        }
         play, parameter, state = -1, 1, 0
         for effect in model.effects:
             part = (rows[effect.name, model.form if effect.printed else "consistent"], parameter, state)
@@ -69,21 +76,12 @@ class Compiled:
                 play = parameter
             parameter, state = parameter + len(effect.parameters), state + len(effect.states)
         self.model, self.n_parameters = model, parameter
-        self.c = build.CModel(n_parameters=parameter, n_states=state, play=play, duration=duration)
-        self._kept = []
-        for kind, found in parts.items():
-            array = (build.CPart * max(1, len(found)))(*found)
-            self._kept.append(array)
-            setattr(self.c, f"n_{kind}", len(found))
-            setattr(self.c, kind, ctypes.cast(array, ctypes.POINTER(build.CPart)))
+        self.c = interface.model(
+            **parts, n_parameters=parameter, n_states=state, play=play, duration=duration
+        )
 
 
-def doubles(array):
-    """A pointer to the contiguous float64 array's first element."""
-    return array.ctypes.data_as(ctypes.POINTER(ctypes.c_double))
-
-
-def checked_times(times):
+def checked_times(times: Any) -> Floats:
     """The times (s) as a contiguous float64 array; InputError unless finite and increasing."""
     times = np.ascontiguousarray(times, dtype=float)
     if times.ndim != 1 or times.size < 1:
@@ -95,7 +93,9 @@ def checked_times(times):
     return times
 
 
-def _run(model, times, release_angle, release_velocity, free):
+def _run(
+    model: Model, times: Any, release_angle: float, release_velocity: float, free: Sequence[str]
+) -> tuple[Floats, Floats, Effort]:
     times = checked_times(times)
     compiled = Compiled(model, float(times[-1] - times[0]))
     values = np.array(model.vector())
@@ -108,24 +108,23 @@ def _run(model, times, release_angle, release_velocity, free):
                 f"{value:g} {definition.unit}",
                 f"{definition.least:g} or more",
             )
-    codes = {"release_angle": -1, "release_velocity": -2} | {
+    library = compiled.library
+    codes = {"release_angle": library.RELEASE_ANGLE, "release_velocity": library.RELEASE_VELOCITY} | {
         name: k for k, name in enumerate(model.parameters)
     }
     if unknown := [name for name in free if name not in codes]:
         raise InputError(f"model {model.label}", f"no value {unknown[0]!r} to vary", ", ".join(codes))
-    chosen = (ctypes.c_int * max(1, len(free)))(*(codes[name] for name in free))
+    chosen = [codes[name] for name in free]
     angles, slopes = np.empty(times.size), np.empty((len(free), times.size))
-    report = build.CReport()
-    status = compiled.library.swing_trajectory(
-        ctypes.byref(compiled.c), doubles(values), ctypes.c_double(release_angle), ctypes.c_double(release_velocity),
-        doubles(times), ctypes.c_int(times.size), ctypes.c_double(np.inf), ctypes.c_int(len(free)), chosen, doubles(angles),
-        doubles(slopes) if free else None, ctypes.byref(report),
-    )  # fmt: skip
+    release = release_angle, release_velocity
+    status, report = interface.swing_trajectory(
+        library, compiled.c, values, release, times, chosen, angles, slopes if free else None
+    )
     if status:
         stated = ", ".join(
             f"{name} {value:.6g}" for name, value in zip(model.parameters, values, strict=True)
         )
-        raise TrajectoryError(f"model {model.label} with {stated}: {_STATUS[status]}")
+        raise TrajectoryError(f"model {model.label} with {stated}: {_STATUS[interface.status_name(status)]}")
     effort = Effort(
         report.panels, report.rejected, report.evaluations, report.reversals, report.error,
         report.stuck_after if report.stuck_after >= 0 else None,
@@ -133,7 +132,7 @@ def _run(model, times, release_angle, release_velocity, free):
     return angles, slopes, effort
 
 
-def simulate(model, times, release_angle, release_velocity=0.0):
+def simulate(model: Model, times: Any, release_angle: float, release_velocity: float = 0.0) -> Floats:
     """The angle read at each time, in rad; an array of the shape of ``times``.
 
     ``times`` in s, increasing, the release at the first; ``release_angle`` in rad, ``release_velocity`` in rad/s.
@@ -142,7 +141,7 @@ def simulate(model, times, release_angle, release_velocity=0.0):
     return _run(model, times, release_angle, release_velocity, ())[0]
 
 
-def simulate_each(model, times, values):
+def simulate_each(model: Model, times: Any, values: Any) -> Floats:
     """The angles (rad) of one model with other values in each row: an array of shape (rows, n).
 
     ``values`` has, row by row, the model's parameters, the release angle (rad) and velocity (rad/s). A row whose
@@ -153,22 +152,26 @@ def simulate_each(model, times, values):
         raise InputError(
             f"model {model.label}", f"values of shape {values.shape}", f"(any, {len(model.parameters) + 2})"
         )
-    compiled, report = Compiled(model, float(times[-1] - times[0])), build.CReport()
+    compiled = Compiled(model, float(times[-1] - times[0]))
     angles = np.full((len(values), times.size), np.nan)
-    none = (ctypes.c_int * 1)()
     for row, series in zip(values, angles, strict=True):
         if not np.all(np.isfinite(row)):
             continue
-        status = compiled.library.swing_trajectory(
-            ctypes.byref(compiled.c), doubles(row), ctypes.c_double(row[-2]), ctypes.c_double(row[-1]), doubles(times),
-            ctypes.c_int(times.size), ctypes.c_double(np.inf), ctypes.c_int(0), none, doubles(series), None, ctypes.byref(report),
-        )  # fmt: skip
+        status, _ = interface.swing_trajectory(
+            compiled.library, compiled.c, row[:-2], row[-2:], times, (), series
+        )
         if status:
             series[:] = np.nan
     return angles
 
 
-def sensitivities(model, times, release_angle, release_velocity=0.0, free=None):
+def sensitivities(
+    model: Model,
+    times: Any,
+    release_angle: float,
+    release_velocity: float = 0.0,
+    free: Sequence[str] | None = None,
+) -> tuple[Floats, Floats]:
     """The angle (rad) and its derivatives by each free value: arrays of shapes (n,) and (len(free), n).
 
     ``free`` names parameters of the model, ``release_angle`` or ``release_velocity``; all of them by default. The
@@ -178,6 +181,6 @@ def sensitivities(model, times, release_angle, release_velocity=0.0, free=None):
     return _run(model, times, release_angle, release_velocity, free)[:2]
 
 
-def effort(model, times, release_angle, release_velocity=0.0):
+def effort(model: Model, times: Any, release_angle: float, release_velocity: float = 0.0) -> Effort:
     """What the trajectory takes: an ``Effort``."""
     return _run(model, times, release_angle, release_velocity, ())[2]

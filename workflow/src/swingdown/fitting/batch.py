@@ -1,12 +1,12 @@
 """One model fitted to many series over the same times, for Monte-Carlo studies."""
 
-import ctypes
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
 import numpy as np
 
-from ..engine.trajectory import Compiled, checked_times, doubles
+from ..engine import interface
+from ..engine.trajectory import Compiled, checked_times
 from ..errors import InputError
 from ..pendulum.model import Model
 from .problem import RELEASE, limits
@@ -50,15 +50,16 @@ def fit_batch(
     where[len(free) :] = -1
     values, rss = np.zeros((count, len(free))), np.zeros(count)
     converged, evaluations = np.zeros(count, dtype=np.int32), np.zeros(count, dtype=np.int32)
-    integers = ctypes.POINTER(ctypes.c_int)
+    options, bounds = (
+        interface.Options(most, tolerance),
+        interface.Bounds(lower[: len(free)], upper[: len(free)]),
+    )
 
     def work(part: slice) -> None:
-        compiled.library.fit_batch(
-            ctypes.byref(compiled.c), ctypes.c_int(times.size), doubles(times), ctypes.c_int(part.stop - part.start),
-            doubles(series[part]), doubles(starts[part]), where.ctypes.data_as(integers), ctypes.c_int(len(free)),
-            doubles(lower), doubles(upper), ctypes.c_int(most), ctypes.c_double(tolerance), doubles(values[part]),
-            doubles(rss[part]), converged[part].ctypes.data_as(integers), evaluations[part].ctypes.data_as(integers),
-        )  # fmt: skip
+        into = interface.BatchResult(values[part], rss[part], converged[part], evaluations[part])
+        interface.fit_batch(
+            compiled.library, compiled.c, times, series[part], starts[part], where, bounds, options, into
+        )
 
     edges = np.linspace(0, count, min(workers, count) * 8 + 1).astype(int) if workers > 1 else [0, count]
     parts = [slice(int(a), int(b)) for a, b in zip(edges, edges[1:], strict=False) if b > a]

@@ -1,14 +1,13 @@
 """Trajectory least squares with exact sensitivities: one model to one swing, or to several at once."""
 
-import ctypes
 from collections.abc import Iterable, Mapping
 from typing import Any
 
 import numpy as np
 
 from ..arrays import Floats
-from ..engine import build
-from ..engine.trajectory import TrajectoryError, doubles, simulate
+from ..engine import interface
+from ..engine.trajectory import TrajectoryError, simulate
 from ..pendulum.model import Model, as_model
 from .covariance import covariance_of
 from .problem import Problem, Swings
@@ -153,13 +152,6 @@ def _from_all(
 
 def _search(problem: Problem, starts: Floats, most: int, tolerance: float, share: float = 1.0) -> Any:
     """The least sum of squares over a share of every swing: it, where, J'J (near there, for a part), each start's, and how."""
-    count, size = len(problem.swings), len(problem.free)
-    lengths = (ctypes.c_int * count)(*(min(times.size, max(_FEWEST, round(share * times.size))) for times, _ in problem.swings))  # fmt: skip
-    values, best, hessian = problem.given.copy(), np.zeros(size), np.zeros((size, size))
-    starts, squares, outcome = np.ascontiguousarray(starts), np.zeros(len(starts)), build.COutcome()
-    rss = problem.compiled[0].library.fit_swings(
-        problem.models, ctypes.c_int(count), lengths, problem.times, problem.angles, doubles(values), problem.where_pointer,
-        ctypes.c_int(size), ctypes.c_int(len(starts)), doubles(starts), problem.lower_pointer, problem.upper_pointer,
-        ctypes.c_int(most), ctypes.c_double(tolerance), ctypes.c_int(share == 1), doubles(best), doubles(hessian), doubles(squares), ctypes.byref(outcome),
-    )  # fmt: skip
-    return rss, best, hessian, squares, outcome
+    lengths = [min(times.size, max(_FEWEST, round(share * times.size))) for times, _ in problem.swings]
+    options, library = interface.Options(most, tolerance), problem.compiled[0].library
+    return interface.fit_swings(library, problem.c, problem.given, starts, lengths, options, share == 1)

@@ -1,6 +1,5 @@
 """The free variables of a fit: which they are, their bounds, where each sits in every swing's values, where searches start."""
 
-import ctypes
 from collections.abc import Iterable, Mapping, Sequence
 from copy import copy
 from typing import Any
@@ -8,8 +7,8 @@ from typing import Any
 import numpy as np
 
 from ..arrays import Floats
-from ..engine import build
-from ..engine.trajectory import Compiled, checked_times, doubles
+from ..engine import interface
+from ..engine.trajectory import Compiled, checked_times
 from ..errors import InputError
 from ..pendulum.effect import NATURAL_FREQUENCY, Parameter
 from ..pendulum.model import Model
@@ -93,13 +92,12 @@ class Problem:
             [bounds.get(name, (-np.inf, np.inf)) for name in self.free]
         ).T.copy()
         self.compiled = [Compiled(model, float(times[-1] - times[0])) for times, _ in self.swings]
-        self.models = (build.CModel * count)(*(compiled.c for compiled in self.compiled))
         self._point_at_swings()
-        self.where_pointer = self.where.ctypes.data_as(ctypes.POINTER(ctypes.c_int))
-        self.lower_pointer, self.upper_pointer = doubles(self.lower), doubles(self.upper)
 
     def _point_at_swings(self) -> None:
-        self.times, self.angles = (_pointers(arrays) for arrays in zip(*self.swings, strict=True))
+        models = [compiled.c for compiled in self.compiled]
+        bounds = interface.Bounds(self.lower, self.upper)
+        self.c = interface.FitProblem(models, self.swings, self.where, bounds)
 
     def thinned(self, frequency: float) -> "Problem":
         """The problem with every so many samples only, as many as tell a pendulum of this frequency (rad/s); or itself."""
@@ -165,7 +163,3 @@ class Problem:
             [swing.values for swing in begin.swings],
             [(swing.release_angle, swing.release_velocity) for swing in begin.swings],
         )
-
-
-def _pointers(arrays: Sequence[Floats]) -> Any:
-    return (ctypes.POINTER(ctypes.c_double) * len(arrays))(*(doubles(array) for array in arrays))

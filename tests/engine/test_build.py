@@ -1,0 +1,215 @@
+"""The engine on other machines: other compilers, none, a cache that is broken, shared or not to be written."""
+
+import shutil
+import subprocess
+import sys
+import warnings
+
+import numpy as np
+import pytest
+
+from swingdown.engine import build, cache, interface
+from swingdown.engine.trajectory import simulate
+from swingdown.errors import EngineError
+from swingdown.pendulum.catalogue import CATALOGUE, GRAVITY
+from swingdown.pendulum.model import Model
+
+# few effects, so that the generator is done at once
+EFFECTS, GRAVITIES = (CATALOGUE["viscous"], CATALOGUE["constant_coulomb"]), tuple(GRAVITY.values())
+TIMES = np.linspace(0.0, 3.0, 200)
+VALUES = {"natural_frequency": 7.0, "viscous_ratio": 0.01, "constant_friction": 0.2}
+
+
+def angles(path):
+    """The angles (rad) that the engine in a shared library computes for a pendulum with both effects."""
+    library = interface.ffi().dlopen(str(path))
+    model = interface.model(
+        [(0, 1, 0), (2, 1, 0), (3, 2, 0)], (), (), n_parameters=3, n_states=0, play=-1, duration=3.0
+    )
+    read = np.empty(TIMES.size)
+    status, _ = interface.swing_trajectory(
+        library, model, np.array(list(VALUES.values())), (0.5, 0.1), TIMES, (), read
+    )
+    assert status == library.DONE
+    return read
+
+
+@pytest.fixture(scope="module")
+def usual():
+    """The same angles by the engine of this machine."""
+    return simulate(Model("viscous+constant_coulomb", VALUES), TIMES, 0.5, 0.1)
+
+
+@pytest.fixture
+def library(tmp_path, monkeypatch):
+    """A function that builds or finds the engine, in a cache of the test's own."""
+    interface.ffi()  # from the usual cache
+    monkeypatch.setenv("SWINGDOWN_CACHE", str(tmp_path / "cache"))
+    return lambda: build.library(EFFECTS, GRAVITIES)
+
+
+@pytest.fixture
+def compiler(tmp_path, monkeypatch):
+    """A function that makes a compiler of a few lines of shell the one to use; returns the file that its calls go to.
+
+    It hands over to the real one, without optimisation, for that is done in a second.
+    """
+    real = next(filter(None, map(shutil.which, ("gcc", "cc", "clang"))))
+
+    def make(*lines, real=real):
+        program, calls = tmp_path / "compiler", tmp_path / "calls"
+        program.write_text(
+            "\n".join(["#!/bin/sh", f'echo "$*" >> {calls}', *lines, f'exec {real} "$@" -O0', ""])
+        )
+        program.chmod(0o755)
+        monkeypatch.setenv("CC", str(program))
+        calls.write_text("")
+        return calls
+
+    return make
+
+
+def test_a_compiler_that_knows_no_native_processor(library, compiler, usual):
+    calls = compiler('case "$*" in *-march=native*) echo "unknown value native" >&2; exit 1;; esac')
+    assert np.array_equal(angles(library()), usual)
+    assert ["-march=native" in call for call in calls.read_text().splitlines()] == [True, False]
+
+
+def test_clang_gives_the_same_bits(library, compiler, usual):
+    clang = shutil.which("clang")
+    if clang is None:
+        reason = "NOT TESTED: no clang on this machine (tools/install-test-tools)"
+        warnings.warn(reason, stacklevel=1)
+        pytest.skip(reason)
+    compiler(real=clang)
+    assert np.array_equal(angles(library()), usual)
+
+
+def test_a_later_start_asks_no_compiler(library, compiler):
+    calls = compiler()
+    first, told = library(), calls.read_text()
+    assert library() == first and calls.read_text() == told
+
+
+def test_another_version_of_the_compiler_builds_anew(library, compiler):
+    compiler()
+    first = library()
+    compiler("# a later version")
+    assert library() != first
+
+
+def test_another_processor_builds_anew(library, compiler, monkeypatch):
+    compiler()
+    first = library()
+    monkeypatch.setattr("swingdown.engine.compiler.processor", lambda: "another")
+    assert library() != first
+
+
+@pytest.mark.parametrize("damage", ["truncated", "corrupt", "empty", "checksum lost"])
+def test_a_damaged_library_is_built_anew(library, compiler, usual, damage):
+    compiler()
+    path = library()
+    whole = path.read_bytes()
+    if damage == "truncated":
+        path.write_bytes(whole[: len(whole) // 2])
+    elif damage == "corrupt":
+        path.write_bytes(whole[:5000] + bytes(1000) + whole[6000:])
+    elif damage == "empty":
+        path.write_bytes(b"")
+    else:
+        path.with_name(path.name + ".sha256").unlink()
+    assert library() == path and path.read_bytes() == whole
+    assert np.array_equal(angles(path), usual)
+
+
+def test_a_damaged_header_is_written_anew(library, compiler):
+    compiler()
+    path = library()
+    header = next(path.parent.glob("catalogue-*.h"))
+    whole = header.read_text()
+    header.write_text(whole[:1000])
+    assert library() == path and header.read_text() == whole
+
+
+START = """
+import sys
+sys.path.insert(0, sys.argv[1])
+from test_build import EFFECTS, GRAVITIES, angles, build
+print(angles(build.library(EFFECTS, GRAVITIES)).tobytes().hex())
+"""
+
+
+def test_processes_that_build_at_once(library, compiler, usual, tmp_path, request):
+    compiler("sleep 0.5")
+    for path in (library(), *(tmp_path / "cache").glob("interface-*")):
+        path.unlink()  # the header stays: generating it takes longest, and goes the same way
+    command = [sys.executable, "-c", START, str(request.path.parent)]
+    started = [subprocess.Popen(command, stdout=subprocess.PIPE, text=True) for _ in range(2)]
+    told = [process.communicate()[0].strip() for process in started]
+    assert told == [usual.tobytes().hex()] * 2
+    left = sorted(path.name.partition("-")[0] for path in (tmp_path / "cache").iterdir())
+    assert left == ["catalogue", "catalogue", "engine", "engine", "interface", "interface"]
+    assert cache.is_whole(library())
+
+
+def test_a_cache_that_cannot_be_written(compiler, tmp_path, monkeypatch):
+    compiler()
+    (tmp_path / "file").write_text("")
+    monkeypatch.setenv("SWINGDOWN_CACHE", str(tmp_path / "file" / "cache"))
+    with pytest.raises(EngineError, match="cannot be kept there.*Mend: set SWINGDOWN_CACHE"):
+        build.library(EFFECTS, GRAVITIES)
+
+
+def test_a_cache_that_has_all_need_not_be_written(library, compiler, monkeypatch):
+    compiler()
+    path = library()
+    monkeypatch.setattr("tempfile.TemporaryDirectory", None)
+    assert library() == path
+
+
+def test_no_compiler(library, monkeypatch, tmp_path):
+    monkeypatch.delenv("CC", raising=False)
+    monkeypatch.setenv("PATH", str(tmp_path))
+    with pytest.raises(EngineError, match="there is no C compiler.*Mend: install gcc or clang"):
+        library()
+
+
+def test_what_a_compiler_has_built_needs_none_any_more(library, compiler, monkeypatch, tmp_path):
+    compiler()
+    path = library()
+    monkeypatch.delenv("CC")
+    monkeypatch.setenv("PATH", str(tmp_path / "empty"))
+    assert library() == path
+    path.write_bytes(b"damaged")
+    with pytest.raises(EngineError, match="there is no C compiler"):
+        library()
+
+
+@pytest.mark.parametrize("name", ["no-such-compiler -m64", "/no/such/compiler"])
+def test_cc_names_a_program_that_is_not_there(library, monkeypatch, name):
+    monkeypatch.setenv("CC", name)
+    with pytest.raises(EngineError, match=f"CC={name}: there is no program '{name.split()[0]}'.*Mend: "):
+        library()
+
+
+def test_cc_with_options(library, compiler, monkeypatch, tmp_path):
+    calls = compiler()
+    monkeypatch.setenv("CC", f"{tmp_path / 'compiler'} -DUNUSED='a b'")
+    library()
+    assert "-DUNUSED=a b -O3" in calls.read_text()
+
+
+def test_a_compiler_that_fails_is_quoted(library, compiler, tmp_path):
+    compiler('echo "out of registers" >&2; exit 1')
+    with pytest.raises(EngineError, match=r"compiler -O3 (.|\n)*out of registers(.|\n)*Mend: "):
+        library()
+    assert not list((tmp_path / "cache").glob("engine-*")) and not list((tmp_path / "cache").glob("making-*"))
+
+
+def test_a_compiler_that_does_not_start(library, monkeypatch, tmp_path):
+    program = tmp_path / "compiler"
+    program.write_text("#!/no/such/shell\n")
+    program.chmod(0o755)
+    monkeypatch.setenv("CC", str(program))
+    with pytest.raises(EngineError, match="does not start"):
+        library()

@@ -1,0 +1,267 @@
+#include "least_squares.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define SAME 1e-6 /* of the sum of squares: how near to a known minimum is the same place */
+#define TINY 1e-300
+#define MOST_DAMPING 1e18
+
+/* Where a search is, and the step it tries. normal: J'J; damping multiplies the scale (Marquardt's). */
+typedef struct {
+    const LeastSquares *problem;
+    int n;
+    double *x, *gradient, *normal, value;
+    double *trial, *trial_gradient, *trial_normal;
+    double *step, *cholesky;
+    double *scale; /* J'J's diagonal, falling no faster than by half: a variable whose column fades does not run off */
+    unsigned char active[MAX_VARIABLES]; /* a bound that the variable is on and would cross */
+    double damping, growth; /* Nielsen's: growth multiplies the damping after a step that does not gain */
+    double trust_radius;    /* of a step, in units of the residuals; -1 before the first */
+    int skip_last_slopes;   /* a last step may be taken without them */
+    SearchOutcome *outcome;
+} Search;
+
+/* A step that is proposed; predicted: reduction, of half the sum of squares; relative: to it. */
+typedef struct {
+    int solvable;
+    double size, predicted, relative;
+    int without_slopes, motionless;
+} Proposal;
+
+/* ---- Linear algebra ---- */
+
+/* The lower triangle's Cholesky factor of the k x k matrix in place; 0 where it is not positive definite. */
+static int factorise(int k, double *a) {
+    for (int i = 0; i < k; i++)
+        for (int j = 0; j <= i; j++) {
+            double sum = a[i * k + j];
+            for (int l = 0; l < j; l++) sum -= a[i * k + l] * a[j * k + l];
+            if (i != j) a[i * k + j] = sum / a[j * k + j];
+            else if (sum > 1e-15 * a[i * k + i]) a[i * k + i] = sqrt(sum);
+            else return 0;
+        }
+    return 1;
+}
+
+static void substitute(int k, const double *a, double *b) {
+    for (int i = 0; i < k; i++) {
+        for (int l = 0; l < i; l++) b[i] -= a[i * k + l] * b[l];
+        b[i] /= a[i * k + i];
+    }
+    for (int i = k - 1; i >= 0; i--) {
+        for (int l = i + 1; l < k; l++) b[i] -= a[l * k + i] * b[l];
+        b[i] /= a[i * k + i];
+    }
+}
+
+/* The damped Gauss-Newton step of the variables that no bound holds (those of the others are given); 0 where J'J with the
+ * damping is not positive definite. */
+static int solve_damped(Search *s, double damping) {
+    int index[MAX_VARIABLES], k = 0;
+    const int n = s->n;
+    for (int i = 0; i < n; i++)
+        if (!s->active[i]) index[k++] = i;
+    double *a = s->cholesky, *rhs = a + k * k;
+    for (int i = 0; i < k; i++) {
+        const double *row = s->normal + index[i] * n;
+        double b = -s->gradient[index[i]];
+        for (int j = 0; j < n; j++)
+            if (s->active[j]) b -= row[j] * s->step[j];
+        rhs[i] = b;
+        for (int j = 0; j <= i; j++) a[i * k + j] = row[index[j]];
+        a[i * k + i] += damping * s->scale[index[i]] + TINY;
+    }
+    if (!factorise(k, a)) return 0;
+    substitute(k, a, rhs);
+    for (int i = 0; i < k; i++) s->step[index[i]] = rhs[i];
+    return 1;
+}
+
+/* Size of a step in units of what each variable does to the residuals. */
+static double length(const Search *s, const double *d) {
+    double sum = 0.0;
+    for (int i = 0; i < s->n; i++) sum += s->scale[i] * d[i] * d[i];
+    return sqrt(sum);
+}
+
+/* Reduction of half the sum of squares that the linearised residuals promise for the step. */
+static double predicted_reduction(const Search *s) {
+    double fall = 0.0;
+    for (int i = 0; i < s->n; i++) {
+        double row = 0.0;
+        for (int j = 0; j < s->n; j++) row += s->normal[i * s->n + j] * s->step[j];
+        fall -= s->step[i] * (s->gradient[i] + 0.5 * row);
+    }
+    return fall;
+}
+
+/* ---- Steps within bounds ---- */
+
+/* The step with the present damping: a variable that would cross its bound stops there, the rest is solved anew. */
+static int step_within_bounds(Search *s) {
+    const double *lower = s->problem->bounds.lower, *upper = s->problem->bounds.upper;
+    for (int i = 0; i < s->n; i++) {
+        s->active[i] = (s->x[i] <= lower[i] && s->gradient[i] > 0.0) || (s->x[i] >= upper[i] && s->gradient[i] < 0.0);
+        s->step[i] = 0.0;
+    }
+    for (int again = 1; again;) {
+        if (!solve_damped(s, s->damping)) return 0;
+        again = 0;
+        for (int i = 0; i < s->n; i++) {
+            if (s->active[i]) continue;
+            const double low = lower[i] - s->x[i], high = upper[i] - s->x[i];
+            if (s->step[i] < low || s->step[i] > high) {
+                s->step[i] = s->step[i] < low ? low : high;
+                s->active[i] = 1;
+                again = 1;
+            }
+        }
+    }
+    return 1;
+}
+
+/* A step no longer than the trust radius: damped the more until it is. */
+static Proposal propose(Search *s) {
+    Proposal step = {1, INFINITY, 0.0, 0.0, 0, 0};
+    for (int shorter = 0; shorter < 60; shorter++) {
+        step.solvable = step_within_bounds(s);
+        step.size = length(s, s->step);
+        if (!step.solvable || s->trust_radius == 0.0 || step.size <= s->trust_radius) break;
+        s->damping = 4.0 * fmax(s->damping, 1e-4);
+    }
+    const double tolerance = s->problem->options.tolerance;
+    step.predicted = step.solvable ? predicted_reduction(s) : 0.0;
+    step.relative = step.predicted / (s->value + TINY);
+    step.without_slopes = s->skip_last_slopes && step.relative < tolerance && s->damping < 1.0;
+    /* residuals down to their rounding, as of a model fitted to itself: the sum wanders, but nothing moves any more */
+    step.motionless = step.solvable && step.size <= tolerance * length(s, s->x);
+    return step;
+}
+
+static int moves(const Search *s) {
+    for (int i = 0; i < s->n; i++)
+        if (s->step[i] != 0.0) return 1;
+    return 0;
+}
+
+/* ---- The search ---- */
+
+static double evaluate(Search *s, const double *x, double *gradient, double *normal) {
+    s->outcome->evaluations++;
+    return s->problem->cost(s->problem->of, x, gradient, normal);
+}
+
+/* Half the sum of squares after the step; infinite where there is none to take. */
+static double evaluate_trial(Search *s, const Proposal *step) {
+    const Bounds *bounds = &s->problem->bounds;
+    if (!step->solvable || !(step->predicted > 0.0)) return INFINITY;
+    for (int i = 0; i < s->n; i++) s->trial[i] = fmin(fmax(s->x[i] + s->step[i], bounds->lower[i]), bounds->upper[i]);
+    return step->without_slopes ? evaluate(s, s->trial, NULL, NULL) : evaluate(s, s->trial, s->trial_gradient, s->trial_normal);
+}
+
+static int is_at(const Search *s, const KnownMinimum *known) {
+    if (!(fabs(s->value - known->value) <= SAME * known->value)) return 0;
+    double distance = 0.0;
+    for (int i = 0; i < s->n; i++)
+        for (int j = 0; j < s->n; j++)
+            distance += 0.5 * (s->x[i] - known->x[i]) * known->normal[i * s->n + j] * (s->x[j] - known->x[j]);
+    return distance <= SAME * known->value;
+}
+
+/* Take the step; 0 where nothing more can be computed. */
+static int accept(Search *s, const Proposal *step, double found, const KnownMinimum *known) {
+    const double tolerance = s->problem->options.tolerance, gain = (s->value - found) / step->predicted;
+    const double fall = (s->value - found) / (s->value + TINY);
+    memcpy(s->x, s->trial, s->n * sizeof(double));
+    if (!step->without_slopes) {
+        memcpy(s->gradient, s->trial_gradient, s->n * sizeof(double));
+        memcpy(s->normal, s->trial_normal, (size_t)s->n * s->n * sizeof(double));
+    } else if (fall >= tolerance) { /* more than predicted: not the end after all */
+        found = evaluate(s, s->x, s->gradient, s->normal);
+        if (isnan(found)) return 0;
+    }
+    s->value = found;
+    s->outcome->predicted_reduction = step->relative;
+    const int at_end = (step->relative < tolerance && fall < tolerance) || step->motionless;
+    if (s->value == 0.0 || (at_end && s->damping < 1.0)) s->outcome->converged = STATIONARY;
+    if (gain > 0.75) s->trust_radius = fmax(s->trust_radius, 2.0 * step->size);
+    const double twice = 2.0 * gain - 1.0;
+    s->damping = fmax(1e-14, s->damping * fmax(0.05, 1.0 - twice * twice * twice));
+    s->growth = 4.0;
+    if (known && !s->outcome->converged && is_at(s, known)) s->outcome->converged = AT_KNOWN_MINIMUM;
+    return 1;
+}
+
+/* No shorter step gains: a minimum only if a full step would gain or move next to nothing. */
+static void judge_no_gain(Search *s) {
+    memset(s->step, 0, s->n * sizeof(double));
+    const int solvable = solve_damped(s, 1e-10);
+    const double relative = solvable ? predicted_reduction(s) / (s->value + TINY) : INFINITY;
+    s->outcome->predicted_reduction = relative;
+    s->outcome->converged = relative < 1e-8 || (solvable && length(s, s->step) < 1e-8 * length(s, s->x));
+}
+
+/* Damp the next step more; 0 where there is nothing more to gain. */
+static int reject(Search *s, const Proposal *step, double found) {
+    /* the prediction is within the rounding of the sum itself */
+    const int negligible = (step->predicted > 0.0 && step->relative < s->problem->options.tolerance) || step->motionless;
+    if (step->solvable && negligible && s->damping < 1.0) {
+        s->outcome->converged = STATIONARY;
+        s->outcome->predicted_reduction = step->relative;
+        return 0;
+    }
+    /* where there is no trajectory at all the step was far too long, and finding that out is costly */
+    s->damping = isfinite(found) || !step->solvable ? s->damping * s->growth : fmax(s->damping, 1e-2) * 100.0;
+    s->growth *= 2.0;
+    if (s->damping <= MOST_DAMPING) return 1;
+    judge_no_gain(s);
+    return 0;
+}
+
+/* One step, taken or not; 0 where the search ends. */
+static int iterate(Search *s, const KnownMinimum *known) {
+    for (int i = 0; i < s->n; i++) s->scale[i] = fmax(0.5 * s->scale[i], s->normal[i * s->n + i]);
+    /* the first steps stay shorter than the way from zero to the start */
+    if (s->trust_radius < 0.0) s->trust_radius = 0.5 * length(s, s->x);
+    const Proposal step = propose(s);
+    if (step.solvable && !moves(s)) {
+        s->outcome->converged = STATIONARY;
+        s->outcome->predicted_reduction = 0.0;
+        return 0;
+    }
+    const double found = evaluate_trial(s, &step);
+    if (isnan(found)) return 0;
+    return isfinite(found) && found <= s->value ? accept(s, &step, found, known) : reject(s, &step, found);
+}
+
+static double search(const LeastSquares *problem, const KnownMinimum *known, int normal_at_end, double *x, double *normal,
+                     SearchOutcome *outcome) {
+    const int n = problem->n_variables;
+    const size_t nn = (size_t)n * n;
+    *outcome = (SearchOutcome){NOT_COMPUTABLE, 0, INFINITY, 0};
+    double *memory = n > MAX_VARIABLES ? NULL : malloc((2 * nn + 6 * (size_t)n + 8) * sizeof(double));
+    if (!memory) return NAN;
+    Search s = {.problem = problem, .n = n, .x = x, .normal = normal, .outcome = outcome,
+                .damping = 1e-4, .growth = 4.0, .trust_radius = -1.0, .skip_last_slopes = !normal_at_end};
+    s.gradient = memory;
+    s.trial_gradient = s.gradient + n;
+    s.step = s.trial_gradient + n;
+    s.trial = s.step + n;
+    s.scale = s.trial + n;
+    s.trial_normal = s.scale + n;
+    s.cholesky = s.trial_normal + nn; /* and the right-hand side */
+    for (int i = 0; i < n; i++) x[i] = fmin(fmax(x[i], problem->bounds.lower[i]), problem->bounds.upper[i]);
+    memset(s.scale, 0, n * sizeof(double));
+    s.value = evaluate(&s, x, s.gradient, normal);
+    if (isfinite(s.value)) outcome->converged = NOT_STATIONARY;
+    while (outcome->converged == NOT_STATIONARY && outcome->evaluations < problem->options.most_evaluations)
+        if (!iterate(&s, known)) break;
+    free(memory);
+    return s.value;
+}
+
+double minimise(const LeastSquares *problem, double *x, double *normal, SearchOutcome *outcome) {
+    return search(problem, NULL, 1, x, normal, outcome);
+}

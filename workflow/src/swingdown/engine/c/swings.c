@@ -1,0 +1,218 @@
+/* Fits of one or more swings with a common model, and of many series alike: fit_swings and fit_batch of interface.h. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "least_squares.h"
+#include "trajectory.h"
+
+#define MOST_WORK 4.0 /* of a trajectory, times the usual */
+
+/* A fit under way: the cost function's own.
+ *
+ * Panels are the measure of work. Far from any optimum a trajectory may take thousands of times what it takes elsewhere (a
+ * support that rings at 1e5 rad/s): a point that takes much more than the best so far counts as one that cannot be
+ * computed, and a fit that has spent what its evaluations would usually take ends. */
+typedef struct {
+    const FitProblem *problem;
+    double *residuals, *slopes; /* room for the longest swing */
+    double seconds;             /* of all swings */
+    double least;               /* half the sum of squares, so far */
+    double usual, floor, left;  /* panels; usual: before anything is computed by the model; later no less than half of that */
+    int stops;                  /* a swing sticks in one of the last trajectories */
+} Fit;
+
+/* The free values of a swing, and the variable that each is. */
+typedef struct {
+    int n, free_value[MAX_PARAMETERS], variable[MAX_PARAMETERS];
+} SwingVariables;
+
+static double dot(const double *a, const double *b, int n) {
+    double lane[32] = {0.0}, sum = 0.0; /* a fixed order of summation: the same bits on every machine */
+    int i = 0;
+    for (; i + 32 <= n; i += 32)
+        for (int k = 0; k < 32; k++) lane[k] += a[i + k] * b[i + k];
+    for (; i < n; i++) sum += a[i] * b[i];
+    for (int k = 0; k < 32; k++) sum += lane[k];
+    return sum;
+}
+
+/* The parameters, release angle and release velocity of swing k. */
+static inline double *values_of(const FitProblem *problem, int k) {
+    return problem->values + (size_t)k * (problem->models[0].n_parameters + 2);
+}
+
+static inline const int *variables_of(const FitProblem *problem, int k) {
+    return problem->variable_of + (size_t)k * (problem->models[0].n_parameters + 2);
+}
+
+/* Put the variables x into the values of swing k. */
+static SwingVariables set_values(const FitProblem *problem, int k, const double *x) {
+    SwingVariables own = {.n = 0};
+    const int np = problem->models[0].n_parameters, *variable_of = variables_of(problem, k);
+    double *values = values_of(problem, k);
+    for (int i = 0; i < np + 2; i++) {
+        if (variable_of[i] < 0) continue;
+        values[i] = x[variable_of[i]];
+        own.variable[own.n] = variable_of[i];
+        own.free_value[own.n++] = i < np ? i : (i == np ? RELEASE_ANGLE : RELEASE_VELOCITY);
+    }
+    return own;
+}
+
+/* Add a swing's part to J'r and J'J. */
+static void add_normal(const Fit *fit, const SwingVariables *own, int n, double *gradient, double *normal) {
+    const int n_variables = fit->problem->n_variables;
+    for (int i = 0; i < own->n; i++) {
+        const double *row = fit->slopes + (size_t)i * n;
+        const size_t at = own->variable[i];
+        gradient[at] += dot(row, fit->residuals, n);
+        for (int j = 0; j <= i; j++) {
+            const size_t other = own->variable[j];
+            const double product = dot(row, fit->slopes + (size_t)j * n, n);
+            normal[at * n_variables + other] += product;
+            if (i != j) normal[other * n_variables + at] += product;
+        }
+    }
+}
+
+/* The residuals of swing k and, where wanted, their slopes; the panels it took, or -1 where it cannot be computed. */
+static int compute_swing(Fit *fit, int k, const SwingVariables *own, int with_slopes) {
+    const FitProblem *problem = fit->problem;
+    const Model *m = &problem->models[k];
+    const double *values = values_of(problem, k), *angles = problem->angles[k];
+    const int n = problem->n_samples[k];
+    const InitialValueProblem swing = {m, values, values[m->n_parameters], values[m->n_parameters + 1], problem->times[k], n,
+                                       MOST_WORK * fit->usual / fit->seconds, own->n, own->free_value};
+    TrajectoryReport report;
+    const int failed = swing_trajectory(&swing, fit->residuals, with_slopes ? fit->slopes : NULL, &report);
+    const int panels = report.panels + report.rejected;
+    fit->left -= panels;
+    if (failed) return -1;
+    fit->stops |= report.stuck_after >= 0.0;
+    for (int i = 0; i < n; i++) fit->residuals[i] -= angles[i];
+    return panels;
+}
+
+/* The Cost of a Fit. */
+static double swings_cost(void *of, const double *x, double *gradient, double *normal) {
+    Fit *fit = of;
+    const FitProblem *problem = fit->problem;
+    double value = 0.0, work = 0.0;
+    if (fit->left <= 0.0) return NAN;
+    fit->stops = 0;
+    if (gradient) {
+        memset(gradient, 0, problem->n_variables * sizeof(double));
+        memset(normal, 0, (size_t)problem->n_variables * problem->n_variables * sizeof(double));
+    }
+    for (int k = 0; k < problem->n_swings; k++) {
+        const SwingVariables own = set_values(problem, k, x);
+        const int panels = compute_swing(fit, k, &own, gradient != NULL), n = problem->n_samples[k];
+        if (panels < 0) return INFINITY;
+        work += panels;
+        value += 0.5 * dot(fit->residuals, fit->residuals, n);
+        if (gradient) add_normal(fit, &own, n, gradient, normal);
+    }
+    if (value < fit->least) {
+        fit->least = value;
+        fit->usual = fmax(work, fit->floor);
+    }
+    return value;
+}
+
+/* Room for the longest swing and its slopes; 0 where there is none, or a swing has more free values than the engine takes. */
+static int open_fit(Fit *fit, const FitProblem *problem) {
+    int longest = 0, widest = 0;
+    *fit = (Fit){.problem = problem};
+    for (int k = 0; k < problem->n_swings; k++) {
+        const int n = problem->n_samples[k], *variable_of = variables_of(problem, k);
+        int free_values = 0;
+        for (int i = 0; i < problem->models[0].n_parameters + 2; i++) free_values += variable_of[i] >= 0;
+        widest = free_values > widest ? free_values : widest;
+        longest = n > longest ? n : longest;
+        fit->seconds += problem->times[k][n - 1] - problem->times[k][0];
+    }
+    if (widest > MAX_PARAMETERS) return 0;
+    fit->residuals = malloc((size_t)longest * (1 + widest) * sizeof(double));
+    fit->slopes = fit->residuals + longest;
+    return fit->residuals != NULL;
+}
+
+/* What a fit from x may spend. */
+static void set_budget(Fit *fit, const double *x, int most_evaluations) {
+    const FitProblem *problem = fit->problem;
+    const int variable = problem->variable_of[0]; /* of the natural frequency */
+    const double frequency = variable >= 0 ? x[variable] : problem->values[0];
+    fit->least = INFINITY;
+    fit->usual = usual_panels(problem->models) * (problem->n_swings + fabs(frequency) * fit->seconds / PI);
+    fit->floor = 0.5 * fit->usual;
+    fit->left = most_evaluations * fit->usual;
+}
+
+/* Half the least sum of squares over all starts; x, normal: room for one of them. */
+static double search_all(Fit *fit, const Starts *starts, const SearchOptions *options, double *x, double *normal, FitResult *result) {
+    const FitProblem *problem = fit->problem;
+    const LeastSquares least_squares = {swings_cost, fit, problem->n_variables, problem->bounds, *options};
+    const size_t n = problem->n_variables;
+    double least = INFINITY;
+    int evaluations = 0;
+    for (int k = 0; k < starts->n_starts; k++) {
+        SearchOutcome outcome;
+        memcpy(x, starts->variables + k * n, n * sizeof(double));
+        set_budget(fit, x, options->most_evaluations);
+        const KnownMinimum known = {result->variables, result->normal, least};
+        const double value = search(&least_squares, result->outcome.converged == STATIONARY ? &known : NULL, 0, x, normal, &outcome);
+        const int is_known = outcome.converged == AT_KNOWN_MINIMUM;
+        evaluations += outcome.evaluations;
+        result->squares[k] = 2.0 * (is_known ? least : value);
+        if (!isfinite(value) || is_known) continue;
+        if (value < least || (value == least && outcome.converged > result->outcome.converged)) {
+            least = value;
+            memcpy(result->variables, x, n * sizeof(double));
+            memcpy(result->normal, normal, n * n * sizeof(double));
+            result->outcome = outcome;
+        }
+    }
+    result->outcome.evaluations = evaluations;
+    return least;
+}
+
+double fit_swings(const FitProblem *problem, const Starts *starts, const SearchOptions *options, FitResult *result) {
+    const size_t n = problem->n_variables;
+    Fit fit;
+    double least = INFINITY;
+    result->outcome = (SearchOutcome){NOT_COMPUTABLE, 0, INFINITY, 0};
+    double *room = malloc((n * n + n) * sizeof(double)), *x = room + n * n;
+    if (open_fit(&fit, problem) && room) {
+        least = search_all(&fit, starts, options, x, room, result);
+        if (starts->evaluate_best && result->outcome.converged >= 0) {
+            fit.usual = fit.left = INFINITY;
+            swings_cost(&fit, result->variables, x, result->normal);
+            result->outcome.stops = fit.stops;
+        }
+    }
+    free(fit.residuals);
+    free(room);
+    return 2.0 * least;
+}
+
+int fit_batch(const Batch *batch, const SearchOptions *options, BatchResult *result) {
+    const int np = batch->model->n_parameters, n = batch->n_variables;
+    double start[MAX_PARAMETERS + 2], squares;
+    double *normal = malloc((size_t)n * n * sizeof(double));
+    if (!normal) return NO_MEMORY;
+    for (int k = 0; k < batch->n_series; k++) {
+        double *values = batch->values + (size_t)k * (np + 2);
+        const double *series = batch->series + (size_t)k * batch->n_samples;
+        for (int i = 0; i < np + 2; i++)
+            if (batch->variable_of[i] >= 0) start[batch->variable_of[i]] = values[i];
+        const FitProblem one = {batch->model, 1, &batch->n_samples, &batch->times, &series, values, batch->variable_of, n, batch->bounds};
+        const Starts starts = {1, start, 0};
+        FitResult fitted = {.variables = result->variables + (size_t)k * n, .normal = normal, .squares = &squares};
+        result->squares[k] = fit_swings(&one, &starts, options, &fitted);
+        result->converged[k] = fitted.outcome.converged;
+        result->evaluations[k] = fitted.outcome.evaluations;
+    }
+    free(normal);
+    return DONE;
+}

@@ -1,0 +1,219 @@
+/* The driver: from reversal to reversal, a panel each where the motion is smooth enough (panel.h).
+ *
+ * Between the nodes the equations are checked where an effect may be too narrow for them (dense_output.h). The reversal is
+ * the root of the velocity polynomial (events.h); the next panel starts there with the other sign, or the pendulum sticks:
+ * then its panels have no acceleration until a torque frees it. Sensitivities go along (sensitivities.h), and the samples
+ * are read from the dense output (record.h). */
+#include "trajectory.h"
+
+#include "events.h"
+#include "record.h"
+
+#define OVERSHOOT 1.012 /* a panel reaches this far past the reversal that is expected */
+#define MOST_PANELS 100 /* a half-swing, beyond the first thousand: more is no pendulum's motion */
+#define ATTEMPTS 60     /* at a panel */
+#define ORDER 14.0      /* of the error in the panel's length */
+
+typedef struct {
+    System s;
+    Panel panel;
+    Sensitivities d;
+    Record record;
+    TrajectoryReport *report;
+    PhasePoint here;
+    double omega;         /* rad/s, of the present swing */
+    double last_reversal; /* s, or -1 where the pendulum has stuck since */
+    double longest;       /* panel that the last error estimates allow, s */
+    /* of the last panel, if it began at rest: its length and its first acceleration */
+    double rest_h, rest_acceleration;
+    double budget, budget_a_second; /* panels in advance, and for each second of the motion */
+} Trajectory;
+
+/* A broken power of the speed has no Taylor series where the speed is zero: panels get shorter and shorter up to every
+ * reversal, the more so the smaller the exponent (60 tried a half-swing at 0.2). */
+static double usual_panels(const Model *m) {
+    for (int k = 0; k < m->n_motions; k++)
+        if (EFFECTS[m->motions[k].row].fractional_power) return 20.0;
+    return 5.0;
+}
+
+static inline double sign_of(double x) { return x > 0.0 ? 1.0 : (x < 0.0 ? -1.0 : 0.0); }
+
+static void start_at_release(Trajectory *r, const InitialValueProblem *problem) {
+    System *s = &r->s;
+    PhasePoint *here = &r->here;
+    r->panel.has_inverse = 0;
+    r->d.n = r->record.free.n_free;
+    r->d.by = r->record.free.free_values;
+    *here = (PhasePoint){r->record.times[0], problem->release_angle, problem->release_velocity, {0.0}};
+    set_release(s, here, &r->d);
+    s->direction = sign_of(here->v);
+    if (s->n_switches) freeze_signs(s, here);
+    r->record.play.parameter = problem->model->play;
+    r->record.play.reading = here->th;
+    for (int f = 0; f < r->d.n; f++) r->record.play.slope[f] = r->d.th[f];
+    r->omega = swing_frequency(s->p[0], here->th, here->v);
+    s->largest_angle = hypot(here->th, here->v / r->omega);
+    r->last_reversal = -1.0;
+    r->longest = INFINITY;
+    r->rest_h = r->rest_acceleration = 0.0;
+    r->budget = isfinite(problem->most_panels) ? 50.0 : 1000.0;
+    r->budget_a_second = fmin(problem->most_panels, MOST_PANELS * r->omega / PI);
+}
+
+/* The rates jump at a reversal, which for a change of a free value comes later by -dv/a; none moves a pendulum that sticks. */
+static void reverse_sensitivities(Trajectory *r, int way) {
+    double before[BLOCKS], after[BLOCKS], later[MAX_PARAMETERS];
+    System *s = &r->s;
+    const int was_stuck = s->stuck;
+    rates_at(s, &r->here, s->direction, before);
+    s->stuck = way == 0;
+    rates_at(s, &r->here, way ? way : s->direction, after);
+    for (int f = 0; f < r->d.n; f++) later[f] = before[0] != 0.0 ? -r->d.v[f] / before[0] : 0.0;
+    if (!was_stuck) saltate(&r->d, s->model->n_states, before, after, later);
+    for (int f = 0; f < r->d.n && s->stuck; f++) r->d.v[f] = 0.0;
+}
+
+/* At rest: turn round, or stick. */
+static void leave_or_stick(Trajectory *r) {
+    System *s = &r->s;
+    const int was_stuck = s->stuck, way = leaves_rest(s, &r->here, was_stuck ? 0.0 : s->direction);
+    if (r->d.n && s->direction != 0.0) reverse_sensitivities(r, way);
+    s->stuck = way == 0;
+    if (!s->stuck) {
+        s->direction = way;
+        return;
+    }
+    if (!was_stuck) r->report->stuck_after = r->here.t + r->record.problem->times[0];
+    r->last_reversal = -1.0;
+}
+
+/* A first guess of the unknowns: the last panel's shape where this is its mirror image, else a harmonic. */
+static void guess_unknowns(Trajectory *r, const double *start, const double *shape) {
+    const System *s = &r->s;
+    Panel *panel = &r->panel;
+    const double omega = r->omega;
+    for (int i = 0; i < N; i++) {
+        const double phase = omega * panel->h * T_nodes[i];
+        panel->u[i] = shape      ? shape[i] * (start[0] / r->rest_acceleration)
+                      : s->stuck ? 0.0
+                                 : start[0] * cos(phase) - omega * r->here.v * sin(phase);
+    }
+    for (int i = N; i < s->blocks * N; i++) panel->u[i] = start[s->row[i / N]];
+}
+
+/* How much shorter the panel is to be tried again; 0 where it is solved to the accuracy. */
+static double attempt_panel(Trajectory *r, double *ratio) {
+    System *s = &r->s;
+    Panel *panel = &r->panel;
+    if (!solve_panel(s, panel, r->report) || !invert_lags(s, panel)) return 0.5;
+    lay_dense_output(s, panel);
+    *ratio = error_ratio(s, panel, r->omega);
+    return *ratio <= 1.0 ? 0.0 : fmin(0.7, fmax(0.2, 0.8 * pow(*ratio, -1.0 / ORDER)));
+}
+
+/* The length (s) to try first: up to just past the reversal that is expected, or a whole part of that. */
+static double first_length(const Trajectory *r, double acceleration) {
+    const double left = r->s.stuck ? 3.0 / r->omega
+                                   : time_to_reversal(r->s.direction, r->here.v, acceleration, r->omega) * OVERSHOOT;
+    const double h = left / fmax(1.0, ceil(left / r->longest));
+    return h > 1e-12 ? h : 1e-12;
+}
+
+/* The next panel, as long as the accuracy allows; its error ratio, or -1 where there is none. */
+static double next_panel(Trajectory *r) {
+    double start[BLOCKS], shape[N], ratio = 0.0;
+    System *s = &r->s;
+    Panel *panel = &r->panel;
+    const int moves_from_rest = r->here.v == 0.0 && !s->stuck;
+    rates_at(s, &r->here, s->direction, start);
+    double h = first_length(r, start[0]);
+    const int mirrored = moves_from_rest && r->rest_h > 0.0 && fabs(h - r->rest_h) < 0.1 * h;
+    memcpy(shape, panel->u, sizeof shape);
+    panel->from = r->here;
+    for (int attempt = 0; attempt < ATTEMPTS; attempt++) {
+        const int mirror = mirrored && attempt == 0;
+        panel->h = h;
+        guess_unknowns(r, start, mirror ? shape : NULL);
+        if (!mirror) panel->has_inverse = 0;
+        const double shorter = attempt_panel(r, &ratio);
+        if (shorter == 0.0) {
+            /* a short last panel says little about how long the next one may be */
+            const double allowed = h * 0.95 * pow(fmax(ratio, 1e-12), -1.0 / ORDER);
+            if (ratio > 0.05 || allowed > r->longest) r->longest = allowed;
+            r->rest_h = moves_from_rest ? h : 0.0;
+            r->rest_acceleration = start[0];
+            r->report->panels++;
+            return ratio;
+        }
+        h *= shorter;
+        r->longest = h;
+        r->report->rejected++;
+    }
+    return -1.0;
+}
+
+static void reverse(Trajectory *r) {
+    r->here.v = 0.0;
+    if (r->s.stuck) return;
+    r->report->reversals++;
+    if (r->last_reversal >= 0.0) r->omega = PI / (r->here.t - r->last_reversal);
+    r->last_reversal = r->here.t;
+}
+
+/* The status at the end of a panel. */
+static int check(const Trajectory *r) {
+    const double spent = r->report->panels + r->report->rejected;
+    for (int k = 0; k < r->s.model->n_states; k++)
+        if (!isfinite(r->here.z[k])) return RAN_AWAY;
+    if (!(fabs(r->here.th) < 1e4) || !(fabs(r->here.v) < 1e8)) return RAN_AWAY;
+    return spent > r->budget + r->budget_a_second * (r->here.t - r->record.times[0]) ? LOST_ACCURACY : DONE;
+}
+
+/* From here to the next event, or to the end of a panel before it; the status. */
+static int advance(Trajectory *r) {
+    System *s = &r->s;
+    Panel *panel = &r->panel;
+    s->largest_angle = fmax(s->largest_angle, fabs(r->here.th));
+    if (r->here.v == 0.0) leave_or_stick(r);
+    if (s->stuck && !s->timed && !s->model->n_states) { /* nothing changes any more */
+        read_rest(&r->record, r->here.th, r->d.th);
+        return DONE;
+    }
+    if (s->model->n_states) set_linear_states(s);
+    const double ratio = next_panel(r), h = panel->h;
+    if (ratio < 0.0) return LOST_ACCURACY;
+    const Event event = first_event(s, panel);
+    const double x_end = fmin(event.position, 1.0);
+    const double t_end = r->here.t + (event.position <= 1.0 ? 0.5 * h * (event.position + 1.0) : h);
+    r->report->error += ratio * TRUNCATION * largest(panel->u) * h * h / (64.0 * N * N);
+    if (r->d.n) {
+        if (!linearise(s, panel)) return LOST_ACCURACY;
+        propagate(s, panel, &r->d);
+    }
+    read_panel(&r->record, s, panel, &r->d, t_end);
+    r->here = point_at(s, panel, x_end);
+    r->here.t = t_end;
+    if (r->d.n) move_to(s, panel, &r->d, x_end);
+    push_play_on(&r->record, r->here.th, r->d.th);
+    if (event.position <= 1.0) {
+        if (event.kind == REVERSAL) reverse(r);
+        else if (event.kind >= 0) cross_switch(s, &r->here, event.kind, &r->d);
+    }
+    return check(r);
+}
+
+int swing_trajectory(const InitialValueProblem *problem, double *angles, double *slopes, TrajectoryReport *report) {
+    Trajectory r;
+    *report = (TrajectoryReport){.stuck_after = -1.0};
+    r.report = report;
+    if (!set_up_system(&r.s, problem->model, problem->parameters, slopes ? problem->n_free : 0))
+        return report->status = TOO_LARGE;
+    report->status = open_record(&r.record, problem, angles, slopes);
+    if (report->status == NO_MEMORY) return NO_MEMORY;
+    start_at_release(&r, problem);
+    while (r.record.next < problem->n_times && report->status == DONE) report->status = advance(&r);
+    finish_record(&r.record, report->status);
+    close_record(&r.record);
+    return report->status;
+}

@@ -1,0 +1,276 @@
+"""The engine's interface for Python: c/interface.h declares it, once for both; here numpy arrays go in and come out.
+
+Every function takes the loaded library first (``build.load``), gives up the interpreter's lock while C runs, and leaves
+checks of what it is given to its callers.
+"""
+
+from collections.abc import Callable, Sequence
+from functools import lru_cache
+from pathlib import Path
+from typing import Any, NamedTuple
+from weakref import WeakKeyDictionary
+
+import _cffi_backend
+import numpy as np
+
+from ..arrays import Floats, Swing
+from . import cache
+
+Places = Sequence[tuple[int, int, int]]
+_HEADER = Path(__file__).parent / "c" / "interface.h"
+
+
+@lru_cache
+def ffi() -> Any:
+    """The declarations of c/interface.h, as cffi's FFI object (ABI mode).
+
+    cffi's parser takes 50 ms: what it makes of the header is kept in the cache, as the libraries are.
+    """
+    plain = "".join(
+        line for line in _HEADER.read_text().splitlines(keepends=True) if not line.startswith("#")
+    )
+
+    def make(path: Path) -> None:
+        from cffi import FFI  # here, for the same reason
+
+        declared = FFI()
+        declared.cdef(plain)
+        declared.set_source("interface", None, compiler_verbose=0)
+        declared.emit_python_code(str(path))
+
+    path = cache.kept(f"interface-{cache.key(plain, _cffi_backend.__version__)}.py", make)
+    names: dict = {}
+    exec(compile(path.read_text(), str(path), "exec"), names)
+    return names["ffi"]
+
+
+def doubles(array: np.ndarray) -> Any:
+    """The contiguous float64 array as C's doubles."""
+    return ffi().from_buffer("double[]", array)
+
+
+def integers(array: np.ndarray) -> Any:
+    """The contiguous int32 array as C's int."""
+    return ffi().from_buffer("int[]", array)
+
+
+# ---- Models ----
+
+
+_arrays: WeakKeyDictionary = WeakKeyDictionary()  # what a model points to, alive as long as it
+
+
+def model(
+    motions: Places,
+    sensors: Places,
+    clocks: Places,
+    *,
+    n_parameters: int,
+    n_states: int,
+    play: int,
+    duration: float,
+) -> Any:
+    """A C ``Model``.
+
+    ``motions``, ``sensors``, ``clocks``: (row, first parameter, first state) of each effect; ``play``: a parameter or -1;
+    ``duration`` in s.
+    """
+    kinds = {"motions": motions, "sensors": sensors, "clocks": clocks}
+    arrays = {kind: ffi().new("PlacedEffect[]", placed) for kind, placed in kinds.items()}
+    counts = {f"n_{kind}": len(placed) for kind, placed in kinds.items()}
+    others = {"n_parameters": n_parameters, "n_states": n_states, "play": play, "duration": duration}
+    found = ffi().new("Model *", arrays | counts | others)
+    _arrays[found] = arrays
+    return found
+
+
+# ---- Trajectories ----
+
+
+def status_name(status: int) -> str:
+    """The name of a status in c/interface.h."""
+    return ffi().typeof("enum Status").elements[status]
+
+
+def swing_trajectory(
+    library: Any,
+    model: Any,
+    values: Floats,
+    release: Sequence[float],
+    times: Floats,
+    free: Sequence[int],
+    angles: Floats,
+    slopes: Floats | None = None,
+) -> tuple[int, Any]:
+    """The status and the report of a trajectory; ``angles`` (n,) and ``slopes`` (len(free), n) are filled.
+
+    ``values`` (parameters,), ``release`` angle and velocity (rad, rad/s), ``times`` (n,) in s; ``free`` are the codes of
+    the free values.
+    """
+    new = ffi().new
+    report = new("TrajectoryReport *")
+    free_values = new("int[]", free)
+    problem = new(
+        "InitialValueProblem *",
+        (model, doubles(values), *release, doubles(times), times.size, np.inf, len(free), free_values),
+    )
+    status = library.swing_trajectory(
+        problem, doubles(angles), ffi().NULL if slopes is None else doubles(slopes), report
+    )
+    return status, report
+
+
+# ---- Least squares ----
+
+
+class Outcome(NamedTuple):
+    """How a search ended: a ``Convergence`` of c/interface.h, its evaluations, the relative reduction that its last full
+    step predicted, and whether a swing stops within its record."""
+
+    converged: int
+    evaluations: int
+    predicted_reduction: float
+    stops: bool
+
+
+class Bounds(NamedTuple):
+    """Arrays of the variables' lower and upper bounds; infinite where there is none."""
+
+    lower: np.ndarray
+    upper: np.ndarray
+
+
+class Options(NamedTuple):
+    """The most evaluations of a search, and the relative fall of the sum of squares below which it is stationary."""
+
+    most: int
+    tolerance: float
+
+
+def _outcome(c: Any) -> Outcome:
+    return Outcome(c.converged, c.evaluations, c.predicted_reduction, bool(c.stops))
+
+
+def _c_bounds(bounds: Bounds) -> tuple[Any, Any]:
+    return doubles(bounds.lower), doubles(bounds.upper)
+
+
+def minimise(
+    library: Any,
+    cost: Callable[[Floats, Floats, Floats], float],
+    x: Floats,
+    bounds: Bounds,
+    options: Options,
+) -> tuple[float, Floats, Outcome]:
+    """Half the least sum of squares, J'J there, and how it ended; ``x`` moves to the minimum.
+
+    ``cost(x, gradient, normal)`` fills the arrays J'r and J'J and returns half the sum of squares; it must not raise.
+    """
+    size, buffer = x.size, ffi().buffer
+    normal, outcome = np.zeros((size, size)), ffi().new("SearchOutcome *")
+
+    def array(pointer: Any, count: int) -> Floats:
+        return np.frombuffer(buffer(pointer, 8 * count))
+
+    @ffi().callback("Cost", error=np.nan)  # then the search ends
+    def called(_: Any, at: Any, gradient: Any, to: Any) -> float:
+        return cost(array(at, size), array(gradient, size), array(to, size * size).reshape(size, size))
+
+    problem = ffi().new(
+        "LeastSquares *",
+        (called, ffi().NULL, size, _c_bounds(bounds), options),
+    )
+    half = library.minimise(problem, doubles(x), doubles(normal), outcome)
+    return half, normal, _outcome(outcome)
+
+
+# ---- Fits of swings ----
+
+
+class FitProblem:
+    """Swings with a common model as C takes them; keeps alive what C points to.
+
+    ``models``: a C ``Model`` for each of the ``swings``, which are (times in s, angles in rad); ``where`` (swing, value):
+    the variable that each value is, or -1; ``bounds``: the variables'.
+    """
+
+    def __init__(
+        self, models: Sequence[Any], swings: Sequence[Swing], where: np.ndarray, bounds: Bounds
+    ) -> None:
+        new = ffi().new
+        self._kept = models, swings, where, bounds
+        self.n_variables = bounds.lower.size
+        self.models = new("Model[]", [one[0] for one in models])
+        self.times, self.angles = (
+            new("double *[]", [doubles(array) for array in arrays]) for arrays in zip(*swings, strict=True)
+        )
+        self.where, self.bounds = integers(where), _c_bounds(bounds)
+
+
+def fit_swings(
+    library: Any,
+    problem: FitProblem,
+    given: Floats,
+    starts: Floats,
+    lengths: Sequence[int],
+    options: Options,
+    evaluate_best: bool,
+) -> tuple[float, Floats, Floats, Floats, Outcome]:
+    """The least sum of squares (rad^2) from the starts, the variables there, J'J, the sum from each start, the ``Outcome``.
+
+    ``given`` (swing, value): the values that are no variables; ``starts`` (start, variable); ``lengths``: how many
+    samples of each swing count. J'J is that of a point close by unless ``evaluate_best``.
+    """
+    size, count, new = problem.n_variables, len(lengths), ffi().new
+    values, best, normal = given.copy(), np.zeros(size), np.zeros((size, size))
+    starts, squares = np.ascontiguousarray(starts), np.zeros(len(starts))
+    n_samples = new("int[]", lengths)
+    swings = new(
+        "FitProblem *",
+        (problem.models, count, n_samples, problem.times, problem.angles, doubles(values), problem.where, size, problem.bounds),
+    )  # fmt: skip
+    result = new(
+        "FitResult *", {"variables": doubles(best), "normal": doubles(normal), "squares": doubles(squares)}
+    )
+    all_starts = new("Starts *", (len(starts), doubles(starts), bool(evaluate_best)))
+    rss = library.fit_swings(swings, all_starts, new("SearchOptions *", options), result)
+    return rss, best, normal, squares, _outcome(result.outcome)
+
+
+class BatchResult(NamedTuple):
+    """Arrays for a batch's results by series: variables (series, variable), rss (rad^2), converged and evaluations (int32)."""
+
+    values: np.ndarray
+    rss: np.ndarray
+    converged: np.ndarray
+    evaluations: np.ndarray
+
+
+def fit_batch(
+    library: Any,
+    model: Any,
+    times: Floats,
+    series: Floats,
+    values: Floats,
+    where: np.ndarray,
+    bounds: Bounds,
+    options: Options,
+    result: BatchResult,
+) -> None:
+    """Fit each row of ``series`` (rad) over the same times (s) from the values in its row, into the ``BatchResult``."""
+    new = ffi().new
+    batch = new(
+        "Batch *",
+        (model, times.size, doubles(times), len(series), doubles(series), doubles(values), integers(where), bounds.lower.size,
+         _c_bounds(bounds)),
+    )  # fmt: skip
+    into = new(
+        "BatchResult *",
+        (
+            doubles(result.values),
+            doubles(result.rss),
+            integers(result.converged),
+            integers(result.evaluations),
+        ),
+    )
+    library.fit_batch(batch, new("SearchOptions *", options), into)
