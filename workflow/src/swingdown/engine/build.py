@@ -41,9 +41,8 @@ def header(catalogue, gravity) -> str:
     name = cache.key(repr((catalogue, gravity)), *((_HERE / writer).read_text() for writer in _WRITERS))
 
     def make(path):
-        from . import (
-            generate,
-        )  # here, because sympy takes half a second and only a changed catalogue needs it
+        # here, because sympy takes half a second and only a changed catalogue needs it
+        from . import generate
 
         path.write_text(generate.source(catalogue, gravity))
 
