@@ -11,11 +11,12 @@ import pytest
 from swingdown.engine import build, cache, interface
 from swingdown.engine.trajectory import simulate
 from swingdown.errors import EngineError
-from swingdown.pendulum.catalogue import CATALOGUE, GRAVITY
+from swingdown.pendulum.catalogue import SHIPPED
 from swingdown.pendulum.model import Model
 
 # few effects, so that the generator is done at once
-EFFECTS, GRAVITIES = (CATALOGUE["viscous"], CATALOGUE["constant_coulomb"]), tuple(GRAVITY.values())
+EFFECTS = SHIPPED["viscous"], SHIPPED["constant_coulomb"]
+GRAVITIES = tuple(SHIPPED.gravity.values())
 TIMES = np.linspace(0.0, 3.0, 200)
 VALUES = {"natural_frequency": 7.0, "viscous_ratio": 0.01, "constant_friction": 0.2}
 
