@@ -72,3 +72,11 @@ def test_imports_are_found_wherever_they_stand(tmp_path):
 
 def test_the_engines_c_files_count_as_sources():
     assert any(path.endswith(".c") for path in sources.sources(PACKAGE / "fitting/batch.py"))
+
+
+def test_what_verdicts_are_judged_by_counts_as_a_source(root):
+    """A changed threshold runs again every rule that reads it."""
+    for script in ("discover_round", "discover_verdict"):
+        assert any(
+            path.endswith("guard.yaml") for path in sources.sources(root / f"workflow/scripts/{script}.py")
+        )

@@ -5,8 +5,14 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from swingdown.discovery.campaign import Swing, campaign, measure_noise
+from swingdown.discovery.candidates import starts_to_add
 from swingdown.discovery.files import summary
+from swingdown.discovery.linear import columns_of, frame
+from swingdown.discovery.refit import with_effect
 from swingdown.discovery.rounds import discover
+from swingdown.engine.trajectory import TrajectoryError, simulate
+from swingdown.fitting.least_squares import fit_jointly
+from swingdown.pendulum.model import Model
 from swingdown.plots.discovery import missing_torque
 
 TIMES = np.arange(1201) / 100  # s
@@ -106,3 +112,21 @@ def test_noise_is_measured_with_its_colour(correlation):
     noise = measure_noise([NOISE * series], [0.01], 1.15)
     assert noise.deviation == pytest.approx(NOISE, rel=0.03)
     assert noise.correlation == pytest.approx(correlation, abs=0.03)
+
+
+def test_a_candidate_that_the_engine_does_not_take_ends_no_search():
+    """Of a pendulum so slow that a support in proportion to it would be below the catalogue's lowest frequency."""
+    times, rng = 200.0 * TIMES, np.random.default_rng(3)
+    slow = Model("viscous", {"natural_frequency": 7.25 / 200, "viscous_ratio": 0.01})
+    parts = [
+        Swing(f"swing {k}", times, simulate(slow, times, release) + NOISE * rng.standard_normal(times.size))
+        for k, release in enumerate((0.3, 0.5))
+    ]
+    here = frame(fit_jointly("viscous", [part.pair for part in parts], bounded=True), parts)
+    found = starts_to_add(here, "flexible_pivot")  # of four frequencies to start from, two are too low
+    assert found
+    assert min(start.begin.swings[0].values["pivot_frequency"] for start in found) >= 0.1
+    assert starts_to_add(here, "quadratic_drag")
+    begin = with_effect(here.fit.begin, "presliding", {"presliding_friction": 1e-5, "presliding_angle": 0.0})
+    with pytest.raises(TrajectoryError):
+        columns_of(here, begin.model.catalogue["presliding"], begin.swings[0].values, ["presliding_friction"])
