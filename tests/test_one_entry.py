@@ -21,7 +21,7 @@ from swingdown.pendulum.catalogue import SHIPPED
 from swingdown.pendulum.effect import Contained, Effect, Parameter, StandIn
 from swingdown.pendulum.model import Model
 from swingdown.plots import discovery as drawn
-from swingdown.plots import hidden
+from swingdown.plots import trials as trials_drawn
 from swingdown.report import contents, page
 from swingdown.studies.experiment import fit_campaign, fit_recording
 from swingdown.studies.norms import combine_recordings
@@ -107,7 +107,7 @@ def test_it_is_hidden_found_and_scored(tmp_path):
     table = pd.DataFrame([score])
     assert summarise(table).set_index("figure").loc["named exactly", "n"] == 1
     assert "rolling_resistance" in confusion(table, CATALOGUE).index
-    hidden.confusion(confusion(table, CATALOGUE).reset_index())
+    trials_drawn.confusion(confusion(table, CATALOGUE).reset_index())
 
 
 def test_trials_refuse_what_the_second_pendulum_does_not_know():

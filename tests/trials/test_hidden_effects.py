@@ -7,7 +7,7 @@ import pytest
 
 from swingdown.pendulum.catalogue import SHIPPED
 from swingdown.pendulum.model import Model
-from swingdown.plots.hidden import detection
+from swingdown.plots.trials import detection
 from swingdown.trials.find import find
 from swingdown.trials.schedule import Planned, chunks, drawn, planned
 from swingdown.trials.score import confusion, guard, read_scores, row, summarise

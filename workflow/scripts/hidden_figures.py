@@ -5,15 +5,15 @@ from pathlib import Path
 import pandas as pd
 
 from swingdown import console
-from swingdown.plots import hidden, save
+from swingdown.plots import save, trials
 from swingdown.trials.score import read_scores
 
 
 def figures(scores, confusion, outputs):
     """Each of the outputs written."""
     drawn = {
-        "confusion": hidden.confusion(pd.read_csv(confusion)),
-        "detection": hidden.detection(read_scores(scores)),
+        "confusion": trials.confusion(pd.read_csv(confusion)),
+        "detection": trials.detection(read_scores(scores)),
     }
     for output in map(Path, outputs):
         save(drawn[output.stem], output)

@@ -47,7 +47,7 @@ def check(content: Any, schema: str, where: object, part: str = "key") -> dict[s
         key=lambda fault: (fault.validator != "additionalProperties", fault.path),
     )
     if faults:
-        raise _told(faults[0], rules(schema), where, part)
+        raise _refusal(faults[0], rules(schema), where, part)
     return _filled(copy.deepcopy(content), rules(schema))
 
 
@@ -110,7 +110,9 @@ def _filled(content: dict[str, Any], schema: dict[str, Any]) -> dict[str, Any]:
     return content
 
 
-def _told(fault: jsonschema.ValidationError, schema: dict[str, Any], where: object, part: str) -> InputError:
+def _refusal(
+    fault: jsonschema.ValidationError, schema: dict[str, Any], where: object, part: str
+) -> InputError:
     """The InputError that tells a jsonschema error: which key, what was expected, the mend."""
     key = "".join(
         f"[{step + 1}]" if isinstance(step, int) else f".{step}" for step in fault.absolute_path

@@ -1,0 +1,50 @@
+"""What a report is made from."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+
+from . import sweeps as swept
+from .page import Figure
+
+
+@dataclass(frozen=True)
+class Material:
+    """What a report is made from.
+
+    ``tables``: name of a file in ``results/tables`` without ending: DataFrame. ``figures``: name (``fig08``): path of
+    the picture and caption. ``recordings``: the attributes of each recording. ``settings``: the complete config.
+    ``sweeps``: those whose results are there, as ``sweeps.made`` returns them.
+    """
+
+    tables: dict[str, pd.DataFrame]
+    figures: dict[str, tuple[str, str]]
+    recordings: list[dict[str, Any]]
+    settings: dict[str, Any]
+    inputs: list[str] = field(default_factory=list)  # files whose checksums are told
+    verdicts: list[dict[str, Any]] = field(default_factory=list)  # contents of each campaign's verdict.json
+    seen: list[str] = field(
+        default_factory=list
+    )  # paths of their figures, discovery/{campaign}/figures/{name}.svg
+    sweeps: dict[str, swept.Made] = field(default_factory=dict)
+
+    @property
+    def emulated(self) -> list[str]:
+        """The campaigns that come from an emulated apparatus, each once."""
+        return list(dict.fromkeys(r["campaign"] for r in self.recordings if r.get("emulated") == "yes"))
+
+    def shown(self, *names: str) -> list[Figure]:
+        """The figures of those names that were made."""
+        return [
+            Figure(f"Figure {int(name.removeprefix('fig'))}", *self.figures[name])
+            for name in names
+            if name in self.figures
+        ]
+
+
+def read_tables(paths: Iterable[str | Path]) -> dict[str, pd.DataFrame]:
+    """The tables of the given CSV files by name without ending."""
+    return {Path(path).stem: pd.read_csv(path) for path in paths}

@@ -1,0 +1,145 @@
+"""The experiment study."""
+
+from collections.abc import Sequence
+
+import pandas as pd
+from markupsafe import Markup
+
+from .. import numbers
+from ..material import Material
+from ..page import Cell, Column, Item, Section, Table
+from ..wording import groups, model_symbol, with_symbols
+
+
+def experiment(material: Material) -> Section:
+    """The experiment study: Table 3, which models differ, the parameters, and the figures."""
+    items: list[Item] = []
+    if (table := material.tables.get("table3")) is not None:
+        items.append(_table3(table, material))
+    items += material.shown("fig15")
+    if (table := material.tables.get("comparison")) is not None:
+        items.append(_comparison(table))
+    if (table := material.tables.get("parameters")) is not None:
+        items.append(_parameters(table))
+    return Section("Experiment", [*items, *material.shown("fig10", "fig11", "fig12", "fig13", "fig14")])
+
+
+def _table3(table: pd.DataFrame, material: Material) -> Table:
+    columns = [
+        Column("campaign"),
+        Column("fitted"),
+        Column("norm", "degrees", "n"),
+        Column("reduced χ²", style="n"),
+        Column("ΔBIC", "above the lowest", "n"),
+        Column("variance inflation", style="n"),
+        Column("n", style="n"),
+        Column("paper", "degrees", "n"),
+    ]
+    rows = [
+        [
+            row.campaign,
+            model_symbol(row.fitted),
+            numbers.spread(row.mean, row.std),
+            numbers.plain(row.reduced_chi2),
+            numbers.whole(row.delta_bic),
+            numbers.whole(row.variance_inflation),
+            int(row.n),
+            numbers.spread(row.published_mean, row.published_std),
+        ]
+        for row in table.itertuples()
+    ]
+    notes = [
+        "Norm: RMS of data less fit, mean ± standard deviation over the n swings. BIC: summed over them.",
+        "Variance inflation: how many times the standard errors squared are too small for taking residuals as independent.",
+    ]
+    if table["published_mean"].notna().any():
+        notes.append("The paper's column is for reference: its pendulum is another one.")
+    for row in table.itertuples():
+        about = [part for part in str(row.note).split("; ") if "below 0" in part]
+        notes += [
+            Markup("{}: {}.").format(model_symbol(row.fitted), part.replace("_", " ")) for part in about
+        ]
+    if material.emulated:
+        notes.append(f"Emulated: {', '.join(material.emulated)}.")
+    return _by_campaign("Table 3", "The models fitted to each swing.", columns, rows, notes)
+
+
+def _comparison(table: pd.DataFrame) -> Table:
+    columns = [
+        Column("campaign"),
+        Column("models"),
+        Column("difference", "degrees", "n"),
+        Column("p", "after Holm", "n"),
+        Column("ΔBIC", "independent samples", "n"),
+        Column("verdict"),
+    ]
+    rows = [
+        [
+            row.campaign,
+            Markup("{}\u00a0−\u00a0{}").format(model_symbol(row.model_a), model_symbol(row.model_b)),
+            numbers.brief(row.mean_difference, row.standard_error),
+            numbers.plain(row.p_holm, 2),
+            numbers.whole(row.delta_bic_effective),
+            with_symbols(row.verdict),
+        ]
+        for row in table.itertuples()
+    ]
+    caption = "The difference of two models' norms on the same swing: mean (standard error) over the swings."
+    notes = ["p: Student's for the mean difference, corrected for the number of pairs."]
+    return _by_campaign("Paired comparison", caption, columns, rows, notes)
+
+
+def _parameters(table: pd.DataFrame) -> Table:
+    keys = ["campaign", "fitted", "parameter", "unit"]
+    columns = [
+        Column("campaign"),
+        Column("fitted"),
+        Column("parameter"),
+        Column("mean over swings", style="n"),
+        Column("swings together", style="n"),
+        Column("unit"),
+        Column("std between swings", style="n"),
+        Column("standard error of one fit", "robust, median", "n"),
+    ]
+    rows = []
+    for (campaign, fitted, parameter, unit), part in table.groupby(keys, sort=False, dropna=False):
+        single = part[~part["recording"].isin(["(mean)", "(joint)"])]
+        rows.append([
+            campaign, model_symbol(fitted), parameter.replace("_", " "), _estimate(part, "(mean)") or _estimate(single),
+            _estimate(part, "(joint)") or "–", unit, numbers.plain(single["value"].std(), 2),
+            numbers.plain(single["robust_standard_error"].median(), 2),
+        ])  # fmt: skip
+    caption = "Fitted parameters; in parentheses the standard error in units of the last digits."
+    notes = [
+        "Mean over swings: its standard error is from the scatter between swings. Swings together: one fit to all.",
+        "Robust: allows for residuals that are not independent of each other. Each swing's values: tables/parameters.csv.",
+    ]
+    return _by_campaign("Parameters", caption, columns, rows, notes)
+
+
+def _estimate(part: pd.DataFrame, recording: str | None = None) -> str:
+    """``value(standard error)`` of the first row, of one kind of row; nothing where there is none."""
+    chosen = part if recording is None else part[part["recording"] == recording]
+    if chosen.empty:
+        return ""
+    row = chosen.iloc[0]
+    robust = row["robust_standard_error"]
+    return numbers.brief(row["value"], robust if pd.notna(robust) else row["standard_error"])
+
+
+def _by_campaign(
+    label: str, caption: str, columns: list[Column], rows: list[list[Cell]], notes: Sequence[str]
+) -> Table:
+    """A table whose first column is the campaign: grouped by it, or without it where there is only one."""
+    campaigns = [row[0] for row in rows]
+    if len(set(campaigns)) > 1:
+        return Table(label, caption, columns, rows, tuple(notes), groups(campaigns))
+    fitted = [row[1] for row in rows]
+    return Table(
+        label,
+        caption,
+        columns[1:],
+        [row[1:] for row in rows],
+        tuple(notes),
+        groups(fitted) if label == "Parameters" else (),
+    )

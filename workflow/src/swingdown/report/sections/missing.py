@@ -1,0 +1,95 @@
+"""What the models lack, campaign by campaign."""
+
+from typing import Any
+
+from markupsafe import Markup
+
+from .. import numbers
+from ..material import Material
+from ..page import Column, Figure, Item, Section, Table, Text
+
+_SEEN = {
+    "residuals": "What the base model and the last one leave of the swings that were worst at first, with the measured noise.",
+    "gap": "The residual in units of the measured noise, move by move; the held-out swings had no part in any fit but their own releases.",
+    "map": "The torque that is missing, over angle, velocity and time, from the equations of variation: no data are differentiated.",
+    "half_swings": "Each half-swing's loss, period and mid-point, measured without a model, beside what the models show.",
+    "ranking": "What each move was worth in the first round, by BIC.",
+}
+
+
+def missing(material: Material) -> Section:
+    """What the models lack: each campaign's verdict, where they fail, and the figures."""
+    items: list[Item] = []
+    for found in material.verdicts:
+        campaign = found["campaign"]
+        items.append(Text(Markup("<b>{}</b> ({}): {}").format(campaign, found["status"], found["sentence"])))
+        if found["next_measurement"]:
+            items.append(Text(f"Next measurement: {found['next_measurement']}"))
+        if found["effects"]:
+            items.append(_added(found))
+        if found["where"]["groups"]:
+            items.append(_where(found))
+        for name, caption in _SEEN.items():
+            paths = [
+                path for path in material.seen if path.endswith(f"discovery/{campaign}/figures/{name}.svg")
+            ]
+            items += [
+                Figure(f"{name.replace('_', ' ').capitalize()}, {campaign}", path, caption) for path in paths
+            ]
+    return Section("What is missing", items)
+
+
+def _added(found: dict[str, Any]) -> Table:
+    columns = [
+        Column("effect"),
+        Column("parameter"),
+        Column("value", style="n"),
+        Column("unit"),
+        Column("BIC gained", style="n"),
+        Column("not told apart from"),
+    ]
+    rows = [
+        [
+            one["name"].replace("_", " "),
+            name.replace("_", " "),
+            numbers.brief(entry["value"], entry["standard_error"]),
+            entry["unit"],
+            numbers.whole(one["delta_bic"]),
+            ", ".join(one["tied_with"]).replace("_", " ") or "–",
+        ]
+        for one in found["effects"]
+        for name, entry in one["parameters"].items()
+        if entry["value"] is not None
+    ]
+    caption = f"What was added to the model of {found['campaign']}; in parentheses the standard error in units of the last digits."
+    notes = [f"Moves: {'; '.join(found['moves']).replace('_', ' ')}. {found['split'].capitalize()}."]
+    return Table(f"Effects, {found['campaign']}", caption, columns, rows, tuple(notes))
+
+
+def _where(found: dict[str, Any]) -> Table:
+    columns = [
+        Column("group"),
+        Column("share of the excess", "%", "n"),
+        Column("χ²", style="n"),
+        Column("freedom", style="n"),
+        Column("χ² at the end", style="n"),
+    ]
+    last = found["where"]["remaining"]
+    rows = [
+        [
+            name,
+            f"{100 * one['share']:.0f}",
+            numbers.whole(one["chi_square"]),
+            int(one["freedom"]),
+            numbers.whole(last[name]["chi_square"]) if name in last else "–",
+        ]
+        for name, one in found["where"]["groups"].items()
+    ]
+    caption = f"Where the base model of {found['campaign']} fails: what a torque of any form in one variable, a sensor error or a line would explain."
+    return Table(
+        f"Disagreement, {found['campaign']}",
+        caption,
+        columns,
+        rows,
+        ("Groups overlap: shares do not add up. “At the end” is told where something remains.",),
+    )
