@@ -13,6 +13,8 @@ CORES ?= 2
 TARGET ?= all
 ARGS ?=
 TESTS ?= tests
+# A file of tests stays in one process: what its tests share is made once.
+WORKERS := -n $(CORES) --dist loadfile
 
 BIN := .venv/bin
 # Named after the locks' contents and this folder, so that the environment is laid anew when, and only when, they change.
@@ -38,10 +40,10 @@ $(READY):
 	@touch $@
 
 test: $(READY)
-	@$(BIN)/python -m pytest $(TESTS)
+	@$(BIN)/python -m pytest $(WORKERS) $(TESTS)
 
 test-all: $(READY)
-	@SWINGDOWN_SLOW=1 $(BIN)/python -m pytest $(TESTS)
+	@SWINGDOWN_SLOW=1 $(BIN)/python -m pytest $(WORKERS) $(TESTS)
 
 PEERS := .venv/peers-$(shell cksum < requirements-benchmark.lock | cut -d' ' -f1)
 

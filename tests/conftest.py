@@ -1,5 +1,6 @@
 """What several tests share: where the recordings of real pendulums lie, a run of the workflow, and the slow switch."""
 
+import fcntl
 import os
 import subprocess
 import sys
@@ -76,12 +77,21 @@ calibration: {draws: 2000}
 
 
 @pytest.fixture(scope="session")
-def small_study(snakemake, tmp_path_factory):
-    """The folder of a run of the whole study on two swings of the bench, with few draws and realisations."""
-    folder = tmp_path_factory.mktemp("study")
-    header, *rows = (ROOT / "config/recordings.csv").read_text().splitlines()
-    kept = [row for row in rows if row.startswith(("swing_01", "swing_02")) or "static" in row]
-    (folder / "small.csv").write_text("\n".join([header, *kept, ""]))
-    (folder / "small.yaml").write_text(SMALL)
-    snakemake("--configfile", folder / "small.yaml", directory=folder)
+def small_study(snakemake, tmp_path_factory, worker_id):
+    """The folder of a run of the whole study on two swings of the bench, with few draws and realisations.
+
+    Made once, by whichever of the processes that share the tests asks first.
+    """
+    top = tmp_path_factory.getbasetemp()
+    folder = (top if worker_id == "master" else top.parent) / "study"
+    folder.mkdir(exist_ok=True)
+    with (folder / "lock").open("w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        if not (folder / "made").exists():
+            header, *rows = (ROOT / "config/recordings.csv").read_text().splitlines()
+            kept = [row for row in rows if row.startswith(("swing_01", "swing_02")) or "static" in row]
+            (folder / "small.csv").write_text("\n".join([header, *kept, ""]))
+            (folder / "small.yaml").write_text(SMALL)
+            snakemake("--configfile", folder / "small.yaml", directory=folder)
+            (folder / "made").touch()
     return folder
