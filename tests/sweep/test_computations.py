@@ -27,7 +27,7 @@ def test_where_friction_stops_the_pendulum_no_larger_model_leaves_more_and_nearl
         "identification",
         **{"simulation.release_angle_deg": 5, "simulation.duration_s": 10, "simulation.snr": 5},
     )
-    found = identification.results(hard, 0, 12)
+    found, _ = identification.results(hard, 0, 12)
     labels = hard["simulation.fitted"]
     for i, larger in enumerate(labels):
         for j, smaller in enumerate(labels):
@@ -41,7 +41,7 @@ def test_where_friction_stops_the_pendulum_no_larger_model_leaves_more_and_nearl
 
 def test_a_model_that_cannot_be_fitted_has_no_numbers_and_stops_nothing():
     stuck = cell("identification", **{"simulation.release_angle_deg": 0.5, "simulation.duration_s": 5})
-    found = identification.results(stuck, 0, 2)
+    found, _ = identification.results(stuck, 0, 2)
     without = np.isnan(found["norm"])
     assert without.any() and not found["converged"][without].any()
     assert not without[:, stuck["simulation.fitted"].index("load_coulomb")].any()
@@ -60,7 +60,7 @@ def test_a_hidden_effect_leaves_what_was_asked_for(effect, size):
             "simulation.viscous_ratio": 0.01,
         },
     )
-    hidden = detection._hidden(small)
+    hidden = detection.make(small)
     assert hidden.left == pytest.approx(size, rel=0.011)
     assert hidden.coefficient > 0
 
@@ -68,14 +68,14 @@ def test_a_hidden_effect_leaves_what_was_asked_for(effect, size):
 def test_discovery_names_a_large_effect_and_finds_nothing_where_nothing_is_hidden():
     settings = {"detection.release_angles_deg": [15, 30, 60], "simulation.duration_s": 8, "simulation.viscous_ratio": 0.008,
                 "simulation.load_friction": 0.004}  # fmt: skip
-    large = detection.results(cell("detection", **settings, **{"detection.size": 2}), 0, 1)
+    large, _ = detection.results(cell("detection", **settings, **{"detection.size": 2}), 0, 1)
     assert detection.OUTCOMES[large["outcome"][0]] == "named"
     assert detection.ANSWERS[large["answer"][0]] == "quadratic_drag"
     assert large["gap"][0] > 1.5
-    none = detection.results(cell("detection", **settings, **{"detection.size": 0}), 0, 3)
+    none, _ = detection.results(cell("detection", **settings, **{"detection.size": 0}), 0, 3)
     assert [detection.OUTCOMES[word] for word in none["outcome"]] == ["nothing"] * 3
     assert np.all(np.abs(none["gap"] - 1) < 0.1)
-    again = detection.results(cell("detection", **settings, **{"detection.size": 0}), 2, 1)
+    again, _ = detection.results(cell("detection", **settings, **{"detection.size": 0}), 2, 1)
     assert again["gap"][0] == none["gap"][2]  # a draw does not depend on those computed with it
 
 

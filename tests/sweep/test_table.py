@@ -8,7 +8,8 @@ import yaml
 
 from swingdown.errors import InputError
 from swingdown.study.settings import complete
-from swingdown.sweep.table import READS, cell_key, noise_key, stream, sweeps
+from swingdown.sweep.draws import cell_key, noise_key, stream
+from swingdown.sweep.table import READS, sweeps
 
 SMALL = {
     "computes": "identification",
@@ -43,7 +44,7 @@ VALUES = {
     "seed": [1, 2], "simulation.noise": ["additive", "quantisation"], "simulation.start": ["rest", "free"], "model.restoring": ["sine", "linear"],
     "model.form": ["consistent", "printed"], "simulation.simulated": ["viscous", "load_coulomb"], "simulation.fitted": ["viscous", "load_coulomb"],
     "discovery.base": [["viscous"], ["viscous", "load_coulomb"]], "discovery.rounds": [1, 2], "detection.effect": ["presliding", "detent"],
-    "detection.release_angles_deg": [[10, 20], [20, 40]],
+    "detection.release_angles_deg": [[10, 20], [20, 40]], "detection.noise": ["additive", "proportional"],
 }  # fmt: skip
 
 

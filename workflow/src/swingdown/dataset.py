@@ -77,6 +77,12 @@ def read(path):
     return dataset
 
 
+def attributes(path):
+    """The attributes of a file written by ``write``, as a dict; its data are not read."""
+    with netCDF4.Dataset(path) as file:
+        return {name: file.getncattr(name) for name in file.ncattrs()}
+
+
 def _unlabelled(dataset):
     for name, variable in dataset.variables.items():
         if variable.dtype.kind == "f":
