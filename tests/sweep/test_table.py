@@ -8,7 +8,7 @@ import yaml
 
 from swingdown.errors import InputError
 from swingdown.study.settings import complete
-from swingdown.sweep.draws import cell_key, noise_key, stream
+from swingdown.sweep.draws import cell_key, cell_keys, noise_key, stream
 from swingdown.sweep.table import READS, sweeps
 
 SMALL = {
@@ -58,7 +58,9 @@ def test_any_key_that_a_computation_depends_on_can_be_an_axis(computes, key):
     axis = next(axis for axis in sweep.axes if axis.key == key)
     assert len(axis.values) == 2 and sweep.cells == 2
     assert axis.coordinate.size == 2 and axis.units
-    assert len({cell_key(computes, sweep.cell(one)) for one in sweep}) == 2
+    told = [cell_key(computes, sweep.cell(one)) for one in sweep]
+    assert len(set(told)) == 2
+    assert told == list(map(cell_keys(computes, sweep.settings, sweep.keys), sweep))
 
 
 @pytest.mark.parametrize(

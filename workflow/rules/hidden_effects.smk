@@ -2,10 +2,17 @@
 # needs: nothing but the settings
 # makes: results/hidden_effects/scores.csv, summary.csv, confusion.csv, guard.yaml and their figure; on request only
 
-from swingdown.trials.schedule import chunks
+from functools import cache
 
 HIDDEN = config["hidden_effects"]
-TRIALS = chunks(HIDDEN)
+
+
+@cache
+def trials():
+    """The trials of each chunk; what they are drawn with takes a second to import, and most runs hide nothing."""
+    from swingdown.trials.schedule import chunks
+
+    return chunks(HIDDEN)
 
 
 rule hidden_make:
@@ -18,7 +25,7 @@ rule hidden_make:
     log:
         "results/logs/hidden_effects/make-{chunk}.log",
     params:
-        trials=lambda wildcards: [list(one) for one in TRIALS[wildcards.chunk]],
+        trials=lambda wildcards: [list(one) for one in trials()[wildcards.chunk]],
         seed=HIDDEN["seed"],
     message:
         "Hiding effects in campaigns {wildcards.chunk}"
@@ -46,8 +53,8 @@ rule hidden_find:
 
 rule hidden_score:
     input:
-        truths=expand("results/hidden_effects/truth/{chunk}.json", chunk=TRIALS),
-        verdicts=expand("results/hidden_effects/verdicts/{chunk}.json", chunk=TRIALS),
+        truths=lambda wildcards: expand("results/hidden_effects/truth/{chunk}.json", chunk=trials()),
+        verdicts=lambda wildcards: expand("results/hidden_effects/verdicts/{chunk}.json", chunk=trials()),
         code=code("hidden_score"),
     output:
         scores="results/hidden_effects/scores.csv",

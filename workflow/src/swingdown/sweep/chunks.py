@@ -13,7 +13,7 @@ from pathlib import Path
 
 from ..errors import InputError
 from ..paths import written_whole
-from .draws import cell_key
+from .draws import cell_keys
 
 ENDING = {"netcdf": "nc", "zarr": "json"}  # of the file whose being there says that a chunk is whole
 MOST_JOBS = 2000  # beyond that the workflow's own time and the file system are what one waits for
@@ -51,9 +51,9 @@ class Chunk:
 
     def cells(self):
         """(settings, key, first draw, number of draws) of each part."""
+        key_of = cell_keys(self.computes, self.settings, self.keys)
         for values, first, count in self.parts:
-            settings = self.settings | dict(zip(self.keys, values, strict=True))
-            yield settings, cell_key(self.computes, settings), first, count
+            yield self.settings | dict(zip(self.keys, values, strict=True)), key_of(values), first, count
 
 
 @dataclass(frozen=True)
@@ -128,7 +128,10 @@ def _held(sweep, book, there):
 
     ``there`` has the names of those whose results are there.
     """
-    wanted = {cell_key(sweep.computes, sweep.cell(values)): values for values in sweep}
+    if not Path(book).exists():
+        return {}, [(list(values), 0, sweep.realizations) for values in sweep]
+    key_of = cell_keys(sweep.computes, sweep.settings, sweep.keys)
+    wanted = {key_of(values): values for values in sweep}
     held, chunks = {}, {}
     for chunk in sorted(read_book(book), key=lambda chunk: chunk.name not in there):
         parts = [(key, first, first + count) for _, key, first, count in chunk.cells()]

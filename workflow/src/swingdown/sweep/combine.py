@@ -12,7 +12,7 @@ from .. import dataset
 from ..errors import InputError
 from ..paths import written_whole
 from . import code, parts, store, summary
-from .draws import cell_key, noise_key
+from .draws import cell_keys, noise_key
 
 SEEDING = (
     "draw k of a cell is numpy.random.SeedSequence(seed, spawn_key=(the cell's noise_key as four 32-bit words, most significant "
@@ -31,10 +31,8 @@ def combine(sweep, paths, output):
     missing or there twice, naming the cell.
     """
     output = Path(output)
-    where = {
-        cell_key(sweep.computes, sweep.cell(values)): index
-        for index, values in zip(np.ndindex(sweep.shape), sweep, strict=True)
-    }
+    key_of = cell_keys(sweep.computes, sweep.settings, sweep.keys)
+    where = {key_of(values): index for index, values in zip(np.ndindex(sweep.shape), sweep, strict=True)}
     found = [parts.about(path) for path in paths]
     listed = _listed(found)
     with written_whole(output) as partial:
@@ -95,7 +93,7 @@ def _skeleton(sweep, listed):
         "sweep": sweep.name, "computes": sweep.computes, "axes": " ".join(dims), "settings": settings, "seeding": SEEDING,
         "realizations": sweep.realizations, "source": "simulated", "emulated": "no", "swingdown": code.project(),
     }  # fmt: skip
-    for key in ("seed", "simulation.start"):
+    for key in ("seed", "simulation.start", "detection.size"):
         if key in sweep.settings:
             attributes[key.rpartition(".")[2]] = sweep.settings[key]
     return xr.Dataset({}, coords, attributes)

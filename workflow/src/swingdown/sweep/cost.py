@@ -7,8 +7,8 @@ import numpy as np
 
 from .impossible import IMPOSSIBLE, reason
 
-_TRIAL = 1.5  # seconds of CPU after which the trial ends
-_FORESEE = 1.0  # the same of the search for cells that cannot be made
+_TRIAL = 0.7  # seconds of CPU after which the trial ends
+_FORESEE = 0.5  # the same of the search for cells that cannot be made
 _DRAWS = 8
 _CELLS = 64
 _BYTES = 26  # a fit or verdict on disk, compressed, measured
@@ -18,7 +18,7 @@ def estimate(sweep, plan, missing):
     """Lines that say what is still to compute: fits, chunks, hours from a trial on this machine, files and bytes.
 
     ``missing`` are the plan's chunks that have no results yet. The trial computes a few draws of cells spread over the table;
-    cells that cannot be made, of as many as a second allows to try, are told with their reason. So are chunks of other code.
+    cells that cannot be made, of as many as half a second allows to try, are told with their reason. So are chunks of other code.
     """
     computation = import_module(f".{sweep.computes}", __package__)
     draws = sum(plan.chunks[name].draws for name in missing)
@@ -62,7 +62,7 @@ def foreseen(sweep, computation):
             break
         tried += 1
         try:
-            computation.make(sweep.cell(values))
+            computation.foresee(sweep.cell(values))
         except IMPOSSIBLE as error:
             lost.setdefault(reason(error), []).append(values)
     for why, those in lost.items():

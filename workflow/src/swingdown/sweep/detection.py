@@ -32,7 +32,7 @@ VARIABLES = {
 FLAGS = {"outcome": OUTCOMES, "answer": ANSWERS}
 DIMENSION = None
 _CLOSE = 0.01  # the size of a hidden effect is met to this share
-_STEPS = 12
+_STEPS = 16
 
 
 @dataclass(frozen=True)
@@ -140,7 +140,7 @@ def make(settings):
         return _Hidden(times, bare, 0.0, 0.0, noise)
     first = effect(settings["detection.effect"]).parameters[0]
     coefficient, nearest, why = first.typical * 0.1, None, None
-    low, high = 0.0, math.inf  # between which the size lies
+    low, high = (0.0, 0.0), (math.inf, math.inf)  # (coefficient, what it leaves) between which the size lies
     for _ in range(_STEPS):
         try:
             swings = _swings(settings, times, coefficient)
@@ -149,19 +149,30 @@ def make(settings):
             left, why = math.inf, error
         if math.isfinite(left) and (nearest is None or abs(left - size) < abs(nearest.left - size)):
             nearest = _Hidden(times, swings, coefficient, left, noise)
-        if abs(left / size - 1) < _CLOSE:
+        if abs(left / size - 1) < _CLOSE or (left < size and coefficient == first.upper):
             break
-        low, high = (coefficient, high) if left < size else (low, coefficient)
-        coefficient = min(coefficient * min(max(size / max(left, 1e-3 * size), 0.02), 30.0), first.upper)
-        if not low < coefficient < high:
-            coefficient = (
-                math.sqrt(low * high)
-                if low > 0 and math.isfinite(high)
-                else 0.5 * (low + min(high, first.upper))
-            )
+        low, high = ((coefficient, left), high) if left < size else (low, (coefficient, left))
+        coefficient = _between(low, high, size, first.upper)
     if nearest is None:
         raise why
     return nearest
+
+
+def _between(low, high, size, upper):
+    """The coefficient to try next: by the power law through both ends, where there are two, and never close to an end."""
+    if not math.isfinite(high[0]):  # nothing was too strong yet
+        return min(low[0] * min(max(size / max(low[1], 1e-9), 1.5), 30.0), upper)
+    if low[0] == 0:
+        return high[0] * (0.1 if not math.isfinite(high[1]) else min(max(size / high[1], 0.02), 0.7))
+    ratio = 0.5
+    if math.isfinite(high[1]):
+        ratio = math.log(size / low[1]) / math.log(high[1] / low[1])
+    return low[0] * (high[0] / low[0]) ** min(max(ratio, 0.1), 0.9)
+
+
+def foresee(settings):
+    """Nothing; where the swings of a cell cannot be made, what the engine or the fit raised comes back."""
+    make(settings)
 
 
 def _noise(settings, swings):

@@ -89,19 +89,29 @@ def results(settings, first, count):
 
 def make(settings):
     """What the draws of a cell share; what the engine raised comes back where there is no such swing."""
-    duration, rate = settings["simulation.duration_s"], settings["simulation.sampling_rate_hz"]
-    times = np.arange(round(duration * rate) + 1) / rate
-    release = math.radians(settings["simulation.release_angle_deg"])
-    (label,) = settings["simulation.simulated"]
-    options = {"restoring": settings["model.restoring"], "form": settings["model.form"]}
-    model = Model(label, **options)
-    model = model.with_values({name: value_of(settings, name) for name in model.parameters})
-    truth = simulate(model, times, release)
+    model, times, release, truth = _swing(settings)
+    options = {"restoring": model.restoring, "form": model.form}
     begin = {}
     for one in sorted(settings["simulation.fitted"], key=_size):
         guess = [begin[other] for other in begin if contains(one, other) and begin[other]]
         begin[one] = _noise_free(one, times, truth, model, guess, options)
     return _Cell(settings, noise_key(settings), times, truth, release, begin)
+
+
+def foresee(settings):
+    """Nothing; where the swing of a cell cannot be computed, what the engine raised comes back."""
+    _swing(settings)
+
+
+def _swing(settings):
+    """The simulated model, times (s), release angle (rad) and noise-free swing (rad) of a cell."""
+    duration, rate = settings["simulation.duration_s"], settings["simulation.sampling_rate_hz"]
+    times = np.arange(round(duration * rate) + 1) / rate
+    release = math.radians(settings["simulation.release_angle_deg"])
+    (label,) = settings["simulation.simulated"]
+    model = Model(label, restoring=settings["model.restoring"], form=settings["model.form"])
+    model = model.with_values({name: value_of(settings, name) for name in model.parameters})
+    return model, times, release, simulate(model, times, release)
 
 
 def _noise_free(label, times, truth, model, guess, options):

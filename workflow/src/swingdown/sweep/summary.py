@@ -15,6 +15,17 @@ TEN = 10  # runs whose mean norm the paper compares
 CLAIM = 0.68  # "the correct model may be determined with a high level of confidence despite the confidence level actually being 68%"
 _SINGLE = ("viscous", "quadratic_drag", "load_coulomb")
 _BLOCK = 32760  # draws read at a time, whole sets of ten
+
+
+def _ends(*names):
+    """Entries for the ends of probabilities' intervals."""
+    return {
+        f"{name}_{end}_95": ((), "1", f"{end} end of the 95 % interval (Wilson) of {name}")
+        for name in names
+        for end in ("low", "high")
+    }
+
+
 # name: dimensions beside the axes, unit, meaning
 BOTH = {
     "made": ((), "1", "number of draws that could be made"),
@@ -37,6 +48,7 @@ IDENTIFICATION = BOTH | {
         "share of sets of ten draws in which the true model has the lowest mean norm of the paper's four",
     ),
     "sets_of_ten": ((), "1", "number of sets of ten draws, 1 where all draws are alike"),
+    **_ends("true_by_norm", "true_by_bic", "true_by_ten"),
 }
 DETECTION = BOTH | {
     "share": (("said",), "1", "share of the campaigns that could be made in which discovery said so"),
@@ -45,6 +57,12 @@ DETECTION = BOTH | {
     "size_of_effect": ((), "see the hidden effect's first parameter", "size of the hidden effect"),
     "left_by_base": ((), "1", "RMS that the base model leaves of the noise-free swings, over the noise"),
     "mean_gap": ((), "1", "mean RMS that the base model leaves, over the noise that discovery measured"),
+    "reached": (
+        (),
+        "1",
+        "1 where the hidden effect leaves what was asked for (to 5 %), 0 where no size of it does",
+    ),
+    **_ends("found", "named"),
 }
 
 
@@ -105,8 +123,12 @@ class Tally:
             self._collected[name][index] = value
 
     def write(self, file):
-        """The probabilities written to the open file."""
-        for name, values in self._collected.items():
+        """The probabilities written to the open file, with their intervals."""
+        found = self._collected
+        for name in [name.removesuffix("_low_95") for name in found if name.endswith("_low_95")]:
+            counted = found["sets_of_ten" if name == "true_by_ten" else "independent"]
+            found[f"{name}_low_95"], found[f"{name}_high_95"] = intervals(found[name], counted)
+        for name, values in found.items():
             file[name][...] = values
 
 
@@ -207,7 +229,7 @@ class _Detected(_Cell):
     def __init__(self, settings, words):
         super().__init__()
         self._words, self._said = words, np.zeros(len(words))
-        self._not = words.index("not_made")
+        self._not, self._asked = words.index("not_made"), settings["detection.size"]
         self._gap, self._gaps, self._size, self._left = 0.0, 0, math.nan, math.nan
 
     def feed(self, first, block):
@@ -228,7 +250,13 @@ class _Detected(_Cell):
             "size_of_effect": self._size,
             "left_by_base": self._left,
             "mean_gap": self._gap / self._gaps if self._gaps else math.nan,
+            "reached": self._reached(),
         }
+
+    def _reached(self):
+        if not self.made:
+            return math.nan
+        return float(not self._asked or abs(self._left / self._asked - 1) < REACHED)
 
 
 def _kinds(sweep):
@@ -267,11 +295,6 @@ def intervals(share, n):
     return low.reshape(share.shape), high.reshape(share.shape)
 
 
-def counted(maps, name):
-    """The number of independent draws (or sets of ten) that a probability of ``maps`` was counted in, over the axes."""
-    return maps["sets_of_ten" if name == "true_by_ten" else "independent"]
-
-
 def table(maps):
     """A row for each cell: its axes, the numbers of draws asked for, made and independent, and each probability.
 
@@ -288,8 +311,8 @@ def table(maps):
     rows["made"], rows["independent"] = frame["made"].astype(int), frame["independent"].astype(int)
     for name in shares:
         rows[name] = frame[name]
-        low, high = intervals(maps[name].values, counted(maps, name).values)
-        rows[f"{name}_low_95"], rows[f"{name}_high_95"] = low.ravel(), high.ravel()
+        for end in (f"{name}_low_95", f"{name}_high_95"):
+            rows[end] = maps[end].values.ravel()
     if "fitted" in maps.dims:
         rows["sets_of_ten"] = maps["sets_of_ten"].values.ravel()
         for criterion in ("norm", "bic"):
@@ -304,18 +327,10 @@ def table(maps):
         for word in maps["said"].values:
             if word != "not_made":
                 rows[f"said_{word}"] = maps["share"].sel(said=word).values.ravel()
-        for name in ("size_of_effect", "left_by_base", "mean_gap"):
+        for name in ("size_of_effect", "left_by_base", "mean_gap", "reached"):
             rows[name] = maps[name].values.ravel()
-        if "size" in axes:
-            rows["reached"] = reached(maps).values.ravel()
     rows["reason"] = [str(why) for why in maps["reason"].values.ravel()]
     return rows
-
-
-def reached(maps):
-    """Whether a hidden effect left what was asked for (to 5 %), over the axes; true where nothing was hidden."""
-    asked = maps["size"].broadcast_like(maps["left_by_base"]).transpose(*maps["left_by_base"].dims)
-    return (np.abs(maps["left_by_base"] / asked.where(asked > 0) - 1) < REACHED) | (asked == 0)
 
 
 def combined(sweep, rows, chunks):
@@ -328,5 +343,5 @@ def combined(sweep, rows, chunks):
             f"{name} {part.iloc[0][name]}" for name in rows.columns[: list(rows.columns).index("draws")]
         )
         yield f"{len(part)} of {sweep.cells} cells could not be made: {why} (the first: {first})"
-    if "reached" in rows and (short := int((~rows["reached"].astype(bool) & (rows["made"] > 0)).sum())):
+    if "reached" in rows and (short := int((rows["reached"] == 0).sum())):
         yield f"in {short} of {sweep.cells} cells no size of the hidden effect leaves what was asked for: left_by_base tells what it does leave"
