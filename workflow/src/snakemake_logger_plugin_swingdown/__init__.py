@@ -11,10 +11,12 @@ import time
 from snakemake_interface_logger_plugins.base import LogHandlerBase
 from snakemake_interface_logger_plugins.common import LogEvent
 
-
 _QUIET = 5.0  # seconds between two lines that say how far the run is
-# The Slurm plugin (2.8) asks Slurm for the user's account even where it is told not to; nothing follows from that for the user.
-_KNOWN = ("No SLURM account given, trying to guess.", "Unable to guess SLURM account. Trying to proceed without.")
+# What asks nothing of the user; the Slurm plugin (2.8) asks Slurm for an account even where it is told not to.
+_KNOWN = (
+    "No SLURM account given, trying to guess.",
+    "Unable to guess SLURM account. Trying to proceed without.",
+)
 
 
 class LogHandler(LogHandlerBase):
@@ -54,14 +56,15 @@ class LogHandler(LogHandlerBase):
             return doing and f"[{self.done:{width}}/{self.total}] {doing}"
         if event == LogEvent.JOB_ERROR:
             logs = f" (log: {', '.join(record.log)})" if record.log else ""
-            return f"FAILED: rule {record.rule_name} for {', '.join(record.output)}{logs}"
+            made = ", ".join(record.output).replace(" (update)", "")
+            return f"FAILED: rule {record.rule_name} for {made}{logs}"
         if event == LogEvent.ERROR:
             return self._error(text)
         if text.startswith("Exiting because a job execution failed"):
             return ""  # the job and the line above have said so
         if text.startswith("Nothing to be done"):
             return "Nothing to do: everything asked for is up to date."
-        if text in _KNOWN:
+        if text.startswith(_KNOWN):
             return ""
         return text if record.levelno >= logging.WARNING else ""
 
