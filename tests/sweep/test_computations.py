@@ -181,7 +181,7 @@ def test_two_terms_and_an_effect_of_ones_own_can_be_the_truth():
     found, _ = identification.results(pair, 0, 4)
     fitted = pair["simulation.fitted"]
     assert (found["bic"].argmin(axis=1) == fitted.index("viscous+load_coulomb")).sum() >= 3
-    brake = {"torque": "-k*thetadot*Abs(theta)", "parameters": {"k": {"unit": "1/s", "typical": 0.5}}}
+    brake = {"torque": "-k*thetadot*abs(theta)", "parameters": {"k": {"unit": "1/s", "typical": 0.5}}}
     entry = {"computes": "identification", "axes": {"parameters.brake_k": [0.3, 0.9]},
              "settings": {"simulation.simulated": ["brake"], "simulation.fitted": ["viscous", "brake"], "simulation.start": "free"}}  # fmt: skip
     try:

@@ -15,6 +15,7 @@ _QUIET = 5.0  # seconds between two lines that say how far the run is
 # What asks nothing of the user; the Slurm plugin (2.8) asks Slurm for an account even where it is told not to.
 _KNOWN = (
     "No SLURM account given, trying to guess.",
+    "No account was given, not able to get a SLURM account",
     "Unable to guess SLURM account. Trying to proceed without.",
 )
 

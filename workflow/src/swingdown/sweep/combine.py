@@ -19,6 +19,7 @@ SEEDING = (
     "first, then k)), k from 0"
 )
 _KEPT = {"f": "f8", "i": "i4", "b": "i1"}
+_CACHE = 1 << 21  # bytes
 _BLOCK = 1 << 15  # draws of a cell that lie together in the file
 
 
@@ -33,6 +34,7 @@ def combine(sweep, paths, output):
     output = Path(output)
     key_of = cell_keys(sweep.computes, sweep.settings, sweep.keys)
     where = {key_of(values): index for index, values in zip(np.ndindex(sweep.shape), sweep, strict=True)}
+    netCDF4.set_chunk_cache(_CACHE)  # of each variable; by default it is 64 MB
     found = [parts.about(path) for path in paths]
     listed = _listed(found)
     with written_whole(output) as partial:
