@@ -5,7 +5,12 @@ from swingdown.errors import InputError
 
 def code(script):
     """The package's files that a script rests on; as inputs they make its rule run again when one is edited."""
-    return sources(f"{workflow.basedir}/workflow/scripts/{script}.py")
+    return here(sources(f"{workflow.basedir}/workflow/scripts/{script}.py"))
+
+
+def here(paths):
+    """Files of the project itself, which lie on every machine and in no storage."""
+    return local(paths) if workflow.storage_settings.default_storage_provider else paths
 
 
 def raw(name):

@@ -37,6 +37,23 @@ use rule sweep_identification as sweep_detection with:
         chunk=CHUNK,
 
 
+if STORED:
+
+    rule sweep_book:
+        output:
+            update("results/sweeps/{sweep}/book.jsonl"),
+        log:
+            "results/logs/sweep/{sweep}/book.log",
+        localrule: True
+        params:
+            book=lambda wildcards: book(wildcards.sweep),
+            new=lambda wildcards: new_in_book(wildcards.sweep),
+        message:
+            "Sweep {wildcards.sweep}: the book of chunks for all nodes"
+        script:
+            "../scripts/sweep_book.py"
+
+
 rule sweep_combine:
     input:
         made=results_of,
@@ -78,8 +95,8 @@ rule sweep_page:
             for name, sweep in SWEEPS.items()
             for map in MAPS[sweep.computes]
         ],
-        captions=SWEEP_CAPTIONS,
-        template=f"{workflow.basedir}/workflow/src/swingdown/report/report.html.j2",
+        captions=here(SWEEP_CAPTIONS),
+        template=here(f"{workflow.basedir}/workflow/src/swingdown/report/report.html.j2"),
         code=code("sweep_page"),
     output:
         "results/sweeps.html",

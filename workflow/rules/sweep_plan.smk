@@ -93,6 +93,11 @@ def book_for_jobs(wildcards):
     return ancient(f"results/sweeps/{wildcards.sweep}/book.jsonl") if STORED else []
 
 
+def new_in_book(name):
+    """Stands for the chunks that this run computes: with others the book is carried to the storage again."""
+    return sorted(planned(name).missing) if workflow.is_main_process else []
+
+
 def swept():
     """The sweeps' tables that lie there, with their age: a newer one makes the report new."""
     tables = [f"results/sweeps/{name}/summary.csv" for name in SWEEPS]
