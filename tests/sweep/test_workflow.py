@@ -153,11 +153,11 @@ def test_more_draws_and_another_value_run_only_what_is_new(snakemake, mapped):
 
 
 @pytest.mark.slow
-def test_kill_9_and_the_readmes_resume_command_computes_only_what_is_missing(snakemake, root, tmp_path):
-    readme = (root / "README.md").read_text()
+def test_kill_9_and_the_resume_command_of_the_docs_computes_only_what_is_missing(snakemake, root, tmp_path):
+    docs = (root / "docs/cluster.md").read_text()
     resume = [
         line.split()
-        for line in re.search(r"snakemake --unlock.*?\n```", readme, re.DOTALL)[0].splitlines()
+        for line in re.search(r"snakemake --unlock.*?\n```", docs, re.DOTALL)[0].splitlines()
         if "snakemake" in line
     ]
     unlock, again = (

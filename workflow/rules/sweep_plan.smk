@@ -58,6 +58,9 @@ def planned(name):
     """The plan of a sweep, made once; where chunks are whole that a killed run did not record, they are recorded."""
     if name not in PLANS:
         with console.job():
+            if STORED and SWEEPS[name].format == "zarr":
+                raise InputError(f"config, key sweeps.{name}.format", "jobs write into a Zarr store through a file system that they share",
+                                 "`netcdf`, where a storage plugin carries the chunks", "write `format: netcdf`")  # fmt: skip
             PLANS[name] = dealt.plan(SWEEPS[name], book(name), codes.version(SWEEPS[name].computes), AGAIN)
         if workflow.is_main_process and not STORED:
             if workflow.dryrun:
