@@ -1,5 +1,7 @@
 # The few functions that rules of several stages use.
 
+from functools import cache
+
 from swingdown.errors import InputError
 
 
@@ -23,6 +25,14 @@ def told():
     """The files, beside the recordings, whose checksums the report tells."""
     names = [*workflow.configfiles, config.get("recordings"), PLAN.apparatus]
     return [str(find(name)) for name in names if name]
+
+
+@cache
+def trials():
+    """The trials of hidden effects by chunk; what they are drawn with takes a second to import, and most runs hide nothing."""
+    from swingdown.trials.schedule import chunks
+
+    return chunks(config["hidden_effects"])
 
 
 def only_capture(wildcards):

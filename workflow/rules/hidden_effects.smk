@@ -2,17 +2,7 @@
 # needs: nothing but the settings
 # makes: results/hidden_effects/scores.csv, summary.csv, confusion.csv, guard.yaml and their figure; on request only
 
-from functools import cache
-
 HIDDEN = config["hidden_effects"]
-
-
-@cache
-def trials():
-    """The trials of each chunk; what they are drawn with takes a second to import, and most runs hide nothing."""
-    from swingdown.trials.schedule import chunks
-
-    return chunks(HIDDEN)
 
 
 rule hidden_make:
