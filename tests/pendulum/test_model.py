@@ -5,7 +5,7 @@ import pytest
 import yaml
 
 from swingdown.errors import InputError
-from swingdown.pendulum.model import PAPER_MODELS, Model, symbol, write_model
+from swingdown.pendulum.model import PAPER_MODELS, Model, read_model, symbol, write_model
 
 VALUES = {"natural_frequency": 7.25, "viscous_ratio": 0.03, "load_friction": 0.012}
 
@@ -71,6 +71,7 @@ def test_a_model_file_says_what_the_model_is(tmp_path):
         "to the last digit"
     )
     assert [found.name for found in path.parent.iterdir()] == ["model.yaml"], "no half-written file stays"
+    assert read_model(path) == Model("viscous+load_coulomb", values, errors, "linear", "printed")
 
 
 def test_a_model_file_tells_units_and_errors(tmp_path):
@@ -82,3 +83,29 @@ def test_a_model_file_tells_units_and_errors(tmp_path):
     content = yaml.safe_load(write_model(model, tmp_path / "model.yaml").read_text())
     assert content["parameters"]["viscous_ratio"] == {"value": 0.03, "unit": "1", "standard_error": 0.001}
     assert content["parameters"]["natural_frequency"] == {"value": 7.25, "unit": "rad/s"}
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("", "effects"),
+        ("- viscous", "effects"),
+        ("effects: [viscous]\nparameter: {}", "'parameter'"),
+        ("effects: [viscose]", "viscose"),
+        ("effects: [viscous]\nparameters: {viscous_ratio: {value: 0.1, unit: s}}", "unit 's'"),
+        ("effects: [viscous]\nparameters: {gamma: {value: 0.1}}", "gamma"),
+        ("effects: [viscous]\nrestoring: square", "square"),
+        ("effects: viscous+load_coulomb\nparameters: {viscous_ratio: {value: much}}", "viscous_ratio"),
+        ("effects: [viscous]\nparameters: {viscous_ratio: 0.1}", "viscous_ratio"),
+        ("effects: [viscous]\nparameters: {viscous_ratio: {unit: '1'}}", "viscous_ratio"),
+        ("effects: [viscous]\nparameters: [viscous_ratio]", "parameters"),
+        ("effects: 3", "effects"),
+        ("effects: [viscous", "model.yaml"),
+    ],
+)
+def test_a_bad_model_file_is_told_with_its_name(tmp_path, text, told):
+    path = tmp_path / "model.yaml"
+    path.write_text(text)
+    with pytest.raises(InputError, match=told) as refusal:
+        read_model(path)
+    assert "model.yaml" in str(refusal.value)

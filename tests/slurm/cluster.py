@@ -6,7 +6,7 @@ import signal
 import socket
 import subprocess
 import time
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 CONF = Path("/etc/slurm/slurm.conf")  # SLURM_CONF does not reach a job's step
@@ -80,8 +80,12 @@ class Cluster:
         """A node dies at once: its daemon, and all that ran on it."""
         self.daemons[node].kill()
         self.daemons[node].wait()
+        self._kill_of(node)
+
+    def _kill_of(self, node):
         for pid in self._of(node):
-            os.kill(pid, signal.SIGKILL)
+            with suppress(ProcessLookupError):  # it ended with its parent
+                os.kill(pid, signal.SIGKILL)
 
     def _of(self, node):
         """The processes of a node's jobs, with the step daemons that watch them."""
@@ -111,8 +115,7 @@ class Cluster:
         if "slurmctld" in self.daemons:
             self.run("scancel", "--user=root")
         for node in self.nodes:
-            for pid in self._of(node):
-                os.kill(pid, signal.SIGKILL)
+            self._kill_of(node)
         for daemon in reversed(self.daemons.values()):
             daemon.terminate()
             try:

@@ -4,14 +4,12 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from swingdown import dataset
 from swingdown.errors import InputError
 from swingdown.study.settings import complete
-from swingdown.sweep import identification
 from swingdown.sweep.chunks import add_to_book, find_chunk, plan
 from swingdown.sweep.combine import combine, read_maps
-from swingdown.sweep.compute import compute
-from swingdown.sweep.summary import table, wilson
+from swingdown.sweep.job import work as job
+from swingdown.sweep.summary import intervals, table
 from swingdown.sweep.table import sweeps
 
 
@@ -41,8 +39,7 @@ def work(chosen, folder):
     paths = [folder / "chunks" / f"{name}.nc" for name in dealt.chunks]
     for path in paths[::-1]:  # in another order than that of the book
         if not path.exists():
-            data, _ = compute(find_chunk(book, path.stem), identification)
-            dataset.write(data, path)
+            job(book, path.stem, path)
             computed.append(path.stem)
     combine(chosen, paths, folder / "sweep.nc")
     return xr.load_dataset(folder / "sweep.nc"), computed
@@ -175,13 +172,19 @@ def test_the_probabilities_are_counts_of_the_draws(tmp_path, reference):
     rows = table(read_maps(tmp_path / "sweep.nc"))
     assert len(rows) == 4 and (rows["draws"] == 12).all()
     row = rows.set_index(["simulated", "snr"]).loc[("viscous", 20.0)]
-    assert row["true_by_norm_low"] <= row["true_by_norm"] <= row["true_by_norm_high"] + 1e-12
+    assert row["true_by_norm_low_95"] < row["true_by_norm"] + 1e-12 < row["true_by_norm_high_95"] + 2e-12
+    assert (
+        (rows["made"] == 12).all() and (rows["independent"] == 12).all() and (rows["sets_of_ten"] == 1).all()
+    )
 
 
-def test_the_interval_of_a_probability_is_open_at_its_ends():
-    low, high = wilson(np.array([0.0, 1.0, 0.5]), 100)
-    assert low[0] == pytest.approx(0, abs=1e-12) and high[0] == pytest.approx(1 / 101)
-    assert low[2] == pytest.approx(0.5 - 0.5 / np.sqrt(101)) and high[1] == pytest.approx(1)
+def test_an_interval_is_of_95_per_cent_and_open_at_its_ends():
+    low, high = intervals(np.array([0.0, 1.0, 0.5, np.nan]), 100)
+    z = 1.959964
+    assert low[0] == pytest.approx(0, abs=1e-12) and high[0] == pytest.approx(z**2 / (100 + z**2))
+    assert low[2] == pytest.approx(0.5 - z / 2 / np.sqrt(100 + z**2)) and high[1] == pytest.approx(1)
+    assert np.isnan(low[3]) and np.isnan(high[3])
+    assert intervals(0.5, 2)[1] - intervals(0.5, 2)[0] > 0.8
 
 
 def test_missing_and_doubled_draws_are_refused_by_name(tmp_path):

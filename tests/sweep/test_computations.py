@@ -27,7 +27,7 @@ def test_where_friction_stops_the_pendulum_no_larger_model_leaves_more_and_nearl
         "identification",
         **{"simulation.release_angle_deg": 5, "simulation.duration_s": 10, "simulation.snr": 5},
     )
-    found = identification.results(hard, 0, 12)
+    found, _ = identification.results(hard, 0, 12)
     labels = hard["simulation.fitted"]
     for i, larger in enumerate(labels):
         for j, smaller in enumerate(labels):
@@ -41,7 +41,7 @@ def test_where_friction_stops_the_pendulum_no_larger_model_leaves_more_and_nearl
 
 def test_a_model_that_cannot_be_fitted_has_no_numbers_and_stops_nothing():
     stuck = cell("identification", **{"simulation.release_angle_deg": 0.5, "simulation.duration_s": 5})
-    found = identification.results(stuck, 0, 2)
+    found, _ = identification.results(stuck, 0, 2)
     without = np.isnan(found["norm"])
     assert without.any() and not found["converged"][without].any()
     assert not without[:, stuck["simulation.fitted"].index("load_coulomb")].any()
@@ -60,7 +60,7 @@ def test_a_hidden_effect_leaves_what_was_asked_for(effect, size):
             "simulation.viscous_ratio": 0.01,
         },
     )
-    hidden = detection._hidden(small)
+    hidden = detection.make(small)
     assert hidden.left == pytest.approx(size, rel=0.011)
     assert hidden.coefficient > 0
 
@@ -68,14 +68,14 @@ def test_a_hidden_effect_leaves_what_was_asked_for(effect, size):
 def test_discovery_names_a_large_effect_and_finds_nothing_where_nothing_is_hidden():
     settings = {"detection.release_angles_deg": [15, 30, 60], "simulation.duration_s": 8, "simulation.viscous_ratio": 0.008,
                 "simulation.load_friction": 0.004}  # fmt: skip
-    large = detection.results(cell("detection", **settings, **{"detection.size": 2}), 0, 1)
+    large, _ = detection.results(cell("detection", **settings, **{"detection.size": 2}), 0, 1)
     assert detection.OUTCOMES[large["outcome"][0]] == "named"
     assert detection.ANSWERS[large["answer"][0]] == "quadratic_drag"
     assert large["gap"][0] > 1.5
-    none = detection.results(cell("detection", **settings, **{"detection.size": 0}), 0, 3)
+    none, _ = detection.results(cell("detection", **settings, **{"detection.size": 0}), 0, 3)
     assert [detection.OUTCOMES[word] for word in none["outcome"]] == ["nothing"] * 3
     assert np.all(np.abs(none["gap"] - 1) < 0.1)
-    again = detection.results(cell("detection", **settings, **{"detection.size": 0}), 2, 1)
+    again, _ = detection.results(cell("detection", **settings, **{"detection.size": 0}), 2, 1)
     assert again["gap"][0] == none["gap"][2]  # a draw does not depend on those computed with it
 
 
@@ -98,6 +98,107 @@ def test_a_verdict_counts_as_what_a_reader_would_take_from_it(status, effects, w
     found = {"status": status, "effects": [{"name": name, "tied_with": ties} for name, ties in effects]}
     assert detection._outcome(found, "hidden") == word
     assert detection._outcome(found, None) in ("nothing", "unknown", "wrong")
+
+
+SHORT = {"detection.release_angles_deg": [20, 40], "simulation.duration_s": 5, "simulation.viscous_ratio": 0.008,
+         "simulation.load_friction": 0.004}  # fmt: skip
+
+
+def test_a_campaign_that_cannot_be_made_is_an_outcome_with_its_reason():
+    stuck = cell("detection", **SHORT | {"simulation.load_friction": 0.6})
+    found, why = detection.results(stuck, 0, 3)
+    assert [detection.OUTCOMES[word] for word in found["outcome"]] == ["not_made"] * 3
+    assert why == "the angle crosses its middle fewer than twice"
+    assert np.isnan(found["left"]).all() and np.isnan(found["gap"]).all()
+
+
+def test_a_campaign_in_which_discovery_cannot_search_has_failed_with_its_reason():
+    """A single swing too short to be cut into parts to fit and parts to hold out."""
+    found, why = detection.results(
+        cell("detection", **SHORT | {"detection.release_angles_deg": [40], "simulation.duration_s": 2}), 0, 2
+    )
+    assert [detection.OUTCOMES[word] for word in found["outcome"]] == ["failed"] * 2
+    assert "half-swings" in why
+
+
+def test_a_single_release_angle_is_searched():
+    alone = cell(
+        "detection",
+        **SHORT | {"detection.release_angles_deg": [40], "simulation.duration_s": 12, "detection.size": 0},
+    )
+    found, why = detection.results(alone, 0, 1)
+    assert why == "" and detection.OUTCOMES[found["outcome"][0]] in ("nothing", "unknown")
+
+
+def test_where_no_size_leaves_what_was_asked_for_the_nearest_is_told():
+    hidden = detection.make(
+        cell("detection", **SHORT | {"detection.effect": "flexible_pivot", "detection.size": 200})
+    )
+    assert np.isfinite(hidden.left) and hidden.left < 190
+
+
+@pytest.mark.parametrize("size", [0.05, 0.5, 5])
+def test_an_effect_that_grows_with_the_square_of_its_coefficient_is_sized_too(size):
+    hidden = detection.make(
+        cell(
+            "detection",
+            **SHORT
+            | {"detection.effect": "sensor_lag", "detection.size": size, "detection.noise_rad": 0.0005},
+        )
+    )
+    assert hidden.left == pytest.approx(size, rel=0.011)
+
+
+@pytest.mark.parametrize("kind", ["additive", "proportional", "quantisation"])
+def test_noise_on_a_campaign_is_of_the_kind_and_strength_asked_for(kind):
+    quiet = cell("detection", **SHORT | {"detection.size": 0, "detection.snr": 40.0, "detection.noise": kind})
+    hidden = detection.make(quiet)
+    swings = np.concatenate(list(hidden.swings.values()))
+    assert hidden.noise == pytest.approx(np.sqrt(np.mean(swings**2)) / 40)
+    angle = hidden.swings["40 degrees"]
+    drawn = np.random.default_rng(1)
+    noise = np.array(
+        [
+            detection._noisy(quiet, angle, hidden.noise, drawn.standard_normal(angle.size)) - angle
+            for _ in range(50)
+        ]
+    )
+    assert np.sqrt(np.mean(noise**2)) == pytest.approx(hidden.noise, rel=0.05)
+    still = np.abs(angle) < 0.02 * np.abs(angle).max()
+    assert (np.abs(noise[:, still]).max() < 0.2 * hidden.noise) == (kind == "proportional")
+
+
+def test_two_terms_and_an_effect_of_ones_own_can_be_the_truth():
+    pair = cell(
+        "identification",
+        **{
+            "simulation.simulated": "viscous+load_coulomb",
+            "simulation.snr": 500,
+            "simulation.start": "free",
+            "simulation.noise": "additive",
+        },
+    )
+    found, _ = identification.results(pair, 0, 4)
+    fitted = pair["simulation.fitted"]
+    assert (found["bic"].argmin(axis=1) == fitted.index("viscous+load_coulomb")).sum() >= 3
+    brake = {"torque": "-k*thetadot*abs(theta)", "parameters": {"k": {"unit": "1/s", "typical": 0.5}}}
+    entry = {"computes": "identification", "axes": {"parameters.brake_k": [0.3, 0.9]},
+             "settings": {"simulation.simulated": ["brake"], "simulation.fitted": ["viscous", "brake"], "simulation.start": "free"}}  # fmt: skip
+    try:
+        sweep = sweeps(complete({"effects": {"brake": brake}, "sweeps": {"one": entry}}))["one"]
+        weak, strong = (identification.make(sweep.cell(values)).truth for values in sweep)
+        assert np.abs(strong[-100:]).max() < 0.8 * np.abs(weak[-100:]).max()
+        found, why = identification.results(sweep.cell((0.9,)), 0, 3)
+        assert why == "" and (found["bic"].argmin(axis=1) == 1).all()
+    finally:
+        complete({})
+
+
+def test_quantised_draws_are_all_the_first_one():
+    alike = cell("identification", **{"simulation.noise": "quantisation", "simulation.duration_s": 2.5})
+    few, _ = identification.results(alike, 0, 1)
+    many, _ = identification.results(alike, 40, 3)
+    assert np.array_equal(many["norm"], np.repeat(few["norm"], 3, axis=0))
 
 
 def test_the_cost_is_timed_in_seconds_of_cpu():

@@ -7,8 +7,10 @@ import pytest
 import yaml
 
 from swingdown.errors import InputError
+from swingdown.pendulum.model import Model, write_model
 from swingdown.study.settings import complete
-from swingdown.sweep.table import READS, cell_key, noise_key, stream, sweeps
+from swingdown.sweep.draws import cell_key, cell_keys, noise_key, stream
+from swingdown.sweep.table import READS, sweeps
 
 SMALL = {
     "computes": "identification",
@@ -43,7 +45,7 @@ VALUES = {
     "seed": [1, 2], "simulation.noise": ["additive", "quantisation"], "simulation.start": ["rest", "free"], "model.restoring": ["sine", "linear"],
     "model.form": ["consistent", "printed"], "simulation.simulated": ["viscous", "load_coulomb"], "simulation.fitted": ["viscous", "load_coulomb"],
     "discovery.base": [["viscous"], ["viscous", "load_coulomb"]], "discovery.rounds": [1, 2], "detection.effect": ["presliding", "detent"],
-    "detection.release_angles_deg": [[10, 20], [20, 40]],
+    "detection.release_angles_deg": [[10, 20], [20, 40]], "detection.noise": ["additive", "proportional"],
 }  # fmt: skip
 
 
@@ -57,7 +59,9 @@ def test_any_key_that_a_computation_depends_on_can_be_an_axis(computes, key):
     axis = next(axis for axis in sweep.axes if axis.key == key)
     assert len(axis.values) == 2 and sweep.cells == 2
     assert axis.coordinate.size == 2 and axis.units
-    assert len({cell_key(computes, sweep.cell(one)) for one in sweep}) == 2
+    told = [cell_key(computes, sweep.cell(one)) for one in sweep]
+    assert len(set(told)) == 2
+    assert told == list(map(cell_keys(computes, sweep.settings, sweep.keys), sweep))
 
 
 @pytest.mark.parametrize(
@@ -122,3 +126,92 @@ def test_noise_belongs_to_the_swing_not_to_what_is_fitted_to_it():
     assert not np.any(draws[0] == draws[1])
     assert np.array_equal(draws[1], stream(same, noise_key(same), 1).standard_normal(5))
     assert not np.any(draws[0] == stream(cell | {"seed": 151}, noise_key(cell), 0).standard_normal(5))
+
+
+def test_a_range_is_an_axis():
+    sweep = made(
+        axes={
+            "simulation.simulated": ["viscous"],
+            "simulation.snr": {"from": 5, "to": 500, "steps": 3, "spacing": "log"},
+        }
+    )
+    assert sweep.axes[1].values == (5.0, 50.0, 500.0)
+    even = made(
+        axes={"simulation.simulated": ["viscous"], "simulation.snr": {"from": 10, "to": 20, "steps": 3}}
+    )
+    assert even.axes[1].values == (10.0, 15.0, 20.0)
+    told = refused(axes={"simulation.simulated": ["viscous"], "simulation.snr": {"from": 5, "to": 500}})
+    assert "steps" in str(told)
+    assert (
+        "both ends above 0"
+        in refused(axes={"simulation.snr": {"from": 0, "to": 5, "steps": 3, "spacing": "log"}}).expected
+    )
+
+
+def test_keys_that_change_together_are_one_axis():
+    axes = {
+        "simulation.simulated": ["viscous"],
+        "simulation.release_angle_deg, simulation.duration_s": [[5, 20], [40, 5]],
+    }
+    sweep = made(axes=axes)
+    assert sweep.shape == (1, 2) and sweep.keys[1:] == (
+        "simulation.release_angle_deg",
+        "simulation.duration_s",
+    )
+    cells = [sweep.cell(values) for values in sweep]
+    assert [(cell["simulation.release_angle_deg"], cell["simulation.duration_s"]) for cell in cells] == [
+        (5, 20),
+        (40, 5),
+    ]
+    alone = made(
+        axes={
+            "simulation.simulated": ["viscous"],
+            "simulation.release_angle_deg": [5],
+            "simulation.duration_s": [20],
+        }
+    )
+    assert cell_key("identification", cells[0]) == cell_key("identification", alone.cell(next(iter(alone))))
+    assert "2 values" in refused(axes=axes | {"simulation.snr, simulation.noise": [[5]]}).expected
+    assert "179" not in str(
+        refused(axes={"simulation.release_angle_deg, simulation.duration_s": [[500, 1]]}).mend
+    )
+
+
+def test_a_parameter_without_a_key_of_its_own_can_be_an_axis_and_a_wrong_one_is_told():
+    sweep = made(axes={"simulation.simulated": ["constant_coulomb"], "parameters.constant_friction": [0.1, 0.2]},
+                 settings={"simulation.fitted": ["viscous", "constant_coulomb"]})  # fmt: skip
+    assert sweep.axes[1].dim == "constant_friction" and sweep.axes[1].units == "rad/s^2"
+    assert "parameters.constant_friction" in refused(axes={"parameters.constant_fricton": [1]}).mend
+
+
+def test_a_key_that_came_later_changes_no_cell_that_was_computed_before_it():
+    cell = made(computes="detection", axes={"detection.effect": ["detent"]}).cell((["detent"],))
+    before = {key: value for key, value in cell.items() if key not in ("detection.noise", "detection.snr")}
+    assert cell_key("detection", cell) == cell_key("detection", before)
+    assert cell_key("detection", cell | {"detection.snr": 40.0}) != cell_key("detection", before)
+
+
+def test_a_measured_pendulum_is_the_one_that_is_simulated(tmp_path):
+    folder = tmp_path / "mine"
+    (folder / "round-2").mkdir(parents=True)
+    (folder / "round-10").mkdir()
+    for number, friction in ((2, 0.001), (10, 0.002)):
+        values = {"natural_frequency": 6.5, "viscous_ratio": 0.01, "load_friction": friction}
+        write_model(Model("viscous+load_coulomb", values), folder / f"round-{number}/model.yaml")
+    (folder / "verdict.json").write_text('{"noise_rms_rad": 0.0007}')
+    sweep = made(
+        computes="detection",
+        axes={"detection.size": [1]},
+        pendulum=str(folder),
+        settings={"simulation.viscous_ratio": 0.03},
+    )
+    cell = sweep.cell(next(iter(sweep)))
+    assert cell["simulation.natural_frequency"] == 6.5 and cell["simulation.load_friction"] == 0.002
+    assert cell["simulation.viscous_ratio"] == 0.03  # what the settings say goes before
+    assert cell["discovery.base"] == ["viscous", "load_coulomb"] and cell["detection.noise_rad"] == 0.0007
+    known = made(axes={"simulation.snr": [10]}, pendulum=str(folder / "round-2/model.yaml"))
+    assert (
+        known.settings["simulation.simulated"] == ["viscous+load_coulomb"]
+        and known.settings["simulation.load_friction"] == 0.001
+    )
+    assert "snakemake discover" in refused(pendulum=str(tmp_path / "none")).mend

@@ -7,6 +7,7 @@ import subprocess
 import sys
 import time
 
+import pandas as pd
 import pytest
 import xarray as xr
 from snakemake.api import SnakemakeApi
@@ -44,7 +45,8 @@ def write(folder, snr="[20, 50]", realizations=20, chunk=30):
 
 def chunks(folder):
     return {
-        path.name: path.stat().st_mtime_ns for path in (folder / "results/sweeps/small/chunks").glob("*.nc")
+        path.name: (path.stat().st_ino, path.stat().st_mtime_ns)
+        for path in (folder / "results/sweeps/small/chunks").glob("[!.]*.nc")
     }
 
 
@@ -151,11 +153,11 @@ def test_more_draws_and_another_value_run_only_what_is_new(snakemake, mapped):
 
 
 @pytest.mark.slow
-def test_kill_9_and_the_readmes_resume_command_computes_only_what_is_missing(snakemake, root, tmp_path):
-    readme = (root / "README.md").read_text()
+def test_kill_9_and_the_resume_command_of_the_docs_computes_only_what_is_missing(snakemake, root, tmp_path):
+    docs = (root / "docs/cluster.md").read_text()
     resume = [
         line.split()
-        for line in re.search(r"snakemake --unlock.*?\n```", readme, re.DOTALL)[0].splitlines()
+        for line in re.search(r"snakemake --unlock.*?\n```", docs, re.DOTALL)[0].splitlines()
         if "snakemake" in line
     ]
     unlock, again = (
@@ -176,15 +178,45 @@ def test_kill_9_and_the_readmes_resume_command_computes_only_what_is_missing(sna
         time.sleep(0.1)
     os.kill(running.pid, signal.SIGKILL)
     running.wait()
-    time.sleep(5)  # scripts in hand run on, and end
-    before = chunks(killed)
+    before = chunks(killed)  # scripts in hand run on, and end beside the run that follows
     assert 3 <= len(before) < 12
     for arguments in (unlock, again):
         command = [sys.executable, "-m", "snakemake", *arguments, *base]
         done = subprocess.run(list(map(str, command)), cwd=root, text=True, capture_output=True, timeout=300)
         assert done.returncode == 0, done.stdout + done.stderr
     after = chunks(killed)
-    kept = [name for name in before if after[name] == before[name]]
-    assert len(kept) >= len(before) - 2  # at most those in hand at the kill are made again
+    assert {name: after[name] for name in before} == before  # not one was written again
     assert len(after) == 12
     xr.testing.assert_identical(xr.load_dataset(killed / DATA), xr.load_dataset(whole / DATA))
+
+
+IMPOSSIBLE = """\
+recordings: null
+simulation: {simulated: []}
+sweeps:
+  hard:
+    computes: detection
+    axes:
+      simulation.load_friction: [0.004, 0.6]
+      detection.effect: [constant_torque]
+    settings: {detection.release_angles_deg: [10, 20], simulation.duration_s: 4, detection.size: 2}
+    realizations: 1
+    chunk: 1
+"""
+
+
+@pytest.mark.slow
+def test_a_cell_that_cannot_be_made_is_foreseen_and_told_and_the_run_ends(snakemake, tmp_path):
+    (tmp_path / "hard.yaml").write_text(IMPOSSIBLE)
+    foreseen = snakemake("-n", "sweep", "--configfile", tmp_path / "hard.yaml", directory=tmp_path).stdout
+    assert (
+        "cannot be made: 1 of 2 cells tried (2 in all): the angle crosses its middle fewer than twice"
+        in foreseen
+    )
+    printed = snakemake("sweep", "--configfile", tmp_path / "hard.yaml", directory=tmp_path).stdout
+    assert "1 of 2 cells could not be made: the angle crosses its middle fewer than twice" in printed
+    rows = pd.read_csv(tmp_path / "results/sweeps/hard/summary.csv")
+    assert rows["made"].tolist() == [1, 0] and rows["found"].isna().tolist() == [False, True]
+    assert rows["reason"].fillna("").tolist() == ["", "the angle crosses its middle fewer than twice"]
+    page = (tmp_path / "results/sweeps.html").read_text()
+    assert "1 of 2 cells could not be made" in page

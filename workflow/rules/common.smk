@@ -1,11 +1,19 @@
 # The few functions that rules of several stages use.
 
+from functools import cache
+
 from swingdown.errors import InputError
+from swingdown.pendulum.catalogue import catalogue
 
 
 def code(script):
     """The package's files that a script rests on; as inputs they make its rule run again when one is edited."""
-    return sources(f"{workflow.basedir}/workflow/scripts/{script}.py")
+    return here(sources(f"{workflow.basedir}/workflow/scripts/{script}.py"))
+
+
+def here(paths):
+    """Files of the project itself, which lie on every machine and in no storage."""
+    return local(paths) if workflow.storage_settings.default_storage_provider else paths
 
 
 def raw(name):
@@ -18,6 +26,15 @@ def told():
     """The files, beside the recordings, whose checksums the report tells."""
     names = [*workflow.configfiles, config.get("recordings"), PLAN.apparatus]
     return [str(find(name)) for name in names if name]
+
+
+@cache
+def trials():
+    """The trials of hidden effects by chunk; what they are drawn with takes a second to import, and most runs hide nothing."""
+    from swingdown.trials.schedule import chunks
+
+    with console.job():
+        return chunks(config["hidden_effects"], catalogue(config["effects"]))
 
 
 def only_capture(wildcards):

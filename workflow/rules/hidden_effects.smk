@@ -2,12 +2,7 @@
 # needs: nothing but the settings
 # makes: results/hidden_effects/scores.csv, summary.csv, confusion.csv, guard.yaml and their figure; on request only
 
-from swingdown.pendulum.catalogue import catalogue
-from swingdown.trials.schedule import chunks
-
 HIDDEN = config["hidden_effects"]
-with console.job():
-    TRIALS = chunks(HIDDEN, catalogue(config["effects"]))
 
 
 rule hidden_make:
@@ -20,7 +15,7 @@ rule hidden_make:
     log:
         "results/logs/hidden_effects/make-{chunk}.log",
     params:
-        trials=lambda wildcards: [list(one) for one in TRIALS[wildcards.chunk]],
+        trials=lambda wildcards: [list(one) for one in trials()[wildcards.chunk]],
         seed=HIDDEN["seed"],
         effects=config["effects"],
     message:
@@ -49,8 +44,8 @@ rule hidden_find:
 
 rule hidden_score:
     input:
-        truths=expand("results/hidden_effects/truth/{chunk}.json", chunk=TRIALS),
-        verdicts=expand("results/hidden_effects/verdicts/{chunk}.json", chunk=TRIALS),
+        truths=lambda wildcards: expand("results/hidden_effects/truth/{chunk}.json", chunk=trials()),
+        verdicts=lambda wildcards: expand("results/hidden_effects/verdicts/{chunk}.json", chunk=trials()),
         code=code("hidden_score"),
     output:
         scores="results/hidden_effects/scores.csv",

@@ -1,6 +1,6 @@
 # Sweeps: tables of cells, each computed many times, in chunks that any machine may take.
 # needs: the config alone (key sweeps)
-# makes: results/sweeps/{sweep}/: plan.jsonl, chunks/, sweep.nc, summary.csv, figures/; and results/sweeps.html
+# makes: results/sweeps/{sweep}/: plan.jsonl, chunks/, jobs/, sweep.nc, summary.csv, figures/; and results/sweeps.html
 
 from dataclasses import asdict
 
@@ -10,49 +10,53 @@ SWEEP_CAPTIONS = [
 ]
 
 
+# What a job of a sweep is known by to Snakemake. A chunk that is whole has no job at all, so that nothing which Snakemake
+# knows of jobs (a script's age, a parameter, a mark that it was not finished) can make it compute one again.
 rule sweep_identification:
     input:
-        code=code("sweep_identification"),
+        book_for_jobs,
     output:
-        "results/sweeps/{sweep}/chunks/{chunk}.nc",
+        update(result("{sweep}", "{chunk}")),
     log:
         "results/logs/sweep/{sweep}/{chunk}.log",
-    benchmark:
-        "results/sweeps/{sweep}/benchmarks/{chunk}.tsv"
     wildcard_constraints:
-        sweep=named("identification"),
-        chunk="[0-9a-f]{16}",
+        sweep=open_chunks("identification"),
+        chunk=CHUNK,
     params:
         book=lambda wildcards: book(wildcards.sweep),
+        results=lambda wildcards: "" if STORED else chunk_file(wildcards.sweep, wildcards.chunk),
     message:
         "Sweep {wildcards.sweep}: computing chunk {wildcards.chunk}"
     script:
-        "../scripts/sweep_identification.py"
+        "../scripts/sweep_chunk.py"
 
 
-rule sweep_detection:
-    input:
-        code=code("sweep_detection"),
-    output:
-        "results/sweeps/{sweep}/chunks/{chunk}.nc",
-    log:
-        "results/logs/sweep/{sweep}/{chunk}.log",
-    benchmark:
-        "results/sweeps/{sweep}/benchmarks/{chunk}.tsv"
+use rule sweep_identification as sweep_detection with:
     wildcard_constraints:
-        sweep=named("detection"),
-        chunk="[0-9a-f]{16}",
-    params:
-        book=lambda wildcards: book(wildcards.sweep),
-    message:
-        "Sweep {wildcards.sweep}: computing chunk {wildcards.chunk}"
-    script:
-        "../scripts/sweep_detection.py"
+        sweep=open_chunks("detection"),
+        chunk=CHUNK,
+
+
+if STORED:
+
+    rule sweep_book:
+        output:
+            update("results/sweeps/{sweep}/book.jsonl"),
+        log:
+            "results/logs/sweep/{sweep}/book.log",
+        localrule: True
+        params:
+            book=lambda wildcards: book(wildcards.sweep),
+            new=lambda wildcards: new_in_book(wildcards.sweep),
+        message:
+            "Sweep {wildcards.sweep}: the book of chunks for all nodes"
+        script:
+            "../scripts/sweep_book.py"
 
 
 rule sweep_combine:
     input:
-        chunks=chunks_of,
+        made=results_of,
         code=code("sweep_combine"),
     output:
         data="results/sweeps/{sweep}/sweep.nc",
@@ -61,6 +65,7 @@ rule sweep_combine:
         "results/logs/sweep/{sweep}/combine.log",
     params:
         sweep=lambda wildcards: asdict(SWEEPS[wildcards.sweep]),  # another table is combined again
+        chunks=lambda wildcards, input: chunk_files(wildcards.sweep, input.made),
     message:
         "Sweep {wildcards.sweep}: one dataset and a table of all chunks"
     script:
@@ -90,8 +95,8 @@ rule sweep_page:
             for name, sweep in SWEEPS.items()
             for map in MAPS[sweep.computes]
         ],
-        captions=SWEEP_CAPTIONS,
-        template=f"{workflow.basedir}/workflow/src/swingdown/report/report.html.j2",
+        captions=here(SWEEP_CAPTIONS),
+        template=here(f"{workflow.basedir}/workflow/src/swingdown/report/report.html.j2"),
         code=code("sweep_page"),
     output:
         "results/sweeps.html",

@@ -3,7 +3,7 @@
 from swingdown import console
 from swingdown.studies.paper_tables import write_table
 from swingdown.sweep.combine import combine, read_maps
-from swingdown.sweep.summary import table
+from swingdown.sweep.summary import combined, table
 from swingdown.sweep.table import sweeps
 
 
@@ -11,12 +11,11 @@ def sweep_combine(sweep, chunks, data_output, table_output):
     combine(sweep, chunks, data_output)
     rows = table(read_maps(data_output))
     write_table(rows, table_output)
-    draws = sweep.cells * sweep.realizations
-    return f"{sweep.name}: {sweep.cells} cells × {sweep.realizations} draws = {draws} draws, all there, from {len(chunks)} chunks"
+    return "\n".join(combined(sweep, rows, len(chunks)))
 
 
 if __name__ == "__main__":
     with console.job(snakemake.log[0]) as say:
-        files, made = snakemake.input, snakemake.output
+        made = snakemake.output
         sweep = sweeps(snakemake.config)[snakemake.wildcards.sweep]
-        say(sweep_combine(sweep, list(files.chunks), made.data, made.table))
+        say(sweep_combine(sweep, list(snakemake.params.chunks), made.data, made.table))

@@ -1,11 +1,13 @@
 """The sweeps' section of the report as a page of its own."""
 
+from pathlib import Path
+
 from swingdown import console
 from swingdown.report import page, sweeps
 
 
-def sweep_page(names, captions, output):
-    found = sweeps.made(names, captions)
+def sweep_page(names, captions, results, output):
+    found = sweeps.made(names, captions, results)
     section = sweeps.section(found)
     page.write(
         output,
@@ -25,4 +27,5 @@ def sweep_page(names, captions, output):
 
 if __name__ == "__main__":
     with console.job(snakemake.log[0]) as say:
-        say(sweep_page(snakemake.params.names, snakemake.input.captions, snakemake.output[0]))
+        results = Path(snakemake.input.tables[0]).parents[1] if snakemake.input.tables else "results/sweeps"
+        say(sweep_page(snakemake.params.names, snakemake.input.captions, results, snakemake.output[0]))

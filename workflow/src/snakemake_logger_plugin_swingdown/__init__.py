@@ -6,9 +6,18 @@ printed by the job itself, see ``swingdown.console``. The full story is in ``.sn
 
 import logging
 import sys
+import time
 
 from snakemake_interface_logger_plugins.base import LogHandlerBase
 from snakemake_interface_logger_plugins.common import LogEvent
+
+_QUIET = 5.0  # seconds between two lines that say how far the run is
+# What asks nothing of the user; the Slurm plugin (2.8) asks Slurm for an account even where it is told not to.
+_KNOWN = (
+    "No SLURM account given, trying to guess.",
+    "No account was given, not able to get a SLURM account",
+    "Unable to guess SLURM account. Trying to proceed without.",
+)
 
 
 class LogHandler(LogHandlerBase):
@@ -25,6 +34,7 @@ class LogHandler(LogHandlerBase):
     def __post_init__(self):
         self.stream = sys.stdout if self.common_settings.stdout else sys.stderr
         self.done, self.total = 0, 0
+        self.told = 0.0  # when a line last said how far the run is
 
     def emit(self, record):
         in_full = self.common_settings.dryrun or self.common_settings.verbose
@@ -39,21 +49,33 @@ class LogHandler(LogHandlerBase):
             return f"{self.total} jobs to run"
         if event == LogEvent.PROGRESS:
             self.done, self.total = record.done, record.total
-            return f"{self.done} of {self.total} jobs done" if self.done == self.total else ""
+            return self._progress()
         if event == LogEvent.JOB_INFO:
             width = len(str(self.total))
             doing = f"{record.rule_msg}" if record.rule_msg else ""
+            self.told = time.monotonic() if doing else self.told
             return doing and f"[{self.done:{width}}/{self.total}] {doing}"
         if event == LogEvent.JOB_ERROR:
             logs = f" (log: {', '.join(record.log)})" if record.log else ""
-            return f"FAILED: rule {record.rule_name} for {', '.join(record.output)}{logs}"
+            made = ", ".join(record.output).replace(" (update)", "")
+            return f"FAILED: rule {record.rule_name} for {made}{logs}"
         if event == LogEvent.ERROR:
             return self._error(text)
         if text.startswith("Exiting because a job execution failed"):
             return ""  # the job and the line above have said so
         if text.startswith("Nothing to be done"):
             return "Nothing to do: everything asked for is up to date."
+        if text.startswith(_KNOWN):
+            return ""
         return text if record.levelno >= logging.WARNING else ""
+
+    def _progress(self):
+        """How far the run is, where no line has said so of late: on a cluster all jobs start at once, and then end one by one."""
+        now = time.monotonic()
+        if self.done < self.total and now - self.told < _QUIET:
+            return ""
+        self.told = now
+        return f"{self.done} of {self.total} jobs done"
 
     def _error(self, text):
         if "CalledProcessError" in text and ".snakemake/scripts" in text:

@@ -81,6 +81,12 @@ def read(path: str | Path) -> xr.Dataset:
     return dataset
 
 
+def attributes(path: str | Path) -> dict[str, Any]:
+    """The attributes of a file written by ``write``, as a dict; its data are not read."""
+    with netCDF4.Dataset(path) as file:
+        return {name: file.getncattr(name) for name in file.ncattrs()}
+
+
 def _unlabelled(dataset: xr.Dataset) -> Iterator[tuple[Hashable, str]]:
     for name, variable in dataset.variables.items():
         if variable.dtype.kind == "f":

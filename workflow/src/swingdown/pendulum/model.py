@@ -150,3 +150,48 @@ def write_model(model: Model, path: Path | str) -> Path:
     with written_whole(path) as partial:
         partial.write_text(yaml.safe_dump(content, sort_keys=False, allow_unicode=True))
     return Path(path)
+
+
+def read_model(path: Path | str, catalogue: Catalogue = SHIPPED) -> Model:
+    """The model that a model file states; InputError names the file and the key that is wrong."""
+    try:
+        content = yaml.safe_load(Path(path).read_text())
+    except yaml.YAMLError as problem:
+        raise InputError(
+            path, f"it cannot be read as YAML ({' '.join(str(problem).split())})", "a model file"
+        ) from None
+    if not isinstance(content, dict) or "effects" not in content:
+        raise InputError(path, "not a model file", "a mapping with the key 'effects'")
+    if unknown := set(content) - {"effects", "restoring", "form", "parameters"}:
+        raise InputError(path, f"unknown key {sorted(unknown)[0]!r}", "effects, restoring, form, parameters")
+    names, parameters = content["effects"], content.get("parameters") or {}
+    names = names.split("+") if isinstance(names, str) else names
+    if not isinstance(names, list) or not all(isinstance(name, str) for name in names):
+        raise InputError(
+            f"{path}, key effects", f"{names!r} is no list of names", "a list such as [viscous, load_coulomb]"
+        )
+    if not isinstance(parameters, dict):
+        raise InputError(
+            f"{path}, key parameters", "it is not a mapping", "parameter names, each with value and unit"
+        )
+    try:
+        model = Model(
+            tuple(names),
+            restoring=content.get("restoring", "sine"),
+            form=content.get("form", "consistent"),
+            catalogue=catalogue,
+        )
+        values, errors = {}, {}
+        for name, entry in parameters.items():
+            if not isinstance(entry, dict) or not isinstance(entry.get("value"), (int, float)):
+                raise InputError(
+                    f"parameter {name}", f"{entry!r} has no number as value", "a mapping with value and unit"
+                )
+            if name in model.units and entry.get("unit", model.units[name]) != model.units[name]:
+                raise InputError(f"parameter {name}", f"unit {entry['unit']!r}", model.units[name])
+            values[name] = float(entry["value"])
+            if "standard_error" in entry:
+                errors[name] = float(entry["standard_error"])
+        return model.with_values(values, errors)
+    except InputError as problem:
+        raise InputError(path, str(problem)) from None

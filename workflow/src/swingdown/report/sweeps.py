@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from .page import Cell, Column, Figure, Findings, Item, Section, Table, Text
+from .page import Column, Figure, Findings, Section, Table, Text
 
 CLAIM = 68  # per cent
 _LABELS = {
@@ -80,6 +80,11 @@ def section(sweeps: Mapping[str, Made]) -> Section:
 
 def _said(name: str, table: pd.DataFrame) -> Iterator[str]:
     """A few sentences on a sweep."""
+    if lost := int((table["made"] == 0).sum()):
+        why = "; ".join(sorted(set(table.loc[table["made"] == 0, "reason"].astype(str))))
+        yield f"{name}: {lost} of {len(table)} cells could not be made ({why})."
+    if "reached" in table and (short := int((table["reached"] == 0).sum())):
+        yield f"{name}: in {short} of {len(table)} cells no size of the hidden effect leaves what was asked for; the table tells what it leaves."
     if "true_by_norm" in table:
         parts = (
             table.groupby("start", sort=False)
@@ -106,8 +111,8 @@ def _said(name: str, table: pd.DataFrame) -> Iterator[str]:
         if "size" in table:
             null = table[table["size"] == 0]
             if len(null):
-                n = int(null["draws"].sum())
-                yield f"{name}: where nothing was hidden, discovery found something in {round((null['found'] * null['draws']).sum())} of {n} campaigns."
+                n = int(null["made"].sum())
+                yield f"{name}: where nothing was hidden, discovery found something in {round((null['found'] * null['made']).sum())} of {n} campaigns."
             largest = table[table["size"] == table["size"].max()]
             yield (
                 f"{name}: of effects that leave {table['size'].max():g} times the noise, {_percent(largest['found'])} are found, "
@@ -130,7 +135,7 @@ def _identified(title: str, table: pd.DataFrame) -> Table:
         rows.append([*map(_words, keys), len(part), *values])
     caption = "How often the model that was simulated is the one that is told, and in how many cells at least as often as the paper's 68 %."
     notes = (
-        f"{int(table['draws'].iloc[0])} draws a cell. By norm and by BIC: one swing, all models fitted.",
+        f"{_counts(table['independent'])} draws a cell. By norm and by BIC: one swing, all models fitted.",
         "By ten runs: the paper's comparison, the mean norm of ten swings for the three single terms and the pair without the true one.",
     )
     return Table(f"Sweep {title}", caption, columns, rows, notes[: 2 if "true_by_ten" in names else 1])
@@ -140,31 +145,28 @@ def _detected(title: str, table: pd.DataFrame) -> Table:
     by = [name for name in ("effect", "size") if name in table]
     more = [c for c in table.columns[: list(table.columns).index("draws")] if c not in by]
     columns = [Column(name.replace("_", " ")) for name in (*by[:1], *more)]
-    columns += [
-        Column("left by the base model", "σ", "n"),
-        Column("found", "%", "n"),
-        Column("named alone", "%", "n"),
-        Column("among others", "%", "n"),
-        Column("without a name", "%", "n"),
-        Column("wrong", "%", "n"),
-    ]
+    columns += [Column("left by the base model", "σ", "n"), Column("found", "%", "n"), Column("named alone", "%", "n"),
+                Column("among others", "%", "n"), Column("without a name", "%", "n"), Column("wrong", "%", "n")]  # fmt: skip
     rows = [
-        [
-            *(_words(row[name]) for name in (*by[:1], *more)),
-            f"{row['left_by_base']:.2g}",
-            *(
-                f"{100 * row[name]:.0f}"
-                for name in ("found", "named", "said_among_others", "said_unknown", "said_wrong")
-            ),
-        ]
+        [*(_words(row[name]) for name in (*by[:1], *more)), _number(row["left_by_base"], ".2g"),
+         *(_number(100 * row[name], ".0f") for name in ("found", "named", "said_among_others", "said_unknown", "said_wrong"))]
         for _, row in table.iterrows()
-    ]
+    ]  # fmt: skip
     effects = list(table[by[0]]) if by else []
     groups = tuple(k for k in range(1, len(effects)) if effects[k] != effects[k - 1])
     caption = "What discovery said of campaigns with one effect more than its base model."
     return Table(
-        f"Sweep {title}", caption, columns, rows, (f"{int(table['draws'].iloc[0])} campaigns a row.",), groups
+        f"Sweep {title}", caption, columns, rows, (f"{_counts(table['made'])} campaigns a row.",), groups
     )
+
+
+def _counts(column: pd.Series) -> str:
+    low, high = int(column.min()), int(column.max())
+    return f"{low}" if low == high else f"{low} to {high}"
+
+
+def _number(value: float, form: str) -> str:
+    return format(value, form) if np.isfinite(value) else "–"
 
 
 def _words(value: object) -> str:

@@ -7,13 +7,15 @@ what no chunk of the book holds yet. A chunk's name stands for its content, and 
 
 import hashlib
 import json
+import os
 from dataclasses import dataclass
 from pathlib import Path
 
 from ..errors import InputError
 from ..paths import written_whole
-from .table import cell_key
+from .draws import cell_keys
 
+ENDING = {"netcdf": "nc", "zarr": "json"}  # of the file whose being there says that a chunk is whole
 MOST_JOBS = 2000  # beyond that the workflow's own time and the file system are what one waits for
 
 
@@ -49,36 +51,96 @@ class Chunk:
 
     def cells(self):
         """(settings, key, first draw, number of draws) of each part."""
+        key_of = cell_keys(self.computes, self.settings, self.keys)
         for values, first, count in self.parts:
-            settings = self.settings | dict(zip(self.keys, values, strict=True))
-            yield settings, cell_key(self.computes, settings), first, count
+            yield self.settings | dict(zip(self.keys, values, strict=True)), key_of(values), first, count
 
 
 @dataclass(frozen=True)
 class Plan:
-    """The chunks whose results a sweep needs, by name, and those among them that are new in the book."""
+    """What a sweep needs: chunks by name, their files' names less the ending, those new in the book, and those not computed.
+
+    ``outdated`` are the names of chunks whose results other code computed, by the version of that code.
+    """
 
     chunks: dict
+    files: dict
     new: tuple
+    missing: tuple
+    outdated: dict
 
 
-def plan(sweep, book):
+def made(folder, ending="nc"):
+    """The versions of the code whose results lie in a folder of chunks, oldest first, by the chunk's name.
+
+    Results that an earlier release wrote without a version have "".
+    """
+    found = {}
+    if Path(folder).is_dir():
+        with os.scandir(folder) as files:
+            for file in sorted(files, key=lambda file: file.stat().st_mtime_ns):
+                stem, _, last = file.name.rpartition(".")
+                if last == ending and not stem.startswith("."):
+                    name, _, code = stem.partition("-")
+                    found.setdefault(name, []).append(code)
+    return found
+
+
+def plan(sweep, book, code="", again=False):
     """The ``Plan`` of a sweep: chunks of the book (a path, which need not exist) that hold what it wants, then new ones.
 
     Chunks whose results are there, in the folder ``chunks`` beside the book, come first. One without results that holds more
-    than is wanted, or what another holds, is passed over: where a table was made smaller, its work is dealt out again. InputError where there would be more than ``MOST_JOBS`` chunks.
+    than is wanted, or what another holds, is passed over: where a table was made smaller, its work is dealt out again. ``code``
+    is the version that computes what is missing; what other code computed counts as missing only where ``again`` is true.
+    InputError where there would be more than ``MOST_JOBS`` chunks.
     """
-    wanted = {cell_key(sweep.computes, sweep.cell(values)): values for values in sweep}
+    there = made(Path(book).parent / "chunks", ENDING[sweep.format])
+    chunks, open_parts = _held(sweep, book, there)
+    new = tuple(_dealt(sweep, open_parts))
+    if len(chunks) + len(new) > MOST_JOBS:
+        draws = sweep.cells * sweep.realizations
+        raise InputError(
+            f"config, key sweeps.{sweep.name}.chunk", f"{draws} draws in chunks of {sweep.chunk} are {len(chunks) + len(new)} jobs",
+            f"at most {MOST_JOBS}", f"write `chunk: {-(-draws // (MOST_JOBS // 2))}`",
+        )  # fmt: skip
+    chunks |= {chunk.name: chunk for chunk in new}
+    files, missing, outdated = {}, [], {}
+    for name in chunks:
+        versions = there.get(name, [])
+        if code in versions:
+            files[name] = stem(name, code)
+        elif versions and not again:
+            files[name] = stem(name, versions[-1])
+            outdated[name] = versions[-1]
+        else:
+            files[name] = stem(name, code)
+            missing.append(name)
+    return Plan(chunks, files, new, tuple(missing), outdated)
+
+
+def stem(name, code):
+    """The name of a chunk's results, less the ending."""
+    return f"{name}-{code}" if code else name
+
+
+def _held(sweep, book, there):
+    """The chunks of the book that a sweep needs, by name, and the parts that none of them holds.
+
+    ``there`` has the names of those whose results are there.
+    """
+    if not Path(book).exists():
+        return {}, [(list(values), 0, sweep.realizations) for values in sweep]
+    key_of = cell_keys(sweep.computes, sweep.settings, sweep.keys)
+    wanted = {key_of(values): values for values in sweep}
     held, chunks = {}, {}
-    made = {path.stem for path in (Path(book).parent / "chunks").glob("*.nc")}
-    for chunk in sorted(read_book(book), key=lambda chunk: chunk.name not in made):
+    for chunk in sorted(read_book(book), key=lambda chunk: chunk.name not in there):
         parts = [(key, first, first + count) for _, key, first, count in chunk.cells()]
         inside = [part for part in parts if part[0] in wanted and part[1] < sweep.realizations]
         whole = len(inside) == len(parts) and all(last <= sweep.realizations for *_, last in parts)
         twice = any(
             first < other and last > begin for key, first, last in parts for begin, other in held.get(key, ())
         )
-        if not inside or twice or not (whole or chunk.name in made):
+        if not inside or twice or not (whole or chunk.name in there):
             continue
         for key, first, last in inside:
             held.setdefault(key, []).append((first, last))
@@ -88,14 +150,7 @@ def plan(sweep, book):
         for key, values in wanted.items()
         for first, last in _gaps(held.get(key, ()), sweep.realizations)
     ]
-    new = tuple(_dealt(sweep, open_parts))
-    if len(chunks) + len(new) > MOST_JOBS:
-        draws = sweep.cells * sweep.realizations
-        raise InputError(
-            f"config, key sweeps.{sweep.name}.chunk", f"{draws} draws in chunks of {sweep.chunk} are {len(chunks) + len(new)} jobs",
-            f"at most {MOST_JOBS}", f"write `chunk: {-(-draws // (MOST_JOBS // 2))}`",
-        )  # fmt: skip
-    return Plan(chunks | {chunk.name: chunk for chunk in new}, new)
+    return chunks, open_parts
 
 
 def _gaps(ranges, end):

@@ -1,5 +1,6 @@
-"""One labelled dataset out of the chunks of a sweep, cell by cell, so that its size does not matter to the memory."""
+"""One labelled dataset out of the chunks of a sweep, a block of draws at a time, so that its size does not matter to the memory."""
 
+from collections import Counter
 from pathlib import Path
 
 import netCDF4
@@ -10,36 +11,46 @@ import yaml
 from .. import dataset
 from ..errors import InputError
 from ..paths import written_whole
-from . import summary
-from .table import cell_key, noise_key
+from . import code, parts, store, summary
+from .draws import cell_keys, noise_key
 
 SEEDING = (
     "draw k of a cell is numpy.random.SeedSequence(seed, spawn_key=(the cell's noise_key as four 32-bit words, most significant "
     "first, then k)), k from 0"
 )
 _KEPT = {"f": "f8", "i": "i4", "b": "i1"}
+_CACHE = 1 << 21  # bytes
+_BLOCK = 1 << 15  # draws of a cell that lie together in the file
 
 
 def combine(sweep, paths, output):
     """The path of the netCDF written: every draw of every cell, and the cells' probabilities (``summary``).
 
     Dimensions are the axes' names in the order of the config, ``realization``, and what the variables are listed by
-    (``fitted``); coordinates have units, the settings and seeds are attributes and ``noise_key``. InputError where a draw is
+    (``fitted``); coordinates have units, the settings and seeds are attributes and ``noise_key``, ``reason`` says why a cell
+    could not be made. Of a Zarr store the draws stay where they are, and ``row`` tells where each is. InputError where a draw is
     missing or there twice, naming the cell.
     """
     output = Path(output)
-    where = {
-        cell_key(sweep.computes, sweep.cell(values)): index
-        for index, values in zip(np.ndindex(sweep.shape), sweep, strict=True)
-    }
-    listed = _listed(paths)
+    key_of = cell_keys(sweep.computes, sweep.settings, sweep.keys)
+    where = {key_of(values): index for index, values in zip(np.ndindex(sweep.shape), sweep, strict=True)}
+    netCDF4.set_chunk_cache(_CACHE)  # of each variable; by default it is 64 MB
+    found = [parts.about(path) for path in paths]
+    listed = _listed(found)
     with written_whole(output) as partial:
         dataset.write(_skeleton(sweep, listed), partial)
         with netCDF4.Dataset(partial, "a") as file:
-            filled = _fill(file, sweep, where, listed, paths)
-            if not filled.all():
-                _tell_missing(sweep, filled)
-            summary.add(file, sweep)
+            _realizations(file, sweep)
+            taken, versions = _fill(file, sweep, where, listed, paths, found)
+            _check(sweep, taken)
+            file.code = "; ".join(f"{version}: {draws} draws" for version, draws in sorted(versions.items()))
+            summary.add(file, sweep, listed[1], _reasons(found, where))
+            _from_chunks(file, sweep, where, paths) if sweep.format == "zarr" else summary.from_file(
+                file, sweep
+            )
+    if sweep.format == "zarr":
+        with xr.open_dataset(output, engine="netcdf4", decode_times=False, decode_timedelta=False) as cells:
+            store.add_cells(Path(paths[0]).parent.parent, cells.load())
     return output
 
 
@@ -49,101 +60,167 @@ def read_maps(path):
         return data.drop_dims("realization").load()
 
 
-def _listed(paths):
+def _listed(found):
     """The dimension beside cell and draw that the chunks have, and its entries; (None, []) where there is none."""
-    found, dimension = [], None
-    for path in paths:
-        with xr.open_dataset(path, engine="netcdf4", decode_times=False) as data:
-            other = [name for name in data.sizes if name in data.coords and name != "cell_key"]
-            dimension = other[0] if other else dimension
-            found += [str(name) for name in (data[other[0]].values if other else ())]
-    return dimension, list(dict.fromkeys(found))
+    names, dimension = [], None
+    for one in found:
+        dimension = one["listed"][0] or dimension
+        names += one["listed"][1]
+    return dimension, list(dict.fromkeys(names))
+
+
+def _reasons(found, where):
+    """Why a cell, or one of its draws, could not be made: by the cell's index."""
+    return {where[key]: why for one in reversed(found) for key, why in one["reasons"].items() if key in where}
 
 
 def _skeleton(sweep, listed):
     dimension, names = listed
-    coords = {
-        axis.dim: (axis.dim, axis.coordinate, {"long_name": axis.long_name, "config_key": axis.key}
-                   | ({"units": axis.units} if axis.coordinate.dtype.kind in "fi" else {}))
-        for axis in sweep.axes
-    }  # fmt: skip
+    coords = {}
+    for axis in sweep.axes:
+        units = {"units": axis.units} if axis.coordinate.dtype.kind in "fi" else {}
+        told = {"long_name": axis.long_name, "config_key": axis.key}
+        coords[axis.dim] = (axis.dim, axis.coordinate, told | units)
+        for other in axis.coupled:
+            units = {"units": other.units} if other.coordinate.dtype.kind in "fi" else {}
+            told = {"long_name": other.long_name, "config_key": other.key}
+            coords[other.dim] = (axis.dim, _every(other), told | units)
     dims = tuple(axis.dim for axis in sweep.axes)
     keys = np.array([noise_key(sweep.cell(values)) for values in sweep]).reshape(sweep.shape)
-    coords |= {
-        "realization": ("realization", np.arange(sweep.realizations), {"long_name": "index of the draw"}),
-        "noise_key": (dims, keys, {"long_name": "what seeds the draws of a cell, beside the seed"}),
-    }
+    coords["noise_key"] = (dims, keys, {"long_name": "what seeds the draws of a cell, beside the seed"})
     if dimension:
         coords[dimension] = (dimension, names, {"long_name": "fitted model"})
     settings = yaml.safe_dump(dict(sorted(sweep.settings.items())), allow_unicode=True, sort_keys=False)
     attributes = {
         "sweep": sweep.name, "computes": sweep.computes, "axes": " ".join(dims), "settings": settings, "seeding": SEEDING,
-        "realizations": sweep.realizations, "source": "simulated", "emulated": "no",
+        "realizations": sweep.realizations, "source": "simulated", "emulated": "no", "swingdown": code.project(),
     }  # fmt: skip
-    if "seed" in sweep.settings:
-        attributes["seed"] = sweep.settings["seed"]
+    for key in ("seed", "simulation.start", "detection.size"):
+        if key in sweep.settings:
+            attributes[key.rpartition(".")[2]] = sweep.settings[key]
     return xr.Dataset({}, coords, attributes)
 
 
-def _fill(file, sweep, where, listed, paths):
-    dims = tuple(axis.dim for axis in sweep.axes) + ("realization",)
-    filled = np.zeros((*sweep.shape, sweep.realizations), dtype=bool)
-    for path in paths:
-        data = dataset.read(path)
-        keys = [str(key) for key in data["key"].values]
-        cells, draws = data["cell"].values, data["realization"].values
-        names = [name for name, one in data.data_vars.items() if name not in ("cell", "realization", "key")]
-        own = (
-            [listed[1].index(str(name)) for name in data[listed[0]].values]
-            if listed[0] in data.coords
-            else None
+def _every(axis):
+    """The values of an axis that is coupled to another; they may recur."""
+    if all(isinstance(value, (int, float)) for value in axis.values):
+        return np.array(axis.values)
+    return np.array([str(value) for value in axis.values])
+
+
+def _realizations(file, sweep):
+    file.createDimension("realization", sweep.realizations)
+    made = file.createVariable("realization", "i4", ("realization",), zlib=True, complevel=4)
+    made.long_name = "index of the draw"
+    for begin in range(0, sweep.realizations, _BLOCK):
+        last = min(begin + _BLOCK, sweep.realizations)
+        made[begin:last] = np.arange(begin, last, dtype=np.int32)
+
+
+def _fill(file, sweep, where, listed, paths, found):
+    """The ranges of draws that the chunks hold, by the cell's index, after their variables (or rows) are written; and how many
+    draws each version of the code computed.
+    """
+    versions = Counter()
+    dims, taken = (*(axis.dim for axis in sweep.axes), "realization"), {index: [] for index in where.values()}
+    if sweep.format == "zarr":
+        _create(
+            file,
+            "row",
+            np.dtype("i8"),
+            ("draw",),
+            {"long_name": "where along the dimension draw of the Zarr store this draw is"},
+            dims,
+            listed,
         )
-        for name in names:
-            if name not in file.variables:
-                _create(file, name, data[name], dims, listed, sweep)
-        # a part is one cell's draws without a gap
-        edges = np.flatnonzero((np.diff(cells) != 0) | (np.diff(draws) != 1)) + 1
-        for first, last in zip([0, *edges], [*edges, cells.size], strict=True):
-            index = where.get(keys[cells[first]])
-            stop = min(sweep.realizations, int(draws[last - 1]) + 1)
-            start = int(draws[first])
+    else:
+        for one in found:
+            for name, (kind, own, told) in one["variables"].items():
+                if name not in file.variables:
+                    _create(file, name, kind, own, told, dims, listed)
+    for path, one in zip(paths, found, strict=True):
+        own = [listed[1].index(name) for name in one["listed"][1]]
+        told = one["attributes"]
+        version = f"{told.get('code', 'unknown')} (swingdown {told.get('swingdown', 'unknown')})"
+        for key, start, block in parts.parts(path):
+            index = where.get(key)
+            size = next(iter(block.values())).shape[0]
+            stop = min(sweep.realizations, start + size)
             if index is None or start >= stop:
                 continue  # of a wider table than today's
-            if filled[index][start:stop].any():
+            if any(first < stop and last > start for first, last in taken[index]):
                 raise InputError(path, f"draws {start} to {stop - 1} of {_named(sweep, index)} are in another chunk too",
                                  "each draw once", f"delete the folder {Path(path).parent.parent} and run the sweep again")  # fmt: skip
-            filled[index][start:stop] = True
-            for name in names:
-                values = data[name].values[first : first + stop - start]
-                if own is None or data[name].ndim == 1:
+            _take(taken[index], start, stop)
+            versions[version] += stop - start
+            for name in ["row"] if sweep.format == "zarr" else block:
+                values = block[name][: stop - start]
+                if values.ndim == 1:
                     file[name][(*index, slice(start, stop))] = values
                 else:
                     file[name][(*index, slice(start, stop), own)] = values
-    return filled
+    return taken, versions
 
 
-def _create(file, name, like, dims, listed, sweep):
-    several = like.ndim > 1
-    shape = (1,) * len(sweep.shape) + (sweep.realizations,) + ((len(listed[1]),) if several else ())
-    kind = "i1" if like.dtype.itemsize == 1 else _KEPT[like.dtype.kind]
-    dims = (*dims, listed[0]) if several else dims
+def _take(ranges, start, stop):
+    """A list of ranges with one more, which lengthens the one that it follows."""
+    for k, (first, last) in enumerate(ranges):
+        if last == start:
+            ranges[k] = (first, stop)
+            return
+    ranges.append((start, stop))
+
+
+def _create(file, name, kind, own, told, dims, listed):
+    several = len(own) > 1
+    size = file.dimensions["realization"].size
+    shape = (1,) * (len(dims) - 1) + (min(size, _BLOCK),) + ((len(listed[1]),) if several else ())
+    kept = "i1" if kind.itemsize == 1 else "i8" if name == "row" else _KEPT[kind.kind]
     made = file.createVariable(
         name,
-        kind,
-        dims,
+        kept,
+        (*dims, listed[0]) if several else dims,
         zlib=True,
         complevel=4,
         chunksizes=shape,
-        fill_value=np.nan if kind == "f8" else None,
+        fill_value=np.nan if kept == "f8" else None,
     )
-    made.setncatts(dict(like.attrs) | ({"dtype": "bool"} if like.dtype.kind == "b" else {}))
+    made.setncatts(told)
 
 
-def _tell_missing(sweep, filled):
-    lost = np.argwhere(~filled)
-    index, draw = tuple(lost[0][:-1]), int(lost[0][-1])
-    raise InputError(f"sweep {sweep.name}", f"{len(lost)} of {filled.size} draws are in no chunk, first draw {draw} of {_named(sweep, index)}",
-                     "every draw of every cell", "run the sweep again")  # fmt: skip
+def _from_chunks(file, sweep, where, paths):
+    """The probabilities of a sweep whose draws are in a store: read in the order in which they lie there."""
+    tallies = {}
+    settings = dict(zip(where.values(), (sweep.cell(values) for values in sweep), strict=True))
+    tell = summary.Tally(file, sweep)
+    for path in paths:
+        for key, start, block in parts.parts(path):
+            index = where.get(key)
+            if index is None or start >= sweep.realizations:
+                continue
+            one = tallies.setdefault(index, tell.cell(settings[index]))
+            one.feed(start, {name: values[: sweep.realizations - start] for name, values in block.items()})
+            if one.draws == sweep.realizations:
+                tell.keep(index, tallies.pop(index))
+    tell.write(file)
+
+
+def _check(sweep, taken):
+    lost = {
+        index: sweep.realizations - sum(last - first for first, last in ranges)
+        for index, ranges in taken.items()
+    }
+    if count := sum(lost.values()):
+        index = next(index for index, one in lost.items() if one)
+        draw = min(_open(taken[index], sweep.realizations))
+        raise InputError(f"sweep {sweep.name}", f"{count} of {sweep.cells * sweep.realizations} draws are in no chunk, first draw {draw} of {_named(sweep, index)}",
+                         "every draw of every cell", "run the sweep again")  # fmt: skip
+
+
+def _open(ranges, end):
+    """Where the ranges leave gaps below ``end``."""
+    edges = [0, *(last for _, last in ranges)]
+    return [edge for edge in edges if edge < end and not any(first <= edge < last for first, last in ranges)]
 
 
 def _named(sweep, index):

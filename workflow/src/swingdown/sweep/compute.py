@@ -1,17 +1,25 @@
 """One chunk as a dataset: every draw of its cells, in the order of the book."""
 
+import os
 import resource
 import time
+from pathlib import Path
 
 import numpy as np
 import xarray as xr
+
+from .. import dataset
+from ..errors import InputError
+from ..paths import written_whole
+from . import code
 
 
 def compute(chunk, computation):
     """The Dataset of a chunk (``chunks.Chunk``), and in words what it took.
 
-    Dimensions ``draw`` (each with ``cell``, a position in ``key``, and ``realization``, its index), ``cell_key`` and, where the
-    computation lists its variables by something, that. ``computation`` is ``identification`` or ``detection``, a module.
+    Dimensions ``draw`` (each with ``cell``, a position in ``key``, and ``realization``, its index), ``cell_key`` (with ``reason``:
+    why it could not be made, or one of its draws not) and, where the computation lists its variables by something, that.
+    ``computation`` is ``identification`` or ``detection``, a module. Attributes tell the version of the code.
     """
     began = time.process_time()
     cells = list(chunk.cells())
@@ -23,11 +31,14 @@ def compute(chunk, computation):
     shape = (chunk.draws, len(listed)) if computation.DIMENSION else (chunk.draws,)
     columns, at, fits = {}, 0, 0
     cell, realization = np.empty(chunk.draws, np.int32), np.empty(chunk.draws, np.int32)
+    reasons = dict.fromkeys(keys, "")
     for settings, key, first, count in cells:
         here = slice(at, at + count)
         cell[here], realization[here] = keys.index(key), np.arange(first, first + count)
         own = [listed.index(name) for name in computation.entries(settings) or ()]
-        for name, values in computation.results(settings, first, count).items():
+        found, why = _results(computation, settings, first, count, chunk.keys)
+        reasons[key] = reasons[key] or why
+        for name, values in found.items():
             if name not in columns:
                 columns[name] = np.full(shape, np.nan if values.dtype.kind == "f" else 0, values.dtype)
             columns[name][(here, own) if own else here] = values
@@ -35,17 +46,72 @@ def compute(chunk, computation):
     coords = {"key": ("cell_key", keys)}
     if computation.DIMENSION:
         coords[computation.DIMENSION] = (computation.DIMENSION, listed)
+    took = time.process_time() - began
     data = xr.Dataset(
         {name: (dims, values, attributes(computation, name)) for name, values in columns.items()}
-        | {"cell": ("draw", cell), "realization": ("draw", realization)},
+        | {"cell": ("draw", cell), "realization": ("draw", realization)}
+        | {"reason": ("cell_key", [reasons[key] for key in keys], {"long_name": "why not, where a cell or a draw of it could not be made"})},
         coords,
-        {"computes": chunk.computes, "source": "simulated", "emulated": "no"},
-    )
-    took = time.process_time() - began
+        {"computes": chunk.computes, "source": "simulated", "emulated": "no", "code": code.version(chunk.computes),
+         "swingdown": code.project(), "cpu_s": took},
+    )  # fmt: skip
+    return data, "\n".join([_took(chunk, len(keys), fits, took, computation), *_told(reasons, chunk)])
+
+
+def publish(data, path):
+    """Whether ``data`` were written: they appear whole under ``path``, and never in place of what is there already."""
+    path = Path(path)
+    partial = path.with_name(f".{path.name}.{os.uname().nodename}.{os.getpid()}")
+    try:
+        dataset.write(data, partial)
+        return appear(partial, path)
+    finally:
+        partial.unlink(missing_ok=True)
+
+
+def appear(partial, path):
+    """Whether the file ``partial`` got the name ``path`` as well: not where there is one of that name."""
+    try:
+        os.link(partial, path)  # unlike a rename it fails where another job was first
+    except FileExistsError:
+        return False
+    except OSError:  # a file system without links: a rename of the same numbers, if both came at once
+        if Path(path).exists():
+            return False
+        with written_whole(path) as other:
+            other.write_bytes(Path(partial).read_bytes())
+    return True
+
+
+def _results(computation, settings, first, count, axes):
+    """What the computation says of a cell; what is no outcome but a fault of the program tells the cell as well."""
+    try:
+        return computation.results(settings, first, count)
+    except Exception as error:
+        where = ", ".join(f"{key} {settings[key]}" for key in axes)
+        error.add_note(f"in the cell with {where}, draws {first} to {first + count - 1}")
+        if isinstance(error, InputError):
+            raise InputError(
+                f"sweep, cell with {where}", error.problem, error.expected, error.mend
+            ) from error
+        raise
+
+
+def _took(chunk, cells, fits, took, computation):
     peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
     what = "fits" if computation.DIMENSION else "verdicts"
-    words = f"{len(keys)} cells, {chunk.draws} draws, {fits} {what}: {took:.2f} s of CPU, {1e3 * took / fits:.3g} ms each, {peak:.0f} MB"
-    return data, words
+    return f"{cells} cells, {chunk.draws} draws, {fits} {what}: {took:.2f} s of CPU, {1e3 * took / fits:.3g} ms each, {peak:.0f} MB"
+
+
+def _told(reasons, chunk, most=5):
+    """Lines that tell the cells in which something could not be made."""
+    values = {key: [settings[name] for name in chunk.keys] for settings, key, *_ in chunk.cells()}
+    lines = [
+        f"not made, or not every draw: {', '.join(f'{name} {value}' for name, value in zip(chunk.keys, values[key], strict=True))}: {why}"
+        for key, why in reasons.items()
+        if why
+    ]
+    return lines[:most] + ([f"… and in {len(lines) - most} more cells"] if len(lines) > most else [])
 
 
 def attributes(computation, name):

@@ -1,11 +1,14 @@
-"""What a sweep will take: counted from its plan, timed on this machine."""
+"""What a sweep will take: counted from its plan, timed on this machine, and which of its cells cannot be made."""
 
 import time
 from importlib import import_module
 
 import numpy as np
 
-_TRIAL = 1.5  # seconds of CPU after which the trial ends
+from .impossible import IMPOSSIBLE, reason
+
+_TRIAL = 0.7  # seconds of CPU after which the trial ends
+_FORESEE = 0.5  # the same of the search for cells that cannot be made
 _DRAWS = 8
 _CELLS = 64
 _BYTES = 26  # a fit or verdict on disk, compressed, measured
@@ -14,7 +17,8 @@ _BYTES = 26  # a fit or verdict on disk, compressed, measured
 def estimate(sweep, plan, missing):
     """Lines that say what is still to compute: fits, chunks, hours from a trial on this machine, files and bytes.
 
-    ``missing`` are the plan's chunks that have no results yet. The trial computes a few draws of cells spread over the table.
+    ``missing`` are the plan's chunks that have no results yet. The trial computes a few draws of cells spread over the table;
+    cells that cannot be made, of as many as half a second allows to try, are told with their reason. So are chunks of other code.
     """
     computation = import_module(f".{sweep.computes}", __package__)
     draws = sum(plan.chunks[name].draws for name in missing)
@@ -22,7 +26,7 @@ def estimate(sweep, plan, missing):
     unit = "fits" if computation.DIMENSION else "verdicts"
     all_of_it = f"sweep {sweep.name}: {sweep.cells:,} cells × {sweep.realizations:,} draws = {sweep.cells * sweep.realizations * per_draw:,} {unit}"
     size = f"{_BYTES * sweep.cells * sweep.realizations * per_draw / 1e6:,.1f} MB"
-    lines = [f"{all_of_it} in {len(plan.chunks):,} chunks ({size})"]
+    lines = [f"{all_of_it} in {len(plan.chunks):,} chunks ({size})", *outdated(plan)]
     if not draws:
         return [*lines, "  every chunk is there"]
     parts = sum(len(plan.chunks[name].parts) for name in missing)
@@ -32,7 +36,38 @@ def estimate(sweep, plan, missing):
         f"  to compute: {draws * per_draw:,} {unit} in {len(missing):,} chunks, {_time(took)} of CPU at {1e3 * took / draws / per_draw:.3g} ms "
         f"a {unit[:-1]} (timed just now), {_time(took / len(missing))} a chunk"
     )
-    return lines
+    return [*lines, *foreseen(sweep, computation)]
+
+
+def outdated(plan):
+    """A line that tells chunks which other code computed, and how to have them computed again; none where there are none."""
+    if plan.outdated:
+        versions = ", ".join(sorted({one or "unknown" for one in plan.outdated.values()}))
+        yield (
+            f"  {len(plan.outdated):,} of {len(plan.chunks):,} chunks were computed by other code ({versions}) and are kept; "
+            "`--config recompute=true` computes them again, beside the old ones"
+        )
+
+
+def foreseen(sweep, computation):
+    """Lines that tell cells which cannot be made, those with the largest hidden effects tried first."""
+    cells = list(sweep)
+    order = [cells[k] for k in np.random.default_rng(2).permutation(len(cells))]
+    if "detection.size" in sweep.keys:
+        at = sweep.keys.index("detection.size")
+        order.sort(key=lambda values: -values[at])
+    lost, tried, began = {}, 0, time.process_time()
+    for values in order:
+        if time.process_time() - began > _FORESEE:
+            break
+        tried += 1
+        try:
+            computation.foresee(sweep.cell(values))
+        except IMPOSSIBLE as error:
+            lost.setdefault(reason(error), []).append(values)
+    for why, those in lost.items():
+        first = ", ".join(f"{key} {value}" for key, value in zip(sweep.keys, those[0], strict=True))
+        yield f"  cannot be made: {len(those):,} of {tried:,} cells tried ({sweep.cells:,} in all): {why} (the first: {first}); they are told as such, and stop nothing"
 
 
 def seconds(sweep, computation):

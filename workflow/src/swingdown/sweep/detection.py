@@ -9,15 +9,15 @@ from ..discovery import rounds
 from ..discovery.campaign import Swing, campaign
 from ..discovery.files import summary
 from ..discovery.verdict import verdict
-from ..engine.trajectory import TrajectoryError, simulate
-from ..errors import InputError
+from ..engine.trajectory import simulate
 from ..fitting.least_squares import fit_jointly
 from ..pendulum.catalogue import SHIPPED, catalogue
 from ..pendulum.model import Model
-from ..studies.noise import additive_of_size
-from .table import noise_key, stream
+from ..studies.noise import add_noise, additive_of_size
+from .draws import noise_key, stream
+from .impossible import IMPOSSIBLE, reason
 
-OUTCOMES = ("nothing", "named", "among_others", "unknown", "wrong", "failed")
+OUTCOMES = ("nothing", "named", "among_others", "unknown", "wrong", "failed", "not_made")
 ANSWERS = ("none", *SHIPPED.names, "other")  # other: an effect of the study's own, or a torque without a name
 VARIABLES = {
     "outcome": (None, "what discovery said of the campaign"),
@@ -32,7 +32,7 @@ VARIABLES = {
 FLAGS = {"outcome": OUTCOMES, "answer": ANSWERS}
 DIMENSION = None
 _CLOSE = 0.01  # the size of a hidden effect is met to this share
-_STEPS = 12
+_STEPS = 16
 
 
 @dataclass(frozen=True)
@@ -43,6 +43,7 @@ class _Hidden:
     swings: dict
     coefficient: float
     left: float
+    noise: float  # standard deviation (rad)
 
 
 def entries(settings):
@@ -56,36 +57,50 @@ def fits(settings):
 
 
 def results(settings, first, count):
-    """The ``VARIABLES`` of ``count`` campaigns from index ``first`` on of one cell: arrays (count,) by name.
+    """The ``VARIABLES`` of ``count`` campaigns from index ``first`` on of one cell, arrays (count,) by name, and a reason.
 
     Every campaign has the same swings and its own noise. ``outcome`` and ``answer`` count in ``OUTCOMES`` and ``ANSWERS``.
+    Where no such swing can be computed every outcome is ``not_made``, where discovery cannot search a campaign it is
+    ``failed``; the reason says why of the first of them, and is empty where there is none.
     """
-    hidden, key = _hidden(settings), noise_key(settings)
-    rows = []
+    try:
+        hidden = make(settings)
+    except IMPOSSIBLE as error:
+        row = {"coefficient": math.nan, "left": math.nan, "gap": math.nan, "answer": 0}
+        return _columns([row | {"outcome": OUTCOMES.index("not_made")}] * count), reason(error)
+    key, rows, why = noise_key(settings), [], ""
     for realization in range(first, first + count):
-        drawn, noise = stream(settings, key, realization), settings["detection.noise_rad"]
+        drawn = stream(settings, key, realization)
         swings = [
-            Swing(name, hidden.times, additive_of_size(angle, noise, drawn.standard_normal(angle.size)))
+            Swing(
+                name, hidden.times, _noisy(settings, angle, hidden.noise, drawn.standard_normal(angle.size))
+            )
             for name, angle in hidden.swings.items()
         ]
-        rows.append(_row(campaign(f"draw {realization}", swings), settings, hidden))
+        row = {"coefficient": hidden.coefficient, "left": hidden.left, "gap": math.nan, "answer": 0}
+        try:
+            row |= _told(answer(campaign(f"draw {realization}", swings), settings), settings)
+        except IMPOSSIBLE as error:
+            row["outcome"] = OUTCOMES.index("failed")
+            why = why or reason(error)
+        rows.append(row)
+    return _columns(rows), why
+
+
+def _columns(rows):
     found = {name: np.array([row[name] for row in rows]) for name in VARIABLES}
     return found | {name: found[name].astype(np.int8) for name in FLAGS}
 
 
-def _row(campaign, settings, hidden):
-    row = {"coefficient": hidden.coefficient, "left": hidden.left, "gap": math.nan, "answer": 0}
-    try:
-        found = answer(campaign, settings)
-    except TrajectoryError:
-        return row | {"outcome": OUTCOMES.index("failed")}
+def _told(found, settings):
+    """What is kept of a verdict."""
     added = [one["name"] for one in found["effects"]]
-    row |= {
+    present = None if settings["detection.size"] == 0 else settings["detection.effect"]
+    return {
         "gap": found["gap"]["fit"][0],
         "answer": ANSWERS.index(added[0] if added[0] in ANSWERS else "other") if added else 0,
+        "outcome": OUTCOMES.index(_outcome(found, present)),
     }
-    present = None if settings["detection.size"] == 0 else settings["detection.effect"]
-    return row | {"outcome": OUTCOMES.index(_outcome(found, present))}
 
 
 def answer(campaign, settings):
@@ -114,40 +129,72 @@ def _outcome(found, present):
     return "unknown" if found["status"] == "unknown" else "wrong"
 
 
-def _hidden(settings):
-    """The noise-free campaign of a cell, its hidden effect sized so that the base model leaves what ``detection.size`` says."""
+def make(settings):
+    """The noise-free campaign of a cell, its hidden effect sized so that the base model leaves what ``detection.size`` says.
+
+    Where no size of the effect does, it has the size that comes nearest, and ``left`` tells what that leaves. What the
+    engine or the fit raised comes back where there is no such swing at all.
+    """
     rate, duration = settings["simulation.sampling_rate_hz"], settings["simulation.duration_s"]
-    times = np.arange(round(duration * rate) + 1) / rate
-    name, size, noise = (
-        settings["detection.effect"],
-        settings["detection.size"],
-        settings["detection.noise_rad"],
-    )
-    first = catalogue(settings.get("effects"))[name].size
+    times, size = np.arange(round(duration * rate) + 1) / rate, settings["detection.size"]
+    bare = _swings(settings, times, None) if size == 0 or settings["detection.snr"] else None
+    noise = _noise(settings, bare)
     if size == 0:
-        return _Hidden(times, _swings(settings, times, None), 0.0, 0.0)
-    coefficient = first.typical * 0.1
-    low, high = 0.0, math.inf  # between which the size lies
+        return _Hidden(times, bare, 0.0, 0.0, noise)
+    first = catalogue(settings.get("effects"))[settings["detection.effect"]].size
+    coefficient, nearest, why = first.typical * 0.1, None, None
+    low, high = (0.0, 0.0), (math.inf, math.inf)  # (coefficient, what it leaves) between which the size lies
     for _ in range(_STEPS):
         try:
             swings = _swings(settings, times, coefficient)
             left = _left(settings, times, swings) / noise
-        except TrajectoryError:
-            left = math.inf
-        if abs(left / size - 1) < _CLOSE:
+        except IMPOSSIBLE as error:  # too strong for a swing, or for one that can be fitted
+            left, why = math.inf, error
+        if math.isfinite(left) and (nearest is None or abs(left - size) < abs(nearest.left - size)):
+            nearest = _Hidden(times, swings, coefficient, left, noise)
+        if abs(left / size - 1) < _CLOSE or (left < size and coefficient == first.upper):
             break
-        low, high = (coefficient, high) if left < size else (low, coefficient)
-        coefficient = min(coefficient * min(max(size / max(left, 1e-3 * size), 0.02), 30.0), first.upper)
-        if not low < coefficient < high:
-            coefficient = (
-                math.sqrt(low * high)
-                if low > 0 and math.isfinite(high)
-                else 0.5 * (low + min(high, first.upper))
-            )
-    if not math.isfinite(left):
-        raise InputError(f"sweep, cell with {name} of size {size:g}", "no such swing can be computed",
-                         "a size at which the pendulum still swings", "leave that size out of the axis")  # fmt: skip
-    return _Hidden(times, swings, coefficient, left)
+        low, high = ((coefficient, left), high) if left < size else (low, (coefficient, left))
+        coefficient = _between(low, high, size, first.upper)
+    if nearest is None:
+        raise why
+    return nearest
+
+
+def _between(low, high, size, upper):
+    """The coefficient to try next: by the power law through both ends, where there are two, and never close to an end."""
+    if not math.isfinite(high[0]):  # nothing was too strong yet
+        return min(low[0] * min(max(size / max(low[1], 1e-9), 1.5), 30.0), upper)
+    if low[0] == 0:
+        return high[0] * (0.1 if not math.isfinite(high[1]) else min(max(size / high[1], 0.02), 0.7))
+    ratio = 0.5
+    if math.isfinite(high[1]):
+        ratio = math.log(size / low[1]) / math.log(high[1] / low[1])
+    return low[0] * (high[0] / low[0]) ** min(max(ratio, 0.1), 0.9)
+
+
+def foresee(settings):
+    """Nothing; where the swings of a cell cannot be made, what the engine or the fit raised comes back."""
+    make(settings)
+
+
+def _noise(settings, swings):
+    """The standard deviation (rad) of the noise: as told, or the RMS of the swings without the hidden effect over the SNR."""
+    if settings["detection.snr"] is None:
+        return settings["detection.noise_rad"]
+    return (
+        math.sqrt(np.mean(np.concatenate([np.square(one) for one in swings.values()])))
+        / settings["detection.snr"]
+    )
+
+
+def _noisy(settings, angle, noise, normals):
+    """A swing (rad) with noise of that standard deviation, of the kind ``detection.noise``."""
+    if settings["detection.noise"] == "additive":
+        return additive_of_size(angle, noise, normals)
+    return add_noise(
+        settings["detection.noise"], angle, math.sqrt(np.mean(np.square(angle))) / noise, normals
+    )
 
 
 def _swings(settings, times, coefficient):
@@ -155,7 +202,10 @@ def _swings(settings, times, coefficient):
     base = tuple(settings["discovery.base"])
     names = base if coefficient is None else (*base, settings["detection.effect"])
     model = _model(settings, names)
-    values = {p.name: settings.get(f"simulation.{p.name}", p.typical) for p in model.definitions}
+    values = {
+        p.name: settings.get(f"simulation.{p.name}", settings.get(f"parameters.{p.name}", p.typical))
+        for p in model.definitions
+    }
     if coefficient is not None:
         values[model.catalogue[settings["detection.effect"]].size.name] = coefficient
     return {

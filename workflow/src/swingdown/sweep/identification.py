@@ -6,14 +6,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..engine.trajectory import simulate, simulate_each
-from ..errors import InputError
 from ..fitting.batch import fit_batch
 from ..fitting.least_squares import fit_trajectory
 from ..fitting.nested import contains
 from ..pendulum.catalogue import catalogue
 from ..pendulum.model import Model
 from ..studies.noise import add_noise
-from .table import noise_key, stream
+from .draws import noise_key, stream, value_of
+from .impossible import IMPOSSIBLE, reason
 
 _BLOCK = 64  # draws held in memory at a time
 _MOST = 300  # trajectories of a fit that is made again
@@ -57,16 +57,24 @@ def fits(settings):
 
 
 def results(settings, first, count):
-    """The ``VARIABLES`` of ``count`` draws from index ``first`` on of one cell: arrays (count, fitted) by name.
+    """The ``VARIABLES`` of ``count`` draws from index ``first`` on of one cell, arrays (count, fitted) by name, and a reason.
 
     A model's fits start where it comes closest to the noise-free swing; one that ends above a smaller model inside it, or
     that is not stationary, is made again from the optima of those. What cannot be fitted is NaN and not converged (every
-    draw of a model that cannot be fitted to the noise-free swing). InputError names the cell where there is no such swing.
+    draw of a model that cannot be fitted to the noise-free swing). Where no such swing can be computed nothing is fitted, and
+    the reason says why; else it is empty. Where nothing is drawn (``quantisation``) all draws are the first one.
     """
-    cell = _cell(settings)
     labels = settings["simulation.fitted"]
     found = {name: np.full((count, len(labels)), np.nan) for name in ("norm", "residual_norm", "bic")}
     found["converged"] = np.zeros((count, len(labels)), dtype=bool)
+    try:
+        cell = make(settings)
+    except IMPOSSIBLE as error:
+        return found, reason(error)
+    if settings["simulation.noise"] == "quantisation":
+        first, alike, count = 0, count, 1
+    else:
+        alike = 1
     for start in range(0, count, _BLOCK):
         block = range(start, min(start + _BLOCK, count))
         noisy = np.array([cell.noisy(first + k) for k in block])
@@ -76,27 +84,36 @@ def results(settings, first, count):
         for column, label in enumerate(labels):
             for name, values in _told(cell, label, noisy, *fitted[label]).items():
                 found[name][block.start : block.stop, column] = values
-    return found
+    if alike > 1:
+        found = {name: np.repeat(values[:1], alike, axis=0) for name, values in found.items()}
+    return found, ""
 
 
-def _cell(settings):
+def make(settings):
+    """What the draws of a cell share; what the engine raised comes back where there is no such swing."""
+    model, times, release, truth = _swing(settings)
+    begin = {}
+    for one in sorted(settings["simulation.fitted"], key=_size):
+        guess = [begin[other] for other in begin if contains(one, other) and begin[other]]
+        begin[one] = _noise_free(one, times, truth, model, guess)
+    return _Cell(settings, noise_key(settings), times, truth, release, begin)
+
+
+def foresee(settings):
+    """Nothing; where the swing of a cell cannot be computed, what the engine raised comes back."""
+    _swing(settings)
+
+
+def _swing(settings):
+    """The simulated model, times (s), release angle (rad) and noise-free swing (rad) of a cell."""
     duration, rate = settings["simulation.duration_s"], settings["simulation.sampling_rate_hz"]
     times = np.arange(round(duration * rate) + 1) / rate
     release = math.radians(settings["simulation.release_angle_deg"])
     (label,) = settings["simulation.simulated"]
     options = settings["model.restoring"], settings["model.form"]
     model = Model(label, {}, {}, *options, catalogue(settings.get("effects")))
-    try:
-        model = model.with_values({name: settings[f"simulation.{name}"] for name in model.parameters})
-        truth = simulate(model, times, release)
-    except (InputError, ArithmeticError) as error:
-        raise InputError(f"sweep, cell with {_described(settings)}", str(error), "a swing that can be computed",
-                         "leave that value out of the axes") from error  # fmt: skip
-    begin = {}
-    for one in sorted(settings["simulation.fitted"], key=_size):
-        guess = [begin[other] for other in begin if contains(one, other) and begin[other]]
-        begin[one] = _noise_free(one, times, truth, model, guess)
-    return _Cell(settings, noise_key(settings), times, truth, release, begin)
+    model = model.with_values({name: value_of(settings, name) for name in model.parameters})
+    return model, times, release, simulate(model, times, release)
 
 
 def _noise_free(label, times, truth, model, guess):
@@ -106,7 +123,7 @@ def _noise_free(label, times, truth, model, guess):
         return wider.with_values({name: model.values.get(name, 0.0) for name in wider.parameters})
     try:
         return fit_trajectory(wider, times, truth, start="free", guess=guess).model
-    except (InputError, ArithmeticError):
+    except IMPOSSIBLE:
         return None
 
 
@@ -176,13 +193,3 @@ def _rms_degrees(series):
 
 def _size(label):
     return label.count("+")
-
-
-def _described(settings):
-    shown = (
-        "simulation.simulated",
-        "simulation.release_angle_deg",
-        "simulation.duration_s",
-        "simulation.snr",
-    )
-    return ", ".join(f"{key.rpartition('.')[2]} {settings[key]}" for key in shown)

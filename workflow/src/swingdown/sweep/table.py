@@ -1,7 +1,6 @@
 """A sweep as a table: axes are keys of the config, a cell is one value of each."""
 
 import copy
-import hashlib
 import json
 from dataclasses import dataclass
 from itertools import product
@@ -9,9 +8,12 @@ from itertools import product
 import numpy as np
 
 from ..errors import InputError
-from ..pendulum.catalogue import SHIPPED
+from ..pendulum.catalogue import catalogue
+from ..pendulum.model import Model
 from ..schema import near
 from ..study.settings import complete
+from . import axes as written
+from .measured import of_pendulum
 
 # What each computation depends on. Any other key would be an axis along which nothing changes.
 _SWING = (
@@ -25,38 +27,54 @@ READS = {
     ),
     "detection": (
         *_SWING, "detection.effect", "detection.size", "detection.release_angles_deg", "detection.noise_rad",
-        "discovery.base", "discovery.rounds",
+        "detection.noise", "detection.snr", "discovery.base", "discovery.rounds",
     ),
 }  # fmt: skip
-# Settings that a swing's noise does not depend on: with other models fitted it stays the same swing.
-_OF_THE_FIT = {"simulation.fitted", "simulation.start", "discovery.base", "discovery.rounds", "seed"}
+_PARAMETER = "parameters."  # what a parameter's name follows that has no key of its own in the config
 _UNITS = {"deg": "degrees", "rad": "rad", "hz": "Hz", "s": "s"}
 _TAKEN = ("fitted", "realization", "cell")  # names of dimensions that every result has
 
 
 @dataclass(frozen=True)
 class Axis:
-    """One axis: its key in the config, the name of its dimension, its values, unit and name in words."""
+    """One axis: its key in the config, the name of its dimension, its values, unit and name in words.
+
+    ``coupled`` are axes of other keys, as long, that change together with it and have no dimension of their own.
+    """
 
     key: str
     dim: str
     values: tuple
     units: str
     long_name: str
+    coupled: tuple = ()
 
     @property
     def coordinate(self):
-        """The values as an array of numbers or of texts, for labels."""
+        """The values as an array of numbers or of texts, for labels; of a coupled axis whose values recur, all of them as text."""
+        if len({json.dumps(value) for value in self.values}) < len(self.values):
+            every = zip(self.values, *(other.values for other in self.coupled), strict=True)
+            return np.array([" / ".join(map(text, one)) for one in every])
         if all(isinstance(value, (int, float)) for value in self.values):
             return np.array(self.values)
         return np.array([text(value) for value in self.values])
+
+    @property
+    def keys(self):
+        """Its key, and those of the axes coupled to it."""
+        return (self.key, *(other.key for other in self.coupled))
+
+    @property
+    def steps(self):
+        """The values of ``keys`` at each of its places."""
+        return list(zip(self.values, *(other.values for other in self.coupled), strict=True))
 
 
 @dataclass(frozen=True)
 class Sweep:
     """A named table: what is computed, its axes, the other settings of every cell (by key), and how often each is drawn.
 
-    ``chunk`` is the largest number of draws in one job.
+    ``chunk`` is the largest number of draws in one job, ``format`` what the draws are kept in: netcdf or zarr.
     """
 
     name: str
@@ -65,6 +83,7 @@ class Sweep:
     settings: dict
     realizations: int
     chunk: int
+    format: str = "netcdf"
 
     @property
     def shape(self):
@@ -79,11 +98,12 @@ class Sweep:
     @property
     def keys(self):
         """The axes' keys in the config, in order."""
-        return tuple(axis.key for axis in self.axes)
+        return tuple(key for axis in self.axes for key in axis.keys)
 
     def __iter__(self):
-        """The values of each cell's axes, the last axis fastest."""
-        return product(*(axis.values for axis in self.axes))
+        """The values of each cell's keys, the last axis fastest."""
+        for steps in product(*(axis.steps for axis in self.axes)):
+            yield tuple(value for step in steps for value in step)
 
     def cell(self, values):
         """The complete settings of a cell, by key."""
@@ -104,42 +124,66 @@ def sweeps(config, where="config"):
 
 
 def _sweep(name, entry, base, where):
-    known, reads = list(_flat(base)), READS[entry["computes"]]
-    for key in (*entry["settings"], *entry["axes"]):
-        _check_key(
-            key, known, reads, entry["computes"], f"{where}.{'axes' if key in entry['axes'] else 'settings'}"
-        )
+    reads = READS[entry["computes"]]
+    given = {**of_pendulum(entry, f"{where}.pendulum", base["effects"]), **entry["settings"]}
+    asked = [key for keys in entry["axes"] for key in written.keys(keys)]
+    for key in (*entry["settings"], *asked):
+        _check_key(key, base, reads, entry["computes"], f"{where}.{'axes' if key in asked else 'settings'}")
     for key in entry["settings"]:
-        if key in entry["axes"]:
+        if key in asked:
             raise InputError(
                 f"{where}.settings", f"{key!r} is an axis too", "each key once", "remove one of the two"
             )
     axes, fixed = {}, {}
-    for key in entry["axes"]:
-        place = f"{where}.axes, {key}"
-        axes[key] = [
-            _checked(base, key, value, f"{place}, value {k}") for k, value in enumerate(entry["axes"][key], 1)
-        ]
-        if len({json.dumps(value) for value in axes[key]}) < len(axes[key]):
+    for keys, entries in entry["axes"].items():
+        place = f"{where}.axes, {keys}"
+        steps = [
+            tuple(_checked(base, key, value, f"{place}, value {k}") for key, value in zip(written.keys(keys), step, strict=True))
+            for k, step in enumerate(written.steps(keys, entries, place), 1)
+        ]  # fmt: skip
+        if len({json.dumps(step) for step in steps}) < len(steps):
             raise InputError(place, "a value is there twice", "each value once", "remove one")
-    for key in reads:
-        if key not in axes:
-            value = entry["settings"].get(key, _flat(base)[key])
-            fixed[key] = _checked(base, key, value, f"{where}.settings, {key}")
+        axes[written.keys(keys)] = steps
+    flat = _flat(base)
+    for key in (*reads, *(key for key in given if key.startswith(_PARAMETER))):
+        if key not in asked:
+            fixed[key] = _checked(base, key, given.get(key, flat.get(key)), f"{where}.settings, {key}")
     if base["effects"]:
         fixed["effects"] = base["effects"]  # formulas of the study's own are part of what is computed
     if entry["computes"] == "identification":
-        _one_simulated(axes, fixed, where)
+        axes = _one_simulated(axes, fixed, asked, where)
     else:
-        _one_hidden(axes | {key: [value] for key, value in fixed.items()}, where)
-    names = _dims(list(axes))
-    made = tuple(Axis(key, names[key], tuple(values), unit(key), _words(key)) for key, values in axes.items())
-    return Sweep(name, entry["computes"], made, fixed, entry["realizations"], entry["chunk"])
+        _one_hidden(_values(axes) | {key: [value] for key, value in fixed.items()}, where)
+    names = _dims([key for keys in axes for key in keys])
+    made = tuple(_axis(keys, steps, names, base["effects"]) for keys, steps in axes.items())
+    return Sweep(name, entry["computes"], made, fixed, entry["realizations"], entry["chunk"], entry["format"])
 
 
-def _check_key(key, known, reads, computes, place):
-    if key in reads:
+def _axis(keys, steps, names, own):
+    first, *others = [
+        Axis(key, names[key], tuple(step[k] for step in steps), unit(key, own), _words(key))
+        for k, key in enumerate(keys)
+    ]
+    return Axis(first.key, first.dim, first.values, first.units, first.long_name, tuple(others))
+
+
+def _values(axes):
+    """The values of each key of the axes."""
+    return {key: [step[k] for step in steps] for keys, steps in axes.items() for k, key in enumerate(keys)}
+
+
+def _check_key(key, base, reads, computes, place):
+    known = list(_flat(base))
+    if (
+        key in reads
+        or key.removeprefix(_PARAMETER) in catalogue(base["effects"]).parameters
+        and key.startswith(_PARAMETER)
+    ):
         return
+    if key.startswith(_PARAMETER):
+        names = [f"{_PARAMETER}{name}" for name in catalogue(base["effects"]).parameters]
+        raise InputError(f"{place}, {key}", "no effect has such a parameter", "a parameter of the catalogue's effects",
+                         near(key, names))  # fmt: skip
     if key == "simulation.realizations":
         raise InputError(f"{place}, {key}", "how often a cell is drawn is no axis", "the key realizations",
                          "write `realizations: 100` beside `axes`")  # fmt: skip
@@ -153,6 +197,14 @@ def _check_key(key, known, reads, computes, place):
 
 def _checked(base, key, value, place):
     """The value as the config's schema takes it; a single entry where the key holds a list of names."""
+    if key.startswith(_PARAMETER):
+        if isinstance(value, bool) or not isinstance(value, (int, float)):
+            raise InputError(place, f"{value!r} is no number", "a number", "correct it")
+        return float(value)
+    if (
+        key == "simulation.simulated"
+    ):  # a sweep's truth is any model that could be fitted, not the paper's terms alone
+        return _checked(base, "simulation.fitted", value, place) if value else []
     group, _, name = key.rpartition(".")
     candidate = copy.deepcopy(base)
     holder = candidate[group] if group else candidate
@@ -178,33 +230,41 @@ def _plain(value, key):
     )
 
 
-def _one_simulated(axes, fixed, where):
-    """Each cell simulates one model: several in the settings are an axis of their own, the first."""
-    for key in ("simulation.simulated",):
-        models = axes.get(key) or [[name] for name in fixed.pop(key)]
-        if not models or any(len(one) != 1 for one in models):
-            raise InputError(
-                f"{where}.axes, {key}", f"{models!r}", "one model a value", "write `[viscous, load_coulomb]`"
-            )
-        if len(models) == 1 and key not in axes:
-            fixed[key] = models[0]
-        else:
-            rest = {name: axes.pop(name) for name in list(axes) if name != key}
-            axes[key] = models
-            axes.update(rest)
+def _one_simulated(axes, fixed, asked, where):
+    """The axes, the simulated model among them: several in the settings are an axis of their own, the first.
+
+    ``fixed`` has the models' parameters added: as the settings say, else of the size that is usual.
+    """
+    key = "simulation.simulated"
+    models = _values(axes)[key] if key in asked else [[name] for name in fixed.pop(key)]
+    if not models or any(len(one) != 1 for one in models):
+        raise InputError(
+            f"{where}.axes, {key}", f"{models!r}", "one model a value", "write `[viscous, load_coulomb]`"
+        )
+    if len(models) == 1 and key not in asked:
+        fixed[key] = models[0]
+    elif key not in asked:
+        axes = {(key,): [(one,) for one in models], **axes}
+    elif (key,) in axes:
+        axes = {(key,): axes[key,], **axes}
     for (truth,) in models:
-        for fitted in axes.get("simulation.fitted", [fixed.get("simulation.fitted", [])]):
+        for parameter in Model(truth, catalogue=catalogue(fixed.get("effects"))).definitions:
+            named = f"{_PARAMETER}{parameter.name}"
+            if f"simulation.{parameter.name}" not in READS["identification"] and named not in asked:
+                fixed.setdefault(named, float(parameter.typical))
+        for fitted in _values(axes).get("simulation.fitted", [fixed.get("simulation.fitted", [])]):
             if len(fitted) > 1 and truth not in fitted:
                 raise InputError(f"{where}, simulation.fitted", f"the simulated {truth!r} is not among the models fitted",
                                  "a list with it", f"add {truth!r}")  # fmt: skip
+    return axes
 
 
 def _one_hidden(values, where):
-    for effect in values["detection.effect"]:
+    for name in values["detection.effect"]:
         for base in values["discovery.base"]:
-            if effect in base:
-                raise InputError(f"{where}, detection.effect", f"{effect!r} is in discovery.base: it is not hidden",
-                                 "an effect that the base lacks", f"remove {effect!r}")  # fmt: skip
+            if name in base:
+                raise InputError(f"{where}, detection.effect", f"{name!r} is in discovery.base: it is not hidden",
+                                 "an effect that the base lacks", f"remove {name!r}")  # fmt: skip
 
 
 def _flat(config):
@@ -226,11 +286,12 @@ def _dims(keys):
     }
 
 
-def unit(key):
-    """The unit of a key's value: of a coefficient from the catalogue, else as its name ends; empty for words."""
+def unit(key, own=None):
+    """The unit of a key's value: of a coefficient from the catalogue (``own``: the study's own effects), else as its name
+    ends; empty for words."""
     name = key.rpartition(".")[2]
-    known = {one.name: one.unit for one in SHIPPED.parameters.values()}
-    return known.get(name) or _UNITS.get(name.rpartition("_")[2], "1")
+    known = catalogue(own).parameters
+    return known[name].unit if name in known else _UNITS.get(name.rpartition("_")[2], "1")
 
 
 def _words(key):
@@ -248,26 +309,3 @@ def text(value):
     if isinstance(value, (list, tuple)):
         return ", ".join(map(text, value))
     return f"{value:g}" if isinstance(value, float) else str(value)
-
-
-def cell_key(computes, settings):
-    """32 hexadecimal digits that stand for all settings of a cell: what was computed under them stays valid."""
-    return _digest([computes, dict(sorted(settings.items()))])
-
-
-def noise_key(settings):
-    """32 hexadecimal digits that stand for a swing: the settings less the seed and what is fitted to it."""
-    return _digest({key: value for key, value in sorted(settings.items()) if key not in _OF_THE_FIT})
-
-
-def stream(settings, key, realization):
-    """The numpy Generator of one draw: of the seed, the swing (``noise_key``) and the draw's index alone.
-
-    So a draw is the same in whatever chunk, order, process or machine it is made, and whatever else the sweep holds.
-    """
-    words = [int(key[k : k + 8], 16) for k in range(0, 32, 8)]
-    return np.random.default_rng(np.random.SeedSequence(settings["seed"], spawn_key=(*words, realization)))
-
-
-def _digest(content):
-    return hashlib.sha256(json.dumps(content, separators=(",", ":")).encode()).hexdigest()[:32]

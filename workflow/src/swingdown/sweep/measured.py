@@ -1,0 +1,40 @@
+"""A pendulum that was measured, as the one that a sweep simulates: what its campaign's discovery found."""
+
+import json
+import re
+from pathlib import Path
+
+from ..errors import InputError
+from ..pendulum.catalogue import catalogue
+from ..pendulum.model import read_model
+
+_CONFIG = ("natural_frequency", "viscous_ratio", "quadratic_coefficient", "load_friction")
+
+
+def of_pendulum(entry, place, own=None):
+    """The settings (by key) that a sweep's key ``pendulum`` stands for; none where it has none.
+
+    It names a model file, or the folder of a campaign in ``results/discovery``: the model of its last round, and the noise that
+    was measured. InputError where neither is there.
+    """
+    if not entry.get("pendulum"):
+        return {}
+    path = Path(entry["pendulum"])
+    rounds = sorted(
+        path.glob("round-*/model.yaml"), key=lambda file: int(re.sub(r"\D", "", file.parent.name) or 0)
+    )
+    file = rounds[-1] if rounds else path
+    if not file.is_file():
+        raise InputError(place, f"{path} is no model file, nor the folder of a campaign that was searched", "a file such as round-1/model.yaml",
+                         "run `snakemake discover` first, or correct the path")  # fmt: skip
+    model = read_model(file, catalogue(own))
+    found = {"model.restoring": model.restoring, "model.form": model.form}
+    for name, value in model.values.items():
+        found[f"{'simulation' if name in _CONFIG else 'parameters'}.{name}"] = float(value)
+    if entry["computes"] == "identification":
+        return found | {"simulation.simulated": [model.label]}
+    found["discovery.base"] = list(model.names)
+    verdict = path / "verdict.json"
+    if verdict.is_file():
+        found["detection.noise_rad"] = float(json.loads(verdict.read_text(encoding="utf-8"))["noise_rms_rad"])
+    return found

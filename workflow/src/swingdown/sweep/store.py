@@ -1,0 +1,212 @@
+"""All draws of a sweep as one Zarr store that every job writes its own part of, at the same time as the others.
+
+The store has a dimension ``draw``; a job writes whole chunks of it, which no other job touches, and then the mark
+``chunks/NAME-CODE.json``. Where a job's draws begin stands in ``slots.jsonl``, which is only added to. ``sweep.nc`` (and in the
+store the group ``cells``) has ``row``: where along ``draw`` each draw of each cell is.
+"""
+
+import json
+import os
+from importlib import import_module
+from pathlib import Path
+
+import numpy as np
+
+from ..errors import InputError
+from ..paths import written_whole
+from .draws import cell_key
+
+STORE, SLOTS = "draws.zarr", "slots.jsonl"
+_TYPES = {"converged": "i1"}
+
+
+def prepare(sweep, plan, folder):
+    """The path of the store, with room for the chunks of the plan that are not computed; what is there stays where it is.
+
+    InputError where the sweep lists its variables by something that the store, once made, has no room for.
+    """
+    import zarr
+
+    folder = Path(folder)
+    computation, path = import_module(f".{sweep.computes}", __package__), folder / STORE
+    listed = list(
+        dict.fromkeys(name for values in sweep for name in computation.entries(sweep.cell(values)) or ())
+    )
+    group = zarr.open_group(path, mode="a", zarr_format=2)
+    if "slot" not in group.attrs:
+        group.attrs.update(
+            {"slot": sweep.chunk, "listed": listed, "computes": sweep.computes, "sweep": sweep.name}
+        )
+        _create(group, computation, listed, sweep.chunk)
+    if lost := [name for name in listed if name not in group.attrs["listed"]]:
+        raise InputError(path, f"it was made without {lost[0]}", f"only {', '.join(group.attrs['listed'])}",
+                         "give the sweep another name, or keep it as netcdf")  # fmt: skip
+    slots = read_slots(folder)
+    taken = max((first + count for first, count in slots.values()), default=0)
+    lines = []
+    for name in plan.missing:
+        stem = plan.files[name]
+        if stem not in slots:
+            count = -(-plan.chunks[name].draws // group.attrs["slot"])
+            lines.append(json.dumps([stem, taken, count]))
+            taken += count
+    if lines:
+        for name in [*computation.VARIABLES, "key", "realization"]:
+            one = group[name]
+            if one.shape[0] < taken * group.attrs["slot"]:
+                one.resize((taken * group.attrs["slot"], *one.shape[1:]))
+        before = (folder / SLOTS).read_text(encoding="utf-8") if (folder / SLOTS).exists() else ""
+        with written_whole(folder / SLOTS) as partial:
+            partial.write_text(before + "\n".join(lines) + "\n", encoding="utf-8")
+        zarr.consolidate_metadata(path)
+    return path
+
+
+def _create(group, computation, listed, slot):
+    several = (len(listed),) if computation.DIMENSION else ()
+    dims = ["draw", computation.DIMENSION] if several else ["draw"]
+    for name, (units, meaning) in computation.VARIABLES.items():
+        words = getattr(computation, "FLAGS", {}).get(name)
+        kind = "i1" if words or name in _TYPES else "f8"
+        told = {"long_name": meaning} | ({"units": units} if units else {})
+        told |= {"flag_values": list(range(len(words))), "flag_meanings": " ".join(words)} if words else {}
+        fill = float("nan") if kind == "f8" else -1
+        group.create_array(name, shape=(0, *several), chunks=(slot, *several), dtype=kind, fill_value=fill,
+                           attributes=told | {"_ARRAY_DIMENSIONS": dims})  # fmt: skip
+    for name, kind, fill, meaning in (
+        (
+            "key",
+            "u8",
+            0,
+            "the cell: the first 16 hexadecimal digits of its key as a number; 0 where no draw is",
+        ),
+        ("realization", "i4", -1, "index of the draw"),
+    ):
+        group.create_array(name, shape=(0,), chunks=(slot,), dtype=kind, fill_value=fill,
+                           attributes={"long_name": meaning, "_ARRAY_DIMENSIONS": ["draw"]})  # fmt: skip
+    if several:
+        made = group.create_array(computation.DIMENSION, shape=several, dtype=f"<U{max(map(len, listed))}",
+                                  attributes={"long_name": "fitted model", "_ARRAY_DIMENSIONS": [computation.DIMENSION]})  # fmt: skip
+        made[:] = np.array(listed)
+
+
+def read_slots(folder):
+    """(first slot, number of slots) of each chunk in the store, by the name of its results."""
+    path = Path(folder) / SLOTS
+    lines = path.read_text(encoding="utf-8").splitlines() if path.exists() else []
+    return {stem: (first, count) for stem, first, count in map(json.loads, lines)}
+
+
+def write(data, stem, mark):
+    """Whether a chunk's Dataset (``compute``) was written into the store beside the folder of ``mark``, and the mark after it."""
+    import zarr
+
+    from .compute import appear
+
+    mark = Path(mark)
+    folder = mark.parent.parent
+    group = zarr.open_group(folder / STORE, mode="r+", use_consolidated=False)
+    if stem not in (slots := read_slots(folder)):
+        raise InputError(folder / SLOTS, f"no place for chunk {stem}", "a line that lists it",
+                         "run the sweep again: it makes room before its jobs")  # fmt: skip
+    if mark.exists():
+        return False
+    slot = group.attrs["slot"]
+    first, size = slots[stem][0] * slot, data.sizes["draw"]
+    keys = [str(key) for key in data["key"].values]
+    numbers = np.array([int(key[:16], 16) for key in keys], np.uint64)
+    group["key"][first : first + size] = numbers[data["cell"].values]
+    group["realization"][first : first + size] = data["realization"].values
+    for name, one in data.data_vars.items():
+        if name in group and one.dims[:1] == ("draw",) and name != "realization":
+            if one.ndim == 1:
+                group[name][first : first + size] = one.values
+            else:
+                own = [group.attrs["listed"].index(str(entry)) for entry in data[one.dims[1]].values]
+                full = np.full(
+                    (size, len(group.attrs["listed"])),
+                    np.nan if one.dtype.kind == "f" else -1,
+                    one.dtype if one.dtype.kind == "f" else "i1",
+                )
+                full[:, own] = one.values
+                group[name][first : first + size] = full
+    reasons = {key: str(why) for key, why in zip(keys, data["reason"].values, strict=True) if str(why)}
+    told = {key: data.attrs[key] for key in ("computes", "code", "swingdown", "cpu_s")}
+    told |= {"first": first, "draws": size, "keys": keys, "reasons": reasons}
+    mark.parent.mkdir(parents=True, exist_ok=True)
+    partial = mark.with_name(f".{mark.name}.{os.uname().nodename}.{os.getpid()}")
+    try:
+        partial.write_text(json.dumps(told) + "\n", encoding="utf-8")
+        return appear(partial, mark)
+    finally:
+        partial.unlink(missing_ok=True)
+
+
+def parts(mark):
+    """What ``parts.parts`` gives, of a chunk in the store, with ``row``, where along ``draw`` the block is, among the variables."""
+    import zarr
+
+    told = json.loads(Path(mark).read_text(encoding="utf-8"))
+    group = zarr.open_group(Path(mark).parent.parent / STORE, mode="r", use_consolidated=False)
+    here = slice(told["first"], told["first"] + told["draws"])
+    numbers, draws = group["key"][here], group["realization"][here]
+    names = {int(key[:16], 16): key for key in told["keys"]}
+    if not set(map(int, np.unique(numbers))) <= set(names):
+        raise InputError(mark, "the store does not hold what it says", "draws of the cells that it lists",
+                         "delete it and run the sweep again")  # fmt: skip
+    found = {name: group[name][here] for name in _variables(group)}
+    found["row"] = np.arange(here.start, here.stop)
+    edges = np.flatnonzero((np.diff(numbers) != 0) | (np.diff(draws) != 1)) + 1
+    for first, last in zip([0, *edges], [*edges, draws.size], strict=True):
+        yield (
+            names[int(numbers[first])],
+            int(draws[first]),
+            {name: one[first:last] for name, one in found.items()},
+        )
+
+
+def about(mark):
+    """What ``parts.about`` gives, of a chunk in the store."""
+    import zarr
+
+    told = json.loads(Path(mark).read_text(encoding="utf-8"))
+    group = zarr.open_group(Path(mark).parent.parent / STORE, mode="r", use_consolidated=False)
+    dims = {name: tuple(group[name].attrs["_ARRAY_DIMENSIONS"]) for name in _variables(group)}
+    dimension = next((one[1] for one in dims.values() if len(one) > 1), None)
+    variables = {
+        name: (
+            group[name].dtype,
+            dims[name],
+            {key: value for key, value in group[name].attrs.items() if key != "_ARRAY_DIMENSIONS"},
+        )
+        for name in dims
+    }
+    return {
+        "listed": (dimension, list(group.attrs["listed"])),
+        "variables": variables,
+        "reasons": told["reasons"],
+        "attributes": told,
+    }
+
+
+def _variables(group):
+    return [
+        name
+        for name, one in group.arrays()
+        if one.ndim and name not in ("key", "realization") and one.attrs["_ARRAY_DIMENSIONS"][0] == "draw"
+    ]
+
+
+def add_cells(folder, cells):
+    """The store with the Dataset ``cells`` as its group ``cells``, in place of what was there."""
+    import zarr
+
+    path = Path(folder) / STORE
+    cells.to_zarr(path, group="cells", mode="w", zarr_format=2, consolidated=False)
+    zarr.consolidate_metadata(path)
+    return path
+
+
+def number_of(computes, settings):
+    """The number that stands for a cell in the store."""
+    return int(cell_key(computes, settings)[:16], 16)
