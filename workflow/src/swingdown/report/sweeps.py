@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from .page import Column, Figure, Findings, Section, Table, Text
+from .page import Cell, Column, Figure, Findings, Item, Section, Table, Text
 
 CLAIM = 68  # per cent
 _LABELS = {
