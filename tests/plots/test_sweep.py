@@ -24,10 +24,15 @@ def maps():
         "release_angle_deg": [5.0, 20.0, 40.0],
         "snr": [5.0, 20, 50, 100],
     }
-    names = ("true_by_norm", "true_by_bic", "true_by_ten")
-    return xr.Dataset(
-        dict.fromkeys(names, (dims, share)), coords, {"axes": " ".join(dims), "realizations": 40, "seed": 150}
+    names = [f"true_by_{kind}{end}" for kind in ("norm", "bic", "ten") for end in ("", "_low_95", "_high_95")]
+    count = dict.fromkeys(("made", "independent", "sets_of_ten"), (dims, np.full(shape, 40.0)))
+    made = xr.Dataset(
+        dict.fromkeys(names, (dims, share)) | count,
+        coords,
+        {"axes": " ".join(dims), "realizations": 40, "seed": 150},
     )
+    made["release_angle_deg"].attrs = {"long_name": "release angle", "units": "degrees"}
+    return made
 
 
 @pytest.mark.parametrize("draw", [by_norm, by_bic, by_ten])
@@ -44,16 +49,18 @@ def test_every_cell_is_written_in_per_cent_beside_the_papers_level(maps, draw):
         "SNR",
         "release angle (°)",
     } <= set(texts)
-    assert any("40 draws a cell" in text and "seed 150" in text for text in texts)
+    kind = "sets of ten draws" if draw is by_ten else "draws"
+    assert any(f"40 {kind} a cell" in text and "seed 150" in text for text in texts)
 
 
 def test_axes_that_do_not_fit_a_page_are_shown_at_one_value_that_is_told(maps):
     wide = xr.concat([maps, maps], "form").assign_coords(form=["consistent", "printed"])
     many = xr.concat([wide] * 9, "sampling_rate_hz").assign_coords(sampling_rate_hz=np.arange(9) * 10.0 + 50)
     many = many.transpose("sampling_rate_hz", "form", *maps.attrs["axes"].split())
+    many["sampling_rate_hz"].attrs = {"long_name": "sampling rate", "units": "Hz"}
     many.attrs = maps.attrs | {"axes": "sampling_rate_hz form " + maps.attrs["axes"]}
     figure = by_norm(many)
-    assert any("shown at sampling rate 50 Hz" in text for text in said(figure))
+    assert any("shown at sampling rate 90 Hz" in text for text in said(figure))
     assert len(figure.axes) == 2 * 4 + 1
 
 
@@ -77,7 +84,12 @@ def test_what_discovery_said_adds_up_to_all_campaigns():
     share[:, 0, 0] = 1
     share[:, 1:, 1], share[:, 1:, 4] = 0.75, 0.25
     maps = xr.Dataset(
-        {"share": (("effect", "size", "said"), share)},
+        {"share": (("effect", "size", "said"), share)}
+        | dict.fromkeys(("named", "named_low_95", "named_high_95"), (("effect", "size"), share[:, :, 1]))
+        | {
+            name: (("effect", "size"), np.full((2, 3), 12.0))
+            for name in ("made", "independent", "left_by_base", "reached")
+        },
         {"effect": ["quadratic_drag", "detent"], "size": [0.0, 0.3, 1.0], "said": said_words},
         {"axes": "effect size", "realizations": 12, "seed": 1},
     )

@@ -4,10 +4,12 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from swingdown import dataset
 from swingdown.errors import InputError
 from swingdown.study.settings import complete
 from swingdown.sweep.chunks import add_to_book, find_chunk, plan
 from swingdown.sweep.combine import combine, read_maps
+from swingdown.sweep.compute import publish
 from swingdown.sweep.job import work as job
 from swingdown.sweep.summary import intervals, table
 from swingdown.sweep.table import sweeps
@@ -215,3 +217,38 @@ def test_a_damaged_book_is_told_by_line(tmp_path):
         plan(sweep(), book)
     with pytest.raises(InputError, match="no chunk"):
         find_chunk(book, "0" * 16)
+
+
+def test_what_an_earlier_release_computed_is_kept_and_told_as_of_unknown_code(tmp_path):
+    _, names = work(sweep(), tmp_path)
+    book = tmp_path / "plan.jsonl"
+    dealt = plan(sweep(), book, "01234567")
+    assert dealt.missing == () and set(dealt.outdated) == set(names) and dealt.files[names[0]] == names[0]
+    again = plan(sweep(), book, "01234567", again=True)
+    assert set(again.missing) == set(names) and again.files[names[0]] == f"{names[0]}-01234567"
+    (tmp_path / "chunks" / f"{names[0]}.nc").rename(tmp_path / "chunks" / f"{names[0]}-01234567.nc")
+    assert plan(sweep(), book, "01234567").files[names[0]] == f"{names[0]}-01234567"
+    assert set(plan(sweep(), book, "01234567").outdated) == set(names[1:])
+
+
+def test_the_first_of_two_jobs_with_one_chunk_is_kept(tmp_path):
+    """As where a run resumes beside jobs of the one before it."""
+    _, names = work(sweep(), tmp_path)
+    path = tmp_path / "chunks" / f"{names[0]}.nc"
+    before = path.stat()
+    data = dataset.read(path)
+    assert publish(data, path) is False
+    assert (path.stat().st_ino, path.stat().st_mtime_ns) == (before.st_ino, before.st_mtime_ns)
+    assert publish(data, path.with_name("other.nc")) is True
+    assert sorted(one.name for one in path.parent.iterdir()) == sorted(
+        [*(f"{name}.nc" for name in names), "other.nc"]
+    )
+
+
+def test_code_that_changes_under_a_run_stops_its_jobs(tmp_path):
+    dealt = plan(sweep(), tmp_path / "plan.jsonl", "01234567")
+    add_to_book(tmp_path / "plan.jsonl", dealt.new)
+    stem = next(iter(dealt.files.values()))
+    with pytest.raises(InputError, match="the code was changed since the run began"):
+        job(tmp_path / "plan.jsonl", stem, tmp_path / "chunks" / f"{stem}.nc")
+    assert not (tmp_path / "chunks").exists()
