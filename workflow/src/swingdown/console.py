@@ -2,7 +2,7 @@
 
 import sys
 import traceback
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from .errors import InputError
@@ -60,5 +60,6 @@ def _stop(text, log, told):
 
 def _keep(log, lines):
     if log:
-        Path(log).parent.mkdir(parents=True, exist_ok=True)
-        Path(log).write_text("\n".join([*lines, ""]), encoding="utf-8")
+        with suppress(OSError):  # on a full disk the terminal has it all the same
+            Path(log).parent.mkdir(parents=True, exist_ok=True)
+            Path(log).write_text("\n".join([*lines, ""]), encoding="utf-8")

@@ -13,7 +13,9 @@ def complete(config, where="config"):
     Raises InputError, with the full name of the key and a near match where there is one, for an unknown key, a value
     of another kind or out of bounds, and a model that is not built from the catalogue's effects.
     """
-    config = as_said(config, "config.schema.yaml", ("capture", "live", "recover"))
+    config = as_said(
+        config, "config.schema.yaml", ("capture", "live", "recover", "height", "count", "session", "monitor")
+    )
     settings = check(config, "config.schema.yaml", where)
     own_effects.use(settings["effects"], f"{where}, key effects")
     for number, name in enumerate(settings["discovery"]["base"], 1):
