@@ -50,6 +50,11 @@ def test_a_sheet_is_made_where_there_is_none():
     assert read_sheet("sheet.csv", check_files=False).loc["new"].signal_unit == "V"
 
 
+def test_a_sheet_that_is_made_has_a_column_for_all_that_is_known():
+    sheets.add_row("sheet.csv", ROW | {"signal_unit": "counts", "counts_per_revolution": 4096})
+    assert read_sheet("sheet.csv", check_files=False).loc["new"].counts_per_revolution == 4096
+
+
 def test_a_cell_with_a_comma_is_quoted():
     sheets.add_row("sheet.csv", ROW | {"file": "a,b.nc"})
     assert read_sheet("sheet.csv", check_files=False).loc["new"].file == "a,b.nc"

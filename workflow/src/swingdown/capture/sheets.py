@@ -58,14 +58,14 @@ def add_row(path, row, rehearse=False):
         end = b"\r\n" if b"\r\n" in old else b"\n"
         lacking = [name for name in row if name not in header]
         if not old.strip():
-            new = _line(header) + end
+            new = _line([*header, *lacking]) + end
         else:
             first, newline, rest = old.partition(b"\n")
             first = first.removesuffix(b"\r")
             new = first + b"".join(b"," + name.encode() for name in lacking)
             new += (end if newline else b"") + rest
             new += b"" if new.endswith(b"\n") else end
-        new += _line([row.get(name, "") for name in [*header, *(lacking if old.strip() else [])]]) + end
+        new += _line([row.get(name, "") for name in [*header, *lacking]]) + end
         _replace(path, old, new, rehearse, lambda made: _check_rows(made, path, row))
     return path
 

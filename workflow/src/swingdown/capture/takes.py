@@ -57,7 +57,7 @@ def takes(config):
 
 def _counted(take):
     """The recordings of one entry: itself, or as many as its ``count`` says."""
-    one = {key: value for key, value in take.items() if key != "count" and value not in (None, "")}
+    one = {key: value for key, value in take.items() if key != "count" and value is not None}
     if not (count := take.get("count")):
         return [one]
     digits = max(2, len(str(count)))
