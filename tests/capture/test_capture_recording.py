@@ -3,6 +3,7 @@
 import contextlib
 import errno
 import os
+import resource
 import signal
 import subprocess
 import sys
@@ -233,6 +234,19 @@ def test_a_disk_without_room_for_the_recording_keeps_the_raw_stream(record, monk
     with pytest.raises(OSError, match=r"the disk is full.*kept in resources/recordings/a\.raw.*recover=true"):
         record(swing())
     assert not NC.exists() and RAW.exists()
+
+
+def test_a_limit_on_the_size_of_files_keeps_the_raw_stream(record):
+    """``ulimit -f``: there is room, and the netCDF library says no more than that it failed."""
+    limit = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (4000, limit[1]))
+    try:
+        with pytest.raises(InputError, match=r"it cannot be written.*a\.raw.*ulimit -f.*recover=true"):
+            record(swing())
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, limit)
+    assert not NC.exists() and [path.name for path in NC.parent.iterdir()] == ["a.raw"]
+    assert "100 of 100 samples" in recover()
 
 
 @pytest.mark.skipif(os.geteuid() != 0, reason="NOT TESTED: a disk that is really full takes root")

@@ -115,6 +115,8 @@ static void on_byte(avr_irq_t *irq, uint32_t value, void *param)
 /* What was sent of late; what does not fit because nobody reads is lost. */
 static void deliver(void)
 {
+    if (waiting)
+        fflush(truth); /* it is never behind what was sent, also where the board is unplugged */
     ssize_t done = is_open ? write(port, sent, waiting) : (ssize_t)waiting;
     if (done > 0) {
         waiting -= (size_t)done;
@@ -174,7 +176,7 @@ int main(int argc, char **argv)
     struct termios raw;
     int slave;
     char name[128];
-    double boot, began, told = 0, reset_at = -1, silent_until = -1;
+    double boot, began, reset_at = -1, silent_until = -1;
 
     if (argc < 6 || argc > 8)
         return fprintf(stderr, "usage: board FIRMWARE.elf VOLTS TRUTH BOOT PORT [analog|encoder [AREF]]\n"), 2;
@@ -234,8 +236,6 @@ int main(int argc, char **argv)
             }
             deliver();
         }
-        if (now >= told + 0.05)
-            told = now, fflush(truth);
         nanosleep(&(struct timespec){.tv_nsec = 500000}, NULL);
     }
 }

@@ -108,7 +108,6 @@ class Board:
 
     def truth(self):
         """The voltage (V) and the processor's cycle at each conversion since the last reset, by sequence number."""
-        time.sleep(0.2)  # it is written every 50 ms
         rows = np.loadtxt(self._truth.read_text().rpartition("\n")[0].splitlines())
         last = rows[rows[:, 0] == rows[-1, 0]]
         return last[:, 2], last[:, 3]

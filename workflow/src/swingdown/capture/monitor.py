@@ -14,6 +14,7 @@ from .verdict import saturated
 
 KEEP = 20.0  # s of the signal
 _SHOW = 0.2  # s between pictures
+_WIDTH = 100  # characters of the trace
 CALIBRATION = Path("results/calibration/calibration.nc")
 
 
@@ -53,8 +54,8 @@ class Monitor:
             parts.append(f"{degrees:+.2f} deg")
         return " | ".join([*parts, f"noise {recorder.noise():.2g} {unit}"])
 
-    def lines(self, width=100):
-        """All that is known of the last seconds, as lines: a trace too where ``width`` allows."""
+    def lines(self, trace=True):
+        """All that is known of the last seconds, as lines; the ``trace`` at their end."""
         recorder, unit = self.recorder, self.settings["signal_unit"]
         found, rows = [self.line()], recorder.order.rows
         if len(rows) > 20:
@@ -66,8 +67,8 @@ class Monitor:
             if swing := measured(recorder, KEEP):
                 found.append(swing)
             found += self._ends()
-            found += trace_of(recorder, width)
-        return [line[:width] for line in found]
+            found += trace_of(recorder, _WIDTH) if trace else []
+        return found
 
     def _rates(self):
         recorder, parts = self.recorder, []
@@ -135,6 +136,6 @@ def watch(settings, show, stop):
             if time.monotonic() - shown > _SHOW:
                 show(monitor.lines())
                 shown = time.monotonic()
-        return "\n".join(["nothing was recorded; at the end:", *monitor.lines(width=200)[:4]])
+        return "\n".join(["nothing was recorded; at the end:", *monitor.lines(trace=False)])
     finally:
         listener.close()

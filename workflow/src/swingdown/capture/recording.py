@@ -148,6 +148,13 @@ def _close(job, recorder, remove_journal):
             f"{error.strerror or error}. What arrived is kept in {job.journal}; make room, then run the same command with "
             "`recover=true`",
         ) from error
+    except RuntimeError as error:  # what the netCDF library raises where there is room and it may not be used
+        raise InputError(
+            job.path,
+            f"it cannot be written ({error}); what arrived is kept in {job.journal}",
+            "a file system that takes the file, and no limit on its size (`ulimit -f`)",
+            "lift the limit, then run the same command with `recover=true`",
+        ) from error
     enter_whole(job)
     remove_journal()
     sentence = told(job, data)
