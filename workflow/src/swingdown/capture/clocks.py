@@ -7,6 +7,7 @@ each piece counts, and of several pieces the promptest.
 from typing import NamedTuple
 
 import numpy as np
+import numpy.typing as npt
 
 RATE = 0.005  # part; how far the clocks of host and device may part: a ceramic resonator is good to that
 LATE = 0.05  # s; what the promptest arrivals may jitter by in any case
@@ -26,12 +27,12 @@ class Comparison(NamedTuple):
     stall: float  # s that the device's clock stood still (above 0) or jumped ahead (below 0) once
     at: float  # s; when, by the device's clock
 
-    def off(self, duration):
+    def off(self, duration: float) -> bool:
         """True if the clocks part by more over ``duration`` (s) than good clocks and jitter account for."""
         return abs(self.ratio - 1) * duration > RATE * duration + LATE + self.jitter
 
 
-def compare(times, arrivals):
+def compare(times: npt.ArrayLike, arrivals: npt.ArrayLike) -> Comparison | None:
     """The Comparison of device times (s) with arrivals (s by the host), or None where they are too few to tell anything."""
     times, arrivals = np.asarray(times, float), np.asarray(arrivals, float)
     last = np.flatnonzero(np.diff(arrivals) > 0)  # of each piece but the final one, which may be cut short
@@ -64,7 +65,7 @@ def compare(times, arrivals):
     return Comparison(1 + float(plain[1]), jitter, 0.0, 0.0)
 
 
-def jump(positions, times):
+def jump(positions: npt.ArrayLike, times: npt.ArrayLike) -> tuple[float, int]:
     """(seconds too many, index) of the largest jump of the device's clock between samples whose numbers say otherwise.
 
     (0, 0) where there is none: all intervals agree with the usual one within half of it and 50 ms.

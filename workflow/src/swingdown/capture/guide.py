@@ -18,11 +18,11 @@ class Keyboard:
             self._file = os.open(path, os.O_RDONLY | os.O_NONBLOCK)
 
     @property
-    def there(self):
+    def there(self) -> bool:
         """True if someone could press a key."""
         return self._file is not None
 
-    def enter(self):
+    def enter(self) -> bool:
         """True if a line was entered since the last look."""
         if self._file is None or not select.select([self._file], [], [], 0)[0]:
             return False

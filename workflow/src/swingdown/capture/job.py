@@ -33,7 +33,7 @@ class Job:
         return FOLDER / f"{self.name}.raw"
 
 
-def job(config, again=False):
+def job(config: dict, again: bool = False) -> Job:
     """The Job that complete settings (``settings.complete``) ask for; ``again``: its recording may be there already.
 
     InputError, before anything is recorded, for whatever would stop the recording from being kept: a name that is taken, a
@@ -142,7 +142,7 @@ def _point(job, digest):
     }
 
 
-def check_room(seconds=0.0, rate=0.0, folder=FOLDER):
+def check_room(seconds: float | None = 0.0, rate: float = 0.0, folder: str | Path = FOLDER) -> None:
     """None, or OSError where the disk has no room for a recording of ``seconds`` (None: an open end) at ``rate`` (1/s)."""
     seconds = _LONG if seconds is None else seconds
     needed = seconds * rate * _ROOM + 1e6

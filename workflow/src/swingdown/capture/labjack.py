@@ -26,7 +26,7 @@ class Stream:
         self._ljm, self._handle, self.name, self.rate, self._scans = ljm, handle, name, rate, scans
         self._next, self._lost = 0, 0
 
-    def read(self):
+    def read(self) -> bytes:
         """The scans of the next twentieth of a second, in the format ``readings``; ``source.GONE`` when the device is gone."""
         try:
             data, _, _ = self._ljm.eStreamRead(self._handle)
@@ -38,14 +38,14 @@ class Stream:
         self._next += len(data)
         return Readings.encoded(first, [math.nan if value == LOST else value for value in data])
 
-    def close(self):
+    def close(self) -> None:
         """Stops the stream and lets the device go."""
         for end in (self._ljm.eStreamStop, self._ljm.close):
             with contextlib.suppress(self._ljm.LJMError):
                 end(self._handle)
 
 
-def connect(settings):
+def connect(settings: dict) -> Stream:
     """The running Stream of ``settings`` (the config's ``capture``); InputError where it cannot be used."""
     where = settings["port"]
     parts = where.partition("://")[2].split("/")

@@ -29,12 +29,12 @@ class Listener:
         except source.GONE as error:
             self._pieces.put((self.now(), error))
 
-    def now(self):
+    def now(self) -> float:
         """The host's time, in s since 1970."""
         return self._offset + time.monotonic()
 
     @property
-    def behind(self):
+    def behind(self) -> int:
         """How many pieces wait to be taken."""
         return self._pieces.qsize()
 
@@ -50,7 +50,7 @@ class Listener:
             self.gone = data
         return arrival, data
 
-    def close(self):
+    def close(self) -> None:
         """Ends the reading and closes the source."""
         self._done.set()
         self._thread.join(1)

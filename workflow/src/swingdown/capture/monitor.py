@@ -41,7 +41,7 @@ class Monitor:
             del rows[:-most]
             self.recorder.order.missing.clear()
 
-    def line(self):
+    def line(self) -> str:
         """The signal of this moment in one line."""
         recorder, unit = self.recorder, self.settings["signal_unit"]
         if not recorder.order.rows:
@@ -54,7 +54,7 @@ class Monitor:
             parts.append(f"{degrees:+.2f} deg")
         return " | ".join([*parts, f"noise {recorder.noise():.2g} {unit}"])
 
-    def lines(self, trace=True):
+    def lines(self, trace: bool = True) -> list[str]:
         """All that is known of the last seconds, as lines; the ``trace`` at their end."""
         recorder, unit = self.recorder, self.settings["signal_unit"]
         found, rows = [self.line()], recorder.order.rows

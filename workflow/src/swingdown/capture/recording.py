@@ -6,7 +6,7 @@ from dataclasses import replace
 
 from ..errors import InputError
 from . import sheets, source, take
-from .job import check_room, enter_whole
+from .job import Job, check_room, enter_whole
 from .journal import Journal, read_journal
 from .listener import Listener
 from .recorder import DISCONNECTED, STOPPED, Recorder
@@ -15,7 +15,7 @@ _SHOW = 0.2  # s between pictures
 _MANY = 100  # pieces that wait; with more there is no time for pictures
 
 
-def capture(job, views=(), stop=None):
+def capture(job: Job, views=(), stop: threading.Event | None = None) -> str:
     """A sentence on the recording that was made: at ``job.path``, with its row in the sheet.
 
     ``views`` have ``show(recorder)`` and ``close()``; the event ``stop`` ends the recording. InputError where the port cannot be
@@ -68,7 +68,7 @@ def told_source(settings, name):
     return f"captured from {name}: {what}"
 
 
-def recover(job):
+def recover(job: Job) -> str:
     """A sentence on the recording made from the journal of a capture that was killed.
 
     What the journal tells of the job (settings, height of a tower, the sheet) holds, and what the command says besides does not.

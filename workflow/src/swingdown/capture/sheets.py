@@ -83,7 +83,7 @@ def add_point(path, point, rehearse=False):
     return path
 
 
-def readable(path):
+def readable(path: str | Path) -> bytes:
     """The bytes of a sheet; InputError, with its mend, where it is no text that could be added to, or may not be changed."""
     path = Path(path)
     if path.is_dir():

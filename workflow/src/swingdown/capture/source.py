@@ -16,7 +16,7 @@ def _kind(settings):
     return KINDS.get(str(settings.get("port") or "").partition("://")[0])
 
 
-def format_of(settings):
+def format_of(settings: dict) -> str:
     """The wire format of the source that ``settings`` (the config's ``capture``) name."""
     return "readings" if _kind(settings) else settings["format"]
 

@@ -3,6 +3,7 @@
 from typing import NamedTuple
 
 import numpy as np
+import numpy.typing as npt
 
 MANY = 10  # swings that the loss is told over
 _CLEAR = 6  # standard deviations of the noise that a swing's amplitude must have to be one
@@ -17,7 +18,7 @@ class Swing(NamedTuple):
     loss: float | None  # part of the amplitude that a swing loses, over the last ten; None before
 
 
-def measure(times, values, noise=0.0):
+def measure(times: npt.ArrayLike, values: npt.ArrayLike, noise: float = 0.0) -> Swing | None:
     """The Swing of ``values`` at ``times`` (s), or None where nothing swings clearly above the ``noise``."""
     times, values = np.asarray(times, float), np.asarray(values, float)
     if len(values) < 8:

@@ -9,7 +9,7 @@ _NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]*")
 _PLAN = "capture: {takes: [{recording: tower-1, height: 0.024}, {recording: rest, role: static}, {recording: swing, count: 5}]}"
 
 
-def takes(config):
+def takes(config: dict) -> list[dict]:
     """The recordings asked for, in their order: dicts with ``recording`` and, where they hold, ``height`` and ``role``.
 
     ``recording`` is a name, several between commas, or a list; with ``count`` the one name becomes name-01, name-02, ...;

@@ -3,6 +3,7 @@
 from collections import deque
 
 import numpy as np
+import numpy.typing as npt
 
 CONFIRM = 3  # samples beyond the threshold before it is a release and no spike
 LOOKS = 20  # at the stillness of the bob, in the time that it must be still
@@ -51,7 +52,7 @@ class Watch:
         return None
 
 
-def release(times, values, at, threshold):
+def release(times: npt.ArrayLike, values: npt.ArrayLike, at: int, threshold: float) -> float:
     """The time of the first sample that the bob was free at, or the last before, given that it was noticed at index ``at``.
 
     ``times`` (s) and ``values`` of the rows around the release; those in the first half of the time before ``at`` were taken
@@ -73,7 +74,7 @@ def release(times, values, at, threshold):
     return float(times[np.searchsorted(times, begun[np.argmin(left)] - 1e-9)])
 
 
-def noise(values):
+def noise(values: npt.ArrayLike) -> float:
     """The standard deviation of the noise of ``values``, whatever slow motion is beneath it: by their second differences."""
     values = np.asarray(values, float)
     if len(values) < 8:

@@ -1,6 +1,7 @@
 """What a recording's clocks and values say against it, beside the frames that are missing: as sentences, each with its mend."""
 
 import numpy as np
+import numpy.typing as npt
 
 from . import clocks
 
@@ -9,7 +10,7 @@ UNLIKE = (
 )
 
 
-def of(recorder):
+def of(recorder) -> list[str]:
     """The sentences; none where nothing is wrong. ``recorder`` has ended, or stands still for the moment."""
     if len(recorder.rows) < 2:
         return []
@@ -67,7 +68,7 @@ def _saturated(recorder):
     return [told] if count else []
 
 
-def saturated(values, limits):
+def saturated(values: npt.ArrayLike, limits: tuple[float, float]) -> int:
     """How many of ``values`` lie at or beyond the ends of ``limits`` (lowest, highest)."""
     values = np.asarray(values, float)
     return int(np.sum((values <= limits[0]) | (values >= limits[1])))
