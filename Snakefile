@@ -1,8 +1,11 @@
 """The study on one page: settings and sheets are checked, then each stage adds its rules and its results."""
 
+import logging
+
 from snakemake.utils import min_version
 
 from swingdown import console
+from swingdown.capture import takes
 from swingdown.paths import find, is_url
 from swingdown.study.plan import plan
 from swingdown.study.settings import complete
@@ -10,6 +13,9 @@ from swingdown.study.sources import sources
 from swingdown.sweep.table import sweeps
 
 min_version("9.0")
+
+# A full disk is told once, by what needs the room, and not by every line that Snakemake's own log cannot keep.
+logging.raiseExceptions = False
 
 # Settings that name recordings are a study of one's own and inherit nothing of the bench from this folder; any others
 # change single settings of the paper's study. `recordings: null` is a study without any.
@@ -25,13 +31,14 @@ if "sweeps" not in config:
 
 with console.job():
     where = ", ".join(map(str, workflow.configfiles)) or "config"
-    if "recording" in config:
+    AT_THE_BENCH = any(config.get(key) for key in takes.KEYS)
+    if AT_THE_BENCH:
         config.setdefault("capture", {})
     settings = complete(config, where)
     config.clear()
     config.update(settings)
     # A recording that is asked for by name is captured, and nothing of the study is looked at: it may not be there yet.
-    PLAN = plan({} if "recording" in config else config)
+    PLAN = plan({} if AT_THE_BENCH else config)
     SWEEPS = sweeps(config, where)
 
 TABLES, FIGURES, VERDICTS = [], [], []  # each stage adds what it makes; the report shows all of it
@@ -48,7 +55,7 @@ wildcard_constraints:
 include: "workflow/rules/common.smk"
 
 
-if "recording" in config:
+if AT_THE_BENCH:
 
     include: "workflow/rules/capture.smk"
 

@@ -7,10 +7,11 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from traffic import crc16, frame, frames
+from traffic import SETTINGS, crc16, frame, frames
 
 from swingdown.capture.formats import FORMATS, Frames, Lines, parser
 from swingdown.capture.order import Order
+from swingdown.capture.recorder import Recorder
 from swingdown.errors import InputError
 
 
@@ -134,7 +135,7 @@ def test_a_lost_frame_and_a_damaged_one_are_told_apart():
     whole[6] = whole[6][:4] + b"\xff" + whole[6][5:]
     order = kept(Frames(), b"".join(whole[:3] + whole[5:]))
     assert order.missing == [(3, False), (4, False), (6, True)]
-    order = kept(Frames(), b"".join(whole[:5] + whole[6:7] + whole[9:]))
+    order = kept(Frames(), b"".join(whole[:5] + whole[6:7] + whole[9:]) + frame(10, 500))
     assert order.missing == [(5, False), (6, True), (7, False), (8, False)]
 
 
@@ -219,6 +220,109 @@ def test_the_devices_clock_is_the_time_base_where_it_sends_one():
     data = b"\n" + b"".join(b"%d,%d,7\n" % (k, 11 * k) for k in range(4))
     order = kept(lines(columns=["sequence", "time_ms", "value"]), data)
     assert [row.time for row in order.rows] == pytest.approx([0, 0.011, 0.022, 0.033])
+
+
+def ordered(columns, texts, rate=100, pace=None):
+    """The Order of lines that come at their pace (1/s)."""
+    order = Order(reader := lines(columns=columns), rate)
+    reader.feed(b"\n")
+    for k, text in enumerate(texts):
+        for sample in reader.feed(text + b"\n"):
+            order.add(sample, 100 + k / (pace or rate))
+    return order
+
+
+def wrong(texts, at, column, by):
+    """The same lines with one number of one line another: what a lost or a flipped digit does."""
+    cells = texts[at].split(b",")
+    cells[column] = b"%d" % (int(cells[column]) + by)
+    return [*texts[:at], b",".join(cells), *texts[at + 1 :]]
+
+
+@pytest.mark.parametrize("by", [10, 30, 1000, 1900, 5000, -50, -400])
+@pytest.mark.parametrize(
+    "columns", [["time_ms", "value"], ["sequence", "value"], ["sequence", "time_ms", "value"]]
+)
+def test_one_wrong_digit_costs_one_line(columns, by):
+    """A time or a number that jumps is believed only when the next lines go on from there."""
+    by = by if columns[0] == "time_ms" else by // 10
+    cells = {"sequence": lambda k: k + 60, "time_ms": lambda k: 10 * (k + 60), "value": lambda k: 500 + k}
+    texts = [b",".join(b"%d" % cells[name](k) for name in columns) for k in range(120)]
+    order = ordered(columns, wrong(texts, 50, 0, by))
+    assert [row.value for row in order.rows] == [500 + k for k in range(120) if k != 50]
+    assert not order.restarted and order.missing == [(order.rows[49].position + 1, True)]
+    assert order.rows[-1].time == pytest.approx(1.19)
+
+
+def test_a_wrong_digit_in_the_first_line_costs_that_line():
+    texts = wrong([b"%d,%d" % (10 * k, k) for k in range(50)], 0, 0, 7000)
+    made = Recorder({**SETTINGS, "format": "csv", "columns": ["time_ms", "value"], "duration_s": 0.4}, 100.0)
+    made.feed(b"\n", 100)
+    for k, text in enumerate(texts):
+        made.feed(text + b"\n", 100 + k / 100)
+    assert made.status == "complete" and [row.value for row in made.rows] == list(range(1, 41))
+
+
+def test_true_losses_are_told_once_the_next_sample_confirms_them():
+    texts = [b"%d,%d" % (10 * k, k) for k in range(100)]
+    order = ordered(["time_ms", "value"], [text for k, text in enumerate(texts) if k not in (30, 31, 32, 60)])
+    assert order.missing == [(30, False), (31, False), (32, False), (60, False)]
+    assert len(order.rows) == 96
+
+
+@pytest.mark.parametrize("rate", [100, 200, 250])
+def test_a_clock_with_two_decimals_drops_no_sample_whose_value_differs(rate):
+    """Two or three samples share a time; each is one, and stands within the clock's step of where it was taken."""
+    texts = [b"%.2f,%d" % (np.floor(100 * (0.003 + k / rate)) / 100, k) for k in range(4 * rate)]
+    order = ordered(["time_s", "value"], texts, rate)
+    assert [row.value for row in order.rows] == list(range(4 * rate))
+    assert not order.repeated and not order.missing
+    times = np.array([row.time for row in order.rows])
+    assert np.all(np.diff(times) > 0)
+    assert np.abs(times - np.arange(4 * rate) / rate).max() <= 0.01
+
+
+def test_a_pendulum_at_rest_is_no_repetition():
+    texts = [b"%.2f,512" % (np.floor(k / 2) / 100) for k in range(400)]
+    order = ordered(["time_s", "value"], texts, 200)
+    assert len(order.rows) == 400 and not order.repeated
+
+
+@pytest.mark.parametrize("columns", [["time_ms", "value"], ["sequence", "value"]])
+@pytest.mark.parametrize("size", [1, 2, 20])
+def test_a_block_that_comes_twice_is_kept_once(columns, size):
+    step = 10 if columns[0] == "time_ms" else 1
+    texts = [b"%d,%d" % (step * k, k) for k in range(100)]
+    order = ordered(columns, [*texts[:60], *texts[60 - size : 60], *texts[60:]])
+    assert [row.value for row in order.rows] == list(range(100))
+    assert order.repeated == size and not order.restarted and not order.missing
+
+
+def test_two_frames_from_the_past_do_not_end_the_recording():
+    made = Recorder({**SETTINGS}, 100.0)
+    data = [
+        *(frame(k + 500, k) for k in range(50)),
+        frame(20, 7),
+        frame(21, 8),
+        *(frame(k + 500, k) for k in range(50, 110)),
+    ]
+    for k, one in enumerate(data):
+        made.feed(one, 100 + k / 100)
+    assert made.status == "complete" and [row.value for row in made.rows] == list(range(100))
+    assert not made.missing
+
+
+def test_a_reset_with_times_in_seconds_is_noticed():
+    """Every later time lies in the past; none of them is a repetition."""
+    texts = [b"%.3f,%d" % (5 + k / 100, k) for k in range(50)] + [
+        b"%.3f,%d" % (k / 100, k) for k in range(50)
+    ]
+    made = Recorder({**SETTINGS, "format": "csv", "columns": ["time_s", "value"]}, 100.0)
+    made.feed(b"\n", 100)
+    for k, text in enumerate(texts):
+        made.feed(text + b"\n", 100 + k / 100)
+    assert made.status == "disconnected" and "began anew" in made.reason
+    assert [row.value for row in made.rows] == list(range(50))
 
 
 def test_an_impossible_number_is_left_out_and_a_new_beginning_is_noticed():

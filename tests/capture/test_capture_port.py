@@ -51,13 +51,20 @@ def test_a_board_is_found_by_its_usb_identity(plugged):
     assert ports.find("2341:0043:9a01") == "/dev/ttyACM3"
 
 
+def test_a_lone_board_is_found_by_itself(plugged):
+    assert ports.find(None) == "/dev/ttyACM0"
+    plugged(PLAIN)
+    with pytest.raises(InputError, match="no port is named, and no boards are plugged in"):
+        ports.find(None)
+
+
 @pytest.mark.parametrize(
     ("name", "boards", "told"),
     [
         ("2341:0043", (UNO, OTHER), ["2 boards are", "VID:PID:serial"]),
         ("2341:0043:77", (UNO,), ["no board 2341:0043:77", "plug it in"]),
         ("/dev/ttyUSB7", (UNO, PLAIN), ["no port /dev/ttyUSB7", "/dev/ttyS0"]),
-        (None, (UNO,), ["no port is named", "set capture.port"]),
+        (None, (UNO, OTHER), ["no port is named, and 2 boards", "set capture.port"]),
     ],
 )
 def test_a_port_that_is_not_there_is_told_with_those_that_are(plugged, name, boards, told):
@@ -153,6 +160,30 @@ def test_a_port_over_the_network(scheme):
     threading.Thread(target=serve, daemon=True).start()
     connection = ports.connect(f"{scheme}://127.0.0.1:{server.getsockname()[1]}", 115200)
     assert read_all(connection, 480) == frames(range(200, 260))
+    connection.close()
+    server.close()
+
+
+@pytest.mark.parametrize("count", [200, 5000])
+def test_a_socket_keeps_up_with_the_board(count):
+    """Two bytes a call would be 50 lines a second; here a second of frames has to come within that second."""
+    server = socket.create_server(("127.0.0.1", 0))
+
+    def serve():
+        peer, _ = server.accept()
+        time.sleep(0.3)
+        due = time.monotonic()
+        for k in range(0, count, count // 100):
+            peer.sendall(frames([7] * (count // 100), k))
+            due += 0.01
+            time.sleep(max(due - time.monotonic(), 0))
+        time.sleep(1)
+        peer.close()
+
+    threading.Thread(target=serve, daemon=True).start()
+    connection = ports.connect(f"socket://127.0.0.1:{server.getsockname()[1]}", 115200)
+    got = read_all(connection, 8 * count, seconds=1.9)
+    assert got == frames([7] * count)
     connection.close()
     server.close()
 

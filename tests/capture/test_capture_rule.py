@@ -46,7 +46,7 @@ class Session:
         (self.folder / "study.yaml").write_text(STUDY.format(port=self.line.port, duration=duration))
         command = [
             sys.executable, "-m", "snakemake", "-c1", "capture", "--configfile", self.folder / "study.yaml",
-            "--directory", self.folder, "--config", f"recording={name}", *config,
+            "--directory", self.folder, "--config", *([f"recording={name}"] if name else []), *config,
         ]  # fmt: skip
         self.pid, self.terminal = pty.fork()
         if self.pid == 0:
@@ -119,6 +119,40 @@ def test_ctrl_c_ends_a_recording_and_keeps_it(bench, tmp_path):
     assert "swing-07: stopped: " in shown and "1 of 1 jobs done" in shown
     data = dataset.read(tmp_path / "resources/recordings/swing-07.nc")
     assert data.attrs["status"] == "stopped" and data.attrs["partial"] == "no" and data.sizes["time"] > 100
+
+
+def test_a_session_is_led_by_prompts_and_enter(bench, tmp_path):
+    """Two records at rest, each after Enter in the terminal."""
+    asked = []
+
+    def answer():
+        os.write(bench.terminal, b"\n\n")
+        asked.append(1)
+
+    shown = bench.run(
+        "role=static",
+        "capture={still_s: 0.5, countdown_s: 0}",
+        name="rest-1,rest-2",
+        when=rb"Press Enter",
+        then=answer,
+    )
+    assert bench.code == 0 and asked, shown
+    assert "rest-1 (1 of 2): let the bob hang at rest" in shown and "rest-2 (2 of 2)" in shown
+    assert "2 of 2 recorded" in shown
+    text = (tmp_path / "recordings.csv").read_text()
+    assert text.count("static") == 2 and text.index("rest-1") < text.index("rest-2")
+    for name in ("rest-1", "rest-2"):
+        assert dataset.read(tmp_path / f"resources/recordings/{name}.nc").sizes["time"] == 50
+
+
+@pytest.mark.slow
+def test_the_monitor_records_nothing_and_ctrl_c_ends_it(bench, tmp_path):
+    shown = bench.run(
+        "monitor=true", name=None, when=rb"period \d", then=lambda: os.write(bench.terminal, b"\x03")
+    )
+    assert bench.code == 0, shown
+    assert "noise" in shown and "S/s by this computer" in shown and "nothing was recorded" in shown
+    assert not (tmp_path / "resources").exists() and not (tmp_path / "recordings.csv").exists()
 
 
 @pytest.mark.slow

@@ -1,397 +1,259 @@
-"""From a port to a file and a row: what a fault leaves behind, and that nothing is ever overwritten."""
+"""Several recordings in one go, and the signal without any: one port that stays open, and a person who is led along."""
 
-import contextlib
-import errno
-import os
-import signal
-import subprocess
-import sys
+import io
 import threading
 import time
 from pathlib import Path
 
 import numpy as np
 import pytest
-import xarray as xr
-from traffic import SETTINGS, Line, frame, frames
+import yaml
+from traffic import SETTINGS, Line, frame
 
 from swingdown import dataset
-from swingdown.capture import session, take
-from swingdown.capture.journal import Journal, read_journal
+from swingdown.capture import job as jobs
+from swingdown.capture import monitor, session, source
+from swingdown.capture.takes import takes
 from swingdown.errors import InputError
-from swingdown.measurement.recording import ingest
 from swingdown.measurement.sheet import read_sheet
 
-NC, RAW = Path("resources/recordings/a.nc"), Path("resources/recordings/a.raw")
-SWING = [int(500 + 300 * np.cos(k / 15)) for k in range(100)]
+FOLDER = Path("resources/recordings")
+
+
+class Board(Line):
+    """A board that sends ``signal(s)`` as frames at 100 S/s until it is unplugged."""
+
+    def __init__(self, signal):
+        super().__init__()
+        self.sent, self._signal, self._stop = 0, signal, threading.Event()
+        self._thread = threading.Thread(target=self._run, daemon=True)
+        self._thread.start()
+
+    def _run(self):
+        begun = time.monotonic()
+        while not self._stop.is_set():
+            while self.sent < 100 * (time.monotonic() - begun):
+                self.send(frame(self.sent, int(self._signal(self.sent / 100))))
+                self.sent += 1
+            time.sleep(0.01)
+
+    def close(self):
+        self._stop.set()
+        super().close()
+
+    unplug_now = close
+
+
+class Hand:
+    """A keyboard at which Enter is pressed at once."""
+
+    there, pressed = True, 0
+
+    def enter(self):
+        self.pressed += 1
+        return True
+
+    def close(self):
+        pass
 
 
 @pytest.fixture
-def line(tmp_path, monkeypatch):
+def board(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    made = Line()
-    yield made
-    made.close()
+    made = []
+
+    def make(signal):
+        made.append(Board(signal))
+        return made[-1]
+
+    yield make
+    for one in made:
+        one.close()
 
 
-@pytest.fixture
-def record(line):
-    """A function that records what ``pieces`` of (pause, bytes) send, and returns what the experimenter is told."""
-
-    def run(pieces=(), unplug=False, stop=None, name="a", **capture):
-        config = {
-            "recording": name,
-            "recordings": "sheet.csv",
-            "capture": {**SETTINGS, "port": line.port, **capture},
-        }
-        line.play(pieces, unplug)
-        return session.capture(session.job(config), stop=stop)
-
-    return run
+def asked(board, config, **capture):
+    settings = {
+        **SETTINGS,
+        "port": board.port,
+        "duration_s": 0.6,
+        "still_s": 0.4,
+        "countdown_s": 0.1,
+        **capture,
+    }
+    complete = {"recordings": "sheet.csv", "apparatus": "apparatus.yaml", "capture": settings, **config}
+    return [jobs.job(complete | take, again=True) for take in takes(complete)]
 
 
-def swing(values=SWING, first=0, piece=10):
-    """Pieces of ten frames, somewhat faster than they would come, to save time."""
-    return [
-        (0.6 * piece / 100, frames(values[k : k + piece], first + k)) for k in range(0, len(values), piece)
+def run(made, keyboard=None, stop=None, seconds=0.1):
+    """What was said, in a session of the Jobs."""
+    said, stop = [], stop or threading.Event()
+    stream = io.StringIO()
+    guide = session.Guide(seconds, stop, keyboard or Hand(), stream)
+    try:
+        said.append(session.run(made, guide, stop=stop, say=said.append))
+    finally:
+        said.append(stream.getvalue())
+    return "\n".join(said)
+
+
+def held_and_let_go(t):
+    """Held for 0.8 s, then free for 1.2 s; again and again."""
+    t %= 2.0
+    return 700 if t < 0.8 else 500 + 200 * np.cos(7.25 * (t - 0.8))
+
+
+def test_towers_rest_and_swings_in_one_go(board, monkeypatch):
+    """The port is opened once; each recording is on disk, and in its sheet, as it ends."""
+    opened, connect = [], source.connect
+    monkeypatch.setattr(source, "connect", lambda settings: opened.append(1) or connect(settings))
+    Path("apparatus.yaml").write_text("lengths: {}\npoints: []\n")
+    plan = [
+        {"recording": "tower", "height": 0.024},
+        {"recording": "rest", "role": "static"},
+        {"recording": "swing", "count": 3},
     ]
-
-
-def row(name="a"):
-    return read_sheet("sheet.csv").loc[name]
-
-
-def test_a_recording_lands_in_its_file_and_in_the_sheet(record):
-    told = record(swing())
-    assert "a: complete: 100 of 100 samples" in told and "0 lost, 0 damaged" in told and "sheet.csv" in told
-    recording = ingest(row(), "sheet.csv")
-    assert recording["signal"].values == pytest.approx(SWING)
-    assert recording["time"].values == pytest.approx(np.arange(100) / 100)
-    assert recording.attrs["emulated"] == "yes" and recording.attrs["campaign"] == "mine"
-    assert not RAW.exists() and [path.name for path in NC.parent.iterdir()] == ["a.nc"]
-
-
-def test_lines_as_an_arduino_prints_them(record):
-    """``Serial.print(millis()); Serial.print(","); Serial.println(angle)`` of a sketch that greets and is not quite regular."""
-    late = [10 * k + (k % 3 == 0) for k in range(110)]
-    text = [b"%d,%.2f\r\n" % (5000 + late[k], SWING[k % 100] / 10) for k in range(110)]
-    pieces = [(0, b"pendulum 1.0\r\n"), *((0.06, b"".join(text[k : k + 10])) for k in range(0, 110, 10))]
-    told = record(pieces, format="csv", columns=["time_ms", "angle"], signal_unit="deg")
-    assert "a: complete: 100 of 100 samples" in told
-    recording = ingest(row(), "sheet.csv")
-    assert recording["signal"].attrs["units"] == "deg"
-    assert recording["signal"].values == pytest.approx(np.array(SWING) / 10, abs=0.01)
-    assert recording["time"].values == pytest.approx(
-        (np.array(late[:100]) - 1) / 1000
-    )  # the device's own clock
-
-
-def test_unplugged_in_the_middle_of_a_frame(record):
-    with pytest.raises(InputError, match="kept and marked partial: disconnected") as caught:
-        record([*swing()[:4], (0.1, frame(40, 400)[:5])], unplug=True)
-    assert "40 came" in str(caught.value) and "allow" in str(caught.value)
-    data = dataset.read(NC)
-    assert data.attrs["status"] == "disconnected" and data.attrs["expected"] == 100
-    assert list(data["sent"].values) == SWING[:40]
-
-
-def test_partial_recordings_are_refused_unless_the_sheet_allows_them(record):
-    with pytest.raises(InputError):
-        record(swing()[:4], unplug=True)
-    with pytest.raises(
-        InputError, match=r"sheet.csv, line 2, a, column partial.*the recording is partial.*40 of 100.*allow"
+    trigger = {"threshold": 10, "pre_s": 0.2, "wait_s": 10}
+    made = asked(board(held_and_let_go), {"session": True}, takes=plan, trigger=trigger)
+    said = run(made)
+    assert len(opened) == 1 and "5 of 5 recorded" in said
+    table = read_sheet("sheet.csv")
+    assert (
+        list(table.index) == ["rest", "swing-01", "swing-02", "swing-03"]
+        and table.loc["rest"].role == "static"
+    )
+    (point,) = yaml.safe_load(Path("apparatus.yaml").read_text())["points"]
+    assert point["height"] == 0.024 and "tower" in point["file"]
+    for number in (1, 2, 3):
+        data = dataset.read(FOLDER / f"swing-0{number}.nc")
+        assert data.attrs["partial"] == "no" and data.sizes["time"] == 80
+        assert data["sent"].values[data["time"].values >= 0][0] >= 699  # from the release on
+    starts = [dataset.read(FOLDER / f"swing-0{k}.nc")["sequence"].values[0] for k in (1, 2, 3)]
+    assert np.all(np.diff(starts) >= 80)
+    for told in (
+        "tower (1 of 5): rest the bob on the tower of 0.024 m",
+        "Press Enter",
+        "swing-02 (4 of 5): lift the bob",
     ):
-        ingest(row(), "sheet.csv")
-    text = Path("sheet.csv").read_text()
-    Path("sheet.csv").write_text(text.rstrip("\n") + "allow\n")
-    recording = ingest(row(), "sheet.csv")
-    assert recording.sizes["time"] == 40 and recording.attrs["partial"] == "yes"
+        assert told in said
 
 
-def test_a_gap_of_lost_frames_is_partial_and_keeps_its_place_in_time(record):
-    pieces = swing()
-    with pytest.raises(InputError, match="10 frames lost and 0 damaged of 100"):
-        record([*pieces[:4], (0.1, b""), *pieces[5:]])
-    Path("sheet.csv").write_text(Path("sheet.csv").read_text().rstrip("\n") + "allow\n")
-    recording = ingest(row(), "sheet.csv")
-    assert recording["time"].values == pytest.approx(np.r_[0:40, 50:100] / 100)
+def test_a_session_goes_on_where_it_was_left_and_overwrites_nothing(board):
+    line = board(lambda t: 500)
+    said = run(asked(line, {"recording": "a,b"}))
+    assert "2 of 2 recorded" in said
+    before = (FOLDER / "a.nc").read_bytes()
+    said = run(asked(line, {"recording": "a,b,c"}))
+    assert "a: there already" in said and "1 of 1 recorded" in said
+    assert (FOLDER / "a.nc").read_bytes() == before and list(read_sheet("sheet.csv").index) == ["a", "b", "c"]
+    with pytest.raises(InputError, match="all 3 recordings are there already"):
+        run(asked(line, {"recording": "a,b,c"}))
 
 
-def test_silence_from_the_beginning(record, line):
-    with pytest.raises(
-        InputError, match=r"nothing was recorded: timed out: for 0\.[5-9] s nothing came.*resources/firmware"
-    ):
-        record()
-    assert not NC.exists() and not RAW.exists() and not Path("sheet.csv").exists()
+def test_ctrl_c_at_a_prompt_ends_the_session_and_keeps_what_there_is(board):
+    class Reluctant(Hand):
+        there = True
 
+        def enter(self):
+            self.pressed += 1
+            if self.pressed > 1:
+                stop.set()
+            return self.pressed == 1
 
-def test_bytes_that_are_no_frames(record):
-    with pytest.raises(InputError, match=r"400 bytes arrived and no whole frames sample.*capture.format"):
-        record([(0.1, b"12,512\r\n" * 50)])
-
-
-def test_a_stop_before_the_end(record):
     stop = threading.Event()
-    threading.Timer(0.5, stop.set).start()
-    told = record(swing(), stop=stop)
-    assert "a: stopped, PARTIAL" in told and "early" in told
-    assert dataset.read(NC).attrs["status"] == "stopped"
+    said = run(asked(board(lambda t: 500), {"recording": "a,b,c"}), Reluctant(), stop, seconds=0)
+    assert "1 of 3 recorded; not yet: b, c (the same command goes on with them)" in said
+    assert [path.name for path in FOLDER.iterdir()] == ["a.nc"]
 
 
-def test_a_stop_where_no_duration_is_fixed_is_a_whole_recording(record):
-    stop = threading.Event()
-    threading.Timer(1.3, stop.set).start()
-    told = record(swing(), stop=stop, duration_s=None, timeout_s=2)
-    assert "a: stopped: 100 of 100 samples" in told
-    ingest(row(), "sheet.csv")
+def test_one_that_fails_does_not_stop_the_others_and_is_told_at_the_end(board):
+    """The board is silent for the second."""
+    trigger = {"threshold": 10, "pre_s": 0.2, "wait_s": 0.5}
+    line = board(lambda t: 500 if t < 3 else held_and_let_go(t))
+    made = asked(line, {"recording": "a"}, trigger=trigger) + asked(line, {"recording": "b"})
+    with pytest.raises(InputError, match="1 of 2 recorded; not whole, or not at all: a"):
+        run(made)
+    assert (FOLDER / "b.nc").exists() and not (FOLDER / "a.nc").exists()
 
 
-def test_a_recording_is_never_overwritten(record):
-    record(swing())
-    before = NC.read_bytes()
-    with pytest.raises(
-        InputError, match=r"a\.nc: there is a recording of this name, and .* never overwritten"
-    ):
-        record(swing())
-    assert NC.read_bytes() == before
+def test_a_board_that_is_unplugged_between_two_recordings_ends_the_session(board):
+    line = board(lambda t: 500)
 
+    class Unplugging(Hand):
+        def enter(self):
+            self.pressed += 1
+            if self.pressed == 2:
+                line.close()
+            return self.pressed == 1
 
-def test_not_even_one_that_appears_while_it_is_recorded(record):
-    threading.Timer(0.5, lambda: NC.write_text("mine")).start()
-    with pytest.raises(InputError, match="never overwritten"):
-        record(swing())
-    assert NC.read_text() == "mine"
-    assert sum(len(data) for _, data in read_journal(RAW)[1]) == 800  # and what was recorded is kept
-
-
-def test_nor_one_that_appears_in_the_last_moment(record, monkeypatch):
-    record(swing())
-    before = NC.read_bytes()
-    monkeypatch.setattr(take, "check_absent", lambda path: None)
-    with pytest.raises(InputError, match="never overwritten"):
-        take.write_new(dataset.read(NC), NC)
-    assert NC.read_bytes() == before and [path.name for path in NC.parent.iterdir()] == ["a.nc"]
+    with pytest.raises(InputError, match="the port went away before b.*goes on with what is not there yet"):
+        run(asked(line, {"recording": "a,b"}), Unplugging(), seconds=0)
+    assert dataset.read(FOLDER / "a.nc").attrs["partial"] == "no"
 
 
 @pytest.mark.parametrize(
-    ("sheet", "told"),
+    ("config", "told"),
     [
-        ("recording,file\na,x.csv\n", "has a row 'a' already"),
-        ("recording,fiel\nb,x.csv\n", "column fiel: unknown column"),
+        ({"recording": "a/b"}, "'a/b' cannot name a file.*letters, digits"),
+        ({"recording": "a,,b"}, "a name is empty"),
+        ({"recording": "a,b,a"}, "a is there twice"),
+        ({"recording": "a,b", "height": 0.02}, "2 recordings are named"),
+        ({"session": True}, "the session has no plan.*recording: swing, count: 5"),
+        ({"session": True, "recording": "a"}, "recordings are named beside it"),
     ],
 )
-def test_a_sheet_that_cannot_take_the_row_is_told_before_the_swing(record, sheet, told):
-    Path("sheet.csv").write_text(sheet)
+def test_what_cannot_be_a_session_is_told(config, told):
     with pytest.raises(InputError, match=told):
-        record(swing())
-    assert not NC.exists() and Path("sheet.csv").read_text() == sheet
+        takes({"capture": {}, **config})
 
 
-def test_a_folder_one_may_not_write_is_told_before_the_swing(record, tmp_path):
-    root = os.geteuid() == 0
-    os.chmod(tmp_path, 0o555)
-    if root:
-        os.seteuid(65534)
-    try:
-        with pytest.raises(InputError, match="may not be written by you"):
-            record(swing())
-    finally:
-        if root:
-            os.seteuid(0)
-        os.chmod(tmp_path, 0o755)
+def test_names_are_counted_and_listed():
+    names = [take["recording"] for take in takes({"recording": "swing", "count": 12})]
+    assert names[0] == "swing-01" and names[-1] == "swing-12" and len(names) == 12
+    assert takes({"recording": ["a", "b"], "role": "static"})[1] == {"recording": "b", "role": "static"}
 
 
-def test_a_full_disk_before_the_recording(record, monkeypatch):
-    usage = type("usage", (), {"free": 5000})
-    monkeypatch.setattr(session.shutil, "disk_usage", lambda _: usage)
-    with pytest.raises(OSError, match="the disk is full.*0.0 MB are free.*make room"):
-        record(swing())
-    assert not NC.exists()
+def watched(line, seconds, **capture):
+    """The lines of a monitor at the end of some seconds."""
+    shown, stop = [], threading.Event()
+    threading.Timer(seconds, stop.set).start()
+    settings = {**SETTINGS, "port": line.port, "timeout_s": 2, **capture}
+    last = monitor.watch(settings, shown.append, stop)
+    return "\n".join(shown[-1]), last
 
 
-def test_a_disk_that_fills_up_during_the_recording(record, monkeypatch):
-    """The raw stream ends there, what had arrived is still made a recording, and it says that it is partial."""
-    written, write = [], os.write
-
-    def full(file, data):
-        if len(written) > 30 and data.find(b"\xa5\x5a") == 12:
-            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
-        written.append(len(data))
-        return write(file, data)
-
-    monkeypatch.setattr("swingdown.capture.journal.os.write", full)
-    told = record(swing(piece=1), duration_s=1.0)
-    assert "PARTIAL" in told and "No space left on device" in told
-    assert 10 < dataset.read(NC).attrs["received"] < 100
-
-
-def test_a_disk_without_room_for_the_recording_keeps_the_raw_stream(record, monkeypatch):
-    def full(*_):
-        raise OSError(errno.ENOSPC, "the disk is full: a.nc needs 1 MB. Mend: make room")
-
-    monkeypatch.setattr(take.dataset, "write", full)
-    with pytest.raises(OSError, match=r"the disk is full.*kept in resources/recordings/a\.raw.*recover=true"):
-        record(swing())
-    assert not NC.exists() and RAW.exists()
-
-
-@pytest.mark.skipif(os.geteuid() != 0, reason="NOT TESTED: a disk that is really full takes root")
-def test_a_disk_that_is_really_full(line, tmp_path):
-    """A file system that another program fills while the swing is recorded: the recording waits in the raw stream."""
-    NC.parent.mkdir(parents=True)
-    mounted = subprocess.run(
-        ["mount", "-t", "tmpfs", "-o", "size=2m", "tmpfs", NC.parent], capture_output=True, text=True
+def test_the_monitor_shows_the_signal_and_records_nothing(board):
+    line = board(lambda t: 4000 + 500 * np.cos(7.25 * t))
+    trigger = {"threshold": 20, "pre_s": 0.2, "wait_s": 10}
+    shown, last = watched(
+        line,
+        4.5,
+        signal_unit="counts",
+        counts_per_revolution=4000,
+        rate_hz=100,
+        trigger=trigger,
+        range=[0, 4499],
     )
-    if mounted.returncode:
-        pytest.skip(f"NOT TESTED: no file system can be mounted here: {mounted.stderr}")
-    try:
-        config = {"recording": "a", "recordings": "sheet.csv", "capture": {**SETTINGS, "port": line.port}}
-        job = session.job(config)
-
-        def fill():
-            with open(NC.parent / "other", "wb", buffering=0) as file, contextlib.suppress(OSError):
-                while True:
-                    file.write(bytes(1000))
-
-        threading.Timer(0.4, fill).start()
-        line.play(swing())
-        with pytest.raises(OSError, match="the disk is full"):
-            session.capture(job)
-        assert not NC.exists()
-        (NC.parent / "other").unlink()
-        told = session.recover(session.job(config | {"recover": True}))
-        assert "a: complete: 100 of 100" in told
-        assert list(dataset.read(NC)["sent"].values) == SWING
-    finally:
-        subprocess.run(["umount", "-l", NC.parent], check=True)
+    degrees = float(shown.split(" | ")[1].split(" deg")[0])
+    assert 315 <= degrees <= 405 and "threshold 20: it will arm" in shown
+    assert 95 < float(shown.split(" S/s by this computer")[0].split()[-1]) < 105 and "rate_hz 100" in shown
+    assert float(shown.split("amplitude ")[1].split(" ")[0]) == pytest.approx(500, abs=3)
+    assert float(shown.split("period ")[1].split(" ")[0]) == pytest.approx(2 * np.pi / 7.25, rel=0.01)
+    assert "SATURATED" in shown and "nothing was recorded" in last
+    assert not FOLDER.exists() and not Path("sheet.csv").exists()
 
 
-KILLED = """
-import sys
-from swingdown.capture import session
-sys.path.insert(0, {here!r})
-from traffic import SETTINGS
-config = {{"recording": "a", "recordings": "sheet.csv", "capture": {{**SETTINGS, "port": {port!r}, **{more!r}}}}}
-print("ready", flush=True)
-session.capture(session.job(config))
-"""
+def test_the_monitor_tells_noise_above_the_threshold_and_silence(board):
+    random = np.random.default_rng(3)
+    line = board(lambda t: 500 + 8 * random.standard_normal())
+    shown, _ = watched(line, 1.5, trigger={"threshold": 20, "pre_s": 0.2, "wait_s": 10})
+    assert "ABOVE IT" in shown and "raise it to" in shown
+    line._stop.set()
+    shown, _ = watched(line, 1.5)
+    assert "nothing yet" in shown
 
 
-def killed(line, after, **more):
-    """A capture in a process of its own that is killed after some seconds of frames."""
-    code = KILLED.format(here=str(Path(__file__).parent), port=line.port, more=more)
-    process = subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE)
-    process.stdout.readline()
-    line.play(swing())
-    time.sleep(0.2 + after)
-    process.send_signal(signal.SIGKILL)
-    process.wait()
-
-
-def recover(**capture):
-    config = {
-        "recording": "a",
-        "recordings": "sheet.csv",
-        "recover": True,
-        "capture": {**SETTINGS, "port": "gone", **capture},
-    }
-    return session.recover(session.job(config))
-
-
-def test_killed_during_the_recording(line, record):
-    """The file is absent, the raw stream up to then is whole, and a recording is made of it."""
-    killed(line, 0.5)
-    assert not NC.exists() and RAW.exists() and not Path("sheet.csv").exists()
-    with pytest.raises(
-        InputError, match=r"a\.raw: an earlier capture of this name did not finish.*recover=true"
-    ):
-        record(swing())
-    told = recover()
-    assert "a: stopped, PARTIAL" in told and "recovered from the raw stream" in told
-    data = dataset.read(NC)
-    assert data.sizes["time"] >= 50 and list(data["sent"].values) == SWING[: data.sizes["time"]]
-    assert data.attrs["partial"] == "yes" and not RAW.exists()
-    assert row().file == str(NC)
-
-
-def test_killed_when_all_had_arrived(line):
-    """A torn write at the end of the raw stream is no harm, and a recording that has its full count is whole."""
-    journal = Journal(
-        RAW,
-        {"settings": {**SETTINGS, "port": "x"}, "about": {"campaign": "mine", "role": ""}, "opened": 100.0},
-    )
-    for k, (_, data) in enumerate(swing([*SWING, *SWING])):
-        journal.add(data, 100 + k / 10)
-    journal.close()
-    with open(RAW, "r+b") as file:
-        file.truncate(RAW.stat().st_size - 3)
-    assert "a: complete: 100 of 100" in recover()
-    assert ingest(row(), "sheet.csv").attrs["partial"] == "no"
-
-
-def test_recovery_gives_what_the_capture_itself_gave(record, monkeypatch):
-    monkeypatch.setattr(Journal, "remove", lambda self: os.rename(self.path, "kept"))
-    record(swing())
-    live = dataset.read(NC)
-    NC.unlink()
-    os.rename("kept", RAW)
-    Path("sheet.csv").unlink()
-    recover()
-    xr.testing.assert_identical(live, dataset.read(NC))
-
-
-def test_a_capture_that_still_runs_is_not_recovered(line):
-    Journal(RAW, {"settings": {**SETTINGS, "port": "x"}, "about": {}, "opened": 100.0})
-    with pytest.raises(InputError, match="still running"):
-        recover()
-
-
-def test_killed_between_the_file_and_the_row(record):
-    record(swing())
-    before = NC.read_bytes()
-    Path("sheet.csv").unlink()
-    Journal(RAW, {"settings": {**SETTINGS, "port": "x"}, "about": {}, "opened": 100.0}).close()
-    assert "whole already" in recover()
-    assert NC.read_bytes() == before and row().file == str(NC) and not RAW.exists()
-
-    Journal(RAW, {"settings": {**SETTINGS, "port": "x"}, "about": {}, "opened": 100.0}).close()
-    sheet = Path("sheet.csv").read_text()
-    assert "whole already" in recover()  # killed after the row
-    assert Path("sheet.csv").read_text() == sheet and not RAW.exists()
-
-
-def test_nothing_to_recover(line):
-    with pytest.raises(InputError, match="no raw stream to recover"):
-        recover()
-
-
-def test_one_flipped_bit_in_the_file_is_noticed(record):
-    record(swing())
-    whole = bytearray(NC.read_bytes())
-    raised = 0
-    places = np.random.default_rng(1).integers(0, len(whole) * 8, 60)
-    for place in places:
-        bad = bytearray(whole)
-        bad[place // 8] ^= 1 << place % 8
-        NC.write_bytes(bad)
-        try:
-            ingest(row(), "sheet.csv")
-        except InputError:
-            raised += 1
-    assert raised == 60  # by its checksum in the sheet
-
-
-def test_silence_that_could_hide_a_wrap_is_refused(record):
-    with pytest.raises(InputError, match=r"could come round unseen.*at most 16\.4 s"):
-        record(rate_hz=1000, timeout_s=20)
-
-
-def test_no_release_keeps_the_raw_stream_for_the_swing_in_it(record):
-    trigger = {"threshold": 500, "pre_s": 0.2, "wait_s": 0.8}
-    with pytest.raises(
-        InputError, match=r"no release within 0\.8 s; the signal was between 2\d\d and 800 V.*recover=true"
-    ):
-        record(swing(), trigger=trigger)
-    told = recover()
-    assert "a: stopped, PARTIAL" in told and "not known where the swing begins" in told
-    assert list(dataset.read(NC)["sent"].values)[:30] == SWING[:30]
+def test_the_monitor_is_ended_by_a_board_that_goes_away(board):
+    line = board(lambda t: 500)
+    threading.Timer(0.7, line.close).start()
+    with pytest.raises(InputError, match="the port went away.*plug it in"):
+        watched(line, 5)

@@ -2,6 +2,7 @@
 
 import os
 import stat
+import tempfile
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
@@ -49,6 +50,11 @@ def test_a_sheet_is_made_where_there_is_none():
     assert read_sheet("sheet.csv", check_files=False).loc["new"].signal_unit == "V"
 
 
+def test_a_sheet_that_is_made_has_a_column_for_all_that_is_known():
+    sheets.add_row("sheet.csv", ROW | {"signal_unit": "counts", "counts_per_revolution": 4096})
+    assert read_sheet("sheet.csv", check_files=False).loc["new"].counts_per_revolution == 4096
+
+
 def test_a_cell_with_a_comma_is_quoted():
     sheets.add_row("sheet.csv", ROW | {"file": "a,b.nc"})
     assert read_sheet("sheet.csv", check_files=False).loc["new"].file == "a,b.nc"
@@ -74,6 +80,67 @@ def test_rights_and_links_stay():
     sheets.add_row("sheet.csv", ROW)
     assert Path("sheet.csv").is_symlink() and "new" in Path("real.csv").read_text()
     assert stat.S_IMODE(Path("real.csv").stat().st_mode) == 0o664
+
+
+def test_a_read_only_sheet_is_left_alone_and_told_before_the_swing():
+    Path("sheet.csv").write_text(OLD)
+    Path("sheet.csv").chmod(0o444)
+    with pytest.raises(InputError, match=r"sheet\.csv: it is read-only.*chmod u\+w"):
+        sheets.add_row("sheet.csv", ROW, rehearse=True)
+    assert Path("sheet.csv").read_text() == OLD and stat.S_IMODE(Path("sheet.csv").stat().st_mode) == 0o444
+
+
+@pytest.mark.skipif(os.geteuid() != 0, reason="NOT TESTED: another one's file takes root")
+def test_a_sheet_of_another_one_stays_that_ones():
+    Path("sheet.csv").write_text(OLD)
+    os.chown("sheet.csv", 1234, 1235)
+    sheets.add_row("sheet.csv", ROW)
+    state = Path("sheet.csv").stat()
+    assert (state.st_uid, state.st_gid) == (1234, 1235) and "new" in Path("sheet.csv").read_text()
+
+
+@pytest.mark.skipif(os.geteuid() != 0, reason="NOT TESTED: another one's file takes root")
+def test_a_sheet_of_another_one_that_we_may_write_stays_that_ones(monkeypatch):
+    folder = Path(tempfile.mkdtemp())  # pytest's own lets nobody else in
+    monkeypatch.chdir(folder)
+    Path("sheet.csv").write_text(OLD)
+    Path("sheet.csv").chmod(0o666)
+    folder.chmod(0o777)
+    os.seteuid(65534)
+    try:
+        sheets.add_row("sheet.csv", ROW)
+    finally:
+        os.seteuid(0)
+    assert Path("sheet.csv").stat().st_uid == 0 and Path("sheet.csv").read_text().startswith(
+        OLD.partition("\n")[0]
+    )
+    assert list(read_sheet("sheet.csv", check_files=False).index) == ["old", "other", "new"]
+
+
+@pytest.mark.parametrize(
+    ("content", "told"),
+    [
+        (OLD.encode("utf-16"), "UTF-16.*CSV UTF-8"),
+        (OLD.encode("utf-16-le"), "UTF-16"),
+        (OLD.replace("old", "Zürich").encode("latin-1"), "not in UTF-8 .byte 16 is 0xfc"),
+        (OLD.replace(",", ";").encode(), "line 1: its columns are set apart by semicolons.*commas"),
+        (OLD.replace(",", "\t").encode(), "set apart by tabs"),
+        (OLD.replace("\n", "\r").encode(), "lines end in CR alone"),
+    ],
+    ids=["UTF-16", "UTF-16 without BOM", "Latin-1", "semicolons", "tabs", "CR"],
+)
+def test_a_sheet_that_is_no_csv_in_utf_8_is_told_as_what_it_is(content, told):
+    Path("sheet.csv").write_bytes(content)
+    with pytest.raises(InputError, match=told):
+        sheets.add_row("sheet.csv", ROW, rehearse=True)
+    assert Path("sheet.csv").read_bytes() == content
+
+
+def test_a_folder_as_a_sheet_is_told():
+    Path("sheet.csv").mkdir()
+    for add in (lambda: sheets.add_row("sheet.csv", ROW), lambda: sheets.add_point("sheet.csv", POINT)):
+        with pytest.raises(InputError, match="it is a folder"):
+            add()
 
 
 def test_many_at_once_lose_none():

@@ -53,8 +53,10 @@ class Line:
 
         def run():
             time.sleep(0.2)  # the recording opens the port, which empties it
+            due = time.monotonic()
             for pause, data in pieces:
-                time.sleep(pause)
+                due += pause
+                time.sleep(max(due - time.monotonic(), 0))
                 self.send(data)
             if unplug:
                 time.sleep(0.1)

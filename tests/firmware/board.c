@@ -1,10 +1,12 @@
 /* An emulated ATmega328P board: runs the real firmware in simavr, in real time, behind a pseudo-terminal.
  *
- *   board FIRMWARE.elf VOLTS TRUTH BOOT PORT
+ *   board FIRMWARE.elf VOLTS TRUTH BOOT PORT [analog|encoder [AREF]]
  *
  * VOLTS holds lines "seconds volts", the voltage on A0 since the port was last opened (between the lines it is straight, beyond
  * them constant). TRUTH gets a line "reset sequence volts cycle" for each conversion. BOOT is how long (s) the board is silent
- * after the reset that opening the port causes; below 0 the board is not reset. PORT is the name that the port gets (a link). As on a real line, bytes are lost while nobody has the port open or reads it.
+ * after the reset that opening the port causes; below 0 the board is not reset. PORT is the name that the port gets (a link).
+ * With `encoder` VOLTS holds counts instead, which a quadrature encoder on D2 and D3 gives, and TRUTH the whole counts. AREF is the
+ * voltage on that pin (5). As on a real line, bytes are lost while nobody has the port open or reads it.
  */
 #define _GNU_SOURCE
 #include <fcntl.h>
@@ -19,6 +21,7 @@
 #include <unistd.h>
 
 #include "avr_adc.h"
+#include "avr_ioport.h"
 #include "avr_uart.h"
 #include "sim_avr.h"
 #include "sim_elf.h"
@@ -28,6 +31,7 @@
 #define ADCSRB 0x7B          /* of the ATmega328P */
 #define COMPARE_MATCH_B 5    /* in ADCSRB */
 #define TIMER1_COMPB_VECTOR 12
+#define EDGES 160            /* cycles between two looks at the encoder: 10 us */
 #define BEFORE_RESET 0.03 /* s; what the board still sends when the port is opened */
 
 static avr_t *avr;
@@ -38,6 +42,9 @@ static size_t points;
 static FILE *truth;
 static avr_cycle_count_t opened, powered;
 static unsigned resets, conversions;
+static uint32_t flag; /* OCF1B */
+static int encoder, begun;
+static long edges, start; /* of the encoder: by now, and when the board was reset */
 
 static double voltage(double seconds)
 {
@@ -53,31 +60,68 @@ static double voltage(double seconds)
     return volts[k] + (volts[k + 1] - volts[k]) * (seconds - at[k]) / (at[k + 1] - at[k]);
 }
 
+static double moment(void)
+{
+    return is_open ? (double)(avr->cycle - opened) / CLOCK : 0;
+}
+
 static void on_conversion(avr_irq_t *irq, uint32_t value, void *param)
 {
-    double now = is_open ? voltage((double)(avr->cycle - opened) / CLOCK) : voltage(0);
+    double now = voltage(moment());
     (void)irq, (void)value, (void)param;
     /* simavr takes whole millivolts and sees 1023 steps in the reference, where the chip has 1024 */
     avr_raise_irq(adc + ADC_IRQ_ADC0, (uint32_t)ceil(1000 * now * 1024 / 1023));
-    fprintf(truth, "%u %u %.6f %llu\n", resets, conversions++, now, (unsigned long long)avr->cycle);
+    if (begun) /* the first is none of the samples */
+        fprintf(truth, "%u %u %.6f %llu\n", resets, conversions++, now, (unsigned long long)avr->cycle);
+    begun = 1;
+}
+
+/* One edge at a time towards the counts that there are by now: A leads B while they grow. After a reset simavr takes the pull-ups
+ * for the levels until they change: the first two edges may go uncounted. */
+static avr_cycle_count_t on_turn(avr_t *which, avr_cycle_count_t when, void *param)
+{
+    static const uint8_t a[4] = {0, 1, 1, 0}, b[4] = {0, 0, 1, 1};
+    long wanted = (long)floor(voltage(moment()));
+    (void)which, (void)param;
+    if (edges != wanted) {
+        edges += edges < wanted ? 1 : -1;
+        avr_raise_irq(avr_io_getirq(avr, AVR_IOCTL_IOPORT_GETIRQ('D'), 2), a[edges & 3]);
+        avr_raise_irq(avr_io_getirq(avr, AVR_IOCTL_IOPORT_GETIRQ('D'), 3), b[edges & 3]);
+    }
+    return when + EDGES;
 }
 
 /* What simavr 1.6 lacks: Timer 1's compare match B starts a conversion when its flag (OCF1B) rises, and only then. */
 static void on_match(avr_irq_t *irq, uint32_t value, void *param)
 {
-    static uint32_t flag;
     (void)irq, (void)param;
-    if (value && !flag && (avr->data[ADCSRB] & 7) == COMPARE_MATCH_B)
+    if (value && !flag && encoder)
+        fprintf(truth, "%u %u %ld %llu\n", resets, conversions++, edges - start, (unsigned long long)avr->cycle);
+    else if (value && !flag && (avr->data[ADCSRB] & 7) == COMPARE_MATCH_B)
         avr_raise_irq(adc + ADC_IRQ_IN_TRIGGER, 1);
     flag = value;
 }
 
+static uint8_t sent[65536]; /* as much as Linux keeps of a serial port that is not read in time */
+static size_t waiting;
+
 static void on_byte(avr_irq_t *irq, uint32_t value, void *param)
 {
-    uint8_t byte = (uint8_t)value;
     (void)irq, (void)param;
-    if (is_open && write(port, &byte, 1) < 0)
-        return; /* nobody reads: the byte is lost */
+    if (is_open && waiting < sizeof sent)
+        sent[waiting++] = (uint8_t)value;
+}
+
+/* What was sent of late; what does not fit because nobody reads is lost. */
+static void deliver(void)
+{
+    if (waiting)
+        fflush(truth); /* it is never behind what was sent, also where the board is unplugged */
+    ssize_t done = is_open ? write(port, sent, waiting) : (ssize_t)waiting;
+    if (done > 0) {
+        waiting -= (size_t)done;
+        memmove(sent, sent + done, waiting);
+    }
 }
 
 static void no_sleep(avr_t *which, avr_cycle_count_t cycles)
@@ -106,7 +150,7 @@ static void read_volts(const char *path)
     fclose(file);
 }
 
-static void power_on(const char *elf)
+static void power_on(const char *elf, double aref)
 {
     elf_firmware_t firmware = {0};
     uint32_t flags = 0;
@@ -114,7 +158,8 @@ static void power_on(const char *elf)
         exit((fprintf(stderr, "%s cannot be loaded\n", elf), 1));
     avr_init(avr);
     firmware.frequency = CLOCK;
-    firmware.vcc = firmware.avcc = firmware.aref = 5000;
+    firmware.vcc = firmware.avcc = 5000;
+    firmware.aref = (uint32_t)(1000 * aref);
     avr_load_firmware(avr, &firmware);
     avr->sleep = no_sleep;
     avr_ioctl(avr, AVR_IOCTL_UART_GET_FLAGS('0'), &flags);
@@ -133,14 +178,14 @@ int main(int argc, char **argv)
     char name[128];
     double boot, began, reset_at = -1, silent_until = -1;
 
-    if (argc != 6)
-        return fprintf(stderr, "usage: board FIRMWARE.elf VOLTS TRUTH BOOT PORT\n"), 2;
+    if (argc < 6 || argc > 8)
+        return fprintf(stderr, "usage: board FIRMWARE.elf VOLTS TRUTH BOOT PORT [analog|encoder [AREF]]\n"), 2;
+    encoder = argc > 6 && !strcmp(argv[6], "encoder");
     read_volts(argv[2]);
     if (!(truth = fopen(argv[3], "w")))
         return perror(argv[3]), 1;
     boot = atof(argv[4]);
-    setvbuf(truth, NULL, _IOLBF, 0);
-    power_on(argv[1]);
+    power_on(argv[1], argc > 7 ? atof(argv[7]) : 5);
 
     if (openpty(&port, &slave, name, NULL, NULL))
         return perror("openpty"), 1;
@@ -175,14 +220,21 @@ int main(int argc, char **argv)
                 avr_reset(avr);
                 powered = avr->cycle;
                 resets++, conversions = 0;
+                begun = 0, flag = 0;
+                if (encoder) {
+                    edges = start = (long)floor(voltage(moment()));
+                    start = edges &= ~3L; /* both pins low, as they are in the emulator after a reset */
+                    avr_cycle_timer_register(avr, 10 * EDGES, on_turn, NULL);
+                }
             }
-            /* Held up by a busy machine, it catches up at less than twice its pace: no board sends seconds in one burst. */
-            double until = fmin(now * CLOCK, avr->cycle + 0.001 * CLOCK);
+            /* Held up by a busy machine, it catches up 4 ms at a time: no board sends seconds in one burst. */
+            double until = fmin(now * CLOCK, avr->cycle + 0.004 * CLOCK);
             while (avr->cycle < until) {
                 int is = avr_run(avr);
                 if (is == cpu_Done || is == cpu_Crashed)
-                    return fprintf(stderr, "the firmware crashed\n"), 1;
+                    return fprintf(stderr, "the firmware %s at %#x after %u resets, %llu cycles\n", is == cpu_Done ? "slept for ever" : "crashed", avr->pc, resets, (unsigned long long)(avr->cycle - powered)), 1;
             }
+            deliver();
         }
         nanosleep(&(struct timespec){.tv_nsec = 500000}, NULL);
     }

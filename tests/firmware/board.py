@@ -39,14 +39,16 @@ def lacking():
     return found + [path for path in headers if not Path(path).exists()]
 
 
-def build(folder, rate=100):
-    """The emulator and the firmware, built in ``folder``: their paths."""
+def build(folder, rate=100, mcu="atmega328p", language="c", **defined):
+    """The emulator and the firmware, built in ``folder``: their paths. ``defined`` are the sketch's choices."""
     folder = Path(folder)
     firmware, host = folder / f"sampler-{rate}.elf", folder / "board"
+    chosen = [f"-D{name}={value}" for name, value in {"RATE": rate, **defined}.items()]
+    standard = ["-std=gnu11"] if language == "c" else []
     subprocess.run(
-        ["avr-gcc", "-x", "c", "-std=gnu11", "-Wall", "-Wextra", "-Werror", "-mmcu=atmega328p", "-DF_CPU=16000000UL",
-         f"-DRATE={rate}", "-Os", SKETCH, "-o", firmware],
-        check=True,
+        ["avr-gcc", "-x", language, *standard, "-Wall", "-Wextra", "-Werror", f"-mmcu={mcu}", "-DF_CPU=16000000UL",
+         *chosen, "-Os", SKETCH, "-o", firmware],
+        check=True, capture_output=True, text=True,
     )  # fmt: skip
     if not host.exists():
         source = Path(__file__).with_name("board.c")
@@ -70,15 +72,21 @@ def swing(release_deg, held, seconds):
 
 
 class Board:
-    """A board that runs while the ``with`` block does; ``port`` is its port's path, ``truth()`` what its converter saw."""
+    """A board that runs while the ``with`` block does; ``port`` is its port's path, ``truth()`` what its converter saw.
 
-    def __init__(self, folder, times, angles, rate=100, boot=0.5, port=None):
+    With ``counts`` (a revolution) an encoder is on its pins in place of the sensor; ``aref`` (V) is on its pin of that name, and
+    ``defined`` are the sketch's choices.
+    """
+
+    def __init__(self, folder, times, angles, rate=100, boot=0.5, port=None, counts=None, aref=5, **defined):
         self.folder = Path(folder)
         self.port = Path(port or self.folder / "port")
         self._volts, self._truth = self.folder / "volts", self.folder / "truth"
-        np.savetxt(self._volts, np.column_stack([times, volts(angles)]), fmt="%.7f")
-        host, firmware = build(self.folder, rate)
-        self._command = [host, firmware, self._volts, self._truth, str(boot), self.port]
+        signal = volts(angles) if counts is None else counts / (2 * np.pi) * np.asarray(angles)
+        np.savetxt(self._volts, np.column_stack([times, signal]), fmt="%.7f")
+        kind = "analog" if counts is None else "encoder"
+        host, firmware = build(self.folder, rate, ENCODER=int(kind == "encoder"), **defined)
+        self._command = [host, firmware, self._volts, self._truth, str(boot), self.port, kind, str(aref)]
 
     def __enter__(self):
         with open(self.folder / "board.log", "w") as log:

@@ -39,10 +39,11 @@ def trials():
 
 def only_capture(wildcards):
     """The input of `all` where a recording is asked for: a refusal."""
+    key = next(key for key in takes.KEYS if config.get(key))
     with console.job():
         raise InputError(
-            "config, key recording",
+            f"config, key {key}",
             "a recording is captured by the target `capture` alone, and nothing else runs beside it",
-            f"snakemake capture --config recording={config['recording']}",
-            "name the target `capture`, or leave `recording` out",
+            f"snakemake capture --config {key}={config[key]}",
+            "name the target `capture`, or leave recording, session and monitor out",
         )

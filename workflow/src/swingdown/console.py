@@ -3,7 +3,7 @@
 import sys
 import traceback
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import NoReturn
 
@@ -63,5 +63,6 @@ def _stop(text: str, log: str | Path | None, told: list[str]) -> NoReturn:
 
 def _keep(log: str | Path | None, lines: list[str]) -> None:
     if log:
-        Path(log).parent.mkdir(parents=True, exist_ok=True)
-        Path(log).write_text("\n".join([*lines, ""]), encoding="utf-8")
+        with suppress(OSError):  # on a full disk the terminal has it all the same
+            Path(log).parent.mkdir(parents=True, exist_ok=True)
+            Path(log).write_text("\n".join([*lines, ""]), encoding="utf-8")

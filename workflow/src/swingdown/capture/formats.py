@@ -5,7 +5,9 @@ check out is counted and skipped until the next sample that does.
 """
 
 import binascii
+import math
 import re
+import struct
 from typing import NamedTuple
 
 from ..errors import InputError
@@ -24,15 +26,17 @@ class Sample(NamedTuple):
 
 
 class Frames:
-    """Framed binary: A5 5A, then sequence, value and CRC as unsigned 16-bit numbers, low byte first.
+    """Framed binary: two bytes that begin it, then sequence, value and CRC, low byte first.
 
-    The CRC is CRC-16/CCITT-FALSE (polynomial 0x1021, start 0xFFFF) over the four bytes of sequence and value.
+    A5 5A: an unsigned 16-bit value (a converter's); A5 5C: a signed 32-bit one (an encoder's counts). Sequence and CRC are
+    unsigned 16-bit numbers; the CRC is CRC-16/CCITT-FALSE (polynomial 0x1021, start 0xFFFF) over the bytes of sequence and value.
     """
 
-    SYNC = b"\xa5\x5a"
-    SIZE = 8
+    SYNC = b"\xa5"
+    KINDS = {0x5A: (2, False), 0x5C: (4, True)}  # second byte: size of the value in bytes, signed
+    SIZE = 8  # bytes of the shortest
     sequence_modulus = 1 << 16
-    tick, tick_modulus = None, None
+    tick, tick_modulus, resolution = None, None, None
 
     def __init__(self, settings=None):
         self._rest, self._junk, self._claims = b"", 0, []
@@ -43,19 +47,27 @@ class Frames:
         while True:
             start = buffer.find(self.SYNC, at)
             if start < 0:
-                start = len(buffer) - buffer.endswith(self.SYNC[:1]) if at < len(buffer) else at
+                start = len(buffer)
             self._junk += start - at
             at = start
-            if len(buffer) - at < self.SIZE:
+            if len(buffer) - at < 2:
                 break
-            body, sent = buffer[at + 2 : at + 6], buffer[at + 6 : at + 8]
+            size, signed = self.KINDS.get(buffer[at + 1], (0, False))
+            if not size:
+                self._junk += 1
+                at += 1
+                continue
+            if len(buffer) - at < size + 6:
+                break
+            body, sent = buffer[at + 2 : at + 4 + size], buffer[at + 4 + size : at + 6 + size]
             sequence = int.from_bytes(body[:2], "little")
             if binascii.crc_hqx(body, 0xFFFF) == int.from_bytes(sent, "little"):
                 damaged, claims = self.pending
-                found.append(Sample(sequence, None, int.from_bytes(body[2:], "little"), damaged, claims))
+                value = int.from_bytes(body[2:], "little", signed=signed)
+                found.append(Sample(sequence, None, value, damaged, claims))
                 self._junk, self._claims = 0, []
-                at += self.SIZE
-            else:  # one byte on: if bytes were lost, the next frame begins inside these eight
+                at += size + 6
+            else:  # one byte on: if bytes were lost, the next frame begins inside these
                 self._claims = [*self._claims[-999:], sequence]
                 self._junk += 1
                 at += 1
@@ -107,6 +119,8 @@ class Lines:
             raise InputError(where, "crc is not the last column", "crc last", "send the CRC at the end")
         self.tick = TIME_UNITS[unit_of(self._clock, TIME_UNITS)] if self._clock else None
         self.tick_modulus = 1 << 32 if self._clock and self._clock != "time_s" else None
+        # s; the smallest step that the clock is sent in, None where it sends none
+        self.resolution = self.tick if self.tick_modulus else None
         self._rest, self._damaged, self._begun = b"", 0, False
 
     def feed(self, data):
@@ -149,7 +163,14 @@ class Lines:
             return None
         sequence = int(row["sequence"]) if "sequence" in row else None
         ticks = float(row[self._clock]) if self._clock else None
+        if self._clock == "time_s":
+            self._note_decimals(row[self._clock])
         return Sample(sequence, ticks, float(row[self._signal]), self._damaged)
+
+    def _note_decimals(self, text):
+        """The step of a clock in seconds is told by the most decimals that it was sent with."""
+        decimals = 9 if b"e" in text.lower() else len(text.partition(b".")[2])
+        self.resolution = min(self.resolution or 1.0, 10.0**-decimals)
 
     @property
     def pending(self):
@@ -157,7 +178,39 @@ class Lines:
         return self._damaged, ()
 
 
-FORMATS = {"frames": Frames, "csv": Lines}
+class Readings:
+    """What a converter with a clock of its own gives (``daq``): for each reading a 64-bit sequence number and the value (V).
+
+    Both low byte first, the value as an IEEE 754 double; it never leaves this computer, so there is nothing to check. A value
+    that is not finite stands for a reading that the converter lost.
+    """
+
+    _ONE = struct.Struct("<Qd")
+    sequence_modulus, tick, tick_modulus, resolution = 1 << 64, None, None, None
+
+    def __init__(self, settings=None):
+        self._rest = b""
+
+    @classmethod
+    def encoded(cls, first, values):
+        """The bytes of consecutive readings."""
+        return b"".join(cls._ONE.pack(first + k, value) for k, value in enumerate(values))
+
+    def feed(self, data):
+        """The samples that are whole now, as a list."""
+        data = self._rest + data
+        whole = len(data) // self._ONE.size * self._ONE.size
+        self._rest = data[whole:]
+        return [
+            Sample(number, None, value)
+            for number, value in self._ONE.iter_unpack(data[:whole])
+            if math.isfinite(value)
+        ]
+
+    pending = 0, ()
+
+
+FORMATS = {"frames": Frames, "csv": Lines, "readings": Readings}
 
 
 def parser(settings):

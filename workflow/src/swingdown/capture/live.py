@@ -1,17 +1,23 @@
 """What the experimenter sees in the terminal while a swing is recorded: how many samples, how fast, what is lost, the trace."""
 
 import os
+import re
 import shutil
 import sys
 import time
 
+from .swing import MANY, measure
+
 SECONDS = 10.0  # of the trace
+LATELY = 20.0  # s that amplitude, period and loss are told from
+MOST = 3000  # samples of them that are looked at
 _ROWS = 6  # lines of the trace, four dots each
 _QUIET = 5.0  # s between lines where there is no terminal
 _DOTS = (
     (0x01, 0x02, 0x04, 0x40),
     (0x08, 0x10, 0x20, 0x80),
 )  # of a braille character: column, row from the top
+_DRAWN = re.compile("[\u2800-\u28ff]")  # a line of the trace
 WORDS = {
     "opening": "opening the port ...",
     "waiting": "HOLD THE BOB STILL where you will let it go",
@@ -38,9 +44,32 @@ def status(recorder):
     return " | ".join(parts)
 
 
-def recent(recorder):
-    """Times (s before the last) and values (in the signal's unit) of the last seconds, as two lists."""
-    rows = recorder.order.rows[-int(SECONDS * recorder.rate) - 1 :]
+def hint(recorder):
+    """A second line: why it does not arm, or the swing in numbers; "" where there is nothing to say."""
+    if recorder.state == "waiting":
+        unit = recorder.settings["signal_unit"]
+        moved = f"it moves by {recorder.watch.spread:.3g} {unit}; still is below {recorder.trigger['threshold']:g}"
+        return recorder.unarmed() or (moved if recorder.order.rows else "")
+    return measured(recorder, LATELY) if recorder.rows else ""
+
+
+def measured(recorder, seconds):
+    """Amplitude, period and the loss a swing over the last ``seconds``, in a line; "" where nothing swings."""
+    times, values = recent(recorder, seconds)
+    swing = measure(times, values, recorder.noise()) if times else None
+    if swing is None:
+        return ""
+    unit = recorder.settings["signal_unit"]
+    parts = [f"amplitude {swing.amplitude:.4g} {unit}", f"period {swing.period:.4f} s"]
+    if swing.loss is not None:
+        parts.append(f"each swing loses {swing.loss:.2%}, over the last {MANY}")
+    return " | ".join(parts)
+
+
+def recent(recorder, seconds=SECONDS):
+    """Times (s before the last) and values (in the signal's unit) of the last ``seconds``, as two lists; of very many a part."""
+    rows = recorder.order.rows[-int(seconds * recorder.rate) - 1 :]
+    rows = rows[:: -(len(rows) // MOST + 1)][::-1]
     return [row.time - rows[-1].time for row in rows], [row.value * recorder.scale for row in rows]
 
 
@@ -57,6 +86,18 @@ def trace(times, values, width, rows=_ROWS):
     return ["".join(chr(0x2800 + dots) for dots in line) for line in cells]
 
 
+def trace_of(recorder, width):
+    """The lines of the recorder's trace, with the highest and the lowest value at their ends."""
+    times, values = recent(recorder)
+    if not values:
+        return []
+    unit = recorder.settings["signal_unit"]
+    lines = trace(times, values, max(width - 12, 10))
+    lines[0] += f" {max(values):.4g} {unit}"
+    lines[-1] += f" {min(values):.4g} {unit}"
+    return lines
+
+
 class TerminalView:
     """Draws over itself in a terminal; elsewhere writes a line now and then."""
 
@@ -67,23 +108,36 @@ class TerminalView:
 
     def show(self, recorder):
         """Draws the recorder as it stands."""
+        width = self._width()
+        lines = [status(recorder), *filter(None, [hint(recorder)])]
         if self._terminal:
-            width = min(shutil.get_terminal_size().columns - 1, 120)
-            lines = [status(recorder)[:width]]
-            times, values = recent(recorder)
-            if values:
-                unit = recorder.settings["signal_unit"]
-                lines += trace(times, values, max(width - 12, 10))
-                lines[1] += f" {max(values):.4g} {unit}"
-                lines[-1] += f" {min(values):.4g} {unit}"
-            bell = "\a" if recorder.state == "armed" != self._state else ""  # eyes are on the bob
-            up = bell + (f"\x1b[{self._drawn}F" if self._drawn else "")
-            self._stream.write(up + "".join(f"\x1b[2K{line}\n" for line in lines))
-            self._drawn = len(lines)
-        elif recorder.state != self._state or time.monotonic() - self._told > _QUIET:
-            self._stream.write(status(recorder) + "\n")
-            self._told = time.monotonic()
+            lines += trace_of(recorder, width)
+        fresh = recorder.state != self._state
+        bell = "\a" if recorder.state == "armed" and fresh else ""  # eyes are on the bob
+        self._write(lines, fresh, bell)
         self._state = recorder.state
+        if recorder.state == "ended":
+            self._drawn = 0  # the picture stays, and the next one is drawn below
+
+    def lines(self, lines):
+        """Draws lines."""
+        self._write(lines, False, "")
+
+    def _width(self):
+        return min(shutil.get_terminal_size().columns - 1, 120)
+
+    def _write(self, lines, fresh, bell):
+        if self._terminal:
+            up = bell + (f"\x1b[{self._drawn}F" if self._drawn else "")
+            width = self._width()
+            drawn = [f"\x1b[2K{line[:width]}\n" for line in lines]
+            blank = self._drawn - len(lines)
+            below = "\x1b[2K\n" * blank + f"\x1b[{blank}F" if blank > 0 else ""
+            self._stream.write(up + "".join(drawn) + below)
+            self._drawn = len(lines)
+        elif fresh or time.monotonic() - self._told > _QUIET:
+            self._stream.write(" | ".join(line for line in lines if not _DRAWN.search(line)) + "\n")
+            self._told = time.monotonic()
         self._stream.flush()
 
     def close(self):

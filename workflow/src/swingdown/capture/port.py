@@ -9,12 +9,14 @@ from pathlib import Path
 
 import serial
 from serial.tools import list_ports
+from serial.urlhandler import protocol_socket
 
 from ..errors import InputError
 
 GONE = (serial.SerialException, OSError, termios.error, TypeError)  # what reading an unplugged port raises
 _WAIT = 0.05  # s that a read waits for the first byte
 _GATHER = 0.002  # s for what comes with it: a board sends byte by byte
+_PIECE = 65536  # bytes, the most in one read
 _USB = re.compile(r"([0-9a-fA-F]{4}):([0-9a-fA-F]{4})(?::(.+))?")
 
 
@@ -32,9 +34,16 @@ def listed():
 
 
 def find(name):
-    """The path or URL to open for ``name``: a path, a URL, or VID:PID[:serial]; InputError where there is no such port."""
+    """The path or URL to open for ``name``: a path, a URL, or VID:PID[:serial]; InputError where there is no such port.
+
+    Without a name it is the one USB port that there is.
+    """
     if not name:
-        raise _error("no port is named", "set capture.port in the config to one of them")
+        boards = [port.device for port in list_ports.comports() if port.vid]
+        if len(boards) == 1:
+            return boards[0]
+        several = f"no port is named, and {len(boards) or 'no'} boards are plugged in"
+        raise _error(several, "set capture.port in the config to one of them" if boards else "plug it in")
     name = str(name)
     if "://" in name:
         return name
@@ -56,10 +65,10 @@ def find(name):
 
 
 def connect(name, baud):
-    """An open port: an object with ``read`` (bytes as they are there, b"" after 50 ms of silence) and ``close``."""
+    """The open Port that ``name`` means; InputError where it cannot be opened."""
     url = find(name)
     try:
-        return Port(serial.serial_for_url(url, baudrate=baud, timeout=_WAIT, exclusive=True))
+        return Port(url, serial.serial_for_url(url, baudrate=baud, timeout=_WAIT, exclusive=True))
     except ValueError as error:
         raise _error(
             f"{url} is no port that can be opened ({error})", "correct capture.port or capture.baud"
@@ -69,17 +78,33 @@ def connect(name, baud):
 
 
 class Port:
-    """A port that is open; ``read`` raises one of ``GONE`` when it is unplugged."""
+    """A port that is open, as a source (``source``); ``read`` raises one of ``GONE`` when it is unplugged."""
 
-    def __init__(self, opened):
-        self._opened = opened
+    rate = None  # a line knows no clock
+
+    def __init__(self, name, opened):
+        self.name, self._opened = name, opened
+        # A socket's ``in_waiting`` tells only whether there is anything; asked for more than there is, it gives what there is.
+        self._whole = isinstance(opened, protocol_socket.Serial)
 
     def read(self):
         """The bytes that are there, b"" after 50 ms without any."""
         if not (first := self._opened.read(1)):
             return b""
         time.sleep(_GATHER)
-        return first + self._opened.read(self._opened.in_waiting)
+        try:
+            return first + self._rest()
+        except GONE:
+            return first  # the next read raises it again
+
+    def _rest(self):
+        if not self._whole:
+            return self._opened.read(self._opened.in_waiting)
+        self._opened.timeout = 0
+        try:
+            return self._opened.read(_PIECE)
+        finally:
+            self._opened.timeout = _WAIT
 
     def close(self):
         """Closes the port; one that is gone is closed already."""

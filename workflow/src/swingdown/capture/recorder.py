@@ -4,15 +4,14 @@ It knows neither port nor clock: it is fed bytes with the time they came, live o
 of them is the same.
 """
 
-from collections import deque
-
+from . import verdict
 from .formats import parser
-from .order import Order
+from .order import ANEW, Order
+from .trigger import SPREAD, Watch, noise, release
 
 COMPLETE, STOPPED, DISCONNECTED, TIMED_OUT = "complete", "stopped", "disconnected", "timed out"
-CONFIRM = 3  # samples beyond the threshold before it is a release and no spike
 STALL = 0.25  # s; a longer pause between two looks at the line is the host's own, and no silence of the board
-DRIFT = (0.5, 0.01)  # s, and part of the duration: how far the clocks of host and device may part
+_RECENT = 200  # samples that the noise is told from
 
 
 class Recorder:
@@ -38,8 +37,7 @@ class Recorder:
         self.order = Order(self.parser, self.rate)
         self.first = None  # position of the first sample that is kept
         self.zero = None  # time of the release, or of the first sample
-        self._quiet, self._beyond = deque(), []
-        self._level = 0.0  # sum over _quiet
+        self.watch = Watch(self.trigger, self.rate, self.scale) if self.trigger else None
 
     @property
     def rows(self):
@@ -47,11 +45,20 @@ class Recorder:
         return self.order.rows if self.first is not None else []
 
     @property
+    def timed(self):
+        """True if the device sends the time of each sample: its end is then a time, else a count."""
+        return self.parser.tick is not None
+
+    @property
     def expected(self):
         """How many samples the recording has when it is complete, or should have by now where no duration is fixed."""
-        if self.duration is not None:
-            return self._before + round(self.duration * self.rate)
-        return self.rows[-1].position - self.first + 1 if self.rows else 0
+        if not self.rows:
+            return 0 if self.duration is None else self._before + round(self.duration * self.rate)
+        so_far = self.rows[-1].position - self.first + 1
+        if self.duration is None or (self.timed and self.status == COMPLETE):
+            return so_far
+        before = round((self.zero - self.rows[0].time) * self.rate) if self.timed else self._before
+        return before + round(self.duration * ((self.device_rate() if self.timed else None) or self.rate))
 
     @property
     def missing(self):
@@ -76,19 +83,27 @@ class Recorder:
                 if arrival - self.opened < self.settings["settle_s"]:
                     continue  # frames from before the reset that opening the port causes
                 self.state = "waiting" if self.trigger else "recording"
-            row = self.order.add(sample, arrival)
-            if self.order.restarted:
-                if self.state == "recording":
-                    self.end(
-                        DISCONNECTED, "the board began anew: its sequence numbers and clock started again"
-                    )
-                    return
-                self.state = "waiting" if self.trigger else self.state
-                self._begin()
-            elif row:
+            self._place(sample, arrival)
+        self._check(arrival)
+
+    def _place(self, sample, arrival):
+        found = self.order.add(sample, arrival)
+        if self.order.restarted:
+            if self.state == "recording" and len(self.order.rows) > ANEW:
+                self.end(
+                    DISCONNECTED,
+                    "the board began anew, or its clock jumped: its numbers cannot be continued",
+                )
+                return
+            self.state = "waiting" if self.trigger else self.state
+            since = self.order.since
+            self._begin()
+            for one, at in since:
+                self._place(one, at)
+        for row in found:
+            if self.state != "ended":
                 self._heard = self._listened
                 self._take(row)
-        self._check(arrival)
 
     def tick(self, now):
         """Notice that nothing came in the last look at the line, which ended at ``now`` (s since 1970)."""
@@ -99,6 +114,11 @@ class Recorder:
         self._listened += min(max(now - self._now, 0.0), STALL)
         self._now = now
 
+    @property
+    def silent(self):
+        """Seconds since the last sample, or since the port was opened."""
+        return self._listened - (0.0 if self.state == "opening" else self._heard)
+
     def _check(self, now):
         """End where the board has been silent too long, or a release never comes."""
         if self.state == "ended":
@@ -106,16 +126,15 @@ class Recorder:
         opening = (
             self.state == "opening"
         )  # the board may be starting, and silent, after having sent something before its reset
-        silent = self._listened - (0.0 if opening else self._heard)
-        if silent > self.settings["timeout_s"] + (self.settings["settle_s"] if opening else 0):
+        if self.silent > self.settings["timeout_s"] + (self.settings["settle_s"] if opening else 0):
             damaged, _ = self.parser.pending
             heard = "bytes came, and no whole frame in them" if damaged else "nothing came"
-            self.end(TIMED_OUT, f"for {silent:.1f} s {heard}")
+            self.end(TIMED_OUT, f"for {self.silent:.1f} s {heard}")
         elif (
             self.state in ("waiting", "armed")
             and now - self.opened > self.settings["settle_s"] + self.trigger["wait_s"]
         ):
-            self.end(TIMED_OUT, f"no release within {self.trigger['wait_s']:g} s")
+            self.end(TIMED_OUT, f"no release within {self.trigger['wait_s']:g} s{self._never()}")
 
     def end(self, status, reason=""):
         """Close the recording with one of the four statuses; the first end stands."""
@@ -124,47 +143,80 @@ class Recorder:
 
     def _take(self, row):
         if self.state in ("waiting", "armed"):
-            self._watch(row)
+            self._await(row)
         elif self.first is None:
             self.first, self.zero = row.position, row.time
         if self.first is not None and self.duration is not None:
-            last = self.first + self.expected - 1
-            if row.position >= last:
-                while self.rows[-1].position > last:
-                    self.rows.pop()
-                self.end(COMPLETE)
+            self._end_in_time(row)
 
-    def _watch(self, row):
-        """Arm when the signal has been still for the pre-trigger time; record when it then leaves its level."""
-        threshold, value = self.trigger["threshold"], row.value * self.scale
-        size = max(self._before, 2 * CONFIRM)
-        if self.state == "armed":
-            if abs(value - self._level / len(self._quiet)) > threshold:
-                self._beyond.append(row)
-                if len(self._beyond) >= CONFIRM:
-                    self._release(self._beyond[0])
-                return
-            self._beyond = []
-        self._quiet.append(value)
-        self._level += value
-        if len(self._quiet) > size:
-            self._level -= self._quiet.popleft()
-        if len(self.order.rows) > 4 * size + 1000:
-            del self.order.rows[: -2 * size]
-        if (
-            self.state == "waiting"
-            and len(self._quiet) == size
-            and max(self._quiet) - min(self._quiet) <= threshold
-        ):
-            self.state = "armed"
-
-    def _release(self, row):
-        self.state, self.zero = "recording", row.time
-        self.first = row.position - self._before
+    def _end_in_time(self, row):
+        """End with the last sample before the duration is over: by the device's clock, else by its count."""
         rows = self.order.rows
-        while rows[0].position < self.first:
-            del rows[0]
+        if self.timed:
+            interval = 1 / ((self.device_rate() if row.time > self.zero else None) or self.rate)
+            if row.time < self.zero + self.duration - 1.25 * interval:
+                return
+            while len(rows) > 1 and rows[-1].time > self.zero + self.duration - 0.25 * interval:
+                rows.pop()
+        else:
+            last = self.first + self.expected - 1
+            if row.position < last:
+                return
+            while rows[-1].position > last:
+                rows.pop()
+        self.end(COMPLETE)
+
+    def _await(self, row):
+        """Arm when the bob has been still for the pre-trigger time; record when it then leaves its place."""
+        rows, begun = self.order.rows, self.watch.take(row)
+        if begun:
+            self._release(begun)
+            return
+        if len(rows) > 2 * self.watch.needed + 1000:
+            del rows[: -self.watch.needed]
+        self.state = "armed" if self.watch.armed else "waiting"
+
+    def _release(self, noticed):
+        self.state = "recording"
+        rows, before = self.order.rows, self.trigger["pre_s"]
+        at = next(k for k in range(len(rows) - 1, -1, -1) if rows[k].position == noticed.position)
+        start = next(k for k in range(at + 1) if rows[k].time >= noticed.time - before)
+        around = rows[start:]
+        values = [row.value * self.scale for row in around]
+        self.zero = release([row.time for row in around], values, at - start, self.trigger["threshold"])
+        if self.timed:
+            del rows[: next(k for k in range(at + 1) if rows[k].time >= self.zero - before - 1e-9)]
+        else:
+            first = next(row.position for row in rows if row.time == self.zero) - self._before
+            while rows[0].position < first:
+                del rows[0]
         self.first = rows[0].position  # a lost frame may stand where the first should be
+
+    def noise(self):
+        """The standard deviation (in the signal's unit) of the noise of late, whatever the bob does."""
+        return noise([row.value * self.scale for row in self.order.rows[-_RECENT:]])
+
+    def unarmed(self):
+        """Why the trigger cannot arm however still the bob is held, or ""."""
+        if self.state != "waiting" or len(self.order.rows) < 20:
+            return ""
+        return too_noisy(self.noise(), self.trigger["threshold"], self.settings["signal_unit"])
+
+    def _never(self):
+        if self.state == "armed":
+            return ""
+        why = self.unarmed() or (
+            f"the signal moved by {self.watch.spread:.3g} {self.settings['signal_unit']} where the threshold is "
+            f"{self.trigger['threshold']:g}"
+        )
+        return f", and it was never still: {why}"
+
+    def device_rate(self):
+        """Samples a second by the device's own clock, or None where it sends none or too few came."""
+        rows = self.rows or self.order.rows
+        if not self.timed or len(rows) < 2 or rows[-1].time <= rows[0].time:
+            return None
+        return (rows[-1].position - rows[0].position) / (rows[-1].time - rows[0].time)
 
     def measured_rate(self):
         """Samples a second by the host's clock, or None while that tells nothing."""
@@ -173,37 +225,31 @@ class Recorder:
             return None
         return (rows[-1].position - rows[0].position) / passed
 
-    def _drift(self):
-        """By how much (s) the host's clock runs ahead of the device's from the first third to the last.
-
-        Arrivals are late at times and never early, so the promptest of each third are compared.
-        """
-        if (third := len(self.rows) // 3) < 3:
-            return 0.0
-        behind = [row.arrival - row.time for row in self.rows]
-        return min(behind[-third:]) - min(behind[:third])
-
     def problems(self):
         """Why the recording is not whole, as sentences; empty if nothing that should be there is missing."""
         found = []
         received, missing = len(self.rows), self.missing
         if self.status in (DISCONNECTED, TIMED_OUT):
             found.append(f"{self.status}: {self.reason}")
-        if self.duration is not None and self.rows:
-            lacking = self.first + self.expected - 1 - self.rows[-1].position
-            if lacking > 0 and self.status == STOPPED:
-                found.append(
-                    f"stopped {lacking / self.rate:g} s early" + (f": {self.reason}" if self.reason else "")
-                )
+        if self.duration is not None and self.rows and self.status == STOPPED:
+            lacking = self.zero + self.duration - 1 / self.rate - self.rows[-1].time
+            if round(lacking * self.rate) > 0:
+                early = round(lacking * self.rate) / self.rate
+                found.append(f"stopped {early:g} s early" + (f": {self.reason}" if self.reason else ""))
         if missing:
             damaged = sum(damaged for _, damaged in missing)
             found.append(
                 f"{len(missing) - damaged} frames lost and {damaged} damaged of {received + len(missing)}"
             )
-        if (late := self._drift()) and abs(late) > DRIFT[0] + DRIFT[1] * (
-            self.rows[-1].time - self.rows[0].time
-        ):
-            found.append(
-                f"the host's clock and the device's part by {late:+.2f} s: is capture.rate_hz the device's own?"
-            )
-        return found
+        return found + verdict.of(self)
+
+
+def too_noisy(noise_rms, threshold, unit):
+    """That noise alone spreads beyond the trigger's threshold, and the mend; "" where it does not."""
+    spread = SPREAD * noise_rms
+    if spread <= threshold:
+        return ""
+    return (
+        f"noise of {noise_rms:.3g} {unit} spreads over {spread:.3g} {unit}, beyond capture.trigger.threshold "
+        f"({threshold:g}): raise it to {2 * spread:.2g} at least, or shield the sensor's cable"
+    )

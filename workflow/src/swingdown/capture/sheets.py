@@ -39,7 +39,7 @@ def own(path, key):
 
 def mentions(path, file):
     """True if the sheet, or the apparatus sheet, has an entry for ``file``."""
-    text = Path(path).read_text(encoding="utf-8-sig") if Path(path).exists() else ""
+    text = readable(path).decode("utf-8-sig") if Path(path).exists() else ""
     return re.search(rf"(?<![^\s,:\"']){re.escape(file)}(?![^\s,\"'}}])", text) is not None
 
 
@@ -52,19 +52,20 @@ def add_row(path, row, rehearse=False):
     path = Path(path)
     row = {key: cell for key, cell in row.items() if cell not in ("", None)}
     with _alone(path):
-        old = path.read_bytes() if path.exists() else b""
+        old = readable(path) if path.exists() else b""
+        _check_commas(path, old)
         header = [cell.strip() for cell in _lines(path)[0]] if old.strip() else list(HEADER)
         end = b"\r\n" if b"\r\n" in old else b"\n"
         lacking = [name for name in row if name not in header]
         if not old.strip():
-            new = _line(header) + end
+            new = _line([*header, *lacking]) + end
         else:
             first, newline, rest = old.partition(b"\n")
             first = first.removesuffix(b"\r")
             new = first + b"".join(b"," + name.encode() for name in lacking)
             new += (end if newline else b"") + rest
             new += b"" if new.endswith(b"\n") else end
-        new += _line([row.get(name, "") for name in [*header, *(lacking if old.strip() else [])]]) + end
+        new += _line([row.get(name, "") for name in [*header, *lacking]]) + end
         _replace(path, old, new, rehearse, lambda made: _check_rows(made, path, row))
     return path
 
@@ -76,10 +77,49 @@ def add_point(path, point, rehearse=False):
     """
     path = Path(path)
     with _alone(path):
-        old = path.read_bytes()
+        old = readable(path)
         new = with_point(old.decode("utf-8"), point, path)
         _replace(path, old, new.encode("utf-8"), rehearse)
     return path
+
+
+def readable(path: str | Path) -> bytes:
+    """The bytes of a sheet; InputError, with its mend, where it is no text that could be added to, or may not be changed."""
+    path = Path(path)
+    if path.is_dir():
+        raise InputError(path, "it is a folder", "a file", "name the sheet itself, such as recordings.csv")
+    if not path.stat().st_mode & 0o222:
+        raise InputError(
+            path,
+            "it is read-only, and a recording adds a line to it",
+            "a sheet that may be written",
+            f"chmod u+w {path}, or name another sheet",
+        )
+    old = path.read_bytes()
+    said = "it is in UTF-16" if old[:2] in (b"\xff\xfe", b"\xfe\xff") or b"\0" in old[:200] else ""
+    try:
+        old.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        said = said or f"it is not in UTF-8 (byte {error.start} is {old[error.start]:#04x})"
+    if not said and b"\r" in old.replace(b"\r\n", b""):
+        said = "its lines end in CR alone, as those of old Macintosh programs, or within a line"
+    if said:
+        raise InputError(
+            path, said, "text in UTF-8 with lines that end in LF or CRLF", "save it again as `CSV UTF-8`"
+        )
+    return old
+
+
+def _check_commas(path, old):
+    first = old.decode("utf-8-sig").strip().split("\n")[0]
+    for mark, name in ((";", "semicolons"), ("\t", "tabs")):
+        if mark in first and "," not in first:
+            raise InputError(
+                f"{path}, line 1",
+                f"its columns are set apart by {name}",
+                "commas between the columns",
+                "save it again with commas (a spreadsheet asks for the field separator)",
+            )
 
 
 def with_point(text, point, path="apparatus sheet"):
@@ -181,16 +221,38 @@ def _replace(path, old, new, rehearse, check=None):
             os.fsync(file.fileno())
         if check:
             check(temporary)
-        if real.exists():
-            os.chmod(temporary, real.stat().st_mode)
-            if real.read_bytes() != old:
-                raise InputError(
-                    path,
-                    "it was changed meanwhile",
-                    "no other writer",
-                    "run the same command with `recover=true`",
-                )
-        if not rehearse:
+        if real.exists() and real.read_bytes() != old:
+            raise InputError(
+                path,
+                "it was changed meanwhile",
+                "no other writer",
+                "run the same command with `recover=true`",
+            )
+        if rehearse:
+            return
+        if real.exists() and not _alike(temporary, real.stat()):
+            _write_into(real, new)
+        else:
             os.replace(temporary, real)
     finally:
         temporary.unlink(missing_ok=True)
+
+
+def _alike(temporary, state):
+    """True if the new file could be given the old one's owner, group and rights."""
+    try:
+        if (os.stat(temporary).st_uid, os.stat(temporary).st_gid) != (state.st_uid, state.st_gid):
+            os.chown(temporary, state.st_uid, state.st_gid)
+        os.chmod(temporary, state.st_mode)
+    except PermissionError:
+        return False
+    return True
+
+
+def _write_into(path, new):
+    """Another one's sheet that is ours to write: it stays that one's, at the price of not changing in one step."""
+    with open(path, "r+b") as file:
+        file.write(new)
+        file.truncate()
+        file.flush()
+        os.fsync(file.fileno())

@@ -14,7 +14,11 @@ def complete(config: Mapping[str, Any], where: str = "config") -> dict[str, Any]
     Raises InputError, with the full name of the key and a near match where there is one, for an unknown key, a value
     of another kind or out of bounds, and a model that is not built from the catalogue's effects and the study's own.
     """
-    config = as_said(config, "config.schema.yaml", ("capture", "live", "recover", "recompute"))
+    config = as_said(
+        config,
+        "config.schema.yaml",
+        ("capture", "live", "recover", "recompute", "height", "count", "session", "monitor"),
+    )
     settings = check(config, "config.schema.yaml", where)
     known = catalogue(settings["effects"], f"{where}, key effects")
     for number, name in enumerate(settings["discovery"]["base"], 1):

@@ -1,0 +1,141 @@
+"""The signal without a recording: value and angle, noise against the threshold, range, rate, and the swing as it goes on."""
+
+import math
+import time
+from pathlib import Path
+
+from .. import dataset
+from ..errors import InputError
+from . import source
+from .listener import Listener
+from .live import measured, trace_of
+from .recorder import Recorder, too_noisy
+from .verdict import saturated
+
+KEEP = 20.0  # s of the signal
+_SHOW = 0.2  # s between pictures
+_WIDTH = 100  # characters of the trace
+CALIBRATION = Path("results/calibration/calibration.nc")
+
+
+class Monitor:
+    """Takes bytes as a recorder does and keeps the last seconds; ``lines`` says what an experimenter wants to know."""
+
+    def __init__(self, settings, opened, angle=None):
+        self.settings = settings | {"trigger": None, "duration_s": None, "timeout_s": math.inf}
+        self._threshold = (settings.get("trigger") or {}).get("threshold")
+        self._angle = angle or angle_of(settings)
+        self.recorder = Recorder(self.settings, opened)
+
+    def feed(self, data, arrival):
+        """Take what a listener gave: bytes, or none."""
+        if not data:
+            self.recorder.tick(arrival)
+            return
+        self.recorder.feed(data, arrival)
+        if self.recorder.state == "ended":  # the board began anew
+            self.recorder = Recorder(self.settings | {"settle_s": 0}, arrival)
+            return
+        rows, most = self.recorder.order.rows, int(KEEP * self.recorder.rate)
+        if len(rows) > 2 * most:
+            del rows[:-most]
+            self.recorder.order.missing.clear()
+
+    def line(self) -> str:
+        """The signal of this moment in one line."""
+        recorder, unit = self.recorder, self.settings["signal_unit"]
+        if not recorder.order.rows:
+            return f"nothing yet, for {recorder.silent:.0f} s ({recorder.bytes} bytes)"
+        if recorder.silent > 1:
+            return f"SILENT for {recorder.silent:.0f} s"
+        value = recorder.order.rows[-1].value * recorder.scale
+        parts = [f"{value:.4f} {unit}"]
+        if (degrees := self._angle(value)) is not None:
+            parts.append(f"{degrees:+.2f} deg")
+        return " | ".join([*parts, f"noise {recorder.noise():.2g} {unit}"])
+
+    def lines(self, trace: bool = True) -> list[str]:
+        """All that is known of the last seconds, as lines; the ``trace`` at their end."""
+        recorder, unit = self.recorder, self.settings["signal_unit"]
+        found, rows = [self.line()], recorder.order.rows
+        if len(rows) > 20:
+            if self._threshold:
+                noisy = too_noisy(recorder.noise(), self._threshold, unit)
+                found[0] += f" (threshold {self._threshold:g}: {'ABOVE IT' if noisy else 'it will arm'})"
+                found += [noisy] if noisy else []
+            found.append(self._rates())
+            if swing := measured(recorder, KEEP):
+                found.append(swing)
+            found += self._ends()
+            found += trace_of(recorder, _WIDTH) if trace else []
+        return found
+
+    def _rates(self):
+        recorder, parts = self.recorder, []
+        if by_host := recorder.measured_rate():
+            parts.append(f"{by_host:.2f} S/s by this computer")
+        if by_device := recorder.device_rate():
+            parts.append(f"{by_device:.2f} S/s by the board's clock")
+        missing = recorder.order.missing
+        damaged = sum(flag for _, flag in missing)
+        return " | ".join(
+            [*parts, f"rate_hz {recorder.rate:g}", f"{len(missing) - damaged} lost, {damaged} damaged"]
+        )
+
+    def _ends(self):
+        if not (limits := self.settings.get("range")):
+            return []
+        count = saturated([row.value * self.recorder.scale for row in self.recorder.order.rows], limits)
+        return (
+            [f"SATURATED: {count} of the last samples are at the end of {limits[0]:g} to {limits[1]:g}"]
+            if count
+            else []
+        )
+
+
+def angle_of(settings):
+    """A function that turns a signal into degrees, or into None where nobody knows how: volts need a calibration."""
+    unit = settings["signal_unit"]
+    if unit in ("deg", "rad"):
+        return lambda value: value if unit == "deg" else math.degrees(value)
+    if unit == "counts" and settings.get("counts_per_revolution"):
+        return lambda value: 360 * value / settings["counts_per_revolution"]
+    if unit == "V" and CALIBRATION.is_file():
+        try:
+            line = dataset.read(CALIBRATION)["line"].sel(mode="gum")
+        except (InputError, KeyError):
+            return lambda value: None
+        slope, intercept = (float(line.sel(coefficient=name)) for name in ("slope", "intercept"))
+        return lambda value: math.degrees(intercept + slope * value)
+    return lambda value: None
+
+
+def watch(settings, show, stop):
+    """A last line on the signal, when the event ``stop`` is set; until then ``show(lines)`` is called a few times a second.
+
+    ``settings`` is the config's ``capture``. InputError where the source cannot be used or goes away.
+    """
+    settings = settings | {"format": source.format_of(settings)}
+    opened = source.connect(settings)
+    if opened.rate:
+        settings["rate_hz"] = opened.rate
+    listener, shown = Listener(opened), 0.0
+    try:
+        monitor = Monitor(settings, listener.began)
+        while not stop.is_set():
+            arrival, data = listener.take() or (None, None)
+            if isinstance(data, Exception):
+                raise InputError(
+                    f"capture.port, {opened.name}",
+                    f"the port went away ({data or type(data).__name__})",
+                    "a board that stays plugged in",
+                    "plug it in and run the same command again",
+                )
+            if arrival is not None:
+                monitor.feed(data, arrival)
+            if time.monotonic() - shown > _SHOW:
+                show(monitor.lines())
+                shown = time.monotonic()
+        return "\n".join(["nothing was recorded; at the end:", *monitor.lines(trace=False)])
+    finally:
+        listener.close()

@@ -1,0 +1,217 @@
+"""From a source to a recording on disk and its row in a sheet; and the same from the journal of a capture that was killed."""
+
+import threading
+import time
+from dataclasses import replace
+
+from ..errors import InputError
+from . import sheets, source, take
+from .job import Job, check_room, enter_whole
+from .journal import Journal, read_journal
+from .listener import Listener
+from .recorder import DISCONNECTED, STOPPED, Recorder
+
+_SHOW = 0.2  # s between pictures
+_MANY = 100  # pieces that wait; with more there is no time for pictures
+
+
+def capture(job: Job, views=(), stop: threading.Event | None = None) -> str:
+    """A sentence on the recording that was made: at ``job.path``, with its row in the sheet.
+
+    ``views`` have ``show(recorder)`` and ``close()``; the event ``stop`` ends the recording. InputError where the port cannot be
+    used or no recording came of it, and where it is partial for another reason than ``stop`` (it is then kept all the same).
+    """
+    take.check_absent(job.path)
+    check_room(job.settings["duration_s"], job.settings["rate_hz"])
+    opened = source.connect(job.settings)
+    listener = Listener(opened)
+    try:
+        return record(job, opened, listener, views, stop)
+    finally:
+        listener.close()
+        for view in views:
+            view.close()
+
+
+def record(job, opened, listener, views=(), stop=None):
+    """The same from a source that is ``opened`` already and read by ``listener``; it stays open."""
+    take.check_absent(job.path)
+    check_room(job.settings["duration_s"], job.settings["rate_hz"])
+    began = listener.now()
+    settled = began - listener.began
+    settings = job.settings | {"settle_s": max(job.settings["settle_s"] - settled, 0.0)}
+    if opened.rate:
+        settings["rate_hz"] = opened.rate
+    about = {**job.about, "source": told_source(settings, opened.name)}
+    job = replace(job, settings=settings, about=about)
+    kept = {
+        "settings": settings,
+        "about": about,
+        "opened": began,
+        "height": job.height,
+        "sheet": str(job.sheet),
+    }
+    journal = Journal(job.journal, kept)
+    recorder = Recorder(settings, began)
+    try:
+        _run(recorder, listener, journal, views, stop or threading.Event())
+    finally:
+        journal.close()
+    return _close(job, recorder, journal.remove)
+
+
+def told_source(settings, name):
+    """Where a recording comes from, as an attribute of it."""
+    what = (
+        "an emulated board; no real apparatus was recorded" if settings["emulated"] else "its owner's board"
+    )
+    return f"captured from {name}: {what}"
+
+
+def recover(job: Job) -> str:
+    """A sentence on the recording made from the journal of a capture that was killed.
+
+    What the journal tells of the job (settings, height of a tower, the sheet) holds, and what the command says besides does not.
+    """
+    kept, pieces = read_journal(job.journal)
+    if "sheet" in kept:  # one that is older does not tell
+        job = replace(job, height=kept["height"], sheet=sheets.own(kept["sheet"], "recordings"))
+    job = replace(job, settings=kept["settings"], about=job.about | kept["about"])
+    if job.path.exists():  # it was killed after the recording was whole
+        if not sheets.mentions(job.sheet, str(job.path)):
+            enter_whole(job)
+        job.journal.unlink()
+        return f"{job.name}: {job.path} was whole already; it is entered in {job.sheet}"
+    settings, problems = kept["settings"], []
+    recorder = _replay(settings, kept["opened"], pieces)
+    if not recorder.rows and settings.get("trigger"):  # a swing that no release was seen in
+        settings = settings | {"trigger": None, "duration_s": None}
+        recorder = _replay(settings, kept["opened"], pieces)
+        problems.append("no release was seen in it, so it is not known where the swing begins")
+    recorder.end(STOPPED, "recovered from the raw stream of a capture that did not finish")
+    if recorder.duration is None:
+        problems.append("recovered from the raw stream of a capture that did not finish")
+    found = replace(job, settings=settings, about={**job.about, "problems": problems})
+    return _close(found, recorder, job.journal.unlink)
+
+
+def _replay(settings, opened, pieces):
+    """A Recorder fed with what a journal kept."""
+    recorder = Recorder(settings, opened)
+    for arrival, data in pieces:
+        recorder.feed(data, arrival)
+    return recorder
+
+
+def _run(recorder, listener, journal, views, stop):
+    """Feed the recorder from the listener until it ends."""
+    shown = 0.0
+    while recorder.state != "ended":
+        arrival, data = listener.take() or (None, None)  # a thread that is late gives no word on what came
+        if isinstance(data, Exception):
+            recorder.end(DISCONNECTED, f"the port went away ({data or type(data).__name__})")
+        elif data:
+            problem = _keep(journal, data, arrival)
+            recorder.feed(data, arrival)
+            if problem:
+                recorder.end(STOPPED, f"the raw stream cannot be kept on disk ({problem.strerror})")
+        elif data is not None:
+            recorder.tick(arrival)
+        if stop.is_set():
+            recorder.end(STOPPED)
+        if time.monotonic() - shown > _SHOW and listener.behind < _MANY:
+            for view in views:
+                view.show(recorder)
+            shown = time.monotonic()
+    for view in views:
+        view.show(recorder)
+
+
+def _keep(journal, data, arrival):
+    """None, or why the bytes could not be kept."""
+    try:
+        journal.add(data, arrival)
+    except OSError as problem:
+        return problem
+
+
+def _close(job, recorder, remove_journal):
+    """Write what was recorded and enter it in the sheet; the journal goes only when both are done."""
+    if not recorder.rows:
+        raise _nothing(job, recorder, remove_journal)
+    data = take.to_dataset(recorder, dict(job.about))
+    try:
+        take.write_new(data, job.path)
+    except OSError as error:
+        raise OSError(
+            error.errno,
+            f"{error.strerror or error}. What arrived is kept in {job.journal}; make room, then run the same command with "
+            "`recover=true`",
+        ) from error
+    except RuntimeError as error:  # what the netCDF library raises where there is room and it may not be used
+        raise InputError(
+            job.path,
+            f"it cannot be written ({error}); what arrived is kept in {job.journal}",
+            "a file system that takes the file, and no limit on its size (`ulimit -f`)",
+            "lift the limit, then run the same command with `recover=true`",
+        ) from error
+    enter_whole(job)
+    remove_journal()
+    sentence = told(job, data)
+    if recorder.status != STOPPED and data.attrs["partial"] == "yes":
+        raise InputError(
+            job.path,
+            f"the recording is kept and marked partial: {data.attrs['problems']}",
+            f"{data.attrs['expected']} samples without a gap; {data.attrs['received']} came",
+            "record it again under another name, or write `allow` in the column partial of its row to use what there is",
+        )
+    return sentence
+
+
+def told(job, data):
+    """What the experimenter reads when the recording has ended."""
+    attrs, time = data.attrs, data["time"].values
+    lines = [
+        f"{job.name}: {attrs['status']}{', PARTIAL' if attrs['partial'] == 'yes' else ''}: {attrs['received']} of "
+        f"{attrs['expected']} samples, {time[0]:.2f} s to {time[-1]:.2f} s; {attrs['lost']} lost, {attrs['damaged']} damaged"
+    ]
+    if attrs["problems"]:
+        lines.append(attrs["problems"])
+    lines.append(
+        f"{job.path}, entered in {job.sheet}" + (" (emulated)" if attrs["emulated"] == "yes" else "")
+    )
+    return "\n".join(lines)
+
+
+def _nothing(job, recorder, remove_journal):
+    if recorder.status == STOPPED:
+        remove_journal()
+        return InputError(
+            "capture", "stopped before anything was recorded", "a release", "run the same command again"
+        )
+    rows = recorder.order.rows
+    if rows:
+        values = [row.value * recorder.scale for row in rows]
+        unit = job.settings["signal_unit"]
+        seen = f"; the signal was between {min(values):.5g} and {max(values):.5g} {unit} of late"
+        expected = f"still for {recorder.trigger['pre_s']:g} s, then {recorder.trigger['threshold']:g} {unit} away from there"
+        mend = "hold the bob still, let go when it says so; or change capture.trigger"
+    elif recorder.bytes:
+        seen = f"; {recorder.bytes} bytes arrived and no whole {job.settings['format']} sample among them"
+        expected = f"samples in the format {job.settings['format']} at {job.settings['baud']} baud"
+        mend = "correct capture.format, capture.columns or capture.baud"
+    else:
+        seen, expected = "", "samples"
+        mend = "check the cable, the port and that the sampler is on the board (resources/firmware/README.md)"
+    if rows:
+        mend += (
+            f". What arrived is in {job.journal}: add `recover=true` to make a recording of it, or delete it"
+        )
+    else:
+        remove_journal()
+    return InputError(
+        f"capture.port, {job.settings.get('port') or 'the board that was found'}",
+        f"nothing was recorded: {recorder.status}: {recorder.reason}{seen}",
+        expected,
+        mend,
+    )
