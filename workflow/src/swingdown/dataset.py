@@ -1,8 +1,11 @@
-"""Labelled datasets on disk: whole or not there, compressed so that damage shows, every number with a unit."""
+"""Labelled datasets on disk: whole or not there, with checksums so that damage shows, every number with a unit."""
 
 import errno
+import hashlib
+import json
 import shutil
 from collections.abc import Hashable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -14,13 +17,16 @@ from .errors import InputError
 from .paths import written_whole
 
 CONVENTIONS = "CF-1.8"
+DIGEST = "content_sha256"  # the attribute that holds the digest of all the rest
+_MAKE_AGAIN = "delete it and run the step that makes it again"
 
 
 def write(dataset: xr.Dataset, path: str | Path) -> Path:
     """The path written. The file appears under its name only when it is complete and on the disk.
 
-    Every numeric and text variable is compressed with zlib, because a flipped bit in an uncompressed file
-    goes unnoticed. A float variable without ``units`` and ``long_name`` raises ValueError; a full disk raises
+    Every variable is compressed with zlib and carries the format's own checksum (Fletcher-32), which any reader of
+    netCDF verifies. What lies between the variables (the index of their pieces, text of variable length) has none, so a
+    SHA-256 of the content as it is read back goes beside it. A float variable without ``units`` and ``long_name`` raises ValueError; a full disk raises
     OSError (ENOSPC) with the space wanted and free. Nothing is left behind by a write that fails.
     """
     path = Path(path)
@@ -28,7 +34,7 @@ def write(dataset: xr.Dataset, path: str | Path) -> Path:
         raise ValueError(f"{path} is not written. {'; '.join(lost)}")
     dataset = _with_plain_text(dataset).assign_attrs(Conventions=CONVENTIONS)
     encoding: dict[Hashable, dict[str, Any]] = {
-        name: {"zlib": True, "complevel": 4} for name in dataset.variables
+        name: {"zlib": True, "complevel": 4, "fletcher32": True} for name in dataset.variables
     }
     for name, variable in dataset.variables.items():
         if variable.dtype.kind == "U":  # variable-length strings cannot be compressed, characters can
@@ -39,9 +45,11 @@ def write(dataset: xr.Dataset, path: str | Path) -> Path:
     try:
         with written_whole(path) as partial:
             dataset.to_netcdf(partial, engine="netcdf4", format="NETCDF4", encoding=encoding)
+            digest = _digest(_load(partial))
             with netCDF4.Dataset(
                 partial, "a"
             ) as file:  # last of all: a killed writer leaves a file that opens cleanly
+                file.setncattr(DIGEST, digest)
                 file.setncattr("complete", np.int32(1))
     except (OSError, RuntimeError) as error:
         free = shutil.disk_usage(path.parent).free
@@ -60,25 +68,67 @@ def write(dataset: xr.Dataset, path: str | Path) -> Path:
 def read(path: str | Path) -> xr.Dataset:
     """The dataset of a file written by ``write``, loaded whole.
 
-    A file that is missing, damaged, incomplete, or that lost the unit of a float variable raises InputError.
+    A file that is missing, damaged, incomplete, changed since, or that lost the unit of a float variable raises InputError.
     """
     path = Path(path)
     if not path.exists():
         raise InputError(
             path, "there is no such file", "a dataset written by an earlier step", "run that step again"
         )
-    mend = "delete it and run the step that makes it again"
-    try:
-        dataset = xr.load_dataset(path, engine="netcdf4", decode_times=False, decode_timedelta=False)
-    except (OSError, RuntimeError, ValueError) as error:
-        raise InputError(path, f"it cannot be read ({error})", "an undamaged netCDF file", mend) from error
+    mend = _MAKE_AGAIN
+    with reading(path):
+        dataset = _load(path)
     if dataset.attrs.get("complete") != 1:
         raise InputError(
             path, "it has no completeness mark", "the attribute complete = 1, written last", mend
         )
     if lost := [f"{name} has no {key}" for name, key in _unlabelled(dataset) if key == "units"]:
         raise InputError(path, "; ".join(lost), "units on every float variable", mend)
+    written = dataset.attrs.pop(DIGEST, None)  # files made before there were digests have none
+    if written is not None and written != _digest(dataset):
+        raise InputError(
+            path, "its content is not what was written", f"the content that {DIGEST} was taken of", mend
+        )
     return dataset
+
+
+@contextmanager
+def reading(path: str | Path) -> Iterator[None]:
+    """A block that reads the netCDF file ``path``: whatever goes wrong in it is told as an InputError."""
+    try:
+        yield
+    except (InputError, MemoryError):
+        raise
+    except Exception as error:  # a damaged file makes the reader fail in ways that nobody listed
+        raise InputError(
+            path, f"it cannot be read ({error})", "an undamaged netCDF file", _MAKE_AGAIN
+        ) from error
+
+
+def _load(path: Path) -> xr.Dataset:
+    return xr.load_dataset(path, engine="netcdf4", decode_times=False, decode_timedelta=False)
+
+
+def _digest(dataset: xr.Dataset) -> str:
+    """The SHA-256 of names, dimensions, types, values and attributes, as xarray reads them; in hexadecimal."""
+    found = hashlib.sha256()
+    attributes = {key: value for key, value in dataset.attrs.items() if key not in ("complete", DIGEST)}
+    found.update(_text([dict(dataset.sizes), attributes]))
+    for name, variable in sorted(dataset.variables.items(), key=lambda item: str(item[0])):
+        values = variable.values
+        plain = values.dtype.kind in "fiub"
+        found.update(
+            _text([str(name), variable.dims, str(values.dtype) if plain else "text", variable.attrs])
+        )
+        found.update(np.ascontiguousarray(values).tobytes() if plain else _text(values.astype(str)))
+    return found.hexdigest()
+
+
+def _text(value: Any) -> bytes:
+    def plain(one: Any) -> Any:
+        return one.tolist() if isinstance(one, np.ndarray | np.generic) else str(one)
+
+    return json.dumps(value, default=plain, sort_keys=True).encode()
 
 
 def _unlabelled(dataset: xr.Dataset) -> Iterator[tuple[Hashable, str]]:

@@ -29,10 +29,10 @@ def read_campaign(name: str, paths: Sequence[Path | str], roles: Sequence[str]) 
     kinds: dict[str, list[Swing]] = {"fit": [], "holdout": [], "static": []}
     emulated, systematic = False, 0.0
     for path, role in zip(paths, roles, strict=True):
-        with xr.open_dataset(path) as data:
-            swing = Swing(str(data.attrs["recording"]), data["time"].values, data["angle"].values)
-            systematic = max(systematic, float(data["angle_systematic_uncertainty"].max()))
-            emulated |= str(data.attrs.get("emulated", "no")) == "yes"
+        data = dataset.read(path)
+        swing = Swing(str(data.attrs["recording"]), data["time"].values, data["angle"].values)
+        systematic = max(systematic, float(data["angle_systematic_uncertainty"].max()))
+        emulated |= str(data.attrs.get("emulated", "no")) == "yes"
         kinds[role or "fit"].append(swing)
     static = [swing.pair for swing in kinds["static"]]
     return replace(campaign(name, kinds["fit"], kinds["holdout"], static), systematic=systematic), emulated

@@ -36,6 +36,7 @@ def combine(sweep, paths, output):
     with written_whole(output) as partial:
         dataset.write(_skeleton(sweep, listed), partial)
         with netCDF4.Dataset(partial, "a") as file:
+            file.delncattr(dataset.DIGEST)  # it was taken of the skeleton alone
             filled = _fill(file, sweep, where, listed, paths)
             if not filled.all():
                 _tell_missing(sweep, filled)
@@ -45,7 +46,10 @@ def combine(sweep, paths, output):
 
 def read_maps(path):
     """The Dataset of a combined sweep without the single draws: coordinates, settings and the cells' probabilities."""
-    with xr.open_dataset(path, engine="netcdf4", decode_times=False, decode_timedelta=False) as data:
+    with (
+        dataset.reading(path),
+        xr.open_dataset(path, engine="netcdf4", decode_times=False, decode_timedelta=False) as data,
+    ):
         return data.drop_dims("realization").load()
 
 
@@ -53,7 +57,7 @@ def _listed(paths):
     """The dimension beside cell and draw that the chunks have, and its entries; (None, []) where there is none."""
     found, dimension = [], None
     for path in paths:
-        with xr.open_dataset(path, engine="netcdf4", decode_times=False) as data:
+        with dataset.reading(path), xr.open_dataset(path, engine="netcdf4", decode_times=False) as data:
             other = [name for name in data.sizes if name in data.coords and name != "cell_key"]
             dimension = other[0] if other else dimension
             found += [str(name) for name in (data[other[0]].values if other else ())]
@@ -133,6 +137,7 @@ def _create(file, name, like, dims, listed, sweep):
         dims,
         zlib=True,
         complevel=4,
+        fletcher32=True,
         chunksizes=shape,
         fill_value=np.nan if kind == "f8" else None,
     )

@@ -45,7 +45,9 @@ def add(file, sweep):
         said.long_name = "what discovery said"
         said[:] = np.array(words, dtype=object)
     for name, (more, units, meaning) in kinds.items():
-        made = file.createVariable(name, "f8", (*axes, *more), zlib=True, complevel=4, fill_value=np.nan)
+        made = file.createVariable(
+            name, "f8", (*axes, *more), zlib=True, complevel=4, fletcher32=True, fill_value=np.nan
+        )
         made.setncatts({"units": units, "long_name": meaning})
     collected = {name: np.full(file[name].shape, np.nan) for name in kinds}
     for index, values in zip(np.ndindex(sweep.shape), sweep, strict=True):
