@@ -53,7 +53,7 @@ def test_another_setting_runs_only_what_rests_on_it(small_study, snakemake):
         directory=small_study,
     )
     rules = set(done.stdout.split("Job stats:")[1].split("total")[0].split())
-    assert {"fit_swing", "fit_campaign", "table3", "report", "fig15"} <= rules
+    assert {"fit_swing", "fit_campaign", "table3", "page", "manifest", "fig15"} <= rules
     assert not {"record", "angle", "calibrate", "simulate", "fit_simulated", "fig02", "fig09"} & rules
 
 

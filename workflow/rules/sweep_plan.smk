@@ -41,6 +41,9 @@ def swept():
     return {table: os.stat(table).st_mtime_ns for table in tables if os.path.exists(table)}
 
 
-onstart:
+def write_books():
     for name, new in NEW.items():
         dealt.add_to_book(book(name), new)
+
+
+AT_START.append(write_books)
