@@ -1,6 +1,7 @@
 """The whole study, small: everything appears, again nothing is done, and the numbers do not depend on the cores."""
 
 import pandas as pd
+import pint
 import pytest
 import xarray as xr
 
@@ -28,6 +29,24 @@ def test_every_number_has_a_unit(small_study):
         with xr.open_dataset(path, decode_timedelta=False) as data:
             for name, variable in data.variables.items():
                 assert variable.dtype.kind != "f" or variable.attrs.get("units"), f"{path.name}: {name}"
+
+
+def test_every_file_keeps_the_cf_conventions(small_study):
+    """But for the elapsed time in plain seconds, which the Conventions' time axis, a date, cannot be."""
+    known = pint.UnitRegistry()
+    for path in (small_study / "results").rglob("*.nc"):
+        with xr.open_dataset(path, decode_timedelta=False) as data:
+            assert all(data.attrs.get(key) for key in ("title", "history", "source", "Conventions")), (
+                path.name
+            )
+            for name, variable in data.variables.items():
+                where = f"{path.name}: {name}"
+                assert variable.attrs.get("long_name"), where
+                assert variable.dtype != "int64", where
+                if "units" in variable.attrs:
+                    known.parse_units(variable.attrs["units"].replace("-1", "**-1"))
+                linked = variable.attrs.get("ancillary_variables", "").split()
+                assert set(linked) <= set(data.variables), where
 
 
 def test_what_comes_from_the_bench_says_that_it_is_emulated(small_study):

@@ -2,7 +2,9 @@
 
 import errno
 import hashlib
+import importlib.metadata
 import json
+import os
 import shutil
 from collections.abc import Hashable, Iterator
 from contextlib import contextmanager
@@ -18,6 +20,7 @@ from .paths import written_whole
 
 CONVENTIONS = "CF-1.8"
 DIGEST = "content_sha256"  # the attribute that holds the digest of all the rest
+_SEAL = b"\nswingdown sha256 "
 _MAKE_AGAIN = "delete it and run the step that makes it again"
 
 
@@ -26,13 +29,14 @@ def write(dataset: xr.Dataset, path: str | Path) -> Path:
 
     Every variable is compressed with zlib and carries the format's own checksum (Fletcher-32), which any reader of
     netCDF verifies. What lies between the variables (the index of their pieces, text of variable length) has none, so a
-    SHA-256 of the content as it is read back goes beside it. A float variable without ``units`` and ``long_name`` raises ValueError; a full disk raises
+    SHA-256 of the content as it is read back goes beside it, and one of the bytes behind the end of the file. What the CF Conventions ask of every file (title, history
+    without a date, source, a name for each variable) is added where the dataset does not say it itself. A float variable without ``units`` and ``long_name`` raises ValueError; a full disk raises
     OSError (ENOSPC) with the space wanted and free. Nothing is left behind by a write that fails.
     """
     path = Path(path)
     if lost := [f"{name}: no {key}" for name, key in _unlabelled(dataset)]:
         raise ValueError(f"{path} is not written. {'; '.join(lost)}")
-    dataset = _with_plain_text(dataset).assign_attrs(Conventions=CONVENTIONS)
+    dataset = _described(_with_plain_text(dataset), path)
     encoding: dict[Hashable, dict[str, Any]] = {
         name: {"zlib": True, "complevel": 4, "fletcher32": True} for name in dataset.variables
     }
@@ -41,6 +45,8 @@ def write(dataset: xr.Dataset, path: str | Path) -> Path:
             encoding[name]["dtype"] = "S1"
         elif variable.dtype.kind == "f":
             encoding[name]["_FillValue"] = None if name in dataset.coords else np.nan
+        elif variable.dtype == np.int64 and np.all(np.abs(variable.values) < 2**31):
+            encoding[name]["dtype"] = "int32"  # the Conventions know no longer integers
 
     try:
         with written_whole(path) as partial:
@@ -51,6 +57,7 @@ def write(dataset: xr.Dataset, path: str | Path) -> Path:
             ) as file:  # last of all: a killed writer leaves a file that opens cleanly
                 file.setncattr(DIGEST, digest)
                 file.setncattr("complete", np.int32(1))
+            seal(partial)
     except (OSError, RuntimeError) as error:
         free = shutil.disk_usage(path.parent).free
         if (
@@ -95,6 +102,7 @@ def read(path: str | Path) -> xr.Dataset:
 @contextmanager
 def reading(path: str | Path) -> Iterator[None]:
     """A block that reads the netCDF file ``path``: whatever goes wrong in it is told as an InputError."""
+    _check_seal(Path(path))
     try:
         yield
     except (InputError, MemoryError):
@@ -103,6 +111,40 @@ def reading(path: str | Path) -> Iterator[None]:
         raise InputError(
             path, f"it cannot be read ({error})", "an undamaged netCDF file", _MAKE_AGAIN
         ) from error
+
+
+def seal(path: Path) -> None:
+    """The file with the SHA-256 of its bytes behind its end, where readers of netCDF do not look.
+
+    A damaged book of the format can make its library crash rather than complain, so damage must show before that is asked.
+    A program that changes the file cuts the seal off; ``DIGEST`` then tells.
+    """
+    with path.open("r+b") as file:
+        digest = hashlib.file_digest(file, "sha256").hexdigest()
+        file.seek(0, os.SEEK_END)
+        file.write(_SEAL + digest.encode())
+
+
+def _check_seal(path: Path) -> None:
+    with path.open("rb") as file:
+        size = file.seek(0, os.SEEK_END) - len(_SEAL) - 64
+        file.seek(max(size, 0))
+        tail = file.read()
+        if size <= 0 or not tail.startswith(_SEAL):
+            return
+        found, left = hashlib.sha256(), size
+        file.seek(0)
+        while left:
+            piece = file.read(min(left, 1 << 20))
+            found.update(piece)
+            left -= len(piece)
+    if tail[len(_SEAL) :] != found.hexdigest().encode():
+        raise InputError(
+            path,
+            "it cannot be read (its bytes are not those that were written)",
+            "an undamaged netCDF file",
+            _MAKE_AGAIN,
+        )
 
 
 def _load(path: Path) -> xr.Dataset:
@@ -135,6 +177,19 @@ def _unlabelled(dataset: xr.Dataset) -> Iterator[tuple[Hashable, str]]:
     for name, variable in dataset.variables.items():
         if variable.dtype.kind == "f":
             yield from ((name, key) for key in ("units", "long_name") if key not in variable.attrs)
+
+
+def _described(dataset: xr.Dataset, path: Path) -> xr.Dataset:
+    told = {
+        "title": f"{path.resolve().parent.name}: {path.stem}",
+        "source": "swingdown",
+        "history": f"written by swingdown {importlib.metadata.version('swingdown')}",  # undated: the same run, the same bytes
+    }
+    dataset = dataset.assign_attrs(told | dataset.attrs | {"Conventions": CONVENTIONS})
+    unnamed = [name for name, variable in dataset.variables.items() if "long_name" not in variable.attrs]
+    for name in unnamed:
+        dataset[name].attrs["long_name"] = str(name).replace("_", " ")
+    return dataset
 
 
 def _with_plain_text(dataset: xr.Dataset) -> xr.Dataset:

@@ -41,6 +41,7 @@ def combine(sweep, paths, output):
             if not filled.all():
                 _tell_missing(sweep, filled)
             summary.add(file, sweep)
+        dataset.seal(partial)
     return output
 
 
@@ -81,7 +82,7 @@ def _skeleton(sweep, listed):
         coords[dimension] = (dimension, names, {"long_name": "fitted model"})
     settings = yaml.safe_dump(dict(sorted(sweep.settings.items())), allow_unicode=True, sort_keys=False)
     attributes = {
-        "sweep": sweep.name, "computes": sweep.computes, "axes": " ".join(dims), "settings": settings, "seeding": SEEDING,
+        "title": f"sweep {sweep.name}", "sweep": sweep.name, "computes": sweep.computes, "axes": " ".join(dims), "settings": settings, "seeding": SEEDING,
         "realizations": sweep.realizations, "source": "simulated", "emulated": "no",
     }  # fmt: skip
     if "seed" in sweep.settings:
