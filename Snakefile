@@ -1,12 +1,13 @@
 """The study on one page: settings and sheets are checked, then each stage adds its rules and its results."""
 
 import logging
+from functools import partial
 
 from snakemake.utils import min_version
 
 from swingdown import console
 from swingdown.capture import takes
-from swingdown.paths import find, is_url
+from swingdown.paths import find, is_url, remove_leftovers
 from swingdown.study.plan import plan
 from swingdown.study.settings import complete
 from swingdown.study.sources import sources
@@ -41,7 +42,13 @@ with console.job():
     PLAN = plan({} if AT_THE_BENCH else config)
     SWEEPS = sweeps(config, where)
 
+AT_START = [partial(remove_leftovers, "results")]  # what is done before the first job, and never by a dry run
 TABLES, FIGURES, VERDICTS = [], [], []  # each stage adds what it makes; the report shows all of it
+
+
+onstart:
+    for act in AT_START:
+        act()
 
 
 wildcard_constraints:
@@ -82,6 +89,7 @@ else:
     include: "workflow/rules/sweep_plan.smk"
     include: "workflow/rules/sweep.smk"
     include: "workflow/rules/report.smk"
+    include: "workflow/rules/manifest.smk"
 
     rule all:
         default_target: True
@@ -90,4 +98,5 @@ else:
             FIGURES,
             VERDICTS,
             "results/report.html",
+            "results/manifest.json",
         localrule: True

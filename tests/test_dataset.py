@@ -28,9 +28,27 @@ def test_what_is_read_is_what_was_written(labelled, tmp_path):
     assert back["time"].dtype == float  # seconds stay numbers, they are no dates
 
 
-def test_every_variable_is_compressed(labelled, tmp_path):
+def test_every_variable_is_compressed_and_has_a_checksum(labelled, tmp_path):
     with netCDF4.Dataset(dataset.write(labelled, tmp_path / "a.nc")) as file:
-        assert all(variable.filters()["zlib"] for variable in file.variables.values())
+        filters = [variable.filters() for variable in file.variables.values()]
+    assert all(one["zlib"] and one["fletcher32"] for one in filters)
+
+
+def test_every_file_says_what_it_is_and_by_what_it_was_made(labelled, tmp_path):
+    labelled["n"] = ("model", np.array([3, 4]))
+    path = dataset.write(labelled.assign_attrs(title="mine"), tmp_path / "angles" / "a.nc")
+    with netCDF4.Dataset(path) as file:
+        assert (file.title, file.source, file.Conventions) == ("mine", "swingdown", "CF-1.8")
+        assert file.history.startswith("written by swingdown ")
+        assert file["n"].dtype == np.int32 and file["n"].long_name == "n"
+    assert dataset.read(dataset.write(labelled, tmp_path / "angles" / "a.nc")).title == "angles: a"
+    large = labelled.assign(n=("model", np.array([2**40, 4])))
+    assert dataset.read(dataset.write(large, path))["n"].values[0] == 2**40
+
+
+def test_the_same_dataset_gives_the_same_bytes(labelled, tmp_path):
+    first = dataset.write(labelled, tmp_path / "a.nc").read_bytes()
+    assert dataset.write(labelled, tmp_path / "a.nc").read_bytes() == first
 
 
 @pytest.mark.parametrize("key", ["units", "long_name"])
@@ -56,6 +74,51 @@ def test_a_flipped_bit_is_noticed(labelled, tmp_path):
     path.write_bytes(content)
     with pytest.raises(InputError, match=r"a\.nc.*cannot be read.*undamaged"):
         dataset.read(path)
+
+
+def test_a_changed_text_is_noticed(labelled, tmp_path):
+    """Text of variable length lies outside every checksum of the format."""
+    path = dataset.write(labelled.assign_attrs(campaign="bänch"), tmp_path / "a.nc")
+    content = path.read_bytes()
+    assert content.count("bänch".encode()) == 1
+    path.write_bytes(content.replace("bänch".encode(), "bönch".encode()))
+    with pytest.raises(InputError, match=r"a\.nc.*not those that were written.*Mend"):
+        dataset.read(path)
+
+
+def test_a_number_changed_by_another_program_is_noticed(labelled, tmp_path):
+    path = dataset.write(labelled, tmp_path / "a.nc")
+    with netCDF4.Dataset(path, "a") as file:
+        file["angle"][7] = 0.0
+    with pytest.raises(InputError, match="not what was written"):
+        dataset.read(path)
+
+
+def test_whatever_is_flipped_or_cut_is_refused_or_harmless(labelled, tmp_path):
+    """Three bytes in four fall where the format keeps its book, for there the least is checked."""
+    small = labelled.isel(time=slice(200)).assign_attrs(campaign="bänch", seed=7)
+    path = dataset.write(small, tmp_path / "a.nc")
+    whole, good = path.read_bytes(), dataset.read(path)
+    rng = np.random.default_rng(12)
+    refused = 0
+    for k in range(300):
+        damaged = bytearray(whole)
+        if k % 6 == 0:
+            damaged = damaged[: rng.integers(len(whole))]
+        else:
+            damaged[rng.integers(len(whole) if k % 4 == 0 else 3000)] ^= rng.integers(1, 256)
+        copy = (
+            tmp_path / f"{k}.nc"
+        )  # a file that could not be opened stays in the library's memory under its name
+        copy.write_bytes(damaged)
+        try:
+            xr.testing.assert_identical(dataset.read(copy), good)
+        except InputError as error:
+            refused += 1
+            assert error.where == str(copy) and error.problem and error.mend
+        else:
+            assert k % 6 or len(damaged) > len(whole) - 100, "a file that was cut"
+    assert refused > 290  # the others hit the seal itself
 
 
 def test_an_unfinished_file_is_noticed(labelled, tmp_path):

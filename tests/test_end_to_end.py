@@ -1,6 +1,7 @@
 """The whole study, small: everything appears, again nothing is done, and the numbers do not depend on the cores."""
 
 import pandas as pd
+import pint
 import pytest
 import xarray as xr
 
@@ -30,6 +31,24 @@ def test_every_number_has_a_unit(small_study):
                 assert variable.dtype.kind != "f" or variable.attrs.get("units"), f"{path.name}: {name}"
 
 
+def test_every_file_keeps_the_cf_conventions(small_study):
+    """But for the elapsed time in plain seconds, which the Conventions' time axis, a date, cannot be."""
+    known = pint.UnitRegistry()
+    for path in (small_study / "results").rglob("*.nc"):
+        with xr.open_dataset(path, decode_timedelta=False) as data:
+            assert all(data.attrs.get(key) for key in ("title", "history", "source", "Conventions")), (
+                path.name
+            )
+            for name, variable in data.variables.items():
+                where = f"{path.name}: {name}"
+                assert variable.attrs.get("long_name"), where
+                assert variable.dtype != "int64", where
+                if "units" in variable.attrs:
+                    known.parse_units(variable.attrs["units"].replace("-1", "**-1"))
+                linked = variable.attrs.get("ancillary_variables", "").split()
+                assert set(linked) <= set(data.variables), where
+
+
 def test_what_comes_from_the_bench_says_that_it_is_emulated(small_study):
     for path in ("recordings/swing_01", "angles/swing_01", "calibration/calibration", "experiment/norms"):
         assert xr.open_dataset(small_study / f"results/{path}.nc").attrs["emulated"] == "yes", path
@@ -53,7 +72,7 @@ def test_another_setting_runs_only_what_rests_on_it(small_study, snakemake):
         directory=small_study,
     )
     rules = set(done.stdout.split("Job stats:")[1].split("total")[0].split())
-    assert {"fit_swing", "fit_campaign", "table3", "report", "fig15"} <= rules
+    assert {"fit_swing", "fit_campaign", "table3", "page", "manifest", "fig15"} <= rules
     assert not {"record", "angle", "calibrate", "simulate", "fit_simulated", "fig02", "fig09"} & rules
 
 

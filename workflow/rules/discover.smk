@@ -88,4 +88,5 @@ rule discover:
     input:
         VERDICTS,
         SEEN_FIGURES,
+        "results/discovery/manifest.json",
     localrule: True

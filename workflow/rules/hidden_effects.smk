@@ -85,4 +85,5 @@ rule hidden_effects:
     input:
         rules.hidden_score.output,
         rules.hidden_figures.output,
+        "results/hidden_effects/manifest.json",
     localrule: True

@@ -4,7 +4,7 @@
 # makes: results/report.html
 
 
-rule report:
+rule page:
     input:
         tables=TABLES,
         figures=[path for path in FIGURES if path.endswith(".svg")],
@@ -27,3 +27,10 @@ rule report:
         "Writing the report"
     script:
         "../scripts/report.py"
+
+
+rule report:
+    input:
+        "results/report.html",
+        "results/manifest.json",
+    localrule: True

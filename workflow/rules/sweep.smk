@@ -113,4 +113,5 @@ rule sweep_page:
 rule sweep:
     input:
         "results/sweeps.html",
+        "results/sweeps/manifest.json",
     localrule: True

@@ -107,8 +107,11 @@ def swept():
     return {table: os.stat(table).st_mtime_ns for table in tables if os.path.exists(table)}
 
 
-onstart:
+def write_books():
     for name, plan in PLANS.items():
         dealt.add_to_book(book(name), plan.new)
         if SWEEPS[name].format == "zarr":
             store.prepare(SWEEPS[name], plan, f"results/sweeps/{name}")
+
+
+AT_START.append(write_books)

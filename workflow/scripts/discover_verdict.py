@@ -6,7 +6,7 @@ from pathlib import Path
 from swingdown import console
 from swingdown.discovery.files import read_rounds
 from swingdown.discovery.verdict import verdict
-from swingdown.paths import written_whole
+from swingdown.paths import write_text
 from swingdown.pendulum.catalogue import catalogue
 
 
@@ -15,8 +15,7 @@ def discover_verdict(folders, known, output):
     rounds = read_rounds(folders)
     last = next((k for k, state in enumerate(rounds) if state["next"] is None), len(rounds) - 1)
     found = verdict(rounds[: last + 1], known)
-    with written_whole(output) as partial:
-        partial.write_text(json.dumps(found, indent=1, ensure_ascii=False) + "\n")
+    write_text(output, json.dumps(found, indent=1, ensure_ascii=False) + "\n")
     return f"{found['campaign']}: {found['status']}. {found['sentence']}"
 
 

@@ -4,6 +4,7 @@ import json
 from pathlib import Path
 
 from swingdown import console
+from swingdown.paths import write_text
 from swingdown.pendulum.catalogue import catalogue
 from swingdown.pendulum.model import Model
 from swingdown.trials.find import find
@@ -13,7 +14,7 @@ from swingdown.trials.trial import BASE
 def verdicts(sheet, excluded, base, rounds, output):
     """The verdicts written, and how many there are."""
     found = find(sheet, base, rounds, json.loads(Path(excluded).read_text()))
-    Path(output).write_text(json.dumps(found, indent=1) + "\n")
+    write_text(output, json.dumps(found, indent=1) + "\n")
     return f"{len(found)} verdicts in {sum(one['seconds'] for one in found.values()):.0f} s"
 
 

@@ -6,6 +6,7 @@ from pathlib import Path
 import pandas as pd
 
 from swingdown import console
+from swingdown.paths import write_csv, write_text
 from swingdown.pendulum.catalogue import catalogue
 from swingdown.trials.schedule import Planned, drawn
 from swingdown.trials.trial import write_trial
@@ -25,9 +26,9 @@ def make(chunk, trials, seed, known, sheet, excluded, truth):
         rows += more
         if trial.kind == "removed":
             lacks[name] = list(trial.hidden)
-    pd.DataFrame(rows).to_csv(sheet, index=False)
-    Path(excluded).write_text(json.dumps(lacks, indent=1) + "\n")
-    Path(truth).write_text(json.dumps(truths, indent=1) + "\n")
+    write_csv(pd.DataFrame(rows), sheet)
+    write_text(excluded, json.dumps(lacks, indent=1) + "\n")
+    write_text(truth, json.dumps(truths, indent=1) + "\n")
     return f"{len(truths)} of {len(trials)} trials drawn"
 
 

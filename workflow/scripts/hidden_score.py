@@ -7,6 +7,7 @@ import pandas as pd
 import yaml
 
 from swingdown import console
+from swingdown.paths import write_csv, write_text
 from swingdown.pendulum.catalogue import catalogue
 from swingdown.trials.score import confusion, guard, row, summarise
 
@@ -18,13 +19,14 @@ def score(truths, verdicts, known, scores, summary, matrix, guarded):
         true, found = (json.loads(Path(path).read_text()) for path in (truth, verdict))
         rows += [row(name, true[name], found[name], known) for name in true]
     table = pd.DataFrame(rows)
-    table.to_csv(scores, index=False, float_format="%.6g")
+    write_csv(table, scores, float_format="%.6g")
     figures = summarise(table)
-    figures.to_csv(summary, index=False, float_format="%.4g")
-    confusion(table, known).to_csv(matrix, float_format="%.4g")
-    Path(guarded).write_text(
+    write_csv(figures, summary, float_format="%.4g")
+    write_csv(confusion(table, known), matrix, index=True, float_format="%.4g")
+    write_text(
+        guarded,
         "# To be taken into workflow/src/swingdown/discovery/guard.yaml, which verdicts quote.\n"
-        + yaml.safe_dump(guard(table), sort_keys=False)
+        + yaml.safe_dump(guard(table), sort_keys=False),
     )
     return "; ".join(f"{one.figure}: {one.value:.3g} of {one.n}" for one in figures.itertuples())
 

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import NoReturn
 
 from .errors import EngineError, InputError
+from .paths import write_text
 
 _INDENT = "        "  # under the "[ 3/48] " that starts a job's line
 
@@ -64,5 +65,4 @@ def _stop(text: str, log: str | Path | None, told: list[str]) -> NoReturn:
 def _keep(log: str | Path | None, lines: list[str]) -> None:
     if log:
         with suppress(OSError):  # on a full disk the terminal has it all the same
-            Path(log).parent.mkdir(parents=True, exist_ok=True)
-            Path(log).write_text("\n".join([*lines, ""]), encoding="utf-8")
+            write_text(log, "\n".join([*lines, ""]))

@@ -1,9 +1,13 @@
 """Where a file named in the config or a sheet is found, and how a file comes to be: whole, or not at all."""
 
 import os
+import re
+import socket
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
 
 def _checkout() -> Path | None:
@@ -14,6 +18,9 @@ def _checkout() -> Path | None:
 
 
 PROJECT = _checkout()
+_HOST = re.sub(r"[^A-Za-z0-9_-]", "_", socket.gethostname())
+_PARTIAL = re.compile(r"\..+\.(?:(?P<host>[A-Za-z0-9_-]+)-)?(?P<process>\d+)\.part")
+_A_DAY = 86400.0  # s
 _SCHEMES = ("http://", "https://", "file://")
 
 
@@ -43,7 +50,7 @@ def written_whole(path: str | Path) -> Iterator[Path]:
     """
     path = Path(path)
     path.parent.mkdir(parents=True, exist_ok=True)
-    partial = path.with_name(f".{path.name}.{os.getpid()}.part")
+    partial = path.with_name(f".{path.name}.{_HOST}-{os.getpid()}.part")
     try:
         yield partial
         _to_disk(partial)
@@ -51,6 +58,60 @@ def written_whole(path: str | Path) -> Iterator[Path]:
         _to_disk(path.parent)
     finally:
         partial.unlink(missing_ok=True)
+
+
+def write_text(path: str | Path, text: str) -> Path:
+    """The path written, whole, in UTF-8."""
+    path = Path(path)
+    with written_whole(path) as partial:
+        partial.write_text(text, encoding="utf-8")
+    return path
+
+
+def write_csv(table: Any, path: str | Path, **told: Any) -> Path:
+    """The path written, whole: a table (pandas) as CSV without its index, unless ``told`` to ``to_csv`` otherwise."""
+    path = Path(path)
+    with written_whole(path) as partial:
+        table.to_csv(partial, **({"index": False} | told))
+    return path
+
+
+def remove_leftovers(folder: str | Path) -> list[Path]:
+    """The unfinished files below ``folder`` that were removed: those of ``written_whole`` whose process was killed.
+
+    A file of a process that runs stays. Of another machine's processes nothing is known, so theirs go after a day.
+    """
+    found = []
+    for path in sorted(Path(folder).rglob(".*.part")):
+        name = _PARTIAL.fullmatch(path.name)
+        if not name:
+            continue
+        try:
+            written = path.stat().st_mtime
+            if name["host"] in (None, _HOST):
+                writing = _was_running(int(name["process"]), written)
+            else:
+                writing = time.time() - written < _A_DAY
+            if not writing:
+                path.unlink()
+                found.append(path)
+        except OSError:
+            continue  # its writer ended meanwhile, or the folder cannot be written: no reason to stop a run
+    return found
+
+
+def _was_running(process: int, moment: float) -> bool:
+    """Whether the process of this number runs and began before ``moment`` (s since 1970): numbers are given again."""
+    try:
+        os.kill(process, 0)
+    except (ProcessLookupError, OverflowError):
+        return False
+    except PermissionError:
+        pass  # another user's
+    try:
+        return os.stat(f"/proc/{process}").st_mtime <= moment + 1.0
+    except OSError:
+        return True  # a system without /proc cannot tell
 
 
 def _to_disk(path: Path) -> None:

@@ -89,22 +89,23 @@ def dataset(
     variables = {
         k: (d, np.asarray(a, dtype=float), {"units": u, "long_name": t}) for k, (d, a, u, t) in v.items()
     }
-    mixed = "rad for the intercept, rad V-1 for the slope"
+    mixed = "numbers of rad for the intercept, of rad V-1 for the slope"
+    covaried = "numbers of the products of the coefficients' units"
     variables |= {
         "line": (
             ("mode", "coefficient"),
             each(lambda r: [r.line.intercept, r.line.slope]),
-            {"units": mixed, "long_name": "angle = intercept + slope voltage"},
+            {"units": "1", "comment": mixed, "long_name": "angle = intercept + slope voltage"},
         ),
         "line_covariance": (
             ("mode", *two),
             each(lambda r: r.covariance[:2, :2]),
-            {"units": "products of the units of the coefficients", "long_name": "covariance of the line"},
+            {"units": "1", "comment": covaried, "long_name": "covariance of the line"},
         ),
         "deviation_line": (
             ("mode", "kind", "side", "coefficient"),
             np.array([deviation[m][0] for m in MODES]),
-            {"units": mixed, "long_name": "lines of maximum deviation"},
+            {"units": "1", "comment": mixed, "long_name": "lines of maximum deviation"},
         ),
         "flagged": (
             "point",

@@ -12,6 +12,7 @@ import xarray as xr
 
 from .. import dataset
 from ..fitting.result import Begin, Fit, SwingStart
+from ..paths import write_csv, write_text
 from ..pendulum.model import Model, write_model
 from .campaign import Campaign, Swing, campaign
 from .confirm import gap, per_swing
@@ -29,10 +30,10 @@ def read_campaign(name: str, paths: Sequence[Path | str], roles: Sequence[str]) 
     kinds: dict[str, list[Swing]] = {"fit": [], "holdout": [], "static": []}
     emulated, systematic = False, 0.0
     for path, role in zip(paths, roles, strict=True):
-        with xr.open_dataset(path) as data:
-            swing = Swing(str(data.attrs["recording"]), data["time"].values, data["angle"].values)
-            systematic = max(systematic, float(data["angle_systematic_uncertainty"].max()))
-            emulated |= str(data.attrs.get("emulated", "no")) == "yes"
+        data = dataset.read(path)
+        swing = Swing(str(data.attrs["recording"]), data["time"].values, data["angle"].values)
+        systematic = max(systematic, float(data["angle_systematic_uncertainty"].max()))
+        emulated |= str(data.attrs.get("emulated", "no")) == "yes"
         kinds[role or "fit"].append(swing)
     static = [swing.pair for swing in kinds["static"]]
     return replace(campaign(name, kinds["fit"], kinds["holdout"], static), systematic=systematic), emulated
@@ -44,13 +45,13 @@ def write_round(state: Round, campaign: Campaign, folder: Path | str, emulated: 
     folder.mkdir(parents=True, exist_ok=True)
     told = summary(state, campaign)
     write_model(state.model, folder / "model.yaml")
-    pd.DataFrame(told["groups"]).to_csv(folder / "groups.csv", index=False)
-    pd.DataFrame(told["ranking"], columns=_RANKING).to_csv(folder / "ranking.csv", index=False)
-    state.curves.to_csv(folder / "map.csv", index=False, float_format="%.6g")
-    state.kept.to_csv(folder / "unnamed.csv", index=False, float_format="%.6g")
-    state.half_swings.to_csv(folder / "half_swings.csv", index=False, float_format="%.6g")
+    write_csv(pd.DataFrame(told["groups"]), folder / "groups.csv")
+    write_csv(pd.DataFrame(told["ranking"], columns=_RANKING), folder / "ranking.csv")
+    write_csv(state.curves, folder / "map.csv", float_format="%.6g")
+    write_csv(state.kept, folder / "unnamed.csv", float_format="%.6g")
+    write_csv(state.half_swings, folder / "half_swings.csv", float_format="%.6g")
     dataset.write(_series(state, campaign, emulated), folder / "fit.nc")
-    (folder / "round.json").write_text(json.dumps(told, indent=1) + "\n")
+    write_text(folder / "round.json", json.dumps(told, indent=1) + "\n")
     return folder
 
 

@@ -202,7 +202,9 @@ def _netcdf(payload: bytes, name: str, time_column: str = "") -> tuple[pd.DataFr
         with netCDF4.Dataset(name, memory=payload) as file:
             store = xr.backends.NetCDF4DataStore(file)
             data = xr.open_dataset(store, decode_times=False, decode_timedelta=False).load()
-    except (OSError, ValueError, RuntimeError) as error:
+    except MemoryError:
+        raise
+    except Exception as error:  # a damaged file makes the reader fail in ways that nobody listed
         raise InputError(name, f"it cannot be read ({error})", "a netCDF file", "convert it again") from error
     series = {key: data[key] for key in (*data.coords, *data.data_vars) if data[key].ndim == 1}
     # the columns are those along the time, or along the longest dimension where the sheet names no time

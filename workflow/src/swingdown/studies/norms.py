@@ -10,8 +10,8 @@ from ..arrays import Floats
 from ..errors import InputError
 from ..pendulum.model import Model, as_model, symbol
 
-# value and standard errors hold parameters of different units side by side; the unit of each stands in parameter_unit
-_OF_EACH = "see parameter_unit"
+# value and standard errors hold parameters of different units side by side, so plain numbers
+_OF_EACH = "number of the unit that parameter_unit names"
 LABELS: dict[str, tuple[str | None, str]] = {
     "time": ("s", "time"),
     "truth": ("rad", "noise-free simulated angle"),
@@ -59,7 +59,10 @@ def labelled(dataset: xr.Dataset, **long_names: str) -> xr.Dataset:
                 f" ({METHODS[prefix]})" if prefix else ""
             )
         if units:
-            variable.attrs["units"] = units
+            variable.attrs |= {"units": "1", "comment": units} if units == _OF_EACH else {"units": units}
+        if name.removeprefix(prefix) == "value":
+            errors = [f"{prefix}{kind}standard_error" for kind in ("", "robust_")]
+            variable.attrs["ancillary_variables"] = " ".join(one for one in errors if one in dataset)
     return dataset
 
 

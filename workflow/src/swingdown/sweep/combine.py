@@ -40,6 +40,7 @@ def combine(sweep, paths, output):
     with written_whole(output) as partial:
         dataset.write(_skeleton(sweep, listed), partial)
         with netCDF4.Dataset(partial, "a") as file:
+            file.delncattr(dataset.DIGEST)  # it was taken of the skeleton alone
             _realizations(file, sweep)
             taken, versions = _fill(file, sweep, where, listed, paths, found)
             _check(sweep, taken)
@@ -48,6 +49,7 @@ def combine(sweep, paths, output):
             _from_chunks(file, sweep, where, paths) if sweep.format == "zarr" else summary.from_file(
                 file, sweep
             )
+        dataset.seal(partial)
     if sweep.format == "zarr":
         with xr.open_dataset(output, engine="netcdf4", decode_times=False, decode_timedelta=False) as cells:
             store.add_cells(Path(paths[0]).parent.parent, cells.load())
@@ -56,7 +58,10 @@ def combine(sweep, paths, output):
 
 def read_maps(path):
     """The Dataset of a combined sweep without the single draws: coordinates, settings and the cells' probabilities."""
-    with xr.open_dataset(path, engine="netcdf4", decode_times=False, decode_timedelta=False) as data:
+    with (
+        dataset.reading(path),
+        xr.open_dataset(path, engine="netcdf4", decode_times=False, decode_timedelta=False) as data,
+    ):
         return data.drop_dims("realization").load()
 
 
@@ -92,7 +97,7 @@ def _skeleton(sweep, listed):
         coords[dimension] = (dimension, names, {"long_name": "fitted model"})
     settings = yaml.safe_dump(dict(sorted(sweep.settings.items())), allow_unicode=True, sort_keys=False)
     attributes = {
-        "sweep": sweep.name, "computes": sweep.computes, "axes": " ".join(dims), "settings": settings, "seeding": SEEDING,
+        "title": f"sweep {sweep.name}", "sweep": sweep.name, "computes": sweep.computes, "axes": " ".join(dims), "settings": settings, "seeding": SEEDING,
         "realizations": sweep.realizations, "source": "simulated", "emulated": "no", "swingdown": code.project(),
     }  # fmt: skip
     for key in ("seed", "simulation.start", "detection.size"):
@@ -182,6 +187,7 @@ def _create(file, name, kind, own, told, dims, listed):
         (*dims, listed[0]) if several else dims,
         zlib=True,
         complevel=4,
+        fletcher32=True,
         chunksizes=shape,
         fill_value=np.nan if kept == "f8" else None,
     )

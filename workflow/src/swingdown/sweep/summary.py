@@ -80,7 +80,9 @@ def add(file, sweep, listed, reasons):
         said.long_name = "what discovery said"
         said[:] = np.array(OUTCOMES, dtype=object)
     for name, (more, units, meaning) in kinds.items():
-        made = file.createVariable(name, "f8", (*axes, *more), zlib=True, complevel=4, fill_value=np.nan)
+        made = file.createVariable(
+            name, "f8", (*axes, *more), zlib=True, complevel=4, fletcher32=True, fill_value=np.nan
+        )
         made.setncatts({"units": units, "long_name": meaning})
     texts = np.full(sweep.shape, "", dtype=object)
     for index, why in reasons.items():

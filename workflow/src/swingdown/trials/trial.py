@@ -13,6 +13,7 @@ from ..arrays import Floats
 from ..engine.trajectory import TrajectoryError
 from ..errors import InputError
 from ..fitting.least_squares import fit_jointly
+from ..paths import write_csv
 from ..pendulum.catalogue import SHIPPED, Catalogue
 from ..pendulum.effect import Effect, Parameter
 from ..pendulum.model import Model
@@ -241,7 +242,7 @@ def write_trial(
     rows, noise = [], []
     for k, (times, angle) in enumerate(swings(trial, seed, catalogue), 1):
         path = Path(folder) / f"{name}-{k}.csv"
-        pd.DataFrame({"t_s": times, "theta_rad": angle}).to_csv(path, index=False, float_format="%.7g")
+        write_csv(pd.DataFrame({"t_s": times, "theta_rad": angle}), path, float_format="%.7g")
         rows.append({"recording": f"{name}-{k}", "campaign": name, "file": str(path.resolve())})
         noise.append(
             float(np.sqrt(np.mean((angle - _swing(trial, trial.hidden, k - 1, times, catalogue)) ** 2)))

@@ -1,0 +1,157 @@
+"""What a study left can be held against its manifest, and nothing unfinished stays lying about."""
+
+import json
+import os
+import subprocess
+import sys
+import time
+from hashlib import sha256
+
+import pytest
+
+from swingdown.__main__ import main
+from swingdown.manifest import NAME, write_manifest
+from swingdown.paths import remove_leftovers, write_csv, write_text, written_whole
+
+
+@pytest.fixture
+def results(tmp_path):
+    """A folder of results with its manifest."""
+    folder = tmp_path / "results"
+    for name in ("b.nc", "tables/a.csv", "logs/run.log", "sweeps/benchmarks/x.tsv", "sweeps/s.nc"):
+        write_text(folder / name, name)
+    write_manifest(folder, folder / NAME, without=["sweeps"])
+    write_manifest(folder, folder / "sweeps" / NAME, parts=["sweeps"])
+    return folder
+
+
+def test_a_manifest_lists_what_was_made_and_nothing_of_the_run(results):
+    files = json.loads((results / NAME).read_text())["files"]
+    assert [one["path"] for one in files] == ["b.nc", "tables/a.csv"]
+    assert files[0] == {"path": "b.nc", "size": 4, "sha256": sha256(b"b.nc").hexdigest()}
+
+
+def test_a_manifest_is_the_same_again(results):
+    before = (results / NAME).read_bytes()
+    write_manifest(results, results / NAME, without=["sweeps"])
+    assert (results / NAME).read_bytes() == before
+
+
+def test_what_is_as_written_passes(results, capsys):
+    assert main(["verify", str(results)]) == 0
+    assert "3 files, all as they were written" in capsys.readouterr().out
+
+
+def test_a_flipped_bit_a_lost_file_and_a_stranger_are_told(results, capsys):
+    (results / "b.nc").write_text("b.nd")
+    (results / "tables/a.csv").unlink()
+    (results / "tables/new.csv").write_text("")
+    assert main(["verify", str(results)]) == 1
+    told = capsys.readouterr().out.splitlines()
+    assert told[:3] == ["missing: tables/a.csv", "changed: b.nc", "unknown: tables/new.csv"]
+
+
+def test_a_part_made_again_by_itself_is_as_it_should_be(results):
+    """Its own manifest knows it; that of the whole study is older."""
+    write_text(results / "angles/a.nc", "before")
+    write_manifest(results, results / NAME, without=["sweeps"])
+    write_text(results / "angles/a.nc", "after")
+    assert main(["verify", str(results)]) == 1
+    write_manifest(results, results / "discovery" / NAME, parts=["angles", "discovery"])
+    assert main(["verify", str(results)]) == 0
+
+
+@pytest.mark.parametrize(
+    "content", [None, "{", "[]", '{"files": [{}]}', '{"files": [{"path": 1, "size": "x"}]}']
+)
+def test_without_a_manifest_that_can_be_read_it_says_so(tmp_path, capsys, content):
+    if content is not None:
+        (tmp_path / NAME).write_text(content)
+    with pytest.raises(SystemExit) as stopped:
+        main(["verify", str(tmp_path)])
+    assert stopped.value.code == 1
+    assert "mend:" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("arguments", [[], ["verfy", "results"], ["verify"], ["verify", "a", "b"]])
+def test_a_verb_that_is_none_is_told_the_verbs(arguments, capsys):
+    assert main(arguments) == 2
+    assert "verify RESULTS" in capsys.readouterr().err
+
+
+def test_the_module_runs(results):
+    done = subprocess.run(
+        [sys.executable, "-m", "swingdown", "verify", results], capture_output=True, text=True
+    )
+    assert (done.returncode, done.stdout) == (0, "3 files, all as they were written\n")
+
+
+def test_a_studys_results_are_all_listed_and_verified(small_study, capsys):
+    assert main(["verify", str(small_study / "results")]) == 0
+    listed = {one["path"] for one in json.loads((small_study / "results" / NAME).read_text())["files"]}
+    assert {"report.html", "tables/table2.csv", "figures/fig01.png", "angles/swing_01.nc"} <= listed
+    assert not [path for path in listed if path.startswith("logs/") or path.endswith(NAME)]
+
+
+KILLED = """
+import os, signal, sys
+from swingdown.paths import written_whole
+with written_whole(sys.argv[1]) as partial:
+    partial.write_text("half")
+    os.kill(os.getpid(), signal.SIGKILL)
+"""
+
+
+def test_what_a_killed_writer_left_is_removed_and_nothing_else(tmp_path):
+    subprocess.run([sys.executable, "-c", KILLED, tmp_path / "deep" / "a.nc"])
+    (left,) = (tmp_path / "deep").iterdir()
+    mine, strangers = tmp_path / ".notes.part", tmp_path / "video.mp4.123.part"
+    mine.write_text("")
+    strangers.write_text("")
+    elsewhere = tmp_path / ".a.nc.another-machine-1.part"
+    elsewhere.write_text("")
+    with written_whole(tmp_path / "b.nc") as running:
+        running.write_text("half")
+        assert remove_leftovers(tmp_path) == [left]
+        assert running.exists() and mine.exists() and strangers.exists() and elsewhere.exists()
+    long_ago = time.time() - 2 * 86400
+    os.utime(elsewhere, (long_ago, long_ago))
+    assert remove_leftovers(tmp_path) == [elsewhere]
+
+
+def test_a_process_number_given_again_protects_no_leftover(tmp_path):
+    with written_whole(tmp_path / "b.nc") as partial:
+        partial.write_text("half")
+        os.utime(partial, (0, 0))  # long before this process began
+        found = remove_leftovers(tmp_path)
+        partial.write_text("whole")
+    assert found == [partial]
+
+
+def test_the_next_run_removes_leftovers_and_a_dry_run_does_not(small_study, snakemake, tmp_path):
+    left = tmp_path / "results" / "tables" / ".table2.csv.999999999.part"
+    write_text(left, "half")
+    arguments = ("results/figures/fig01.svg", "--configfile", small_study / "small.yaml")
+    (tmp_path / "small.csv").write_text((small_study / "small.csv").read_text())
+    snakemake(*arguments, "--dry-run", directory=tmp_path)
+    assert left.exists()
+    snakemake(*arguments, directory=tmp_path)
+    assert not left.exists()
+
+
+@pytest.mark.parametrize(
+    "write", [lambda path: write_text(path, "new"), lambda path: write_csv(Broken(), path)]
+)
+def test_text_and_tables_are_written_whole_or_not_at_all(tmp_path, write, monkeypatch):
+    path = tmp_path / "a.csv"
+    path.write_text("old")
+    monkeypatch.setattr("os.replace", lambda *_: (_ for _ in ()).throw(OSError("no room")))
+    with pytest.raises(OSError, match="no room"):
+        write(path)
+    assert path.read_text() == "old" and list(tmp_path.iterdir()) == [path]
+
+
+class Broken:
+    def to_csv(self, path, **told):
+        path.write_text("ha")
+        raise OSError("no room")

@@ -1,0 +1,53 @@
+# What a target left, each file with its checksum; `swingdown verify results` holds the folder against it.
+# needs: everything that the target makes
+# makes: results/manifest.json for the whole study, and one in the folder of each part that is a target of its own
+
+# Parts of results/ by the folder of their manifest. A part is asked for by itself and knows nothing of the others.
+PARTS = {
+    "discovery": ["recordings", "angles", "calibration", "tables/uncertainty_budget.csv", "discovery"],
+    "sweeps": ["sweeps", "sweeps.html"],
+    "hidden_effects": ["hidden_effects"],
+}
+MADE = {
+    "discovery": VERDICTS + (SEEN_FIGURES if VERDICTS else []),
+    "sweeps": ["results/sweeps.html"],
+    "hidden_effects": [*rules.hidden_score.output, *rules.hidden_figures.output],
+}
+
+
+rule manifest:
+    input:
+        made=[*TABLES, *FIGURES, *MADE["discovery"], "results/report.html"],
+        code=code("manifest"),
+    output:
+        "results/manifest.json",
+    log:
+        "results/logs/manifest.log",
+    localrule: True
+    params:
+        parts=["."],
+        without=[*PARTS["sweeps"], *PARTS["hidden_effects"], "trust"],
+    message:
+        "Listing what was made"
+    script:
+        "../scripts/manifest.py"
+
+
+rule part_manifest:
+    input:
+        made=lambda wildcards: MADE[wildcards.part],
+        code=code("manifest"),
+    output:
+        "results/{part}/manifest.json",
+    log:
+        "results/logs/{part}/manifest.log",
+    wildcard_constraints:
+        part="|".join(PARTS),
+    localrule: True
+    params:
+        parts=lambda wildcards: PARTS[wildcards.part],
+        without=[],
+    message:
+        "Listing what was made of {wildcards.part}"
+    script:
+        "../scripts/manifest.py"

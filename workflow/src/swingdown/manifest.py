@@ -1,0 +1,97 @@
+"""Which files a study left, and their checksums: written at the end of a run, held against the folder at any time after."""
+
+import hashlib
+import json
+from collections.abc import Iterable, Iterator, Sequence
+from pathlib import Path
+
+from .errors import InputError
+from .paths import write_text
+
+NAME = "manifest.json"
+_LEFT_OUT = {"logs", "benchmarks"}  # they tell of the run, and differ from one to the next
+_MEND = "run the study again, which writes it"
+
+
+def write_manifest(
+    results: str | Path, output: str | Path, parts: Sequence[str] = (".",), without: Sequence[str] = ()
+) -> int:
+    """How many files the manifest ``output`` lists: those below ``parts`` of the folder ``results``, but for ``without``.
+
+    Parts are files or folders relative to ``results``; one that is not there has no files. An entry is path (relative to
+    ``results``), size in bytes and SHA-256, sorted by path. Manifests, logs, benchmarks and unfinished files are not listed.
+    """
+    results = Path(results)
+    outside = [results / part for part in without]
+    files = [
+        path
+        for path in _files(results, parts)
+        if not any(path == one or one in path.parents for one in outside)
+    ]
+    entries = [
+        {"path": path.relative_to(results).as_posix(), "size": path.stat().st_size, "sha256": checksum(path)}
+        for path in files
+    ]
+    write_text(output, json.dumps({"files": entries}, indent=1, ensure_ascii=False) + "\n")
+    return len(entries)
+
+
+def checksum(path: Path) -> str:
+    """The SHA-256 of a file, in hexadecimal."""
+    with path.open("rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()
+
+
+def verify(results: str | Path) -> tuple[dict[str, list[str]], int]:
+    """(differences, count): the paths that are missing, changed or unknown, and how many files the manifests list.
+
+    All manifests below ``results`` count. Each target writes its own, so a file that two of them list is as it should be
+    when one of them agrees. Raises InputError where there is no manifest, or one cannot be read.
+    """
+    results = Path(results)
+    manifests = sorted(results.rglob(NAME)) if results.is_dir() else []
+    if not manifests:
+        raise InputError(results, f"there is no {NAME} in it", "the results of a study that ended", _MEND)
+    listed: dict[str, set[tuple[int, str]]] = {}
+    for manifest in manifests:
+        for path, size, digest in _entries(manifest):
+            listed.setdefault(path, set()).add((size, digest))
+    there = {path.relative_to(results).as_posix(): path for path in _files(results, ["."])}
+    both = sorted(listed.keys() & there.keys())
+    return {
+        "missing": sorted(listed.keys() - there.keys()),
+        "changed": [name for name in both if not _agrees(there[name], listed[name])],
+        "unknown": sorted(there.keys() - listed.keys()),
+    }, len(listed)
+
+
+def _agrees(path: Path, entries: set[tuple[int, str]]) -> bool:
+    size = path.stat().st_size
+    return any(size == wanted for wanted, _ in entries) and (size, checksum(path)) in entries
+
+
+def _entries(manifest: Path) -> Iterator[tuple[str, int, str]]:
+    try:
+        for entry in json.loads(manifest.read_text(encoding="utf-8"))["files"]:
+            yield str(entry["path"]), int(entry["size"]), str(entry["sha256"])
+    except (ValueError, KeyError, TypeError) as error:
+        raise InputError(
+            manifest, f"it cannot be read ({error!r})", "path, size and sha256 of each file", _MEND
+        ) from error
+
+
+def _files(results: Path, parts: Iterable[str]) -> list[Path]:
+    """The files of ``parts`` that a manifest lists, sorted by path."""
+    found = set()
+    for part in parts:
+        inside = results / part
+        found |= {inside} if inside.is_file() else set(inside.rglob("*"))
+    return sorted(
+        path
+        for path in found
+        if path.is_file()
+        and path.name != NAME
+        and not path.name.endswith(".part")
+        and not _LEFT_OUT & set(path.relative_to(results).parts[:-1])
+        and not path.name.startswith(".snakemake")
+    )
