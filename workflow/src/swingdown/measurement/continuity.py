@@ -10,6 +10,7 @@ from .plausibility import half_swings
 SIDE = 6  # samples on each side of a place that is looked at
 ODD = 12.0  # local standard deviations, beyond which a jump or spike is told; measured on recordings that have none
 SEEN = 0.004  # of the range; smaller ones are not told
+JUMP = "the signal jumps, as where samples are lost or the apparatus is knocked,"
 STUMBLE = 0.2  # of the usual interval
 
 
@@ -25,15 +26,13 @@ def check_continuous(times: Floats, signal: Floats, place: str) -> list[str]:
             f"the time between samples varies by {np.std(steps):.2g} of {interval:.4g} s (standard deviation)"
         ]
     remarks = [_told("the clock stumbles", times[uneven + 1])] if len(uneven) else []
-    spikes = _places(signal, _kernel(spike=True), period / interval)
-    jumps = _places(signal, _kernel(spike=False), period / interval)
-    jumps = jumps[[np.abs(spikes - k).min(initial=SIDE) >= SIDE for k in jumps]]
-    if len(spikes):
-        remarks.append(_told("a spike", times[spikes]))
-    if len(jumps):
-        remarks.append(
-            _told("the signal jumps, as where samples are lost or the apparatus is knocked,", times[jumps])
-        )
+    found = [_places(signal, _kernel(spike), period / interval) for spike in (True, False)]
+    for what, own, other in (("a spike", found[0], found[1]), (JUMP, found[1], found[0])):
+        # a spike looks a little like a jump and a jump like a spike: it is that which it looks like most
+        if mine := [
+            k for k, size in own.items() if all(abs(k - n) > SIDE or size > z for n, z in other.items())
+        ]:
+            remarks.append(_told(what, times[mine]))
     return remarks
 
 
@@ -50,13 +49,13 @@ def _kernel(spike: bool) -> Floats:
     return np.linalg.pinv(np.column_stack([x**0, x, x**2, x**3, odd.astype(float)]))[-1]
 
 
-def _places(signal: Floats, kernel: Floats, period: float) -> np.ndarray:
-    """Where the height that the kernel tells stands out of those nearby: the largest of each cluster.
+def _places(signal: Floats, kernel: Floats, period: float) -> dict[int, float]:
+    """Where the height that the kernel tells stands out of those nearby, and how high in terms of white noise: the largest of each cluster.
 
     What swing and noise do to it is told by its median over two periods, before, around and after. ``period`` in samples.
     """
     if len(signal) < 8 * SIDE or not period > 4 * SIDE:  # too few samples a swing for a cubic
-        return np.empty(0, dtype=int)
+        return {}
     height = np.abs(np.correlate(signal, kernel, mode="valid"))
     size = int(max(8 * SIDE, 2 * period))
     blocks = max(1, len(height) // size)
@@ -66,9 +65,10 @@ def _places(signal: Floats, kernel: Floats, period: float) -> np.ndarray:
     seen = max(SEEN * np.ptp(signal), 2 * quantisation_step(signal))
     odd = np.flatnonzero((height > ODD * scale) & (height > seen))
     if not len(odd):
-        return odd
+        return {}
     clusters = np.split(odd, np.flatnonzero(np.diff(odd) > SIDE) + 1)
-    return np.array([one[np.argmax(height[one])] for one in clusters]) + SIDE
+    tops = [int(one[np.argmax(height[one])]) for one in clusters]
+    return {k + SIDE: float(height[k] / np.linalg.norm(kernel)) for k in tops}
 
 
 def _check_alive(times: Floats, signal: Floats, period: float, place: str) -> None:
