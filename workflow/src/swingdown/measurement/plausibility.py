@@ -36,8 +36,8 @@ class Swings(NamedTuple):
 
 
 def half_swings(signal: Floats) -> Swings:
-    """The Swings about the signal's median, with a dead zone of a twentieth of the range."""
-    away = signal - np.median(signal)
+    """The Swings about the median of the later half (the first may be held), with a dead zone of a twentieth of the range."""
+    away = signal - np.median(signal[len(signal) // 2 :])
     zone = DEAD_ZONE * np.ptp(signal)
     outside = np.flatnonzero(np.abs(away) > zone)
     side = np.sign(away[outside])

@@ -25,6 +25,7 @@ from .continuity import check_continuous
 from .plausibility import check_plausible
 from .positions import Circle, fit_circle, to_angles
 from .quality import check_signal, check_times
+from .release import find_release
 from .sheet import TIME_UNITS
 from .table import cut_short, encoding, layout, numbers, pieces
 
@@ -108,7 +109,8 @@ def _recording(table: _Table, row: Mapping[str, Any], place: str, digest: str) -
             "correct start_s and stop_s, or the time unit",
         )
     check_times(times, lines, f"{name}, column {clock.name} ({place})", gaps=partial)
-    more, remarks = {}, ["the last line has no end and was left out"] if table.cut else []
+    more: dict[str, float] = {}
+    remarks = ["the last line has no end and was left out"] if table.cut else []
     if positions:
         circle = fit_circle(
             values[0], values[1], f"{name}, columns {found[0].name} and {found[1].name} ({place})"
@@ -125,6 +127,14 @@ def _recording(table: _Table, row: Mapping[str, Any], place: str, digest: str) -
             times, signal, signal_unit, bool(time_unit), bool(told_unit) or positions, where
         )
         remarks += check_continuous(times, signal, where)
+    # the user's start_s is the last word; the samples before the release stay in the recording
+    by_hand = row["role"] != "static" and math.isnan(row["start_s"])
+    if release := find_release(times, signal) if by_hand else None:
+        more |= {"released_s": release.released, "begins_s": release.free}
+        remarks += [
+            f"it begins in a hand and was released at about {release.released:.2f} s: "
+            f"the swing is used from {release.free:.3f} s on (start_s in the sheet says otherwise)"
+        ]
 
     counted = {"counts_per_revolution": row["counts_per_revolution"]} if signal_unit == "counts" else {}
     return xr.Dataset(
