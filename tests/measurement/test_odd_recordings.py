@@ -96,7 +96,13 @@ def test_an_angle_that_wraps():
     refused("jumps by a whole turn", signal=np.degrees(wrapped), unit="deg")
 
 
-@pytest.mark.parametrize("size", [0.05, -0.3])
+def test_a_number_that_is_wrong_by_far():
+    signal = swing()
+    signal[700] = 3.28e4
+    refused("7 s", "turns between two samples", signal=signal)
+
+
+@pytest.mark.parametrize("size", [0.05, -0.3, 2.5])
 def test_spikes(size):
     signal = swing()
     signal[[700, 1500, 2222]] += size

@@ -38,7 +38,8 @@ class Swings(NamedTuple):
 def half_swings(signal: Floats) -> Swings:
     """The Swings about the median of the later half (the first may be held), with a dead zone of a twentieth of the range."""
     away = signal - np.median(signal[len(signal) // 2 :])
-    zone = DEAD_ZONE * np.ptp(signal)
+    low, high = np.percentile(signal, (0.5, 99.5))  # a spike is no swing
+    zone = DEAD_ZONE * float(high - low)
     outside = np.flatnonzero(np.abs(away) > zone)
     side = np.sign(away[outside])
     starts = outside[np.concatenate(([True], side[1:] != side[:-1]))] if len(outside) else outside
@@ -93,10 +94,18 @@ def _angle_remarks(
             "an angle that runs on where the sensor begins anew",
             "unwrap it (add or take away a turn), or turn the sensor so that its zero is at the bottom",
         )
-    if unit == "rad" and (wide.sum() > 1 or (largest > 2 * pi and not told)):
+    far = np.flatnonzero(np.abs(np.diff(angle)) > pi)
+    if len(far) and not wide.sum() > 2:
+        raise InputError(
+            f"{place}, {times[far[0] + 1]:.6g} s",
+            f"the angle changes by {np.abs(np.diff(angle))[far[0]] / (2 * pi):.3g} turns between two samples",
+            "less than half a turn",
+            "mend the file there, or correct signal_unit in the sheet",
+        )
+    if unit == "rad" and (wide.sum() > 2 or (largest > 2 * pi and not told)):
         problem = (
             f"it swings back and forth by {np.abs(np.diff(turns)).max() / (2 * pi):.3g} turns"
-            if wide.sum() > 1
+            if wide.sum() > 2
             else f"it reaches {largest:.4g} rad and no unit is stated"
         )
         raise InputError(
