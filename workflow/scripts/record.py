@@ -14,6 +14,7 @@ def record(row, sheet, output):
         f"{row['recording']}: {signal.size} samples over {time[-1] - time[0]:.4g} s, "
         f"{float(signal.min()):.4g} to {float(signal.max()):.4g} {signal.units}"
         + ("; PARTIAL, as the sheet allows" if recording.attrs["partial"] == "yes" else "")
+        + "".join(f"\n{recording.attrs[key]}" for key in ("taken", "remarks") if key in recording.attrs)
     )
 
 

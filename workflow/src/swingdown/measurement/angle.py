@@ -26,6 +26,8 @@ def to_angle(recording: xr.Dataset, calibration: xr.Dataset | None = None, mode:
     is then known of systematic errors: that part is 0, and the attribute ``systematic`` says so. InputError
     for volts without a calibration, or with one of another campaign.
     """
+    if "begins_s" in recording.attrs:
+        recording = recording.isel(time=recording["time"].values >= recording.attrs["begins_s"])
     signal = recording["signal"]
     unit = signal.attrs["units"]
     if unit == "V":

@@ -1,12 +1,14 @@
 """One recording: a row of the sample sheet becomes a dataset with units, provenance and a checked count."""
 
 import hashlib
-import io
 import math
+import shutil
+import tempfile
 import urllib.request
-from collections.abc import Mapping
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from typing import Any, BinaryIO, NamedTuple
 
 import netCDF4
 import numpy as np
@@ -18,10 +20,18 @@ from .. import dataset
 from ..arrays import Floats
 from ..errors import InputError
 from ..paths import find, is_url
+from .columns import ANGLE, COUNTS, TIME, UNTOLD, VOLTAGE, Meaning, choose, known_unit
+from .continuity import check_continuous
+from .plausibility import check_plausible
+from .positions import Circle, fit_circle, to_angles
 from .quality import check_signal, check_times
-from .sheet import SIGNAL_UNITS, TIME_UNITS, unit_of
+from .release import find_release
+from .sheet import TIME_UNITS
+from .table import cut_short, encoding, layout, numbers, pieces
 
 NETCDF = (".nc", ".nc4", ".cdf", ".netcdf")
+MOST = 20_000_000  # samples that are held at once: half a gigabyte
+UNIT_WORDS = {"V": "volts", "rad": "rad", "deg": "degrees", "counts": "counts"}
 SHORTEST = 10  # samples; fewer tell nothing about a swing
 LONG_NAMES = {
     "V": "voltage of the angle sensor",
@@ -47,44 +57,84 @@ def ingest(row: Mapping[str, Any] | pd.Series, sheet: str = "sample sheet") -> x
         if "line" in row
         else f"{sheet}, {row['recording']}"
     )
-    payload = read_bytes(row["file"], place)
-    digest = check_sha256(payload, row["sha256"], row["file"], place)
-    return from_bytes(payload, row, place, digest)
+    with opened(row["file"], place) as source:
+        digest = check_sha256(source, row["sha256"], row["file"], place)
+        table = _netcdf(source, row) if row["file"].lower().endswith(NETCDF) else _text(source, row["file"])
+        return _recording(table, row, place, digest)
 
 
-def from_bytes(payload: bytes, row: Mapping[str, Any], place: str, digest: str) -> xr.Dataset:
-    """The dataset of ``ingest`` from a file's content."""
+class _Table(NamedTuple):
+    """A file's columns, before any of them is read."""
+
+    names: tuple[str, ...]
+    about: dict[str, Any]  # the file's own account of itself
+    pieces: Iterable[pd.DataFrame]  # its rows, indexed by line
+    decimal: str = "."
+    layout: str = ""  # told to the user
+    units: dict[str, str] = {}  # those that the file itself states apart from the names
+    cut: bool = False  # the last line was cut while it was written
+
+
+def _text(source: BinaryIO, name: str) -> _Table:
+    how = layout(source, encoding(source, name), name)
+    cut = cut_short(source, how)
+    return _Table(how.names, how.about, pieces(source, how, name), how.decimal, str(how), cut=cut)
+
+
+def _recording(table: _Table, row: Mapping[str, Any], place: str, digest: str) -> xr.Dataset:
     name = row["file"]
-    table, about = (
-        _netcdf(payload, name, row.get("time_column", ""))
-        if name.lower().endswith(NETCDF)
-        else _csv(payload, name)
+    partial = _check_whole(table.about, row, name, place)
+    for position, key in enumerate(("time_column", "signal_column")):
+        _check_column(table.names, row[key], position, name, place, key)
+    stated = row["time_unit"], row["signal_unit"]
+    clock, found = choose(
+        table.names, row["time_column"], row["signal_column"], f"{name} ({place})", stated, table.units
     )
-    partial = _check_whole(about, row, name, place)
-    time_column = _column(table, row["time_column"], 0, name, place, "time_column")
-    signal_column = _column(table, row["signal_column"], 1, name, place, "signal_column")
-    time_unit = row["time_unit"] or unit_of(time_column, TIME_UNITS) or "s"
-    signal_unit = row["signal_unit"] or unit_of(signal_column, SIGNAL_UNITS) or "rad"
-    _check_unit(row, signal_column, signal_unit, name, place)
+    positions = len(found) == 2
+    _check_own_unit(clock, row, "time", name, place)
+    _check_own_unit(found[0], row, "signal", name, place)
+    time_unit = known_unit(clock, row["time_unit"], (TIME,))
+    told_unit = known_unit(found[0], row["signal_unit"], (ANGLE, VOLTAGE, COUNTS))
+    signal_unit = "rad" if positions else told_unit or "rad"
+    _check_unit(row, found[0].name, signal_unit, name, place)
 
-    lines = table.attrs["first_line"] + np.arange(len(table))
-    times = _numbers(table[time_column], lines, name, time_column) * TIME_UNITS[time_unit]
-    inside = np.ones(len(times), dtype=bool)
-    if not math.isnan(row["start_s"]):
-        inside &= times >= row["start_s"]
-    if not math.isnan(row["stop_s"]):
-        inside &= times <= row["stop_s"]
-    times, lines = times[inside], lines[inside]
+    times, values, lines, total = _series(
+        table, row, clock.name, [one.name for one in found], time_unit or "s"
+    )
     if len(times) < SHORTEST:
         raise InputError(
             f"{name} ({place})",
-            f"{len(times)} samples between start_s and stop_s, of {len(table)} in the file",
+            f"{len(times)} samples between start_s and stop_s, of {total} in the file",
             f"at least {SHORTEST}",
             "correct start_s and stop_s, or the time unit",
         )
-    signal = _numbers(table[signal_column][inside], lines, name, signal_column)
-    check_times(times, lines, f"{name}, column {time_column} ({place})", gaps=partial)
-    check_signal(times, signal, f"{name}, column {signal_column} ({place})", static=row["role"] == "static")
+    check_times(times, lines, f"{name}, column {clock.name} ({place})", gaps=partial)
+    more: dict[str, float] = {}
+    remarks = ["the last line has no end and was left out"] if table.cut else []
+    if positions:
+        circle = fit_circle(
+            values[0], values[1], f"{name}, columns {found[0].name} and {found[1].name} ({place})"
+        )
+        signal = to_angles(values[0], values[1], circle)
+        more = {f"pivot_{key}": value for key, value in circle._asdict().items()}
+        remarks += [_pivot(circle, found[0].written)]
+    else:
+        signal = values[0]
+    where = f"{name}, column {found[0].name} ({place})"
+    check_signal(times, signal, where, static=row["role"] == "static")
+    if row["role"] != "static":
+        remarks += check_plausible(
+            times, signal, signal_unit, bool(time_unit), bool(told_unit) or positions, where
+        )
+        remarks += check_continuous(times, signal, where)
+    # the user's start_s is the last word; the samples before the release stay in the recording
+    by_hand = row["role"] != "static" and math.isnan(row["start_s"])
+    if release := find_release(times, signal) if by_hand else None:
+        more |= {"released_s": release.released, "begins_s": release.free}
+        remarks += [
+            f"it begins in a hand and was released at about {release.released:.2f} s: "
+            f"the swing is used from {release.free:.3f} s on (start_s in the sheet says otherwise)"
+        ]
 
     counted = {"counts_per_revolution": row["counts_per_revolution"]} if signal_unit == "counts" else {}
     return xr.Dataset(
@@ -96,12 +146,117 @@ def from_bytes(payload: bytes, row: Mapping[str, Any], place: str, digest: str) 
             "role": row["role"],
             "file": name,
             "sha256": digest,
-            "source": about.get("source", "as recorded by its owner"),
-            "emulated": "yes" if str(about.get("emulated", "no")).lower() in ("yes", "true", "1") else "no",
+            "source": table.about.get("source", "as recorded by its owner"),
+            "emulated": "yes"
+            if str(table.about.get("emulated", "no")).lower() in ("yes", "true", "1")
+            else "no",
             "partial": "yes" if partial else "no",
             "expected_samples": len(times),
+            "taken": _taken(table, clock, found, time_unit, told_unit, times),
+            **({"remarks": "; ".join(remarks)} if remarks else {}),
+            **more,
             **counted,
         },
+    )
+
+
+def _series(
+    table: _Table, row: Mapping[str, Any], time_column: str, columns: list[str], time_unit: str
+) -> tuple[Floats, list[Floats], NDArray[np.integer], int]:
+    """Times (s) within the window, the columns there, the lines they stand in, and the rows in the file.
+
+    Only what lies in the window is held, and the rows that are being read.
+    """
+    name, spoilt, total, held = row["file"], {key: _Spoilt() for key in (time_column, *columns)}, 0, 0
+    parts: list[tuple[Floats, ...]] = []
+    for rows, last in _with_last(table.pieces):
+        piece = rows.iloc[:-1] if table.cut and last else rows
+        lines = piece.index.to_numpy()
+        total += len(piece)
+        times = numbers(piece[time_column], table.decimal) * TIME_UNITS[time_unit]
+        spoilt[time_column].note(piece[time_column], times, lines)
+        inside = np.ones(len(times), dtype=bool)
+        if not math.isnan(row["start_s"]):
+            inside &= times >= row["start_s"]
+        if not math.isnan(row["stop_s"]):
+            inside &= times <= row["stop_s"]
+        values = [numbers(piece[key][inside], table.decimal) for key in columns]
+        for key, own in zip(columns, values, strict=True):
+            spoilt[key].note(piece[key][inside], own, lines[inside])
+        parts.append((times[inside], *values, lines[inside]))
+        if (held := held + int(inside.sum())) > MOST:
+            raise InputError(
+                name,
+                f"more than {MOST} samples",
+                f"at most {MOST} in the window",
+                "choose a part of it with start_s and stop_s",
+            )
+    for key, one in spoilt.items():
+        one.check(name, key)
+    if not parts:
+        return np.empty(0), [np.empty(0)] * len(columns), np.empty(0, dtype=int), 0
+    joined = [np.concatenate(own) for own in zip(*parts, strict=True)]
+    return joined[0], joined[1:-1], joined[-1], total
+
+
+def _with_last(pieces: Iterable[pd.DataFrame]) -> Iterator[tuple[pd.DataFrame, bool]]:
+    """Each piece, and whether it is the last."""
+    before = None
+    for piece in pieces:
+        if before is not None:
+            yield before, False
+        before = piece
+    if before is not None:
+        yield before, True
+
+
+class _Spoilt:
+    """The cells of a column that are no finite numbers: the first of them, and how many."""
+
+    def __init__(self) -> None:
+        self.line, self.cell, self.count = 0, "", 0
+
+    def note(self, cells: pd.Series, values: Floats, lines: NDArray[np.integer]) -> None:
+        bad = np.flatnonzero(~np.isfinite(values))
+        if len(bad) and not self.count:
+            self.line, self.cell = int(lines[bad[0]]), str(cells.iloc[bad[0]])
+        self.count += len(bad)
+
+    def check(self, name: str, key: str) -> None:
+        if self.count:
+            raise InputError(
+                f"{name}, line {self.line}, column {key}",
+                f"{self.cell} is not a finite number ({self.count} such cells)",
+                "a number in every row",
+                "mend the file, or leave the part out with start_s and stop_s",
+            )
+
+
+def _taken(
+    table: _Table, clock: Meaning, found: list[Meaning], time_unit: str, signal_unit: str, times: Floats
+) -> str:
+    """One line on how the file was read."""
+    what = " and ".join(f"`{one.name}`" for one in found)
+    if len(found) == 2:
+        unit = "positions, the angle about a fitted pivot"
+    else:
+        unit = UNIT_WORDS[signal_unit] if signal_unit else "rad (no unit is stated)"
+    rate = (len(times) - 1) / (times[-1] - times[0])
+    parts = [
+        f"took {what} as {unit}",
+        f"`{clock.name}` as {time_unit or 's (no unit is stated)'}",
+        f"{rate:.1f} samples a second",
+        *([table.layout] if table.layout else []),
+    ]
+    return ", ".join(parts)
+
+
+def _pivot(circle: Circle, unit: str) -> str:
+    unit = f" {unit}" if unit else ""
+    return (
+        f"the pivot was fitted to the positions: x {circle.x:.6g} ± {circle.u_x:.2g}{unit}, "
+        f"y {circle.y:.6g} ± {circle.u_y:.2g}{unit}, radius {circle.radius:.6g} ± {circle.u_radius:.2g}{unit}, "
+        f"points {circle.residual:.2g}{unit} (RMS) from the circle"
     )
 
 
@@ -119,13 +274,17 @@ def read_recording(path: str | Path) -> xr.Dataset:
     return recording
 
 
-def read_bytes(name: str, place: str) -> bytes:
-    """The content of a file or URL, as bytes; InputError with ``place`` if it cannot be had."""
+@contextmanager
+def opened(name: str, place: str) -> Iterator[BinaryIO]:
+    """A file or URL, open for reading; InputError with ``place`` if it cannot be had. A URL is kept on the disk meanwhile."""
     try:
-        if is_url(name):
+        if not is_url(name):
+            source: BinaryIO = open(find(name), "rb")  # noqa: SIM115 - closed below
+        else:
+            source = tempfile.TemporaryFile()  # noqa: SIM115
             with urllib.request.urlopen(name, timeout=30) as answer:
-                return answer.read()
-        return Path(find(name)).read_bytes()
+                shutil.copyfileobj(answer, source)
+            source.seek(0)
     except OSError as error:
         reason = getattr(error, "strerror", None) or getattr(error, "reason", None) or error
         raise InputError(
@@ -134,11 +293,17 @@ def read_bytes(name: str, place: str) -> bytes:
             "a path relative to the working directory, an absolute path or a URL",
             "correct the path",
         ) from error
+    with source:
+        yield source
 
 
-def check_sha256(payload: bytes, expected: str, name: str, place: str) -> str:
-    """The SHA-256 of ``payload``; InputError if ``expected`` is another one (empty: anything goes)."""
-    digest = hashlib.sha256(payload).hexdigest()
+def check_sha256(source: BinaryIO, expected: str, name: str, place: str) -> str:
+    """The SHA-256 of a file; InputError if ``expected`` is another one (empty: anything goes)."""
+    state = hashlib.sha256()
+    while piece := source.read(1 << 20):
+        state.update(piece)
+    digest = state.hexdigest()
+    source.seek(0)
     if expected and digest != expected.lower():
         raise InputError(
             f"{name} ({place}, column sha256)",
@@ -147,32 +312,6 @@ def check_sha256(payload: bytes, expected: str, name: str, place: str) -> str:
             "fetch the file anew, or correct the sheet if the file was changed on purpose",
         )
     return digest
-
-
-def _csv(payload: bytes, name: str) -> tuple[pd.DataFrame, dict[str, str]]:
-    try:
-        text = payload.decode("utf-8-sig")
-    except UnicodeDecodeError as error:
-        raise InputError(
-            name, f"it is not text ({error})", "CSV in UTF-8, or netCDF", "convert it"
-        ) from error
-    about, skip = {}, 0
-    for line in text.splitlines():
-        if not line.startswith("#"):
-            break
-        key, colon, value = line.lstrip("# ").partition(":")
-        if colon:
-            about[key.strip().lower()] = value.strip()
-        skip += 1
-    try:
-        table = pd.read_csv(io.StringIO(text), skiprows=skip, skip_blank_lines=False, skipinitialspace=True)
-    except (pd.errors.ParserError, pd.errors.EmptyDataError) as error:
-        raise InputError(
-            name, f"it is not a table ({error})", "CSV with a header", "correct the file"
-        ) from error
-    table.columns = [str(column).strip() for column in table.columns]
-    table.attrs["first_line"] = skip + 2
-    return table, about
 
 
 def _check_whole(about: Mapping[str, Any], row: Mapping[str, Any], name: str, place: str) -> bool:
@@ -197,16 +336,17 @@ def _check_whole(about: Mapping[str, Any], row: Mapping[str, Any], name: str, pl
     return True
 
 
-def _netcdf(payload: bytes, name: str, time_column: str = "") -> tuple[pd.DataFrame, dict[str, Any]]:
+def _netcdf(source: BinaryIO, row: Mapping[str, Any]) -> _Table:
+    name, time_column = row["file"], row.get("time_column", "")
     try:
-        with netCDF4.Dataset(name, memory=payload) as file:
+        with netCDF4.Dataset(name, memory=source.read()) as file:
             store = xr.backends.NetCDF4DataStore(file)
             data = xr.open_dataset(store, decode_times=False, decode_timedelta=False).load()
     except MemoryError:
         raise
     except Exception as error:  # a damaged file makes the reader fail in ways that nobody listed
         raise InputError(name, f"it cannot be read ({error})", "a netCDF file", "convert it again") from error
-    series = {key: data[key] for key in (*data.coords, *data.data_vars) if data[key].ndim == 1}
+    series = {str(key): data[key] for key in (*data.coords, *data.data_vars) if data[key].ndim == 1}
     # the columns are those along the time, or along the longest dimension where the sheet names no time
     sizes = {value.dims[0]: value.size for value in series.values()}
     along = (
@@ -214,37 +354,37 @@ def _netcdf(payload: bytes, name: str, time_column: str = "") -> tuple[pd.DataFr
         if time_column in series
         else max(sizes, key=lambda name: sizes[name], default="")
     )
-    table = pd.DataFrame({key: value.values for key, value in series.items() if value.dims[0] == along})
-    table.attrs["first_line"] = 1
-    return table, {str(key).lower(): value for key, value in data.attrs.items()}
+    series = {key: value for key, value in series.items() if value.dims[0] == along}
+    table = pd.DataFrame({key: value.values for key, value in series.items()})
+    table.index = table.index + 1
+    units = {key: str(value.attrs["units"]) for key, value in series.items() if "units" in value.attrs}
+    about = {str(key).lower(): value for key, value in data.attrs.items()}
+    return _Table(tuple(table.columns), about, [table], units=units)
 
 
-def _column(table: pd.DataFrame, wanted: str, position: int, name: str, place: str, key: str) -> str:
-    columns = [str(column) for column in table.columns]
-    if not wanted and len(columns) > position:
-        return columns[position]
-    if wanted not in columns:
+def _check_own_unit(column: Meaning, row: Mapping[str, Any], key: str, name: str, place: str) -> None:
+    """Refuses a unit in the sheet that is another than the one the file's attribute ``units`` tells."""
+    said = row[f"{key}_unit"]
+    if said and column.attribute and column.kind != UNTOLD and column.unit != said:
         raise InputError(
-            f"{name} ({place}, column {key})",
-            f"the file has no column {wanted!r}" if wanted else f"the file has {len(columns)} column(s)",
-            f"one of {', '.join(columns)}" if wanted else "a column of time and one of the signal",
-            f"correct {key} in the sheet, or the file's header",
+            f"{name} ({place}, column {key}_unit)",
+            f"the sheet says {said!r} and the file says {column.written!r} of {column.name!r}",
+            "one unit",
+            f"correct {key}_unit in the sheet, or the file's own attribute `units`",
         )
-    return wanted
 
 
-def _numbers(column: pd.Series, lines: NDArray[np.integer], name: str, key: str) -> Floats:
-    values = pd.to_numeric(column, errors="coerce").to_numpy(dtype=float)
-    bad = np.flatnonzero(~np.isfinite(values))
-    if len(bad):
-        first = bad[0]
-        raise InputError(
-            f"{name}, line {lines[first]}, column {key}",
-            f"{column.iloc[first]!s} is not a finite number ({len(bad)} such cells)",
-            "a number in every row",
-            "mend the file, or leave the part out with start_s and stop_s",
-        )
-    return values
+def _check_column(
+    columns: tuple[str, ...], wanted: str, position: int, name: str, place: str, key: str
+) -> None:
+    if (not wanted and len(columns) > position) or wanted in columns:
+        return
+    raise InputError(
+        f"{name} ({place}, column {key})",
+        f"the file has no column {wanted!r}" if wanted else f"the file has {len(columns)} column(s)",
+        f"one of {', '.join(columns)}" if wanted else "a column of time and one of the signal",
+        f"correct {key} in the sheet, or the file's header",
+    )
 
 
 def _check_unit(row: Mapping[str, Any], column: str, unit: str, name: str, place: str) -> None:

@@ -1,0 +1,237 @@
+"""What a column's header says: a quantity and its unit, and so which columns hold the time and the swing."""
+
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from types import MappingProxyType
+
+from ..errors import InputError
+from .sheet import SIGNAL_UNITS, TIME_UNITS, unit_of
+
+TIME, ANGLE, VOLTAGE, COUNTS, LENGTH, RATE, OTHER, UNTOLD = (
+    "a time", "an angle", "a voltage", "counts", "a length", "an angular rate", "something else", "",
+)  # fmt: skip
+
+# Units as programs write them: what is measured, and the unit by the sample sheet's name where it has one.
+_WRITTEN = {
+    (TIME, "s"): ("s", "sec", "secs", "second", "seconds", "sekunden"),
+    (TIME, "ms"): ("ms", "msec", "millis", "millisecond", "milliseconds"),
+    (TIME, "us"): ("us", "µs", "μs", "usec", "micros", "microsecond", "microseconds"),
+    (TIME, ""): ("min", "minutes", "h", "hours", "ns"),
+    (ANGLE, "rad"): ("rad", "rads", "radian", "radians"),
+    (ANGLE, "deg"): ("deg", "degs", "degree", "degrees", "°", "º", "˚"),
+    (ANGLE, ""): ("grad", "gon", "rev", "revs", "revolutions", "turn", "turns", "mrad"),
+    (VOLTAGE, "V"): ("v", "volt", "volts"),
+    (VOLTAGE, ""): ("mv", "µv", "μv"),
+    (COUNTS, "counts"): ("count", "counts", "ticks"),
+    (LENGTH, ""): ("m", "dm", "cm", "mm", "km", "in", "inch", "ft", "px", "pixel", "pixels", "meter", "metre", "meters", "metres"),
+    (RATE, ""): (
+        "rad/s", "rad/sec", "rad·s⁻¹", "rad s^-1", "rad*s^-1", "1/s", "deg/s", "deg/sec", "degrees/s", "°/s", "º/s", "dps",
+        "rpm", "mdps",
+    ),
+    (OTHER, ""): (
+        "m/s", "m/s^2", "m/s²", "m/s2", "cm/s", "g", "mg", "n", "nm", "n·m", "°c", "c", "°f", "k", "hz", "kg", "t", "µt", "μt",
+        "mt", "lx", "lux", "pa", "hpa", "kpa", "a", "ma", "w", "j", "db", "%", "rad/s^2", "rad/s²", "deg/s^2", "°/s²", "°/s^2",
+    ),
+}  # fmt: skip
+UNITS = {written: meaning for meaning, all_ in _WRITTEN.items() for written in all_}
+
+_TIMES = re.compile(r"(?i)\b(t|time|zeit|temps|tiempo|tempo|timestamp|elapsed|millis|micros)\b")
+_ANGLES = re.compile(r"(?i)θ|φ|\b(theta|phi|angle|angular position|winkel|ángulo|angulo|ausschlag)\b")
+_COORDINATE = re.compile(r"(?i)^(?:.*[ _-])?(?:position[ _-]?)?([xy])(?:[ _-]?(?:position|pos))?$")
+
+
+@dataclass(frozen=True)
+class Meaning:
+    """What one column holds, as far as its header says."""
+
+    name: str
+    kind: str  # TIME, ANGLE, ...; UNTOLD where the header says nothing
+    unit: str = ""  # by the sample sheet's name; "" where none is stated, or none the sheet knows
+    written: str = ""  # the unit as it stands in the header
+    axis: str = ""  # x or y of a position
+    attribute: bool = False  # True where the file states the unit beside the header, as netCDF does
+
+
+def meaning(name: str, beside: str = "") -> Meaning:
+    """The Meaning of a column's header: ``Angle (°)``, ``t [ms]``, ``t/s``, ``theta_rad``, ``Latest: Time (s)``.
+
+    ``beside`` is a unit that the file states apart from the header; it goes first where it is known.
+    """
+    bare = re.sub(r"(?i)^latest:|\brun #?\d+\b|\bset \d+\b", " ", name).strip(" :,")
+    label, written = _unit_in(bare)
+    attribute = beside.lower().partition(" since ")[0].strip()
+    if known := beside in UNITS or attribute in UNITS:
+        written = beside if beside in UNITS else attribute
+    kind, unit = UNITS.get(
+        written.lower() if written not in UNITS else written, (OTHER if written else UNTOLD, "")
+    )
+    words = label.replace("_", " ")
+    if kind == UNTOLD:
+        kind = TIME if _TIMES.search(words) else ANGLE if _ANGLES.search(words) else UNTOLD
+        if re.search(r"(?i)\b(velocity|acceleration|rate|gyro\w*|omega)\b|ω|α", words):
+            kind = OTHER if re.search(r"(?i)acceleration|α", words) else RATE
+    coordinate = _COORDINATE.match(label) if kind in (LENGTH, UNTOLD) else None
+    return Meaning(name, kind, unit, written, coordinate[1].lower() if coordinate else "", known)
+
+
+def _unit_in(name: str) -> tuple[str, str]:
+    """A header's label and the unit that it states, or ""."""
+    if name.lower() in (
+        "millis",
+        "micros",
+        "degrees",
+        "radians",
+        "milliseconds",
+        "microseconds",
+        "seconds",
+        "counts",
+    ):
+        return name, name.lower()
+    if found := re.fullmatch(r"(.*?)\s*[(\[]\s*([^()\[\]]*?)\s*[)\]]\s*", name):
+        label, inside = found.groups()
+        return label, inside if _is_unit(inside) else ""
+    for pattern in (
+        r"(.+?)\s*/\s*(.+)",
+        r"(.+) in (\S+)",
+        r"(.+?)[,;:]\s*(\S+)",
+        r"(.+)_([^_]+)",
+        r"(.+) (\S+)",
+    ):
+        if (found := re.fullmatch(pattern, name)) and found[2].lower() in UNITS and _states(*found.groups()):
+            return found[1], found[2]
+    return name, ""
+
+
+def _is_unit(inside: str) -> bool:
+    """True for what stands in brackets unless it is a word of comment, such as ``angle (filtered)``."""
+    return inside.lower() in UNITS or bool(re.search(r"[/^°²·%]", inside))
+
+
+def _states(label: str, unit: str) -> bool:
+    """True where a last word of one letter is a unit and not a name: ``theta_t`` is no tesla."""
+    kind, _ = UNITS[unit.lower()]
+    return kind != OTHER and not (kind == LENGTH and unit == "in")
+
+
+def choose(
+    names: Sequence[str],
+    time: str,
+    signal: str,
+    place: str,
+    units: tuple[str, str] = ("", ""),
+    beside: Mapping[str, str] = MappingProxyType({}),
+) -> tuple[Meaning, list[Meaning]]:
+    """The column of the time, and that of the swing, or the two of its position x, y.
+
+    ``time`` and ``signal`` are what the sample sheet names, "" where it leaves the choice, and ``units`` those
+    that it states; ``beside`` holds units that the file tells apart from its header. Without a word from it the time is the first column, unless that is something else and
+    another says that it is one; the swing is the second, unless that is no angle and another one is. InputError
+    names what a column holds that cannot be an angle.
+    """
+    columns = [meaning(name, beside.get(name, "")) for name in names]
+    by_name = {column.name: column for column in columns}
+    if time:
+        clock = by_name[time]
+    else:
+        clock = next((one for one in columns if one.kind == TIME), columns[0])
+        if columns[0].kind == UNTOLD and columns[0].axis == "" and clock.kind != TIME:
+            clock = columns[0]
+    if not units[0] and clock.kind not in (TIME, UNTOLD):
+        raise InputError(
+            f"{place}, column {clock.name}",
+            f"{_saying(clock)} cannot be the time",
+            "a column of time in s, ms or us",
+            "name it in the cell time_column of the sheet, or write its unit in time_unit",
+        )
+    if not units[0] and clock.written and not clock.unit:
+        raise InputError(
+            f"{place}, column {clock.name}",
+            f"the unit of the time, {clock.written!r}, is not known here",
+            "s, ms or us",
+            "convert the column, or write its unit in the cell time_unit of the sheet",
+        )
+    return clock, _swing(
+        clock, [one for one in columns if one is not clock], by_name, signal, place, units[1]
+    )
+
+
+def _swing(
+    clock: Meaning, others: list[Meaning], by_name: dict[str, Meaning], signal: str, place: str, stated: str
+) -> list[Meaning]:
+    if signal:
+        chosen = by_name[signal]
+        pair = _pair(others) if chosen.kind == LENGTH or (chosen.axis and not stated) else []
+        if not stated and chosen in pair:
+            return pair
+        return [_checked(chosen, others, place, stated, lone=clock.kind == TIME)]
+    if not others:
+        raise InputError(
+            place, "the file has 1 column(s)", "a column of time and one of the signal", "export both"
+        )
+    first = others[0]
+    if stated or (first.unit and first.kind in (ANGLE, VOLTAGE, COUNTS)):
+        return [first]
+    if found := next((one for one in others if one.kind == ANGLE and one.unit), None):
+        return [found]
+    if pair := _pair(others):
+        return pair
+    for wanted in (_names_angle, _plain, _has_signal_unit):
+        if found := next((one for one in others if wanted(one)), None):
+            return [found]
+    return [_checked(first, others, place, "", lone=clock.kind == TIME)]
+
+
+def _has_signal_unit(one: Meaning) -> bool:
+    return bool(one.unit) and one.kind in (VOLTAGE, COUNTS)
+
+
+def _names_angle(one: Meaning) -> bool:
+    return one.kind == ANGLE and not one.written
+
+
+def _plain(one: Meaning) -> bool:
+    return one.kind == UNTOLD and not one.axis
+
+
+def _pair(columns: list[Meaning]) -> list[Meaning]:
+    """The first x and the first y of one unit, or nothing."""
+    x = next((one for one in columns if one.axis == "x"), None)
+    y = next((one for one in columns if x and one.axis == "y" and one.written == x.written), None)
+    return [x, y] if x and y else []
+
+
+def _saying(one: Meaning) -> str:
+    return f"{one.kind or 'a column'}" + (f" in {one.written!r}" if one.written else "")
+
+
+def _checked(one: Meaning, others: list[Meaning], place: str, stated: str, lone: bool) -> Meaning:
+    """``one``; InputError by name where it cannot be an angle. ``lone`` refuses an x or y that lacks the other."""
+    if stated or (one.unit and one.kind in (ANGLE, VOLTAGE, COUNTS)):
+        return one
+    if one.kind in (ANGLE, UNTOLD) and not one.written and not (lone and one.axis):
+        return one
+    mends = {
+        RATE: "record the angle itself, or integrate the rate and correct its drift before",
+        LENGTH: "export the other coordinate too (x and y): an angle is fitted to both, with the pivot",
+        ANGLE: "convert it to rad or deg",
+        VOLTAGE: "convert it to V, rad or deg",
+        UNTOLD: "export the other coordinate too (x and y): an angle is fitted to both, with the pivot",
+    }
+    what = "a coordinate without its partner" if one.kind in (LENGTH, UNTOLD) else _saying(one)
+    if one.kind == LENGTH:
+        what += f", in {one.written!r},"
+    raise InputError(
+        f"{place}, column {one.name}",
+        f"{what} is no angle" + (" in a unit known here" if one.kind in (ANGLE, VOLTAGE) else ""),
+        "an angle in rad or deg, encoder counts, volts, or positions x and y"
+        + (f"; the file has {', '.join(column.name for column in others)}" if len(others) > 1 else ""),
+        mends.get(one.kind, "name the column of the angle in the cell signal_column of the sheet"),
+    )
+
+
+def known_unit(column: Meaning, stated: str, kinds: Sequence[str]) -> str:
+    """The unit of a column: the sheet's word, else the ending of its name, else its header's, else ""."""
+    own = column.unit if column.kind in kinds else ""
+    ending = unit_of(column.name, TIME_UNITS if TIME in kinds else SIGNAL_UNITS)
+    return stated or (own if column.attribute else "") or ending or own

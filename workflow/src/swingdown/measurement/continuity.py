@@ -1,0 +1,89 @@
+"""Whether a recording runs on: spikes, jumps as of lost samples, a clock that stumbles, a sensor that died."""
+
+import numpy as np
+
+from ..arrays import Floats
+from ..errors import InputError
+from .noise_level import quantisation_step
+from .plausibility import half_swings
+
+SIDE = 6  # samples on each side of a place that is looked at
+ODD = 12.0  # local standard deviations, beyond which a jump or spike is told; measured on recordings that have none
+SEEN = 0.004  # of the range; smaller ones are not told
+JUMP = "the signal jumps, as where samples are lost or the apparatus is knocked,"
+STUMBLE = 0.2  # of the usual interval
+
+
+def check_continuous(times: Floats, signal: Floats, place: str) -> list[str]:
+    """Remarks, each one line, on spikes, jumps and uneven times; InputError for a sensor that died while it swung."""
+    period = half_swings(signal).period(times)
+    interval = float(np.median(np.diff(times)))
+    _check_alive(times, signal, period / interval, place)
+    steps = np.diff(times) / interval
+    uneven = np.flatnonzero(np.abs(steps - 1) > STUMBLE)
+    if len(uneven) > 0.01 * len(steps):  # a clock that jitters throughout
+        return [
+            f"the time between samples varies by {np.std(steps):.2g} of {interval:.4g} s (standard deviation)"
+        ]
+    remarks = [_told("the clock stumbles", times[uneven + 1])] if len(uneven) else []
+    found = [_places(signal, _kernel(spike), period / interval) for spike in (True, False)]
+    for what, own, other in (("a spike", found[0], found[1]), (JUMP, found[1], found[0])):
+        # a spike looks a little like a jump and a jump like a spike: it is that which it looks like most
+        if mine := [
+            k for k, size in own.items() if all(abs(k - n) > SIDE or size > z for n, z in other.items())
+        ]:
+            remarks.append(_told(what, times[mine]))
+    return remarks
+
+
+def _told(what: str, times: Floats) -> str:
+    more = f" and {len(times) - 1} times more" if len(times) > 1 else ""
+    return f"{what} at {times[0]:.6g} s{more}"
+
+
+def _kernel(spike: bool) -> Floats:
+    """Weights of the samples in a window that give the height of a spike, or of a jump, on a cubic swing."""
+    n = 2 * SIDE + 1 if spike else 2 * SIDE
+    x = (np.arange(n) - (n - 1) / 2) / SIDE
+    odd = (np.arange(n) == SIDE) if spike else (x > 0)
+    return np.linalg.pinv(np.column_stack([x**0, x, x**2, x**3, odd.astype(float)]))[-1]
+
+
+def _places(signal: Floats, kernel: Floats, period: float) -> dict[int, float]:
+    """Where the height that the kernel tells stands out of those nearby, and how high in terms of white noise: the largest of each cluster.
+
+    What swing and noise do to it is told by its median over two periods, before, around and after. ``period`` in samples.
+    """
+    if len(signal) < 8 * SIDE or not period > 4 * SIDE:  # too few samples a swing for a cubic
+        return {}
+    height = np.abs(np.correlate(signal, kernel, mode="valid"))
+    size = int(max(8 * SIDE, 2 * period))
+    blocks = max(1, len(height) // size)
+    own = np.array([np.median(part) for part in np.array_split(height, blocks)]) / 0.6745
+    around = np.maximum(own, np.maximum(np.append(own[1:], 0), np.append(0, own[:-1])))
+    scale = np.repeat(around, [len(part) for part in np.array_split(height, blocks)])
+    seen = max(SEEN * np.ptp(signal), 2 * quantisation_step(signal))
+    odd = np.flatnonzero((height > ODD * scale) & (height > seen))
+    if not len(odd):
+        return {}
+    clusters = np.split(odd, np.flatnonzero(np.diff(odd) > SIDE) + 1)
+    tops = [int(one[np.argmax(height[one])]) for one in clusters]
+    return {k + SIDE: float(height[k] / np.linalg.norm(kernel)) for k in tops}
+
+
+def _check_alive(times: Floats, signal: Floats, period: float, place: str) -> None:
+    """``period`` in samples. A pendulum that comes to rest has lost its swing before; one that is stuck has not."""
+    if not period > 4:
+        return
+    moving = np.flatnonzero(signal != signal[-1])
+    last, n = int(moving[-1]) + 1, round(period)
+    if len(signal) - last < max(10, period / 2) or last < 2 * n:
+        return
+    before, late = np.ptp(signal[last - 2 * n : last - n]), np.ptp(signal[last - n : last])
+    if late > 0.8 * before and late > 8 * quantisation_step(signal):
+        raise InputError(
+            f"{place}, {times[last]:.6g} s",
+            f"the sensor is dead from there on: it stays at {signal[-1]:g} while the pendulum still swings",
+            "a swing that decays before it ends",
+            f"leave the end out with stop_s = {times[last - 1]:.6g}, and check the sensor",
+        )

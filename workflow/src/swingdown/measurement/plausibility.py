@@ -1,0 +1,133 @@
+"""Whether a recording can be a pendulum in the units it is taken for: its turns, its period, where it hangs."""
+
+from math import pi
+from typing import NamedTuple
+
+import numpy as np
+
+from ..arrays import Floats
+from ..errors import InputError
+
+LONGEST, SHORTEST = 60.0, 0.02  # s; a pendulum of 900 m, and one of a tenth of a millimetre
+CENTRED = 0.1  # rad; friction does not hold a pendulum that far from the vertical
+TURNED = 2.6  # rad; nearer to half a turn than this the zero is at the top
+DEAD_ZONE = 0.05  # of the range: crossings of the middle by noise alone do not count
+TO_RAD = {"rad": 1.0, "deg": pi / 180}
+
+
+class Swings(NamedTuple):
+    """The half-swings of a recording: where each begins (index), and the signal at its turning point."""
+
+    starts: np.ndarray
+    turns: Floats
+
+    def period(self, times: Floats) -> float:
+        """The usual period (s), or nan for fewer than three crossings of the middle."""
+        return 2 * float(np.median(np.diff(times[self.starts]))) if len(self.starts) > 2 else float("nan")
+
+    def centre(self) -> float:
+        """The middle that the swings have, or nan for fewer than four half-swings. The first one may be cut, the last too."""
+        turns = self.turns[1:-1]
+        return (
+            float(np.median((turns[:-2] + 2 * turns[1:-1] + turns[2:]) / 4))
+            if len(turns) > 2
+            else float("nan")
+        )
+
+
+def half_swings(signal: Floats) -> Swings:
+    """The Swings about the median of the later half (the first may be held), with a dead zone of a twentieth of the range."""
+    away = signal - np.median(signal[len(signal) // 2 :])
+    low, high = np.percentile(signal, (0.5, 99.5))  # a spike is no swing
+    zone = DEAD_ZONE * float(high - low)
+    outside = np.flatnonzero(np.abs(away) > zone)
+    side = np.sign(away[outside])
+    starts = outside[np.concatenate(([True], side[1:] != side[:-1]))] if len(outside) else outside
+    if not len(starts):
+        return Swings(starts, np.empty(0))
+    top, bottom = np.maximum.reduceat(signal, starts), np.minimum.reduceat(signal, starts)
+    return Swings(starts, np.where(away[starts] > 0, top, bottom))
+
+
+def check_plausible(
+    times: Floats, signal: Floats, unit: str, time_told: bool, unit_told: bool, place: str
+) -> list[str]:
+    """Remarks on units and zero of a swing, each one line; InputError where no pendulum moves so.
+
+    ``time_told`` and ``unit_told`` say whether anybody stated the units. Back and forth by more than a turn goes
+    no pendulum, whoever says that it is in rad; a period beyond 60 s or below 0.02 s is refused where s is a guess.
+    """
+    swings = half_swings(signal)
+    remarks = _time_remarks(times, swings, time_told, place)
+    if unit in TO_RAD:
+        remarks += _angle_remarks(times, signal * TO_RAD[unit], swings, unit, unit_told, place)
+    return remarks
+
+
+def _time_remarks(times: Floats, swings: Swings, told: bool, place: str) -> list[str]:
+    period, interval = swings.period(times), float(np.median(np.diff(times)))
+    length = period if period == period else interval
+    what = "a period" if period == period else "a sample every"
+    if SHORTEST <= period <= LONGEST or (period != period and interval <= 1):
+        return []
+    if told:
+        return [f"{what} of {length:.3g} s is none of a pendulum on a bench: is the unit of the time right?"]
+    raise InputError(
+        place,
+        f"{what} of {length:.3g} s is none of a pendulum, and no unit of the time is stated",
+        f"a period between {SHORTEST:g} and {LONGEST:g} s",
+        "write ms, us or s in the cell time_unit of the sheet, or in the column's name: `t (ms)`",
+    )
+
+
+def _angle_remarks(
+    times: Floats, angle: Floats, swings: Swings, unit: str, told: bool, place: str
+) -> list[str]:
+    largest, remarks = float(np.abs(angle).max()), []
+    turns = swings.turns * TO_RAD[unit]
+    wide = np.abs(np.diff(turns)) > 2 * pi * 1.02
+    wraps = np.flatnonzero(np.abs(np.abs(np.diff(angle)) - 2 * pi) < 0.6)
+    if len(wraps):
+        raise InputError(
+            f"{place}, {times[wraps[0] + 1]:.6g} s",
+            f"the angle jumps by a whole turn ({len(wraps)} times)",
+            "an angle that runs on where the sensor begins anew",
+            "unwrap it (add or take away a turn), or turn the sensor so that its zero is at the bottom",
+        )
+    far = np.flatnonzero(np.abs(np.diff(angle)) > pi)
+    if len(far) and not wide.sum() > 2:
+        raise InputError(
+            f"{place}, {times[far[0] + 1]:.6g} s",
+            f"the angle changes by {np.abs(np.diff(angle))[far[0]] / (2 * pi):.3g} turns between two samples",
+            "less than half a turn",
+            "mend the file there, or correct signal_unit in the sheet",
+        )
+    if unit == "rad" and (wide.sum() > 2 or (largest > 2 * pi and not told)):
+        problem = (
+            f"it swings back and forth by {np.abs(np.diff(turns)).max() / (2 * pi):.3g} turns"
+            if wide.sum() > 2
+            else f"it reaches {largest:.4g} rad and no unit is stated"
+        )
+        raise InputError(
+            place,
+            f"taken for rad {problem}",
+            "an angle in rad of a pendulum; these may be degrees",
+            "write deg in the cell signal_unit of the sheet (or rad for counted turns), or the unit in the column's name",
+        )
+    if largest > 2 * pi:
+        remarks.append(f"it reaches {largest / (2 * pi):.3g} turns, which are taken for counted turns")
+    centre = swings.centre() * TO_RAD[unit]
+    if centre == centre:
+        rest = (centre + pi) % (2 * pi) - pi
+        if abs(rest) > TURNED:
+            raise InputError(
+                place,
+                f"it swings about {np.degrees(centre):.4g}°, which is the top",
+                "0 where the pendulum hangs",
+                "take half a turn away from the angle",
+            )
+        if abs(rest) > CENTRED:
+            remarks.append(
+                f"it swings about {rest:.3g} rad ({np.degrees(rest):.3g}°), and 0 should be where it hangs"
+            )
+    return remarks
