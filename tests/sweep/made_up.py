@@ -4,7 +4,7 @@ import numpy as np
 import xarray as xr
 
 from swingdown.sweep import compute, detection, identification
-from swingdown.sweep.chunks import add_to_book, plan
+from swingdown.sweep.chunks import add_to_book, deal
 
 COMPUTES = {"identification": identification, "detection": detection}
 
@@ -25,7 +25,7 @@ def results(chunk, results_of):
 
 def write(sweep, folder, results_of):
     """The paths of all chunks of a sweep, written with made-up results into a folder."""
-    dealt = plan(sweep, folder / "plan.jsonl", "0" * 8)
+    dealt = deal(sweep, folder / "plan.jsonl", "0" * 8)
     add_to_book(folder / "plan.jsonl", dealt.new)
     paths = []
     for name, chunk in dealt.chunks.items():

@@ -7,7 +7,7 @@ import xarray as xr
 from swingdown import dataset
 from swingdown.errors import InputError
 from swingdown.study.settings import complete
-from swingdown.sweep.chunks import add_to_book, find_chunk, plan
+from swingdown.sweep.chunks import add_to_book, deal, find_chunk
 from swingdown.sweep.combine import combine, read_maps
 from swingdown.sweep.compute import publish
 from swingdown.sweep.job import work as job
@@ -36,7 +36,7 @@ def sweep(snr=(20, 50), realizations=12, chunk=10, axes=None):
 def work(chosen, folder):
     """The combined dataset of a sweep run in a folder, and the names of the chunks that had to be computed."""
     book, computed = folder / "plan.jsonl", []
-    dealt = plan(chosen, book)
+    dealt = deal(chosen, book)
     add_to_book(book, dealt.new)
     paths = [folder / "chunks" / f"{name}.nc" for name in dealt.chunks]
     for path in paths[::-1]:  # in another order than that of the book
@@ -59,7 +59,7 @@ def test_the_numbers_are_the_same_to_the_bit_for_any_chunk_length(reference, tmp
 
 
 def test_every_draw_is_dealt_once_in_chunks_of_the_length_asked_for(reference, tmp_path):
-    dealt = plan(sweep(), tmp_path / "none")
+    dealt = deal(sweep(), tmp_path / "none")
     assert [chunk.draws for chunk in dealt.chunks.values()] == [10, 10, 10, 10, 8]
     draws = [
         (key, k)
@@ -85,7 +85,7 @@ def test_a_wider_table_computes_only_what_is_new(tmp_path, wider, draws):
     folder, fresh = tmp_path / "grown", tmp_path / "fresh"
     before, _ = work(sweep(), folder)
     grown = sweep(**wider)
-    new = plan(grown, folder / "plan.jsonl").new
+    new = deal(grown, folder / "plan.jsonl").new
     assert sum(chunk.draws for chunk in new) == draws
     after, computed = work(grown, folder)
     assert len(computed) == len(new)
@@ -105,12 +105,12 @@ def test_a_lost_chunk_is_the_only_one_computed_again(tmp_path, reference):
 
 def test_a_table_made_smaller_before_it_was_computed_leaves_no_work_that_nobody_wants(tmp_path):
     book = tmp_path / "plan.jsonl"
-    large = plan(sweep(snr=(5, 20, 50), realizations=30), book)
+    large = deal(sweep(snr=(5, 20, 50), realizations=30), book)
     add_to_book(book, large.new)
-    small = plan(sweep(), book)
+    small = deal(sweep(), book)
     assert sum(chunk.draws for chunk in small.chunks.values()) == 48
     add_to_book(book, small.new)
-    assert plan(sweep(), book).new == () and set(plan(sweep(), book).chunks) == set(small.chunks)
+    assert deal(sweep(), book).new == () and set(deal(sweep(), book).chunks) == set(small.chunks)
     made, _ = work(sweep(), tmp_path)
     again, _ = work(
         sweep(snr=(5, 20, 50), realizations=30), tmp_path
@@ -204,17 +204,17 @@ def test_missing_and_doubled_draws_are_refused_by_name(tmp_path):
 
 def test_more_jobs_than_a_workflow_bears_are_refused_with_the_length_that_fits(tmp_path):
     with pytest.raises(InputError) as told:
-        plan(sweep(realizations=100_000, chunk=10), tmp_path / "none")
+        deal(sweep(realizations=100_000, chunk=10), tmp_path / "none")
     assert "at most 2000" in str(told.value) and "`chunk: 400`" in told.value.mend
-    assert len(plan(sweep(realizations=100_000, chunk=400), tmp_path / "none").chunks) <= 2000
+    assert len(deal(sweep(realizations=100_000, chunk=400), tmp_path / "none").chunks) <= 2000
 
 
 def test_a_damaged_book_is_told_by_line(tmp_path):
     book = tmp_path / "plan.jsonl"
-    add_to_book(book, plan(sweep(), book).new)
+    add_to_book(book, deal(sweep(), book).new)
     book.write_text(book.read_text().replace("20.0", "21.0", 1))
     with pytest.raises(InputError, match="plan.jsonl, line 1"):
-        plan(sweep(), book)
+        deal(sweep(), book)
     with pytest.raises(InputError, match="no chunk"):
         find_chunk(book, "0" * 16)
 
@@ -222,13 +222,13 @@ def test_a_damaged_book_is_told_by_line(tmp_path):
 def test_what_an_earlier_release_computed_is_kept_and_told_as_of_unknown_code(tmp_path):
     _, names = work(sweep(), tmp_path)
     book = tmp_path / "plan.jsonl"
-    dealt = plan(sweep(), book, "01234567")
+    dealt = deal(sweep(), book, "01234567")
     assert dealt.missing == () and set(dealt.outdated) == set(names) and dealt.files[names[0]] == names[0]
-    again = plan(sweep(), book, "01234567", again=True)
+    again = deal(sweep(), book, "01234567", again=True)
     assert set(again.missing) == set(names) and again.files[names[0]] == f"{names[0]}-01234567"
     (tmp_path / "chunks" / f"{names[0]}.nc").rename(tmp_path / "chunks" / f"{names[0]}-01234567.nc")
-    assert plan(sweep(), book, "01234567").files[names[0]] == f"{names[0]}-01234567"
-    assert set(plan(sweep(), book, "01234567").outdated) == set(names[1:])
+    assert deal(sweep(), book, "01234567").files[names[0]] == f"{names[0]}-01234567"
+    assert set(deal(sweep(), book, "01234567").outdated) == set(names[1:])
 
 
 def test_the_first_of_two_jobs_with_one_chunk_is_kept(tmp_path):
@@ -246,7 +246,7 @@ def test_the_first_of_two_jobs_with_one_chunk_is_kept(tmp_path):
 
 
 def test_code_that_changes_under_a_run_stops_its_jobs(tmp_path):
-    dealt = plan(sweep(), tmp_path / "plan.jsonl", "01234567")
+    dealt = deal(sweep(), tmp_path / "plan.jsonl", "01234567")
     add_to_book(tmp_path / "plan.jsonl", dealt.new)
     stem = next(iter(dealt.files.values()))
     with pytest.raises(InputError, match="the code was changed since the run began"):

@@ -10,7 +10,7 @@ import xarray as xr
 from swingdown.errors import InputError
 from swingdown.study.settings import complete
 from swingdown.sweep import store
-from swingdown.sweep.chunks import add_to_book, plan
+from swingdown.sweep.chunks import add_to_book, deal
 from swingdown.sweep.combine import combine
 from swingdown.sweep.job import work as job
 from swingdown.sweep.table import sweeps
@@ -25,7 +25,7 @@ def sweep(kind="zarr", snr=(20, 50), realizations=12, fitted=("viscous", "load_c
 
 def jobs(chosen, folder):
     """The plan of a sweep in a folder, its book written and room made, as when a run starts."""
-    dealt = plan(chosen, folder / "plan.jsonl")
+    dealt = deal(chosen, folder / "plan.jsonl")
     add_to_book(folder / "plan.jsonl", dealt.new)
     if chosen.format == "zarr":
         store.prepare(chosen, dealt, folder)

@@ -61,7 +61,7 @@ def planned(name):
             if STORED and SWEEPS[name].format == "zarr":
                 raise InputError(f"config, key sweeps.{name}.format", "jobs write into a Zarr store through a file system that they share",
                                  "`netcdf`, where a storage plugin carries the chunks", "write `format: netcdf`")  # fmt: skip
-            PLANS[name] = dealt.plan(SWEEPS[name], book(name), codes.version(SWEEPS[name].computes), AGAIN)
+            PLANS[name] = dealt.deal(SWEEPS[name], book(name), codes.version(SWEEPS[name].computes), AGAIN)
         if workflow.is_main_process and not STORED:
             if workflow.dryrun:
                 tell(name, PLANS[name])

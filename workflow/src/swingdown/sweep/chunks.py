@@ -57,7 +57,7 @@ class Chunk:
 
 
 @dataclass(frozen=True)
-class Plan:
+class Dealt:
     """What a sweep needs: chunks by name, their files' names less the ending, those new in the book, and those not computed.
 
     ``outdated`` are the names of chunks whose results other code computed, by the version of that code.
@@ -86,8 +86,8 @@ def made(folder, ending="nc"):
     return found
 
 
-def plan(sweep, book, code="", again=False):
-    """The ``Plan`` of a sweep: chunks of the book (a path, which need not exist) that hold what it wants, then new ones.
+def deal(sweep, book, code="", again=False):
+    """The ``Dealt`` of a sweep: chunks of the book (a path, which need not exist) that hold what it wants, then new ones.
 
     Chunks whose results are there, in the folder ``chunks`` beside the book, come first. One without results that holds more
     than is wanted, or what another holds, is passed over: where a table was made smaller, its work is dealt out again. ``code``
@@ -115,7 +115,7 @@ def plan(sweep, book, code="", again=False):
         else:
             files[name] = stem(name, code)
             missing.append(name)
-    return Plan(chunks, files, new, tuple(missing), outdated)
+    return Dealt(chunks, files, new, tuple(missing), outdated)
 
 
 def stem(name, code):
