@@ -23,7 +23,7 @@ from swingdown import paths, schema
 from swingdown.discovery.verdict import GUARD
 from swingdown.engine.trajectory import simulate
 from swingdown.errors import InputError
-from swingdown.fitting.fit import fit_trajectory
+from swingdown.fitting.least_squares import fit_trajectory
 from swingdown.measurement.sheet import read_sheet
 from swingdown.pendulum.model import Model
 from swingdown.report import contents, page, provenance

@@ -153,6 +153,8 @@ def test_unplugging_the_board_keeps_what_arrived(bench, snakemake):
     # no fit and no discovery takes it, unless the sheet allows it
     sheet = folder / "recordings.csv"
     sheet.write_text(sheet.read_text().replace(",voltage,V,", ",voltage,rad,"))
+    data["voltage"].attrs["units"] = "rad"  # as if it needed no calibration
+    dataset.write(data, raw.with_suffix(".nc"))
     (folder / "own.yaml").write_text(
         "recordings: recordings.csv\nsimulation: {simulated: []}\ndiscovery: {rounds: 1}\n"
     )

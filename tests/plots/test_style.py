@@ -52,7 +52,18 @@ def test_a_failed_save_leaves_the_old_file_and_nothing_else(tmp_path, monkeypatc
 
 
 def test_plots_rest_on_datasets_symbols_rounding_and_the_way_files_are_written_alone():
-    usual = {"matplotlib", "numpy", "pandas", "xarray", "collections", "functools", "os", "pathlib", "typing"}
+    usual = {
+        "matplotlib",
+        "numpy",
+        "pandas",
+        "xarray",
+        "collections",
+        "functools",
+        "os",
+        "pathlib",
+        "textwrap",
+        "typing",
+    }
     for file in Path(plots.__file__).parent.glob("*.py"):
         allowed = usual | (
             {"tkinter", "time"} if file.name == "live.py" else set()

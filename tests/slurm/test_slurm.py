@@ -46,7 +46,7 @@ def slurm(tmp_path_factory):
         warnings.warn(reason, stacklevel=1)
         pytest.skip(reason)
     folder = tmp_path_factory.mktemp("slurm")
-    for one in (folder, *folder.parents[:2]):
+    for one in (folder, *folder.parents[:3]):
         one.chmod(0o755)  # munged runs as a user of its own
     with cluster(folder) as started:
         yield started

@@ -193,7 +193,9 @@ if sys.argv[1] == "write":
     write(one, folder, made)
 else:
     combine(one, sorted((folder / "chunks").glob("*.nc")), folder / "sweep.nc")
-    print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss // 1024)
+    # ru_maxrss would be that of the process which began this one, where it was larger
+    status = dict(line.split(":", 1) for line in open("/proc/self/status") if line.startswith("VmHWM"))
+    print(int(status["VmHWM"].split()[0]) // 1024)
 """
 
 

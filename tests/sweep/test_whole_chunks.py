@@ -117,7 +117,7 @@ def test_what_the_books_of_snakemake_lost_or_doubt_is_not_computed_again(project
 @pytest.mark.slow
 def test_a_comment_computes_nothing_and_a_formula_is_told_and_waits_for_the_user(project):
     before = project.chunks()
-    project.edit("src/swingdown/fitting/fit.py", "\nimport", "\n# a remark\nimport")
+    project.edit("src/swingdown/fitting/least_squares.py", "\nimport", "\n# a remark\nimport")
     project.edit("scripts/sweep_chunk.py", "from swingdown", "# a remark\nfrom swingdown")
     printed = project.snakemake("-n", DATA)
     assert computes(printed) == 0 and "every chunk is there" in printed and "other code" not in printed
