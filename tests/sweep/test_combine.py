@@ -173,7 +173,7 @@ def words(figure):
 
 
 BIG = """
-import sys, resource
+import sys
 sys.path.insert(0, {tests!r})
 import numpy as np
 from pathlib import Path
