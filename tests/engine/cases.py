@@ -44,6 +44,7 @@ RANGES = {
     "eccentricity": (1e-3, 0.1),
     "eccentricity_phase": (-3.0, 3.0),
     "sensor_gain": (-0.3, 0.3),
+    "sensor_curvature": (-0.2, 0.2),
     "sensor_zero": (-0.5, 0.5),
     "clock_drift": (-0.1, 0.1),
 }

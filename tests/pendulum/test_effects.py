@@ -154,7 +154,7 @@ def test_the_experimenters_effects_are_there():
     expected = {
         "viscous", "quadratic_drag", "constant_coulomb", "load_coulomb", "stribeck", "presliding", "power_law_drag",
         "structural_damping", "added_mass", "eddy_brake", "constant_torque", "torsion_spring", "cubic_stiffness", "detent",
-        "flexible_pivot", "base_vibration", "damping_drift", "steady_wind", "finite_amplitude", "sensor_zero", "sensor_gain",
+        "flexible_pivot", "base_vibration", "damping_drift", "steady_wind", "finite_amplitude", "sensor_zero", "sensor_gain", "sensor_curvature",
         "eccentricity", "sensor_lag", "clock_drift", "backlash",
     }  # fmt: skip
     assert expected <= set(SHIPPED.names)

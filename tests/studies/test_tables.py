@@ -10,6 +10,7 @@ from swingdown.pendulum.model import PAPER_MODELS, Model
 from swingdown.studies import norms
 from swingdown.studies import paper_tables as tables
 from swingdown.studies.comparison import holm
+from swingdown.studies.parameters import parameters
 
 SAMPLES = 3000
 
@@ -33,7 +34,8 @@ def made_norms(means, count=12, campaign="bench", inflation=1.0, noise=0.002, se
         "variance_inflation": (by, np.full(norm.shape, inflation)),
         "value": ((*by, "parameter"), value),
         "standard_error": ((*by, "parameter"), np.full(value.shape, 0.001)),
-        "robust_standard_error": ((*by, "parameter"), np.full(value.shape, 0.002)),
+        "random_standard_error": ((*by, "parameter"), np.full(value.shape, 0.0006)),
+        "systematic_standard_error": ((*by, "parameter"), np.full(value.shape, 0.0008)),
         "error_bound_norm": ("recording", 0.09 + 0.001 * rng.standard_normal(count)),
         "samples": ("recording", np.full(count, SAMPLES)),
     }
@@ -81,7 +83,7 @@ def test_a_single_swing_has_no_scatter_and_still_a_table(published):
     assert tables.table3(one, published)["std"].isna().all()
     verdicts = tables.comparison(one)["verdict"]
     assert verdicts.str.contains("one swing cannot tell").any()
-    assert "(mean)" not in set(tables.parameters(one)["recording"])
+    assert "(mean)" not in set(parameters(one)["recording"])
 
 
 def test_paired_comparison_is_students_and_counts_the_swings():
@@ -160,14 +162,21 @@ def test_holms_correction_on_a_worked_case():
 def test_parameters_have_units_and_a_row_for_each_value():
     data = made_norms(THREE, 3)
     joint = data.isel(recording=0, drop=True).assign_attrs(campaign="bench")
-    table = tables.parameters(data, [joint])
+    table = parameters(data, [joint])
     assert len(table) == (2 + 3 + 3) * 5  # three recordings, their mean, the joint fit
     row = table[(table["recording"] == "bench_0") & (table["fitted"] == "viscous")].iloc[0]
     assert (row["parameter"], row["unit"]) == ("natural_frequency", "rad/s")
-    assert row["text"].endswith("(20)")  # the robust error, 0.002, and not the ordinary one
+    assert row["text"].endswith("(10)")
+    assert (row["low"], row["high"]) == pytest.approx(
+        (row["value"] - 0.00196, row["value"] + 0.00196), abs=1e-5
+    )
     mean = table[(table["recording"] == "(mean)") & (table["fitted"] == "viscous")].iloc[0]
     values = data["value"].sel(fitted="viscous", parameter="natural_frequency").values
-    assert mean["standard_error"] == pytest.approx(np.std(values, ddof=1) / np.sqrt(3))
+    assert mean["random_standard_error"] == pytest.approx(np.std(values, ddof=1) / np.sqrt(3))
+    assert mean["systematic_standard_error"] == pytest.approx(
+        0.0008
+    )  # the same in all recordings: no mean takes it away
+    assert mean["standard_error"] == pytest.approx(np.hypot(mean["random_standard_error"], 0.0008))
     assert set(table["recording"]) == {"bench_0", "bench_1", "bench_2", "(mean)", "(joint)"}
 
 

@@ -1,8 +1,8 @@
 # The experiment study: the models fitted to each swing, to the swings of a campaign together, and compared.
 # needs: results/angles/
-# makes: results/experiment/, results/tables/table3.csv, comparison.csv, parameters.csv
+# makes: results/experiment/, results/tables/table3.csv, comparison.csv, parameters.csv, parameter_budget.csv
 
-TABLES += expand("results/tables/{table}.csv", table=["table3", "comparison", "parameters"])
+TABLES += expand("results/tables/{table}.csv", table=["table3", "comparison", "parameters", "parameter_budget"])
 
 
 rule fit_swing:
@@ -58,6 +58,9 @@ rule table3:
             "results/tables/comparison.csv", category="Tables", labels={"table": "paired comparison"}
         ),
         parameters=report("results/tables/parameters.csv", category="Tables", labels={"table": "parameters"}),
+        budget=report(
+            "results/tables/parameter_budget.csv", category="Tables", labels={"table": "budget of the parameters"}
+        ),
     log:
         "results/logs/table3.log",
     message:

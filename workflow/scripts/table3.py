@@ -4,7 +4,8 @@ import pandas as pd
 
 from swingdown import console, dataset
 from swingdown.studies.norms import combine_recordings
-from swingdown.studies.paper_tables import comparison, parameters, table3, write_table
+from swingdown.studies.paper_tables import comparison, table3, write_table
+from swingdown.studies.parameters import parameter_budget, parameters
 
 
 def collect(fits, joint, published, outputs):
@@ -13,7 +14,9 @@ def collect(fits, joint, published, outputs):
     pairs = comparison(norms)
     write_table(table3(norms, pd.read_csv(published)), outputs.table3)
     write_table(pairs, outputs.comparison)
-    write_table(parameters(norms, [dataset.read(path) for path in joint]), outputs.parameters)
+    together = [dataset.read(path) for path in joint]
+    write_table(parameters(norms, together), outputs.parameters)
+    write_table(parameter_budget(together), outputs.budget)
     alike = [
         f"{row.campaign}: {row.verdict}" for row in pairs.itertuples() if "indistinguishable" in row.verdict
     ]

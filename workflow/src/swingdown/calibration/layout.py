@@ -89,6 +89,7 @@ def dataset(
     variables = {
         k: (d, np.asarray(a, dtype=float), {"units": u, "long_name": t}) for k, (d, a, u, t) in v.items()
     }
+    tells = np.flatnonzero(np.any(gum.propagation.contributions[1:3] != 0, axis=0))
     mixed = "numbers of rad for the intercept, of rad V-1 for the slope"
     covaried = "numbers of the products of the coefficients' units"
     variables |= {
@@ -106,6 +107,15 @@ def dataset(
             ("mode", "kind", "side", "coefficient"),
             np.array([deviation[m][0] for m in MODES]),
             {"units": "1", "comment": mixed, "long_name": "lines of maximum deviation"},
+        ),
+        "contribution": (
+            ("quantity", "source"),
+            gum.propagation.contributions[1:3, tells],
+            {
+                "units": "1",
+                "comment": "numbers of rad V-1 for the slope, of V for the rest voltage",
+                "long_name": "what a standard uncertainty of a source does to slope and rest voltage",
+            },
         ),
         "flagged": (
             "point",
@@ -126,6 +136,8 @@ def dataset(
         "coefficient": names[:2],
         "coefficient_2": names[:2],
         "kind": list(KINDS),
+        "quantity": names[1:],
+        "source": [gum.propagation.inputs[k].name for k in tells],
         "side": ["lower", "upper"],
         "range": np.arange(len(apparatus["encoder"]["limits"])),
         "grid": ("grid", drawn.grid_voltage, {"units": "V", "long_name": "voltage of the sample"}),

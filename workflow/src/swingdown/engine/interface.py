@@ -140,6 +140,13 @@ class Bounds(NamedTuple):
     upper: np.ndarray
 
 
+class Knowledge(NamedTuple):
+    """The variables' means and their precision (matrix, rad^2 over the variables' units) before any swing is seen."""
+
+    mean: np.ndarray
+    precision: np.ndarray
+
+
 class Options(NamedTuple):
     """The most evaluations of a search, and the relative fall of the sum of squares below which it is stationary."""
 
@@ -191,20 +198,26 @@ class FitProblem:
     """Swings with a common model as C takes them; keeps alive what C points to.
 
     ``models``: a C ``Model`` for each of the ``swings``, which are (times in s, angles in rad); ``where`` (swing, value):
-    the variable that each value is, or -1; ``bounds``: the variables'.
+    the variable that each value is, or -1; ``bounds``: the variables'; ``known``: what is known of them beforehand.
     """
 
     def __init__(
-        self, models: Sequence[Any], swings: Sequence[Swing], where: np.ndarray, bounds: Bounds
+        self,
+        models: Sequence[Any],
+        swings: Sequence[Swing],
+        where: np.ndarray,
+        bounds: Bounds,
+        known: "Knowledge | None" = None,
     ) -> None:
         new = ffi().new
-        self._kept = models, swings, where, bounds
+        self._kept = models, swings, where, bounds, known
         self.n_variables = bounds.lower.size
         self.models = new("Model[]", [one[0] for one in models])
         self.times, self.angles = (
             new("double *[]", [doubles(array) for array in arrays]) for arrays in zip(*swings, strict=True)
         )
         self.where, self.bounds = integers(where), _c_bounds(bounds)
+        self.known = (ffi().NULL,) * 2 if known is None else (doubles(known.mean), doubles(known.precision))
 
 
 def fit_swings(
@@ -227,7 +240,8 @@ def fit_swings(
     n_samples = new("int[]", lengths)
     swings = new(
         "FitProblem *",
-        (problem.models, count, n_samples, problem.times, problem.angles, doubles(values), problem.where, size, problem.bounds),
+        (problem.models, count, n_samples, problem.times, problem.angles, doubles(values), problem.where, size, problem.bounds,
+         problem.known),
     )  # fmt: skip
     result = new(
         "FitResult *", {"variables": doubles(best), "normal": doubles(normal), "squares": doubles(squares)}

@@ -66,7 +66,7 @@ class Compiled:
             "clocks": [],
         }
         play, parameter, state = -1, 1, 0
-        for effect in model.effects:
+        for effect in model.acting:
             part = (rows[effect.name, model.form if effect.printed else "consistent"], parameter, state)
             if effect.acts_on == "torque" or effect.states:
                 parts["motions"].append(part)

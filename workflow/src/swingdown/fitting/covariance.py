@@ -1,34 +1,72 @@
-"""The covariance of fitted values for independent residuals."""
+"""The covariance of fitted values: from independent residuals, and from what the measurement leaves open."""
 
 import numpy as np
 
 from ..arrays import Floats
 from ..engine.trajectory import sensitivities
-from .problem import Problem
+from ..pendulum.slack import time_power
+from .problem import RELEASE, Problem
+
+CLOCK = "clock"
+_RELEASE_UNITS = dict(zip(RELEASE, ("rad", "rad/s"), strict=True))
 
 
-def covariance_of(problem: Problem, hessian: Floats, rss: float, best: Floats) -> Floats:
-    """s^2 (J'J)^-1 over the variables that no bound holds, s^2 = rss / (n - k); NaN for those held or undetermined."""
+def covariance_of(problem: Problem, hessian: Floats, rss: float, best: Floats) -> tuple[Floats, Floats]:
+    """The covariance of the free values for independent residuals, and its systematic part (free, source).
+
+    ``hessian`` is J'J with the precision of what is known beforehand; of variance s^2 = rss / (n - k) is the noise. NaN for
+    values that a bound holds or that are undetermined.
+    """
+    inverse = inverse_of(problem, hessian, best)
+    systematic = systematic_of(problem, inverse, best)
+    noise = rss / (problem.n - len(problem.free))
+    random = noise * (
+        inverse if problem.known is None else inverse @ (hessian - problem.known.precision) @ inverse
+    )
+    return random + systematic @ systematic.T, systematic
+
+
+def inverse_of(problem: Problem, hessian: Floats, best: Floats) -> Floats:
+    """The inverse of J'J over the variables that no bound holds; NaN for those held or undetermined."""
     free = (best > problem.lower) & (best < problem.upper)
-    covariance = np.full(hessian.shape, np.nan)
+    found = np.full(hessian.shape, np.nan)
     scale = np.sqrt(np.diag(hessian))
     free &= scale > 0
     if not free.any():
-        return covariance
+        return found
     scaled = hessian[np.ix_(free, free)] / np.outer(scale[free], scale[free])
     try:
         inverse = np.linalg.inv(scaled)
     except np.linalg.LinAlgError:
-        return covariance
+        return found
     if np.linalg.cond(scaled) < 1e15:
-        freedom = problem.n - len(problem.free)
-        covariance[np.ix_(free, free)] = inverse / np.outer(scale[free], scale[free]) * rss / freedom
-    return covariance
+        found[np.ix_(free, free)] = inverse / np.outer(scale[free], scale[free])
+    return found
 
 
-def covariance_at(problem: Problem, best: Floats, rss: float) -> Floats:
+def systematic_of(problem: Problem, inverse: Floats, best: Floats) -> Floats:
+    """What a standard uncertainty of each source of the slack, and of the clock, does to each free value (free, source)."""
+    slack, free = problem.model.slack, list(problem.free)
+    found = np.zeros((len(free), len(slack.sources) + 1))
+    if problem.known is not None:
+        at = [free.index(name) for name in slack.parameters]
+        pull = problem.known.precision[np.ix_(at, at)] @ slack.contributions
+        held = np.isnan(np.diag(inverse))
+        found[:, :-1] = np.where(np.isnan(inverse), 0.0, inverse)[:, at] @ pull
+        found[held, :] = np.nan
+    units = problem.model.units | _RELEASE_UNITS
+    found[:, -1] = [
+        time_power(units[name]) * value * slack.clock for name, value in zip(free, best, strict=True)
+    ]
+    return found
+
+
+def covariance_at(problem: Problem, best: Floats, rss: float) -> tuple[Floats, Floats]:
     """The same for the one swing of a problem, from the trajectory's own slopes there."""
     (times, _), (*values, release_angle, release_velocity) = problem.swings[0], problem.slots(best)[0]
     model = problem.model.with_values(dict(zip(problem.model.parameters, values, strict=True)))
     _, slopes = sensitivities(model, times, release_angle, release_velocity, free=problem.free)
-    return covariance_of(problem, slopes @ slopes.T, rss, best)
+    hessian = slopes @ slopes.T
+    return covariance_of(
+        problem, hessian if problem.known is None else hessian + problem.known.precision, rss, best
+    )

@@ -77,15 +77,16 @@ def fit_at(
     problem: Problem,
     method: str,
     best: Floats,
-    covariance: Floats,
+    covariance: tuple[Floats, Floats],
     rss: float,
     converged: bool,
     message: str,
     evaluations: int,
 ) -> Fit:
-    """The ``Fit`` at the free variables ``best``, however they were found."""
+    """The ``Fit`` at the free variables ``best``, however they were found; ``covariance`` and its systematic part."""
     names, slots = problem.model.parameters, problem.slots(best)
-    errors = dict(zip(problem.free, np.sqrt(np.diag(covariance)), strict=True))
+    whole, systematic = covariance
+    errors = dict(zip(problem.free, np.sqrt(np.diag(whole)), strict=True))
     shared = slots[:, :-2].mean(axis=0) if problem.own else slots[0, :-2]
     model = problem.model.with_values(
         {name: float(value) for name, value in zip(names, shared, strict=True)},
@@ -101,8 +102,8 @@ def fit_at(
         own = {name: one.values[name] for name in problem.own}
         swings.append(SwingFit(one, float(row[-2]), float(row[-1]), series, rms, own))
     return Fit(
-        model, method, tuple(problem.free), best, covariance, float(rss), problem.n, tuple(swings), converged,
-        message, int(evaluations),
+        model, method, tuple(problem.free), best, whole, float(rss), problem.n, tuple(swings), converged,
+        message, int(evaluations), systematic,
     )  # fmt: skip
 
 

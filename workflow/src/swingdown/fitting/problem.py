@@ -91,13 +91,30 @@ class Problem:
         self.lower, self.upper = np.array(
             [bounds.get(name, (-np.inf, np.inf)) for name in self.free]
         ).T.copy()
+        self.known = self._known()
         self.compiled = [Compiled(model, float(times[-1] - times[0])) for times, _ in self.swings]
         self._point_at_swings()
+
+    def _known(self) -> interface.Knowledge | None:
+        """What the model's slack says of the variables beforehand; None where it says nothing, or they are not free."""
+        slack = self.model.slack
+        if not (slack.names and set(slack.parameters) <= set(self.shared)):
+            return None
+        if slack.noise is None:
+            raise InputError(
+                f"fit of {self.model.label}",
+                "what the measurement leaves open is not weighed against any noise",
+                "a slack with its noise (Slack.weighed), or fitting.slack.allowing",
+            )
+        precision = np.zeros((len(self.free), len(self.free)))
+        at = [self.free.index(name) for name in slack.parameters]
+        precision[np.ix_(at, at)] = slack.precision
+        return interface.Knowledge(np.zeros(len(self.free)), precision)
 
     def _point_at_swings(self) -> None:
         models = [compiled.c for compiled in self.compiled]
         bounds = interface.Bounds(self.lower, self.upper)
-        self.c = interface.FitProblem(models, self.swings, self.where, bounds)
+        self.c = interface.FitProblem(models, self.swings, self.where, bounds, self.known)
 
     def thinned(self, frequency: float) -> "Problem":
         """The problem with every so many samples only, as many as tell a pendulum of this frequency (rad/s); or itself."""
@@ -109,6 +126,8 @@ class Problem:
             return self
         thin = copy(self)
         thin.swings = [(times[::every].copy(), angle[::every].copy()) for times, angle in self.swings]
+        if self.known is not None:  # what is known weighs as much beside fewer samples
+            thin.known = self.known._replace(precision=self.known.precision / every)
         thin._point_at_swings()
         return thin
 

@@ -48,7 +48,9 @@ class Fit:
 
     ``free`` names the fitted values: the model's parameters, then ``release_angle`` (rad) and ``release_velocity``
     (rad/s) where these are free, of each swing in turn. ``covariance`` is s^2 (J'J)^-1 with s^2 = rss / (n - k): it
-    takes the residuals for independent. ``rss`` in rad^2. Of parameters that are not shared the model has the means.
+    takes the residuals for independent, plus what the model's slack and clock leave open: ``systematic`` (free, source) tells
+    what a standard uncertainty of each of ``sources`` does to each value. ``rss`` in rad^2, with what the nuisance values
+    are off from what is known of them. Of parameters that are not shared the model has the means.
     """
 
     model: Model
@@ -62,6 +64,12 @@ class Fit:
     converged: bool
     message: str
     evaluations: int
+    systematic: Floats
+
+    @property
+    def sources(self) -> tuple[str, ...]:
+        """Where the systematic part comes from: the sources of the model's slack, then the clock."""
+        return (*self.model.slack.sources, "clock")
 
     @property
     def rms(self) -> float:

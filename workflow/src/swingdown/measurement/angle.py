@@ -11,6 +11,7 @@ import xarray as xr
 from ..arrays import Floats
 from ..errors import InputError
 from .noise_level import noise_level, quantisation_step
+from .slack import as_variables, of_calibration, of_tolerances
 
 _RAD = {"rad": 1.0, "deg": pi / 180}
 UNIFORM_95 = 0.95 * sqrt(3)  # half width of the interval that holds 95 % of a uniform distribution, in its u
@@ -22,9 +23,10 @@ def to_angle(recording: xr.Dataset, calibration: xr.Dataset | None = None, mode:
 
     A recording in volts needs the ``calibration`` dataset; its ``mode`` (paper, gum, monte-carlo) sets the
     uncertainty. In counts, or in rad or deg in steps, the only uncertainty known is that of the resolution
-    (step / sqrt 12); in rad or deg without steps it is the white noise seen in the recording itself. Nothing
-    is then known of systematic errors: that part is 0, and the attribute ``systematic`` says so. InputError
-    for volts without a calibration, or with one of another campaign.
+    (step / sqrt 12); in rad or deg without steps it is the white noise seen in the recording itself. Of
+    systematic errors only what the sheet's tolerances say is then known: the attribute ``systematic`` tells.
+    ``reading_slack`` (nuisance, source) says what each source does to the reading's gain, zero and curvature,
+    which fits leave open. InputError for volts without a calibration, or with one of another campaign.
     """
     if "begins_s" in recording.attrs:
         recording = recording.isel(time=recording["time"].values >= recording.attrs["begins_s"])
@@ -36,6 +38,16 @@ def to_angle(recording: xr.Dataset, calibration: xr.Dataset | None = None, mode:
         angle, random, notes = _from_angle(recording, unit)
         systematic = np.zeros_like(angle)
         bound = notes["coverage_factor"] * random
+    stated = of_tolerances(recording)
+    if stated.names:
+        open_by = stated.deviations
+        by_sheet = np.hypot(open_by.get("sensor_gain", 0.0) * angle, open_by.get("sensor_zero", 0.0))
+        factor = bound / np.hypot(random, systematic)
+        systematic = np.hypot(systematic, by_sheet)
+        bound = factor * np.hypot(random, systematic)
+        also = "as the sample sheet states"
+        notes["systematic"] = f"{notes['systematic']}; and {also}" if unit == "V" else also
+    slack = of_calibration(calibration, stated) if unit == "V" and calibration is not None else stated
     total = np.hypot(random, systematic)
 
     def variable(values: Floats, text: str, **more: str) -> tuple[str, Floats, dict[str, str]]:
@@ -59,9 +71,16 @@ def to_angle(recording: xr.Dataset, calibration: xr.Dataset | None = None, mode:
             "angle_random_uncertainty": variable(random, "part that differs from sample to sample"),
             "angle_systematic_uncertainty": variable(systematic, "part that all samples share"),
             "angle_bound": variable(bound, "half width of the interval that holds the angle with 95 %"),
+            **as_variables(slack)[0],
         },
-        {"time": recording["time"]},
-        {**kept, "emulated": emulated, "expected_samples": len(angle), **notes},
+        {"time": recording["time"], **as_variables(slack)[1]},
+        {
+            **kept,
+            "emulated": emulated,
+            "expected_samples": len(angle),
+            "clock_uncertainty": slack.clock,
+            **notes,
+        },
     )
 
 

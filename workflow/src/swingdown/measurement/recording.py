@@ -27,6 +27,7 @@ from .positions import Circle, fit_circle, to_angles
 from .quality import check_signal, check_times
 from .release import find_release
 from .sheet import TIME_UNITS
+from .slack import tolerances
 from .table import cut_short, encoding, layout, numbers, pieces
 
 NETCDF = (".nc", ".nc4", ".cdf", ".netcdf")
@@ -153,6 +154,7 @@ def _recording(table: _Table, row: Mapping[str, Any], place: str, digest: str) -
             "partial": "yes" if partial else "no",
             "expected_samples": len(times),
             "taken": _taken(table, clock, found, time_unit, told_unit, times),
+            **tolerances(row),
             **({"remarks": "; ".join(remarks)} if remarks else {}),
             **more,
             **counted,

@@ -14,6 +14,7 @@ from ..paths import written_whole
 from .catalogue import SHIPPED, Catalogue, catalogue
 from .catalogue.restoring import GRAVITY
 from .effect import NATURAL_FREQUENCY, Effect, Parameter
+from .slack import Slack
 
 FORMS = ("consistent", "printed")
 RESTORING = tuple(GRAVITY)
@@ -29,6 +30,10 @@ class Model:
     are taken from; ``effects`` are the entries themselves. ``values`` and ``standard_errors`` go by parameter name, in each
     parameter's unit. ``restoring`` is ``sine`` or ``linear``; ``form`` is ``consistent`` or ``printed`` (the paper's Table 1
     to the letter). An unknown effect, form or parameter raises InputError.
+
+    ``slack`` is what the measurement leaves open of the reading: its effects act, and their parameters are the last but for
+    those of the catalogue's later entries, but they are no part of what the pendulum is said to be: neither of its ``names``
+    nor of its ``label``. One that is also among the names is the model's own.
     """
 
     names: tuple[str, ...]
@@ -37,6 +42,7 @@ class Model:
     restoring: str = "sine"
     form: str = "consistent"
     catalogue: Catalogue = field(default=SHIPPED, repr=False, compare=False)
+    slack: Slack = field(default_factory=Slack, repr=False, compare=False)
 
     def __post_init__(self) -> None:
         given: Any = self.names  # a label too
@@ -45,6 +51,7 @@ class Model:
         if len(set(names)) < len(names):
             raise InputError(f"model {'+'.join(names)}", "an effect is named twice", "each effect once")
         object.__setattr__(self, "names", ordered)
+        object.__setattr__(self, "slack", self.slack.without(ordered))
         for key, value, known in (("restoring", self.restoring, RESTORING), ("form", self.form, FORMS)):
             if value not in known:
                 raise InputError(f"model {self.label}, {key}", f"unknown {key} {value!r}", " or ".join(known))
@@ -59,8 +66,15 @@ class Model:
 
     @cached_property
     def effects(self) -> tuple[Effect, ...]:
-        """The effects, in catalogue order."""
+        """The effects, in catalogue order, without those of the slack."""
         return tuple(self.catalogue[name] for name in self.names)
+
+    @cached_property
+    def acting(self) -> tuple[Effect, ...]:
+        """All that acts on the reading or the motion, in catalogue order: the effects and those of the slack."""
+        return tuple(
+            self.catalogue[name] for name in self.catalogue.ordered((*self.names, *self.slack.names))
+        )
 
     @property
     def gravity(self) -> Effect:
@@ -70,7 +84,7 @@ class Model:
     @cached_property
     def definitions(self) -> tuple[Parameter, ...]:
         """The definitions of all parameters, the natural frequency first."""
-        return (NATURAL_FREQUENCY, *(parameter for effect in self.effects for parameter in effect.parameters))
+        return (NATURAL_FREQUENCY, *(parameter for effect in self.acting for parameter in effect.parameters))
 
     @cached_property
     def parameters(self) -> tuple[str, ...]:
@@ -94,8 +108,17 @@ class Model:
         return replace(self, values=dict(values), standard_errors=dict(standard_errors or {}))
 
     def with_effects(self, names: Sequence[str], values: Mapping[str, float] | None = None) -> "Model":
-        """A model of the same catalogue, restoring torque and form with these effects and values."""
-        return Model(tuple(names), dict(values or {}), {}, self.restoring, self.form, self.catalogue)
+        """A model of the same catalogue, restoring torque, form and slack with these effects and values."""
+        return Model(
+            tuple(names), dict(values or {}), {}, self.restoring, self.form, self.catalogue, self.slack
+        )
+
+    def with_slack(self, slack: Slack) -> "Model":
+        """The same model of a measurement that leaves this open; values of nuisance parameters it lacks are dropped."""
+        bare = replace(self, values={}, standard_errors={}, slack=slack)
+        values, errors = ({name: value for name, value in given.items() if name in bare.parameters}
+                          for given in (self.values, self.standard_errors))  # fmt: skip
+        return bare.with_values(dict.fromkeys(bare.slack.parameters, 0.0) | values if values else {}, errors)
 
     def vector(self) -> list[float]:
         """The values in the order of ``parameters``; InputError names those that are missing."""

@@ -8,20 +8,28 @@ import xarray as xr
 
 from ..arrays import Floats, Swing
 from ..errors import InputError
+from ..fitting.colour import uncertainty
 from ..fitting.guess import first_guess
 from ..fitting.least_squares import fit_jointly, fit_trajectory
 from ..fitting.nested import fit_nested
 from ..fitting.result import Fit
-from ..fitting.robust import robust_covariance, variance_inflation
+from ..fitting.slack import allowing
+from ..measurement.slack import of_angles
 from ..pendulum.model import Model, as_model
-from .norms import Variable, labelled, model_coords, spread
+from ..pendulum.slack import Slack
+from .norms import Coordinate, Variable, labelled, model_coords, spread
 
 _ENOUGH = 3  # half-swings: two give a frequency, a decay needs the next
 _DIMS: dict[str, tuple[str, ...]] = {
     "fit": ("fitted", "time"),
     "residual": ("fitted", "time"),
     "correlation": ("fitted", "parameter", "parameter_2"),
-    **dict.fromkeys(("value", "standard_error", "robust_standard_error"), ("fitted", "parameter")),
+    **dict.fromkeys(
+        ("value", "standard_error", "random_standard_error", "systematic_standard_error"),
+        ("fitted", "parameter"),
+    ),
+    "systematic": ("fitted", "parameter", "source"),
+    **dict.fromkeys(("nuisance_value", "nuisance_standard_error"), ("fitted", "nuisance")),
 }
 
 
@@ -34,10 +42,13 @@ def fit_recording(
     model with more terms starts from the optima of those it contains besides its own starts. ``norm`` (degrees) is the
     RMS of data minus fit, ``error_bound_norm`` (degrees) the paper's benchmark, the RMS of the angle's bound.
 
-    ``reduced_chi2`` weighs the residuals with the *random* uncertainty of the angle (a systematic one is shared by all
-    samples and mostly absorbed by the fit); NaN where that is not known. BIC, AICc and ``standard_error`` take residuals
-    for independent, which those of an incomplete model are not; ``robust_standard_error`` and ``variance_inflation``
-    tell by how much that is too good. InputError for a swing too short to fit.
+    What the calibration leaves open of the reading (gain, zero, curvature: the coordinate ``nuisance``) is fitted with the
+    model within what is known of it; ``nuisance_value`` and ``nuisance_standard_error`` tell where it ended,
+    ``nuisance_prior`` what was known. ``standard_error`` is random and systematic together: the random part knows the
+    colour of the residuals (``fitting.colour``), the systematic one comes from the slack's sources and the clock,
+    ``systematic`` by source. ``reduced_chi2`` weighs the residuals with the *random* uncertainty of the angle; NaN where
+    that is not known. BIC and AICc take residuals for independent, which those of an incomplete model are not;
+    ``variance_inflation`` tells by how much that is too good. InputError for a swing too short to fit.
     """
     name, times, series = _swing(angle)
     models = [as_model(one) for one in fitted]
@@ -45,21 +56,24 @@ def fit_recording(
     def fit_one(model: Model, guess: list[Fit] | None) -> Fit:
         return fit_trajectory(model, times, series, guess=guess, start=start, bounded=bounded)
 
-    fits = fit_nested(models, fit_one)
+    slack = of_angles([angle])
+    pairs = [(times, series)]
+    fits = [allowing(fit, pairs, slack, start=start, bounded=bounded) for fit in fit_nested(models, fit_one)]
     coords = model_coords(models)
     names = coords["parameter"][1]
     own = [{
         "norm": np.degrees(fit.rms), "release_angle": fit.only.release_angle, "release_velocity": fit.only.release_velocity,
         "fit": fit.angle, "residual": series - fit.angle,
     } for fit in fits]  # fmt: skip
-    rows = [_row(fit, [(times, series)], [angle], names) | more for fit, more in zip(fits, own, strict=True)]
+    rows = [_row(fit, pairs, [angle], names) | more for fit, more in zip(fits, own, strict=True)]
     variables: dict[str, Variable] = {
         key: (_DIMS.get(key, ("fitted",)), [row[key] for row in rows]) for key in rows[0]
     }
     bound = _known(angle, "angle_bound")
     variables["error_bound_norm"] = ((), np.nan if bound is None else np.degrees(np.sqrt(np.mean(bound**2))))
     variables["samples"] = ((), times.size)
-    coords |= {
+    variables |= _prior(slack)
+    coords |= _of_slack(fits[0]) | {
         "parameter_2": ("parameter_2", names, {"long_name": "other parameter"}),
         "time": ("time", times, {"axis": "T"}),
         "recording": ((), name, {"long_name": "recording"}),
@@ -88,9 +102,11 @@ def fit_campaign(
     swings = [_swing(angle) for angle in angles]
     series = [(times, values) for _, times, values in swings]
     models = [as_model(one) for one in fitted]
-    fits = fit_nested(
+    found = fit_nested(
         models, lambda model, guess: fit_jointly(model, series, guess=guess, start=start, bounded=bounded)
     )
+    slack = of_angles(angles)
+    fits = [allowing(fit, series, slack, start=start, bounded=bounded) for fit in found]
     coords = model_coords(models)
     names = coords["parameter"][1]
     rows = [_row(fit, series, angles, names) for fit in fits]
@@ -106,7 +122,8 @@ def fit_campaign(
     variables |= {key: (("fitted", "recording"), values) for key, values in by_swing.items()}
     variables["samples"] = ("recording", [times.size for times, _ in series])
     about = [_about(angle) for angle in angles]
-    coords |= {
+    variables |= _prior(slack)
+    coords |= _of_slack(fits[0]) | {
         "parameter_2": ("parameter_2", names, {"long_name": "other parameter"}),
         "recording": ("recording", [name for name, *_ in swings], {"long_name": "recording"}),
         **{
@@ -157,18 +174,29 @@ def _row(
     fit: Fit, swings: Sequence[Swing], angles: Sequence[xr.Dataset], names: Sequence[str]
 ) -> dict[str, Any]:
     """What is kept of every fit, by name."""
-    robust = robust_covariance(fit, swings)
-    errors = dict(zip(fit.free, np.sqrt(np.diag(robust)), strict=True))
+    known = uncertainty(fit, swings)
+    systematic = np.sqrt(np.sum(known.systematic**2, axis=1))
+    parts = {
+        "standard_error": np.sqrt(np.diag(known.covariance)),
+        "random_standard_error": np.sqrt(np.diag(known.random)),
+        "systematic_standard_error": systematic,
+    }
+    errors = {key: dict(zip(fit.free, values, strict=True)) for key, values in parts.items()}
+    nuisance = fit.model.slack.parameters
+    by_source = dict(zip(fit.free, known.systematic, strict=True))
+    absent = np.full(known.systematic.shape[1], np.nan)
     return {
         "value": spread(fit.model.values, names),
-        "standard_error": spread(fit.model.standard_errors, names),
-        "robust_standard_error": spread(errors, names),
-        "correlation": _correlation(fit, names),
-        "condition_number": _condition(fit),
+        **{key: spread(values, names) for key, values in errors.items()},
+        "systematic": np.array([by_source[name] if name in fit.model.values else absent for name in names]),
+        "nuisance_value": spread(fit.model.values, nuisance),
+        "nuisance_standard_error": spread(errors["standard_error"], nuisance),
+        "correlation": _correlation(fit, known.covariance, names),
+        "condition_number": _condition(known.covariance),
         "reduced_chi2": _reduced_chi2(fit, swings, angles),
         "bic": fit.bic,
         "aicc": fit.aicc,
-        "variance_inflation": variance_inflation(fit, robust),
+        "variance_inflation": max(1.0, known.inflation),
         "converged": fit.converged,
         "evaluations": fit.evaluations,
     }
@@ -184,17 +212,50 @@ def _reduced_chi2(fit: Fit, swings: Sequence[Swing], angles: Sequence[xr.Dataset
     return total / (fit.n - len(fit.free))
 
 
-def _correlation(fit: Fit, names: Sequence[str]) -> Floats:
+def _prior(slack: Slack) -> dict[str, Variable]:
+    """What was known of the nuisance values: standard uncertainties about zero."""
+    return {"nuisance_prior": ("nuisance", list(slack.deviations.values()))}
+
+
+def _of_slack(fit: Fit) -> dict[str, Coordinate]:
+    """The coordinates of what is left open, and of where the systematic uncertainty comes from."""
+    slack = fit.model.slack
+    units = [fit.model.units[name] for name in slack.parameters]
+    return {
+        "nuisance": (
+            "nuisance",
+            np.array(slack.parameters, dtype=str),
+            {"long_name": "what the measurement leaves open"},
+        ),
+        "nuisance_unit": (
+            "nuisance",
+            np.array(units, dtype=str),
+            {"long_name": "unit of the nuisance value"},
+        ),
+        "source": (
+            "source",
+            np.array(fit.sources, dtype=str),
+            {"long_name": "source of systematic uncertainty"},
+        ),
+    }
+
+
+def _correlated(covariance: Floats) -> Floats:
+    errors = np.sqrt(np.diag(covariance))
+    return covariance / np.outer(errors, errors)
+
+
+def _correlation(fit: Fit, covariance: Floats, names: Sequence[str]) -> Floats:
     """The correlation matrix over ``names``, NaN for those the model lacks."""
     found = np.full((len(names), len(names)), np.nan)
-    own = fit.model.parameters
-    where = [names.index(name) for name in own]
-    found[np.ix_(where, where)] = fit.correlation[: len(own), : len(own)]
+    own = [name for name in fit.model.parameters if name in names]
+    where, at = [names.index(name) for name in own], [fit.free.index(name) for name in own]
+    found[np.ix_(where, where)] = _correlated(covariance)[np.ix_(at, at)]
     return found
 
 
-def _condition(fit: Fit) -> float:
-    matrix = fit.correlation
+def _condition(covariance: Floats) -> float:
+    matrix = _correlated(covariance)
     return float(np.linalg.cond(matrix)) if np.all(np.isfinite(matrix)) else np.nan
 
 

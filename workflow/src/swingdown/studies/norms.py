@@ -20,8 +20,16 @@ LABELS: dict[str, tuple[str | None, str]] = {
     "residual_norm": ("degrees", "RMS of noisy data minus fit"),
     "error_bound_norm": ("degrees", "RMS of the expanded (95 %) uncertainty of the angle"),
     "value": (_OF_EACH, "fitted value"),
-    "standard_error": (_OF_EACH, "standard error, residuals taken for independent"),
-    "robust_standard_error": (_OF_EACH, "standard error that allows for autocorrelated residuals"),
+    "standard_error": (_OF_EACH, "standard uncertainty of the fitted value"),
+    "random_standard_error": (
+        _OF_EACH,
+        "its random part: noise and what the model misses, with their colour",
+    ),
+    "systematic_standard_error": (_OF_EACH, "its systematic part: calibration and clock"),
+    "systematic": (_OF_EACH, "what a standard uncertainty of a source does to the fitted value"),
+    "nuisance_value": (_OF_EACH, "fitted value of what the measurement leaves open"),
+    "nuisance_standard_error": (_OF_EACH, "its standard uncertainty after the fit"),
+    "nuisance_prior": (_OF_EACH, "its standard uncertainty before the fit, about zero"),
     "correlation": ("1", "correlation of two fitted values"),
     "condition_number": ("1", "condition number of the correlation matrix of all free values"),
     "release_angle": ("rad", "fitted angle at the first sample"),
@@ -61,7 +69,7 @@ def labelled(dataset: xr.Dataset, **long_names: str) -> xr.Dataset:
         if units:
             variable.attrs |= {"units": "1", "comment": units} if units == _OF_EACH else {"units": units}
         if name.removeprefix(prefix) == "value":
-            errors = [f"{prefix}{kind}standard_error" for kind in ("", "robust_")]
+            errors = [f"{prefix}{kind}standard_error" for kind in ("", "random_", "systematic_")]
             variable.attrs["ancillary_variables"] = " ".join(one for one in errors if one in dataset)
     return dataset
 
@@ -111,7 +119,8 @@ def combine_recordings(datasets: Iterable[xr.Dataset]) -> xr.Dataset:
     Coordinates over ``recording``: ``campaign``, ``emulated`` and ``uncertainty`` (what it is from). InputError if there are none ("too few swings to
     fit"), if a name occurs twice or if they were not fitted with the same models.
     """
-    datasets = [dataset.drop_dims("time", errors="ignore") for dataset in datasets]
+    of_one = ("time", "source", "nuisance")  # what recordings of different pendulums do not share
+    datasets = [dataset.drop_dims(of_one, errors="ignore") for dataset in datasets]
     names = [str(dataset["recording"].item()) for dataset in datasets]
     if twice := {name for name in names if names.count(name) > 1}:
         raise InputError(

@@ -1,9 +1,9 @@
-"""The study's tables as DataFrames at full precision: the paper's Tables 2 and 3, and the fitted parameters.
+"""The paper's Tables 2 and 3 as DataFrames at full precision.
 
 Norms are in degrees. The paper's printed numbers stand beside the computed ones (``resources/paper``).
 """
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -13,11 +13,10 @@ import xarray as xr
 
 from ..arrays import Floats
 from ..paths import written_whole
-from ..rounding import value_with_uncertainty
 from .comparison import bic_effective, comparison
 from .norms import as_text
 
-__all__ = ["comparison", "parameters", "table2", "table3", "write_table"]
+__all__ = ["comparison", "table2", "table3", "write_table"]
 PAPER = {"snr": 50, "noise": "proportional", "stream": "R", "seed": 150, "natural_frequency": 7.25, "viscous_ratio": 0.03,
          "quadratic_coefficient": 0.05, "load_friction": 0.012, "release_angle_deg": 20, "sampling_rate_hz": 100,
          "duration_s": 5, "start": "rest", "restoring": "sine", "form": "consistent"}  # fmt: skip
@@ -113,68 +112,6 @@ def _negative(one: xr.Dataset) -> Iterator[str]:
         values = one["value"].sel(parameter=name).values
         if name != "natural_frequency" and (count := int(np.sum(values < 0))):
             yield f"{name} below 0 in {count} of {values.size}: it stands in for something the model lacks"
-
-
-def parameters(norms: xr.Dataset, joint: Iterable[xr.Dataset] = ()) -> pd.DataFrame:
-    """A row for each fitted value: campaign, recording, fitted, parameter, value, standard_error, robust_standard_error,
-    unit, text.
-
-    ``standard_error`` takes residuals for independent, ``robust_standard_error`` allows for their autocorrelation; the larger
-    is the one in ``text``, value(uncertainty). After a campaign's recordings comes ``(mean)`` with the standard error from the
-    scatter between recordings, where there are two or more, and for each dataset of ``joint`` (``results/experiment/joint``)
-    ``(joint)``.
-    """
-    units = dict(zip(as_text(norms["parameter"]), as_text(norms["parameter_unit"]), strict=True))
-    rows = []
-
-    def add(
-        campaign: str,
-        recording: str,
-        label: str,
-        name: str,
-        value: float,
-        error: float,
-        robust: float = np.nan,
-    ) -> None:
-        if np.isfinite(value):
-            shown = np.fmax(robust, error)
-            rows.append({
-                "campaign": campaign, "recording": recording, "fitted": label, "parameter": name, "value": float(value),
-                "standard_error": float(error), "robust_standard_error": float(robust), "unit": units[name],
-                "text": value_with_uncertainty(float(value), float(shown)),
-            })  # fmt: skip
-
-    keys = ("value", "standard_error", "robust_standard_error")
-    for campaign, chosen in norms.groupby("campaign", squeeze=False):
-        recordings, together = (
-            as_text(chosen["recording"]),
-            [d for d in joint if d.attrs["campaign"] == campaign],
-        )
-        for label in as_text(chosen["fitted"]):
-            for name in units:
-                one = chosen.sel(fitted=label, parameter=name)
-                values = one["value"].values
-                for k, recording in enumerate(recordings):
-                    add(campaign, recording, label, name, *(one[key].values[k] for key in keys))
-                if len(recordings) > 1:
-                    add(
-                        campaign,
-                        "(mean)",
-                        label,
-                        name,
-                        values.mean(),
-                        values.std(ddof=1) / np.sqrt(values.size),
-                    )
-                for whole in together:
-                    shared = whole.sel(fitted=label, parameter=name)
-                    add(
-                        campaign,
-                        "(joint)",
-                        label,
-                        name,
-                        *(shared[key].item() for key in keys if key in shared),
-                    )
-    return pd.DataFrame(rows)
 
 
 def write_table(table: pd.DataFrame, path: str | Path) -> Path:

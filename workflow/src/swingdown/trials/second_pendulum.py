@@ -259,6 +259,8 @@ def _read(effects, values, angle, lagging, pieces, release_angle):
         reading = reading + values["eccentricity"] * np.sin(reading + values["eccentricity_phase"])
     if "sensor_gain" in effects:
         reading = reading * (1 + values["sensor_gain"])
+    if "sensor_curvature" in effects:
+        reading = reading + values["sensor_curvature"] * reading**2
     if "sensor_zero" in effects:
         reading = reading + values["sensor_zero"]
     return reading, contact

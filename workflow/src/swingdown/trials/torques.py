@@ -111,7 +111,7 @@ TORQUES = {
     "soft_stop": _stop,
 }
 KNOWN = frozenset(TORQUES) | {
-    "added_mass", "flexible_pivot", "backlash", "sensor_lag", "eccentricity", "sensor_gain", "sensor_zero", "clock_drift",
+    "added_mass", "flexible_pivot", "backlash", "sensor_lag", "eccentricity", "sensor_gain", "sensor_curvature", "sensor_zero", "clock_drift",
 }  # fmt: skip
 
 

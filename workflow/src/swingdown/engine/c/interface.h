@@ -94,6 +94,12 @@ double minimise(const LeastSquares *problem, double *x, double *normal, SearchOu
 
 /* ---- Fits of swings ---- */
 
+/* What is known of the variables before any swing: (x - mean)' precision (x - mean) joins the sum of squares, in rad^2. The
+ * precision is a matrix of the variables; NULL where nothing is known. */
+typedef struct {
+    const double *mean, *precision;
+} Knowledge;
+
 /* One or more swings with a common model. values: by swing, a row of the model's parameters, release angle and release
  * velocity; variable_of: for each of them the variable it is, or -1 where it stays as given. */
 typedef struct {
@@ -105,6 +111,7 @@ typedef struct {
     const int *variable_of;
     int n_variables;
     Bounds bounds;
+    Knowledge known;
 } FitProblem;
 
 /* The starts of a fit, row by row; evaluate_best: whether J'J and `stops` are wanted at the best point itself. */

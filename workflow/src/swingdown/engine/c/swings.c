@@ -76,6 +76,25 @@ static void add_normal(const Fit *fit, const SwingVariables *own, int n, double 
     }
 }
 
+/* Half of what the variables' distance from what is known of them adds to the sum of squares; its part of J'r and J'J. */
+static double add_knowledge(const FitProblem *problem, const double *x, double *gradient, double *normal) {
+    const Knowledge *known = &problem->known;
+    const int n = problem->n_variables;
+    double value = 0.0;
+    if (!known->precision) return 0.0;
+    for (int i = 0; i < n; i++) {
+        double pull = 0.0;
+        for (int j = 0; j < n; j++) {
+            const double precision = known->precision[(size_t)i * n + j];
+            pull += precision * (x[j] - known->mean[j]);
+            if (gradient) normal[(size_t)i * n + j] += precision;
+        }
+        if (gradient) gradient[i] += pull;
+        value += 0.5 * (x[i] - known->mean[i]) * pull;
+    }
+    return value;
+}
+
 /* The residuals of swing k and, where wanted, their slopes; the panels it took, or -1 where it cannot be computed. */
 static int compute_swing(Fit *fit, int k, const SwingVariables *own, int with_slopes) {
     const FitProblem *problem = fit->problem;
@@ -113,6 +132,7 @@ static double swings_cost(void *of, const double *x, double *gradient, double *n
         value += 0.5 * dot(fit->residuals, fit->residuals, n);
         if (gradient) add_normal(fit, &own, n, gradient, normal);
     }
+    value += add_knowledge(problem, x, gradient, normal);
     if (value < fit->least) {
         fit->least = value;
         fit->usual = fmax(work, fit->floor);

@@ -61,6 +61,29 @@ SENSOR = (
         reading_error="abs(g_s)*largest_angle",
     ),
     Effect(
+        "sensor_curvature",
+        "theta + c_s*theta**2",
+        (
+            Parameter(
+                "sensor_curvature",
+                "c_s",
+                "1/rad",
+                -0.3,
+                0.3,
+                "relative change of the sensitivity with angle",
+                largest=0.1,
+            ),
+        ),
+        "The sensor's line is bent: it reads more a radian on one side than on the other.",
+        METROLOGY,
+        acts_on="sensor",
+        told_apart={
+            "sensor_zero": "Read the sensor at rest at known angles on both sides.",
+            "constant_torque": "Read the sensor at rest at known angles on both sides.",
+        },
+        reading_error="abs(c_s)*largest_angle**2",
+    ),
+    Effect(
         "sensor_zero",
         "theta + b_s",
         (Parameter("sensor_zero", "b_s", "rad", -inf, inf, "reading at rest"),),

@@ -99,7 +99,7 @@ def _parameters(table: pd.DataFrame) -> Table:
         Column("swings together", style="n"),
         Column("unit"),
         Column("std between swings", style="n"),
-        Column("standard error of one fit", "robust, median", "n"),
+        Column("standard error of one fit", "median", "n"),
     ]
     rows = []
     for (campaign, fitted, parameter, unit), part in table.groupby(keys, sort=False, dropna=False):
@@ -107,12 +107,13 @@ def _parameters(table: pd.DataFrame) -> Table:
         rows.append([
             campaign, model_symbol(fitted), parameter.replace("_", " "), _estimate(part, "(mean)") or _estimate(single),
             _estimate(part, "(joint)") or "–", unit, numbers.plain(single["value"].std(), 2),
-            numbers.plain(single["robust_standard_error"].median(), 2),
+            numbers.plain(single["standard_error"].median(), 2),
         ])  # fmt: skip
     caption = "Fitted parameters; in parentheses the standard error in units of the last digits."
     notes = [
         "Mean over swings: its standard error is from the scatter between swings. Swings together: one fit to all.",
-        "Robust: allows for residuals that are not independent of each other. Each swing's values: tables/parameters.csv.",
+        "Standard errors know the colour of the residuals, what the calibration leaves open, and the clock: by source in "
+        "tables/parameter_budget.csv. Each swing's values: tables/parameters.csv.",
     ]
     return _by_campaign("Parameters", caption, columns, rows, notes)
 
@@ -123,8 +124,7 @@ def _estimate(part: pd.DataFrame, recording: str | None = None) -> str:
     if chosen.empty:
         return ""
     row = chosen.iloc[0]
-    robust = row["robust_standard_error"]
-    return numbers.brief(row["value"], robust if pd.notna(robust) else row["standard_error"])
+    return numbers.brief(row["value"], row["standard_error"])
 
 
 def _by_campaign(

@@ -1,0 +1,43 @@
+"""Fits that leave open what the measurement leaves open: the reading's gain, zero and curvature within what is known of them."""
+
+from collections.abc import Iterable
+
+from ..pendulum.slack import Slack
+from .colour import Uncertainty, uncertainty
+from .least_squares import fit_jointly
+from .problem import Swings
+from .result import Fit
+
+_ROUNDS = 2  # the residuals that what is known is weighed against are those of the fit itself
+
+
+def allowing(
+    fit: Fit, swings: Swings, slack: Slack, *, start: str = "free", bounded: bool = False, own: Iterable[str] | None = None,
+    most: int = 200,
+) -> Fit:  # fmt: skip
+    """The fit of the same swings once more, with the nuisance values of ``slack`` free within what is known of them.
+
+    What is known is weighed against the fit's own residuals as they are at the pendulum's frequencies: beside a model that
+    misses much, the data have little to say on the sensor. A fit without nuisance values keeps its values, and takes the
+    clock's uncertainty into its covariance.
+    """
+    for _ in range(_ROUNDS if slack.names else 1):
+        noise = uncertainty(fit, swings).noise
+        model = fit.model.with_slack(slack.weighed(noise))
+        begin = fit.begin
+        begin = type(begin)(model, begin.swings)
+        fit = fit_jointly(
+            model,
+            swings,
+            start=start,
+            guess=begin,
+            bounded=bounded,
+            own=own,
+            seen=False,
+            grown=False,
+            most=most,
+        )
+    return fit
+
+
+__all__ = ["Uncertainty", "allowing", "uncertainty"]

@@ -1,0 +1,88 @@
+"""What a recording's calibration, and the tolerances in its row of the sheet, leave open of its reading and its clock."""
+
+from collections.abc import Mapping, Sequence
+from math import sqrt
+from typing import Any
+
+import xarray as xr
+
+from ..pendulum.slack import Slack, reading_slack
+
+CLOCK_TOLERANCE = 5e-5
+"""The share by which a recorder's seconds may be wrong where the sheet says nothing: that of a quartz. A board with a ceramic
+resonator has a hundred times as much."""
+_KEYS = ("gain_tolerance", "zero_tolerance_rad", "clock_tolerance")
+
+
+def tolerances(row: Mapping[str, Any]) -> dict[str, float]:
+    """The tolerances in a row of the sample sheet, with the usual ones where it has none: limits of error, by key."""
+    usual = dict.fromkeys(_KEYS, 0.0) | {"clock_tolerance": CLOCK_TOLERANCE}
+    return {key: float(row.get(key, usual[key])) for key in _KEYS}
+
+
+def of_tolerances(recording: xr.Dataset) -> Slack:
+    """The ``Slack`` that a recording's own tolerances leave: limits, taken for those of uniform distributions."""
+    known = tolerances(recording.attrs)
+    values = {
+        "sensor_gain": {"gain_tolerance": known["gain_tolerance"] / sqrt(3)},
+        "sensor_zero": {"zero_tolerance": known["zero_tolerance_rad"] / sqrt(3)},
+    }
+    return reading_slack(values, known["clock_tolerance"] / sqrt(3))
+
+
+def of_calibration(calibration: xr.Dataset, stated: Slack) -> Slack:
+    """The ``Slack`` of readings in volts: what each source does to slope and rest voltage, the encoder's curvature, and what is
+    ``stated`` beside it.
+
+    The reading m (V - V0) of an angle theta is (m / m_true) theta + m (V0_true - V0): an error of the slope is a gain, one of
+    the rest voltage a zero, of opposite signs. An encoder whose errors are systematic may be bent as far as its limit at the
+    end of its range. First order, JCGM 100.
+    """
+    line = calibration.sel(mode="gum")
+    slope, zero = float(line["line"].sel(coefficient="slope")), float(line["rest_voltage"])
+    sources = [str(name) for name in calibration["source"].values]
+    by_slope, by_zero = calibration["contribution"].sel(quantity=["slope", "rest_voltage"]).values
+    values = {
+        "sensor_gain": dict(zip(sources, map(float, -by_slope / slope), strict=True)),
+        "sensor_zero": dict(zip(sources, map(float, slope * by_zero), strict=True)),
+    }
+    if calibration.attrs["encoder_kind"] == "systematic":
+        top, limit = float(calibration["encoder_up_to"][-1]), float(calibration["encoder_limit"][-1])
+        farthest = abs(slope) * abs(top - zero)
+        values["sensor_curvature"] = {"encoder_curvature": abs(slope) * limit / sqrt(3) / farthest**2}
+    for name, row in zip(stated.names, stated.contributions, strict=True):
+        values[name] = {**values.get(name, {}), **dict(zip(stated.sources, map(float, row), strict=True))}
+    return reading_slack(values, stated.clock)
+
+
+def as_variables(slack: Slack) -> tuple[dict[str, Any], dict[str, Any]]:
+    """The variables and the coordinates that keep a slack in a dataset of angles; none where nothing is open."""
+    if not slack.names:
+        return {}, {}
+    attrs = {
+        "units": "1",
+        "comment": "numbers of 1 for the gain, of rad for the zero, of rad-1 for the curvature",
+        "long_name": "what a standard uncertainty of a source does to the reading",
+    }
+    names = {"long_name": "what the measurement leaves open of the reading"}
+    return {"reading_slack": (("nuisance", "source"), slack.contributions, attrs)}, {
+        "nuisance": ("nuisance", list(slack.names), names),
+        "source": ("source", list(slack.sources), {"long_name": "source of uncertainty"}),
+    }
+
+
+def of_angles(angles: Sequence[xr.Dataset]) -> Slack:
+    """The ``Slack`` that the swings of one campaign share: where they state different ones, the widest, and the worst clock."""
+    found = [_read(angle) for angle in angles]
+    clock = max((one.clock for one in found), default=0.0)
+    widest = max(found, key=lambda one: (len(one.names), *one.deviations.values()), default=Slack())
+    return Slack(widest.names, widest.sources, widest.contributions, clock)
+
+
+def _read(angle: xr.Dataset) -> Slack:
+    clock = float(angle.attrs.get("clock_uncertainty", 0.0))
+    if "reading_slack" not in angle:
+        return Slack(clock=clock)
+    table = angle["reading_slack"]
+    names, sources = (tuple(map(str, table[dim].values)) for dim in ("nuisance", "source"))
+    return Slack(names, sources, table.values, clock)

@@ -1,0 +1,96 @@
+"""The fitted parameters as a DataFrame, with their uncertainty and where it comes from."""
+
+from collections.abc import Iterable, Iterator
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+
+from ..rounding import value_with_uncertainty
+from .norms import as_text
+
+COVERAGE = 1.959963984540054  # standard errors either side: 95 %
+_NEGLIGIBLE = 1e-3  # of a variance
+_ERRORS = ("standard_error", "random_standard_error", "systematic_standard_error")
+
+
+def parameters(norms: xr.Dataset, joint: Iterable[xr.Dataset] = ()) -> pd.DataFrame:
+    """A row for each fitted value: campaign, recording, fitted, parameter, value, standard_error and its random and systematic
+    part, low, high, unit, text.
+
+    ``low`` and ``high`` hold the value with 95 %, ``text`` is value(standard error). After a campaign's recordings comes
+    ``(mean)``, where there are two or more: its random part is from the scatter between recordings, its systematic one the
+    root mean square of theirs; and for each dataset of ``joint`` (``results/experiment/joint``) ``(joint)``.
+    """
+    units = dict(zip(as_text(norms["parameter"]), as_text(norms["parameter_unit"]), strict=True))
+    together = {str(one.attrs["campaign"]): one for one in joint}
+    rows = []
+    for campaign, chosen in norms.groupby("campaign", squeeze=False):
+        for label in as_text(chosen["fitted"]):
+            for name in units:
+                where = {"campaign": campaign, "fitted": label, "parameter": name, "unit": units[name]}
+                rows += [row | where for row in _estimates(chosen.sel(fitted=label, parameter=name))]
+                if campaign in together:
+                    shared = together[campaign].sel(fitted=label, parameter=name)
+                    errors = (float(shared[key]) if key in shared else np.nan for key in _ERRORS)
+                    rows.append(_estimate("(joint)", float(shared["value"]), *errors) | where)
+    rows = [row for row in rows if np.isfinite(row["value"])]
+    order = ("campaign", "recording", "fitted", "parameter", "value", *_ERRORS, "low", "high", "unit", "text")
+    return pd.DataFrame(rows, columns=list(order))
+
+
+def _estimates(one: xr.Dataset) -> Iterator[dict[str, Any]]:
+    """A parameter's rows: each recording's, then their mean."""
+    values, names = one["value"].values, as_text(one["recording"])
+    errors = [one[key].values if key in one else np.full(values.shape, np.nan) for key in _ERRORS]
+    for row in zip(names, values, *errors, strict=True):
+        yield _estimate(*row)
+    if len(names) > 1:
+        scatter = values.std(ddof=1) / np.sqrt(values.size)
+        shared = np.sqrt(np.mean(errors[-1] ** 2))
+        yield _estimate("(mean)", values.mean(), np.hypot(scatter, np.nan_to_num(shared)), scatter, shared)
+
+
+def _estimate(
+    recording: str, value: float, error: float, random: float = np.nan, systematic: float = np.nan
+) -> dict[str, Any]:
+    known = dict(zip(_ERRORS, map(float, (error, random, systematic)), strict=True))
+    text = value_with_uncertainty(float(value), float(error)) if np.isfinite(value) else ""
+    ends = {"low": float(value - COVERAGE * error), "high": float(value + COVERAGE * error)}
+    return {"recording": recording, "value": float(value), **known, **ends, "text": text}
+
+
+def parameter_budget(joint: Iterable[xr.Dataset]) -> pd.DataFrame:
+    """Where the uncertainty of each campaign's values comes from: a row for each value and source: campaign, fitted, parameter,
+    source, contribution, share, unit.
+
+    ``joint`` are the datasets of ``results/experiment/joint``. ``contribution`` is what one standard uncertainty of the source
+    does to the value, in its unit; ``share`` its part of the variance. The source ``random`` is noise and what the model
+    misses. Sources of less than a thousandth of the variance are left out.
+    """
+    rows = []
+    for one in joint:
+        units = dict(zip(as_text(one["parameter"]), as_text(one["parameter_unit"]), strict=True))
+        for label in as_text(one["fitted"]):
+            for name in units:
+                here = one.sel(fitted=label, parameter=name)
+                variance = float(here["standard_error"]) ** 2
+                sources = {"random": float(here["random_standard_error"])}
+                sources |= dict(
+                    zip(as_text(one["source"]), map(float, here["systematic"].values), strict=True)
+                )
+                where = {"campaign": one.attrs["campaign"], "fitted": label, "parameter": name}
+                rows += [
+                    where
+                    | {
+                        "source": source,
+                        "contribution": size,
+                        "share": size**2 / variance,
+                        "unit": units[name],
+                    }
+                    for source, size in sources.items()
+                    if size**2 > _NEGLIGIBLE * variance
+                ]
+    columns = ["campaign", "fitted", "parameter", "source", "contribution", "share", "unit"]
+    return pd.DataFrame(rows, columns=columns)
