@@ -21,7 +21,7 @@ def discover_round(campaign, angles, roles, base, previous, number, rounds, outp
         if start is None:  # nothing to add: the round hands its model on
             shutil.copytree(previous, output, dirs_exist_ok=True)
             return f"{campaign}: round {number} has nothing to do"
-        fit, found = fit_from(swings, files.begin(start, base)), tuple(start["found"])
+        fit, found = fit_from(swings, files.begin(start, base, swings.slack)), tuple(start["found"])
     state = look(number, swings, fit, found, last=number == rounds)
     files.write_round(state, swings, output, emulated)
     said = state.chosen.move if state.chosen else state.reason

@@ -11,6 +11,7 @@ from scipy.optimize import minimize_scalar
 from ..arrays import Floats
 from ..errors import InputError
 from ..fitting.guess import middle_crossings
+from ..pendulum.slack import Slack
 
 # A single recording is cut into parts of as many half-swings each: odd numbers of them, so that both ends are fitted.
 _PARTS = {5: 20, 3: 9}  # parts, and the half-swings a recording must have to be cut into so many
@@ -61,7 +62,8 @@ class Noise:
 class Campaign:
     """The swings to fit and those held out, how they were chosen, and what is known of the noise before any fit.
 
-    ``systematic`` is the largest standard uncertainty (rad) that all samples share: what a calibration leaves open.
+    ``systematic`` is the largest standard uncertainty (rad) that all samples share; ``slack`` what calibration and clock leave
+    open of the readings, which every fit leaves open too.
     """
 
     name: str
@@ -70,6 +72,7 @@ class Campaign:
     how: str
     static: tuple[tuple[Floats, Floats], ...] = field(default=())
     systematic: float = 0.0
+    slack: Slack = field(default_factory=Slack, compare=False)
 
 
 def campaign(

@@ -12,8 +12,10 @@ import xarray as xr
 
 from .. import dataset
 from ..fitting.result import Begin, Fit, SwingStart
+from ..measurement.slack import of_angles
 from ..paths import write_csv, write_text
 from ..pendulum.model import Model, write_model
+from ..pendulum.slack import Slack
 from .campaign import Campaign, Swing, campaign
 from .confirm import gap, per_swing
 from .half_swings import said
@@ -29,14 +31,17 @@ def read_campaign(name: str, paths: Sequence[Path | str], roles: Sequence[str]) 
     """
     kinds: dict[str, list[Swing]] = {"fit": [], "holdout": [], "static": []}
     emulated, systematic = False, 0.0
+    read: list[xr.Dataset] = []
     for path, role in zip(paths, roles, strict=True):
         data = dataset.read(path)
         swing = Swing(str(data.attrs["recording"]), data["time"].values, data["angle"].values)
         systematic = max(systematic, float(data["angle_systematic_uncertainty"].max()))
         emulated |= str(data.attrs.get("emulated", "no")) == "yes"
         kinds[role or "fit"].append(swing)
+        read.append(data)
     static = [swing.pair for swing in kinds["static"]]
-    return replace(campaign(name, kinds["fit"], kinds["holdout"], static), systematic=systematic), emulated
+    known = campaign(name, kinds["fit"], kinds["holdout"], static)
+    return replace(known, systematic=systematic, slack=of_angles(read)), emulated
 
 
 def write_round(state: Round, campaign: Campaign, folder: Path | str, emulated: bool) -> Path:
@@ -101,6 +106,7 @@ def summary(state: Round, campaign: Campaign) -> dict[str, Any]:
         "effects": list(state.fit.model.names),
         "found": list(state.found),
         "parameters": _parameters(state.model),
+        "nuisance": _nuisance(state.model),
         "systematic_rad": campaign.systematic,
         "largest_angle_rad": float(np.max(np.abs(state.fit.angle))),
         "noise_rms_rad": state.noise.deviation,
@@ -133,7 +139,17 @@ def _parameters(model: Model) -> dict[str, dict[str, Any]]:
             "unit": model.units[name],
         }
         for name, value in model.values.items()
+        if name not in model.slack.parameters
     }
+
+
+def _nuisance(model: Model) -> dict[str, dict[str, Any]]:
+    """What the measurement left open, as it came out, and the standard uncertainty it had before."""
+    return {
+        name: {"value": model.values[name], "standard_error": _finite(model.standard_errors.get(name)), "unit": model.units[name],
+               "before": before}
+        for name, before in model.slack.deviations.items()
+    }  # fmt: skip
 
 
 def _finite(value: float | None) -> float | None:
@@ -147,6 +163,7 @@ def _start(fit: Fit) -> dict[str, Any]:
         "values": [dict(model.values) for model in fit.models],
         "release_angle": [swing.release_angle for swing in fit.swings],
         "release_velocity": [swing.release_velocity for swing in fit.swings],
+        "weighed_rad": fit.model.slack.noise,
     }
 
 
@@ -155,8 +172,14 @@ def read_rounds(folders: Iterable[Path | str]) -> list[dict[str, Any]]:
     return [json.loads((Path(folder) / "round.json").read_text()) for folder in folders]
 
 
-def begin(start: Mapping[str, Any], base: Model) -> Begin:
-    """The ``Begin`` that a round.json's ``next`` describes, of the catalogue and with the options of the base model."""
+def begin(start: Mapping[str, Any], base: Model, slack: Slack | None = None) -> Begin:
+    """The ``Begin`` that a round.json's ``next`` describes, of the catalogue and with the options of the base model.
+
+    ``slack`` is the campaign's; it is weighed as it was in the fit that is gone on from.
+    """
+    if slack is not None:
+        known = start.get("weighed_rad")
+        base = base.with_slack(slack.weighed(known) if known else Slack(clock=slack.clock))
     model = base.with_effects(start["effects"], start["values"][0])
     releases = start["values"], start["release_angle"], start["release_velocity"]
     return Begin(model, tuple(map(SwingStart, *releases)))

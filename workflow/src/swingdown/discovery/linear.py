@@ -24,7 +24,8 @@ class Frame:
 
     ``residual`` is data minus fit with every swing below the other; ``slopes`` (samples, free) are the fit's own
     sensitivities, of the values ``names`` of the swings ``of`` (-1: of all), and ``basis`` (samples, rank) spans them;
-    ``slices`` tell which samples are whose.
+    ``slices`` tell which samples are whose. What is known beforehand of what the measurement leaves open stands below the
+    samples, as residuals of its own: a row for each nuisance value.
     """
 
     fit: Fit
@@ -36,8 +37,19 @@ class Frame:
     names: tuple[str, ...]
     of: tuple[int, ...]
 
+    @property
+    def samples(self) -> int:
+        """The number of samples of all swings."""
+        return self.slices[-1].stop
+
+    def padded(self, columns: Floats) -> Floats:
+        """Columns over the samples with nothing below them: they do not touch what is known of the measurement."""
+        below = self.residual.size - columns.shape[0]
+        return np.concatenate([columns, np.zeros((below, *columns.shape[1:]))]) if below else columns
+
     def outside(self, columns: Floats) -> Floats:
-        """The part of the columns (samples, any) that the fit cannot absorb by its own parameters."""
+        """The part of the columns (samples, any) that the fit cannot absorb by its own parameters, as long as ``residual``."""
+        columns = self.padded(columns)
         return columns - self.basis @ (self.basis.T @ columns)
 
     @property
@@ -80,9 +92,24 @@ def frame(fit: Fit, swings: Sequence[Swing]) -> Frame:
         slopes[slices[k], : len(shared)] = rows[: len(shared)].T
         first = len(shared) + k * len(each)
         slopes[slices[k], first : first + len(each)] = rows[len(shared) :].T
+    residual, slopes = _with_knowledge(fit, residual, slopes, shared)  # type: ignore[assignment]
     names = (*shared, *(each * len(swings)))
     of = (*(-1 for _ in shared), *(k for k in range(len(swings)) for _ in each))
     return Frame(fit, tuple(swings), residual, slopes, orthonormal(slopes), slices, names, of)
+
+
+def _with_knowledge(
+    fit: Fit, residual: Floats, slopes: Floats, shared: Sequence[str]
+) -> tuple[Floats, Floats]:
+    """Residual and slopes with rows for what is known of the model's nuisance values, weighed as its fit weighs it."""
+    slack = fit.model.slack
+    if not slack.names:
+        return residual, slopes
+    root = np.linalg.cholesky(slack.precision).T
+    rows = np.zeros((len(slack.names), slopes.shape[1]))
+    rows[:, [shared.index(name) for name in slack.parameters]] = root
+    values = np.array([fit.model.values[name] for name in slack.parameters])
+    return np.concatenate([residual, -root @ values]), np.vstack([slopes, rows])
 
 
 def orthonormal(columns: Floats) -> Floats:
@@ -111,7 +138,7 @@ def columns_of(frame: Frame, effect: Effect, values: Mapping[str, float], free: 
             raise TrajectoryError(str(problem)) from problem
     if not effect.each:
         return np.concatenate(blocks)
-    wide = np.zeros((frame.residual.size, len(blocks) * len(free)))
+    wide = np.zeros((frame.samples, len(blocks) * len(free)))
     for k, block in enumerate(blocks):
         wide[frame.slices[k], k * len(free) : (k + 1) * len(free)] = block
     return wide
@@ -130,7 +157,7 @@ def explained(frame: Frame, columns: Floats) -> tuple[float, int]:
 
 def best_step(frame: Frame, columns: Floats, low: Floats, high: Floats) -> Step:
     """The ``Step`` of least squares with the coefficients between ``low`` and ``high``, the fit's own values within theirs."""
-    whole = np.hstack([frame.slopes, columns])
+    whole = np.hstack([frame.slopes, frame.padded(columns)])
     size = np.linalg.norm(whole, axis=0)
     size[size == 0] = 1.0
     basis, triangle = np.linalg.qr(whole / size)

@@ -45,7 +45,7 @@ def groups(frame: Frame, noise: Noise) -> list[Group]:
     strongest of the joint periodogram; its p counts how many were looked at. ``other`` is any reading error that angle,
     velocity and time determine: it asks whether anything is left, not what.
     """
-    beyond = max(float(np.sum(frame.residual**2)) - noise.deviation**2 * frame.residual.size, 1e-300)
+    beyond = max(float(np.sum(frame.residual**2)) - noise.deviation**2 * frame.samples, 1e-300)
 
     def group(name: str, squares: float, freedom: int, p: Callable[[float], float] | None = None) -> Group:
         statistic = squares / noise.slow_variance

@@ -52,9 +52,12 @@ class Candidate:
 
 
 def evidence(fit: Fit, noise: Noise) -> float:
-    """The BIC of a fit whose residuals are correlated as the noise is: n effective ln(rss / n) + k ln(n effective)."""
-    n = noise.effective(fit.n)
-    return float(n * np.log(fit.rss / fit.n) + len(fit.free) * np.log(n))
+    """The BIC of a fit whose residuals are correlated as the noise is: n effective ln(rss / n) + k ln(n effective).
+
+    What the measurement leaves open is not counted: it is known as well before the fit, and what it takes is in the rss.
+    """
+    n, free = noise.effective(fit.n), len(fit.free) - len(fit.model.slack.names)
+    return float(n * np.log(fit.rss / fit.n) + free * np.log(n))
 
 
 def ranking(here: Frame, noise: Noise, allowed: Collection[str] | None = None) -> list[Candidate]:

@@ -2,11 +2,14 @@
 
 from collections.abc import Iterable, Mapping, Sequence
 
+import numpy as np
+
 from ..engine.trajectory import TrajectoryError
 from ..errors import InputError
 from ..fitting.least_squares import fit_jointly
 from ..fitting.result import Begin, Fit
-from .campaign import Swing
+from ..pendulum.slack import Slack
+from .campaign import Noise, Swing
 
 _NUDGES = (0.97, 1.03, 0.9, 1.1)
 _BETTER = 1e-4  # of the sum of squares; a smaller gain is the same minimum
@@ -25,6 +28,23 @@ def refit(begin: Begin, swings: Sequence[Swing], grown: bool = True, most: int =
                            fixed=fixed, grown=grown, most=most)  # fmt: skip
     except InputError as problem:  # one candidate that cannot be is no reason to end a search
         raise TrajectoryError(str(problem)) from problem
+
+
+def weighed(fit: Fit, swings: Sequence[Swing], slack: Slack, noise: Noise) -> Fit:
+    """The fit with what the measurement leaves open weighed against the noise, as a candidate that leaves nothing else would be.
+
+    Weighed against the residuals of a model that misses much, what is known of the sensor would stand against every
+    candidate that is right.
+    """
+    if not slack.names:
+        return fit
+    model = fit.model.with_slack(slack.weighed(float(np.sqrt(noise.slow_variance))))
+    nothing = dict.fromkeys(model.slack.parameters, 0.0)
+    begin = Begin(model, tuple(one._replace(values=nothing | dict(one.values)) for one in fit.begin.swings))
+    try:
+        return refit(begin, swings, grown=False)
+    except TrajectoryError:
+        return fit
 
 
 def moved(begin: Begin, **values: float) -> Begin:

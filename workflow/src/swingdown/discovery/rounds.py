@@ -11,6 +11,7 @@ from ..fitting.least_squares import fit_jointly
 from ..fitting.result import Begin, Fit
 from ..pendulum.effect import NATURAL_FREQUENCY
 from ..pendulum.model import Model, as_model
+from ..pendulum.slack import Slack
 from .campaign import Campaign, Noise, measure_noise
 from .confirm import better, predict
 from .free_form import fit_free_form, kept, missing
@@ -18,7 +19,7 @@ from .half_swings import beside
 from .linear import Frame, frame
 from .locate import Group, groups
 from .ranking import Candidate, correlation, drops, evidence, in_place_of, ranking, tied
-from .refit import nudged, refit
+from .refit import nudged, refit, weighed
 from .verdict import GUARD
 
 # of what is left beyond the noise: many small additions can imitate anything, and name nothing
@@ -61,11 +62,10 @@ class Round:
     @property
     def model(self) -> Model:
         """The model with standard errors that know the noise's colour."""
-        wider = np.sqrt(self.noise.inflation)
-        model = self.fit.model
-        return model.with_values(
-            model.values, {name: error * wider for name, error in model.standard_errors.items()}
-        )
+        model, systematic = self.fit.model, np.sum(self.fit.systematic**2, axis=1)
+        random = np.diag(self.fit.covariance) - systematic
+        errors = dict(zip(self.fit.free, np.sqrt(random * self.noise.inflation + systematic), strict=True))
+        return model.with_values(model.values, {name: float(errors[name]) for name in model.standard_errors})
 
     @property
     def nameless(self) -> list[str]:
@@ -79,7 +79,8 @@ class Round:
 
 
 def first_fit(campaign: Campaign, base: Model) -> Fit:
-    """The base model fitted jointly within the catalogue's bounds."""
+    """The base model fitted jointly within the catalogue's bounds, the sensor and the clock taken for what they say."""
+    base = base.with_slack(Slack(clock=campaign.slack.clock))
     fit = fit_jointly(base, [swing.pair for swing in campaign.fit], bounded=True)
     return nudged(fit, campaign.fit)
 
@@ -102,6 +103,7 @@ def look(
     ``found`` names the effects added before; ``allowed`` limits those that may be added; in the ``last`` round nothing
     more is chosen.
     """
+    fit = weighed(fit, campaign.fit, campaign.slack, _noise(campaign, fit))
     here = frame(fit, campaign.fit)
     state = _seen(number, campaign, here, tuple(found))
     if not state.missing:
@@ -125,13 +127,19 @@ def look(
     return state if state.chosen else _without_a_name(state, here, campaign)
 
 
+def _noise(campaign: Campaign, fit: Fit) -> Noise:
+    """The noise on a campaign's swings, from the residuals of a fit to them."""
+    swings, frequency = campaign.fit, fit.model.values[NATURAL_FREQUENCY.name]
+    intervals = [(swing.times[-1] - swing.times[0]) / (swing.times.size - 1) for swing in swings]
+    residuals = [swing.angle - one.angle for swing, one in zip(swings, fit.swings, strict=True)]
+    return measure_noise(residuals, intervals, frequency / (2 * np.pi), campaign.static)
+
+
 def _seen(number: int, campaign: Campaign, here: Frame, found: tuple[str, ...]) -> Round:
     """The ``Round`` at a fit before anything is tried: the noise, and where model and measurement disagree."""
     fit, swings = here.fit, campaign.fit
     frequency = fit.model.values[NATURAL_FREQUENCY.name]
-    intervals = [(swing.times[-1] - swing.times[0]) / (swing.times.size - 1) for swing in swings]
-    residuals = [swing.angle - one.angle for swing, one in zip(swings, fit.swings, strict=True)]
-    noise = measure_noise(residuals, intervals, frequency / (2 * np.pi), campaign.static)
+    noise = _noise(campaign, fit)
     modelled = [(swing.times, one.angle) for swing, one in zip(swings, fit.swings, strict=True)]
     names, pairs = [swing.name for swing in swings], [swing.pair for swing in swings]
     return Round(

@@ -3,11 +3,14 @@
 from collections.abc import Iterable, Mapping
 from typing import Any
 
+import numpy as np
+
 from ..pendulum.catalogue import SHIPPED, Catalogue
 from ..pendulum.effect import Effect
 from ..rounding import plus_minus
 
 _SMALLER = {"rad": (1e-3, "mrad"), "s": (1e-3, "ms")}
+_ASKED = 3.0  # standard errors
 _SMALL = 0.1  # of a unit that has a smaller one beside it
 
 
@@ -16,7 +19,8 @@ def sentence(found: Mapping[str, Any], catalogue: Catalogue = SHIPPED) -> str:
     fit, holdout, where = found["gap"]["fit"], found["gap"]["holdout"], found["where"]
     dropped = f" Not needed: {_listed(found['removed'])}." if found["removed"] else ""
     if found["status"] == "consistent":
-        text = f"Nothing is missing: the model leaves {fit[-1]:.3g} times the noise on fitted and {holdout[-1]:.3g} on held-out swings."
+        slack = ", once what the calibration leaves open is used" if _used(found.get("nuisance", {})) else ""
+        text = f"Nothing is missing{slack}: the model leaves {fit[-1]:.3g} times the noise on fitted and {holdout[-1]:.3g} on held-out swings."
         return text + dropped + _misspecified(found)
     named = [one for one in found["effects"] if catalogue.has_name(one["name"])]
     seen = where["seen"][:1].upper() + where["seen"][1:] + ": " if where["seen"] else ""
@@ -35,6 +39,11 @@ def sentence(found: Mapping[str, Any], catalogue: Catalogue = SHIPPED) -> str:
         said.append(f"What remains, {before:.3g} times the noise{kind}, has no name in the catalogue"
                     + (f"; it is kept as {' and '.join(nameless)}." if nameless else "."))  # fmt: skip
     return " ".join(said) + dropped + _misspecified(found)
+
+
+def _used(nuisance: Mapping[str, Any]) -> bool:
+    """True where a nuisance value is not nothing: the data ask for it."""
+    return any(abs(one["value"]) > _ASKED * (one["standard_error"] or np.inf) for one in nuisance.values())
 
 
 def _misspecified(found: Mapping[str, Any]) -> str:

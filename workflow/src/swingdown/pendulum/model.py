@@ -162,7 +162,7 @@ def write_model(model: Model, path: Path | str) -> Path:
         name: {"value": float(model.values[name]), "unit": model.units[name]}
         | ({"standard_error": float(model.standard_errors[name])} if name in model.standard_errors else {})
         for name in model.parameters
-        if name in model.values
+        if name in model.values and name not in model.slack.parameters
     }
     content = {
         "effects": list(model.names),

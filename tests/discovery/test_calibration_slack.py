@@ -1,0 +1,69 @@
+"""A sensor effect is named only beyond what the calibration leaves open, and what it leaves open is no missing effect."""
+
+import json
+
+import numpy as np
+import pytest
+
+from swingdown.discovery import files
+from swingdown.discovery.campaign import Swing, campaign
+from swingdown.discovery.rounds import discover
+from swingdown.discovery.verdict import verdict
+from swingdown.engine.trajectory import simulate
+from swingdown.pendulum.model import Model
+from swingdown.pendulum.slack import reading_slack
+
+TIMES = np.arange(0, 15, 0.02)
+BASE = Model(
+    "viscous+constant_coulomb", {"natural_frequency": 7.0, "viscous_ratio": 0.006, "constant_friction": 0.05}
+)
+DEVIATION = 0.004  # standard uncertainty of the sensitivity
+ALLOWED = ["quadratic_drag", "sensor_gain", "presliding", "cubic_stiffness"]
+
+
+def seen(gain, slack, folder, amplitudes=(0.25, 0.4, 0.55, 0.7)):
+    """The verdict on swings that a sensor of this gain error read."""
+    rng = np.random.default_rng(12)
+    swings = [
+        Swing(
+            f"s{k}",
+            TIMES,
+            (1 + gain) * simulate(BASE, TIMES, amplitude) + 5e-4 * rng.standard_normal(TIMES.size),
+        )
+        for k, amplitude in enumerate(amplitudes)
+    ]
+    made = campaign("bench", swings)
+    known = type(made)(made.name, made.fit, made.holdout, made.how, systematic=DEVIATION * 0.7, slack=slack)
+    folders = [
+        files.write_round(state, known, folder / f"round-{state.number}", False)
+        for state in discover(known, BASE, allowed=ALLOWED)
+    ]
+    return verdict(json.loads(json.dumps(files.read_rounds(folders))))
+
+
+@pytest.fixture
+def slack():
+    return reading_slack({"sensor_gain": {"length": DEVIATION}})
+
+
+def test_what_the_calibration_leaves_open_is_not_missing(slack, tmp_path):
+    found = seen(1.5 * DEVIATION, slack, tmp_path)
+    assert found["status"] == "consistent" and found["effects"] == []
+    assert "once what the calibration leaves open is used" in found["sentence"]
+    gain = found["nuisance"]["sensor_gain"]
+    assert gain["value"] == pytest.approx(1.5 * DEVIATION, abs=3 * gain["standard_error"])
+    assert gain["before"] == DEVIATION
+    assert "sensor_gain" not in found["model"]
+
+
+def test_the_same_error_is_missing_where_nothing_is_open(slack, tmp_path):
+    found = seen(1.5 * DEVIATION, type(slack)(), tmp_path)
+    assert [one["name"] for one in found["effects"]] == ["sensor_gain"]
+
+
+def test_a_gain_far_beyond_the_slack_is_named(slack, tmp_path):
+    found = seen(12 * DEVIATION, slack, tmp_path)
+    assert found["status"] == "named"
+    assert [one["name"] for one in found["effects"]] == ["sensor_gain"]
+    gain = found["effects"][0]["parameters"]["sensor_gain"]
+    assert gain["value"] == pytest.approx(12 * DEVIATION, abs=3 * gain["standard_error"])
