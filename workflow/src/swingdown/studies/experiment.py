@@ -20,7 +20,7 @@ _ENOUGH = 3  # half-swings: two give a frequency, a decay needs the next
 _DIMS: dict[str, tuple[str, ...]] = {
     "fit": ("fitted", "time"),
     "residual": ("fitted", "time"),
-    "correlation": ("fitted", "parameter", "parameter_2"),
+    **dict.fromkeys(("correlation", "covariance"), ("fitted", "parameter", "parameter_2")),
     **dict.fromkeys(("value", "standard_error", "robust_standard_error"), ("fitted", "parameter")),
 }
 
@@ -49,7 +49,7 @@ def fit_recording(
     coords = model_coords(models)
     names = coords["parameter"][1]
     own = [{
-        "norm": np.degrees(fit.rms), "release_angle": fit.only.release_angle, "release_velocity": fit.only.release_velocity,
+        "norm": np.degrees(fit.rms), "largest_angle": np.abs(fit.angle).max(), "release_angle": fit.only.release_angle, "release_velocity": fit.only.release_velocity,
         "fit": fit.angle, "residual": series - fit.angle,
     } for fit in fits]  # fmt: skip
     rows = [_row(fit, [(times, series)], [angle], names) | more for fit, more in zip(fits, own, strict=True)]
@@ -100,6 +100,7 @@ def fit_campaign(
     by_swing = {
         "rms": [[swing.rms for swing in fit.swings] for fit in fits],
         "norm": [[np.degrees(swing.rms) for swing in fit.swings] for fit in fits],
+        "largest_angle": [[np.abs(swing.angle).max() for swing in fit.swings] for fit in fits],
         "release_angle": [[swing.release_angle for swing in fit.swings] for fit in fits],
         "release_velocity": [[swing.release_velocity for swing in fit.swings] for fit in fits],
     }
@@ -163,7 +164,8 @@ def _row(
         "value": spread(fit.model.values, names),
         "standard_error": spread(fit.model.standard_errors, names),
         "robust_standard_error": spread(errors, names),
-        "correlation": _correlation(fit, names),
+        "correlation": _over(fit.correlation, fit, names),
+        "covariance": _over(widest(fit, robust), fit, names),
         "condition_number": _condition(fit),
         "reduced_chi2": _reduced_chi2(fit, swings, angles),
         "bic": fit.bic,
@@ -184,13 +186,21 @@ def _reduced_chi2(fit: Fit, swings: Sequence[Swing], angles: Sequence[xr.Dataset
     return total / (fit.n - len(fit.free))
 
 
-def _correlation(fit: Fit, names: Sequence[str]) -> Floats:
-    """The correlation matrix over ``names``, NaN for those the model lacks."""
+def _over(matrix: Floats, fit: Fit, names: Sequence[str]) -> Floats:
+    """A fit's matrix (its correlation or covariance) over ``names``, NaN for those the model lacks."""
     found = np.full((len(names), len(names)), np.nan)
     own = fit.model.parameters
     where = [names.index(name) for name in own]
-    found[np.ix_(where, where)] = fit.correlation[: len(own), : len(own)]
+    found[np.ix_(where, where)] = matrix[: len(own), : len(own)]
     return found
+
+
+def widest(fit: Fit, robust: Floats) -> Floats:
+    """The robust covariance in the order of ``fit.free``, widened where a value's ordinary variance is the larger one."""
+    variance, ordinary = np.diag(robust), np.diag(fit.covariance)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        factor = np.sqrt(np.fmax(1.0, ordinary / variance))
+    return robust * np.outer(factor, factor)
 
 
 def _condition(fit: Fit) -> float:

@@ -23,6 +23,11 @@ LABELS: dict[str, tuple[str | None, str]] = {
     "standard_error": (_OF_EACH, "standard error, residuals taken for independent"),
     "robust_standard_error": (_OF_EACH, "standard error that allows for autocorrelated residuals"),
     "correlation": ("1", "correlation of two fitted values"),
+    "covariance": (
+        _OF_EACH,
+        "covariance of two fitted values, in their units, the wider of both kinds of standard error",
+    ),
+    "largest_angle": ("rad", "largest fitted angle"),
     "condition_number": ("1", "condition number of the correlation matrix of all free values"),
     "release_angle": ("rad", "fitted angle at the first sample"),
     "release_velocity": ("rad/s", "fitted angular velocity at the first sample"),
