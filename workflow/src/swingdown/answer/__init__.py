@@ -3,8 +3,10 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+import xarray as xr
+
 from ..arrays import Shown
-from ..discovery.campaign import Swing, campaign
+from ..discovery.campaign import Campaign, Swing, campaign
 from ..discovery.files import summary
 from ..discovery.rounds import Round, discover
 from ..discovery.verdict import verdict
@@ -39,7 +41,15 @@ def fit(
     ``fitted`` are labels of models, ``effects`` effects of one's own as the settings' key ``effects`` has them. InputError for
     what no pendulum does, and for a swing that is too short.
     """
-    given = swings(times, angles, unit, names)
+    return of_swings(swings(times, angles, unit, names), fitted, effects)
+
+
+def of_swings(
+    given: Sequence[xr.Dataset],
+    fitted: Sequence[str] = PAPER_MODELS,
+    effects: Mapping[str, Any] | None = None,
+) -> Answer:
+    """The ``Answer`` of ``fit`` on angle datasets (``measurement.angle.to_angle``) of one pendulum."""
     known = models(list(fitted), effects)
     try:
         each = [fit_recording(one, known) for one in given]
@@ -79,13 +89,17 @@ def explain(
     does. Other arguments and errors as in ``fit``; a single swing needs nine half-swings, so that some can be held out.
     """
     first = fit(times, angles, unit=unit, fitted=fitted, effects=effects, names=names)
-    whole = campaign(
-        "pendulum",
-        [Swing(str(one.attrs["recording"]), one["time"].values, one["angle"].values) for one in first.swings],
-    )
+    whole = searchable("pendulum", first.swings)
     states = discover(whole, Model(tuple(base), catalogue=catalogue(effects)), rounds)
     found = verdict([summary(state, whole) for state in states], catalogue(effects))
     return first.with_verdict(found, _shown(states[-1], whole.fit, whole.holdout))
+
+
+def searchable(name: str, given: Sequence[xr.Dataset]) -> Campaign:
+    """The ``Campaign`` of these angle datasets; InputError where they are too little to hold any out."""
+    return campaign(
+        name, [Swing(str(one.attrs["recording"]), one["time"].values, one["angle"].values) for one in given]
+    )
 
 
 def _shown(state: Round, fitted: Sequence[Swing], held: Sequence[Swing]) -> tuple[Shown, ...]:
