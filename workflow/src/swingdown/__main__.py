@@ -33,10 +33,21 @@ def _parser() -> argparse.ArgumentParser:
         "`verify` holds a study's files against its manifest.",
     )
     add = parser.add_argument
-    add("given", nargs="+", metavar="FILE", help="recordings, or folders of them: each file is a pendulum of its own")
+    add(
+        "given",
+        nargs="+",
+        metavar="FILE",
+        help="recordings, or folders of them: each file is a pendulum of its own",
+    )
     add("--together", action="store_true", help="all files are recordings of one pendulum")
-    add("--quick", action="store_true", help="stop after the first answer: no search for what is missing, no report")
-    add("--into", metavar="FOLDER", help="the study's folder (default: beside the first file, named after it)")
+    add(
+        "--quick",
+        action="store_true",
+        help="stop after the first answer: no search for what is missing, no report",
+    )
+    add(
+        "--into", metavar="FOLDER", help="the study's folder (default: beside the first file, named after it)"
+    )
     add("--unit", choices=["rad", "deg", "counts"], help="of the angle, where the file does not say it")
     add("--counts-per-revolution", type=float, metavar="N", help="of an encoder in counts")
     add("--column", metavar="NAME", help="of the angle, where the file has several")
@@ -69,7 +80,6 @@ def main(arguments: Sequence[str] | None = None) -> int:
     }
     with console.job():
         return answer(options.given, told, options.into, options.together, options.quick, options.cores)
-    return 1
 
 
 if __name__ == "__main__":

@@ -13,9 +13,10 @@ import pandas as pd
 from ..errors import InputError
 from ..paths import PROJECT, write_csv
 from ..rounding import value_with_uncertainty
+from ..studies.pendulums import in_order
+from ..studies.words import lines, model_words, quantity_rows, said
 from ..study import own
 from . import Answer, of_swings, searchable
-from .words import STATUS, lines, model_words, quantity_rows
 
 FIRST = "first_answer.csv"
 _FEW = 3  # pendulums that are told at length; of more a line each
@@ -40,7 +41,11 @@ def answer(
     taken, left_out = _read(paths, rows)
     if not taken:
         one = left_out[0]
-        where = one.file if len(left_out) == 1 else f"none of {len(left_out)} files can be used; the first, {one.file}"
+        where = (
+            one.file
+            if len(left_out) == 1
+            else f"none of {len(left_out)} files can be used; the first, {one.file}"
+        )
         raise InputError(where, one.problem, one.expected, one.mend)
     answers, unfit = _first(taken)
     left_out += unfit
@@ -54,7 +59,7 @@ def answer(
         _say(f"{one.recording}: {one.problem}. Mend: {one.mend}.")
     config = own.write(folder, [one.row for one in kept], left_out, searched)
     table = pd.concat([one.table for one in answers.values()], ignore_index=True)
-    write_csv(table, folder / FIRST)
+    write_csv(in_order(table), folder / FIRST)
     _say(f"\nwritten: {config}, {own.SHEET} and {FIRST} beside it")
     if quick:
         return 0
@@ -64,7 +69,9 @@ def answer(
     return _run(config, folder, searched, cores)
 
 
-def _read(paths: Sequence[Path], rows: Sequence[Mapping[str, Any]]) -> tuple[list[own.Taken], list[own.Refused]]:
+def _read(
+    paths: Sequence[Path], rows: Sequence[Mapping[str, Any]]
+) -> tuple[list[own.Taken], list[own.Refused]]:
     """What each file gives, told in a line each."""
     taken: list[own.Taken] = []
     left_out: list[own.Refused] = []
@@ -118,7 +125,9 @@ def _tell(answers: Mapping[str, Answer]) -> None:
         if len(answers) <= _FEW:
             _say("\n".join(["", campaign, *(f"  {line}" for line in lines(one.row))]))
             continue
-        told = {each.name: value_with_uncertainty(each.value, each.uncertainty) for each in quantity_rows(one.row)}
+        told = {
+            each.name: value_with_uncertainty(each.value, each.uncertainty) for each in quantity_rows(one.row)
+        }
         _say(
             f"{campaign:20} T {told.get('period', '–')} s   Q {told.get('quality', '–')}   decay {told.get('decay_time', '–')} s"
             f"   at {degrees(one.row['amplitude_rad']):.3g}°   {model_words(one.model)}"
@@ -141,9 +150,11 @@ def _run(config: Path, folder: Path, searched: Sequence[str], cores: int) -> int
         path = folder / "results" / "discovery" / campaign / "verdict.json"
         if path.exists():
             verdict = json.loads(path.read_text(encoding="utf-8"))
-            _say(f"{campaign}: {STATUS.get(verdict['status'], verdict['status'])}. {verdict['sentence']}")
+            _say(f"{campaign}: {'. '.join(said(verdict))}")
         else:
-            _say(f"{campaign}: the search did not end; see {folder / 'results' / 'logs' / 'discover' / campaign}")
+            _say(
+                f"{campaign}: the search did not end; see {folder / 'results' / 'logs' / 'discover' / campaign}"
+            )
     if code == 0:
         _say(f"the report: {folder / 'results' / 'report.html'}")
     return 1 if code else 0

@@ -13,7 +13,7 @@ import xarray as xr
 
 from ..arrays import Shown
 from ..rounding import value_with_uncertainty
-from .words import lines, quantity_rows
+from ..studies.words import lines, quantity_rows
 
 
 @dataclass(frozen=True)

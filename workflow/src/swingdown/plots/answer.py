@@ -77,6 +77,16 @@ def _recording(upper: Axes, lower: Axes, parts: Sequence[Shown], noise: float | 
         axes.grid(True, axis="y")
 
 
+def shown_in(data: xr.Dataset) -> list[Shown]:
+    """The swings of a round's fit dataset (``angle``, ``fit``, ``time``, ``swing`` over sample; ``name``, ``held_out`` over swings)."""
+    found = []
+    for k, (name, held) in enumerate(zip(data["name"].values, data["held_out"].values, strict=True)):
+        rows = data["swing"].values == k
+        times, angle, fit = (data[key].values[rows] for key in ("time", "angle", "fit"))
+        found.append(Shown(*Shown.named(str(name)), times, angle, fit, bool(held)))
+    return sorted(found, key=lambda one: (one.recording, float(one.times[0])))
+
+
 def thinned(time: Floats, values: Floats, columns: int = _PIXELS) -> tuple[Floats, Floats]:
     """Times and values that look the same at so many columns of pixels: of each column the least and the greatest value."""
     if time.size <= 2 * columns:

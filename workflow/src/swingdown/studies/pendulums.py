@@ -77,7 +77,8 @@ def pendulums(
     ``decay_time_s``, ``natural_frequency_rad_per_s``, and the parameters of damping where the model has them), each followed by
     its standard uncertainty (``period_s_u``) and both as a text (``period_s_text``); ``model`` the label of ``described_by``;
     ``residual_rad`` the RMS that it leaves; ``verdict`` the status of the campaign's search, ``missing`` what that names;
-    ``emulated``, ``remark``. ``left_out`` (file, problem) adds a row with the verdict ``refused`` for each file.
+    ``emulated``, ``remark``. ``left_out`` (recording, file, problem) tells in ``remark`` why a recording was not searched, and adds
+    a row with the verdict ``refused`` for each file that could not be used.
     """
     found = {str(one["campaign"]): one for one in verdicts}
     together = {str(one.attrs["campaign"]): one for one in joint}
@@ -88,15 +89,24 @@ def pendulums(
             rows.append(_row(str(campaign), name, own, own.isel(recording=0), catalogue))
         if chosen.sizes["recording"] > 1 and campaign in together:
             rows.append(_row(str(campaign), "(joint)", chosen, together[str(campaign)], catalogue))
+    told = {} if left_out is None else {str(one.recording): one for one in left_out.itertuples()}
     for row in rows:
         verdict = found.get(row["campaign"], {})
-        row |= {"verdict": verdict.get("status", ""), "missing": _named(verdict), "remark": ""}
-    for one in left_out.itertuples() if left_out is not None else ():
-        rows.append({"campaign": "", "recording": one.file, "verdict": REFUSED, "remark": one.problem})
+        remark = told.pop(row["recording"]).problem if row["recording"] in told else ""
+        row |= {"verdict": verdict.get("status", ""), "missing": _named(verdict), "remark": remark}
+    for name, one in told.items():
+        rows.append(
+            {"campaign": name, "recording": name, "verdict": REFUSED, "remark": f"{one.file}: {one.problem}"}
+        )
+    return in_order(pd.DataFrame(rows))
+
+
+def in_order(table: pd.DataFrame) -> pd.DataFrame:
+    """The table with its columns in the order that ``pendulums`` tells."""
     first = [_column(name, unit) for name, unit in UNITS.items()]
-    told = [column for row in rows for column in row if f"{column}_u" in row]
+    told = [column for column in table if f"{column}_u" in table]
     columns = [column + part for column in dict.fromkeys([*first, *told]) for part in ("", "_u", "_text")]
-    return pd.DataFrame(rows).reindex(columns=[*_HEAD, *columns, *_TAIL])
+    return table.reindex(columns=[*_HEAD, *columns, *_TAIL])
 
 
 _HEAD = ("campaign", "recording", "amplitude_rad")

@@ -57,7 +57,11 @@ def files(given: Iterable[str | Path]) -> list[Path]:
     found: list[Path] = []
     for path in map(Path, given):
         if path.is_dir():
-            inside = [one for one in path.iterdir() if one.suffix.lower() in ENDINGS and not one.name.startswith(".")]
+            inside = [
+                one
+                for one in path.iterdir()
+                if one.suffix.lower() in ENDINGS and not one.name.startswith(".")
+            ]
             if not inside:
                 raise InputError(path, "there is no recording in this folder", f"files that end in {', '.join(ENDINGS)}", "name the files themselves")  # fmt: skip
             found += sorted((one for one in inside if one.is_file()), key=_in_order)
@@ -104,7 +108,11 @@ def rows(
     for every row.
     """
     return [
-        {"recording": name, "campaign": TOGETHER if together else name, "file": os.path.relpath(path.resolve(), folder.resolve())}
+        {
+            "recording": name,
+            "campaign": TOGETHER if together else name,
+            "file": os.path.relpath(path.resolve(), folder.resolve()),
+        }
         | {key: cell for key, cell in (told or {}).items() if cell is not None}
         for name, path in zip(names(paths), paths, strict=True)
     ]
@@ -132,8 +140,17 @@ def write(
     """The config written, with the sheet and the table of what is left out beside it; its path.
 
     ``searched`` are the campaigns to search, where these are not all. InputError where somebody changed the sheet or the
-    config since they were written here.
+    config since they were written here, or the folder cannot be written.
     """
+    try:
+        return _written(folder, kept, left_out, searched)
+    except OSError as error:
+        raise InputError(folder, f"it cannot be written ({error.strerror})", "a folder of one's own", "name another with --into") from error  # fmt: skip
+
+
+def _written(
+    folder: Path, kept: Sequence[Mapping[str, Any]], left_out: Sequence[Refused], searched: Sequence[str]
+) -> Path:
     _check_untouched(folder)
     columns = [name for name in COLUMNS if any(name in row for row in kept)]
     write_csv(pd.DataFrame(kept).reindex(columns=columns), folder / SHEET)

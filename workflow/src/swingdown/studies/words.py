@@ -5,7 +5,7 @@ from math import degrees
 from typing import Any, NamedTuple
 
 from ..rounding import value_with_uncertainty
-from ..studies.pendulums import quantities_of
+from .pendulums import quantities_of
 
 STATUS = {
     "consistent": "Nothing is missing",
@@ -70,5 +70,12 @@ def lines(row: Mapping[str, Any], verdict: Mapping[str, Any] | None = None) -> l
         f"damping            {model_words(str(row['model']))}; it leaves {1e3 * row['residual_rad']:.3g} mrad RMS"
     )
     if verdict:
-        told.append(f"{STATUS.get(verdict['status'], verdict['status'])}: {verdict['sentence']}")
+        told.append(". ".join(said(verdict)))
     return told
+
+
+def said(verdict: Mapping[str, Any]) -> tuple[str, str]:
+    """The status of a verdict in a word or three, and its sentence, which does not say the same again."""
+    status = STATUS.get(verdict["status"], verdict["status"])
+    sentence = str(verdict["sentence"]).removeprefix(f"{status}: ")
+    return status, sentence[:1].upper() + sentence[1:]
