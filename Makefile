@@ -1,4 +1,5 @@
 # make            set up .venv and run the study (the paper's tables, figures and report appear in results/)
+# make start FILE=my-swing.csv   from a recording, or a folder of them, to what damps the pendulum and what a model of it lacks
 # make test       set up .venv and run the tests; make test-all runs the slow ones too
 # make benchmark  time the engine against what one would otherwise use (sets up .venv/peers for that; some minutes)
 # make benchmark-discovery  hold the search for hidden effects against what one would otherwise use (after snakemake hidden_effects;
@@ -12,6 +13,7 @@ PYTHON ?= python3
 CORES ?= 2
 TARGET ?= all
 ARGS ?=
+FILE ?=
 TESTS ?= tests
 # A file of tests stays in one process: what its tests share is made once.
 WORKERS := -n $(CORES) --dist loadfile
@@ -20,11 +22,16 @@ BIN := .venv/bin
 # Named after the locks' contents and this folder, so that the environment is laid anew when, and only when, they change.
 READY := .venv/ready-$(shell (pwd; cat requirements.lock requirements-uv.lock pyproject.toml) | cksum | cut -d' ' -f1)
 
-.PHONY: run venv test test-all benchmark benchmark-discovery lock clean distclean
+.PHONY: run start venv test test-all benchmark benchmark-discovery lock clean distclean
 .DELETE_ON_ERROR:
 
 run: $(READY)
 	@$(BIN)/snakemake -c$(CORES) $(TARGET) $(ARGS)
+
+# A file, or a folder of files that are a pendulum each; ARGS="--together --unit deg" is passed on (swingdown --help tells all).
+start: $(READY)
+	@test -n "$(FILE)" || { echo 'Which file? Mend: make start FILE=path/to/my-swing.csv (or a folder of them)' >&2; exit 2; }
+	@$(BIN)/swingdown "$(FILE)" $(ARGS)
 
 venv: $(READY)
 

@@ -43,6 +43,8 @@ with console.job():
     SWEEPS = sweeps(config, where)
 
 AT_START = [partial(remove_leftovers, "results")]  # what is done before the first job, and never by a dry run
+# A study of recordings that leaves the paper's simulations out is somebody's own: its results show no trace of the paper.
+OWN = bool(PLAN.campaigns) and not config["simulation"]["simulated"]
 TABLES, FIGURES, VERDICTS = [], [], []  # each stage adds what it makes; the report shows all of it
 
 
@@ -84,6 +86,7 @@ else:
         include: "workflow/rules/measure.smk"
         include: "workflow/rules/fit.smk"
         include: "workflow/rules/discover.smk"
+        include: "workflow/rules/pendulums.smk"
     include: "workflow/rules/hidden_effects.smk"
     include: "workflow/rules/figures.smk"
     include: "workflow/rules/sweep_plan.smk"

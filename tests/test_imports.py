@@ -53,7 +53,8 @@ def test_a_package_is_imported_in_its_room_alone(package):
 
 def test_the_science_does_not_know_the_workflow():
     assert not [file for file in FILES if "snakemake" in outside(file)]
-    assert not [name for name in map(room, FILES) if "plots" in reached(name)]
+    above = {"answer", "__main__", "__init__"}  # what is drawn there is drawn where it is asked for
+    assert not [name for name in map(room, FILES) if name not in above and "plots" in reached(name)]
 
 
 def test_plots_compute_nothing():

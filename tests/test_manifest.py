@@ -73,7 +73,7 @@ def test_without_a_manifest_that_can_be_read_it_says_so(tmp_path, capsys, conten
     assert "mend:" in capsys.readouterr().err
 
 
-@pytest.mark.parametrize("arguments", [[], ["verfy", "results"], ["verify"], ["verify", "a", "b"]])
+@pytest.mark.parametrize("arguments", [[], ["verify"], ["verify", "a", "b"]])
 def test_a_verb_that_is_none_is_told_the_verbs(arguments, capsys):
     assert main(arguments) == 2
     assert "verify RESULTS" in capsys.readouterr().err

@@ -24,7 +24,8 @@ def raw(name):
 
 def told():
     """The files, beside the recordings, whose checksums the report tells."""
-    names = [*workflow.configfiles, config.get("recordings"), PLAN.apparatus]
+    sheets = [config.get("recordings"), config.get("left_out"), PLAN.apparatus]
+    names = [*(workflow.configfiles[:1] if OWN else workflow.configfiles), *sheets]
     return [str(find(name)) for name in names if name]
 
 

@@ -4,6 +4,7 @@
 
 ROUNDS = config["discovery"]["rounds"]
 SEEN = [
+    "answer",
     "residuals",
     "map",
     "half_swings",

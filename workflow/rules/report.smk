@@ -8,7 +8,11 @@ rule page:
     input:
         tables=TABLES,
         figures=[path for path in FIGURES if path.endswith(".svg")],
-        captions=[f"{workflow.basedir}/workflow/report/{name}.rst" for name in DRAWN],
+        captions=[
+            f"{workflow.basedir}/workflow/report/{Path(path).stem}.rst"
+            for path in FIGURES
+            if path.endswith(".svg")
+        ],
         recordings=expand("results/recordings/{recording}.nc", recording=PLAN.measured),
         verdicts=VERDICTS,
         seen=SEEN_FIGURES if VERDICTS else [],

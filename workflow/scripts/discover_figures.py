@@ -6,7 +6,8 @@ from pathlib import Path
 import pandas as pd
 
 from swingdown import console, dataset
-from swingdown.plots import discovery, save
+from swingdown.plots import discovery, save, style
+from swingdown.plots.answer import shown_in, swings_with_fit
 
 
 def figures(verdict, folders, outputs):
@@ -15,7 +16,9 @@ def figures(verdict, folders, outputs):
     used = [Path(folder) for folder in folders][: len(found["gap"]["fit"])]
     first, last = used[0], used[-1]
     moved = found["moves"][0] if found["moves"] else ""
+    fitted = dataset.read(last / "fit.nc")
     drawn = {
+        "answer": lambda: swings_with_fit(shown_in(fitted), found["noise_rms_rad"], fitted),
         "residuals": lambda: discovery.residuals(
             dataset.read(first / "fit.nc"), dataset.read(last / "fit.nc")
         ),
@@ -34,7 +37,7 @@ def figures(verdict, folders, outputs):
     made = {}
     for output in map(Path, outputs):
         made[output.stem] = made.get(output.stem) or drawn[output.stem]()
-        save(made[output.stem], output)
+        save(made[output.stem], output, style.emulated_note(fitted))
 
 
 if __name__ == "__main__":

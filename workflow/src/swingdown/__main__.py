@@ -1,18 +1,17 @@
-"""What is asked of the package at the command line: ``swingdown VERB …``, or ``python -m swingdown VERB …``."""
+"""What is asked of the package at the command line: ``swingdown FILE…``, ``swingdown verify RESULTS``."""
 
+import argparse
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 from . import console
 from .manifest import verify
 
 
-def verify_results(arguments: Sequence[str]) -> int:
-    """verify RESULTS: hold a study's files against its manifest; 0 where all are as they were written, else 1."""
-    if len(arguments) != 1:
-        return _usage()
+def verify_results(results: str) -> int:
+    """0 where a study's files are as its manifest lists them, else 1, with what differs told."""
     with console.job():
-        differences, count = verify(arguments[0])
+        differences, count = verify(results)
     for kind, paths in differences.items():
         for path in paths:
             print(f"{kind}: {path}")
@@ -26,18 +25,61 @@ def verify_results(arguments: Sequence[str]) -> int:
     return 0
 
 
-VERBS: dict[str, Callable[[Sequence[str]], int]] = {"verify": verify_results}
-
-
-def _usage() -> int:
-    print("\n".join(f"swingdown {verb.__doc__}" for verb in VERBS.values()), file=sys.stderr)
-    return 2
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        "swingdown",
+        usage="swingdown FILE… [FOLDER…] [options]\n       swingdown verify RESULTS",
+        description="From recordings of a swinging pendulum to its period, its damping, and what a model of it still lacks. "
+        "`verify` holds a study's files against its manifest.",
+    )
+    add = parser.add_argument
+    add(
+        "given",
+        nargs="+",
+        metavar="FILE",
+        help="recordings, or folders of them: each file is a pendulum of its own",
+    )
+    add("--together", action="store_true", help="all files are recordings of one pendulum")
+    add(
+        "--quick",
+        action="store_true",
+        help="stop after the first answer: no search for what is missing, no report",
+    )
+    add(
+        "--into", metavar="FOLDER", help="the study's folder (default: beside the first file, named after it)"
+    )
+    add("--unit", choices=["rad", "deg", "counts"], help="of the angle, where the file does not say it")
+    add("--counts-per-revolution", type=float, metavar="N", help="of an encoder in counts")
+    add("--column", metavar="NAME", help="of the angle, where the file has several")
+    add("--time-unit", choices=["s", "ms", "us"], help="of the time, where the file does not say it")
+    add("--time-column", metavar="NAME", help="of the time")
+    add("--cores", type=int, default=2, metavar="N", help="processes at a time (default: 2)")
+    return parser
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """The exit code of the verb that the first argument names; 2, with the verbs told, where it names none."""
+    """The exit code of what is asked: 0 where all went well, 1 where something could not be used or differs, 2 for a wrong call."""
     given = list(sys.argv[1:] if arguments is None else arguments)
-    return VERBS[given[0]](given[1:]) if given and given[0] in VERBS else _usage()
+    if given[:1] == ["verify"]:
+        if len(given) != 2:
+            print("swingdown verify RESULTS", file=sys.stderr)
+            return 2
+        return verify_results(given[1])
+    if not given:
+        _parser().print_usage(sys.stderr)
+        return 2
+    options = _parser().parse_args(given)
+    from .answer.command import answer  # some seconds of imports, which `verify` need not wait for
+
+    told = {
+        "time_column": options.time_column,
+        "time_unit": options.time_unit,
+        "signal_column": options.column,
+        "signal_unit": options.unit,
+        "counts_per_revolution": options.counts_per_revolution,
+    }
+    with console.job():
+        return answer(options.given, told, options.into, options.together, options.quick, options.cores)
 
 
 if __name__ == "__main__":

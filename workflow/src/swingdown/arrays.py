@@ -1,6 +1,6 @@
 """Names for the kinds of numbers that functions take and give."""
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -8,3 +8,20 @@ from numpy.typing import NDArray
 Floats = NDArray[np.floating[Any]]
 Numbers = float | Floats  # one, or one a point or draw
 Swing = tuple[Floats, Floats]  # times (s) and angles (rad), one as long as the other
+
+
+class Shown(NamedTuple):
+    """A swing, or a part of one, beside what a model makes of it: names, times (s), angles and fitted angles (rad)."""
+
+    recording: str
+    part: str
+    times: Floats
+    angle: Floats
+    fit: Floats
+    held_out: bool = False
+
+    @staticmethod
+    def named(name: str) -> tuple[str, str]:
+        """Recording and part of a name such as ``anna, part 2 of 5``."""
+        recording, comma, part = name.rpartition(", part ")
+        return (recording, f"part {part}") if comma else (name, "")

@@ -250,14 +250,18 @@ def _points(artist: Line2D | PolyCollection) -> int:
 
 
 @styled
-def save(figure: Figure, path: str | Path) -> list[Path]:
+def save(figure: Figure, path: str | Path, note: str = "") -> list[Path]:
     """The paths written: ``path`` as SVG or PNG by its suffix, or both if it has neither, whole or not at all.
 
+    ``note`` (such as ``emulated_note`` gives) stands along the lower edge, where the figure's own remarks do not say it.
     A series of more samples than the page has room for is stored as pixels in an SVG, which would else be many megabytes.
     The same figure gives the same bytes each time. The layout is settled at the first call, so that all files of a
     figure show the same picture.
     """
     path = Path(path)
+    remarks = figure.get_supxlabel()
+    if note and note not in remarks:
+        footnote(figure, *filter(None, remarks.replace("\n", " ").split(" · ")), note)
     figure.draw_without_rendering()
     figure.set_layout_engine("none")
     for artist in figure.findobj():

@@ -1,15 +1,20 @@
 """What the report says, section by section in reading order. A further section is a file in ``sections`` and a line here."""
 
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
 from markupsafe import Markup
 
 from . import sweeps as swept
 from .material import Material, read_tables
-from .page import Findings, Section
-from .sections.apparatus import apparatus
+from .page import Figure, Findings, Item, Section, Table, Text
+from .sections.apparatus import apparatus, calibration
 from .sections.experiment import experiment
 from .sections.findings import findings
 from .sections.missing import missing
 from .sections.origin import origin
+from .sections.own import answer, damping, evidence
 from .sections.settings import settings
 from .sections.simulation import simulation
 
@@ -19,6 +24,10 @@ EMULATED = (
     "The bench of this report is emulated. The paper's raw data were never published; the recordings of the campaign "
     "{campaigns} come from a simulated apparatus with known truth, not from a pendulum."
 )
+OWN_EMULATED = (
+    "The recordings of {campaigns} are emulated: they come from a computed pendulum and not from a real one."
+)
+LABEL = "Emulated: computed, not measured on a real apparatus."
 
 
 def sweeps(material: Material) -> Section:
@@ -27,30 +36,63 @@ def sweeps(material: Material) -> Section:
 
 
 SECTIONS = (findings, missing, simulation, apparatus, experiment, sweeps, settings, origin)
+OWN = (answer, evidence, damping, calibration, settings, origin)  # of a study of one's own
 
 
 def sections(material: Material) -> list[Section]:
-    """The report's sections in reading order; a section with nothing to show is left out."""
-    return [section for make in SECTIONS if (section := make(material)) and section.items]
+    """The report's sections in reading order; a section with nothing to show is left out.
+
+    Tables and figures that rest on emulated recordings say so.
+    """
+    made = [make(material) for make in (OWN if material.own else SECTIONS)]
+    return [_labelled(section, material) for section in made if section and section.items]
+
+
+def _labelled(section: Section, material: Material) -> Section:
+    """The section with every table and figure of emulated recordings saying that they are."""
+    emulated = set(material.emulated)
+    items: list[Item] = []
+    for item in section.items:
+        if isinstance(item, Table) and emulated & set(item.of):
+            item = replace(item, caption=f"{item.caption} {LABEL}")
+        elif isinstance(item, Figure) and emulated & set(item.of):
+            item = replace(item, text=f"{item.text.rstrip()} {LABEL}")
+        items.append(item)
+    return replace(section, items=items)
 
 
 def head(material: Material) -> dict[str, str | list[str]]:
     """Title, subtitle, footer, and the notices that a reader must see before anything else."""
     swings = [recording for recording in material.recordings if recording.get("role") != "static"]
-    campaigns = ", ".join(dict.fromkeys(recording["campaign"] for recording in swings))
+    campaigns = list(dict.fromkeys(recording["campaign"] for recording in swings))
     kind = " (emulated)" if material.emulated else ""
-    subtitle = f"{len(swings)} swings of {campaigns}{kind}" if swings else "Simulation study"
-    notices = [EMULATED.format(campaigns=", ".join(material.emulated))] if material.emulated else []
+    if material.own:
+        title = (
+            "What stops this pendulum?"
+            if len(campaigns) == 1
+            else f"What stops these {len(campaigns)} pendulums?"
+        )
+        subtitle = "; ".join(_read(recording) for recording in swings[:3]) + kind
+        subtitle += f"; and {len(swings) - 3} more" if len(swings) > 3 else ""
+        notices = [OWN_EMULATED.format(campaigns=", ".join(material.emulated))] if material.emulated else []
+    else:
+        title = "Damping of a swinging pendulum"
+        subtitle = f"{len(swings)} swings of {', '.join(campaigns)}{kind}" if swings else "Simulation study"
+        notices = [EMULATED.format(campaigns=", ".join(material.emulated))] if material.emulated else []
     footer = "Made by swingdown. The datasets behind every table and figure lie in the results folder beside this page."
-    return {
-        "title": "Damping of a swinging pendulum",
-        "subtitle": subtitle,
-        "notices": notices,
-        "footer": footer,
-    }
+    return {"title": title, "subtitle": subtitle, "notices": notices, "footer": footer}
+
+
+def _read(recording: dict[str, Any]) -> str:
+    """A recording and how its file was read."""
+    taken = f" ({recording['taken']})" if recording.get("taken") else ""
+    remarks = f": {recording['remarks']}" if recording.get("remarks") else ""
+    return f"{Path(str(recording['file'])).name}{taken}{remarks}"
 
 
 def plain_findings(material: Material) -> list[str]:
     """The findings as plain text, for the terminal."""
-    items = [item for item in findings(material).items if isinstance(item, Findings)]
-    return [Markup(line).striptags() for item in items for line in item.lines]
+    made = [item for section in sections(material)[:1] for item in section.items]
+    lines = [line for item in made if isinstance(item, Findings) for line in item.lines]
+    lines += [item.text for item in made if isinstance(item, Text) and item.style == "lead"]
+    return [Markup(line).striptags() for line in lines]

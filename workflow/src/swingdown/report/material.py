@@ -32,6 +32,11 @@ class Material:
     sweeps: dict[str, swept.Made] = field(default_factory=dict)
 
     @property
+    def own(self) -> bool:
+        """True for a study of recordings without the paper's simulations: somebody's own, in which the paper has no part."""
+        return bool(self.recordings) and not self.settings["simulation"]["simulated"]
+
+    @property
     def emulated(self) -> list[str]:
         """The campaigns that come from an emulated apparatus, each once."""
         return list(dict.fromkeys(r["campaign"] for r in self.recordings if r.get("emulated") == "yes"))
@@ -39,7 +44,13 @@ class Material:
     def shown(self, *names: str) -> list[Figure]:
         """The figures of those names that were made."""
         return [
-            Figure(f"Figure {int(name.removeprefix('fig'))}", *self.figures[name])
+            Figure(
+                f"Figure {int(name.removeprefix('fig'))}",
+                *self.figures[name],
+                f"figures/{name}.svg",
+                name,
+                tuple(self.emulated) if name >= "fig08" else (),
+            )
             for name in names
             if name in self.figures
         ]

@@ -5,6 +5,7 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import NamedTuple
 
 import jinja2
 from docutils.core import publish_parts
@@ -13,15 +14,28 @@ from markupsafe import Markup
 from ..paths import written_whole
 
 TEMPLATE = Path(__file__).with_name("report.html.j2")
-Cell = str | int | Markup
+
+
+class Value(NamedTuple):
+    """A cell that is sorted by another thing than its text."""
+
+    text: str
+    value: float | str
+
+    def __str__(self) -> str:
+        return self.text
+
+
+Cell = str | int | Markup | Value
 _MEDIA = {".png": "image/png", ".svg": "image/svg+xml"}
 
 
 @dataclass(frozen=True)
 class Text:
-    """A paragraph."""
+    """A paragraph; ``style`` is ``lead`` for what a reader should see before all else."""
 
     text: str
+    style: str = ""
     kind = "text"
 
 
@@ -52,7 +66,11 @@ class Column:
 
 @dataclass(frozen=True)
 class Table:
-    """A table of texts; ``groups`` are the rows that open a group, ``notes`` stand below it."""
+    """A table of texts; ``groups`` are the rows that open a group, ``notes`` stand below it.
+
+    ``link`` is the file that its numbers stand in, from the report's folder, ``rule`` what made that; ``of`` are the campaigns
+    that it rests on. A reader may sort the rows of a ``sortable`` one.
+    """
 
     label: str
     caption: str
@@ -60,6 +78,10 @@ class Table:
     rows: Sequence[Sequence[Cell]]
     notes: tuple[str, ...] = ()
     groups: tuple[int, ...] = ()
+    link: str = ""
+    rule: str = ""
+    of: tuple[str, ...] = ()
+    sortable: bool = False
     kind = "table"
 
     @property
@@ -69,11 +91,14 @@ class Table:
 
 @dataclass(frozen=True)
 class Figure:
-    """A figure file and its caption (reStructuredText)."""
+    """A figure file and its caption (reStructuredText); ``link``, ``rule`` and ``of`` as of a ``Table``."""
 
     label: str
     path: str
     text: str
+    link: str = ""
+    rule: str = ""
+    of: tuple[str, ...] = ()
     kind = "figure"
 
     @property

@@ -16,12 +16,6 @@ def model_symbol(label: str) -> Markup:
     return Markup(f"{text[0]}<sub>{escape(text[1:])}</sub>")
 
 
-def in_words(label: str) -> str:
-    """A model's effects in words: ``quadratic drag and load Coulomb``."""
-    names = [name.replace("_", " ").replace("coulomb", "Coulomb") for name in label.split("+")]
-    return " and ".join([", ".join(names[:-1]), names[-1]] if len(names) > 1 else names)
-
-
 def with_symbols(text: str) -> Markup:
     """A sentence with the models' symbols typeset: ``κv,q`` with its subscript."""
     return Markup(re.sub(r"κ(\w+(?:,\w+)*)", r"κ<sub>\1</sub>", str(escape(text))))

@@ -23,7 +23,7 @@ _ENOUGH = 3  # half-swings: two give a frequency, a decay needs the next
 _DIMS: dict[str, tuple[str, ...]] = {
     "fit": ("fitted", "time"),
     "residual": ("fitted", "time"),
-    "correlation": ("fitted", "parameter", "parameter_2"),
+    **dict.fromkeys(("correlation", "covariance"), ("fitted", "parameter", "parameter_2")),
     **dict.fromkeys(
         ("value", "standard_error", "random_standard_error", "systematic_standard_error"),
         ("fitted", "parameter"),
@@ -62,7 +62,7 @@ def fit_recording(
     coords = model_coords(models)
     names = coords["parameter"][1]
     own = [{
-        "norm": np.degrees(fit.rms), "release_angle": fit.only.release_angle, "release_velocity": fit.only.release_velocity,
+        "norm": np.degrees(fit.rms), "largest_angle": np.abs(fit.angle).max(), "release_angle": fit.only.release_angle, "release_velocity": fit.only.release_velocity,
         "fit": fit.angle, "residual": series - fit.angle,
     } for fit in fits]  # fmt: skip
     rows = [_row(fit, pairs, [angle], names) | more for fit, more in zip(fits, own, strict=True)]
@@ -116,6 +116,7 @@ def fit_campaign(
     by_swing = {
         "rms": [[swing.rms for swing in fit.swings] for fit in fits],
         "norm": [[np.degrees(swing.rms) for swing in fit.swings] for fit in fits],
+        "largest_angle": [[np.abs(swing.angle).max() for swing in fit.swings] for fit in fits],
         "release_angle": [[swing.release_angle for swing in fit.swings] for fit in fits],
         "release_velocity": [[swing.release_velocity for swing in fit.swings] for fit in fits],
     }
@@ -191,7 +192,8 @@ def _row(
         "systematic": np.array([by_source[name] if name in fit.model.values else absent for name in names]),
         "nuisance_value": spread(fit.model.values, nuisance),
         "nuisance_standard_error": spread(errors["standard_error"], nuisance),
-        "correlation": _correlation(fit, known.covariance, names),
+        "correlation": _over(_correlated(known.covariance), fit, names),
+        "covariance": _over(known.covariance, fit, names),
         "condition_number": _condition(known.covariance),
         "reduced_chi2": _reduced_chi2(fit, swings, angles),
         "bic": fit.bic,
@@ -245,12 +247,12 @@ def _correlated(covariance: Floats) -> Floats:
     return covariance / np.outer(errors, errors)
 
 
-def _correlation(fit: Fit, covariance: Floats, names: Sequence[str]) -> Floats:
-    """The correlation matrix over ``names``, NaN for those the model lacks."""
+def _over(matrix: Floats, fit: Fit, names: Sequence[str]) -> Floats:
+    """A fit's matrix (its correlation or covariance) over ``names``, NaN for those the model lacks."""
     found = np.full((len(names), len(names)), np.nan)
     own = [name for name in fit.model.parameters if name in names]
     where, at = [names.index(name) for name in own], [fit.free.index(name) for name in own]
-    found[np.ix_(where, where)] = _correlated(covariance)[np.ix_(at, at)]
+    found[np.ix_(where, where)] = matrix[np.ix_(at, at)]
     return found
 
 

@@ -31,6 +31,11 @@ LABELS: dict[str, tuple[str | None, str]] = {
     "nuisance_standard_error": (_OF_EACH, "its standard uncertainty after the fit"),
     "nuisance_prior": (_OF_EACH, "its standard uncertainty before the fit, about zero"),
     "correlation": ("1", "correlation of two fitted values"),
+    "covariance": (
+        _OF_EACH,
+        "covariance of two fitted values, in their units, the wider of both kinds of standard error",
+    ),
+    "largest_angle": ("rad", "largest fitted angle"),
     "condition_number": ("1", "condition number of the correlation matrix of all free values"),
     "release_angle": ("rad", "fitted angle at the first sample"),
     "release_velocity": ("rad/s", "fitted angular velocity at the first sample"),

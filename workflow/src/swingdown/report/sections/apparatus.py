@@ -1,5 +1,7 @@
 """The pendulum, what was measured of it, and its calibration."""
 
+from dataclasses import replace
+
 import pandas as pd
 
 from .. import numbers
@@ -13,6 +15,14 @@ def apparatus(material: Material) -> Section:
     if (budget := material.tables.get("uncertainty_budget")) is not None:
         items.append(_budget(budget))
     return Section("Pendulum and calibration", [*items, *material.shown("fig09")])
+
+
+def calibration(material: Material) -> Section:
+    """How voltage becomes angle, of an apparatus of one's own."""
+    items: list[Item] = [replace(one, label="Calibration") for one in material.shown("fig08")]
+    if (budget := material.tables.get("uncertainty_budget")) is not None:
+        items.append(_budget(budget))
+    return Section("Calibration", items)
 
 
 def _budget(budget: pd.DataFrame) -> Table:

@@ -1,6 +1,7 @@
 """The experiment study."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import pandas as pd
 from markupsafe import Markup
@@ -15,33 +16,34 @@ def experiment(material: Material) -> Section:
     """The experiment study: Table 3, which models differ, the parameters, and the figures."""
     items: list[Item] = []
     if (table := material.tables.get("table3")) is not None:
-        items.append(_table3(table, material))
+        items.append(table3(table, material))
     items += material.shown("fig15")
     if (table := material.tables.get("comparison")) is not None:
-        items.append(_comparison(table))
+        items.append(paired(table))
     if (table := material.tables.get("parameters")) is not None:
-        items.append(_parameters(table))
+        items.append(fitted_parameters(table))
     return Section("Experiment", [*items, *material.shown("fig10", "fig11", "fig12", "fig13", "fig14")])
 
 
-def _table3(table: pd.DataFrame, material: Material) -> Table:
-    columns = [
+def table3(table: pd.DataFrame, material: Material) -> Table:
+    """The models fitted to each swing; in a study of one's own without the paper's column."""
+    columns: list[Column] = [
         Column("campaign"),
         Column("fitted"),
         Column("norm", "degrees", "n"),
         Column("reduced χ²", style="n"),
-        Column("ΔBIC", "above the lowest", "n"),
+        Column("ΔBIC", "above the lowest, independent samples", "n"),
         Column("variance inflation", style="n"),
         Column("n", style="n"),
         Column("paper", "degrees", "n"),
     ]
-    rows = [
+    rows: list[list[Cell]] = [
         [
             row.campaign,
             model_symbol(row.fitted),
             numbers.spread(row.mean, row.std),
             numbers.plain(row.reduced_chi2),
-            numbers.whole(row.delta_bic),
+            numbers.whole(row.delta_bic_effective),
             numbers.whole(row.variance_inflation),
             int(row.n),
             numbers.spread(row.published_mean, row.published_std),
@@ -49,10 +51,13 @@ def _table3(table: pd.DataFrame, material: Material) -> Table:
         for row in table.itertuples()
     ]
     notes = [
-        "Norm: RMS of data less fit, mean ± standard deviation over the n swings. BIC: summed over them.",
+        "Norm: RMS of data less fit, mean ± standard deviation over the n swings. BIC: summed over them, for as many samples as "
+        "count as independent.",
         "Variance inflation: how many times the standard errors squared are too small for taking residuals as independent.",
     ]
-    if table["published_mean"].notna().any():
+    if material.own:
+        columns, rows = columns[:-1], [row[:-1] for row in rows]
+    elif table["published_mean"].notna().any():
         notes.append("The paper's column is for reference: its pendulum is another one.")
     for row in table.itertuples():
         about = [part for part in str(row.note).split("; ") if "below 0" in part]
@@ -61,10 +66,12 @@ def _table3(table: pd.DataFrame, material: Material) -> Table:
         ]
     if material.emulated:
         notes.append(f"Emulated: {', '.join(material.emulated)}.")
-    return _by_campaign("Table 3", "The models fitted to each swing.", columns, rows, notes)
+    label = "Models of damping" if material.own else "Table 3"
+    return _by_campaign(label, "The models fitted to each swing.", columns, rows, notes, "table3")
 
 
-def _comparison(table: pd.DataFrame) -> Table:
+def paired(table: pd.DataFrame) -> Table:
+    """Which models differ by more than swings do."""
     columns = [
         Column("campaign"),
         Column("models"),
@@ -86,10 +93,11 @@ def _comparison(table: pd.DataFrame) -> Table:
     ]
     caption = "The difference of two models' norms on the same swing: mean (standard error) over the swings."
     notes = ["p: Student's for the mean difference, corrected for the number of pairs."]
-    return _by_campaign("Paired comparison", caption, columns, rows, notes)
+    return _by_campaign("Paired comparison", caption, columns, rows, notes, "comparison")
 
 
-def _parameters(table: pd.DataFrame) -> Table:
+def fitted_parameters(table: pd.DataFrame) -> Table:
+    """The fitted parameters of every model."""
     keys = ["campaign", "fitted", "parameter", "unit"]
     columns = [
         Column("campaign"),
@@ -115,7 +123,7 @@ def _parameters(table: pd.DataFrame) -> Table:
         "Standard errors know the colour of the residuals, what the calibration leaves open, and the clock: by source in "
         "tables/parameter_budget.csv. Each swing's values: tables/parameters.csv.",
     ]
-    return _by_campaign("Parameters", caption, columns, rows, notes)
+    return _by_campaign("Parameters", caption, columns, rows, notes, "parameters")
 
 
 def _estimate(part: pd.DataFrame, recording: str | None = None) -> str:
@@ -128,18 +136,18 @@ def _estimate(part: pd.DataFrame, recording: str | None = None) -> str:
 
 
 def _by_campaign(
-    label: str, caption: str, columns: list[Column], rows: list[list[Cell]], notes: Sequence[str]
+    label: str, caption: str, columns: list[Column], rows: list[list[Cell]], notes: Sequence[str], file: str
 ) -> Table:
     """A table whose first column is the campaign: grouped by it, or without it where there is only one."""
-    campaigns = [row[0] for row in rows]
-    if len(set(campaigns)) > 1:
-        return Table(label, caption, columns, rows, tuple(notes), groups(campaigns))
+    campaigns = [str(row[0]) for row in rows]
+    whole = Table(label, caption, columns, rows, tuple(notes), groups(campaigns), f"tables/{file}.csv", "table3",
+                  tuple(dict.fromkeys(campaigns)))  # fmt: skip
+    if len(whole.of) > 1:
+        return whole
     fitted = [row[1] for row in rows]
-    return Table(
-        label,
-        caption,
-        columns[1:],
-        [row[1:] for row in rows],
-        tuple(notes),
-        groups(fitted) if label == "Parameters" else (),
+    return replace(
+        whole,
+        columns=columns[1:],
+        rows=[row[1:] for row in rows],
+        groups=groups(fitted) if label == "Parameters" else (),
     )

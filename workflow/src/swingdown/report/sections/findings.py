@@ -5,10 +5,11 @@ from markupsafe import Markup
 
 from ...fitting.nested import contains
 from ...studies.comparison import WORTH
+from ...studies.words import model_words
 from .. import numbers
 from ..material import Material
 from ..page import Findings, Section
-from ..wording import in_words, model_symbol, with_symbols
+from ..wording import model_symbol, with_symbols
 
 
 def findings(material: Material) -> Section:
@@ -40,7 +41,7 @@ def _experiment_findings(
     label = simplest(lowest, pairs)
     best, swings = models.loc[label], int(models.loc[label, "n"])
     them = "swing" if swings == 1 else f"{swings} swings"
-    words = f"{campaign}: {{}} ({in_words(label)}) describes the {them} best; it leaves {{}}° RMS."
+    words = f"{campaign}: {{}} ({model_words(label)}) describes the {them} best; it leaves {{}}° RMS."
     lines: list[str] = [Markup(words).format(model_symbol(label), numbers.spread(best["mean"], best["std"]))]
     if label != lowest:
         further = "{}: {} comes closer still, by terms that are not worth their parameters."

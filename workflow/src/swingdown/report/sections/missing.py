@@ -34,7 +34,15 @@ def missing(material: Material) -> Section:
                 path for path in material.seen if path.endswith(f"discovery/{campaign}/figures/{name}.svg")
             ]
             items += [
-                Figure(f"{name.replace('_', ' ').capitalize()}, {campaign}", path, caption) for path in paths
+                Figure(
+                    f"{name.replace('_', ' ').capitalize()}, {campaign}",
+                    path,
+                    caption,
+                    f"discovery/{campaign}/figures/{name}.svg",
+                    "discover_figures",
+                    (campaign,),
+                )
+                for path in paths
             ]
     return Section("What is missing", items)
 
@@ -63,7 +71,19 @@ def _added(found: dict[str, Any]) -> Table:
     ]
     caption = f"What was added to the model of {found['campaign']}; in parentheses the standard error in units of the last digits."
     notes = [f"Moves: {'; '.join(found['moves']).replace('_', ' ')}. {found['split'].capitalize()}."]
-    return Table(f"Effects, {found['campaign']}", caption, columns, rows, tuple(notes))
+    campaign = found["campaign"]
+    link = f"discovery/{campaign}/verdict.json"
+    return Table(
+        f"Effects, {campaign}",
+        caption,
+        columns,
+        rows,
+        tuple(notes),
+        (),
+        link,
+        "discover_verdict",
+        (campaign,),
+    )
 
 
 def _where(found: dict[str, Any]) -> Table:
@@ -92,4 +112,7 @@ def _where(found: dict[str, Any]) -> Table:
         columns,
         rows,
         ("Groups overlap: shares do not add up. “At the end” is told where something remains.",),
+        link=f"discovery/{found['campaign']}/verdict.json",
+        rule="discover_verdict",
+        of=(found["campaign"],),
     )

@@ -6,9 +6,23 @@ from ...studies.simulation import INFERRED_NOTE
 from ..material import Material
 from ..page import Listing, Section, Text
 
+NOT_RUN = (
+    "simulation",
+    "hidden_effects",
+    "detection",
+    "sweeps",
+)  # no result of one's own recordings rests on these
+
 
 def settings(material: Material) -> Section:
-    """The whole config, defaults filled in."""
+    """The whole config, defaults filled in; of a study of one's own the parts that something of it rests on."""
+    if material.own:
+        idle = NOT_RUN if "uncertainty_budget" in material.tables else (*NOT_RUN, "calibration")
+        kept = {key: value for key, value in material.settings.items() if key not in idle}
+        text = yaml.safe_dump(kept, sort_keys=False, allow_unicode=True, width=110)
+        return Section(
+            "Settings", [Text("What this run rests on, defaults filled in."), Listing(text.rstrip())]
+        )
     text = yaml.safe_dump(material.settings, sort_keys=False, allow_unicode=True, width=110)
     return Section(
         "Settings",

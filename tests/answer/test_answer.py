@@ -1,0 +1,128 @@
+"""One call from arrays, tables or labelled arrays to an answer: the same whatever holds the numbers, or a refusal by name."""
+
+import json
+import subprocess
+import sys
+
+import numpy as np
+import pandas as pd
+import pytest
+import xarray as xr
+
+import swingdown
+from swingdown.engine.trajectory import simulate
+from swingdown.errors import InputError
+from swingdown.pendulum.model import Model
+
+TIMES = np.arange(1201) / 100
+TRUTH = Model("viscous", {"natural_frequency": 7.25, "viscous_ratio": 0.008})
+NOISE = 0.002 * np.random.default_rng(3).standard_normal(TIMES.size)
+ANGLE = simulate(TRUTH, TIMES, 0.35) + NOISE
+FEW = {"fitted": ["viscous", "load_coulomb", "viscous+load_coulomb"]}
+COLUMNS = pd.DataFrame({"t (ms)": 1e3 * TIMES, "Angle (°)": np.degrees(ANGLE)})
+
+
+@pytest.fixture(scope="module")
+def plain():
+    return swingdown.fit(TIMES, ANGLE, **FEW)
+
+
+@pytest.mark.parametrize(
+    "given",
+    [
+        (list(TIMES), list(ANGLE)),
+        (np.column_stack([TIMES, ANGLE]),),
+        (pd.Series(ANGLE, index=TIMES),),
+        (pd.Series(ANGLE, index=pd.to_timedelta(TIMES, unit="s")),),
+        (pd.Series(np.degrees(ANGLE), index=TIMES, name="theta_deg"),),
+        (COLUMNS,),
+        (xr.DataArray(np.degrees(ANGLE), {"time": TIMES}, attrs={"units": "degrees"}),),
+        (xr.Dataset({"angle": ("time", ANGLE, {"units": "rad"})}, {"time": TIMES}),),
+    ],
+    ids=["lists", "columns", "series", "durations", "series-deg", "frame", "labelled-deg", "dataset"],
+)
+def test_the_same_numbers_give_the_same_answer_however_they_are_held(plain, given):
+    found = swingdown.fit(*given, **FEW)
+    for name, (value, error, unit) in plain.quantities.items():
+        assert found.quantities[name][2] == unit
+        assert abs(found.quantities[name][0] - value) < 1e-3 * error, name
+
+
+def test_degrees_are_degrees_when_said_so(plain):
+    found = swingdown.fit(TIMES, np.degrees(ANGLE), unit="deg", **FEW)
+    assert found.quantities["period"][0] == pytest.approx(plain.quantities["period"][0], abs=1e-7)
+
+
+def test_degrees_without_a_word_are_refused_with_the_mend():
+    with pytest.raises(InputError, match="say unit='deg'"):
+        swingdown.fit(TIMES, np.degrees(ANGLE), **FEW)
+
+
+def test_it_finds_the_truth_and_says_so(plain):
+    for name, value in TRUTH.values.items():
+        found, error, _ = plain.quantities[name]
+        assert abs(found - value) < 4 * error
+    assert plain.model == "viscous"
+    told = str(plain)
+    for words in ("period", "natural frequency", "quality Q", "decay time", "viscous"):
+        assert words in told
+    value, error, _ = plain.quantities["quality"]
+    assert f"{value:.1f}"[:3] in told
+
+
+def test_several_swings_share_their_pendulum(plain):
+    second = simulate(TRUTH, TIMES, 0.2) + NOISE[::-1]
+    found = swingdown.fit([TIMES, TIMES], [ANGLE, second], names=["large", "small"], **FEW)
+    assert list(found.table["recording"]) == ["large", "small", "(joint)"]
+    assert found.quantities["viscous_ratio"][1] < plain.quantities["viscous_ratio"][1]
+    again = swingdown.fit(TIMES, [ANGLE, second], **FEW)
+    assert again.quantities["quality"] == found.quantities["quality"]
+
+
+def test_an_explanation_has_a_verdict_a_picture_and_plain_numbers():
+    found = swingdown.explain(TIMES, ANGLE, base=["viscous"], rounds=1, **FEW)
+    assert found.verdict["status"] == "consistent"
+    assert "Nothing is missing" in str(found)
+    content = json.loads(json.dumps(found.to_dict()))
+    assert content["verdict"]["status"] == "consistent"
+    assert content["quantities"]["period"]["unit"] == "s"
+    assert {one.held_out for one in found.shown} == {True, False}
+    assert sum(one.times.size for one in found.shown) == TIMES.size
+    figure = found.plot()
+    assert [axes.get_ylabel() for axes in figure.axes] == ["angle (°)", "data − fit (°)"]
+    html = found._repr_html_()
+    assert "data:image/png;base64," in html and "Nothing is missing" in html and "quality Q" in html
+
+
+def test_what_is_emulated_says_so_in_the_picture():
+    data = xr.DataArray(ANGLE, {"time": TIMES}, attrs={"units": "rad", "emulated": "yes"})
+    found = swingdown.fit(data, **FEW)
+    assert found.to_dict()["emulated"]
+    assert "emulated" in found.plot().get_supxlabel()
+
+
+@pytest.mark.parametrize(
+    ("times", "angles", "told"),
+    [
+        (TIMES, ANGLE[:-1], "1200 angles for 1201 times"),
+        (TIMES, np.where(TIMES == 3, np.nan, ANGLE), "sample 300: not a finite number"),
+        (TIMES[::-1], ANGLE, "the time runs back"),
+        (TIMES, 0 * ANGLE, "constant"),
+        (TIMES[:5], ANGLE[:5], "5 samples"),
+        (TIMES, None, "the times bring no angle along"),
+        (pd.DataFrame({"t": TIMES, "Gyroscope z (rad/s)": ANGLE}), None, "an angular rate"),
+        (xr.DataArray(ANGLE, {"time": TIMES}, attrs={"units": "m"}), None, "their unit is 'm'"),
+    ],
+)
+def test_what_is_no_swing_is_refused_by_name(times, angles, told):
+    with pytest.raises(InputError, match=told):
+        swingdown.fit(times, angles, **FEW)
+
+
+def test_importing_the_package_loads_nothing_of_what_a_call_needs():
+    code = "import sys, swingdown; print(sorted(m for m in ('numpy', 'pandas', 'matplotlib', 'swingdown.answer') if m in sys.modules))"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "[]"
+    code = "import sys, swingdown; swingdown.fit, swingdown.explain; print('matplotlib' in sys.modules)"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "False"

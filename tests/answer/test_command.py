@@ -1,0 +1,184 @@
+"""One command from files to an answer: what a newcomer types in a folder with nothing but their exports."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+import yaml
+
+from swingdown.__main__ import main
+from swingdown.engine.trajectory import simulate
+from swingdown.measurement.sheet import read_sheet
+from swingdown.pendulum.model import Model
+from swingdown.study import own
+
+TIMES = np.arange(1001) / 100
+
+
+def export(path, frequency=7.25, angle=0.3, seed=0, times=TIMES, header=("Time (s)", "Angle (°)")):
+    """A swing of a viscous pendulum as a program exports it."""
+    model = Model("viscous", {"natural_frequency": frequency, "viscous_ratio": 0.008})
+    noise = 0.002 * np.random.default_rng(seed).standard_normal(times.size)
+    table = pd.DataFrame({header[0]: times, header[1]: np.degrees(simulate(model, times, angle) + noise)})
+    path.parent.mkdir(parents=True, exist_ok=True)
+    table.round(5).to_csv(path, index=False)
+    return path
+
+
+@pytest.fixture
+def here(tmp_path, monkeypatch):
+    """An empty folder, and the process in it."""
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def test_a_file_gives_its_first_answer_and_a_study_beside_it(here, capsys):
+    export(here / "anna.csv")
+    assert main(["anna.csv", "--quick"]) == 0
+    told = capsys.readouterr().out
+    assert "anna.csv: took `Angle (°)` as degrees" in told and "1001 samples" in told
+    for words in ("period", "natural frequency", "7.25", "quality Q", "decay time (1/e)", "viscous"):
+        assert words in told
+    folder = here / "anna-swingdown"
+    assert sorted(path.name for path in folder.iterdir()) == [
+        "first_answer.csv",
+        "recordings.csv",
+        "study.yaml",
+    ]
+    row = pd.read_csv(folder / "first_answer.csv").iloc[0]
+    assert abs(row["natural_frequency_rad_per_s"] - 7.25) < 4 * row["natural_frequency_rad_per_s_u"]
+    assert abs(row["viscous_ratio"] - 0.008) < 4 * row["viscous_ratio_u"]
+
+
+def test_what_it_writes_is_a_study_that_the_workflow_takes(here, snakemake, capsys):
+    export(here / "in here" / "swing 1.csv")
+    assert main(["in here/swing 1.csv", "--quick"]) == 0
+    folder = here / "in here" / "swing 1-swingdown"
+    done = snakemake("--configfile", folder / "study.yaml", "--dry-run", "--quiet", "rules", directory=folder)
+    jobs = set(done.stdout.split("Job stats:")[1].split("total")[0].split())
+    assert {"record", "fit_swing", "discover_verdict", "pendulums", "page"} <= jobs
+    assert not [job for job in jobs if job.startswith("fig")], "figures of the paper"
+
+
+def test_a_folder_is_a_class_in_which_one_bad_file_spoils_only_its_own_row(here, capsys):
+    for k in range(3):
+        export(here / "class" / f"swing {k + 9}.csv", frequency=5 + k, seed=k)
+    export(here / "class" / "Jürgen.csv", frequency=4.5)
+    export(here / "class" / "brief.csv", times=np.arange(250) / 100)
+    (here / "class" / "broken.csv").write_text("time,angle\n0,0.1\n0.1,lots\n0.2,0.3\n")
+    assert main(["class", "--quick"]) == 0
+    told = capsys.readouterr().out
+    assert "broken.csv: NOT USED" in told and "brief: " in told
+    folder = here / "class-swingdown"
+    table = pd.read_csv(folder / "first_answer.csv")
+    assert list(table["recording"]) == ["brief", "Jurgen", "swing-9", "swing-10", "swing-11"]
+    assert np.all(np.abs(table["natural_frequency_rad_per_s"] - [7.25, 4.5, 5, 6, 7]) < 5e-3)
+    out = pd.read_csv(folder / "left_out.csv").set_index("recording")
+    assert "lots" in out.loc["broken", "problem"] and "half-swings" in out.loc["brief", "problem"]
+    settings = yaml.safe_load((folder / "study.yaml").read_text())
+    assert settings["discovery"]["campaigns"] == ["Jurgen", "swing-9", "swing-10", "swing-11"]
+    os.chdir(folder)
+    assert set(read_sheet("recordings.csv")["campaign"]) == {
+        "Jurgen",
+        "brief",
+        "swing-9",
+        "swing-10",
+        "swing-11",
+    }
+
+
+def test_together_they_are_one_pendulum(here, capsys):
+    for k in range(2):
+        export(here / f"{k}.csv", angle=0.2 + 0.1 * k, seed=k)
+    assert main(["0.csv", "1.csv", "--together", "--quick", "--into", "mine"]) == 0
+    table = pd.read_csv(here / "mine" / "first_answer.csv")
+    assert list(table["recording"]) == ["0", "1", "(joint)"]
+    assert set(table["campaign"]) == {"pendulum"}
+
+
+def test_units_that_the_file_leaves_out_can_be_told(here, capsys):
+    export(here / "a.csv", header=("t", "value"))
+    with pytest.raises(SystemExit):
+        main(["a.csv", "--quick"])
+    assert "deg" in capsys.readouterr().err
+    assert not (here / "a-swingdown").exists()
+    assert main(["a.csv", "--quick", "--unit", "deg"]) == 0
+    assert pd.read_csv(here / "a-swingdown" / "recordings.csv")["signal_unit"].item() == "deg"
+
+
+@pytest.mark.parametrize(
+    ("arguments", "told"),
+    [
+        (["nowhere.csv"], "there is no such file"),
+        (["empty"], "no recording in this folder"),
+        (["text.csv"], "mend:"),
+        (["verfy", "results"], "there is no such file"),
+    ],
+)
+def test_what_cannot_be_used_is_told_in_one_block(here, capsys, arguments, told):
+    (here / "empty").mkdir()
+    (here / "text.csv").write_text("dear diary\n")
+    with pytest.raises(SystemExit) as stopped:
+        main(arguments)
+    shown = capsys.readouterr().err
+    assert stopped.value.code == 1
+    assert told in shown and shown.count("This input cannot be used.") == 1
+    assert sorted(path.name for path in here.iterdir()) == ["empty", "text.csv"]
+
+
+def test_a_study_that_somebody_changed_is_left_as_it_is(here, capsys):
+    export(here / "anna.csv")
+    assert main(["anna.csv", "--quick"]) == 0
+    assert main(["anna.csv", "--quick"]) == 0  # its own work it may do again
+    sheet = here / "anna-swingdown" / "recordings.csv"
+    sheet.write_text(sheet.read_text().replace("anna,anna", "anna,bench"))
+    before = {path.name: path.read_bytes() for path in sheet.parent.iterdir()}
+    with pytest.raises(SystemExit):
+        main(["anna.csv", "--quick"])
+    assert "--into" in capsys.readouterr().err
+    assert {path.name: path.read_bytes() for path in sheet.parent.iterdir()} == before
+
+
+def test_a_folder_that_cannot_be_written_is_told(here, capsys):
+    export(here / "anna.csv")
+    (here / "taken").write_text("a file where the folder should be")
+    with pytest.raises(SystemExit):
+        main(["anna.csv", "--quick", "--into", "taken"])
+    assert "cannot be written" in capsys.readouterr().err
+
+
+def test_names_are_safe_and_each_is_there_once():
+    given = ["Jürgen", "swing 1", "a", "A", "..", "Gruppe 3 / a", "ß", "名前", "名"]
+    found = own.names([Path(f"{name.replace('/', '_')}.csv") for name in given])
+    assert found[:4] == ["Jurgen", "swing-1", "a", "A-2"]
+    assert len({name.lower() for name in found}) == len(given)
+    assert all(name[0].isalnum() and name.isascii() and " " not in name for name in found)
+
+
+@pytest.mark.slow
+def test_from_an_empty_folder_to_a_report(here, root):
+    """Two files and a broken one, by the command alone: verdicts, the table, and a report without a trace of the paper."""
+    for k in range(2):
+        export(here / "class" / f"swing {k}.csv", frequency=6 + k, seed=k)
+    (here / "class" / "broken.csv").write_text("time,angle\n0,0.1\n0.1,lots\n0.2,0.3\n")
+    command = [Path(sys.executable).with_name("swingdown"), "class"]
+    done = subprocess.run(command, cwd=here, text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
+    assert done.returncode == 0, done.stdout
+    assert "swing-0: Nothing is missing" in done.stdout
+    results = here / "class-swingdown" / "results"
+    table = pd.read_csv(results / "tables/pendulums.csv").set_index("recording")
+    assert table["verdict"].to_dict() == {
+        "swing-0": "consistent",
+        "swing-1": "consistent",
+        "broken": "refused",
+    }
+    text = (results / "report.html").read_text(encoding="utf-8")
+    assert "Nothing is missing" in text and "broken" in text
+    for trace in ("paper", "Table 3", "Figure 1", "published"):
+        assert trace not in text
+    assert len(text) < 2_000_000
+    assert main(["verify", str(results)]) == 0

@@ -1,0 +1,80 @@
+"""Period, quality and decay time: of pendulums for which they can be worked out by hand, and with uncertainties that hold."""
+
+import numpy as np
+import pytest
+from scipy.special import ellipk
+
+from swingdown.engine.trajectory import simulate
+from swingdown.fitting.least_squares import fit_trajectory
+from swingdown.pendulum.model import Model
+from swingdown.studies.quantities import cycle, decay_time, quantities
+
+OMEGA = 7.25
+
+
+def pendulum(label, restoring="linear", **values):
+    return Model(label, {"natural_frequency": OMEGA, **values}, restoring=restoring)
+
+
+@pytest.mark.parametrize("ratio", [1e-4, 0.01, 0.2])
+def test_a_viscous_pendulum_of_small_angles_has_its_textbook_quantities(ratio):
+    """Exact: decrement 2 pi zeta / sqrt(1 - zeta^2), period 2 pi / (omega sqrt(1 - zeta^2)), decay 1/(omega zeta)."""
+    root = np.sqrt(1 - ratio**2)
+    found = quantities(pendulum("viscous", viscous_ratio=ratio), 0.3)
+    assert found["period"].value == pytest.approx(2 * np.pi / (OMEGA * root), rel=1e-6)
+    assert found["quality"].value == pytest.approx(root / (2 * ratio), rel=1e-4)
+    assert found["decay_time"].value == pytest.approx(1 / (OMEGA * ratio), rel=1e-4)
+    assert found["natural_frequency"].value == OMEGA
+
+
+def test_the_period_of_a_large_swing_is_the_elliptic_one():
+    almost_free = pendulum("viscous", "sine", viscous_ratio=1e-9)
+    expected = 4 / OMEGA * ellipk(np.sin(1.0 / 2) ** 2)
+    assert cycle(almost_free, 1.0).period == pytest.approx(expected, rel=1e-7)
+
+
+def test_dry_friction_takes_the_same_angle_each_half_swing():
+    """Exact for linear restoring: each half-swing 2 c/omega^2, so that the time to the e-th part is proportional to the angle."""
+    friction, amplitude = 0.05, 0.4
+    model = pendulum("constant_coulomb", constant_friction=friction)
+    loss = 4 * friction / OMEGA**2  # a period
+    assert decay_time(model, amplitude) == pytest.approx(
+        amplitude * (1 - np.exp(-1)) / loss * 2 * np.pi / OMEGA, rel=2e-3
+    )
+    first, second = amplitude - loss / 4, amplitude - 3 * loss / 4  # half of what lies between turning points
+    assert quantities(model, amplitude)["quality"].value == pytest.approx(
+        np.pi / (2 * np.log(first / second)), rel=1e-5
+    )
+
+
+def test_where_the_swing_hangs_does_not_matter():
+    leaning = pendulum("viscous+constant_torque", viscous_ratio=0.01, constant_torque=1.0)
+    middle = 1.0 / OMEGA**2
+    assert cycle(leaning, 0.3 + middle).decrement == pytest.approx(
+        cycle(pendulum("viscous", viscous_ratio=0.01), 0.3).decrement, rel=1e-5
+    )
+
+
+def test_a_pendulum_that_does_not_come_back_has_no_quality():
+    found = quantities(pendulum("viscous", viscous_ratio=1.2), 0.3)
+    assert np.isnan([found[name].value for name in ("period", "quality", "decay_time")]).all()
+    stopped = quantities(pendulum("constant_coulomb", constant_friction=10.0), 0.2)
+    assert np.isnan(stopped["decay_time"].value)
+
+
+def test_uncertainties_are_as_large_as_the_scatter_of_repeated_measurements():
+    times, truth = (
+        np.arange(801) / 100,
+        pendulum("viscous+load_coulomb", "sine", viscous_ratio=0.006, load_friction=0.003),
+    )
+    clean, draws = simulate(truth, times, 0.4), np.random.default_rng(5)
+    expected, away = quantities(truth, 0.4), []
+    for _ in range(60):
+        fit = fit_trajectory(truth, times, clean + 0.003 * draws.standard_normal(times.size), guess=truth)
+        size = len(truth.parameters)
+        found = quantities(fit.model, 0.4, fit.covariance[:size, :size])
+        away.append(
+            [(found[name].value - expected[name].value) / found[name].uncertainty for name in expected]
+        )
+    scatter = np.sqrt(np.mean(np.square(away), axis=0))
+    assert np.all((scatter > 0.75) & (scatter < 1.3)), dict(zip(expected, scatter, strict=True))

@@ -1,0 +1,40 @@
+"""Period, quality, decay and friction of each recording and pendulum, with the verdict on it, in one table."""
+
+import json
+from pathlib import Path
+
+import pandas as pd
+
+from swingdown import console, dataset
+from swingdown.pendulum.catalogue import catalogue
+from swingdown.studies.paper_tables import write_table
+from swingdown.studies.pendulums import pendulums
+
+
+def collect(norms, joint, verdicts, left_out, known, output):
+    """The table written, and a line on each of its rows."""
+    table = pendulums(
+        dataset.read(norms),
+        [dataset.read(path) for path in joint],
+        [json.loads(Path(path).read_text(encoding="utf-8")) for path in verdicts],
+        pd.read_csv(left_out) if left_out else None,
+        known,
+    )
+    write_table(table, output)
+    return "\n".join(
+        f"{row.recording} ({row.campaign}): period {row.period_s_text} s, Q {row.quality_text}"
+        if row.model == row.model
+        else f"{row.recording}: {row.remark}"
+        for row in table.itertuples()
+    )
+
+
+if __name__ == "__main__":
+    with console.job(snakemake.log[0]) as say:
+        files = snakemake.input
+        say(
+            collect(
+                files.norms, list(files.joint), list(files.verdicts), files.get("left_out"),
+                catalogue(snakemake.params.effects), snakemake.output[0],
+            )
+        )  # fmt: skip

@@ -1,0 +1,113 @@
+"""From somebody's arrays to an answer in one call: ``fit`` for the damping, ``explain`` for what is missing as well."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import Any
+
+import xarray as xr
+
+from ..arrays import Shown
+from ..discovery.campaign import Campaign, Swing, campaign
+from ..discovery.files import summary
+from ..discovery.rounds import Round, discover
+from ..discovery.verdict import verdict
+from ..errors import InputError
+from ..measurement.slack import of_angles
+from ..pendulum.catalogue import catalogue
+from ..pendulum.model import PAPER_MODELS, Model, models
+from ..studies.experiment import fit_campaign, fit_recording
+from ..studies.norms import combine_recordings
+from ..studies.pendulums import described_by, pendulums
+from .given import swings
+from .result import Answer
+
+__all__ = ["Answer", "explain", "fit"]
+
+BASE = ("viscous", "load_coulomb")  # what the search starts from, as `discovery.base` of the settings
+
+
+def fit(
+    times: Any,
+    angles: Any = None,
+    *,
+    unit: str | None = None,
+    fitted: Sequence[str] = PAPER_MODELS,
+    effects: Mapping[str, Any] | None = None,
+    names: Sequence[str] | None = None,
+) -> Answer:
+    """The ``Answer`` of models of damping fitted to one swing or several of one pendulum: period, quality, decay, the best model.
+
+    ``times`` (s) and ``angles`` are arrays, lists or pandas Series; or ``angles`` is left out and ``times`` is a Series (its
+    index is the time), a DataFrame with a column of time and one of the angle, or a DataArray or Dataset of xarray. Lists of
+    these are several swings. ``unit`` is ``rad`` or ``deg``; without it a header or the attribute ``units`` decides, else rad.
+    ``fitted`` are labels of models, ``effects`` effects of one's own as the settings' key ``effects`` has them. InputError for
+    what no pendulum does, and for a swing that is too short.
+    """
+    return of_swings(swings(times, angles, unit, names), fitted, effects)
+
+
+def of_swings(
+    given: Sequence[xr.Dataset],
+    fitted: Sequence[str] = PAPER_MODELS,
+    effects: Mapping[str, Any] | None = None,
+) -> Answer:
+    """The ``Answer`` of ``fit`` on angle datasets (``measurement.angle.to_angle``) of one pendulum."""
+    known = models(list(fitted), effects)
+    try:
+        each = [fit_recording(one, known) for one in given]
+    except ArithmeticError as problem:
+        raise InputError("swing", str(problem), "the motion of a pendulum", "look at the angles") from problem
+    together = each[0] if len(given) == 1 else fit_campaign(given, known)
+    norms = combine_recordings(each)
+    label, entries = described_by(norms), catalogue(effects)
+    table = pendulums(norms, [] if len(given) == 1 else [together], catalogue=entries)
+    shown = [
+        Shown(
+            str(one["recording"].item()),
+            "",
+            one["time"].values,
+            data["angle"].values,
+            one["fit"].sel(fitted=label).values,
+        )
+        for one, data in zip(each, given, strict=True)
+    ]
+    return Answer(tuple(given), norms, table, tuple(shown))
+
+
+def explain(
+    times: Any,
+    angles: Any = None,
+    *,
+    unit: str | None = None,
+    base: Sequence[str] = BASE,
+    rounds: int = 4,
+    fitted: Sequence[str] = PAPER_MODELS,
+    effects: Mapping[str, Any] | None = None,
+    names: Sequence[str] | None = None,
+) -> Answer:
+    """The ``Answer`` of ``fit`` with a verdict: what the model ``base`` lacks, found in at most ``rounds`` moves.
+
+    The search takes some seconds for a swing that an effect of the catalogue explains, and up to minutes for one that none
+    does. Other arguments and errors as in ``fit``; a single swing needs nine half-swings, so that some can be held out.
+    """
+    first = fit(times, angles, unit=unit, fitted=fitted, effects=effects, names=names)
+    whole = searchable("pendulum", first.swings)
+    states = discover(whole, Model(tuple(base), catalogue=catalogue(effects)), rounds)
+    found = verdict([summary(state, whole) for state in states], catalogue(effects))
+    return first.with_verdict(found, _shown(states[-1], whole.fit, whole.holdout))
+
+
+def searchable(name: str, given: Sequence[xr.Dataset]) -> Campaign:
+    """The ``Campaign`` of these angle datasets; InputError where they are too little to hold any out."""
+    made = [Swing(str(one.attrs["recording"]), one["time"].values, one["angle"].values) for one in given]
+    return replace(campaign(name, made), slack=of_angles(given))
+
+
+def _shown(state: Round, fitted: Sequence[Swing], held: Sequence[Swing]) -> tuple[Shown, ...]:
+    """The swings beside what the last model of a search makes of them, in the order of their times."""
+    pairs = [*zip(fitted, state.fit.swings, strict=True), *zip(held, state.holdout.swings, strict=True)]
+    found = [
+        Shown(*Shown.named(swing.name), swing.times, swing.angle, one.angle, swing in held)
+        for swing, one in pairs
+    ]
+    return tuple(sorted(found, key=lambda one: (one.recording, float(one.times[0]))))

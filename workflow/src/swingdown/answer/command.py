@@ -1,0 +1,164 @@
+"""From files to an answer in one command: each is read, a first answer is told, and the workflow is run for the verdict."""
+
+import json
+import subprocess
+import sys
+from collections.abc import Mapping, Sequence
+from math import degrees
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+
+from ..errors import InputError
+from ..paths import PROJECT, write_csv
+from ..rounding import value_with_uncertainty
+from ..studies.pendulums import in_order
+from ..studies.words import lines, model_words, quantity_rows, said
+from ..study import own
+from . import Answer, of_swings, searchable
+
+FIRST = "first_answer.csv"
+_FEW = 3  # pendulums that are told at length; of more a line each
+
+
+def answer(
+    given: Sequence[str],
+    told: Mapping[str, Any],
+    into: str | None = None,
+    together: bool = False,
+    quick: bool = False,
+    cores: int = 2,
+) -> int:
+    """The exit code of the study of these files and folders, which is written into a folder and run; 0 where all went well.
+
+    ``told`` are cells of the sample sheet that hold for every file. A file that cannot be used is told and left out; InputError
+    where none can be used.
+    """
+    paths = own.files(given)
+    folder = Path(into) if into else own.place(given)
+    rows = own.rows(paths, folder, together, told)
+    taken, left_out = _read(paths, rows)
+    if not taken:
+        one = left_out[0]
+        where = (
+            one.file
+            if len(left_out) == 1
+            else f"none of {len(left_out)} files can be used; the first, {one.file}"
+        )
+        raise InputError(where, one.problem, one.expected, one.mend)
+    answers, unfit = _first(taken)
+    left_out += unfit
+    kept = [one for one in taken if one.row["campaign"] in answers]
+    if not kept:
+        raise InputError(unfit[0].file, unfit[0].problem, unfit[0].expected, unfit[0].mend)
+    _tell(answers)
+    searched, short = _searched(kept)
+    left_out += short
+    for one in (*unfit, *short):
+        _say(f"{one.recording}: {one.problem}. Mend: {one.mend}.")
+    config = own.write(folder, [one.row for one in kept], left_out, searched)
+    table = pd.concat([one.table for one in answers.values()], ignore_index=True)
+    write_csv(in_order(table), folder / FIRST)
+    _say(f"\nwritten: {config}, {own.SHEET} and {FIRST} beside it")
+    if quick:
+        return 0
+    if not searched:
+        _say("nothing here is long enough to be searched for what is missing; the first answer stands")
+        return 0
+    return _run(config, folder, searched, cores)
+
+
+def _read(
+    paths: Sequence[Path], rows: Sequence[Mapping[str, Any]]
+) -> tuple[list[own.Taken], list[own.Refused]]:
+    """What each file gives, told in a line each."""
+    taken: list[own.Taken] = []
+    left_out: list[own.Refused] = []
+    for path, row in zip(paths, rows, strict=True):
+        found = own.take(row, path)
+        if isinstance(found, own.Refused):
+            left_out.append(found)
+            _say(f"{path.name}: NOT USED: {found.problem}. Expected: {found.expected}. Mend: {found.mend}.")
+            continue
+        taken.append(found)
+        about = found.recording.attrs
+        _say(f"{path.name}: {about['taken']}, {found.angle.sizes['time']} samples")
+        if about.get("remarks"):
+            _say(f"    {about['remarks']}")
+    return taken, left_out
+
+
+def _first(taken: Sequence[own.Taken]) -> tuple[dict[str, Answer], list[own.Refused]]:
+    """The first answer on each pendulum, by campaign, and the files of those that cannot be fitted."""
+    found: dict[str, Answer] = {}
+    unfit: list[own.Refused] = []
+    campaigns: dict[str, list[own.Taken]] = {}
+    for one in taken:
+        campaigns.setdefault(one.row["campaign"], []).append(one)
+    for campaign, members in campaigns.items():
+        try:
+            found[campaign] = of_swings([one.angle for one in members])
+        except InputError as problem:
+            unfit += [own.refused(one.row, problem) for one in members]
+    return found, unfit
+
+
+def _searched(kept: Sequence[own.Taken]) -> tuple[list[str], list[own.Refused]]:
+    """The campaigns long enough to hold a part of them out, and of the others why they are not."""
+    campaigns: dict[str, list[own.Taken]] = {}
+    for one in kept:
+        campaigns.setdefault(one.row["campaign"], []).append(one)
+    searched, short = [], []
+    for campaign, members in campaigns.items():
+        try:
+            searchable(campaign, [one.angle for one in members])
+            searched.append(campaign)
+        except InputError as problem:
+            short += [own.refused(one.row, problem) for one in members]
+    return searched, short
+
+
+def _tell(answers: Mapping[str, Answer]) -> None:
+    """The first answers: at length of a few pendulums, a line each of many."""
+    for campaign, one in answers.items():
+        if len(answers) <= _FEW:
+            _say("\n".join(["", campaign, *(f"  {line}" for line in lines(one.row))]))
+            continue
+        told = {
+            each.name: value_with_uncertainty(each.value, each.uncertainty) for each in quantity_rows(one.row)
+        }
+        _say(
+            f"{campaign:20} T {told.get('period', '–')} s   Q {told.get('quality', '–')}   decay {told.get('decay_time', '–')} s"
+            f"   at {degrees(one.row['amplitude_rad']):.3g}°   {model_words(one.model)}"
+        )
+
+
+def _run(config: Path, folder: Path, searched: Sequence[str], cores: int) -> int:
+    """The exit code of the workflow on the study; its verdicts are told. What fails of one campaign stops no other."""
+    if PROJECT is None:
+        _say("the search and the report need the project's folder (a clone of it); the first answer stands")
+        return 0
+    _say("now looking for what is missing ...\n")
+    command = [
+        sys.executable, "-m", "snakemake", "--snakefile", str(PROJECT / "Snakefile"), f"-c{cores}", "--keep-going",
+        "--configfile", str(config.resolve()), "--directory", str(folder.resolve()),
+    ]  # fmt: skip
+    sys.stdout.flush()
+    code = subprocess.run(command, cwd=PROJECT).returncode
+    for campaign in searched:
+        path = folder / "results" / "discovery" / campaign / "verdict.json"
+        if path.exists():
+            verdict = json.loads(path.read_text(encoding="utf-8"))
+            _say(f"{campaign}: {'. '.join(said(verdict))}")
+        else:
+            _say(
+                f"{campaign}: the search did not end; see {folder / 'results' / 'logs' / 'discover' / campaign}"
+            )
+    if code == 0:
+        _say(f"the report: {folder / 'results' / 'report.html'}")
+    return 1 if code else 0
+
+
+def _say(text: str) -> None:
+    print(text, flush=True)

@@ -1,0 +1,103 @@
+"""The first picture of one's own recordings: each with its fit, and below it what the fit leaves."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from ..arrays import Floats, Shown
+from . import style
+
+FITTED, HELD, DATA = "#0072B2", "#009E73", style.GREY
+_RECORDINGS = 3  # side by side; more would be too narrow to read
+_PIXELS = (
+    900  # columns of a panel: more samples than twice that are drawn as their least and greatest in each
+)
+
+
+@style.styled
+def swings_with_fit(
+    shown: Sequence[Shown], noise: float | None, data: xr.Dataset | Mapping[str, Any]
+) -> Figure:
+    """Angle and fit over time, and below them the residual with the noise (rad, None: not measured); a column each recording.
+
+    ``shown`` are ``Shown``s, those of one recording in the order of their times. Of more than three recordings those with the
+    largest, the middle and the smallest angle are drawn. ``data`` says whether it is emulated.
+    """
+    names = list(dict.fromkeys(one.recording for one in shown))
+    reach = {name: max(float(np.ptp(one.angle)) for one in shown if one.recording == name) for name in names}
+    order = sorted(names, key=lambda name: -reach[name])
+    chosen = order if len(order) <= _RECORDINGS else [order[0], order[len(order) // 2], order[-1]]
+    figure = style.new_figure(9.0)
+    grid = figure.subplots(2, len(chosen), sharex="col", sharey="row", squeeze=False, height_ratios=[3, 2])
+    for (upper, lower), name in zip(grid.T, chosen, strict=True):
+        _recording(upper, lower, [one for one in shown if one.recording == name], noise)
+        if len(names) > 1:
+            upper.set_title(name)
+        lower.set_xlabel("time (s)" if len(chosen) > 1 else style.TIME)
+    grid[0, 0].set_ylabel("angle (°)")
+    grid[1, 0].set_ylabel("data − fit (°)")
+    handles = {
+        handle.get_label(): handle
+        for row in grid
+        for axes in row
+        for handle in axes.get_legend_handles_labels()[0]
+    }
+    measured = style.mark(".", DATA, "measured")
+    figure.legend(handles=[measured, *handles.values()], loc="outside upper left", ncols=4)
+    left = (
+        f"{len(chosen)} of {len(names)} recordings: largest, middle and smallest angle"
+        if len(chosen) < len(names)
+        else ""
+    )
+    return style.footnote(figure, left, style.emulated_note(data))
+
+
+def _recording(upper: Axes, lower: Axes, parts: Sequence[Shown], noise: float | None) -> None:
+    begin = float(parts[0].times[0])
+    for one in parts:
+        time = one.times - begin
+        colour = HELD if one.held_out else FITTED
+        what = "model, on a part held out of the fit" if one.held_out else "fit"
+        left = style.degrees(one.angle - one.fit)
+        upper.plot(*thinned(time, style.degrees(one.angle)), ".", ms=2.6, mew=0, color=DATA, rasterized=True)
+        upper.plot(*thinned(time, style.degrees(one.fit)), lw=0.7, color=colour, label=what)
+        lower.plot(*thinned(time, left), lw=0.6, color=colour)
+    if noise:
+        band = 2 * float(np.degrees(noise))
+        lower.axhspan(
+            -band, band, color=style.FAINT, alpha=0.7, lw=0, label="± 2 standard deviations of the noise"
+        )
+    style.symmetric(lower, np.concatenate([style.degrees(one.angle - one.fit) for one in parts]))
+    lower.set_xlim(0, float(parts[-1].times[-1]) - begin)
+    for axes in (upper, lower):
+        axes.grid(True, axis="y")
+
+
+def shown_in(data: xr.Dataset) -> list[Shown]:
+    """The swings of a round's fit dataset (``angle``, ``fit``, ``time``, ``swing`` over sample; ``name``, ``held_out`` over swings)."""
+    found = []
+    for k, (name, held) in enumerate(zip(data["name"].values, data["held_out"].values, strict=True)):
+        rows = data["swing"].values == k
+        times, angle, fit = (data[key].values[rows] for key in ("time", "angle", "fit"))
+        found.append(Shown(*Shown.named(str(name)), times, angle, fit, bool(held)))
+    return sorted(found, key=lambda one: (one.recording, float(one.times[0])))
+
+
+def thinned(time: Floats, values: Floats, columns: int = _PIXELS) -> tuple[Floats, Floats]:
+    """Times and values that look the same at so many columns of pixels: of each column the least and the greatest value."""
+    if time.size <= 2 * columns:
+        return time, values
+    edges = np.linspace(0, time.size, columns + 1).astype(int)[:-1]
+    ends = np.append(edges[1:], time.size)
+    kept = np.array(
+        [
+            (a + int(np.argmin(values[a:b])), a + int(np.argmax(values[a:b])))
+            for a, b in zip(edges, ends, strict=True)
+        ]
+    )
+    kept = np.unique(kept)
+    return time[kept], values[kept]

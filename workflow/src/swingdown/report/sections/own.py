@@ -1,0 +1,233 @@
+"""A report of one's own recordings: the answer first, then what it rests on."""
+
+import math
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+from markupsafe import Markup
+
+from ...studies.pendulums import REFUSED
+from ...studies.words import STATUS, model_words, quantity_rows, said
+from .. import numbers
+from ..material import Material
+from ..page import Cell, Column, Figure, Item, Section, Table, Text, Value
+from .experiment import fitted_parameters, paired, table3
+from .missing import missing
+
+FEW = 3  # campaigns that are shown at length; of more there is one table and one picture
+_TORQUE = "The torque that is missing, over angle, velocity and time, from the equations of variation: no data are differentiated."
+_FITTED = (
+    "What was measured, what the last model makes of it, and what that leaves. Parts in green had no share in the fit but their own "
+    "release: they are what the verdict is held against."
+)
+
+
+def answer(material: Material) -> Section | None:
+    """Of each pendulum the verdict in a sentence and how sure it is, the recording with its fit, its quantities, the missing torque."""
+    table = material.tables.get("pendulums")
+    if table is None:
+        return None
+    if table["campaign"].nunique() > FEW:
+        return Section("All pendulums", list(_side_by_side(table, material)))
+    items: list[Item] = []
+    verdicts = {found["campaign"]: found for found in material.verdicts}
+    refused = table["verdict"] == REFUSED
+    for campaign, rows in table[~refused].groupby("campaign", sort=False):
+        if found := verdicts.get(str(campaign)):
+            items += _verdict(found, table["campaign"].nunique() > 1)
+        items += _drawn(material, str(campaign), "answer", "Recording and fit", _FITTED)
+        items += (
+            [_quantities(rows, material)] if len(rows) == 1 else [_recordings(rows, material, str(campaign))]
+        )
+        items += _drawn(material, str(campaign), "map", "Missing torque", _TORQUE)
+    items += [Text(f"{row.recording} was not used: {row.remark}.") for row in table[refused].itertuples()]
+    return Section("The answer", items)
+
+
+def _verdict(found: Mapping[str, Any], several: bool) -> Iterator[Text]:
+    name = Markup("{}: ").format(found["campaign"]) if several else ""
+    yield Text(Markup("{}<b>{}.</b> {}").format(name, *said(found)), "lead")
+    yield Text(_sure(found))
+    if found["next_measurement"]:
+        yield Text(Markup("<b>Next measurement.</b> {}").format(found["next_measurement"]))
+
+
+def _sure(found: Mapping[str, Any]) -> Markup:
+    """How sure a verdict is: what was held out of every fit, and what each effect gained."""
+    noise = 1e3 * found["noise_rms_rad"]
+    parts = [
+        f"Recordings, or parts, that were held out of every fit are met within {found['gap']['holdout'][-1]:.3g} times the noise of "
+        f"{noise:.3g} mrad; a complete model leaves 1."
+    ]
+    for one in found["effects"]:
+        words = one["name"].replace("_", " ")
+        parts.append(
+            f"With {words} BIC falls by {numbers.whole(one['delta_bic'])}; 10 is called very strong."
+        )
+    link = Markup('<a href="discovery/{0}/verdict.json">discovery/{0}/verdict.json</a>').format(
+        found["campaign"]
+    )
+    return Markup("<b>How sure.</b> {} All of it: {}.").format(" ".join(parts), link)
+
+
+def _drawn(material: Material, campaign: str, name: str, label: str, caption: str) -> list[Item]:
+    place = f"discovery/{campaign}/figures/{name}.svg"
+    paths = [path for path in material.seen if path.endswith(place)]
+    return [
+        Figure(f"{label}, {campaign}", path, caption, place, "discover_figures", (campaign,))
+        for path in paths
+    ]
+
+
+def _quantities(rows: pd.DataFrame, material: Material) -> Table:
+    """What a single recording gives, a line a quantity."""
+    row = rows.iloc[0].to_dict()
+    campaign = str(row["campaign"])
+    told: list[list[Cell]] = [
+        [
+            one.words,
+            numbers.brief(one.value, one.uncertainty),
+            "" if one.unit == "1" else one.unit,
+            one.condition,
+        ]
+        for one in quantity_rows(row)
+    ]
+    columns = [Column("quantity"), Column("value", style="n"), Column("unit"), Column("holds")]
+    return Table(
+        f"Quantities, {campaign}", _of_model(str(row["model"]), row["residual_rad"]), columns, told, _NOTES, (),
+        "tables/pendulums.csv", "pendulums", (campaign,),
+    )  # fmt: skip
+
+
+_NOTES = (
+    "In parentheses the standard uncertainty in units of the last digits; it allows for residuals that are not independent.",
+    "Period, Q and decay time are the fitted model's, let go at rest from the angle named. Q is π over the logarithmic decrement of "
+    "the first whole swing; the decay time is that in which the amplitude falls to 1/e.",
+    "The model is one of damping alone: where something is missing, its natural frequency and friction do some of the work of that.",
+)
+
+
+def _of_model(label: str, residual: float) -> str:
+    return (
+        f"Of the models of damping the one with {model_words(label)} describes the recording best; "
+        f"it leaves {numbers.plain(1e3 * residual)} mrad RMS."
+    )
+
+
+def _recordings(rows: pd.DataFrame, material: Material, campaign: str) -> Table:
+    """What each recording of one pendulum gives, and all of them together."""
+    caption = f"Each recording of {campaign}, and all of them fitted together."
+    return _table(f"Quantities, {campaign}", caption, rows, (campaign,), material, searched=False)
+
+
+def _side_by_side(table: pd.DataFrame, material: Material) -> Iterator[Item]:
+    """A class of pendulums: the table, the picture, and what was not used."""
+    used = table[table["verdict"] != REFUSED]
+    campaigns = tuple(dict.fromkeys(used["campaign"].astype(str)))
+    counts = (
+        used.drop_duplicates("campaign")["verdict"]
+        .fillna("")
+        .map(lambda kind: STATUS.get(kind, kind))
+        .value_counts()
+    )
+    said = ", ".join(f"{word[:1].lower() + word[1:]}: {count}" for word, count in counts.items())
+    refused = len(table) - len(used)
+    left = f"; {refused} file{'s' if refused > 1 else ''} could not be used" if refused else ""
+    yield Text(f"{len(campaigns)} pendulums. {said[:1].upper() + said[1:]}{left}.", "lead")
+    caption = "Each pendulum; a click on a column's head sorts by it, and the name leads to its files."
+    yield _table("Pendulums", caption, table, campaigns, material, searched=True)
+    if "pendulums" in material.figures:
+        path, text = material.figures["pendulums"]
+        yield Figure("All pendulums", path, text, "figures/pendulums.svg", "pendulums_figure", campaigns)
+
+
+def _table(
+    label: str,
+    caption: str,
+    table: pd.DataFrame,
+    campaigns: tuple[str, ...],
+    material: Material,
+    searched: bool,
+) -> Table:
+    files = {recording["recording"]: Path(str(recording["file"])).stem for recording in material.recordings}
+    columns = [
+        Column("pendulum" if searched else "recording"),
+        Column("amplitude", "degrees", "n"),
+        Column("period", "s", "n"),
+        Column("natural frequency", "rad/s", "n"),
+        Column("Q", style="n"),
+        Column("decay time", "s", "n"),
+        Column("damping"),
+        *([Column("verdict")] if searched else []),
+    ]
+    rows: list[list[Cell]] = []
+    for row in table.to_dict("records"):
+        name = (
+            "all together" if row["recording"] == "(joint)" else files.get(row["recording"], row["recording"])
+        )
+        if row["verdict"] == REFUSED:
+            rows.append([str(name), *[""] * (len(columns) - 3), "", _why(row)])
+            continue
+        cells: list[Cell] = [_linked(str(name), row) if searched else str(name)]
+        cells.append(_sorted(numbers.plain(math.degrees(row["amplitude_rad"])), row["amplitude_rad"]))
+        for column in ("period_s", "natural_frequency_rad_per_s", "quality", "decay_time_s"):
+            cells.append(_sorted(numbers.brief(row[column], row[f"{column}_u"]), row[column]))
+        cells.append(model_words(str(row["model"])))
+        rows.append([*cells, _why(row)] if searched else cells)
+    return Table(
+        label, caption, columns, rows, _NOTES, (), "tables/pendulums.csv", "pendulums", campaigns, searched
+    )
+
+
+def _sorted(text: str, value: float) -> Cell:
+    return Value(text, value) if math.isfinite(value) else text
+
+
+def _linked(name: str, row: Mapping[str, Any]) -> Cell:
+    if not isinstance(row["verdict"], str) or not row["verdict"]:
+        return name
+    return Markup('<a href="discovery/{}/figures/answer.svg">{}</a>').format(row["campaign"], name)
+
+
+def _why(row: Mapping[str, Any]) -> Cell:
+    """The verdict of a row: its status, what it names, or why there is none."""
+    kind = row["verdict"] if isinstance(row["verdict"], str) else ""
+    more = [row[key] for key in ("missing", "remark") if isinstance(row[key], str) and row[key]]
+    text = ": ".join([STATUS.get(kind, kind), *more]).replace("_", " ")
+    if kind in ("", REFUSED):
+        return text
+    return Markup('<a href="discovery/{}/verdict.json">{}</a>').format(row["campaign"], text)
+
+
+def evidence(material: Material) -> Section | None:
+    """What the verdicts rest on; of many pendulums where it lies."""
+    if len(material.verdicts) > FEW:
+        return Section("Evidence", [Text(_FOLDERS)])
+    shown: list[Item] = [item for item in missing(material).items if not isinstance(item, Text)]
+    return Section(
+        "Evidence",
+        [item for item in shown if not (isinstance(item, Figure) and item.path.endswith("map.svg"))],
+    )
+
+
+_FOLDERS = Markup(
+    "Of each pendulum the folder <code>discovery/</code> beside this page has the verdict with all its numbers, the rounds of the search, "
+    "and its figures: recording and fit, missing torque, half-swings, residuals, ranking. "
+    'Every value of every fit: <a href="tables/parameters.csv">tables/parameters.csv</a>.'
+)
+
+
+def damping(material: Material) -> Section | None:
+    """The models of damping side by side, and their parameters."""
+    if len(material.verdicts) > FEW or "table3" not in material.tables:
+        return None
+    tables = material.tables
+    own = tables["table3"][tables["table3"]["fitted"] != "error_bounds"]
+    items: list[Item] = [table3(own, material)]
+    if own.groupby("campaign")["n"].max().max() > 1 and "comparison" in tables:
+        items.append(paired(tables["comparison"]))
+    if "parameters" in tables:
+        items.append(fitted_parameters(tables["parameters"]))
+    return Section("Models of damping", items)

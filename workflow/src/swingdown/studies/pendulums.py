@@ -1,0 +1,153 @@
+"""The pendulums of a study side by side: of each the model of damping that describes it, its quantities, and the verdict."""
+
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+
+from ..arrays import Floats
+from ..pendulum.catalogue import SHIPPED, Catalogue
+from ..pendulum.model import Model
+from ..rounding import value_with_uncertainty
+from .comparison import WORTH, bic_effective
+from .norms import as_text
+from .quantities import UNITS, Quantity, quantities
+
+_SUFFIX = {
+    "1": "",
+    "rad/s": "_rad_per_s",
+    "rad/s^2": "_rad_per_s2",
+    "1/s": "_per_s",
+    "1/s^2": "_per_s2",
+    "s": "_s",
+    "rad": "_rad",
+}
+REFUSED = "refused"  # stands where a verdict would, for a file that could not be read
+
+
+def described_by(norms: xr.Dataset) -> str:
+    """The label of the model of damping that describes these recordings: the smallest whose further terms are not worth it.
+
+    ``norms`` (fitted, recording, parameter) as ``norms.combine_recordings`` gives them. Evidence is BIC for as many samples
+    as count as independent; a model with a coefficient below 0, which no damper has, is left out where there is another.
+    """
+    labels, evidence = as_text(norms["fitted"]), bic_effective(norms)
+    sizes = norms["value"].drop_sel(parameter="natural_frequency")
+    sound = ~(sizes < 0).any([dim for dim in sizes.dims if dim != "fitted"]).values
+    usable = [k for k in range(len(labels)) if sound[k] and np.isfinite(evidence[k])] or list(
+        range(len(labels))
+    )
+    lowest = min(evidence[k] for k in usable)
+    near = [k for k in usable if evidence[k] - lowest <= WORTH]
+    return labels[min(near, key=lambda k: (labels[k].count("+"), evidence[k]))]
+
+
+def described(
+    norms: xr.Dataset, label: str, catalogue: Catalogue = SHIPPED
+) -> tuple[float, dict[str, Quantity]]:
+    """The amplitude (rad) at which the quantities of one recording hold, and these by name.
+
+    ``norms`` (fitted, parameter, parameter_2) of one recording, or of several fitted together; the amplitude is the largest
+    fitted angle.
+    """
+    one = norms.sel(fitted=label)
+    options = {key: str(norms.attrs[key]) for key in ("restoring", "form") if key in norms.attrs}
+    model = Model(tuple(label.split("+")), catalogue=catalogue, **options)  # type: ignore[arg-type]
+    at = {"parameter": list(model.parameters)}
+    model = model.with_values(
+        dict(zip(model.parameters, map(float, one["value"].sel(at).values), strict=True))
+    )
+    covariance: Floats = one["covariance"].sel(at | {"parameter_2": list(model.parameters)}).values
+    amplitude = float(one["largest_angle"].max())
+    return amplitude, quantities(model, amplitude, covariance)
+
+
+def pendulums(
+    norms: xr.Dataset,
+    joint: Iterable[xr.Dataset] = (),
+    verdicts: Iterable[Mapping[str, Any]] = (),
+    left_out: pd.DataFrame | None = None,
+    catalogue: Catalogue = SHIPPED,
+) -> pd.DataFrame:
+    """A row for each recording, and where a campaign has several one for all of them together, ``(joint)``.
+
+    Columns: campaign, recording, amplitude_rad, then each quantity with its unit in the name (``period_s``, ``quality``,
+    ``decay_time_s``, ``natural_frequency_rad_per_s``, and the parameters of damping where the model has them), each followed by
+    its standard uncertainty (``period_s_u``) and both as a text (``period_s_text``); ``model`` the label of ``described_by``;
+    ``residual_rad`` the RMS that it leaves; ``verdict`` the status of the campaign's search, ``missing`` what that names;
+    ``emulated``, ``remark``. ``left_out`` (recording, file, problem) tells in ``remark`` why a recording was not searched, and adds
+    a row with the verdict ``refused`` for each file that could not be used.
+    """
+    found = {str(one["campaign"]): one for one in verdicts}
+    together = {str(one.attrs["campaign"]): one for one in joint}
+    rows = []
+    for campaign, chosen in norms.groupby("campaign", squeeze=False):
+        for name in as_text(chosen["recording"]):
+            own = chosen.sel(recording=[name])
+            rows.append(_row(str(campaign), name, own, own.isel(recording=0), catalogue))
+        if chosen.sizes["recording"] > 1 and campaign in together:
+            rows.append(_row(str(campaign), "(joint)", chosen, together[str(campaign)], catalogue))
+    told = {} if left_out is None else {str(one.recording): one for one in left_out.itertuples()}
+    for row in rows:
+        verdict = found.get(row["campaign"], {})
+        remark = told.pop(row["recording"]).problem if row["recording"] in told else ""
+        row |= {"verdict": verdict.get("status", ""), "missing": _named(verdict), "remark": remark}
+    for name, one in told.items():
+        rows.append(
+            {"campaign": name, "recording": name, "verdict": REFUSED, "remark": f"{one.file}: {one.problem}"}
+        )
+    return in_order(pd.DataFrame(rows))
+
+
+def in_order(table: pd.DataFrame) -> pd.DataFrame:
+    """The table with its columns in the order that ``pendulums`` tells."""
+    first = [_column(name, unit) for name, unit in UNITS.items()]
+    told = [column for column in table if f"{column}_u" in table]
+    columns = [column + part for column in dict.fromkeys([*first, *told]) for part in ("", "_u", "_text")]
+    return table.reindex(columns=[*_HEAD, *columns, *_TAIL])
+
+
+_HEAD = ("campaign", "recording", "amplitude_rad")
+_TAIL = ("model", "residual_rad", "verdict", "missing", "emulated", "remark")
+
+
+def _row(
+    campaign: str, name: str, own: xr.Dataset, fitted: xr.Dataset, catalogue: Catalogue
+) -> dict[str, Any]:
+    label = described_by(own)
+    amplitude, derived = described(fitted, label, catalogue)
+    row: dict[str, Any] = {
+        "campaign": campaign,
+        "recording": name,
+        "amplitude_rad": amplitude,
+        "model": label,
+    }
+    for key, (value, error, unit) in derived.items():
+        column = _column(key, unit)
+        row |= {column: value, f"{column}_u": error, f"{column}_text": value_with_uncertainty(value, error)}
+    rms = np.radians(np.sqrt(np.mean(fitted["norm"].sel(fitted=label).values ** 2)))
+    emulated = "yes" if "yes" in own["emulated"].values else "no"
+    return row | {"residual_rad": float(rms), "emulated": emulated}
+
+
+def quantities_of(row: Mapping[str, Any]) -> dict[str, Quantity]:
+    """The quantities that a row of ``pendulums`` holds, by name, in the order of its columns."""
+    found = {}
+    for column in row:
+        if f"{column}_u" in row and np.isfinite(row[column]):
+            endings = [(unit, end) for unit, end in _SUFFIX.items() if str(column).endswith(end)]
+            unit, ending = max(endings, key=lambda one: len(one[1]))
+            name = str(column).removesuffix(ending)
+            found[name] = Quantity(float(row[column]), float(row[f"{column}_u"]), unit)
+    return found
+
+
+def _column(name: str, unit: str) -> str:
+    return name + _SUFFIX.get(unit, f"_{unit}")
+
+
+def _named(verdict: Mapping[str, Any]) -> str:
+    """The effects that a verdict asserts, with those tied with them: ``presliding; sensor_gain or torsion_spring``."""
+    return "; ".join(" or ".join([one["name"], *one["tied_with"]]) for one in verdict.get("effects", ()))

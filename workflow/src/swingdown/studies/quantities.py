@@ -1,0 +1,141 @@
+"""What an experimenter asks of a pendulum: period, natural frequency, quality factor, decay time, with their uncertainties.
+
+All are of the fitted model, started at rest from a stated amplitude: a pendulum whose damping is not viscous has another
+quality at each.
+"""
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+
+from ..arrays import Floats
+from ..engine.trajectory import TrajectoryError, simulate
+from ..fitting.guess import amplitude_factor
+from ..pendulum.effect import NATURAL_FREQUENCY
+from ..pendulum.model import Model
+
+_SAMPLES = (
+    4000  # of a period: a parabola through three of them finds a turning point to 1e-8 of the amplitude
+)
+_AMPLITUDES = 6  # at which the loss is asked for, from the stated one to its e-th part
+_STEP = 0.1  # of a standard error: the differences that uncertainties follow from
+
+
+class Quantity(NamedTuple):
+    """A number with its standard uncertainty (NaN where that is not known) and unit."""
+
+    value: float
+    uncertainty: float
+    unit: str
+
+
+class Cycle(NamedTuple):
+    """One period from rest: its length (s), the logarithmic decrement, and the amplitude (rad) in its middle."""
+
+    period: float
+    decrement: float
+    amplitude: float
+
+
+def cycle(model: Model, amplitude: float) -> Cycle:
+    """The ``Cycle`` of a model let go at rest from an amplitude (rad); NaN where it does not come back.
+
+    The decrement is twice the logarithm of one turning point's distance over the next one's, from side to side: where the
+    swing's middle lies does not matter.
+    """
+    frequency = model.values[NATURAL_FREQUENCY.name]
+    ideal = 2 * np.pi / (frequency * amplitude_factor(amplitude))
+    times = 1.5 * ideal * np.arange(int(1.5 * _SAMPLES)) / (1.5 * _SAMPLES)
+    nothing = Cycle(np.nan, np.nan, amplitude)
+    try:
+        angle = simulate(model, times, amplitude)
+    except TrajectoryError:
+        return nothing
+    turns = np.flatnonzero(np.diff(np.sign(np.diff(angle[1:]))) != 0) + 2
+    if turns.size < 2:
+        return nothing
+    (_, low), (period, high) = (_vertex(times, angle, k) for k in turns[:2])
+    first, second = float(angle[0]) - low, high - low
+    if not first > second > 0:
+        return Cycle(period, np.nan, amplitude)
+    return Cycle(period, 2 * float(np.log(first / second)), float(np.sqrt(first * second)) / 2)
+
+
+def _vertex(times: Floats, values: Floats, k: int) -> tuple[float, float]:
+    """Where the parabola through three neighbouring samples turns: time and value."""
+    before, here, after = values[k - 1 : k + 2]
+    bend = before - 2 * here + after
+    shift = 0.5 * (before - after) / bend if bend else 0.0
+    return float(times[k] + shift * (times[1] - times[0])), float(here - 0.25 * (before - after) * shift)
+
+
+def decay_time(model: Model, amplitude: float) -> float:
+    """The time (s) in which the amplitude falls from this one (rad) to its e-th part; NaN where the pendulum stops before.
+
+    The time a period takes over what is lost in it, as a function of the amplitude (a polynomial through a few), summed over
+    the logarithm of the amplitude: for a loss that is small in a period, the fall of the turning points.
+    """
+    start = cycle(model, amplitude)
+    if not np.isfinite(start.decrement):
+        return float("nan")
+    top = np.log(amplitude)
+    above = min(float(top) + start.decrement / 2, float(np.log(3.0)))
+    nodes = [
+        cycle(model, float(np.exp(at))) for at in np.linspace(top - 1, max(above, float(top)), _AMPLITUDES)
+    ]
+    if not all(np.isfinite(one.decrement) for one in nodes):
+        return float("nan")
+    at = np.log([one.amplitude for one in nodes]) - top
+    pace = np.polynomial.Polynomial.fit(at, [one.period / one.decrement for one in nodes], _AMPLITUDES - 2)
+    whole = pace.integ()
+    return float(whole(0.0) - whole(-1.0))
+
+
+UNITS = {"natural_frequency": "rad/s", "period": "s", "quality": "1", "decay_time": "s"}
+
+
+def quantities(model: Model, amplitude: float, covariance: Floats | None = None) -> dict[str, Quantity]:
+    """By name the natural frequency (rad/s), and at this amplitude (rad) the period (s), quality (1) and decay time (s), then
+    the model's other parameters; each a ``Quantity``.
+
+    The natural frequency is that of small undamped swings. The period is that of the first whole swing from rest. The
+    quality is pi over that swing's logarithmic decrement: 2 pi times the energy over what a period loses, where that is
+    little. The decay time is that of ``decay_time``. ``covariance`` is that of the model's parameters in their order; a
+    parameter whose variance is NaN was held, and counts as known. Uncertainties are propagated linearly (JCGM 100, 5.2).
+    """
+    values = np.array(model.vector())
+
+    def derived(at: Floats) -> Floats:
+        one = model.with_values(dict(zip(model.parameters, map(float, at), strict=True)))
+        first = cycle(one, amplitude)
+        return np.array([at[0], first.period, np.pi / first.decrement, decay_time(one, amplitude)])
+
+    found, errors = derived(values), np.full(len(UNITS), np.nan)
+    own = np.full(values.size, np.nan)
+    if covariance is not None:
+        known = np.where(np.isfinite(covariance), covariance, 0.0)
+        own = np.where(np.diag(known) > 0, np.sqrt(np.diag(known)), np.nan)
+        slopes = _slopes(derived, values, np.sqrt(np.diag(known)))
+        variance = np.einsum("ij,jk,ik->i", slopes, known, slopes)
+        errors = np.where(np.isfinite(found) & (variance > 0), np.sqrt(np.maximum(variance, 0.0)), np.nan)
+    result = {
+        name: Quantity(float(value), float(error), unit)
+        for (name, unit), value, error in zip(UNITS.items(), found, errors, strict=True)
+    }
+    for parameter, value, error in zip(model.definitions[1:], values[1:], own[1:], strict=True):
+        result[parameter.name] = Quantity(float(value), float(error), parameter.unit)
+    return result
+
+
+def _slopes(function: Callable[[Floats], Floats], values: Floats, errors: Floats) -> Floats:
+    """The derivatives of a function's values by each of its arguments (value, argument); 0 by one without an error."""
+    columns = []
+    for k, error in enumerate(errors):
+        step = np.zeros(values.size)
+        step[k] = _STEP * error
+        if error > 0:
+            columns.append((function(values + step) - function(values - step)) / (2 * step[k]))
+        else:
+            columns.append(np.zeros(len(UNITS)))
+    return np.array(columns).T

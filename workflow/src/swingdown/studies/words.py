@@ -1,0 +1,81 @@
+"""An answer in words: the lines that a call, a command and a report's table have in common."""
+
+from collections.abc import Mapping
+from math import degrees
+from typing import Any, NamedTuple
+
+from ..rounding import value_with_uncertainty
+from .pendulums import quantities_of
+
+STATUS = {
+    "consistent": "Nothing is missing",
+    "named": "Named",
+    "ambiguous": "Tied",
+    "partial": "Named in part",
+    "unknown": "Unknown",
+    "refused": "Not read",
+    "": "Not searched",
+}
+_WORDS = {
+    "period": "period",
+    "natural_frequency": "natural frequency",
+    "quality": "quality Q",
+    "decay_time": "decay time (1/e)",
+}
+
+
+class QuantityRow(NamedTuple):
+    """One quantity as it is told: name, words, value, standard uncertainty, unit, and at which amplitude it holds."""
+
+    name: str
+    words: str
+    value: float
+    uncertainty: float
+    unit: str
+    condition: str
+
+
+def quantity_rows(row: Mapping[str, Any]) -> list[QuantityRow]:
+    """The quantities of a row of ``studies.pendulums``, those that it has, the period first."""
+    at = f"{degrees(row['amplitude_rad']):.3g}°"
+    conditions = {
+        "natural_frequency": "of small undamped swings",
+        "period": f"at {at}",
+        "quality": f"at {at}",
+        "decay_time": f"from {at}",
+    }
+    found = quantities_of(row)
+    order = [name for name in _WORDS if name in found] + [name for name in found if name not in _WORDS]
+    return [
+        QuantityRow(name, _WORDS.get(name, name.replace("_", " ")), *found[name], conditions.get(name, ""))
+        for name in order
+    ]
+
+
+def model_words(label: str) -> str:
+    """A model's effects in words: ``viscous and load Coulomb``."""
+    names = [name.replace("_", " ").replace("coulomb", "Coulomb") for name in label.split("+")]
+    return " and ".join([", ".join(names[:-1]), names[-1]] if len(names) > 1 else names)
+
+
+def lines(row: Mapping[str, Any], verdict: Mapping[str, Any] | None = None) -> list[str]:
+    """What is said of one pendulum, a line each: its quantities, its damping, and the verdict's sentence where there is one."""
+    told = [
+        f"{one.words:18} {value_with_uncertainty(one.value, one.uncertainty)}"
+        + ("" if one.unit == "1" else f" {one.unit}")
+        + (f"   {one.condition}" if one.condition else "")
+        for one in quantity_rows(row)
+    ]
+    told.append(
+        f"damping            {model_words(str(row['model']))}; it leaves {1e3 * row['residual_rad']:.3g} mrad RMS"
+    )
+    if verdict:
+        told.append(". ".join(said(verdict)))
+    return told
+
+
+def said(verdict: Mapping[str, Any]) -> tuple[str, str]:
+    """The status of a verdict in a word or three, and its sentence, which does not say the same again."""
+    status = STATUS.get(verdict["status"], verdict["status"])
+    sentence = str(verdict["sentence"]).removeprefix(f"{status}: ")
+    return status, sentence[:1].upper() + sentence[1:]

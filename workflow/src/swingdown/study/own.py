@@ -1,0 +1,189 @@
+"""A study of somebody's files: which they are, what each is called, and the folder with its sheet and config."""
+
+import hashlib
+import os
+import re
+import unicodedata
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import pandas as pd
+import xarray as xr
+import yaml
+
+from ..errors import InputError
+from ..measurement.angle import to_angle
+from ..measurement.recording import NETCDF, ingest
+from ..measurement.sheet import COLUMNS
+from ..paths import write_csv, write_text
+
+# What of a folder is taken for a recording; sheets of office programs are, so that they are told and not passed over.
+ENDINGS = (".csv", ".tsv", ".txt", ".dat", ".xlsx", ".xls", ".ods", *NETCDF)
+SHEET, CONFIG, LEFT_OUT = "recordings.csv", "study.yaml", "left_out.csv"
+SUFFIX = "-swingdown"  # of a study's folder, after the file that it is of
+TOGETHER = "pendulum"
+_OPENING = """\
+# The study of the recordings in {sheet}, as `swingdown` wrote it. It is yours to change (config/README.md of the project tells every
+# key); then run, in the project's folder:
+#   .venv/bin/snakemake -c2 --configfile {config} --directory {folder}
+"""
+_WRITTEN = "# as written: "
+
+
+class Taken(NamedTuple):
+    """A file that can be used: its row of the sheet, and its angle as ``measurement.angle.to_angle`` gives it."""
+
+    row: dict[str, Any]
+    recording: xr.Dataset
+    angle: xr.Dataset
+
+
+class Refused(NamedTuple):
+    """A file that cannot be used or searched, and why. ``recording`` is its name in the sheet, or would be."""
+
+    recording: str
+    file: str
+    problem: str
+    expected: str
+    mend: str
+
+
+def files(given: Iterable[str | Path]) -> list[Path]:
+    """The files among these paths, and of each folder those in it that may be recordings, in the order of their names.
+
+    InputError for a path that is not there, and for a folder without any.
+    """
+    found: list[Path] = []
+    for path in map(Path, given):
+        if path.is_dir():
+            inside = [
+                one
+                for one in path.iterdir()
+                if one.suffix.lower() in ENDINGS and not one.name.startswith(".")
+            ]
+            if not inside:
+                raise InputError(path, "there is no recording in this folder", f"files that end in {', '.join(ENDINGS)}", "name the files themselves")  # fmt: skip
+            found += sorted((one for one in inside if one.is_file()), key=_in_order)
+        elif path.is_file():
+            found.append(path)
+        else:
+            raise InputError(path, "there is no such file", "a file or a folder of files", "correct the path")
+    return list(dict.fromkeys(found))
+
+
+def _in_order(path: Path) -> list[tuple[int, str | int]]:
+    """Numbers in a name count as numbers: swing 2 comes before swing 10."""
+    parts = re.split(r"(\d+)", path.name.lower())
+    return [(0, int(part)) if part.isdecimal() else (1, part) for part in parts]
+
+
+def names(paths: Sequence[Path]) -> list[str]:
+    """A name for each file that can name a file on any system: letters, digits, ``.``, ``_`` and ``-``, each once."""
+    found: list[str] = []
+    for path in paths:
+        plain = unicodedata.normalize("NFKD", path.stem.replace("ß", "ss")).encode("ascii", "ignore").decode()
+        name = re.sub(r"[^A-Za-z0-9._-]+", "-", plain).strip("-._") or "recording"
+        if not name[0].isalnum():
+            name = f"r{name}"
+        count, taken = 1, {one.lower() for one in found}
+        while (chosen := name if count == 1 else f"{name}-{count}").lower() in taken:
+            count += 1
+        found.append(chosen)
+    return found
+
+
+def place(given: Sequence[str | Path]) -> Path:
+    """The folder for the study of these files: beside the first, named after it."""
+    first = Path(given[0]).resolve()
+    return first.with_name((first.name if first.is_dir() else first.stem) + SUFFIX)
+
+
+def rows(
+    paths: Sequence[Path], folder: Path, together: bool = False, told: Mapping[str, Any] | None = None
+) -> list[dict[str, Any]]:
+    """A row of the sample sheet for each file, as a dict with the cells that are not empty.
+
+    Each is a pendulum of its own, or all are recordings of one. ``file`` is relative to ``folder``; ``told`` are cells that hold
+    for every row.
+    """
+    return [
+        {
+            "recording": name,
+            "campaign": TOGETHER if together else name,
+            "file": os.path.relpath(path.resolve(), folder.resolve()),
+        }
+        | {key: cell for key, cell in (told or {}).items() if cell is not None}
+        for name, path in zip(names(paths), paths, strict=True)
+    ]
+
+
+def take(row: Mapping[str, Any], path: Path) -> Taken | Refused:
+    """What a file of the sheet's ``row`` gives: its angle, or why it has none."""
+    try:
+        recording = ingest({**COLUMNS, **row, "file": str(path)})
+        if recording["signal"].attrs["units"] == "V":
+            raise InputError(path.name, "it is in volts", "an angle, or an apparatus sheet that calibrates it", "write a study of your own with the key `apparatus`")  # fmt: skip
+        return Taken(dict(row), recording, to_angle(recording))
+    except InputError as problem:
+        return refused(row, problem)
+
+
+def refused(row: Mapping[str, Any], problem: InputError) -> Refused:
+    """The ``Refused`` of a row of the sheet."""
+    return Refused(row["recording"], row["file"], problem.problem, problem.expected, problem.mend)
+
+
+def write(
+    folder: Path, kept: Sequence[Mapping[str, Any]], left_out: Sequence[Refused], searched: Sequence[str]
+) -> Path:
+    """The config written, with the sheet and the table of what is left out beside it; its path.
+
+    ``searched`` are the campaigns to search, where these are not all. InputError where somebody changed the sheet or the
+    config since they were written here, or the folder cannot be written.
+    """
+    try:
+        return _written(folder, kept, left_out, searched)
+    except OSError as error:
+        raise InputError(folder, f"it cannot be written ({error.strerror})", "a folder of one's own", "name another with --into") from error  # fmt: skip
+
+
+def _written(
+    folder: Path, kept: Sequence[Mapping[str, Any]], left_out: Sequence[Refused], searched: Sequence[str]
+) -> Path:
+    _check_untouched(folder)
+    columns = [name for name in COLUMNS if any(name in row for row in kept)]
+    write_csv(pd.DataFrame(kept).reindex(columns=columns), folder / SHEET)
+    settings: dict[str, Any] = {"recordings": SHEET, "simulation": {"simulated": []}}
+    if left_out:
+        write_csv(pd.DataFrame(left_out), folder / LEFT_OUT)
+        settings["left_out"] = LEFT_OUT
+    campaigns = dict.fromkeys(row["campaign"] for row in kept)
+    if [name for name in campaigns if name not in searched]:
+        settings["discovery"] = {"campaigns": list(searched)}
+    body = yaml.safe_dump(settings, sort_keys=False, allow_unicode=True)
+    opening = _OPENING.format(sheet=SHEET, config=folder / CONFIG, folder=folder)
+    digest = _digest((folder / SHEET).read_bytes(), body)
+    return write_text(folder / CONFIG, f"{opening}{_WRITTEN}{digest}\n{body}")
+
+
+def _digest(sheet: bytes, body: str) -> str:
+    return hashlib.sha256(sheet + body.encode()).hexdigest()[:16]
+
+
+def _check_untouched(folder: Path) -> None:
+    """Refuses a folder whose sheet or config are somebody's own work."""
+    there = [name for name in (SHEET, CONFIG) if (folder / name).exists()]
+    if not there:
+        return
+    text = (folder / CONFIG).read_text(encoding="utf-8") if CONFIG in there else ""
+    _, mark, rest = text.partition(_WRITTEN)
+    digest, _, body = rest.partition("\n")
+    sheet = (folder / SHEET).read_bytes() if SHEET in there else b""
+    if not mark or digest != _digest(sheet, body):
+        raise InputError(
+            folder,
+            f"{' and '.join(there)} there {'were' if len(there) > 1 else 'was'} changed, or not written by this command",
+            "a new folder, or one as this command left it",
+            f"name another with --into, or run what is there: snakemake -c2 --configfile {folder / CONFIG} --directory {folder}",
+        )
