@@ -80,17 +80,17 @@ def towered(height):
 
 
 class Hands:
-    """Does with the pendulum what a line of words says, on a Board that runs."""
+    """Does with the pendulum what a line of words says, on a Board that runs; ``held`` is at what angle (degrees), or None."""
 
     SAYS = "tower HEIGHT (m), rest, hold DEGREES, go (lets go what is held), or Ctrl-C"
 
     def __init__(self, board):
-        self._board, self._held = board, None
+        self._board, self.held = board, None
 
     def do(self, line):
         """What was done, in words; ValueError for what hands cannot do."""
         word, *more = line.split() or [""]
-        held, self._held = self._held, None
+        held, self.held = self.held, None
         if word == "tower" and len(more) == 1:
             self._board.show(*towered(float(more[0])))
             return f"on the tower of {float(more[0]):g} m"
@@ -98,13 +98,13 @@ class Hands:
             self._board.show([0.0], [emulate.REST_ANGLE])
             return "at rest"
         if word == "hold" and len(more) == 1:
-            self._held = float(more[0])
-            self._board.show([0.0], [radians(self._held)])
-            return f"held still at {self._held:g} degrees"
+            self.held = float(more[0])
+            self._board.show([0.0], [radians(self.held)])
+            return f"held still at {self.held:g} degrees"
         if word == "go" and not more and held is not None:
             self._board.show(*swing(held, 0.001, 120))
             return f"let go at {held:g} degrees"
-        self._held = held
+        self.held = held
         raise ValueError(
             "nothing is held" if word == "go" else f"{line.strip()!r} is none of these: {self.SAYS}"
         )
