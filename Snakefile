@@ -85,6 +85,7 @@ else:
         include: "workflow/rules/fit.smk"
         include: "workflow/rules/discover.smk"
     include: "workflow/rules/hidden_effects.smk"
+    include: "workflow/rules/certified.smk"
     include: "workflow/rules/figures.smk"
     include: "workflow/rules/sweep_plan.smk"
     include: "workflow/rules/sweep.smk"
