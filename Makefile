@@ -1,6 +1,7 @@
 # make            set up .venv and run the study (the paper's tables, figures and report appear in results/)
 # make start FILE=my-swing.csv   from a recording, or a folder of them, to what damps the pendulum and what a model of it lacks
 # make test       set up .venv and run the tests; make test-all runs the slow ones too
+# make certified  compute published cases with known answers (NIST, GUM, York, ISO/TS 28037): results/trust/certified.csv
 # make benchmark  time the engine against what one would otherwise use (sets up .venv/peers for that; some minutes)
 # make benchmark-discovery  hold the search for hidden effects against what one would otherwise use (after snakemake hidden_effects;
 #                 sets up .venv/discovery for that; some minutes)
@@ -22,7 +23,7 @@ BIN := .venv/bin
 # Named after the locks' contents and this folder, so that the environment is laid anew when, and only when, they change.
 READY := .venv/ready-$(shell (pwd; cat requirements.lock requirements-uv.lock pyproject.toml) | cksum | cut -d' ' -f1)
 
-.PHONY: run start venv test test-all benchmark benchmark-discovery lock clean distclean
+.PHONY: run start venv test test-all certified coverage benchmark benchmark-discovery lock clean distclean
 .DELETE_ON_ERROR:
 
 run: $(READY)
@@ -51,6 +52,9 @@ test: $(READY)
 
 test-all: $(READY)
 	@SWINGDOWN_SLOW=1 $(BIN)/python -m pytest $(WORKERS) $(TESTS)
+
+certified: $(READY)
+	@$(BIN)/snakemake -c1 certified $(ARGS)
 
 PEERS := .venv/peers-$(shell cksum < requirements-benchmark.lock | cut -d' ' -f1)
 

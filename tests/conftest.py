@@ -33,6 +33,12 @@ def shared_data():
 
 
 @pytest.fixture(scope="session")
+def certified():
+    """The folder of published cases with known answers."""
+    return ROOT / "resources/certified"
+
+
+@pytest.fixture(scope="session")
 def root():
     """The project's folder."""
     return ROOT

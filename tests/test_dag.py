@@ -113,6 +113,11 @@ def test_discovery_alone_fits_no_paper_models(rules, sheet):
     }
 
 
+def test_certified_cases_are_asked_for_by_name_and_need_no_recordings(rules):
+    found = rules("recordings: null\nsimulation: {simulated: []}\n", "certified")
+    assert found == {"certified": 1, "certified_cases": 1, "part_manifest": 1}
+
+
 def test_hidden_effects_are_asked_for_by_name_and_need_no_recordings(rules):
     found = rules(
         "recordings: null\nhidden_effects: {nulls: 12, effects: [quadratic_drag], sizes: [2], removed: false, pairs: false, foreign: false}\n",

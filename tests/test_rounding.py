@@ -8,8 +8,8 @@ import pytest
 from swingdown.rounding import plus_minus, value_with_uncertainty
 
 
-def test_published_cases_of_the_pdg_rule(shared_data):
-    text = (shared_data / "trust/pdg_rounding/cases.csv").read_text()
+def test_published_cases_of_the_pdg_rule(certified):
+    text = (certified / "pdg_rounding/cases.csv").read_text()
     cases = list(csv.DictReader(text.splitlines()))
     assert len(cases) == 8
     for case in cases:

@@ -200,6 +200,15 @@ def test_a_host_that_stalls_is_no_silence_of_the_board(recorder):
     assert made.status == "complete" and len(made.rows) == 100
 
 
+def test_what_waited_from_before_the_recording_is_no_silence_of_the_board(recorder):
+    """In a session the port is read all along: while one recording is written, samples pile up that no recording is made of."""
+    made = recorder()
+    feed(made, range(200, 320), 0, 98.8)
+    assert made.state == "opening" and made.silent == 0
+    feed(made, range(320, 420), 120)
+    assert made.status == "complete" and made.rows[0].position == 120
+
+
 def test_garbage_without_a_frame_counts_as_silence_and_is_told(recorder):
     made = recorder(range(300, 350))
     for k in range(60):

@@ -12,7 +12,7 @@ from traffic import SETTINGS, Line, frame
 
 from swingdown import dataset
 from swingdown.capture import job as jobs
-from swingdown.capture import monitor, session, source
+from swingdown.capture import monitor, recording, session, source
 from swingdown.capture.takes import takes
 from swingdown.errors import InputError
 from swingdown.measurement.sheet import read_sheet
@@ -173,6 +173,22 @@ def test_one_that_fails_does_not_stop_the_others_and_is_told_at_the_end(board):
     with pytest.raises(InputError, match="1 of 2 recorded; not whole, or not at all: a"):
         run(made)
     assert (FOLDER / "b.nc").exists() and not (FOLDER / "a.nc").exists()
+
+
+def test_what_an_earlier_capture_left_unfinished_is_told_before_the_bob_is_lifted(board):
+    """The session goes on with the others; the command that is told makes a recording of what there is."""
+    trigger = {"threshold": 10, "pre_s": 0.2, "wait_s": 0.5}
+    line = board(lambda t: 500)
+    with pytest.raises(InputError, match="--config recording=a recover=true"):
+        recording.capture(*asked(line, {"recording": "a"}, trigger=trigger))
+    hand, said = Hand(), []
+    guide = session.Guide(0.1, threading.Event(), hand, io.StringIO())
+    with pytest.raises(InputError, match="1 of 2 recorded; not whole, or not at all: a"):
+        session.run(asked(line, {"recording": "a,b"}), guide, say=said.append)
+    assert "a.raw" in said[0] and "`--config recording=a recover=true` makes a recording of it" in said[0]
+    assert hand.pressed == 2 and (FOLDER / "b.nc").exists()  # Enter for b alone, and for its countdown
+    with pytest.raises(InputError, match="0 of 1 recorded; not whole, or not at all: a"):
+        run(asked(line, {"recording": "a,b"}))
 
 
 def test_a_board_that_is_unplugged_between_two_recordings_ends_the_session(board):

@@ -6,13 +6,15 @@
  * them constant). TRUTH gets a line "reset sequence volts cycle" for each conversion. BOOT is how long (s) the board is silent
  * after the reset that opening the port causes; below 0 the board is not reset. PORT is the name that the port gets (a link).
  * With `encoder` VOLTS holds counts instead, which a quadrature encoder on D2 and D3 gives, and TRUTH the whole counts. AREF is the
- * voltage on that pin (5). As on a real line, bytes are lost while nobody has the port open or reads it.
+ * voltage on that pin (5). SIGUSR1 reads VOLTS again, and its seconds begin anew. As on a real line, bytes are lost while nobody has
+ * the port open or reads it.
  */
 #define _GNU_SOURCE
 #include <fcntl.h>
 #include <math.h>
 #include <poll.h>
 #include <pty.h>
+#include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -45,6 +47,7 @@ static unsigned resets, conversions;
 static uint32_t flag; /* OCF1B */
 static int encoder, begun;
 static long edges, start; /* of the encoder: by now, and when the board was reset */
+static volatile sig_atomic_t another; /* VOLTS is to be read again */
 
 static double voltage(double seconds)
 {
@@ -142,12 +145,19 @@ static void read_volts(const char *path)
     double t, v;
     if (!file)
         exit((perror(path), 1));
+    points = 0;
     while (fscanf(file, "%lf %lf", &t, &v) == 2) {
         at = realloc(at, (points + 1) * sizeof *at);
         volts = realloc(volts, (points + 1) * sizeof *volts);
         at[points] = t, volts[points++] = v;
     }
     fclose(file);
+}
+
+static void on_hands(int number)
+{
+    (void)number;
+    another = 1;
 }
 
 static void power_on(const char *elf, double aref)
@@ -182,6 +192,7 @@ int main(int argc, char **argv)
         return fprintf(stderr, "usage: board FIRMWARE.elf VOLTS TRUTH BOOT PORT [analog|encoder [AREF]]\n"), 2;
     encoder = argc > 6 && !strcmp(argv[6], "encoder");
     read_volts(argv[2]);
+    signal(SIGUSR1, on_hands);
     if (!(truth = fopen(argv[3], "w")))
         return perror(argv[3]), 1;
     boot = atof(argv[4]);
@@ -202,6 +213,11 @@ int main(int argc, char **argv)
     for (;;) {
         double now = wall() - began;
         struct pollfd state = {.fd = port};
+        if (another) {
+            another = 0;
+            read_volts(argv[2]);
+            opened = avr->cycle;
+        }
         poll(&state, 1, 0);
         if (is_open != ((state.revents & POLLHUP) == 0)) {
             is_open = !is_open;

@@ -3,17 +3,20 @@
     python tests/firmware/board.py PORT swing [--release-deg 24] [--held 6]
     python tests/firmware/board.py PORT tower --height 0.035
     python tests/firmware/board.py PORT rest
+    python tests/firmware/board.py PORT hands
 
 PORT is the name that the port gets (a link to a pseudo-terminal). The pendulum and its lengths are those of
 resources/bench/emulate.py; the sensor spreads 72 degrees over 5 V. A swing is held for some seconds after the port is opened,
-then let go. Needs gcc, avr-gcc and simavr (tools/install-test-tools). It proves firmware and protocol, not analogue noise or USB.
+then let go. With ``hands`` it does what is typed: ``tower 0.02385``, ``rest``, ``hold 24`` (degrees), ``go``. Needs gcc, avr-gcc and simavr (tools/install-test-tools). It proves firmware and protocol, not analogue noise or USB.
 """
 
 import argparse
 import contextlib
 import importlib.util
 import shutil
+import signal
 import subprocess
+import sys
 import tempfile
 import time
 from math import radians
@@ -71,6 +74,42 @@ def swing(release_deg, held, seconds):
     )
 
 
+def towered(height):
+    """Times and angles (rad) of a bob on a tower of that height (m)."""
+    return [0.0], [emulate.tower_angle(height)]
+
+
+class Hands:
+    """Does with the pendulum what a line of words says, on a Board that runs; ``held`` is at what angle (degrees), or None."""
+
+    SAYS = "tower HEIGHT (m), rest, hold DEGREES, go (lets go what is held), or Ctrl-C"
+
+    def __init__(self, board):
+        self._board, self.held = board, None
+
+    def do(self, line):
+        """What was done, in words; ValueError for what hands cannot do."""
+        word, *more = line.split() or [""]
+        held, self.held = self.held, None
+        if word == "tower" and len(more) == 1:
+            self._board.show(*towered(float(more[0])))
+            return f"on the tower of {float(more[0]):g} m"
+        if word == "rest" and not more:
+            self._board.show([0.0], [emulate.REST_ANGLE])
+            return "at rest"
+        if word == "hold" and len(more) == 1:
+            self.held = float(more[0])
+            self._board.show([0.0], [radians(self.held)])
+            return f"held still at {self.held:g} degrees"
+        if word == "go" and not more and held is not None:
+            self._board.show(*swing(held, 0.001, 120))
+            return f"let go at {held:g} degrees"
+        self.held = held
+        raise ValueError(
+            "nothing is held" if word == "go" else f"{line.strip()!r} is none of these: {self.SAYS}"
+        )
+
+
 class Board:
     """A board that runs while the ``with`` block does; ``port`` is its port's path, ``truth()`` what its converter saw.
 
@@ -83,7 +122,7 @@ class Board:
         self.port = Path(port or self.folder / "port")
         self._volts, self._truth = self.folder / "volts", self.folder / "truth"
         signal = volts(angles) if counts is None else counts / (2 * np.pi) * np.asarray(angles)
-        np.savetxt(self._volts, np.column_stack([times, signal]), fmt="%.7f")
+        self._write(times, signal)
         kind = "analog" if counts is None else "encoder"
         host, firmware = build(self.folder, rate, ENCODER=int(kind == "encoder"), **defined)
         self._command = [host, firmware, self._volts, self._truth, str(boot), self.port, kind, str(aref)]
@@ -99,6 +138,14 @@ class Board:
 
     def __exit__(self, *_):
         self.unplug()
+
+    def _write(self, times, signal):
+        np.savetxt(self._volts, np.column_stack([times, signal]), fmt="%.7f")
+
+    def show(self, times, angles):
+        """From now on the sensor sees these angles (rad) at these times (s from now)."""
+        self._write(times, volts(angles))
+        self.process.send_signal(signal.SIGUSR1)
 
     def unplug(self):
         """The board is gone, and its port with it."""
@@ -118,7 +165,7 @@ def main():
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("port")
-    parser.add_argument("scene", choices=["swing", "tower", "rest"])
+    parser.add_argument("scene", choices=["swing", "tower", "rest", "hands"])
     parser.add_argument("--release-deg", type=float, default=24)
     parser.add_argument("--held", type=float, default=6, help="s between opening the port and letting go")
     parser.add_argument("--seconds", type=float, default=120, help="how long it swings")
@@ -128,13 +175,26 @@ def main():
         parser.exit(1, f"NOT HERE: {', '.join(missing)}. Mend: run tools/install-test-tools\n")
     if arguments.scene == "swing":
         scene = swing(arguments.release_deg, arguments.held, arguments.seconds)
+    elif arguments.scene == "tower":
+        scene = towered(arguments.height)
     else:
-        angle = emulate.tower_angle(arguments.height) if arguments.scene == "tower" else emulate.REST_ANGLE
-        scene = [0.0], [angle]
+        scene = [0.0], [emulate.REST_ANGLE]
     with tempfile.TemporaryDirectory() as folder, Board(folder, *scene, port=arguments.port) as board:
         print(f"EMULATED board at {board.port}: {arguments.scene}. Ctrl-C unplugs it.", flush=True)
         with contextlib.suppress(KeyboardInterrupt):
+            if arguments.scene == "hands":
+                listen(Hands(board))
             board.process.wait()
+
+
+def listen(hands):
+    """None, when nothing more is typed: each line is done as it comes."""
+    print(f"Type {hands.SAYS}.", flush=True)
+    for line in sys.stdin:
+        try:
+            print(hands.do(line), flush=True)
+        except ValueError as error:
+            print(error, flush=True)
 
 
 if __name__ == "__main__":

@@ -16,7 +16,7 @@ import yaml
 
 from swingdown import dataset
 from swingdown.capture import job as jobs
-from swingdown.capture import recording
+from swingdown.capture import recording, session, takes
 from swingdown.errors import InputError
 from swingdown.measurement.recording import ingest
 from swingdown.measurement.sheet import read_sheet
@@ -206,6 +206,63 @@ def test_from_an_emulated_capture_through_the_whole_study(bench, snakemake):
     for figure in ("fig08", "fig09", "fig13"):
         assert (results / f"figures/{figure}.svg").stat().st_size > 2000
     assert (results / "report.html").stat().st_size > 100_000
+
+
+class Led:
+    """Someone at the emulated bench who does what the session asks for, and lets go when it says ARMED."""
+
+    def __init__(self, board):
+        self.hands, self.said = boards.Hands(board), []
+
+    def prompt(self, text, wait, look):
+        self.said.append(text)
+        if "tower of" in text:
+            self.hands.do(f"tower {text.split()[-2]}")
+        else:
+            self.hands.do("rest" if "at rest" in text else "hold 20")
+        end = time.monotonic() + 2  # until what the sensor saw before has gone by
+        while time.monotonic() < end:
+            look()
+        return True
+
+    def show(self, recorder):
+        if recorder.state == "armed" and self.hands.held:
+            self.hands.do("go")
+
+    def close(self):
+        pass
+
+
+def test_a_session_is_followed_at_the_emulated_board(tmp_path, monkeypatch):
+    """Tower, rest and swing through one open port: each recording has the voltage that the hands put before the sensor."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "apparatus.yaml").write_text(APPARATUS)
+    plan = [
+        {"recording": "tower-1", "height": 0.0345},
+        {"recording": "rest", "role": "static"},
+        {"recording": "swing-01"},
+    ]
+    config = complete(yaml.safe_load(STUDY)) | {"session": True}
+    with made(tmp_path, "a", ([0.0], [0.0])) as board:
+        config["capture"] |= {
+            "port": str(board.port),
+            "duration_s": 3,
+            "still_s": 1,
+            "takes": plan,
+            "timeout_s": 3,
+        }
+        guide = Led(board)
+        found = [jobs.job(config | take, again=True) for take in takes.takes(config)]
+        assert "3 of 3 recorded" in session.run(found, guide, views=[guide])
+    read = {name: dataset.read(jobs.FOLDER / f"{name}.nc") for name in ("tower-1", "rest", "swing-01")}
+    for name, angle in {
+        "tower-1": boards.emulate.tower_angle(0.0345),
+        "rest": boards.emulate.REST_ANGLE,
+    }.items():
+        assert np.abs(read[name]["voltage"].values - boards.volts(angle)).max() <= boards.STEP
+    swing = read["swing-01"]["voltage"].values
+    assert swing[:40] == pytest.approx(boards.volts(radians(20)), abs=boards.STEP) and swing.min() < 1.3
+    assert len(guide.said) == 3
 
 
 @pytest.mark.slow

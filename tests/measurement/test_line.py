@@ -14,8 +14,8 @@ from swingdown.measurement.line import fit_line, fit_line_correlated
 
 
 @pytest.fixture
-def pearson(shared_data):
-    table = pd.read_csv(shared_data / "trust/york_pearson/pearson_york.csv")
+def pearson(certified):
+    table = pd.read_csv(certified / "york_pearson/pearson_york.csv")
     return table.x, table.y, table.weight_x**-0.5, table.weight_y**-0.5
 
 
@@ -29,8 +29,8 @@ def test_pearsons_data_with_yorks_weights(pearson):
     assert line.chi2 / line.dof == pytest.approx(1.483294149, abs=5e-9)
 
 
-def test_mathioulakis(shared_data):
-    table = pd.read_csv(shared_data / "trust/york_pearson/mathioulakis.csv")
+def test_mathioulakis(certified):
+    table = pd.read_csv(certified / "york_pearson/mathioulakis.csv")
     line = fit_line(table.x, table.y, table.u_x, table.u_y)
     assert line.intercept == pytest.approx(0.0990342, abs=5e-8)
     assert line.slope == pytest.approx(0.9783964, abs=5e-8)
@@ -40,8 +40,8 @@ def test_mathioulakis(shared_data):
 
 
 @pytest.mark.parametrize("case", ["wls1", "wls2", "gdr1"])
-def test_iso_28037(shared_data, case):
-    folder = shared_data / "trust/iso_ts_28037"
+def test_iso_28037(certified, case):
+    folder = certified / "iso_ts_28037"
     table, expected = (
         pd.read_csv(folder / f"{case}.csv"),
         json.loads((folder / "expected.json").read_text())[case],
@@ -59,9 +59,9 @@ def test_iso_28037(shared_data, case):
         assert u == pytest.approx(expected["inverse"]["u_x0"], abs=5e-4)
 
 
-def test_gum_h3_calibration_of_a_thermometer(shared_data):
+def test_gum_h3_calibration_of_a_thermometer(certified):
     """The GUM takes the scatter about the line as the points' uncertainty, so the fit is scaled by it."""
-    folder = shared_data / "trust/gum_h"
+    folder = certified / "gum_h"
     table, expected = (
         pd.read_csv(folder / "h3_data.csv"),
         json.loads((folder / "expected.json").read_text())["H3"],

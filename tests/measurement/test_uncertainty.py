@@ -24,9 +24,9 @@ DRAWS = 1_000_000
 
 
 @pytest.fixture
-def trust(shared_data):
+def trust(certified):
     def load(folder, name="expected.json"):
-        path = shared_data / "trust" / folder / name
+        path = certified / folder / name
         return json.loads(path.read_text()) if name.endswith("json") else pd.read_csv(path)
 
     return load

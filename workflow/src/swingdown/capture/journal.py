@@ -27,7 +27,7 @@ class Journal:
         try:
             self._file = os.open(self.path, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o644)
         except FileExistsError:
-            raise _in_the_way(self.path) from None
+            raise in_the_way(self.path) from None
         fcntl.flock(self._file, fcntl.LOCK_EX)
         self._synced = time.monotonic()
         self._write(json.dumps(settings).encode() + b"\n")
@@ -88,7 +88,8 @@ def read_journal(path):
     return settings, pieces
 
 
-def _in_the_way(path):
+def in_the_way(path: Path) -> InputError:
+    """Why there can be no new journal at ``path`` while the one that is there stays."""
     try:
         read_journal(path)
     except InputError as error:
@@ -98,8 +99,13 @@ def _in_the_way(path):
         path,
         "an earlier capture of this name did not finish; this is what had arrived",
         "no raw stream of that name",
-        "make a recording of it with `recover=true` in place of a new capture, or delete the file",
+        f"{recovery(path)} makes a recording of it; or delete the file",
     )
+
+
+def recovery(path: Path) -> str:
+    """What asks on the command line for the recording of a journal."""
+    return f"`--config recording={path.stem} recover=true`"
 
 
 def _running(path):

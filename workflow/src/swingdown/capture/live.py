@@ -48,7 +48,8 @@ def hint(recorder):
     """A second line: why it does not arm, or the swing in numbers; "" where there is nothing to say."""
     if recorder.state == "waiting":
         unit = recorder.settings["signal_unit"]
-        moved = f"it moves by {recorder.watch.spread:.3g} {unit}; still is below {recorder.trigger['threshold']:g}"
+        trigger = recorder.trigger
+        moved = f"it moves by {recorder.watch.spread:.3g} {unit}; still is below {trigger['threshold']:g} for {trigger['pre_s']:g} s"
         return recorder.unarmed() or (moved if recorder.order.rows else "")
     return measured(recorder, LATELY) if recorder.rows else ""
 

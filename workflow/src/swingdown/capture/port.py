@@ -43,7 +43,12 @@ def find(name):
         if len(boards) == 1:
             return boards[0]
         several = f"no port is named, and {len(boards) or 'no'} boards are plugged in"
-        raise _error(several, "set capture.port in the config to one of them" if boards else "plug it in")
+        raise _error(
+            several,
+            "set capture.port in the config to one of them"
+            if boards
+            else "plug it in, or name the port that it has (capture.port)",
+        )
     name = str(name)
     if "://" in name:
         return name

@@ -112,7 +112,9 @@ class Recorder:
 
     def _listen(self, now):
         self._listened += min(max(now - self._now, 0.0), STALL)
-        self._now = now
+        self._now = max(
+            now, self._now
+        )  # what came before the recording began, and waited, tells of no silence
 
     @property
     def silent(self):

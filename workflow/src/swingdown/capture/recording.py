@@ -7,7 +7,7 @@ from dataclasses import replace
 from ..errors import InputError
 from . import sheets, source, take
 from .job import Job, check_room, enter_whole
-from .journal import Journal, read_journal
+from .journal import Journal, read_journal, recovery
 from .listener import Listener
 from .recorder import DISCONNECTED, STOPPED, Recorder
 
@@ -145,15 +145,15 @@ def _close(job, recorder, remove_journal):
     except OSError as error:
         raise OSError(
             error.errno,
-            f"{error.strerror or error}. What arrived is kept in {job.journal}; make room, then run the same command with "
-            "`recover=true`",
+            f"{error.strerror or error}. What arrived is kept in {job.journal}; make room, then "
+            f"{recovery(job.journal)} makes the recording",
         ) from error
     except RuntimeError as error:  # what the netCDF library raises where there is room and it may not be used
         raise InputError(
             job.path,
             f"it cannot be written ({error}); what arrived is kept in {job.journal}",
             "a file system that takes the file, and no limit on its size (`ulimit -f`)",
-            "lift the limit, then run the same command with `recover=true`",
+            f"lift the limit, then {recovery(job.journal)} makes the recording",
         ) from error
     enter_whole(job)
     remove_journal()
@@ -204,9 +204,7 @@ def _nothing(job, recorder, remove_journal):
         seen, expected = "", "samples"
         mend = "check the cable, the port and that the sampler is on the board (resources/firmware/README.md)"
     if rows:
-        mend += (
-            f". What arrived is in {job.journal}: add `recover=true` to make a recording of it, or delete it"
-        )
+        mend += f". What arrived is in {job.journal}: {recovery(job.journal)} makes a recording of it; or delete it"
     else:
         remove_journal()
     return InputError(

@@ -6,18 +6,21 @@ from ..console import block
 from ..errors import InputError
 from . import recording, source
 from .guide import Guide  # noqa: F401  (``session.Guide`` leads through ``session.run``)
+from .journal import in_the_way
 from .listener import Listener
 from .monitor import Monitor
 
 
 def run(jobs, guide, views=(), stop=None, leave=None, say=print):
-    """A sentence on what was recorded of ``jobs`` (Jobs in their order); what is there already is left as it is.
+    """A sentence on what was recorded of ``jobs`` (Jobs in their order); what is there already is left as it is,
+    and so is one that an earlier capture left unfinished, which is told before the first is asked for.
 
     The event ``stop`` ends the recording that goes on, and the session where none does; ``leave`` ends both. InputError at the
     end where one of them did not come out whole, or none was to be made.
     """
     stop, leave = stop or threading.Event(), leave or threading.Event()
     wanted = [job for job in jobs if not job.path.exists()]
+    unfinished = [job for job in wanted if job.journal.exists()]
     if not wanted:
         raise InputError(
             "config, key recording",
@@ -28,11 +31,16 @@ def run(jobs, guide, views=(), stop=None, leave=None, say=print):
     for job in jobs:
         if job not in wanted:
             say(f"{job.name}: there already, and left as it is")
-    opened = source.connect(wanted[0].settings)
-    listener, done, failed = Listener(opened), [], []
+    for job in unfinished:
+        say(block(in_the_way(job.journal)))
+    asked_for = [job for job in wanted if job not in unfinished]
+    if not asked_for:
+        return _told(wanted, [], [job.name for job in unfinished], False)
+    opened = source.connect(asked_for[0].settings)
+    listener, done, failed = Listener(opened), [], [job.name for job in unfinished]
     try:
-        for number, job in enumerate(wanted, 1):
-            text = f"{job.name} ({number} of {len(wanted)}): {asked(job)}"
+        for number, job in enumerate(asked_for, 1):
+            text = f"{job.name} ({number} of {len(asked_for)}): {asked(job)}"
             if not guide.prompt(text, _waits(job), _looker(job, opened, listener)):
                 break
             try:

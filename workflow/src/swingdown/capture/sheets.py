@@ -226,7 +226,7 @@ def _replace(path, old, new, rehearse, check=None):
                 path,
                 "it was changed meanwhile",
                 "no other writer",
-                "run the same command with `recover=true`",
+                "run the same command again with `recover=true`, its recording named",
             )
         if rehearse:
             return

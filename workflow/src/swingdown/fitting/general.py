@@ -1,12 +1,15 @@
 """Least squares for any residuals, by the same minimiser that fits swings."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from swingdown.engine import interface
-from swingdown.engine.trajectory import engine
-from swingdown.errors import InputError
+from ..arrays import Floats
+from ..engine import interface
+from ..engine.trajectory import engine
+from ..errors import InputError
 
 
 @dataclass(frozen=True)
@@ -20,7 +23,15 @@ class Minimum:
     evaluations: int
 
 
-def least_squares(residuals_and_jacobian, start, lower=None, upper=None, *, most=20000, tolerance=1e-14):
+def least_squares(
+    residuals_and_jacobian: Callable[[Floats], tuple[ArrayLike, ArrayLike]],
+    start: ArrayLike,
+    lower: ArrayLike | None = None,
+    upper: ArrayLike | None = None,
+    *,
+    most: int = 20000,
+    tolerance: float = 1e-14,
+) -> Minimum:
     """The ``Minimum`` of a sum of squares within bounds, from ``start``.
 
     ``residuals_and_jacobian`` takes the variables (n,) and returns the residuals (m,) and their derivatives (m, n); a
@@ -45,9 +56,9 @@ def least_squares(residuals_and_jacobian, start, lower=None, upper=None, *, most
             )
     if not np.all(bounds[0] <= bounds[1]):
         raise InputError("least squares, lower", "above the upper bound", "lower at most upper")
-    raised = []
+    raised: list[BaseException] = []
 
-    def cost(at, gradient, normal):
+    def cost(at: Floats, gradient: Floats, normal: Floats) -> float:
         if raised:
             return np.nan
         try:

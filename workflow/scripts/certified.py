@@ -1,0 +1,13 @@
+"""Published cases computed by the project's own code, beside their certified values."""
+
+from pathlib import Path
+
+from swingdown import console
+from swingdown.certified.table import quantities, table, told
+from swingdown.paths import write_csv
+
+if __name__ == "__main__":
+    with console.job(snakemake.log[0]) as say:
+        found = table(quantities(Path(snakemake.params.folder)))
+        write_csv(found, snakemake.output[0])
+        say(told(found))
