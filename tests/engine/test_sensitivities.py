@@ -212,6 +212,41 @@ def test_every_effect(label):
     assert error < 1, name
 
 
+@pytest.mark.parametrize(
+    ("label", "exponent"),
+    [
+        ("power_law_drag", 0.3),
+        ("power_law_drag", 0.6),
+        ("power_law_drag+base_vibration", 0.3),
+        ("power_law_drag+flexible_pivot", 0.3),
+    ],
+)
+def test_a_root_of_the_speed(label, exponent):
+    """Its slope by the velocity is infinite at every reversal; three of them, which would add up what is missed there."""
+    values = {
+        "natural_frequency": 7.0, "power_law_coefficient": 0.1, "power_law_exponent": exponent, "vibration_acceleration": 0.3,
+        "vibration_frequency": 0.7, "vibration_phase": 0.5, "pivot_mass_ratio": 0.02, "pivot_frequency": 30.0,
+        "pivot_damping_ratio": 0.05,
+    }  # fmt: skip
+    model = Model(label)
+    model = model.with_values({name: values[name] for name in model.parameters})
+    case = cases.Case(model, np.linspace(0, 1.6, 161), 0.5, 0.0)
+    free = ("natural_frequency", "power_law_exponent", "release_angle")
+    for name, row in zip(free, sensitivities(*case.arguments, free=free)[1], strict=True):
+        column, clear = differences(case, name, 2e-4 * values.get(name, 0.5))
+        assert relative(row[clear], column[clear]) < 3e-6, name
+
+
+def test_a_push_at_rest_counts_the_way_the_pendulum_leaves():
+    model = Model("constant_coulomb", {"natural_frequency": 7.0, "constant_friction": 1.0})
+    case, step = cases.Case(model, np.linspace(0, 2, 101), 0.5, 0.0), 1e-5
+    row = sensitivities(*case.arguments, free=("release_velocity",))[1][0]
+    pushed = simulate(model, case.times, 0.5, -step)
+    still = simulate(model, case.times, 0.5)
+    assert relative(row, (still - pushed) / step) < 1e-4
+    assert relative(row, (simulate(model, case.times, 0.5, step) - still) / step) > 0.01
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("label", [*PAPER_MODELS, *cases.single_effects()])
 def test_random_pendulums(label, capsys):

@@ -1,15 +1,26 @@
 """Trajectories against the oracle: 1e-8 rad for swings up to 60 degrees, 1e-6 up to 170, or a refusal, never silence."""
 
+import warnings
+
 import cases
 import numpy as np
 import pytest
 from scipy.special import ellipj, ellipk
 
-from swingdown.engine.trajectory import TrajectoryError, effort, sensitivities, simulate, simulate_each
+from swingdown.engine.trajectory import (
+    TrajectoryError,
+    TrajectoryWarning,
+    effort,
+    sensitivities,
+    simulate,
+    simulate_each,
+)
 from swingdown.errors import InputError
 from swingdown.pendulum.model import PAPER_MODELS, Model
 from swingdown.trials import second_pendulum as oracle
 
+# at 170 degrees friction in proportion to the load drives, and engine and oracle follow that to the letter alike
+pytestmark = pytest.mark.filterwarnings("ignore:.*gains energy")
 LIMITS = {60: 1e-8, 170: 1e-6}  # degrees: rad
 STEP = 2 * np.pi / 4096  # rad, of a usual encoder
 LABELS = [*cases.paper_models(), *cases.single_effects()]
@@ -182,6 +193,70 @@ def test_a_shaken_pendulum_sticks_and_breaks_away_again():
     assert np.abs(read - seen.reading).max() < 1e-8
     held = np.diff(read) == 0
     assert np.count_nonzero(np.diff(held.astype(int)) == -1) > 2, "held and freed several times"
+
+
+def test_a_moment_of_turning_back_between_two_nodes_is_seen():
+    """The stand shakes so fast that near a turning point the pendulum turns back for 1.4 ms: six reversals, not four."""
+    values = {
+        "natural_frequency": 2.4290, "stribeck_friction": 0.00601, "stribeck_velocity": 0.0612, "vibration_acceleration": 1.3787,
+        "vibration_frequency": 29.93, "vibration_phase": 3.1605,
+    }  # fmt: skip
+    model = Model("stribeck+base_vibration", values, restoring="linear")
+    times = np.linspace(0, 7, 561)
+    seen = oracle.trajectory(model.names, values, times, 0.0, -0.4372, "linear")
+    assert min(np.diff(seen.reversals)) < 0.002
+    assert np.abs(simulate(model, times, 0.0, -0.4372) - seen.reading).max() < 1e-9
+    assert effort(model, times, 0.0, -0.4372).reversals == len(seen.reversals)
+
+
+@pytest.mark.parametrize(("frequency", "acceleration"), [(0.4, 2.05), (29.93, 2.05)])
+def test_a_short_shake_frees_a_pendulum_that_is_held(frequency, acceleration):
+    """Friction of 2 rad/s^2 holds against all but the crests of the shake, which are shorter than the nodes are apart."""
+    values = {
+        "natural_frequency": 2.429, "constant_friction": 2.0, "vibration_acceleration": acceleration,
+        "vibration_frequency": frequency, "vibration_phase": 1.0,
+    }  # fmt: skip
+    model, times = Model("constant_coulomb+base_vibration", values), np.linspace(0, 3, 301)
+    seen = oracle.trajectory(model.names, values, times, 0.1)
+    assert np.ptp(seen.reading) > 1e-3
+    assert np.abs(simulate(model, times, 0.1) - seen.reading).max() < 1e-9
+    assert effort(model, times, 0.1).reversals == len(seen.reversals)
+
+
+@pytest.mark.parametrize(
+    ("label", "friction", "release"),
+    [
+        ("constant_coulomb+presliding", {"constant_friction": 0.5}, 0.001),
+        ("load_coulomb+presliding", {"load_friction": 0.01}, 0.005),
+    ],
+)
+def test_friction_that_winds_up_beside_friction_that_holds(label, friction, release):
+    """Released where it is held, it stays, and only the release angle changes where; further out it swings."""
+    values = {"natural_frequency": 7.0, "presliding_friction": 0.2, "presliding_angle": 0.01} | friction
+    model = Model(label, values)
+    angle, slopes = sensitivities(model, TIMES, release)
+    assert np.all(angle == release)
+    assert effort(model, TIMES, release).stuck_after == 0.0
+    for name, row in zip((*model.parameters, "release_angle", "release_velocity"), slopes, strict=True):
+        assert np.all(row == (name == "release_angle")), name
+    seen = oracle.trajectory(model.names, values, TIMES, 0.3)
+    assert np.abs(simulate(model, TIMES, 0.3) - seen.reading).max() < 1e-8
+
+
+def test_friction_that_drives_is_told():
+    """Beyond 90 degrees the rod is pushed, so friction in proportion to its pull feeds the swing; at the top it throws it."""
+    values = {"natural_frequency": 5.0, "load_friction": 0.05}
+    model = Model("load_coulomb", values)
+    with pytest.warns(TrajectoryWarning, match="beyond 90°.*gains energy"):
+        read = simulate(model, TIMES, np.radians(120))
+    seen = oracle.trajectory(model.names, values, TIMES, np.radians(120))
+    assert np.abs(read - seen.reading).max() < 1e-6, "to the letter all the same"
+    with pytest.raises(TrajectoryError, match="not unique"):
+        simulate(model, TIMES, np.radians(178))
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        simulate(model, TIMES, np.radians(85))
+        simulate(friction(3.0), TIMES, np.radians(178))  # held the same everywhere: no load in it
 
 
 def test_a_stuck_pendulum_on_a_ringing_support():

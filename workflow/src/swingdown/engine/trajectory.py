@@ -1,5 +1,6 @@
 """Trajectories of a model: the angle over time, exact at velocity reversals and with sticking, and its sensitivities."""
 
+import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
@@ -20,16 +21,29 @@ _STATUS = {
     "CLOCK_RUNS_BACK": "the clock runs backwards at these parameters",
     "TOO_LARGE": "the model has more parameters than the engine takes",
     "NO_MEMORY": "out of memory",
+    "NOT_UNIQUE": "the motion from rest is not unique: friction would push the pendulum either way, as friction in proportion "
+    "to the load does beyond 90°, where the rod is pushed and not pulled",
 }
+_DRIVEN = (
+    "at a turning point friction pushes the pendulum on instead of holding it back, as friction in proportion to the load does "
+    "beyond 90°, where the rod is pushed and not pulled: it gains energy there, which no bearing gives"
+)
 
 
 class TrajectoryError(ArithmeticError):
     """A trajectory that cannot be computed to the engine's accuracy; the message says why."""
 
 
+class TrajectoryWarning(UserWarning):
+    """A trajectory that follows the model to the letter, where the model is none of a pendulum; the message says why."""
+
+
 @dataclass(frozen=True)
 class Effort:
-    """What a trajectory took and how good it is: panels, right-hand sides, reversals, estimated error (rad), sticking (s)."""
+    """What a trajectory took and how good it is: panels, right-hand sides, reversals, estimated error (rad), sticking (s).
+
+    ``driven``: at some turning point friction pushed the pendulum on instead of holding it back.
+    """
 
     panels: int
     rejected: int
@@ -37,6 +51,7 @@ class Effort:
     reversals: int
     error: float
     stuck_after: float | None
+    driven: bool
 
 
 @lru_cache(maxsize=20)
@@ -127,8 +142,10 @@ def _run(
         raise TrajectoryError(f"model {model.label} with {stated}: {_STATUS[interface.status_name(status)]}")
     effort = Effort(
         report.panels, report.rejected, report.evaluations, report.reversals, report.error,
-        report.stuck_after if report.stuck_after >= 0 else None,
+        report.stuck_after if report.stuck_after >= 0 else None, bool(report.driven),
     )  # fmt: skip
+    if effort.driven:
+        warnings.warn(f"model {model.label}: {_DRIVEN}", TrajectoryWarning, stacklevel=3)
     return angles, slopes, effort
 
 
@@ -136,7 +153,8 @@ def simulate(model: Model, times: Any, release_angle: float, release_velocity: f
     """The angle read at each time, in rad; an array of the shape of ``times``.
 
     ``times`` in s, increasing, the release at the first; ``release_angle`` in rad, ``release_velocity`` in rad/s.
-    Raises InputError for bad times or a model without values, TrajectoryError where the accuracy cannot be kept.
+    Raises InputError for bad times or a model without values, TrajectoryError where the accuracy cannot be kept or the
+    motion from rest is not unique. A TrajectoryWarning tells of friction that drives the pendulum.
     """
     return _run(model, times, release_angle, release_velocity, ())[0]
 
@@ -176,6 +194,9 @@ def sensitivities(
 
     ``free`` names parameters of the model, ``release_angle`` or ``release_velocity``; all of them by default. The
     units of a row are rad over the parameter's unit. Exact (the variational equations), the jump at reversals included.
+
+    Of a release at rest the derivative by ``release_velocity`` is one-sided where there is friction: that of a push the way the
+    pendulum leaves anyway; none at all where friction holds it.
     """
     free = (*model.parameters, "release_angle", "release_velocity") if free is None else tuple(free)
     return _run(model, times, release_angle, release_velocity, free)[:2]

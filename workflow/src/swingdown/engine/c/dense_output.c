@@ -63,16 +63,20 @@ static PhasePoint point_at(const System *s, const Panel *panel, double x) {
     return at;
 }
 
+static double tail_of(const double *rate) {
+    double c[2] = {0.0, 0.0};
+    for (int k = 0; k < 2; k++)
+        for (int j = 0; j < N; j++) c[k] += T_tail[k * N + j] * rate[j];
+    return fabs(c[0]) + fabs(c[1]);
+}
+
 /* How far the last Legendre coefficients of the rates stand out of their sizes. */
 static double truncation(const System *s, const Panel *panel) {
     double most = 0.0;
     for (int block = 0; block < s->blocks; block++) {
-        double c[2] = {0.0, 0.0};
-        for (int k = 0; k < 2; k++)
-            for (int j = 0; j < N; j++) c[k] += T_tail[k * N + j] * panel->u[block * N + j];
         /* the angle is the acceleration's integral twice over, a state its rate's once: that leaves more of the error */
         const double size = size_of_block(s, panel, block, panel->u + block * N);
-        most = fmax(most, (block ? 30.0 : 1.0) * (fabs(c[0]) + fabs(c[1])) / size);
+        most = fmax(most, (block ? 30.0 : 1.0) * tail_of(panel->u + block * N) / size);
     }
     return most;
 }

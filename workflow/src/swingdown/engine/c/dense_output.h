@@ -18,6 +18,9 @@ static void lay_dense_output(const System *s, Panel *panel);
 /* The motion at a position of the panel, -1 to 1. */
 static PhasePoint point_at(const System *s, const Panel *panel, double x);
 
+/* The last two Legendre coefficients of a rate given at the nodes, in size. */
+static double tail_of(const double *rate);
+
 /* Error estimates over their limits: the panel is good where this is at most 1. omega: rad/s, of the swing. */
 static double error_ratio(const System *s, const Panel *panel, double omega);
 #define TRUNCATION 3e-6 /* last two Legendre coefficients of a rate against its size */

@@ -26,7 +26,7 @@ typedef struct {
 
 /* ---- Trajectories ---- */
 
-enum Status { DONE = 0, LOST_ACCURACY = 1, RAN_AWAY = 2, CLOCK_RUNS_BACK = 3, TOO_LARGE = 4, NO_MEMORY = 5 };
+enum Status { DONE = 0, LOST_ACCURACY = 1, RAN_AWAY = 2, CLOCK_RUNS_BACK = 3, TOO_LARGE = 4, NO_MEMORY = 5, NOT_UNIQUE = 6 };
 
 /* Free values that are no parameters. */
 enum Release { RELEASE_ANGLE = -1, RELEASE_VELOCITY = -2 };
@@ -51,6 +51,7 @@ typedef struct {
     int reversals;
     double error;       /* estimated angle error summed over the panels, rad */
     double stuck_after; /* s; time of the last sticking, or -1 */
+    int driven;         /* at some rest friction pushed the pendulum on instead of back */
 } TrajectoryReport;
 
 /* The status, and the angles read at the times; with slopes, also their derivatives by the free values, one row of

@@ -41,7 +41,7 @@ static void forcing(const System *s, const Panel *panel, const Sensitivities *d,
     }
     if (nz)
         for (int i = 0; i < N; i++) out[i] += panel->by_start[row * N + i] * d->th[f];
-    if (d->by[f] >= 0)
+    if (free_value(d, f) >= 0)
         for (int i = 0; i < N; i++) out[i] += panel->by_parameter[(row * s->model->n_parameters + d->by[f]) * N + i];
 }
 
@@ -63,21 +63,97 @@ static void angle_change(const Panel *panel, const Sensitivities *d, int f, cons
     for (int i = 0; i < N; i++) out[i] = d->th[f] + panel->h * (d->v[f] * T_nodes[i] + panel->h * twice[i]);
 }
 
-static void propagate(const System *s, const Panel *panel, Sensitivities *d) {
-    const int nz = s->model->n_states;
-    for (int f = 0; f < d->n; f++) {
-        double rhs[BLOCKS * N], du[BLOCKS * N], input[MAX_STATES * N], th[N];
-        for (int block = 0; block < s->blocks; block++) forcing(s, panel, d, f, s->row[block], rhs + block * N);
-        apply_inverse(panel, s->blocks, rhs, du);
-        if (s->lags) angle_change(panel, d, f, du, th);
-        for (int k = 0; s->lags && k < nz; k++)
-            if (s->method[k].kind == LAG) lag_forcing(s, panel, d, f, k, du, input + k * N);
-        const PanelStart start = {d->th[f], d->v[f], d->z[f], input, th};
-        integrate_unknowns(s, panel, du, &start, &d->curve[f]);
-        for (int k = 0; s->lags && k < nz; k++)
-            if (d->by[f] >= 0)
-                d->curve[f].state[k].transient[1] = -s->relaxation_by[k][d->by[f]] * panel->curve.state[k].transient[0];
+static void propagate_one(const System *s, const Panel *panel, Sensitivities *d, int f, const double *by_time) {
+    const int nz = s->model->n_states, by = free_value(d, f);
+    double rhs[BLOCKS * N], du[BLOCKS * N], input[MAX_STATES * N], th[N];
+    for (int block = 0; block < s->blocks; block++) {
+        forcing(s, panel, d, f, s->row[block], rhs + block * N);
+        for (int i = 0; by_time && i < N; i++) rhs[block * N + i] += by_time[s->row[block] * N + i];
     }
+    apply_inverse(panel, s->blocks, rhs, du);
+    if (s->lags) angle_change(panel, d, f, du, th);
+    for (int k = 0; s->lags && k < nz; k++)
+        if (s->method[k].kind == LAG) lag_forcing(s, panel, d, f, k, du, input + k * N);
+    const PanelStart start = {d->th[f], d->v[f], d->z[f], input, th};
+    integrate_unknowns(s, panel, du, &start, &d->curve[f]);
+    for (int k = 0; s->lags && k < nz; k++)
+        if (by >= 0)
+            d->curve[f].state[k].transient[1] = -s->relaxation_by[k][by] * panel->curve.state[k].transient[0];
+}
+
+/* ---- Broken powers of the speed ----
+ *
+ * By the velocity, such a power has a slope that is infinite where the speed is zero. A polynomial through the nodes follows a
+ * sensitivity there only if the velocity's change vanishes along with the speed, which it does not: the reversal itself
+ * comes sooner or later. But to come earlier by `lead` is to be changed by the motion's own rates times that, and of these
+ * collocation's answer can be compared with the rates themselves; `lead` times what it misses there is what it misses of
+ * the sensitivity. */
+
+/* The motion's rates along the panel. */
+static void rates_along(const System *s, const Panel *panel, MotionCurve *out) {
+    memset(out, 0, sizeof *out);
+    memcpy(out->th, panel->curve.v, (N + 1) * sizeof(double));
+    multiply(T_monomial, panel->u, out->v);
+    for (int k = 0; k < s->model->n_states; k++) {
+        const StateCurve *of = &panel->curve.state[k];
+        if (s->method[k].kind == RATE_INDEPENDENT) continue; /* a closed form needs no polynomial */
+        for (int j = 0; j <= N; j++) out->state[k].poly[j] = 2.0 / panel->h * (j + 1) * of->poly[j + 1];
+        out->state[k].transient[0] = of->transient[1] - s->relaxation[k] * of->transient[0];
+        out->state[k].transient[1] = -s->relaxation[k] * of->transient[1];
+    }
+}
+
+/* a += factor * b */
+static void add_curve(int n_states, double factor, const MotionCurve *b, MotionCurve *a) {
+    for (int j = 0; j < N + 2; j++) {
+        a->th[j] += factor * b->th[j];
+        a->v[j] += factor * b->v[j];
+    }
+    for (int k = 0; k < n_states; k++) {
+        for (int j = 0; j < N + 2; j++) a->state[k].poly[j] += factor * b->state[k].poly[j];
+        for (int j = 0; j < 2; j++) a->state[k].transient[j] += factor * b->state[k].transient[j];
+    }
+}
+
+/* What changes the rates at the nodes because time goes on; by differences, for they are smooth in time. */
+#define TIME_STEP 1e-5
+static void rates_by_time(const System *s, const Panel *panel, double *out) {
+    double later[BLOCKS * N], t[N];
+    MotionPoints nodes = nodes_of(panel);
+    nodes.t = t;
+    for (int side = -1; side < 2; side += 2) {
+        for (int i = 0; i < N; i++) t[i] = panel->t[i] + side * TIME_STEP;
+        right_hand_side(s, &nodes, side < 0 ? out : later, NULL);
+    }
+    for (int i = 0; i < (1 + s->model->n_states) * N; i++) out[i] = (later[i] - out[i]) / (2.0 * TIME_STEP);
+}
+
+static void mend_broken_powers(System *s, const Panel *panel, Sensitivities *d, double x_end) {
+    double rates[BLOCKS], by_time[BLOCKS * N];
+    const int own = d->n, nz = s->model->n_states;
+    const int ends_slower = fabs(horner(panel->curve.v, N, x_end)) < fabs(panel->from.v);
+    MotionCurve missed, *found = &d->curve[own];
+    rates_at(s, &panel->from, s->direction, rates);
+    d->th[own] = panel->from.v;
+    d->v[own] = rates[0];
+    for (int k = 0; k < nz; k++) d->z[own][k] = rates[1 + k];
+    if (s->timed) rates_by_time(s, panel, by_time);
+    propagate_one(s, panel, d, own, s->timed ? by_time : NULL);
+    rates_along(s, panel, &missed);
+    d->last_rates[0] = horner(missed.v, N - 1, x_end);
+    for (int k = 0; k < nz; k++) d->last_rates[1 + k] = horner(missed.state[k].poly, N, x_end);
+    add_curve(nz, -1.0, found, &missed);
+    const double own_change = ends_slower ? horner(found->v, N, x_end) : d->v[own];
+    for (int f = 0; f < d->n; f++) {
+        const double change = ends_slower ? horner(d->curve[f].v, N, x_end) : d->v[f];
+        d->lead[f] = own_change != 0.0 ? change / own_change : 0.0;
+        add_curve(nz, d->lead[f], &missed, &d->curve[f]);
+    }
+}
+
+static void propagate(System *s, const Panel *panel, Sensitivities *d, double x_end) {
+    for (int f = 0; f < d->n; f++) propagate_one(s, panel, d, f, NULL);
+    if (s->fractional_power && !s->stuck) mend_broken_powers(s, panel, d, x_end);
 }
 
 static void move_to(const System *s, const Panel *panel, Sensitivities *d, double x) {
@@ -95,6 +171,18 @@ static void move_to(const System *s, const Panel *panel, Sensitivities *d, doubl
             } else
                 d->z[f][k] = horner(d->curve[f].state[k].poly, N + 1, x) + transient_after(&d->curve[f].state[k], s->relaxation[k], after);
         }
+    }
+}
+
+/* A polynomial misses the rates at the very reversal, where a broken power has its infinite slope. */
+static void come_to_rest(System *s, const PhasePoint *x, Sensitivities *d) {
+    double rates[BLOCKS];
+    if (!s->fractional_power) return;
+    rates_at(s, x, s->direction, rates);
+    for (int f = 0; f < d->n; f++) {
+        d->v[f] += d->lead[f] * (rates[0] - d->last_rates[0]);
+        for (int k = 0; k < s->model->n_states; k++)
+            if (s->method[k].kind == COLLOCATED) d->z[f][k] += d->lead[f] * (rates[1 + k] - d->last_rates[1 + k]);
     }
 }
 

@@ -12,6 +12,7 @@
 #define OVERSHOOT 1.012 /* a panel reaches this far past the reversal that is expected */
 #define MOST_PANELS 100 /* a half-swing, beyond the first thousand: more is no pendulum's motion */
 #define ATTEMPTS 60     /* at a panel */
+#define DRIVES 1e-4     /* of the acceleration: less drive by friction at rest is nothing that a swing would show */
 #define ORDER 14.0      /* of the error in the panel's length */
 
 typedef struct {
@@ -21,9 +22,10 @@ typedef struct {
     Record record;
     TrajectoryReport *report;
     PhasePoint here;
-    double omega;         /* rad/s, of the present swing */
-    double last_reversal; /* s, or -1 where the pendulum has stuck since */
-    double longest;       /* panel that the last error estimates allow, s */
+    double omega, omega_at_release; /* rad/s, of the present swing, and of an undamped one from the release */
+    double last_reversal;           /* s, or -1 where the pendulum has stuck since */
+    double expected;                /* s from the panel's start to the next reversal, by omega */
+    double longest;                 /* panel that the last error estimates allow, s */
     /* of the last panel, if it began at rest: its length and its first acceleration */
     double rest_h, rest_acceleration;
     double budget, budget_a_second; /* panels in advance, and for each second of the motion */
@@ -52,7 +54,7 @@ static void start_at_release(Trajectory *r, const InitialValueProblem *problem) 
     r->record.play.parameter = problem->model->play;
     r->record.play.reading = here->th;
     for (int f = 0; f < r->d.n; f++) r->record.play.slope[f] = r->d.th[f];
-    r->omega = swing_frequency(s->p[0], here->th, here->v);
+    r->omega = r->omega_at_release = swing_frequency(s->p[0], here->th, here->v);
     s->largest_angle = hypot(here->th, here->v / r->omega);
     r->last_reversal = -1.0;
     r->longest = INFINITY;
@@ -74,18 +76,30 @@ static void reverse_sensitivities(Trajectory *r, int way) {
     for (int f = 0; f < r->d.n && s->stuck; f++) r->d.v[f] = 0.0;
 }
 
-/* At rest: turn round, or stick. */
-static void leave_or_stick(Trajectory *r) {
+/* Held from the release on: no small push moves it. The states' equations need a direction, though nothing moves. */
+static void hold_at_release(Trajectory *r) {
+    r->s.direction = 1.0;
+    for (int f = 0; f < r->d.n; f++) r->d.v[f] = 0.0;
+}
+
+/* At rest: turn round, or stick; the status. */
+static int leave_or_stick(Trajectory *r) {
     System *s = &r->s;
-    const int was_stuck = s->stuck, way = leaves_rest(s, &r->here, was_stuck ? 0.0 : s->direction);
+    const int was_stuck = s->stuck;
+    const Freed freed = freed_at(s, &r->here);
+    if (freed.up > 0.0 && freed.down < 0.0) return NOT_UNIQUE;
+    const int way = leaves_rest(&freed, was_stuck ? 0.0 : s->direction);
+    r->report->driven |= freed.up - freed.down > DRIVES * (fabs(freed.up) + fabs(freed.down));
     if (r->d.n && s->direction != 0.0) reverse_sensitivities(r, way);
     s->stuck = way == 0;
     if (!s->stuck) {
         s->direction = way;
-        return;
+        return DONE;
     }
+    if (s->direction == 0.0) hold_at_release(r);
     if (!was_stuck) r->report->stuck_after = r->here.t + r->record.problem->times[0];
     r->last_reversal = -1.0;
+    return DONE;
 }
 
 /* A first guess of the unknowns: the last panel's shape where this is its mirror image, else a harmonic. */
@@ -108,14 +122,14 @@ static double attempt_panel(Trajectory *r, double *ratio) {
     Panel *panel = &r->panel;
     if (!solve_panel(s, panel, r->report) || !invert_lags(s, panel)) return 0.5;
     lay_dense_output(s, panel);
-    *ratio = error_ratio(s, panel, r->omega);
+    *ratio = s->stuck ? fmax(error_ratio(s, panel, r->omega), hold_ratio(s, panel)) : error_ratio(s, panel, r->omega);
     return *ratio <= 1.0 ? 0.0 : fmin(0.7, fmax(0.2, 0.8 * pow(*ratio, -1.0 / ORDER)));
 }
 
 /* The length (s) to try first: up to just past the reversal that is expected, or a whole part of that. */
-static double first_length(const Trajectory *r, double acceleration) {
-    const double left = r->s.stuck ? 3.0 / r->omega
-                                   : time_to_reversal(r->s.direction, r->here.v, acceleration, r->omega) * OVERSHOOT;
+static double first_length(Trajectory *r, double acceleration) {
+    r->expected = r->s.stuck ? 3.0 / r->omega : time_to_reversal(r->s.direction, r->here.v, acceleration, r->omega);
+    const double left = r->s.stuck ? r->expected : r->expected * OVERSHOOT;
     const double h = left / fmax(1.0, ceil(left / r->longest));
     return h > 1e-12 ? h : 1e-12;
 }
@@ -153,9 +167,16 @@ static double next_panel(Trajectory *r) {
     return -1.0;
 }
 
+/* A reversal that was expected did not come. After a shake that turned the pendulum round for a moment, its frequency says
+ * nothing of the swing that follows. */
+static void expect_later(Trajectory *r) {
+    if (r->panel.h >= r->expected && r->omega > 2.0 * r->omega_at_release) r->omega *= 0.5;
+}
+
 static void reverse(Trajectory *r) {
     r->here.v = 0.0;
     if (r->s.stuck) return;
+    if (r->d.n) come_to_rest(&r->s, &r->here, &r->d);
     r->report->reversals++;
     if (r->last_reversal >= 0.0) r->omega = PI / (r->here.t - r->last_reversal);
     r->last_reversal = r->here.t;
@@ -175,7 +196,7 @@ static int advance(Trajectory *r) {
     System *s = &r->s;
     Panel *panel = &r->panel;
     s->largest_angle = fmax(s->largest_angle, fabs(r->here.th));
-    if (r->here.v == 0.0) leave_or_stick(r);
+    if (r->here.v == 0.0 && leave_or_stick(r) == NOT_UNIQUE) return NOT_UNIQUE;
     if (s->stuck && !s->timed && !s->model->n_states) { /* nothing changes any more */
         read_rest(&r->record, r->here.th, r->d.th);
         return DONE;
@@ -189,7 +210,7 @@ static int advance(Trajectory *r) {
     r->report->error += ratio * TRUNCATION * largest(panel->u) * h * h / (64.0 * N * N);
     if (r->d.n) {
         if (!linearise(s, panel)) return LOST_ACCURACY;
-        propagate(s, panel, &r->d);
+        propagate(s, panel, &r->d, x_end);
     }
     read_panel(&r->record, s, panel, &r->d, t_end);
     r->here = point_at(s, panel, x_end);
@@ -199,7 +220,7 @@ static int advance(Trajectory *r) {
     if (event.position <= 1.0) {
         if (event.kind == REVERSAL) reverse(r);
         else if (event.kind >= 0) cross_switch(s, &r->here, event.kind, &r->d);
-    }
+    } else expect_later(r);
     return check(r);
 }
 
