@@ -11,6 +11,7 @@ import xarray as xr
 from ..arrays import Floats
 from ..errors import InputError
 from .noise_level import noise_level, quantisation_step
+from .release import by_itself
 
 _RAD = {"rad": 1.0, "deg": pi / 180}
 UNIFORM_95 = 0.95 * sqrt(3)  # half width of the interval that holds 95 % of a uniform distribution, in its u
@@ -26,8 +27,7 @@ def to_angle(recording: xr.Dataset, calibration: xr.Dataset | None = None, mode:
     is then known of systematic errors: that part is 0, and the attribute ``systematic`` says so. InputError
     for volts without a calibration, or with one of another campaign.
     """
-    if "begins_s" in recording.attrs:
-        recording = recording.isel(time=recording["time"].values >= recording.attrs["begins_s"])
+    recording = by_itself(recording)
     signal = recording["signal"]
     unit = signal.attrs["units"]
     if unit == "V":
