@@ -28,15 +28,13 @@ def check_continuous(times: Floats, signal: Floats, place: str) -> list[str]:
             f"the time between samples varies by {np.std(steps):.2g} of {interval:.4g} s (standard deviation)"
         ]
     remarks = [_told("the clock stumbles", times[uneven + 1])] if len(uneven) else []
-    told: list[float] = []
-    found = [_places(signal, _kernel(spike), period / interval) for spike in (True, False)]
-    for what, own, other in (("a spike", found[0], found[1]), (JUMP, found[1], found[0])):
-        # a spike looks a little like a jump and a jump like a spike: it is that which it looks like most
-        if mine := [
-            k for k, size in own.items() if all(abs(k - n) > SIDE or size > z for n, z in other.items())
-        ]:
-            remarks.append(_told(what, times[mine]))
-            told += list(times[mine])
+    spikes, healed = _places(signal, _kernel(True), period / interval), signal.copy()
+    for k in spikes:
+        healed[k] = (signal[k - 1] + signal[k + 1]) / 2
+    jumps = _places(healed, _kernel(False), period / interval)
+    spikes = [k for k in spikes if all(abs(k - n) > SIDE for n in jumps)]  # a jump looks a little like one
+    remarks += [_told(what, times[places]) for what, places in (("a spike", spikes), (JUMP, jumps)) if places]
+    told = times[[*spikes, *jumps]]
     late = [
         one for one in _out_of_step(times, signal) if all(abs(one - other) > 3 * period for other in told)
     ]
@@ -86,17 +84,18 @@ def _kernel(spike: bool) -> Floats:
     """Weights of the samples in a window that give the height of a spike, or of a jump, on a cubic swing."""
     n = 2 * SIDE + 1 if spike else 2 * SIDE
     x = (np.arange(n) - (n - 1) / 2) / SIDE
-    odd = (np.arange(n) == SIDE) if spike else (x > 0)
-    return np.linalg.pinv(np.column_stack([x**0, x, x**2, x**3, odd.astype(float)]))[-1]
+    # a kink, as samples lost at a turning point leave it, is no spike
+    odd = [np.abs(x), np.arange(n) == SIDE] if spike else [x > 0]
+    return np.linalg.pinv(np.column_stack([x**0, x, x**2, x**3, *odd]).astype(float))[-1]
 
 
-def _places(signal: Floats, kernel: Floats, period: float) -> dict[int, float]:
-    """Where the height that the kernel tells stands out of those nearby, and how high in terms of white noise: the largest of each cluster.
+def _places(signal: Floats, kernel: Floats, period: float) -> list[int]:
+    """Where the height that the kernel tells stands out of those nearby: the largest of each cluster.
 
     What swing and noise do to it is told by its median over two periods, before, around and after. ``period`` in samples.
     """
     if len(signal) < 8 * SIDE or not period > 4 * SIDE:  # too few samples a swing for a cubic
-        return {}
+        return []
     height = np.abs(np.correlate(signal, kernel, mode="valid"))
     size = int(max(8 * SIDE, 2 * period))
     blocks = max(1, len(height) // size)
@@ -106,21 +105,21 @@ def _places(signal: Floats, kernel: Floats, period: float) -> dict[int, float]:
     seen = max(SEEN * np.ptp(signal), 2 * quantisation_step(signal))
     odd = np.flatnonzero((height > ODD * scale) & (height > seen))
     if not len(odd):
-        return {}
+        return []
     clusters = np.split(odd, np.flatnonzero(np.diff(odd) > SIDE) + 1)
-    tops = [int(one[np.argmax(height[one])]) for one in clusters]
-    return {k + SIDE: float(height[k] / np.linalg.norm(kernel)) for k in tops}
+    return [int(one[np.argmax(height[one])]) + SIDE for one in clusters]
 
 
 def check_alive(times: Floats, signal: Floats, place: str) -> None:
     """None if the signal moves, or came to rest: then it lost its swing before. InputError for a sensor that died while it swung."""
-    period = half_swings(signal).period(times) / float(np.median(np.diff(times)))  # in samples
-    if not period > 4:
-        return
     moving = np.flatnonzero(signal != signal[-1])
-    last, n = int(moving[-1]) + 1, round(period)
-    if len(signal) - last < max(10, period / 2) or last < 4:
+    last = int(moving[-1]) + 1
+    if last < 4 or len(signal) - last < 10:
         return
+    period = half_swings(signal[:last]).period(times) / float(np.median(np.diff(times)))  # in samples
+    if not period > 4 or len(signal) - last < period / 2:
+        return
+    n = round(period)
     late, still = np.ptp(signal[max(0, last - n) : last]), False
     if last >= 2 * n:
         still = bool(late <= 0.8 * np.ptp(signal[last - 2 * n : last - n]))
