@@ -14,6 +14,7 @@ import xarray as xr
 
 from ..errors import InputError
 from ..paths import find, is_url
+from .archive import unpacked
 from .table import cut_short, encoding, layout, pieces
 
 NETCDF = (".nc", ".nc4", ".cdf", ".netcdf")
@@ -34,7 +35,22 @@ class Table(NamedTuple):
 def table_of(source: BinaryIO, row: Mapping[str, Any]) -> Table:
     """The Table of an open file, by its ending; ``row`` is that of the sample sheet. InputError for one that cannot be read."""
     name = row["file"]
-    return _netcdf(source, row) if name.lower().endswith(NETCDF) else _text(source, name)
+    if name.lower().endswith(NETCDF):
+        return _netcdf(source, row)
+    if inside := unpacked(source, name, str(row.get("sheet", ""))):
+        text, where = inside
+        table = _text(text, f"{name}, {where}")
+        return table._replace(
+            layout=table.layout.replace("tabs", where, 1) if "sheet" in where else f"{where}, {table.layout}"
+        )
+    if row.get("sheet"):
+        raise InputError(
+            f"{name} (column sheet)",
+            f"the file has no sheets, and the sample sheet asks for {row['sheet']!r}",
+            "a workbook or a zip archive",
+            "leave the cell `sheet` empty",
+        )
+    return _text(source, name)
 
 
 def _text(source: BinaryIO, name: str) -> Table:
