@@ -1,5 +1,7 @@
 """The study's functions, from sample sheet to joint fit, on recordings of real pendulums that come beside the project."""
 
+import re
+
 import numpy as np
 import pandas as pd
 import pytest
@@ -17,13 +19,13 @@ from swingdown.studies import norms
 from swingdown.studies import paper_tables as tables
 from swingdown.studies.experiment import fit_campaign, fit_recording
 
-# The link is still being lifted when the trigger fires, and is at its highest 0.12, 0.23 and 0.13 s later. From 0.2 s after
-# that the joint fit hardly changes (0.0115 rad; 0.0100 from 0.5 s), before it is up to six times worse: the hand's doing.
+# The link is still being lifted when the trigger fires, and is at its highest 0.12, 0.25 and 0.13 s later. No start_s is stated: the
+# release is found. Windows chosen by eye (0.35, 0.45, 0.35 s) leave the same 0.0044, 0.0115 and 0.0157 rad of the joint fit.
 SHEET = """recording,campaign,file,time_column,signal_column,start_s
 free_swing_large,dynamicslab,{folder}/real/dynamicslab_single/free_swing_large.csv,t_s,theta_rad,
-rel45,jensen,{folder}/real/jensen_rotary/rel45.csv,t_s,theta_rad,0.35
-rel90,jensen,{folder}/real/jensen_rotary/rel90.csv,t_s,theta_rad,0.45
-rel135,jensen,{folder}/real/jensen_rotary/rel135.csv,t_s,theta_rad,0.35
+rel45,jensen,{folder}/real/jensen_rotary/rel45.csv,t_s,theta_rad,
+rel90,jensen,{folder}/real/jensen_rotary/rel90.csv,t_s,theta_rad,
+rel135,jensen,{folder}/real/jensen_rotary/rel135.csv,t_s,theta_rad,
 """
 ALL_THREE = "viscous+quadratic_drag+load_coulomb"
 
@@ -94,7 +96,8 @@ def test_adding_a_term_never_raises_the_norm_of_a_real_swing(angles):
 def test_a_window_that_begins_in_the_hand_is_seen_in_the_fit(shared_data, tmp_path):
     """From the first sample of the trigger on, the joint fit is five times worse: start_s matters."""
     sheet = tmp_path / "early.csv"
-    early = SHEET.format(folder=shared_data).replace(",0.35", ",0.10").replace(",0.45", ",0.10")
+    early = re.sub(r"(rel.*),$", r"\1,0.10", SHEET.format(folder=shared_data), flags=re.MULTILINE)
+    assert early.count(",0.10") == 3
     sheet.write_text(early)
     rows = read_sheet(sheet).query("campaign == 'jensen'")
     joint = fit_campaign([to_angle(ingest(row, str(sheet))) for _, row in rows.iterrows()], [ALL_THREE])

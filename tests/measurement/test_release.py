@@ -3,9 +3,10 @@
 import numpy as np
 import pytest
 
+from swingdown.errors import InputError
 from swingdown.measurement.angle import to_angle
 from swingdown.measurement.recording import ingest
-from swingdown.measurement.release import find_release
+from swingdown.measurement.release import find_windows
 from swingdown.measurement.sheet import read_sheet
 
 
@@ -24,24 +25,29 @@ def held(rate, seconds, seed=1):
 def test_a_free_swing_is_used_from_its_first_sample_on(rate):
     time = np.arange(10 * rate) / rate
     for k in range(40):
-        assert find_release(time, swing(time, phase=k * np.pi / 20, seed=k)) is None
+        signal = swing(time, phase=k * np.pi / 20, seed=k)
+        for scale in (1.0, 0.0):  # in rad, and in a unit of which nothing is known
+            windows, pushed = find_windows(time, signal, scale)
+            assert pushed == [] and len(windows) == 1
+            assert np.isnan([windows[0].begins, windows[0].ends]).all()
 
 
 @pytest.mark.parametrize("rate", [30, 100, 250])
 @pytest.mark.parametrize("seconds", [0.7, 1.5, 3.0, 6.0])
 def test_a_bob_that_is_held_first(rate, seconds):
     time, signal = held(rate, seconds)
-    found = find_release(time, signal)
-    assert found is not None
-    assert found.released == pytest.approx(seconds, abs=0.08)
-    assert seconds + 0.15 < found.free < seconds + 0.35
+    for scale in (1.0, 0.0):
+        (found,), pushed = find_windows(time, signal, scale)
+        assert pushed == []
+        assert found.released == pytest.approx(seconds, abs=0.08)
+        assert seconds + 0.15 < found.begins < seconds + 0.35
 
 
 def test_a_bob_that_is_lifted_first():
     time, signal = held(100, 2.0)
     signal[:200] -= 0.4 * (1 - time[:200] / 2)
-    found = find_release(time, signal)
-    assert found is not None and found.released == pytest.approx(2.0, abs=0.08)
+    (found,), _ = find_windows(time, signal)
+    assert found.released == pytest.approx(2.0, abs=0.08)
 
 
 def test_the_recording_is_kept_and_the_angle_begins_after_the_release(tmp_path, monkeypatch):
@@ -59,3 +65,86 @@ def test_the_recording_is_kept_and_the_angle_begins_after_the_release(tmp_path, 
     stated = ingest(rows.loc["b"], "sheet.csv")
     assert "released" not in stated.attrs.get("remarks", "")
     assert float(to_angle(stated)["time"][0]) == 1.0
+
+
+def test_a_lift_that_moves_nearly_as_a_free_swing_is_seen_in_rad(shared_data):
+    """The link of a rotary pendulum is highest 0.12, 0.25 and 0.13 s after the first sample, and in a hand until about then."""
+    for name, highest in (("rel45", 0.124), ("rel90", 0.245), ("rel135", 0.131)):
+        time, angle = np.loadtxt(shared_data / f"real/jensen_rotary/{name}.csv", delimiter=",", skiprows=1).T
+        (found,), _ = find_windows(time, angle, 1.0)
+        assert highest - 0.01 < found.released < highest + 0.16
+        assert found.released < found.begins < found.released + 0.25
+
+
+def test_a_rest_at_the_end_is_left_out_but_for_a_period(tmp_path):
+    time = np.arange(3000) / 100
+    signal = np.where(time < 15, swing(time, noise=0) * (1 - time / 15), 0)
+    signal += 0.002 * np.random.default_rng(3).standard_normal(time.size)
+    (found,), _ = find_windows(time, signal, 1.0)
+    assert found.rests and np.isnan(found.begins)
+    assert 14.5 < found.ends < 16.5
+    (found,), _ = find_windows(time[:1600], signal[:1600], 1.0)
+    assert np.isnan(found.ends)  # what tells where friction stopped it stays
+
+
+def test_a_pendulum_that_a_hand_stops_is_used_until_then():
+    time = np.arange(1500) / 100
+    signal = swing(time)
+    caught = np.argmax(np.abs(signal) * (time > 9) > 0.3)
+    signal[caught:] = 0.3 * np.exp(-8 * (time[caught:] - time[caught])) * np.sign(signal[caught])
+    signal += 0.001 * np.random.default_rng(3).standard_normal(time.size)
+    (found,), _ = find_windows(time, signal, 1.0)
+    assert found.ends == pytest.approx(time[caught], abs=0.5)
+
+
+def three_releases():
+    """(times, angle): let go at 2, 12 and 22 s, each time caught and lifted within the second and a half before."""
+    time = np.arange(3200) / 100
+    parts = []
+    for _ in range(3):
+        own = swing(np.arange(850) / 100, noise=0)
+        lift = np.interp(np.arange(150), [0, 120, 150], [own[-1], 0.6, 0.6])
+        parts += [own, lift]
+    first = np.interp(np.arange(200), [0, 100, 200], [0, 0.6, 0.6])
+    signal = np.concatenate([first, *parts])[: time.size]
+    return time, signal + 0.002 * np.random.default_rng(5).standard_normal(time.size)
+
+
+def test_several_releases_are_refused_with_the_rows_that_part_them(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    time, signal = three_releases()
+    text = "t_s,theta_rad\n" + "".join(f"{t:.2f},{x:.6f}\n" for t, x in zip(time, signal, strict=True))
+    (tmp_path / "anna.csv").write_text(text)
+    (tmp_path / "sheet.csv").write_text("recording,campaign,file\nanna,bob,anna.csv\n")
+    with pytest.raises(InputError, match="released 3 times") as caught:
+        ingest(read_sheet("sheet.csv").loc["anna"], "sheet.csv")
+    rows = caught.value.mend.partition(":\n")[2]
+    assert rows.splitlines()[0] == "recording,campaign,file,start_s,stop_s"
+    (tmp_path / "parted.csv").write_text(rows + "\n")
+    parted = read_sheet("parted.csv")
+    assert list(parted.index) == ["anna-1", "anna-2", "anna-3"]
+    assert list(parted["campaign"].unique()) == ["bob"]
+    for name, let_go in zip(parted.index, (2, 12, 22), strict=True):
+        found = ingest(parted.loc[name], "parted.csv")
+        assert "remarks" not in found.attrs
+        assert let_go + 0.1 < float(found["time"][0]) < let_go + 0.5
+        assert float(found["time"][-1]) == pytest.approx(let_go + 8.5, abs=0.6)
+
+
+def test_a_window_in_the_sheet_keeps_several_releases_together(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    np.savetxt("a.csv", np.column_stack(three_releases()), delimiter=",", header="t_s,theta_rad", comments="")
+    (tmp_path / "sheet.csv").write_text("recording,file,start_s\na,a.csv,0\n")
+    found = ingest(read_sheet("sheet.csv").loc["a"], "sheet.csv")
+    assert found.sizes["time"] == to_angle(found).sizes["time"] == 3200
+    assert "released 3 times" in found.attrs["remarks"]
+
+
+def test_a_knock_is_told_and_parts_nothing():
+    time = np.arange(2000) / 100
+    signal = swing(time)
+    pushed = (time > 9.6) & (time < 10.1)
+    signal[pushed] += 0.15 * np.sin(np.pi * (time[pushed] - 9.6) / 0.5) ** 2
+    windows, told = find_windows(time, signal, 1.0)
+    assert len(windows) == 1 and np.isnan([windows[0].begins, windows[0].ends]).all()
+    assert len(told) == 1 and told[0] == pytest.approx(9.9, abs=0.6)

@@ -1,6 +1,6 @@
-# The paper's figures, in its numbering.
+# The paper's figures, in its numbering, and on demand a picture of any recording.
 # needs: the datasets and tables of the stages that are part of this study
-# makes: results/figures/fig01 … fig15 (.svg and .png)
+# makes: results/figures/fig01 … fig15 (.svg and .png); results/figures/recordings/
 
 # A figure, and what its function in swingdown.plots takes, by the names of its arguments. A further figure is a line
 # here, that function, and a caption in workflow/report/.
@@ -53,3 +53,20 @@ for name, needed in DRAWN.items():
             f"Drawing Figure {int(name.removeprefix('fig'))}"
         script:
             "../scripts/figure.py"
+
+
+if PLAN.campaigns:
+
+    rule used_part:
+        input:
+            recording="results/recordings/{recording}.nc",
+            code=code("used_part"),
+        output:
+            svg="results/figures/recordings/{recording}.svg",
+            png="results/figures/recordings/{recording}.png",
+        log:
+            "results/logs/figures/recordings/{recording}.log",
+        message:
+            "Drawing what is used of {wildcards.recording}"
+        script:
+            "../scripts/used_part.py"

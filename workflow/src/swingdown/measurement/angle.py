@@ -11,6 +11,7 @@ import xarray as xr
 from ..arrays import Floats
 from ..errors import InputError
 from .noise_level import noise_level, quantisation_step
+from .release import by_itself
 from .slack import as_variables, of_calibration, of_tolerances
 
 _RAD = {"rad": 1.0, "deg": pi / 180}
@@ -28,8 +29,7 @@ def to_angle(recording: xr.Dataset, calibration: xr.Dataset | None = None, mode:
     ``reading_slack`` (nuisance, source) says what each source does to the reading's gain, zero and curvature,
     which fits leave open. InputError for volts without a calibration, or with one of another campaign.
     """
-    if "begins_s" in recording.attrs:
-        recording = recording.isel(time=recording["time"].values >= recording.attrs["begins_s"])
+    recording = by_itself(recording)
     signal = recording["signal"]
     unit = signal.attrs["units"]
     if unit == "V":

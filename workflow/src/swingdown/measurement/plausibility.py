@@ -10,6 +10,7 @@ from ..errors import InputError
 
 LONGEST, SHORTEST = 60.0, 0.02  # s; a pendulum of 900 m, and one of a tenth of a millimetre
 CENTRED = 0.1  # rad; friction does not hold a pendulum that far from the vertical
+DRIFTED = 0.05  # rad; what the amplitude does to the middle of an eccentric sensor is less
 TURNED = 2.6  # rad; nearer to half a turn than this the zero is at the top
 DEAD_ZONE = 0.05  # of the range: crossings of the middle by noise alone do not count
 TO_RAD = {"rad": 1.0, "deg": pi / 180}
@@ -26,13 +27,14 @@ class Swings(NamedTuple):
         return 2 * float(np.median(np.diff(times[self.starts]))) if len(self.starts) > 2 else float("nan")
 
     def centre(self) -> float:
-        """The middle that the swings have, or nan for fewer than four half-swings. The first one may be cut, the last too."""
+        """The middle that the swings have, or nan for fewer than four half-swings."""
+        centres = self.centres()
+        return float(np.median(centres)) if len(centres) else float("nan")
+
+    def centres(self) -> Floats:
+        """The middle at each turning point, from it and its neighbours; of fewer than five half-swings none. The first one may be cut, the last too."""
         turns = self.turns[1:-1]
-        return (
-            float(np.median((turns[:-2] + 2 * turns[1:-1] + turns[2:]) / 4))
-            if len(turns) > 2
-            else float("nan")
-        )
+        return (turns[:-2] + 2 * turns[1:-1] + turns[2:]) / 4 if len(turns) > 2 else np.empty(0)
 
 
 def half_swings(signal: Floats) -> Swings:
@@ -86,6 +88,10 @@ def _angle_remarks(
     largest, remarks = float(np.abs(angle).max()), []
     turns = swings.turns * TO_RAD[unit]
     wide = np.abs(np.diff(turns)) > 2 * pi * 1.02
+    if unit == "rad" and wide.sum() > 2:
+        raise _no_rad(
+            f"it swings back and forth by {np.abs(np.diff(turns)).max() / (2 * pi):.3g} turns", place
+        )
     wraps = np.flatnonzero(np.abs(np.abs(np.diff(angle)) - 2 * pi) < 0.6)
     if len(wraps):
         raise InputError(
@@ -95,25 +101,15 @@ def _angle_remarks(
             "unwrap it (add or take away a turn), or turn the sensor so that its zero is at the bottom",
         )
     far = np.flatnonzero(np.abs(np.diff(angle)) > pi)
-    if len(far) and not wide.sum() > 2:
+    if len(far):
         raise InputError(
             f"{place}, {times[far[0] + 1]:.6g} s",
             f"the angle changes by {np.abs(np.diff(angle))[far[0]] / (2 * pi):.3g} turns between two samples",
             "less than half a turn",
             "mend the file there, or correct signal_unit in the sheet",
         )
-    if unit == "rad" and (wide.sum() > 2 or (largest > 2 * pi and not told)):
-        problem = (
-            f"it swings back and forth by {np.abs(np.diff(turns)).max() / (2 * pi):.3g} turns"
-            if wide.sum() > 2
-            else f"it reaches {largest:.4g} rad and no unit is stated"
-        )
-        raise InputError(
-            place,
-            f"taken for rad {problem}",
-            "an angle in rad of a pendulum; these may be degrees",
-            "write deg in the cell signal_unit of the sheet (or rad for counted turns), or the unit in the column's name",
-        )
+    if unit == "rad" and largest > 2 * pi and not told:
+        raise _no_rad(f"it reaches {largest:.4g} rad and no unit is stated", place)
     if largest > 2 * pi:
         remarks.append(f"it reaches {largest / (2 * pi):.3g} turns, which are taken for counted turns")
     centre = swings.centre() * TO_RAD[unit]
@@ -130,4 +126,27 @@ def _angle_remarks(
             remarks.append(
                 f"it swings about {rest:.3g} rad ({np.degrees(rest):.3g}°), and 0 should be where it hangs"
             )
+        remarks += _drift(swings.centres() * TO_RAD[unit])
     return remarks
+
+
+def _drift(centres: Floats) -> list[str]:
+    """A remark where the middle of the swings wanders. What swings less and less has it at one place, whatever the friction."""
+    part = max(3, len(centres) // 4)
+    if len(centres) < 2 * part:
+        return []
+    moved = float(np.median(centres[-part:]) - np.median(centres[:part]))
+    if abs(moved) < DRIFTED:
+        return []
+    return [
+        f"its middle drifts by {moved:.2g} rad ({np.degrees(moved):.2g}°) from its first swings to its last, and 0 should stay where it hangs"
+    ]
+
+
+def _no_rad(problem: str, place: str) -> InputError:
+    return InputError(
+        place,
+        f"taken for rad {problem}",
+        "an angle in rad of a pendulum; these may be degrees",
+        "write deg in the cell signal_unit of the sheet (or rad for counted turns), or the unit in the column's name",
+    )

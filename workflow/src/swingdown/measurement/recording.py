@@ -1,16 +1,10 @@
 """One recording: a row of the sample sheet becomes a dataset with units, provenance and a checked count."""
 
-import hashlib
 import math
-import shutil
-import tempfile
-import urllib.request
 from collections.abc import Iterable, Iterator, Mapping
-from contextlib import contextmanager
 from pathlib import Path
-from typing import Any, BinaryIO, NamedTuple
+from typing import Any
 
-import netCDF4
 import numpy as np
 import pandas as pd
 import xarray as xr
@@ -19,18 +13,17 @@ from numpy.typing import NDArray
 from .. import dataset
 from ..arrays import Floats
 from ..errors import InputError
-from ..paths import find, is_url
 from .columns import ANGLE, COUNTS, TIME, UNTOLD, VOLTAGE, Meaning, choose, known_unit
-from .continuity import check_continuous
+from .continuity import check_alive, check_continuous
 from .plausibility import check_plausible
 from .positions import Circle, fit_circle, to_angles
 from .quality import check_signal, check_times
-from .release import find_release
+from .release import Window, find_windows, several_releases, within
 from .sheet import TIME_UNITS
 from .slack import tolerances
-from .table import cut_short, encoding, layout, numbers, pieces
+from .source import Table, check_sha256, opened, table_of
+from .table import numbers
 
-NETCDF = (".nc", ".nc4", ".cdf", ".netcdf")
 MOST = 20_000_000  # samples that are held at once: half a gigabyte
 UNIT_WORDS = {"V": "volts", "rad": "rad", "deg": "degrees", "counts": "counts"}
 SHORTEST = 10  # samples; fewer tell nothing about a swing
@@ -60,29 +53,11 @@ def ingest(row: Mapping[str, Any] | pd.Series, sheet: str = "sample sheet") -> x
     )
     with opened(row["file"], place) as source:
         digest = check_sha256(source, row["sha256"], row["file"], place)
-        table = _netcdf(source, row) if row["file"].lower().endswith(NETCDF) else _text(source, row["file"])
+        table = table_of(source, row)
         return _recording(table, row, place, digest)
 
 
-class _Table(NamedTuple):
-    """A file's columns, before any of them is read."""
-
-    names: tuple[str, ...]
-    about: dict[str, Any]  # the file's own account of itself
-    pieces: Iterable[pd.DataFrame]  # its rows, indexed by line
-    decimal: str = "."
-    layout: str = ""  # told to the user
-    units: dict[str, str] = {}  # those that the file itself states apart from the names
-    cut: bool = False  # the last line was cut while it was written
-
-
-def _text(source: BinaryIO, name: str) -> _Table:
-    how = layout(source, encoding(source, name), name)
-    cut = cut_short(source, how)
-    return _Table(how.names, how.about, pieces(source, how, name), how.decimal, str(how), cut=cut)
-
-
-def _recording(table: _Table, row: Mapping[str, Any], place: str, digest: str) -> xr.Dataset:
+def _recording(table: Table, row: Mapping[str, Any], place: str, digest: str) -> xr.Dataset:
     name = row["file"]
     partial = _check_whole(table.about, row, name, place)
     for position, key in enumerate(("time_column", "signal_column")):
@@ -127,15 +102,10 @@ def _recording(table: _Table, row: Mapping[str, Any], place: str, digest: str) -
         remarks += check_plausible(
             times, signal, signal_unit, bool(time_unit), bool(told_unit) or positions, where
         )
-        remarks += check_continuous(times, signal, where)
-    # the user's start_s is the last word; the samples before the release stay in the recording
-    by_hand = row["role"] != "static" and math.isnan(row["start_s"])
-    if release := find_release(times, signal) if by_hand else None:
-        more |= {"released_s": release.released, "begins_s": release.free}
-        remarks += [
-            f"it begins in a hand and was released at about {release.released:.2f} s: "
-            f"the swing is used from {release.free:.3f} s on (start_s in the sheet says otherwise)"
-        ]
+        check_alive(times, signal, where)
+        used, told, more_told = _by_itself(times, signal, signal_unit, row, where, partial)
+        more, remarks = more | more_told, remarks + told
+        remarks += check_continuous(times[used], signal[used], where)
 
     counted = {"counts_per_revolution": row["counts_per_revolution"]} if signal_unit == "counts" else {}
     return xr.Dataset(
@@ -162,8 +132,51 @@ def _recording(table: _Table, row: Mapping[str, Any], place: str, digest: str) -
     )
 
 
+def _by_itself(
+    times: Floats, signal: Floats, unit: str, row: Mapping[str, Any], place: str, partial: bool
+) -> tuple[slice, list[str], dict[str, float]]:
+    """The samples in which the pendulum swings by itself, remarks on where that is, and the attributes that keep it.
+
+    The sheet's start_s and stop_s are the last word. InputError for several releases, with the rows that name each of them.
+    """
+    if partial:  # across a gap nothing can be told
+        return slice(None), [], {}
+    scale = {"rad": 1.0, "deg": math.pi / 180, "counts": 2 * math.pi / row["counts_per_revolution"]}
+    windows, pushed = find_windows(times, signal, scale.get(unit, 0.0))
+    first, last = windows[0], windows[-1]
+    by_hand = not math.isnan(row["start_s"]), not math.isnan(row["stop_s"])
+    told = []
+    if len(windows) > 1 and not any(by_hand):
+        raise several_releases(windows, row, place)
+    if len(windows) > 1:
+        told = [f"the pendulum is released {len(windows)} times in it"]
+        last = last._replace(ends=math.nan)
+    found = Window(
+        first.released,
+        math.nan if by_hand[0] else first.begins,
+        math.nan if by_hand[1] else last.ends,
+        last.rests,
+    )
+    if pushed:
+        told += [f"something other than the pendulum moves it at about {pushed[0]:.2f} s"]
+    more: dict[str, float] = {}
+    if not math.isnan(found.begins):
+        more |= {"released_s": found.released, "begins_s": found.begins}
+        told += [
+            f"it begins in a hand and was released at about {found.released:.2f} s: "
+            f"the swing is used from {found.begins:.3f} s on (start_s in the sheet says otherwise)"
+        ]
+    if not math.isnan(found.ends):
+        more |= {"ends_s": found.ends}
+        told += [
+            f"{'it comes to rest and stays there' if found.rests else 'a hand stops it'}: "
+            f"the swing is used until {found.ends:.3f} s (stop_s in the sheet says otherwise)"
+        ]
+    return within(found, times), told, more
+
+
 def _series(
-    table: _Table, row: Mapping[str, Any], time_column: str, columns: list[str], time_unit: str
+    table: Table, row: Mapping[str, Any], time_column: str, columns: list[str], time_unit: str
 ) -> tuple[Floats, list[Floats], NDArray[np.integer], int]:
     """Times (s) within the window, the columns there, the lines they stand in, and the rows in the file.
 
@@ -235,7 +248,7 @@ class _Spoilt:
 
 
 def _taken(
-    table: _Table, clock: Meaning, found: list[Meaning], time_unit: str, signal_unit: str, times: Floats
+    table: Table, clock: Meaning, found: list[Meaning], time_unit: str, signal_unit: str, times: Floats
 ) -> str:
     """One line on how the file was read."""
     what = " and ".join(f"`{one.name}`" for one in found)
@@ -276,46 +289,6 @@ def read_recording(path: str | Path) -> xr.Dataset:
     return recording
 
 
-@contextmanager
-def opened(name: str, place: str) -> Iterator[BinaryIO]:
-    """A file or URL, open for reading; InputError with ``place`` if it cannot be had. A URL is kept on the disk meanwhile."""
-    try:
-        if not is_url(name):
-            source: BinaryIO = open(find(name), "rb")  # noqa: SIM115 - closed below
-        else:
-            source = tempfile.TemporaryFile()  # noqa: SIM115
-            with urllib.request.urlopen(name, timeout=30) as answer:
-                shutil.copyfileobj(answer, source)
-            source.seek(0)
-    except OSError as error:
-        reason = getattr(error, "strerror", None) or getattr(error, "reason", None) or error
-        raise InputError(
-            f"{place}, column file",
-            f"{name} cannot be read ({reason})",
-            "a path relative to the working directory, an absolute path or a URL",
-            "correct the path",
-        ) from error
-    with source:
-        yield source
-
-
-def check_sha256(source: BinaryIO, expected: str, name: str, place: str) -> str:
-    """The SHA-256 of a file; InputError if ``expected`` is another one (empty: anything goes)."""
-    state = hashlib.sha256()
-    while piece := source.read(1 << 20):
-        state.update(piece)
-    digest = state.hexdigest()
-    source.seek(0)
-    if expected and digest != expected.lower():
-        raise InputError(
-            f"{name} ({place}, column sha256)",
-            f"the checksum does not match: the file has {digest}",
-            expected,
-            "fetch the file anew, or correct the sheet if the file was changed on purpose",
-        )
-    return digest
-
-
 def _check_whole(about: Mapping[str, Any], row: Mapping[str, Any], name: str, place: str) -> bool:
     """True for a recording that says it is partial and that the sheet allows; InputError if it does not."""
     if about.get("captured") == "yes" and about.get("complete") != 1:
@@ -336,32 +309,6 @@ def _check_whole(about: Mapping[str, Any], row: Mapping[str, Any], name: str, pl
             "record it again, or write `allow` in the column partial to use what there is",
         )
     return True
-
-
-def _netcdf(source: BinaryIO, row: Mapping[str, Any]) -> _Table:
-    name, time_column = row["file"], row.get("time_column", "")
-    try:
-        with netCDF4.Dataset(name, memory=source.read()) as file:
-            store = xr.backends.NetCDF4DataStore(file)
-            data = xr.open_dataset(store, decode_times=False, decode_timedelta=False).load()
-    except MemoryError:
-        raise
-    except Exception as error:  # a damaged file makes the reader fail in ways that nobody listed
-        raise InputError(name, f"it cannot be read ({error})", "a netCDF file", "convert it again") from error
-    series = {str(key): data[key] for key in (*data.coords, *data.data_vars) if data[key].ndim == 1}
-    # the columns are those along the time, or along the longest dimension where the sheet names no time
-    sizes = {value.dims[0]: value.size for value in series.values()}
-    along = (
-        series[time_column].dims[0]
-        if time_column in series
-        else max(sizes, key=lambda name: sizes[name], default="")
-    )
-    series = {key: value for key, value in series.items() if value.dims[0] == along}
-    table = pd.DataFrame({key: value.values for key, value in series.items()})
-    table.index = table.index + 1
-    units = {key: str(value.attrs["units"]) for key, value in series.items() if "units" in value.attrs}
-    about = {str(key).lower(): value for key, value in data.attrs.items()}
-    return _Table(tuple(table.columns), about, [table], units=units)
 
 
 def _check_own_unit(column: Meaning, row: Mapping[str, Any], key: str, name: str, place: str) -> None:

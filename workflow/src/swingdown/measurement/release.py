@@ -1,71 +1,152 @@
-"""When the hand let go: beginnings in which a pendulum is held or still being lifted are told from those that swing."""
+"""Where a pendulum swings by itself: from the release out of a hand to the next one, or to where it rests."""
 
-from typing import NamedTuple
+import csv
+import io
+from collections.abc import Mapping, Sequence
+from typing import Any, NamedTuple
 
 import numpy as np
+import xarray as xr
 
 from ..arrays import Floats
-from .noise_level import noise_level
-from .plausibility import half_swings
+from ..errors import InputError
+from .hand import stretches
+from .lift import lifted_until
+from .noise_level import noise_level, quantisation_step
+from .plausibility import Swings, half_swings
 
-HALF = 0.5  # of a turning point: the level at which the width of a top is measured
-LONG = 1.5  # times the width of the next top; a free first top is wider only by what its amplitude adds
-LOW = 0.9  # of the next top: no hand holds a pendulum lower than it swings afterwards
-UNEVEN = 0.03  # of the amplitude, beyond what later tops are uneven by
-
-
-class Release(NamedTuple):
-    """When the pendulum was let go (s), about, and from when on it surely swings by itself (s): past the middle."""
-
-    released: float
-    free: float
+RISE = 1.15  # times as high as before it was held: a pendulum that was released anew
+FEWEST = 4  # half-swings; fewer are no swing
+REST = 0.01  # of the range: less is rest
+LONG = 2.0  # periods of rest at the end, beyond which the rest is left out
+KEPT = 1.0  # period of rest that stays: it tells where friction stopped the pendulum
 
 
-def find_release(times: Floats, signal: Floats) -> Release | None:
-    """The Release of a recording that begins in a hand; None for one that swings from its first sample on.
+class Window(NamedTuple):
+    """From when to when (s) a pendulum swings by itself."""
 
-    Free motion about a turning point is nearly the same forwards and backwards in time, and its tops are about
-    equally wide. A lift is uneven about its highest point, in comparison with the tops that follow; a bob that is held makes
-    the first top wide. A lift that moves as a free swing would (rel45 and rel135 of the rotary link that the tests read nearly
-    do) is not seen. A recording with fewer than five half-swings says too little, and gives None.
+    released: float  # when the hand let go, about; nan where it swings from the first sample on
+    begins: float  # past the middle for the first time; nan as before
+    ends: float  # nan where it swings to the last sample
+    rests: bool  # it ends because the pendulum came to rest; otherwise a hand stopped it
+
+
+NAN = float("nan")
+
+
+def find_windows(times: Floats, signal: Floats, scale: float = 0.0) -> tuple[list[Window], list[float]]:
+    """The Windows of a recording in order, and when (s) something pushed the pendulum within one of them.
+
+    There is a window for each release, and one of nan where nobody touched the pendulum. A hand parts two of them where it stays for a period, or where the pendulum
+    swings higher after it. ``scale`` is rad per unit of ``signal``, 0 where that is not known. A recording too short to tell gives one of nan.
     """
-    swings = half_swings(signal)
-    if len(swings.starts) < 5 or len(signal) < 64:
+    whole = Window(NAN, NAN, NAN, False)
+    if len(signal) < 64 or len(half_swings(signal).starts) < 5:
+        return [whole], []
+    free, pushed = [_Free(NAN, NAN)], []
+    for hand in stretches(times, signal, scale):
+        free[-1] = free[-1]._replace(stop=hand.start)
+        free.append(_Free(hand.stop, NAN))
+    found: list[tuple[_Free, Swings]] = []
+    for part in free:
+        swings = _swings_in(times, signal, part)
+        if swings is None:
+            continue
+        if found and not _anew(found[-1][0], found[-1][1], part, swings, times):
+            pushed.append(part.start)
+            part = _Free(found[-1][0].start, part.stop)
+            swings = _swings_in(times, signal, part) or swings
+            found.pop()
+        found.append((part, swings))
+    windows = [_window(times, signal, part) for part, _ in found] or [whole]
+    if scale and np.isnan(windows[0].begins):
+        part_of = within(windows[0], times)
+        swings = half_swings(signal[part_of])
+        until = lifted_until(times[part_of], scale * signal[part_of]) if len(swings.starts) > FEWEST else None
+        if until is not None:
+            windows[0] = windows[0]._replace(released=until, begins=float(times[part_of][swings.starts[1]]))
+    return windows, pushed
+
+
+class _Free(NamedTuple):
+    """Between two hands (s); nan where there is none."""
+
+    start: float
+    stop: float
+
+
+def _samples(times: Floats, part: _Free) -> slice:
+    first = 0 if np.isnan(part.start) else int(np.searchsorted(times, part.start))
+    return slice(first, len(times) if np.isnan(part.stop) else int(np.searchsorted(times, part.stop)))
+
+
+def _swings_in(times: Floats, signal: Floats, part: _Free) -> Swings | None:
+    """The half-swings between two hands; None for less than a swing."""
+    own = signal[_samples(times, part)]
+    if len(own) < 64:
         return None
-    away = signal - swings.centre()
-    bounds = [0, *map(int, swings.starts[1:5])]
-    tops = [np.abs(away[a:b]) for a, b in zip(bounds, bounds[1:], strict=False)]
-    highest = [int(np.argmax(top)) for top in tops]
-    widths = [_width(top) for top in tops]
-    noise = noise_level(times, signal)
-    free = float(times[bounds[1]])
-    if tops[0].max() < LOW * tops[1].max() or len(signal) - bounds[1] < 64:
-        return None  # it begins close to the middle, or little is left
-    if widths[0] > LONG * max(widths[1:3]):
-        held = int(np.flatnonzero(tops[0] >= 0.98 * np.median(tops[0][tops[0] >= 0.9 * tops[0].max()]))[-1])
-        return Release(float(times[held]), free)
-    reach, slack = highest[0], max(widths[1] / 8, 1.0)
-    later = max(_unevenness(away, bounds[k] + highest[k], reach, slack) / tops[k].max() for k in (1, 2))
-    own = _unevenness(away, highest[0], reach, slack)
-    if own > (UNEVEN + 1.5 * later) * tops[0].max() + 5 * noise:
-        return Release(float(times[highest[0]]), free)
-    return None
+    swings = half_swings(own)
+    return swings if len(swings.starts) >= FEWEST else None
 
 
-def _width(top: Floats) -> int:
-    """Samples above half the top's height."""
-    return int(np.sum(top > HALF * top.max()))
+def _anew(before: _Free, earlier: Swings, after: _Free, later: Swings, times: Floats) -> bool:
+    """True where a hand stayed for a period, or the pendulum swings higher after it."""
+    period = earlier.period(times[_samples(times, before)])
+    if after.start - before.stop > period:
+        return True
+    last, first = np.ptp(earlier.turns[-3:]), np.ptp(later.turns[:3])
+    return bool(first > RISE * last)
 
 
-def _unevenness(away: Floats, middle: int, reach: int, slack: float) -> float:
-    """How far the motion before a turning point is from that after it, mirrored in time.
+def _window(times: Floats, signal: Floats, part: _Free) -> Window:
+    where = _samples(times, part)
+    own, when = signal[where], times[where]
+    swings = half_swings(own)
+    rest = _rest(when, own, swings.period(when))
+    begins = NAN if np.isnan(part.start) else float(when[swings.starts[1]])
+    ends = NAN if np.isnan(part.stop) else float(when[-1])
+    return Window(part.start, begins, ends if rest is None else rest, rest is not None)
 
-    The mirror stands where they are closest, at most ``slack`` samples from ``middle``: noise and sampling move the highest one.
-    """
-    k = np.arange(len(away))
-    found = []
-    for mirror in middle + slack * np.linspace(-1, 1, 33):
-        steps = np.arange(0, min(reach, mirror, len(away) - 1 - mirror))
-        before, after = np.interp(mirror - steps, k, away), np.interp(mirror + steps, k, away)
-        found.append(float(np.abs(before - after).max(initial=0)))
-    return min(found)
+
+def _rest(times: Floats, signal: Floats, period: float) -> float | None:
+    """Until when (s) the samples are used of a pendulum that has come to rest; None for one that has not, or not for long."""
+    tail = signal[times > times[-1] - period]
+    around = np.abs(signal - np.median(tail))
+    still = max(REST * np.ptp(signal), 5 * noise_level(times, signal), 1.5 * quantisation_step(signal))
+    moving = np.flatnonzero(around > still)
+    if not len(moving) or times[-1] - times[moving[-1]] < LONG * period:
+        return None
+    return float(times[moving[-1]] + KEPT * period)
+
+
+def within(window: Window, times: Floats) -> slice:
+    """The samples of a window."""
+    first = 0 if np.isnan(window.begins) else int(np.searchsorted(times, window.begins))
+    last = len(times) if np.isnan(window.ends) else int(np.searchsorted(times, window.ends, "right"))
+    return slice(first, last)
+
+
+def by_itself(recording: xr.Dataset) -> xr.Dataset:
+    """The part of a recording, as ``recording.ingest`` made it, in which the pendulum swings by itself."""
+    begins, ends = (float(recording.attrs.get(key, NAN)) for key in ("begins_s", "ends_s"))
+    return recording.isel(time=within(Window(NAN, begins, ends, False), recording["time"].values))
+
+
+def several_releases(windows: Sequence[Window], row: Mapping[str, Any], place: str) -> InputError:
+    """The refusal of a recording with several releases. Its mend holds the rows of the sheet that make each of them a recording."""
+    kept = [key for key, cell in row.items() if key != "line" and isinstance(cell, str) and cell]
+    if not np.isnan(row["counts_per_revolution"]):
+        kept.append("counts_per_revolution")
+    text = io.StringIO()
+    rows = csv.writer(text, lineterminator="\n")
+    rows.writerow([*kept, "start_s", "stop_s"])
+    for number, window in enumerate(windows, 1):
+        cells = [f"{row[key]}-{number}" if key == "recording" else row[key] for key in kept]
+        ends = ["" if np.isnan(one) else f"{one:.3f}" for one in (window.begins, window.ends)]
+        rows.writerow([*cells, *ends])
+    return InputError(
+        place,
+        f"the pendulum is released {len(windows)} times in it",
+        "one swing in a recording",
+        f"put these rows in place of this one, or state start_s or stop_s to keep it whole:\n{text.getvalue()}".rstrip(),
+    )

@@ -1,0 +1,140 @@
+"""Workbooks and zip archives: the sheet's numbers are read as those of a text file are, and what is no table is refused."""
+
+import io
+import zipfile
+
+import numpy as np
+import openpyxl
+import pytest
+
+from swingdown.errors import InputError
+from swingdown.measurement.recording import ingest
+from swingdown.measurement.sheet import read_sheet
+
+TIME = np.arange(1500) / 50
+SWING = np.round(np.degrees(0.4 * np.exp(-0.03 * TIME) * np.cos(5 * TIME)), 4)
+
+
+@pytest.fixture
+def read(tmp_path, monkeypatch):
+    """A function that reads a file of these bytes and this name, as a study does."""
+    monkeypatch.chdir(tmp_path)
+
+    def one(content, name, sheet=""):
+        (tmp_path / name).write_bytes(content)
+        (tmp_path / "sheet.csv").write_text(f"recording,file,sheet\na,{name},{sheet}\n")
+        return ingest(read_sheet("sheet.csv").loc["a"], "sheet.csv")
+
+    return one
+
+
+def workbook(**sheets):
+    """The bytes of a workbook; each sheet a list of rows."""
+    book = openpyxl.Workbook()
+    book.remove(book.active)
+    for name, rows in sheets.items():
+        sheet = book.create_sheet(name)
+        for row in rows:
+            sheet.append(row)
+    stream = io.BytesIO()
+    book.save(stream)
+    return stream.getvalue()
+
+
+def archive(**files):
+    """The bytes of a zip archive; names with `__` for `/` and `_csv` for the ending."""
+    stream = io.BytesIO()
+    with zipfile.ZipFile(stream, "w", zipfile.ZIP_DEFLATED) as packed:
+        for name, text in files.items():
+            packed.writestr(name.replace("__", "/").replace("_csv", ".csv"), text)
+    return stream.getvalue()
+
+
+ROWS = [["Time (s)", "Angle (°)"], *map(list, zip(TIME.tolist(), SWING.tolist(), strict=True))]
+TEXT = "\n".join(";".join(map(str, row)) for row in ROWS) + "\n"
+
+
+def same(found):
+    assert found["signal"].attrs["units"] == "deg"
+    np.testing.assert_array_equal(found["time"].values, TIME)
+    np.testing.assert_array_equal(found["signal"].values, SWING)
+
+
+def test_the_first_sheet_of_a_workbook(read):
+    found = read(workbook(Data=ROWS, Notes=[["about", 1]]), "swing.xlsx")
+    same(found)
+    assert found.attrs["taken"].endswith("50.0 samples a second, sheet `Data`")
+
+
+def test_a_sheet_by_name_with_lines_of_title_above_the_header(read):
+    same(read(workbook(Notes=[["about", 1]], Data=[["Class 9b"], [], *ROWS]), "swing.xlsx", "Data"))
+
+
+def test_a_cell_that_is_no_number_is_named_by_its_line(read):
+    rows = [list(row) for row in ROWS]
+    rows[40][1] = "#DIV/0!"
+    with pytest.raises(InputError, match="line 41, column Angle .*not a finite number"):
+        read(workbook(Data=rows), "swing.xlsx")
+
+
+def test_an_archive_as_phyphox_exports_it(read):
+    found = read(
+        archive(Raw_Data_csv=TEXT, meta__device_csv="property;value\n", meta__time_csv="a;b\n1;2\n"), "x.zip"
+    )
+    same(found)
+    assert "`Raw_Data.csv` in the archive" in found.attrs["taken"]
+
+
+def test_an_archive_of_several_files_asks_which(read):
+    two = archive(one_csv=TEXT, two_csv=TEXT)
+    with pytest.raises(InputError, match="2 files of numbers.*one.csv, two.csv.*cell `sheet`"):
+        read(two, "x.zip")
+    same(read(two, "x.zip", "two.csv"))
+
+
+@pytest.mark.parametrize(
+    ("content", "name", "sheet", "words"),
+    [
+        (workbook(Data=ROWS), "a.xlsx", "data", "no sheet 'data'.*Expected: Data"),
+        (workbook(Data=[]), "a.xlsx", "", "empty"),
+        (archive(readme="x"), "a.zip", "", "no table of numbers"),
+        (archive(one_csv=TEXT), "a.zip", "two.csv", "no file 'two.csv'.*one.csv"),
+        (TEXT.encode(), "a.csv", "Data", "has no sheets"),
+        (archive(one_csv=archive(two_csv=TEXT)), "a.zip", "", "a zip archive inside another"),
+        (b"PK\x03\x04" + bytes(100), "a.xlsx", "", "cannot be read"),
+        (b"\xd0\xcf\x11\xe0" + bytes(600), "a.xls", "", "cannot be read as a workbook"),
+    ],
+)  # fmt: skip
+def test_what_is_no_such_table_is_refused(read, content, name, sheet, words):
+    with pytest.raises(InputError, match=words) as caught:
+        read(content, name, sheet)
+    assert caught.value.mend
+
+
+def test_a_workbook_larger_than_can_be_held_is_refused_before_it_is_unpacked(read):
+    bomb = io.BytesIO(workbook(Data=ROWS[:30]))
+    with (
+        zipfile.ZipFile(bomb, "a", zipfile.ZIP_DEFLATED) as packed,
+        packed.open("xl/media/z.bin", "w") as file,
+    ):
+        for _ in range(600):
+            file.write(bytes(1_000_000))
+    with pytest.raises(InputError, match="600 MB when unpacked.*save the sheet as CSV"):
+        read(bomb.getvalue(), "a.xlsx")
+
+
+@pytest.mark.parametrize("kind", ["workbook", "archive"])
+def test_damage_is_refused_or_harmless(read, kind):
+    whole = workbook(Data=ROWS) if kind == "workbook" else archive(one_csv=TEXT)
+    draws = np.random.default_rng(3)
+    for k in range(60):
+        damaged = bytearray(whole)
+        if k % 4 == 0:
+            del damaged[int(draws.integers(10, len(whole))) :]
+        else:
+            damaged[int(draws.integers(0, len(whole)))] ^= 1 << int(draws.integers(8))
+        try:
+            found = read(bytes(damaged), "a.xlsx" if kind == "workbook" else "a.zip")
+        except InputError:
+            continue
+        same(found)

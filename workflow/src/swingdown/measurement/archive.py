@@ -1,0 +1,121 @@
+"""Tables inside other files, as text: a sheet of a workbook (Excel, OpenDocument), a CSV file in a zip archive (phyphox)."""
+
+import csv
+import io
+import shutil
+import tempfile
+import zipfile
+import zlib
+from typing import BinaryIO
+
+from python_calamine import CalamineError, CalamineWorkbook
+
+from ..errors import InputError
+
+ZIP, OLD = b"PK\x03\x04", b"\xd0\xcf\x11\xe0"
+LARGEST = 500_000_000  # bytes, unpacked: a workbook is held whole
+TEXT = (".csv", ".txt", ".tsv", ".dat")
+UNPACK = "unpack the archive and name the file in it"
+
+
+def unpacked(source: BinaryIO, name: str, part: str) -> tuple[BinaryIO, str] | None:
+    """An open text file of the table inside, and a word on where that is; None for a file that is no archive.
+
+    ``part`` names the workbook's sheet or the archive's file; "" takes the first sheet, or the only file of numbers. InputError
+    where there is no such part, none at all, several to choose from, or one too large to hold.
+    """
+    head = source.read(4)
+    source.seek(0)
+    if head not in (ZIP, OLD):
+        return None
+    if head == ZIP:
+        try:
+            with zipfile.ZipFile(source) as archive:
+                names = archive.namelist()
+                size = sum(one.file_size for one in archive.infolist())
+                if not {"xl/workbook.xml", "xl/workbook.bin", "content.xml"} & set(names):
+                    return _member(archive, name, part)
+        except (
+            zipfile.BadZipFile,
+            zlib.error,
+            RuntimeError,
+            NotImplementedError,
+            EOFError,
+            OSError,
+        ) as error:
+            raise InputError(
+                name,
+                f"the archive cannot be read ({error})",
+                "a zip archive or a workbook",
+                "export it again",
+            ) from error
+        if size > LARGEST:
+            raise InputError(
+                name,
+                f"the workbook has {size / 1e6:.0f} MB when unpacked",
+                f"at most {LARGEST / 1e6:.0f} MB",
+                "save the sheet as CSV, which is read in pieces",
+            )
+    source.seek(0)
+    return _sheet(source, name, part)
+
+
+def _sheet(source: BinaryIO, name: str, part: str) -> tuple[BinaryIO, str]:
+    try:
+        with CalamineWorkbook.from_filelike(io.BytesIO(source.read())) as book:
+            sheets = book.sheet_names
+            if part and part not in sheets:
+                raise _no_part(name, part, sheets, "sheet")
+            chosen = part or sheets[0]
+            rows = book.get_sheet_by_name(chosen).to_python(skip_empty_area=False)
+    except (CalamineError, OSError, ValueError, IndexError) as error:
+        if isinstance(error, InputError):
+            raise
+        raise InputError(
+            name,
+            f"it cannot be read as a workbook ({error})",
+            "a sheet of Excel or OpenDocument",
+            "save it as CSV",
+        ) from error
+    text = io.StringIO()
+    csv.writer(text, delimiter="\t", lineterminator="\n").writerows(
+        [" ".join(cell.split()) if isinstance(cell, str) else cell for cell in row] for row in rows
+    )
+    return io.BytesIO(text.getvalue().encode()), f"sheet `{chosen}`"
+
+
+def _member(archive: zipfile.ZipFile, name: str, part: str) -> tuple[BinaryIO, str]:
+    """The file of that name, or the only one of numbers; what stands in a folder `meta` tells of the device."""
+    files = [
+        one
+        for one in archive.namelist()
+        if one.lower().endswith(TEXT) and not {"meta", "__MACOSX"} & set(one.split("/")[:-1])
+    ]
+    if part and part not in archive.namelist():
+        raise _no_part(name, part, files, "file")
+    if not files:
+        raise InputError(
+            name, "the archive holds no table of numbers", "a CSV file in it, or a workbook", UNPACK
+        )
+    if not part and len(files) > 1:
+        raise InputError(
+            name,
+            f"the archive holds {len(files)} files of numbers",
+            ", ".join(files),
+            "name one of them in the cell `sheet` of the sample sheet",
+        )
+    chosen = part or files[0]
+    text = tempfile.TemporaryFile()  # noqa: SIM115 - closed with the last reference
+    with archive.open(chosen) as packed:
+        shutil.copyfileobj(packed, text)
+    text.seek(0)
+    return text, f"`{chosen}` in the archive"
+
+
+def _no_part(name: str, part: str, there: list[str], what: str) -> InputError:
+    return InputError(
+        f"{name} (column sheet)",
+        f"there is no {what} {part!r} in it",
+        ", ".join(there) or "none at all",
+        "correct the cell `sheet` of the sample sheet, or leave it empty",
+    )

@@ -1,0 +1,125 @@
+"""What a recording's file holds before any of it is read: a local file or one behind an address, text, netCDF or a workbook."""
+
+import hashlib
+import shutil
+import tempfile
+import urllib.request
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager
+from typing import Any, BinaryIO, NamedTuple
+
+import netCDF4
+import pandas as pd
+import xarray as xr
+
+from ..errors import InputError
+from ..paths import find, is_url
+from .archive import unpacked
+from .table import cut_short, encoding, layout, pieces
+
+NETCDF = (".nc", ".nc4", ".cdf", ".netcdf")
+
+
+class Table(NamedTuple):
+    """A file's columns, before any of them is read."""
+
+    names: tuple[str, ...]
+    about: dict[str, Any]  # the file's own account of itself
+    pieces: Iterable[pd.DataFrame]  # its rows, indexed by line
+    decimal: str = "."
+    layout: str = ""  # told to the user
+    units: dict[str, str] = {}  # those that the file itself states apart from the names
+    cut: bool = False  # the last line was cut while it was written
+
+
+def table_of(source: BinaryIO, row: Mapping[str, Any]) -> Table:
+    """The Table of an open file, by its ending; ``row`` is that of the sample sheet. InputError for one that cannot be read."""
+    name = row["file"]
+    if name.lower().endswith(NETCDF):
+        return _netcdf(source, row)
+    if inside := unpacked(source, name, str(row.get("sheet", ""))):
+        text, where = inside
+        table = _text(text, f"{name}, {where}")
+        return table._replace(
+            layout=table.layout.replace("tabs", where, 1) if "sheet" in where else f"{where}, {table.layout}"
+        )
+    if row.get("sheet"):
+        raise InputError(
+            f"{name} (column sheet)",
+            f"the file has no sheets, and the sample sheet asks for {row['sheet']!r}",
+            "a workbook or a zip archive",
+            "leave the cell `sheet` empty",
+        )
+    return _text(source, name)
+
+
+def _text(source: BinaryIO, name: str) -> Table:
+    how = layout(source, encoding(source, name), name)
+    cut = cut_short(source, how)
+    return Table(how.names, how.about, pieces(source, how, name), how.decimal, str(how), cut=cut)
+
+
+@contextmanager
+def opened(name: str, place: str) -> Iterator[BinaryIO]:
+    """A file or URL, open for reading; InputError with ``place`` if it cannot be had. A URL is kept on the disk meanwhile."""
+    try:
+        if not is_url(name):
+            source: BinaryIO = open(find(name), "rb")  # noqa: SIM115 - closed below
+        else:
+            source = tempfile.TemporaryFile()  # noqa: SIM115
+            with urllib.request.urlopen(name, timeout=30) as answer:
+                shutil.copyfileobj(answer, source)
+            source.seek(0)
+    except OSError as error:
+        reason = getattr(error, "strerror", None) or getattr(error, "reason", None) or error
+        raise InputError(
+            f"{place}, column file",
+            f"{name} cannot be read ({reason})",
+            "a path relative to the working directory, an absolute path or a URL",
+            "correct the path",
+        ) from error
+    with source:
+        yield source
+
+
+def check_sha256(source: BinaryIO, expected: str, name: str, place: str) -> str:
+    """The SHA-256 of a file; InputError if ``expected`` is another one (empty: anything goes)."""
+    state = hashlib.sha256()
+    while piece := source.read(1 << 20):
+        state.update(piece)
+    digest = state.hexdigest()
+    source.seek(0)
+    if expected and digest != expected.lower():
+        raise InputError(
+            f"{name} ({place}, column sha256)",
+            f"the checksum does not match: the file has {digest}",
+            expected,
+            "fetch the file anew, or correct the sheet if the file was changed on purpose",
+        )
+    return digest
+
+
+def _netcdf(source: BinaryIO, row: Mapping[str, Any]) -> Table:
+    name, time_column = row["file"], row.get("time_column", "")
+    try:
+        with netCDF4.Dataset(name, memory=source.read()) as file:
+            store = xr.backends.NetCDF4DataStore(file)
+            data = xr.open_dataset(store, decode_times=False, decode_timedelta=False).load()
+    except MemoryError:
+        raise
+    except Exception as error:  # a damaged file makes the reader fail in ways that nobody listed
+        raise InputError(name, f"it cannot be read ({error})", "a netCDF file", "convert it again") from error
+    series = {str(key): data[key] for key in (*data.coords, *data.data_vars) if data[key].ndim == 1}
+    # the columns are those along the time, or along the longest dimension where the sheet names no time
+    sizes = {value.dims[0]: value.size for value in series.values()}
+    along = (
+        series[time_column].dims[0]
+        if time_column in series
+        else max(sizes, key=lambda name: sizes[name], default="")
+    )
+    series = {key: value for key, value in series.items() if value.dims[0] == along}
+    table = pd.DataFrame({key: value.values for key, value in series.items()})
+    table.index = table.index + 1
+    units = {key: str(value.attrs["units"]) for key, value in series.items() if "units" in value.attrs}
+    about = {str(key).lower(): value for key, value in data.attrs.items()}
+    return Table(tuple(table.columns), about, [table], units=units)
