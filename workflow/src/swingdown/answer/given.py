@@ -15,9 +15,10 @@ from ..measurement.continuity import check_continuous
 from ..measurement.plausibility import check_plausible
 from ..measurement.quality import check_signal, check_times
 from ..measurement.recording import SHORTEST
-from ..measurement.release import find_release
+from ..measurement.release import find_windows
 
 UNITS = ("rad", "deg")
+_SCALE = {"rad": 1.0, "deg": np.pi / 180}
 # What a file's owner mends in the sample sheet, the caller of a function mends in the call.
 _MENDS = {
     "signal_unit": "say unit='deg' (or unit='rad' for counted turns)",
@@ -167,10 +168,25 @@ def _swing(
         where = problem.where.replace(", line ", ", sample ")
         raise InputError(where, problem.problem, problem.expected, mend) from None
     more: dict[str, Any] = {}
-    if release := find_release(times, values):
-        more = {"released_s": release.released, "begins_s": release.free}
+    windows, _ = find_windows(times, values, _SCALE.get(taken, 0.0))
+    if len(windows) > 1:
+        spans = ", ".join(f"{one.begins:.3f} to {one.ends:.3f} s" for one in windows)
+        raise InputError(
+            name,
+            f"the pendulum is released {len(windows)} times in it ({spans})",
+            "one release in a swing",
+            "give each as a swing of its own",
+        )
+    (window,) = windows
+    if np.isfinite(window.begins):
+        more |= {"released_s": window.released, "begins_s": window.begins}
         remarks.append(
-            f"it begins in a hand and was released at about {release.released:.2f} s: used from {release.free:.3f} s on"
+            f"it begins in a hand and was released at about {window.released:.2f} s: used from {window.begins:.3f} s on"
+        )
+    if np.isfinite(window.ends):
+        more |= {"ends_s": window.ends}
+        remarks.append(
+            f"used until {window.ends:.3f} s: {'then it rests' if window.rests else 'a hand stops it'}"
         )
     recording = xr.Dataset(
         {"signal": ("time", values, {"units": taken})},

@@ -14,8 +14,9 @@ import yaml
 
 from ..errors import InputError
 from ..measurement.angle import to_angle
-from ..measurement.recording import NETCDF, ingest
+from ..measurement.recording import ingest
 from ..measurement.sheet import COLUMNS
+from ..measurement.source import NETCDF
 from ..paths import write_csv, write_text
 
 # What of a folder is taken for a recording; sheets of office programs are, so that they are told and not passed over.
