@@ -89,6 +89,7 @@ else:
         include: "workflow/rules/pendulums.smk"
     include: "workflow/rules/hidden_effects.smk"
     include: "workflow/rules/certified.smk"
+    include: "workflow/rules/coverage.smk"
     include: "workflow/rules/figures.smk"
     include: "workflow/rules/sweep_plan.smk"
     include: "workflow/rules/sweep.smk"

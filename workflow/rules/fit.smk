@@ -2,7 +2,9 @@
 # needs: results/angles/
 # makes: results/experiment/, results/tables/table3.csv, comparison.csv, parameters.csv, parameter_budget.csv
 
-TABLES += expand("results/tables/{table}.csv", table=["table3", "comparison", "parameters", "parameter_budget"])
+TABLES += expand(
+    "results/tables/{table}.csv", table=["table3", "comparison", "parameters", "parameter_budget"]
+)
 
 
 rule fit_swing:
@@ -59,7 +61,9 @@ rule table3:
         ),
         parameters=report("results/tables/parameters.csv", category="Tables", labels={"table": "parameters"}),
         budget=report(
-            "results/tables/parameter_budget.csv", category="Tables", labels={"table": "budget of the parameters"}
+            "results/tables/parameter_budget.csv",
+            category="Tables",
+            labels={"table": "budget of the parameters"},
         ),
     log:
         "results/logs/table3.log",

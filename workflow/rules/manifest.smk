@@ -8,12 +8,14 @@ PARTS = {
     "sweeps": ["sweeps", "sweeps.html"],
     "hidden_effects": ["hidden_effects"],
     "trust": ["trust"],
+    "coverage": ["coverage"],
 }
 MADE = {
     "discovery": VERDICTS + (SEEN_FIGURES if VERDICTS else []),
     "sweeps": ["results/sweeps.html"],
     "hidden_effects": [*rules.hidden_score.output, *rules.hidden_figures.output],
     "trust": rules.certified_cases.output,
+    "coverage": rules.coverage_table.output,
 }
 
 
@@ -28,7 +30,7 @@ rule manifest:
     localrule: True
     params:
         parts=["."],
-        without=[*PARTS["sweeps"], *PARTS["hidden_effects"], *PARTS["trust"]],
+        without=[*PARTS["sweeps"], *PARTS["hidden_effects"], *PARTS["trust"], *PARTS["coverage"]],
     message:
         "Listing what was made"
     script:

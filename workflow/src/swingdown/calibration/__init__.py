@@ -44,12 +44,33 @@ def calibrate(
         rest = None  # another pendulum's
     still = _mean_at_rest(rest)
     noise = _noise(towers, rest)
+    dataset, propagation = from_means(apparatus, means, still, noise, draws, seed)
+    emulated = apparatus["emulated"] or any(
+        record.attrs["emulated"] == "yes" for record in [*towers, rest] if record is not None
+    )
+    dataset.attrs |= {
+        "emulated": "yes" if emulated else "no",
+        "source": f"{apparatus['path']} and the tower records it names",
+        "mode": mode,
+        "rest_voltage_from": rest.attrs["recording"] if rest is not None else "the line",
+    }
+    return dataset, budget(propagation)
+
+
+def from_means(
+    apparatus: Apparatus, means: Sequence[Mean], still: Mean | None, noise: float, draws: int, seed: int
+) -> tuple[xr.Dataset, Propagation]:
+    """The calibration dataset and the first-order propagation from the mean voltages on the towers and at rest.
+
+    ``means`` in the order of the apparatus's points, ``still`` that at rest or None, ``noise`` the standard deviation (V) of
+    a sample. InputError if fewer than three points can be used.
+    """
     points = modes.judge(apparatus, draws, seed)
-    used = [k for k in range(len(towers)) if not points.refused[k]]
+    used = [k for k in range(len(means)) if not points.refused[k]]
     if len(used) < FEWEST:
         raise InputError(
             f"{apparatus['path']}, key points",
-            f"{len(used)} of {len(towers)} points can be used: {'; '.join(r for r in points.reasons if r)}",
+            f"{len(used)} of {len(means)} points can be used: {'; '.join(r for r in points.reasons if r)}",
             f"at least {FEWEST}",
             "use higher towers, or measure the lengths more closely",
         )
@@ -62,20 +83,13 @@ def calibrate(
         "monte-carlo": modes.monte_carlo(chain, apparatus, noise, draws, seed),
     }
     dataset = layout.dataset(apparatus, points, results, means, chain, used, noise, still)
-    emulated = apparatus["emulated"] or any(
-        record.attrs["emulated"] == "yes" for record in [*towers, rest] if record is not None
-    )
     dataset.attrs |= {
         "apparatus": apparatus["name"],
         "campaigns": ",".join(apparatus["campaigns"]),
-        "emulated": "yes" if emulated else "no",
-        "source": f"{apparatus['path']} and the tower records it names",
-        "mode": mode,
         "draws": draws,
         "seed": seed,
-        "rest_voltage_from": rest.attrs["recording"] if rest is not None else "the line",
     }
-    return dataset, budget(results["gum"].propagation)
+    return dataset, results["gum"].propagation
 
 
 def tower(apparatus: Apparatus, number: int) -> xr.Dataset:

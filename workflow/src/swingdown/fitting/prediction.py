@@ -1,0 +1,31 @@
+"""What a fitted model says of a swing beyond the samples it was fitted to, with its uncertainty."""
+
+from typing import Any
+
+import numpy as np
+
+from ..arrays import Floats
+from ..engine.trajectory import checked_times, sensitivities
+from .colour import Uncertainty
+from .problem import RELEASE
+from .result import Fit
+
+
+def predict_reading(fit: Fit, known: Uncertainty, times: Any, swing: int = 0) -> tuple[Floats, Floats]:
+    """The reading (rad) of one of the fitted swings at ``times`` (s) and its standard uncertainty, a sample's noise left out.
+
+    ``times`` begin with the swing's first sample, at which it is released. The same recorder's clock is taken to go on: what
+    it is wrong by, fitted values have taken in.
+    """
+    times = checked_times(times)
+    one = fit.swings[swing]
+    own = [*one.own, *(RELEASE if RELEASE[0] in fit.free else ())]
+    shared = len(fit.free) - len(own) * len(fit.swings)
+    where = np.r_[:shared, shared + swing * len(own) : shared + (swing + 1) * len(own)]
+    release = one.release_angle, one.release_velocity
+    series, slopes = sensitivities(one.model, times, *release, free=[fit.free[i] for i in where])
+    systematic = known.systematic[where][:, :-1]  # all but the clock
+    covariance = known.random[np.ix_(where, where)] + systematic @ systematic.T
+    held = ~np.isfinite(np.diag(covariance))
+    slopes, covariance = slopes[~held], covariance[np.ix_(~held, ~held)]
+    return series, np.sqrt(np.einsum("it,ij,jt->t", slopes, covariance, slopes))

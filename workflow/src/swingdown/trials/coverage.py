@@ -1,0 +1,244 @@
+"""How often stated 95 % intervals hold the truth: calibrations and swings by the thousand, each known to the last digit.
+
+Every draw is a measurement from its beginning: an apparatus whose lengths were measured within their limits, towers and rest
+read by an encoder with an error inside the manual's limit (a gain and a curvature), a clock within a quartz's tolerance, and
+swings of the second pendulum, which shares no code with the engine, under noise of some colour. The project's own chain then
+calibrates, fits and states its intervals.
+"""
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+from scipy.signal import lfilter
+
+from ..arrays import Floats, Swing
+from ..calibration import from_means
+from ..calibration.geometry import arm_angle
+from ..fitting.colour import Uncertainty, uncertainty
+from ..fitting.least_squares import fit_jointly
+from ..fitting.prediction import predict_reading
+from ..fitting.result import Fit
+from ..fitting.slack import allowing
+from ..measurement.angle import to_angle
+from ..measurement.apparatus import Apparatus, encoder_limit
+from ..measurement.slack import CLOCK_TOLERANCE, of_angles
+from ..measurement.uncertainty import Mean, mean_of_samples
+from ..pendulum.model import Model
+from ..studies.quantities import Quantity, quantities
+from .second_pendulum import trajectory
+
+STATED = 0.95
+COVERAGE = 1.959963984540054  # standard uncertainties to either side
+TRUTH = Model(
+    ("quadratic_drag", "load_coulomb"),
+    {"natural_frequency": 7.25, "quadratic_coefficient": 0.0012, "load_friction": 0.0018},
+)
+SLOPE, ZERO = 0.12566, 5.0  # rad/V, V
+NOISE, STEP = 0.004, 0.008  # V: half a milliradian, and an encoder's steps of one
+DURATION, FITTED, RATE = (
+    20.0,
+    15.0,
+    50.0,
+)  # s recorded; s that are fitted, the rest is foretold; samples a second
+AMPLITUDES = (0.3, 0.4, 0.5, 0.6)  # rad
+AT = 0.3  # rad: the amplitude at which period, quality and decay time are asked for
+_EVERY = 10  # draws: these three take longer than the fit
+_STILL = 300  # samples on each tower
+
+
+@dataclass(frozen=True)
+class Case:
+    """What is drawn: the noise's kind and correlation, and how many swings are fitted together."""
+
+    noise: str
+    correlation: float
+    swings: int
+
+    @property
+    def words(self) -> str:
+        """The case as a table tells it."""
+        return f"{'one swing' if self.swings == 1 else f'{self.swings} swings together'}, {self.noise}"
+
+
+CASES = {
+    "white": Case("white noise", 0.0, 1),
+    "ar5": Case("coloured noise (AR .5)", 0.5, 1),
+    "ar9": Case("coloured noise (AR .9)", 0.9, 1),
+    "steps": Case("noise in steps", 0.0, 1),
+    "together": Case("white noise", 0.0, len(AMPLITUDES)),
+}
+
+
+@dataclass(frozen=True)
+class Bench:
+    """One draw of a calibrated bench: its calibration, and the voltage (V) that its encoder gives for angles (rad)."""
+
+    calibration: xr.Dataset
+    volts: Callable[[Any], Floats]
+
+
+def bench(apparatus: Apparatus, seed: Sequence[int], smooth: bool = True, draws: int = 500) -> Bench:
+    """The ``Bench`` of that seed: the sheet's lengths are taken for the true ones, and measured with errors in their limits.
+
+    The encoder's error is a gain and a bend, as a swing meets it, or where not ``smooth`` another one at every voltage, anywhere
+    within the manual's limit.
+    """
+    rng = np.random.default_rng([*seed, 1])
+    gain, bend = rng.uniform(-0.5, 0.5, 2)
+    limit = apparatus["encoder"]["limits"][0]["limit"]
+
+    def volts(angle: Any) -> Floats:
+        away = np.asarray(angle, dtype=float) / SLOPE
+        if smooth:
+            return ZERO + away + limit * (gain * away / ZERO + bend * (away / ZERO) ** 2)
+        return ZERO + away + encoder_limit(apparatus, ZERO + away) * rng.uniform(-1, 1, away.shape)
+
+    def off(entry: Any, key: str) -> Any:
+        return entry | {key: entry[key] + rng.uniform(-entry["limit"], entry["limit"])}
+
+    names: tuple[Any, ...] = ("over_shaft", "shaft_diameter", "bob_diameter", "arm")
+    over_shaft, shaft, bob, arm = (apparatus["lengths"][name]["value"] for name in names)
+    heights = np.array([point["height"] for point in apparatus["points"]])
+    measured: Any = apparatus.copy()
+    measured["lengths"] = {name: off(entry, "value") for name, entry in apparatus["lengths"].items()}
+    measured["points"] = [off(point, "height") for point in apparatus["points"]]
+
+    def read(volts: float) -> Mean:
+        return mean_of_samples(volts + NOISE * rng.standard_normal(_STILL))
+
+    angles = np.asarray(arm_angle(over_shaft, shaft, bob, arm, heights))
+    towers = [read(float(one)) for one in volts(angles)]
+    rest = read(
+        ZERO + float(rng.uniform(-1, 1)) * apparatus["rest"]["limit"] / SLOPE
+    )  # errors are counted from there
+    calibration, _ = from_means(measured, towers, rest, NOISE, draws, seed[0])
+    calibration.attrs |= {"emulated": "yes", "mode": "gum"}
+    return Bench(calibration, volts)
+
+
+def calibrations(apparatus: Apparatus, count: int, seed: int) -> pd.DataFrame:
+    """The coverage of calibrations: a row for the line's slope and zero and for an angle in each mode; columns as ``table``."""
+    held: dict[str, list[bool]] = {}
+    for number in range(count):
+        one = bench(apparatus, [seed, number], smooth=False)
+        line, rng = one.calibration.sel(mode="gum"), np.random.default_rng([seed, number, 2])
+        factor = float(line["coverage_factor"])
+        for name, truth, value, error in (
+            (
+                "slope of the line",
+                SLOPE,
+                line["line"].sel(coefficient="slope"),
+                np.sqrt(line["line_covariance"][1, 1]),
+            ),
+            ("rest voltage", ZERO, line["rest_voltage"], line["rest_voltage_uncertainty"]),
+        ):
+            held.setdefault(name, []).append(bool(abs(float(value) - truth) <= factor * float(error)))
+        angle = rng.uniform(-AMPLITUDES[-1], AMPLITUDES[-1])
+        volts = one.volts(np.full(1, angle)) + NOISE * rng.standard_normal(1)
+        for mode in map(str, one.calibration["mode"].values):
+            found = to_angle(_recording(np.zeros(1), volts), one.calibration, mode)
+            inside = abs(float(found["angle"][0]) - angle) <= float(found["angle_bound"][0])
+            held.setdefault(f"angle of a sample, mode {mode}", []).append(inside)
+    return table("calibrations", held)
+
+
+def swings(apparatus: Apparatus, case: Case, count: int, seed: int) -> pd.DataFrame:
+    """The coverage of fitted values in a ``Case``: parameters, period, quality, decay time, and the part of the swing that was
+    not fitted; columns as ``table``."""
+    truths = _truths()
+    asked = {name: one.value for name, one in quantities(TRUTH, AT).items()}
+    held: dict[str, list[bool]] = {}
+    for number in range(count):
+        one = bench(apparatus, [seed, number % max(1, count // 5), 3])
+        rng = np.random.default_rng([seed, number, 4])
+        clock = 1 + rng.uniform(-CLOCK_TOLERANCE, CLOCK_TOLERANCE)
+        chosen = range(len(AMPLITUDES)) if case.swings > 1 else [number % len(AMPLITUDES)]
+        times, clean = truths[0] * clock, [truths[1][k] for k in chosen]
+        angles = [
+            to_angle(_recording(times, _read(one, angle, case, rng)), one.calibration) for angle in clean
+        ]
+        fit, known = _fitted(angles, times)
+        for name, truth, value, error in _stated(fit, known, asked, number % _EVERY == 0):
+            held.setdefault(name, []).append(bool(abs(value - truth) <= COVERAGE * error))
+        foretold, spread = predict_reading(fit, known, times)
+        line = one.calibration.sel(mode="gum")
+        reading = float(line["line"].sel(coefficient="slope")) * (
+            one.volts(clean[0]) - float(line["rest_voltage"])
+        )
+        at = int(rng.integers(round(FITTED * RATE), times.size))
+        held.setdefault("held-out end", []).append(
+            bool(abs(foretold[at] - reading[at]) <= COVERAGE * spread[at])
+        )
+    return table(case.words, held)
+
+
+def table(case: str, held: dict[str, list[bool]]) -> pd.DataFrame:
+    """A row for each quantity: case, quantity, stated, n, inside, share, low, high (Wilson's 95 % limits of the share)."""
+    rows = []
+    for name, inside in held.items():
+        n, share = len(inside), float(np.mean(inside))
+        middle = (share + COVERAGE**2 / (2 * n)) / (1 + COVERAGE**2 / n)
+        half = COVERAGE / (1 + COVERAGE**2 / n) * np.sqrt(share * (1 - share) / n + (COVERAGE / (2 * n)) ** 2)
+        rows.append(
+            {"case": case, "quantity": name, "stated": STATED, "n": n, "inside": int(np.sum(inside)), "share": share,
+             "low": middle - half, "high": middle + half}
+        )  # fmt: skip
+    return pd.DataFrame(rows)
+
+
+def _truths() -> tuple[Floats, list[Floats]]:
+    """Times (s) and the angles (rad) of the second pendulum's swings."""
+    times = np.arange(round(DURATION * RATE)) / RATE
+    return times, [
+        trajectory(TRUTH.names, TRUTH.values, times, amplitude).reading for amplitude in AMPLITUDES
+    ]
+
+
+def _read(one: Bench, angle: Floats, case: Case, rng: np.random.Generator) -> Floats:
+    """The voltages of a swing with noise, and in steps where the case has them."""
+    white = rng.standard_normal(angle.size + 200)
+    noise = lfilter([np.sqrt(1 - case.correlation**2)], [1, -case.correlation], white)[200:]
+    if "steps" not in case.noise:
+        return one.volts(angle) + NOISE * noise
+    offset = rng.uniform(0, STEP)
+    return STEP * np.round((one.volts(angle) + NOISE / 2 * noise - offset) / STEP) + offset
+
+
+def _recording(times: Floats, volts: Floats) -> xr.Dataset:
+    attrs = dict.fromkeys(("recording", "campaign", "role", "file", "sha256", "source"), "") | {
+        "emulated": "yes"
+    }
+    attrs["campaign"] = "bench"
+    return xr.Dataset({"signal": ("time", volts, {"units": "V"})}, {"time": times}, attrs)
+
+
+def _fitted(angles: Sequence[xr.Dataset], times: Floats) -> tuple[Fit, Uncertainty]:
+    """The fit of the first part of each swing, and its uncertainty, as the experiment study makes them."""
+    part = slice(0, round(FITTED * RATE))
+    pairs: list[Swing] = [(times[part], angle["angle"].values[part]) for angle in angles]
+    fit = allowing(fit_jointly(TRUTH, pairs, guess=TRUTH, seen=False, grown=False), pairs, of_angles(angles))
+    return fit, uncertainty(fit, pairs)
+
+
+def _stated(
+    fit: Fit, known: Uncertainty, asked: dict[str, float], derived: bool
+) -> Iterator[tuple[str, float, float, float]]:
+    """Of each quantity its name, true value, and value and standard uncertainty as stated."""
+    errors = np.sqrt(np.diag(known.covariance))
+    for name in TRUTH.parameters:
+        yield (
+            name.replace("_", " "),
+            TRUTH.values[name],
+            fit.model.values[name],
+            float(errors[fit.free.index(name)]),
+        )
+    if derived:
+        at = [fit.free.index(name) for name in TRUTH.parameters]
+        values = TRUTH.with_values({name: fit.model.values[name] for name in TRUTH.parameters})
+        found: dict[str, Quantity] = quantities(values, AT, known.covariance[np.ix_(at, at)])
+        for name in ("period", "quality", "decay_time"):
+            yield name.replace("_", " "), asked[name], found[name].value, found[name].uncertainty
