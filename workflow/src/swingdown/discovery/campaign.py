@@ -3,14 +3,13 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
-from typing import Any
 
 import numpy as np
-from scipy.optimize import minimize_scalar
 
 from ..arrays import Floats
 from ..errors import InputError
 from ..fitting.guess import middle_crossings
+from ..measurement.noise_level import HARMONICS, whittle
 from ..pendulum.slack import Slack
 
 # A single recording is cut into parts of as many half-swings each: odd numbers of them, so that both ends are fitted.
@@ -139,7 +138,7 @@ def measure_noise(
     shapes, powers = [], []
     for residual, interval, low in [
         *(
-            (residual, interval, 8 * frequency)
+            (residual, interval, HARMONICS * frequency)
             for residual, interval in zip(residuals, intervals, strict=True)
         ),
         *(
@@ -155,20 +154,7 @@ def measure_noise(
         shapes.append(np.cos(2 * np.pi * at[kept] * interval))
         powers.append(power[kept])
     cosine, power = np.concatenate(shapes), np.concatenate(powers)
-    floor = 1e-300 + 1e-12 * np.mean(power)
-
-    def level(correlation: float) -> tuple[Floats, Any]:
-        shape = 1 / (1 + correlation**2 - 2 * correlation * cosine)
-        return shape, np.mean((power + floor) / shape)
-
-    def cost(correlation: float) -> float:
-        shape, variance = level(correlation)
-        return float(np.sum(np.log(variance * shape)) + power.size)
-
-    best = minimize_scalar(cost, bounds=(-0.9, 0.95), method="bounded", options={"xatol": 1e-4}).x
-    # a correlation that the data do not ask for is none
-    correlation = float(best) if cost(0.0) - cost(best) > 0.5 * np.log(power.size) else 0.0
-    _, innovation = level(correlation)
+    found = whittle(cosine, power)
     # what a kinked error leaves in the band looks like strong slow noise; the noise is never more than the whole residual
     whole = np.sqrt(np.mean(np.concatenate([np.square(residual) for residual in residuals])))
-    return Noise(float(min(np.sqrt(innovation / (1 - correlation**2)), whole)), correlation)
+    return Noise(float(min(found.deviation, whole)), found.correlation)

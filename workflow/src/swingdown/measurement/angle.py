@@ -10,7 +10,7 @@ import xarray as xr
 
 from ..arrays import Floats
 from ..errors import InputError
-from .noise_level import noise_level, quantisation_step
+from .noise_level import noise_of, quantisation_step
 from .release import by_itself
 from .slack import as_variables, of_calibration, of_tolerances
 
@@ -24,7 +24,7 @@ def to_angle(recording: xr.Dataset, calibration: xr.Dataset | None = None, mode:
 
     A recording in volts needs the ``calibration`` dataset; its ``mode`` (paper, gum, monte-carlo) sets the
     uncertainty. In counts, or in rad or deg in steps, the only uncertainty known is that of the resolution
-    (step / sqrt 12); in rad or deg without steps it is the white noise seen in the recording itself. Of
+    (step / sqrt 12); in rad or deg without steps it is the noise seen in the recording itself, with its colour. Of
     systematic errors only what the sheet's tolerances say is then known: the attribute ``systematic`` tells.
     ``reading_slack`` (nuisance, source) says what each source does to the reading's gain, zero and curvature,
     which fits leave open. InputError for volts without a calibration, or with one of another campaign.
@@ -157,9 +157,17 @@ def _from_angle(recording: xr.Dataset, unit: str) -> tuple[Floats, Floats, dict[
     values = recording["signal"].values
     scale = 2 * pi / recording.attrs["counts_per_revolution"] if unit == "counts" else _RAD[unit]
     step = 1.0 if unit == "counts" else quantisation_step(values)
+    colour: dict[str, float] = {}
     if step:
         u, mode, factor = step / sqrt(12), "resolution", UNIFORM_95
     else:
-        u, mode, factor = noise_level(recording["time"].values, values), "residual noise", 1.96
-    notes = {"mode": mode, "coverage_factor": factor, "systematic": "not known: no calibration; set to 0"}
+        noise = noise_of(recording["time"].values, values)
+        u, mode, factor = noise.deviation, "residual noise", 1.96
+        colour = {"noise_correlation": noise.correlation} if noise.correlation else {}
+    notes: dict[str, Any] = {
+        "mode": mode,
+        "coverage_factor": factor,
+        "systematic": "not known: no calibration; set to 0",
+        **colour,
+    }
     return scale * values, np.full(len(values), scale * u), notes

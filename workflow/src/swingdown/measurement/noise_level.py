@@ -1,12 +1,70 @@
-"""The white noise of a recording, read from the recording itself where the pendulum has nothing to say."""
+"""The noise of a recording, read from the recording itself where the pendulum has nothing to say."""
+
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
+from scipy.optimize import minimize_scalar
 
 from ..arrays import Floats
 from ..errors import InputError
 
+HARMONICS = 8  # of the pendulum: above, a swing leaves nothing
+_LINE = 10.0  # times its neighbours' median: a line of the mains or of a bearing, and no noise
+_NEIGHBOURS = 32
 BAND = (15.0, 50.0)  # Hz; far above a pendulum's harmonics, below what mains and bearings bring
+
+
+class Noise(NamedTuple):
+    """White or first-order autocorrelated noise: standard deviation, and correlation of neighbouring samples."""
+
+    deviation: float
+    correlation: float
+
+
+def noise_of(times: ArrayLike, signal: ArrayLike) -> Noise:
+    """The ``Noise`` of a swing, in the unit of ``signal``: white unless its spectrum above the pendulum's harmonics asks for colour.
+
+    ``times`` (s) are evenly spaced. White noise is that of ``noise_level``; coloured noise first-order autocorrelated, as
+    ``whittle`` finds it, lines above their neighbours cut down to them. InputError as there.
+    """
+    level = noise_level(times, signal)
+    times, signal = np.asarray(times, dtype=float), np.asarray(signal, dtype=float)
+    interval = (times[-1] - times[0]) / (len(times) - 1)
+    frequency, power, gain = _spectrum(signal, interval)
+    own = frequency[np.argmax(power / np.maximum(gain, gain[1]))]
+    inside = (frequency > min(HARMONICS * own, 0.25 / interval)) & (frequency < 0.499 / interval)
+    if np.count_nonzero(inside) < 2 * _NEIGHBOURS or not level > 0:
+        return Noise(level, 0.0)
+    power, gain = power[inside], gain[inside]
+    size = power.size // _NEIGHBOURS * _NEIGHBOURS
+    around = np.median((power / gain)[:size].reshape(-1, _NEIGHBOURS), axis=1).repeat(_NEIGHBOURS) / np.log(2)
+    cosine = np.cos(2 * np.pi * frequency[inside][:size] * interval)
+    # The window takes neighbouring frequencies together: so many of them are one.
+    found = whittle(cosine, np.minimum((power / gain)[:size], _LINE * around), independent=0.5)
+    return found if found.correlation else Noise(level, 0.0)
+
+
+def whittle(cosine: Floats, power: Floats, independent: float = 1.0) -> Noise:
+    """The first-order autocorrelated ``Noise`` whose spectrum is most likely for these powers (Whittle's likelihood).
+
+    ``cosine`` of 2 pi frequency times sampling interval, ``power`` the periodogram there, of which the share
+    ``independent`` counts. A correlation that BIC does not ask for is none.
+    """
+    floor = 1e-300 + 1e-12 * np.mean(power)
+
+    def level(correlation: float) -> tuple[Floats, Any]:
+        shape = 1 / (1 + correlation**2 - 2 * correlation * cosine)
+        return shape, np.mean((power + floor) / shape)
+
+    def cost(correlation: float) -> float:
+        shape, variance = level(correlation)
+        return float(np.sum(np.log(variance * shape)) + power.size) * independent
+
+    best = minimize_scalar(cost, bounds=(-0.9, 0.95), method="bounded", options={"xatol": 1e-4}).x
+    correlation = float(best) if cost(0.0) - cost(best) > 0.5 * np.log(power.size * independent) else 0.0
+    _, innovation = level(correlation)
+    return Noise(float(np.sqrt(innovation / (1 - correlation**2))), correlation)
 
 
 def noise_level(times: ArrayLike, signal: ArrayLike, band: tuple[float, float] = BAND) -> float:
@@ -22,15 +80,20 @@ def noise_level(times: ArrayLike, signal: ArrayLike, band: tuple[float, float] =
     if len(signal) < 64:
         raise InputError("noise level", f"{len(signal)} samples", "at least 64", "record for longer")
     interval = (times[-1] - times[0]) / (len(times) - 1)
-    difference = np.diff(signal, 2)
-    window = _blackman_harris(len(difference))
-    frequency = np.fft.rfftfreq(len(difference), interval)
-    gain = (2 * np.sin(np.pi * frequency * interval)) ** 4
-    power = np.abs(np.fft.rfft(window * difference)) ** 2 / np.sum(window**2)
+    frequency, power, gain = _spectrum(signal, interval)
     high = min(band[1], 0.5 / interval)
     low = min(band[0], 0.6 * high)
     inside = (frequency >= low) & (frequency <= high) & (frequency < 0.5 / interval)
     return float(np.sqrt(np.median(power[inside] / gain[inside]) / np.log(2)))
+
+
+def _spectrum(signal: Floats, interval: float) -> tuple[Floats, Floats, Floats]:
+    """Frequencies (Hz), the periodogram of the second difference, and what the difference did to the signal's own."""
+    difference = np.diff(signal, 2)
+    window = _blackman_harris(len(difference))
+    frequency = np.fft.rfftfreq(len(difference), interval)
+    gain = (2 * np.sin(np.pi * frequency * interval)) ** 4
+    return frequency, np.abs(np.fft.rfft(window * difference)) ** 2 / np.sum(window**2), gain
 
 
 def _blackman_harris(size: int) -> Floats:
