@@ -14,10 +14,10 @@ rule coverage_case:
     log:
         "results/logs/coverage/{case}.log",
     params:
-        count=lambda wildcards: COVERAGE.get(wildcards.case, COVERAGE["swings"]),
+        measurements=lambda wildcards: COVERAGE.get(wildcards.case, COVERAGE["swings"]),
         seed=COVERAGE["seed"],
     message:
-        "Coverage of stated intervals: {wildcards.case}, {params.count} measurements"
+        "Coverage of stated intervals: {wildcards.case}, {params.measurements} measurements"
     script:
         "../scripts/coverage_case.py"
 

@@ -24,7 +24,7 @@ if __name__ == "__main__":
             coverage_case(
                 snakemake.input.apparatus,
                 snakemake.wildcards.case,
-                params.count,
+                params.measurements,
                 params.seed,
                 snakemake.output[0],
             )
