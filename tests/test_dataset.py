@@ -38,7 +38,7 @@ def test_every_file_says_what_it_is_and_by_what_it_was_made(labelled, tmp_path):
     labelled["n"] = ("model", np.array([3, 4]))
     path = dataset.write(labelled.assign_attrs(title="mine"), tmp_path / "angles" / "a.nc")
     with netCDF4.Dataset(path) as file:
-        assert (file.title, file.source, file.Conventions) == ("mine", "swingdown", "CF-1.8")
+        assert (file.title, file.source, file.Conventions) == ("mine", "swingdown", "CF-1.11")
         assert file.history.startswith("written by swingdown ")
         assert file["n"].dtype == np.int32 and file["n"].long_name == "n"
     assert dataset.read(dataset.write(labelled, tmp_path / "angles" / "a.nc")).title == "angles: a"

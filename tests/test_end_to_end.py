@@ -1,5 +1,10 @@
 """The whole study, small: everything appears, again nothing is done, and the numbers do not depend on the cores."""
 
+import json
+import subprocess
+import sys
+from pathlib import Path
+
 import pandas as pd
 import pint
 import pytest
@@ -47,6 +52,28 @@ def test_every_file_keeps_the_cf_conventions(small_study):
                     known.parse_units(variable.attrs["units"].replace("-1", "**-1"))
                 linked = variable.attrs.get("ancillary_variables", "").split()
                 assert set(linked) <= set(data.variables), where
+
+
+KINDS = ("recordings/swing_01", "angles/swing_01", "calibration/calibration", "simulation/norms", "experiment/fits/swing_01",
+         "experiment/joint/bench", "experiment/norms")  # fmt: skip
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", KINDS)
+def test_the_compliance_checker_finds_nothing_but_the_name_of_elapsed_time(small_study, kind, tmp_path):
+    """It takes whatever is called ``time`` for a date; ours are seconds, and say so."""
+    told = tmp_path / "told.json"
+    command = [
+        Path(sys.executable).with_name("compliance-checker"),
+        "--test=cf:1.11",
+        "--format=json",
+        f"--output={told}",
+    ]
+    subprocess.run([*command, small_study / f"results/{kind}.nc"], capture_output=True, timeout=300)
+    found = json.loads(told.read_text())["cf:1.11"]
+    said = {text for one in found["all_priorities"] for text in one["msgs"]}
+    allowed = {"Coordinate variable 'time' should have standard_name='time', found: 'None'"}
+    assert {text for text in said if "shares the same name" not in text} <= allowed
 
 
 def test_what_comes_from_the_bench_says_that_it_is_emulated(small_study):

@@ -18,7 +18,7 @@ import xarray as xr
 from .errors import InputError
 from .paths import written_whole
 
-CONVENTIONS = "CF-1.8"
+CONVENTIONS = "CF-1.11"
 DIGEST = "content_sha256"  # the attribute that holds the digest of all the rest
 _SEAL = b"\nswingdown sha256 "
 _MAKE_AGAIN = "delete it and run the step that makes it again"

@@ -190,7 +190,7 @@ def _swing(
         )
     recording = xr.Dataset(
         {"signal": ("time", values, {"units": taken})},
-        {"time": ("time", times, {"units": "s", "long_name": "time as given", "axis": "T"})},
+        {"time": ("time", times, {"units": "s", "long_name": "time as given"})},
         {
             "recording": name, "campaign": "pendulum", "role": "fit", "file": "", "sha256": "", "source": "given as arrays",
             "emulated": str(about.get("emulated", "no")), **more,

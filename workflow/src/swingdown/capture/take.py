@@ -61,7 +61,6 @@ def to_dataset(recorder, about):
     clock = {
         "units": "s",
         "long_name": "time on the device's clock since the release or the first sample",
-        "axis": "T",
     }
     damaged = sum(flag for _, flag in missing)
     problems = recorder.problems() + list(about.pop("problems", ()))

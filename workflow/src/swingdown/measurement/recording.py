@@ -110,7 +110,7 @@ def _recording(table: Table, row: Mapping[str, Any], place: str, digest: str) ->
     counted = {"counts_per_revolution": row["counts_per_revolution"]} if signal_unit == "counts" else {}
     return xr.Dataset(
         {"signal": ("time", signal, {"units": signal_unit, "long_name": LONG_NAMES[signal_unit]})},
-        {"time": ("time", times, {"units": "s", "long_name": "time as recorded", "axis": "T"})},
+        {"time": ("time", times, {"units": "s", "long_name": "time as recorded"})},
         {
             "recording": row["recording"],
             "campaign": row["campaign"],

@@ -75,7 +75,7 @@ def fit_recording(
     variables |= _prior(slack)
     coords |= _of_slack(fits[0]) | {
         "parameter_2": ("parameter_2", names, {"long_name": "other parameter"}),
-        "time": ("time", times, {"axis": "T"}),
+        "time": ("time", times, {}),
         "recording": ((), name, {"long_name": "recording"}),
         **{key: ((), value, {"long_name": text}) for key, (value, text) in _about(angle).items()},
     }

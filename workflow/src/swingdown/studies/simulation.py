@@ -68,7 +68,7 @@ def realizations(*, simulated: Sequence[str], natural_frequency: float, viscous_
         {
             "simulated": ("simulated", list(simulated), {"long_name": "simulated model"}),
             "realization": ("realization", np.arange(1, realizations + 1), {"long_name": "noisy copy"}),
-            "time": ("time", times, {"axis": "T"}),
+            "time": ("time", times),
         },
         settings | {"source": "simulated", "emulated": "no", "inferred": INFERRED_NOTE},
     )
