@@ -202,10 +202,7 @@ def _swings(settings, times, coefficient):
     base = tuple(settings["discovery.base"])
     names = base if coefficient is None else (*base, settings["detection.effect"])
     model = _model(settings, names)
-    values = {
-        p.name: settings.get(f"simulation.{p.name}", settings.get(f"parameters.{p.name}", p.typical))
-        for p in model.definitions
-    }
+    values = _values(settings, model)
     if coefficient is not None:
         values[model.catalogue[settings["detection.effect"]].size.name] = coefficient
     return {
@@ -214,7 +211,21 @@ def _swings(settings, times, coefficient):
     }
 
 
+def _values(settings, model):
+    """The values that the settings give a model's parameters, by name."""
+    return {
+        p.name: settings.get(f"simulation.{p.name}", settings.get(f"parameters.{p.name}", p.typical))
+        for p in model.definitions
+    }
+
+
 def _left(settings, times, swings):
-    """The RMS (rad) that the base model leaves of noise-free swings."""
+    """The RMS (rad) that the base model leaves of noise-free swings.
+
+    The fit starts from the values that were simulated too: from what the data show alone it may end in an optimum that is not
+    the best, and what is left would jump where the effect grows smoothly.
+    """
     pairs = [(times, angle) for angle in swings.values()]
-    return fit_jointly(_model(settings, settings["discovery.base"]), pairs, bounded=True).rms
+    base = _model(settings, settings["discovery.base"])
+    simulated = base.with_values(_values(settings, base))
+    return fit_jointly(base, pairs, bounded=True, guess=simulated).rms
