@@ -156,6 +156,29 @@ def test_no_label_of_a_small_map_lies_on_another(tmp_path):
             assert not any(a.shrunk(0.9, 0.9).overlaps(b.shrunk(0.9, 0.9)) for a, b in pairs), name
 
 
+def test_what_an_effect_leaves_stands_between_its_bar_and_the_title(tmp_path):
+    """Numbers above neighbouring bars of many sizes lie neither on one another nor on the title, in whatever panel they are."""
+    sizes = [0, 0.05, 0.1, 0.2, 0.3, 0.5, 1, 2, 5]
+    axes = {"detection.effect": ["quadratic_drag", "detent", "backlash"], "detection.size": sizes}
+    left = verdicts(
+        lambda settings: {"named": 1.0},
+        left=lambda settings: (
+            settings["detection.size"] * (1.113 if settings["detection.effect"] == "detent" else 1)
+        ),
+    )
+    drawn = plots.detection(
+        combined(sweep(computes="detection", axes=axes, realizations=1, chunk=100), tmp_path, left)
+    )
+    drawn.canvas.draw()
+    panel = next(one for one in drawn.axes if one.get_title("left") == "detent")
+    numbers = [one.get_window_extent() for one in panel.texts if one.get_text() not in ("", "×")]
+    boxes = [*numbers, panel.title.get_window_extent(), panel._left_title.get_window_extent()]
+    boxes = [one for one in boxes if one.width]
+    assert len(numbers) == 8
+    assert not any(a.overlaps(b) for k, a in enumerate(boxes) for b in boxes[k + 1 :])
+    assert "1 campaign a bar" in words(drawn)
+
+
 def test_keys_that_change_together_are_told_together(tmp_path):
     axes = {
         "simulation.simulated": ["viscous"],

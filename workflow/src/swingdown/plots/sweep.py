@@ -149,6 +149,7 @@ def _counted(maps: xr.Dataset, name: str, of: str) -> str:
     low, high = int(n.min()), int(n.max())
     wide = float((0.5 * (maps[f"{name}_high_95"] - maps[f"{name}_low_95"])).max())
     told = f"{high}" if low == high else f"{low} to {high}"
+    of = of.removesuffix("s") if told == "1" else of
     return f"{told} {of} a cell: 95 % intervals of up to ±{100 * wide:.0f} %"
 
 
@@ -206,9 +207,12 @@ def detection(maps: xr.Dataset) -> Figure:
         panel.set_title("\n".join(words), pad=4, fontsize=9)
     for row in range(tall):
         panels[row * wide].set_ylabel("share of campaigns (%)")
+    short, turned = bool((maps["reached"] == 0).any()), maps.sizes.get("size", 1) > 6
+    panels[0].set_ylim(
+        0, (128 if turned else 112) if short else 100
+    )  # the panels share it: room for the numbers in each
     handles = [style.mark("s", _WORDS[word][1], _WORDS[word][0]) for word in order]
     figure.legend(handles=handles, loc="outside upper left", ncols=3, handletextpad=0.4, columnspacing=1.4)
-    short = (maps["reached"] == 0).any()
     return style.footnote(figure, "size: RMS that the hidden effect leaves in the base model's fit, over the noise; 0: nothing is hidden",
                           _counted(maps, "named", "campaigns").replace("a cell", "a bar"),
                           "hatched: no size of the effect leaves as much as asked for; the number is what it leaves" if short else "",
@@ -222,7 +226,7 @@ def _bars(panel: Axes, maps: xr.Dataset, order: Sequence[str]) -> None:
         if "size" in maps.dims
         else np.array([maps.attrs.get("size", np.nan)])
     )
-    places, below = np.arange(sizes.size), np.zeros(sizes.size)
+    places, below, turned = np.arange(sizes.size), np.zeros(sizes.size), sizes.size > 6
     for word in ("named", "among_others", "unknown", "wrong", "failed", "nothing"):
         if word in order:
             part = np.nan_to_num(np.atleast_1d(maps["share"].sel(said=word).values))
@@ -240,19 +244,16 @@ def _bars(panel: Axes, maps: xr.Dataset, order: Sequence[str]) -> None:
             panel.text(k, 3, "×", ha="center", va="bottom", fontsize=9)
         elif reached[k] == 0:
             panel.bar(k, 100, width=0.78, fill=False, hatch="////", ec=style.INK, lw=0, alpha=0.45)
-            panel.text(k, 101.5, f"{left[k]:.2g}", ha="center", va="bottom", fontsize=7)
-    turned = sizes.size > 6
+            panel.text(
+                k, 102.5, f"{left[k]:.2g}", ha="center", va="bottom", fontsize=7, rotation=90 if turned else 0
+            )
     panel.set_xticks(
         places,
         [_text(v) for v in sizes],
         rotation=90 if turned else 0,
         fontsize=8 if turned else 9,
     )
-    panel.set(
-        ylim=(0, 110 if (reached == 0).any() else 100),
-        xlabel="size (σ of the noise)",
-        yticks=range(0, 101, 25),
-    )
+    panel.set(xlabel="size (σ of the noise)", yticks=range(0, 101, 25))
     panel.tick_params(axis="x", length=0)
 
 

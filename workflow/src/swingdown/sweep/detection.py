@@ -142,23 +142,47 @@ def make(settings):
     if size == 0:
         return _Hidden(times, bare, 0.0, 0.0, noise)
     first = catalogue(settings.get("effects"))[settings["detection.effect"]].size
-    coefficient, nearest, why = first.typical * 0.1, None, None
+    coefficient, nearest, why, begin = first.typical * 0.1, None, None, None
     low, high = (0.0, 0.0), (math.inf, math.inf)  # (coefficient, what it leaves) between which the size lies
     for _ in range(_STEPS):
         try:
-            swings = _swings(settings, times, coefficient)
-            left = _left(settings, times, swings) / noise
+            found, fit = _measured(settings, times, noise, coefficient, begin)
         except IMPOSSIBLE as error:  # too strong for a swing, or for one that can be fitted
-            left, why = math.inf, error
-        if math.isfinite(left) and (nearest is None or abs(left - size) < abs(nearest.left - size)):
-            nearest = _Hidden(times, swings, coefficient, left, noise)
+            found, fit, why = None, None, error
+        left = found.left if found else math.inf
+        nearest = _nearer(nearest, found, size)
         if abs(left / size - 1) < _CLOSE or (left < size and coefficient == first.upper):
             break
-        low, high = ((coefficient, left), high) if left < size else (low, (coefficient, left))
+        if left >= size:
+            high = coefficient, left
+        else:
+            low, begin = (coefficient, left), fit
+            if math.isfinite(high[1]):  # from the better start, in case its own led to a worse optimum
+                found, _ = _measured(settings, times, noise, high[0], begin)
+                high = high[0], found.left
+                nearest = _nearer(nearest, found, size)
+                if found.left < size:
+                    low, high = high, (math.inf, math.inf)
         coefficient = _between(low, high, size, first.upper)
     if nearest is None:
         raise why
     return nearest
+
+
+def _nearer(one, other, size):
+    """Of two _Hidden (None: there is none) the one that leaves more nearly what was asked for; of one coefficient the later."""
+    if one is None or other is None:
+        return one or other
+    if other.coefficient == one.coefficient or abs(other.left - size) < abs(one.left - size):
+        return other
+    return one
+
+
+def _measured(settings, times, noise, coefficient, begin):
+    """The _Hidden with the effect at ``coefficient``, and the base's fit to it, which starts from the fit ``begin`` too."""
+    swings = _swings(settings, times, coefficient)
+    fit = _base_fit(settings, times, swings, begin)
+    return _Hidden(times, swings, coefficient, fit.rms / noise, noise), fit
 
 
 def _between(low, high, size, upper):
@@ -202,10 +226,7 @@ def _swings(settings, times, coefficient):
     base = tuple(settings["discovery.base"])
     names = base if coefficient is None else (*base, settings["detection.effect"])
     model = _model(settings, names)
-    values = {
-        p.name: settings.get(f"simulation.{p.name}", settings.get(f"parameters.{p.name}", p.typical))
-        for p in model.definitions
-    }
+    values = _values(settings, model)
     if coefficient is not None:
         values[model.catalogue[settings["detection.effect"]].size.name] = coefficient
     return {
@@ -214,7 +235,21 @@ def _swings(settings, times, coefficient):
     }
 
 
-def _left(settings, times, swings):
-    """The RMS (rad) that the base model leaves of noise-free swings."""
+def _values(settings, model):
+    """The values that the settings give a model's parameters, by name."""
+    return {
+        p.name: settings.get(f"simulation.{p.name}", settings.get(f"parameters.{p.name}", p.typical))
+        for p in model.definitions
+    }
+
+
+def _base_fit(settings, times, swings, begin):
+    """The base model's fit to noise-free swings, whose RMS (rad) is what it leaves of them.
+
+    It starts from the values that were simulated and from the fit ``begin`` (None: from none) too: from what the data show
+    alone it may end in an optimum that is not the best, and what is left would jump where the effect grows smoothly.
+    """
     pairs = [(times, angle) for angle in swings.values()]
-    return fit_jointly(_model(settings, settings["discovery.base"]), pairs, bounded=True).rms
+    base = _model(settings, settings["discovery.base"])
+    simulated = base.with_values(_values(settings, base))
+    return fit_jointly(base, pairs, bounded=True, guess=[simulated, begin] if begin else simulated)
