@@ -5,7 +5,7 @@ from functools import partial
 
 from snakemake.utils import min_version
 
-from swingdown import console
+from swingdown import console, prefork
 from swingdown.capture import takes
 from swingdown.paths import find, is_url, remove_leftovers
 from swingdown.study.plan import plan
@@ -43,6 +43,8 @@ with console.job():
     SWEEPS = sweeps(config, where)
 
 AT_START = [partial(remove_leftovers, "results")]  # what is done before the first job, and never by a dry run
+if workflow.local_exec and workflow.is_main_process:
+    AT_START.append(prefork.start)
 TABLES, FIGURES, VERDICTS = [], [], []  # each stage adds what it makes; the report shows all of it
 
 
