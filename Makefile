@@ -37,7 +37,7 @@ $(READY):
 	else echo "uv did not manage; falling back to pip, which is slower ..." \
 	  && $(BIN)/python -m pip install -q --disable-pip-version-check --require-hashes -r requirements.lock; fi
 	@$(BIN)/python -m pip install -q --disable-pip-version-check --no-deps --no-build-isolation -e .
-	@env -u PYTHONDONTWRITEBYTECODE $(BIN)/python -c '$(IMPORT_ALL)' && env -u PYTHONDONTWRITEBYTECODE $(BIN)/snakemake --dry-run --quiet all > /dev/null
+	@unset PYTHONDONTWRITEBYTECODE; ($(BIN)/python -c '$(IMPORT_ALL)'; $(BIN)/snakemake --dry-run --quiet all) > /dev/null 2>&1 || :
 	@touch $@
 
 # Once over all that a run imports, so that it lies there compiled: otherwise, and for ever where the environment forbids Python

@@ -1,5 +1,6 @@
 """Jobs in forks of a process that has done their imports: they end, speak and fail as scripts of their own do."""
 
+import ast
 import os
 import signal
 import subprocess
@@ -130,3 +131,12 @@ def test_a_script_on_its_own_does_its_own_imports(script, tmp_path, more):
     for _ in range(2):
         assert script("print('done')", **more).communicate()[0] == "done\n"
     assert (tmp_path / "imported").read_text() == "once once "
+
+
+def test_every_script_asks_before_it_imports(root):
+    """But that of the capture, which has Ctrl-C and a window to itself."""
+    for path in (root / "workflow/scripts").glob("*.py"):
+        tree = ast.parse(path.read_text())
+        first = next(node for node in tree.body if isinstance(node, ast.Import | ast.ImportFrom))
+        asks = isinstance(first, ast.Import) and first.names[0].name == "swingdown.prefork"
+        assert asks != (path.stem == "capture"), path
