@@ -43,14 +43,14 @@ with console.job():
     SWEEPS = sweeps(config, where)
 
 AT_START = [partial(remove_leftovers, "results")]  # what is done before the first job, and never by a dry run
-if workflow.local_exec and workflow.is_main_process:
-    AT_START.append(prefork.start)
 TABLES, FIGURES, VERDICTS = [], [], []  # each stage adds what it makes; the report shows all of it
 
 
 onstart:
     for act in AT_START:
         act()
+    if workflow.local_exec and workflow.is_main_process:  # how jobs are executed is known only now
+        prefork.start()
 
 
 wildcard_constraints:
