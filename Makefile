@@ -46,7 +46,13 @@ $(READY):
 	else echo "uv did not manage; falling back to pip, which is slower ..." \
 	  && $(BIN)/python -m pip install -q --disable-pip-version-check --require-hashes -r requirements.lock; fi
 	@$(BIN)/python -m pip install -q --disable-pip-version-check --no-deps --no-build-isolation -e .
+	@unset PYTHONDONTWRITEBYTECODE; ($(BIN)/python -c '$(IMPORT_ALL)'; $(BIN)/snakemake --dry-run --quiet all) > /dev/null 2>&1 || :
 	@touch $@
+
+# Once over all that a run imports, so that it lies there compiled: otherwise, and for ever where the environment forbids Python
+# to write what it compiles, every process compiles it anew.
+IMPORT_ALL := import importlib, pkgutil, swingdown; \
+  [importlib.import_module(one.name) for one in pkgutil.walk_packages(swingdown.__path__, "swingdown.")]
 
 test: $(READY)
 	@$(BIN)/python -m pytest $(WORKERS) $(TESTS)

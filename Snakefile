@@ -5,7 +5,7 @@ from functools import partial
 
 from snakemake.utils import min_version
 
-from swingdown import console
+from swingdown import console, prefork
 from swingdown.capture import takes
 from swingdown.paths import find, is_url, remove_leftovers
 from swingdown.study.plan import plan
@@ -51,6 +51,8 @@ TABLES, FIGURES, VERDICTS = [], [], []  # each stage adds what it makes; the rep
 onstart:
     for act in AT_START:
         act()
+    if workflow.local_exec and workflow.is_main_process:  # how jobs are executed is known only now
+        prefork.start()
 
 
 wildcard_constraints:

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from swingdown.sweep import chunks as dealt
 from swingdown.sweep import code as codes
-from swingdown.sweep import job, store
+from swingdown.sweep import store
 
 CHUNK = "[0-9a-f]{16}(-[0-9a-f]{8})?"
 STORED = workflow.storage_settings.default_storage_provider is not None  # no file system that all nodes share
@@ -69,7 +69,11 @@ def planned(name):
                 missing = set(PLANS[name].missing)
                 for chunk, stem in PLANS[name].files.items():
                     if chunk not in missing and not os.path.exists(result(name, stem)):
-                        job.record(chunk_file(name, stem), result(name, stem))
+                        from swingdown.sweep.job import (
+                            record,
+                        )  # takes a while to import, and is rarely needed
+
+                        record(chunk_file(name, stem), result(name, stem))
     return PLANS[name]
 
 

@@ -1,5 +1,7 @@
 """One swing in radians, with its uncertainty."""
 
+import swingdown.prefork  # noqa: F401  # first of all: it may take the job over
+
 import numpy as np
 
 from swingdown import console, dataset

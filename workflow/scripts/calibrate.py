@@ -1,5 +1,7 @@
 """The line from voltage to angle in three modes of uncertainty, and the uncertainty budget."""
 
+import swingdown.prefork  # noqa: F401  # first of all: it may take the job over
+
 import numpy as np
 
 from swingdown import calibration, console, dataset

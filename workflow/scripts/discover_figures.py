@@ -1,5 +1,7 @@
 """The figures of one campaign's search: residuals, missing torque, half-swings, ranking, and the gap by round."""
 
+import swingdown.prefork  # noqa: F401  # first of all: it may take the job over
+
 import json
 from pathlib import Path
 

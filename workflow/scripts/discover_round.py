@@ -1,5 +1,7 @@
 """One round of discovery: fit, look where the model fails, rank what could mend it; or pass the last round on."""
 
+import swingdown.prefork  # noqa: F401  # first of all: it may take the job over
+
 import shutil
 from pathlib import Path
 

@@ -1,5 +1,7 @@
 """The verdict on a campaign, from the files of its rounds."""
 
+import swingdown.prefork  # noqa: F401  # first of all: it may take the job over
+
 import json
 from pathlib import Path
 

@@ -1,5 +1,7 @@
 """One figure of the paper, as SVG and PNG, from the datasets and tables its function takes."""
 
+import swingdown.prefork  # noqa: F401  # first of all: it may take the job over
+
 import pandas as pd
 
 from swingdown import console, dataset

@@ -1,5 +1,7 @@
 """All models fitted to the swings of one campaign together: shared parameters, a release for each swing."""
 
+import swingdown.prefork  # noqa: F401  # first of all: it may take the job over
+
 import numpy as np
 
 from swingdown import console, dataset

@@ -1,5 +1,7 @@
 """The norms of every model fitted to the noisy swings of one simulated damping term."""
 
+import swingdown.prefork  # noqa: F401  # first of all: it may take the job over
+
 from swingdown import console, dataset
 from swingdown.pendulum.model import symbol
 from swingdown.studies.simulation import simulation_norms

@@ -1,5 +1,7 @@
 """All models fitted to one swing."""
 
+import swingdown.prefork  # noqa: F401  # first of all: it may take the job over
+
 from swingdown import console, dataset
 from swingdown.pendulum.model import models, symbol
 from swingdown.studies.experiment import fit_recording

@@ -1,5 +1,7 @@
 """The confusion matrix of hidden effects, and how often they are found by size."""
 
+import swingdown.prefork  # noqa: F401  # first of all: it may take the job over
+
 from pathlib import Path
 
 import pandas as pd

@@ -1,5 +1,7 @@
 """Verdicts on campaigns of which only the sample sheet and its files are seen."""
 
+import swingdown.prefork  # noqa: F401  # first of all: it may take the job over
+
 import json
 from pathlib import Path
 

@@ -1,5 +1,7 @@
 """Campaigns with hidden effects: a sample sheet with its CSV files, and the truth in another place."""
 
+import swingdown.prefork  # noqa: F401  # first of all: it may take the job over
+
 import json
 from pathlib import Path
 

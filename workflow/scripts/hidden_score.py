@@ -1,5 +1,7 @@
 """The scores of all verdicts against the truth, their summary and the confusion matrix."""
 
+import swingdown.prefork  # noqa: F401  # first of all: it may take the job over
+
 import json
 from pathlib import Path
 

@@ -1,5 +1,7 @@
 """The manifest of a target: path, size and SHA-256 of every file that it left."""
 
+import swingdown.prefork  # noqa: F401  # first of all: it may take the job over
+
 from swingdown import console
 from swingdown.manifest import write_manifest
 

@@ -1,5 +1,7 @@
 """One recording of the sample sheet as a dataset: signal as recorded, time in s, provenance."""
 
+import swingdown.prefork  # noqa: F401  # first of all: it may take the job over
+
 import pandas as pd
 
 from swingdown import console, dataset

@@ -1,5 +1,7 @@
 """The report: every table and figure of the run, its settings and what it rests on, in one HTML file."""
 
+import swingdown.prefork  # noqa: F401  # first of all: it may take the job over
+
 import json
 from pathlib import Path
 

@@ -1,5 +1,7 @@
 """Simulated swings, noise-free and with noise, for every simulated damping term."""
 
+import swingdown.prefork  # noqa: F401  # first of all: it may take the job over
+
 from swingdown import console, dataset
 from swingdown.studies.simulation import realizations
 

@@ -1,5 +1,7 @@
 """The book of a sweep's chunks, copied to where all nodes can read it."""
 
+import swingdown.prefork  # noqa: F401  # first of all: it may take the job over
+
 from pathlib import Path
 
 from swingdown import console

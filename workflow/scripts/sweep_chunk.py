@@ -1,5 +1,7 @@
 """One chunk of a sweep, of whatever the sweep computes."""
 
+import swingdown.prefork  # noqa: F401  # first of all: it may take the job over
+
 from swingdown import console
 from swingdown.sweep.job import record, work
 

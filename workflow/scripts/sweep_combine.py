@@ -1,5 +1,7 @@
 """All chunks of a sweep as one dataset, and the table of its probabilities."""
 
+import swingdown.prefork  # noqa: F401  # first of all: it may take the job over
+
 from swingdown import console
 from swingdown.studies.paper_tables import write_table
 from swingdown.sweep.combine import combine, read_maps

@@ -1,5 +1,7 @@
 """One picture of a sweep's probabilities, as SVG and PNG."""
 
+import swingdown.prefork  # noqa: F401  # first of all: it may take the job over
+
 from swingdown import console
 from swingdown.plots import save
 from swingdown.plots.sweep import MAPS

@@ -1,5 +1,7 @@
 """The sweeps' section of the report as a page of its own."""
 
+import swingdown.prefork  # noqa: F401  # first of all: it may take the job over
+
 from pathlib import Path
 
 from swingdown import console

@@ -1,5 +1,7 @@
 """All norms of the simulation study in one dataset, and the paper's Table 2 from them."""
 
+import swingdown.prefork  # noqa: F401  # first of all: it may take the job over
+
 import pandas as pd
 
 from swingdown import console, dataset

@@ -1,5 +1,7 @@
 """All fits of the experiment in one dataset, and the tables from them: norms, paired comparison, parameters."""
 
+import swingdown.prefork  # noqa: F401  # first of all: it may take the job over
+
 import pandas as pd
 
 from swingdown import console, dataset

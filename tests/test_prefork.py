@@ -1,0 +1,142 @@
+"""Jobs in forks of a process that has done their imports: they end, speak and fail as scripts of their own do."""
+
+import ast
+import os
+import signal
+import subprocess
+import sys
+import time
+
+import pytest
+
+from swingdown import prefork
+
+# What Snakemake puts before a script, and the script's own first import.
+HEAD = "snakemake = None\nimport swingdown.prefork\nimport slow\n"
+STARTER = "from swingdown import prefork\nprefork.start()\nimport os\nprint(os.environ[prefork.ADDRESS], flush=True)\ninput()\n"
+
+
+@pytest.fixture
+def environment(tmp_path):
+    """Linear algebra in one thread, as Snakemake has it, and a module whose imports are counted in a file."""
+    (tmp_path / "slow.py").write_text("open('imported', 'a').write('once ')\n")
+    return os.environ | prefork._THREADS | {"PYTHONPATH": str(tmp_path)}
+
+
+@pytest.fixture
+def starter(tmp_path, environment):
+    """A process that has started the one that forks, and stands for a run of the workflow; its folder is that of the tests."""
+    process = subprocess.Popen(
+        [sys.executable, "-c", STARTER], stdin=subprocess.PIPE, stdout=subprocess.PIPE, cwd=tmp_path, text=True, env=environment,
+    )  # fmt: skip
+    process.address = process.stdout.readline().strip()
+    yield process
+    process.communicate("\n")
+
+
+@pytest.fixture
+def script(tmp_path, environment, starter):
+    """A function that starts a script with these further lines and returns its process."""
+
+    def run(text, **more):
+        (tmp_path / "script.py").write_text(HEAD + text)
+        return subprocess.Popen(
+            [sys.executable, "script.py"], cwd=tmp_path, text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+            env=environment | {prefork.ADDRESS: starter.address} | more,
+        )  # fmt: skip
+
+    return run
+
+
+def seen(condition, seconds=20):
+    """Whether something comes to be."""
+    end = time.monotonic() + seconds
+    while not condition() and time.monotonic() < end:
+        time.sleep(0.02)
+    return condition()
+
+
+def gone(process):
+    try:
+        os.kill(process, 0)
+    except ProcessLookupError:
+        return True
+    return False
+
+
+def test_what_scripts_import_is_imported_once(script, tmp_path):
+    for number in range(3):
+        told, _ = script(f"print({number}, __name__)").communicate()
+        assert told == f"{number} __main__\n"
+    assert (tmp_path / "imported").read_text() == "once "
+
+
+def test_a_job_has_its_scripts_folder_environment_and_streams(script, tmp_path):
+    job = script(
+        "import os, sys\nprint(os.getcwd(), os.environ['MINE'])\nprint('said', file=sys.stderr)", MINE="yes"
+    )
+    assert job.communicate() == (f"{tmp_path} yes\n", "said\n")
+    assert job.returncode == 0
+
+
+@pytest.mark.parametrize(
+    ("text", "code", "told"),
+    [
+        ("import sys\nsys.exit(3)", 3, ""),
+        ("import sys\nsys.exit('no')", 1, "no\n"),
+        ("1 / 0", 1, "ZeroDivisionError"),
+        ("import no_such_module", 1, "ModuleNotFoundError"),
+    ],
+)
+def test_a_job_fails_as_its_script_would(script, text, code, told):
+    job = script(text)
+    assert told in job.communicate()[1]
+    assert job.returncode == code
+
+
+def test_jobs_run_side_by_side(script, tmp_path):
+    """Each waits for what only the other one does."""
+    wait = "import os, time\nopen('{0}', 'w')\nwhile not os.path.exists('{1}'): time.sleep(0.01)\n"
+    first = script(wait.format("a", "b"))
+    assert seen((tmp_path / "a").exists)
+    assert script(wait.format("b", "a")).wait(20) == first.wait(20) == 0
+
+
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGKILL])
+def test_a_script_that_is_stopped_takes_its_job_along(script, tmp_path, number):
+    running = script("import os, time\nopen('job', 'w').write(str(os.getpid()) + ' ')\ntime.sleep(60)")
+    assert seen(lambda: (tmp_path / "job").exists() and (tmp_path / "job").read_text().endswith(" "))
+    job = int((tmp_path / "job").read_text())
+    assert job != running.pid and not gone(job)
+    running.send_signal(number)
+    assert seen(lambda: gone(job))
+
+
+def test_a_job_that_is_killed_is_told(script):
+    job = script("import os, signal\nos.kill(os.getpid(), signal.SIGKILL)")
+    assert "was killed" in job.communicate()[1]
+    assert job.returncode == 1
+
+
+def test_a_run_that_is_killed_leaves_no_process_behind(script, starter):
+    told, _ = script("import os\nprint(os.getppid())").communicate()
+    os.kill(starter.pid, signal.SIGKILL)
+    assert seen(lambda: gone(int(told)))
+    told, _ = script("print('done')").communicate()
+    assert told == "done\n", "a script that finds nobody does its own imports"
+
+
+@pytest.mark.parametrize("more", [{prefork.ADDRESS: "/nowhere"}, {"OPENBLAS_NUM_THREADS": "2"}])
+def test_a_script_on_its_own_does_its_own_imports(script, tmp_path, more):
+    for _ in range(2):
+        assert script("print('done')", **more).communicate()[0] == "done\n"
+    assert (tmp_path / "imported").read_text() == "once once "
+
+
+def test_every_script_asks_before_it_imports(root):
+    """But that of the capture, which has Ctrl-C and a window to itself."""
+    for path in (root / "workflow/scripts").glob("*.py"):
+        tree = ast.parse(path.read_text())
+        first = next(node for node in tree.body if isinstance(node, ast.Import | ast.ImportFrom))
+        asks = isinstance(first, ast.Import) and first.names[0].name == "swingdown.prefork"
+        assert asks != (path.stem == "capture"), path
