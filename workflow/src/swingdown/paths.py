@@ -1,9 +1,11 @@
 """Where a file named in the config or a sheet is found, and how a file comes to be: whole, or not at all."""
 
+import hashlib
 import os
 import re
 import socket
 import time
+import unicodedata
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -40,6 +42,42 @@ def find(name: str | Path) -> Path:
     if PROJECT and not path.is_absolute() and not path.exists() and (PROJECT / path).exists():
         return PROJECT / path
     return path
+
+
+def safe_name(label: str) -> str:
+    """``label`` as a name that every system takes for a file: ASCII letters, digits, ``.``, ``_`` and ``-``, a letter or digit first.
+
+    Accents are left out (``Jürgen``: ``Jurgen``) and anything else becomes ``-`` (``Gruppe 3/a``: ``Gruppe-3-a``). A label of which
+    letters are lost, one that is too long, and one that Windows keeps for itself are told apart by the start of their SHA-256.
+    """
+    if _NAME.fullmatch(label) and len(label) <= _LONGEST and not _RESERVED.fullmatch(label):
+        return label
+    spelt = "".join(_SPELT.get(letter, letter) for letter in label)
+    parts = [unicodedata.normalize("NFKD", letter).encode("ascii", "ignore").decode() for letter in spelt]
+    name = re.sub(r"[^A-Za-z0-9._]+", "-", "".join(parts)).strip("-._")
+    digest = hashlib.sha256(label.encode()).hexdigest()[:8]
+    lost = not name or any(letter.isalnum() and not part for letter, part in zip(spelt, parts, strict=True))
+    if lost or len(name) > _LONGEST or _RESERVED.fullmatch(name):
+        name = f"{name[: _LONGEST - 9] or 'recording'}-{digest}"
+    return name
+
+
+_NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]*")
+_LONGEST = 100  # characters; a file's name may have 255 bytes, and endings follow
+_RESERVED = re.compile(r"(?i)(con|prn|aux|nul|com\d|lpt\d)(\..*)?")
+_SPELT = {
+    "ß": "ss",
+    "æ": "ae",
+    "Æ": "Ae",
+    "ø": "o",
+    "Ø": "O",
+    "œ": "oe",
+    "Œ": "Oe",
+    "ł": "l",
+    "Ł": "L",
+    "đ": "d",
+    "Đ": "D",
+}
 
 
 @contextmanager

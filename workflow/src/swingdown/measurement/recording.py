@@ -112,6 +112,7 @@ def _recording(table: Table, row: Mapping[str, Any], place: str, digest: str) ->
         {"time": ("time", times, {"units": "s", "long_name": "time as recorded", "axis": "T"})},
         {
             "recording": row["recording"],
+            **({"label": row["label"]} if row.get("label") else {}),
             "campaign": row["campaign"],
             "role": row["role"],
             "file": name,
