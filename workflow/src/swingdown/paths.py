@@ -1,5 +1,6 @@
 """Where a file named in the config or a sheet is found, and how a file comes to be: whole, or not at all."""
 
+import errno
 import hashlib
 import os
 import re
@@ -7,7 +8,7 @@ import socket
 import time
 import unicodedata
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
@@ -84,18 +85,38 @@ _SPELT = {
 def written_whole(path: str | Path) -> Iterator[Path]:
     """A path to write to, beside ``path``: what is there at the end takes its name, on disk and whole.
 
-    Where writing fails, ``path`` is as it was before and nothing is left behind.
+    Where writing fails, ``path`` is as it was before and nothing is left behind. A disk that is full or a folder that cannot be
+    written raises the OSError with what is wrong and the mend in words.
     """
     path = Path(path)
-    path.parent.mkdir(parents=True, exist_ok=True)
     partial = path.with_name(f".{path.name}.{_HOST}-{os.getpid()}.part")
     try:
+        path.parent.mkdir(parents=True, exist_ok=True)
         yield partial
         _to_disk(partial)
         os.replace(partial, path)
         _to_disk(path.parent)
+    except OSError as error:
+        if error.errno in _IN_WORDS and _MEND not in str(error):
+            what = _IN_WORDS[error.errno]
+            raise OSError(error.errno, f"{what}: {path}. {_MEND} {_MENDS[error.errno]}") from error
+        raise
     finally:
-        partial.unlink(missing_ok=True)
+        with suppress(OSError):
+            partial.unlink(missing_ok=True)
+
+
+_MEND = "Mend:"
+_IN_WORDS = {
+    errno.ENOSPC: "the disk is full",
+    errno.EDQUOT: "the disk is full for this user",
+    errno.EROFS: "the folder cannot be written",
+    errno.EACCES: "the folder cannot be written",
+    errno.EPERM: "the folder cannot be written",
+}
+_MENDS = dict.fromkeys(_IN_WORDS, "make room and run again") | dict.fromkeys(
+    (errno.EROFS, errno.EACCES, errno.EPERM), "choose another with --directory, or allow writing there"
+)
 
 
 def write_text(path: str | Path, text: str) -> Path:

@@ -2,6 +2,8 @@
 
 import hashlib
 import shutil
+import subprocess
+import sys
 import tempfile
 import urllib.request
 from collections.abc import Iterable, Iterator, Mapping
@@ -101,6 +103,7 @@ def check_sha256(source: BinaryIO, expected: str, name: str, place: str) -> str:
 
 def _netcdf(source: BinaryIO, row: Mapping[str, Any]) -> Table:
     name, time_column = row["file"], row.get("time_column", "")
+    _check_opens(source, name)
     try:
         with netCDF4.Dataset(name, memory=source.read()) as file:
             store = xr.backends.NetCDF4DataStore(file)
@@ -123,3 +126,32 @@ def _netcdf(source: BinaryIO, row: Mapping[str, Any]) -> Table:
     units = {key: str(value.attrs["units"]) for key, value in series.items() if "units" in value.attrs}
     about = {str(key).lower(): value for key, value in data.attrs.items()}
     return Table(tuple(table.columns), about, [table], units=units)
+
+
+# Whatever a variable holds is asked for, in a process of its own: damage can make the library crash rather than complain.
+_OPENING = """
+import sys
+import netCDF4
+with netCDF4.Dataset("in memory", memory=sys.stdin.buffer.read()) as file:
+    for variable in file.variables.values():
+        variable[...], variable.__dict__
+    file.__dict__
+"""
+_SECONDS = 120  # that it may take: half a gigabyte takes 10
+
+
+def _check_opens(source: BinaryIO, name: str) -> None:
+    """None if the netCDF library survives the file; InputError if it crashes or hangs. What it complains of is told where it is read."""
+    try:
+        done = subprocess.run(
+            [sys.executable, "-c", _OPENING], stdin=source, capture_output=True, timeout=_SECONDS, check=False
+        )
+        what = f"the netCDF library crashes at it, signal {-done.returncode}" if done.returncode < 0 else ""
+    except subprocess.TimeoutExpired:
+        what = f"the netCDF library has not read it within {_SECONDS} s"
+    finally:
+        source.seek(0)
+    if what:
+        raise InputError(
+            name, f"it cannot be read ({what})", "an undamaged netCDF file", "copy or convert it again"
+        )
