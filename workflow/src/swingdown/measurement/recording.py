@@ -182,7 +182,7 @@ def _series(
     Only what lies in the window is held, and the rows that are being read.
     """
     name, spoilt, total, held = row["file"], {key: _Spoilt() for key in (time_column, *columns)}, 0, 0
-    parts: list[tuple[Floats, ...]] = []
+    parts: list[list[Any]] = [[] for _ in (time_column, *columns, "lines")]
     for rows, last in _with_last(table.pieces):
         piece = rows.iloc[:-1] if table.cut and last else rows
         lines = piece.index.to_numpy()
@@ -197,7 +197,8 @@ def _series(
         values = [numbers(piece[key][inside], table.decimal) for key in columns]
         for key, own in zip(columns, values, strict=True):
             spoilt[key].note(piece[key][inside], own, lines[inside])
-        parts.append((times[inside], *values, lines[inside]))
+        for kept, part in zip(parts, (times[inside], *values, lines[inside].astype(np.int32)), strict=True):
+            kept.append(part)
         if (held := held + int(inside.sum())) > MOST:
             raise InputError(
                 name,
@@ -207,9 +208,12 @@ def _series(
             )
     for key, one in spoilt.items():
         one.check(name, key)
-    if not parts:
+    if not parts[0]:
         return np.empty(0), [np.empty(0)] * len(columns), np.empty(0, dtype=int), 0
-    joined = [np.concatenate(own) for own in zip(*parts, strict=True)]
+    joined = []
+    for pieces_of_one in parts:
+        joined.append(np.concatenate(pieces_of_one))
+        pieces_of_one.clear()  # only one column is held twice at a time
     return joined[0], joined[1:-1], joined[-1], total
 
 
