@@ -335,7 +335,9 @@ def _check_column(
         f"{name} ({place}, column {key})",
         f"the file has no column {wanted!r}" if wanted else f"the file has {len(columns)} column(s)",
         f"one of {', '.join(columns)}" if wanted else "a column of time and one of the signal",
-        f"correct {key} in the sheet, or the file's header",
+        f"correct {key} in the sheet, or the file's header"
+        if wanted or len(columns) > 1
+        else "write the samples a second in the cell rate_hz of the sheet, if the file holds the signal alone",
     )
 
 

@@ -34,8 +34,8 @@ def read_sheet(path: str | Path, check_files: bool = True) -> pd.DataFrame:
         raise InputError(
             path,
             "there is no such sample sheet",
-            "a CSV file with a row for each recording",
-            "correct the key `recordings` of the config",
+            f"a CSV file with a row for each recording, in {Path.cwd()} or given by its whole path",
+            "correct the key `recordings` of the config, or add `--directory FOLDER`, the folder that it lies in",
         )
     lines = _cells(found, path)
     header = lines[0] if lines else []
@@ -178,8 +178,8 @@ def _row(path: object, number: int, header: list[str], cells: list[str], check_f
         raise InputError(
             f"{place}, column file",
             f"there is no file {row['file']}",
-            "a path relative to the working directory, an absolute path or a URL",
-            "correct the path",
+            f"a path relative to the working directory ({Path.cwd()}), an absolute path or a URL",
+            "correct the path, or add `--directory FOLDER`, the folder that it starts from",
         )
     return row
 

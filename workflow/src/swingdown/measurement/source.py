@@ -1,6 +1,8 @@
 """What a recording's file holds before any of it is read: a local file or one behind an address, text, netCDF or a workbook."""
 
 import hashlib
+import io
+import itertools
 import shutil
 import subprocess
 import sys
@@ -11,13 +13,14 @@ from contextlib import contextmanager
 from typing import Any, BinaryIO, NamedTuple
 
 import netCDF4
+import numpy as np
 import pandas as pd
 import xarray as xr
 
 from ..errors import InputError
 from ..paths import find, is_url
 from .archive import unpacked
-from .table import cut_short, encoding, layout, pieces
+from .table import PIECE, cut_short, encoding, layout, pieces
 
 NETCDF = (".nc", ".nc4", ".cdf", ".netcdf")
 
@@ -39,6 +42,8 @@ def table_of(source: BinaryIO, row: Mapping[str, Any]) -> Table:
     name = row["file"]
     if name.lower().endswith(NETCDF):
         return _netcdf(source, row)
+    if row.get("rate_hz", float("nan")) > 0:
+        return _one_column(source, name, row["rate_hz"])
     if inside := unpacked(source, name, str(row.get("sheet", ""))):
         text, where = inside
         table = _text(text, f"{name}, {where}")
@@ -126,6 +131,60 @@ def _netcdf(source: BinaryIO, row: Mapping[str, Any]) -> Table:
     units = {key: str(value.attrs["units"]) for key, value in series.items() if "units" in value.attrs}
     about = {str(key).lower(): value for key, value in data.attrs.items()}
     return Table(tuple(table.columns), about, [table], units=units)
+
+
+def _one_column(source: BinaryIO, name: str, rate: float) -> Table:
+    """The Table of a file with one number a line and no times, as a serial monitor shows them; lines above the numbers are titles."""
+    text = io.TextIOWrapper(source, encoding=encoding(source, name), errors="replace")
+    first = next((k for k, line in enumerate(text) if _number(line) is not None), None)
+    if first is None:
+        raise InputError(
+            f"{name} (column rate_hz)",
+            "no line of the file is a single number",
+            "one number a line where the sheet states rate_hz",
+            "leave rate_hz empty: times are read from the file",
+        )
+    return Table(
+        ("time (s)", "signal"),
+        {},
+        _numbered(text, first, name, rate),
+        layout=f"one number a line at {rate:g} Hz",
+    )
+
+
+def _numbered(text: io.TextIOWrapper, first: int, name: str, rate: float) -> Iterator[pd.DataFrame]:
+    text.seek(0)
+    for _ in range(first):
+        text.readline()
+    count, ended = 0, 0
+    while lines := list(itertools.islice(text, PIECE)):
+        numbers = [_number(line) for line in lines]
+        for k, (line, number) in enumerate(zip(lines, numbers, strict=True), first + count + 1):
+            if line.strip() and (number is None or ended):
+                raise InputError(
+                    f"{name}, line {ended or k}",
+                    f"{line.strip()[:40]!r} is not a number"
+                    if number is None
+                    else "the line is empty and rows follow it",
+                    "one number in every line, where the sheet states rate_hz",
+                    "mend the file, or leave rate_hz empty if it has times of its own",
+                )
+            ended = ended or (0 if line.strip() else k)
+        values = [number for number in numbers if number is not None]
+        index = first + count + 1 + np.arange(len(values))
+        if values:
+            yield pd.DataFrame(
+                {"time (s)": (count + np.arange(len(values))) / rate, "signal": values}, index=index
+            )
+        count += len(lines)
+    text.detach()
+
+
+def _number(line: str) -> float | None:
+    try:
+        return float(line.strip().replace(",", "."))
+    except ValueError:
+        return None
 
 
 # Whatever a variable holds is asked for, in a process of its own: damage can make the library crash rather than complain.
