@@ -15,7 +15,7 @@ from ..arrays import Floats
 from ..errors import InputError
 from .columns import ANGLE, COUNTS, TIME, UNTOLD, VOLTAGE, Meaning, choose, known_unit
 from .continuity import check_alive, check_continuous
-from .plausibility import check_plausible
+from .plausibility import check_plausible, half_swings
 from .positions import Circle, fit_circle, to_angles
 from .quality import check_signal, check_times
 from .release import Window, find_windows, several_releases, within
@@ -104,6 +104,8 @@ def _recording(table: Table, row: Mapping[str, Any], place: str, digest: str) ->
         check_alive(times, signal, where)
         used, told, more_told = _by_itself(times, signal, signal_unit, row, where, partial)
         more, remarks = more | more_told, remarks + told
+        if not partial:
+            _check_long_enough(signal[used], where)
         remarks += check_continuous(times[used], signal[used], where)
 
     counted = {"counts_per_revolution": row["counts_per_revolution"]} if signal_unit == "counts" else {}
@@ -172,6 +174,17 @@ def _by_itself(
             f"the swing is used until {found.ends:.3f} s (stop_s in the sheet says otherwise)"
         ]
     return within(found, times), told, more
+
+
+def _check_long_enough(signal: Floats, place: str) -> None:
+    """InputError for less than a whole half-swing: no fit can tell a period of it, and it is better said before anything is computed."""
+    if (count := len(half_swings(signal).starts)) < 3:
+        raise InputError(
+            place,
+            f"the recording is too short: it passes its middle {max(count - 1, 0)} times",
+            "three whole half-swings or more for a fit, nine for a search in one recording alone",
+            "record longer, or widen start_s and stop_s",
+        )
 
 
 def _series(
