@@ -1,9 +1,14 @@
 """A job tells the terminal and its log the same: what it found, or why it stopped."""
 
+import errno
+import os
+
+import pandas as pd
 import pytest
 
 from swingdown import console
 from swingdown.errors import EngineError, InputError
+from swingdown.paths import write_csv, write_text
 
 
 def test_a_finding_is_printed_and_kept(tmp_path, capsys):
@@ -40,3 +45,29 @@ def test_a_fault_of_the_program_keeps_its_traceback(tmp_path):
     with pytest.raises(ZeroDivisionError), console.job(tmp_path / "job.log"):
         1 / 0  # noqa: B018
     assert "Traceback" in (tmp_path / "job.log").read_text()
+
+
+@pytest.mark.parametrize(
+    ("number", "words", "mend"),
+    [
+        (errno.ENOSPC, "the disk is full", "make room"),
+        (errno.EDQUOT, "the disk is full for this user", "make room"),
+        (errno.EROFS, "cannot be written", "--directory"),
+        (errno.EACCES, "cannot be written", "--directory"),
+    ],
+)
+@pytest.mark.parametrize("write", ["text", "table"])
+def test_a_disk_that_takes_no_results_is_told_without_a_traceback(
+    tmp_path, capsys, monkeypatch, number, words, mend, write
+):
+    (tmp_path / "a.csv").write_text("as it was")
+    monkeypatch.setattr("os.replace", lambda *_: (_ for _ in ()).throw(OSError(number, os.strerror(number))))
+    with pytest.raises(SystemExit), console.job():
+        if write == "text":
+            write_text(tmp_path / "a.csv", "new")
+        else:
+            write_csv(pd.DataFrame({"x": [1.0]}), tmp_path / "a.csv")
+    told = capsys.readouterr().err
+    assert words in told and mend in told and "a.csv" in told and "Traceback" not in told
+    assert [path.name for path in tmp_path.iterdir()] == ["a.csv"]
+    assert (tmp_path / "a.csv").read_text() == "as it was"

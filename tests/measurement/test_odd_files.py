@@ -88,7 +88,7 @@ ODD = {
         TIME[:-5], np.delete(angle(), range(1010, 1015)), "t_s,angle_rad", {}, "told", "jumps|out of step",
     ),
     "dropped samples at a turning point": (
-        TIME, at_a_turning_point(8), "t_s,angle_rad", {}, "told", "out of step with the clock",
+        TIME, at_a_turning_point(8), "t_s,angle_rad", {}, "told", "where samples are lost",
     ),
     "a clock that jumps by 0.4 of a sample": (jumping, angle(), "t_s,angle_rad", {}, "told", "clock stumbles"),
     "a clock that jumps by half a sample": (
@@ -97,6 +97,7 @@ ODD = {
     "a sign that flips": (TIME, flipped(), "t_s,angle_rad", {}, "told", "jumps"),
     "an offset that drifts": (TIME, angle() + 0.01 * TIME, "t_s,angle_rad", {}, "told", "drifts by"),
     "three spikes": (TIME, spoilt([700, 1500, 2222], 0.2), "t_s,angle_rad", {}, "told", "a spike at 7 s and 2"),
+    "less than a swing": (TIME[:35], angle()[:35], "t_s,angle_rad", {}, "refused", "the recording is too short"),
     "no header": (TIME, angle(), "", {}, "mended", "no header"),
 }  # fmt: skip
 

@@ -169,3 +169,15 @@ def test_nothing_is_told_of_the_bench_and_of_real_pendulums(shared_data, root, t
         assert f"released at about {released:.2f} s" in told.pop(name)
     assert told.pop("free_swing_small").startswith("it comes to rest and stays there")
     assert not {name: remark for name, remark in told.items() if remark}
+
+
+def test_samples_lost_about_a_turning_point_leave_the_swing_out_of_step():
+    """Nothing jumps there that stands out of the noise; the swings after it come too early."""
+    long = np.arange(3015) / RATE
+    signal = swing(long, noise=0.01)
+    top = 1000 + int(np.argmax(swing(long, noise=0)[1000:1087]))
+    lost = np.delete(signal, range(top - 6, top + 6))
+    remarks = looked_at(lost, TIME[: lost.size])
+    assert len(remarks) == 1 and "out of step with the clock" in remarks[0]
+    told = float(remarks[0].partition(" at ")[2].partition(" s")[0])
+    assert told == pytest.approx(top / RATE, abs=0.45)

@@ -1,12 +1,13 @@
 """The sample sheet: defaults, and one clear message for whatever it may not hold."""
 
 import math
+import re
 
 import pytest
 
 from swingdown.errors import InputError
 from swingdown.measurement.sheet import SCHEMA, TIME_UNITS, read_sheet
-from swingdown.paths import PROJECT, find
+from swingdown.paths import PROJECT, find, safe_name
 from swingdown.schema import rules
 
 
@@ -64,7 +65,14 @@ def test_files_are_found_in_the_working_directory_first_then_in_the_project(shee
         ("recording,file\n", ["no row"]),
         ("recording,file\na,a.csv\na,a.csv\n", ["lines 2 and 3, column recording", "'a' is used twice"]),
         ("recording,file\na,\n", ["line 2, column file", "empty"]),
-        ("recording,file\na b/c,a.csv\n", ["line 2, column recording", "cannot name a file"]),
+        (
+            "recording,file\na,a.csv\nA,a.csv\n",
+            ["lines 2 and 3, column recording", "'a' and 'A'", "one file"],
+        ),
+        (
+            "recording,file\na b,a.csv\na/b,a.csv\n",
+            ["lines 2 and 3", "'a b' and 'a/b' would be one file (a-b)"],
+        ),
         ("recording,file\na,gone.csv\n", ["line 2, column file", "no file gone.csv"]),
         ("recording,file\na,a.csv,1\n", ["line 2", "3 cells in a row of 2 columns"]),
         ("recording,file,signal_unit\na,a.csv,volt\n", ["line 2, column signal_unit", "'volt'"]),
@@ -78,7 +86,6 @@ def test_files_are_found_in_the_working_directory_first_then_in_the_project(shee
         ("recording,file,start_s\na,a.csv,inf\n", ["line 2, column start_s", "finite"]),
         ("recording,file,start_s\na,a.csv,nan\n", ["line 2, column start_s", "finite"]),
         ("recording,file,signal_unit\na,a.csv,v\n", ["line 2, column signal_unit", "write 'V'"]),
-        ("recording,file,campaign\na,a.csv,a/b\n", ["line 2, column campaign", "cannot name a file"]),
         ("recording,file,start_s,stop_s\na,a.csv,3,2\n", ["line 2, column stop_s", "stop_s after start_s"]),
         ("recording,file,sha256\na,a.csv,abc\n", ["line 2, column sha256", "64 hexadecimal digits"]),
     ],
@@ -97,3 +104,46 @@ def test_every_unit_of_time_that_the_schema_knows_has_a_length():
 def test_a_missing_sheet_is_told(tmp_path):
     with pytest.raises(InputError, match=r"gone\.csv: there is no such sample sheet"):
         read_sheet(tmp_path / "gone.csv")
+
+
+@pytest.mark.parametrize(
+    ("label", "name"),
+    [
+        ("Jürgen", "Jurgen"),
+        ("swing 1", "swing-1"),
+        ("Gruppe 3/a", "Gruppe-3-a"),
+        ("Łukasz & Åse", "Lukasz-Ase"),
+        ("../../etc/passwd", "etc-passwd"),
+        ("-rf", "rf"),
+        ("weiß", "weiss"),
+    ],
+)
+def test_any_name_has_a_safe_file_and_keeps_its_label(sheet, label, name):
+    row = sheet(f"recording,campaign,file\n{label},{label},a.csv\n").iloc[0]
+    assert (row.name, row["campaign"], row["label"]) == (name, name, label)
+
+
+@pytest.mark.parametrize("label", ["小明", "小明 2", "...", "nul", "CON.txt", "x" * 300, "é" * 300])
+def test_names_of_which_little_remains_are_told_apart(sheet, label):
+    row = sheet(f"recording,file\n{label},a.csv\n").iloc[0]
+    assert re.fullmatch(r"[A-Za-z0-9][A-Za-z0-9._-]{1,99}", row.name) and row["label"] == label
+    assert safe_name(label) != safe_name(label + label)
+
+
+def test_a_plain_name_stays_and_has_no_label(sheet):
+    row = sheet("recording,file\nswing-01.b_2,a.csv\n").iloc[0]
+    assert (row.name, row["label"]) == ("swing-01.b_2", "")
+
+
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16", "cp1252"])
+@pytest.mark.parametrize("separator", [",", ";", "\t"])
+def test_a_sheet_as_other_programs_save_it(tmp_path, monkeypatch, encoding, separator):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "data").mkdir()
+    (tmp_path / "data" / "a.csv").touch()
+    start = "0.35" if separator == "," else "0,35"
+    lines = [["recording", "file", "start_s"], ["Jürgen", "data\\a.csv", start]]
+    text = "\r\n".join(separator.join(cells) for cells in lines)
+    (tmp_path / "sheet.csv").write_bytes(text.encode(encoding))
+    row = read_sheet("sheet.csv").iloc[0]
+    assert (row["label"], row["file"], row["start_s"]) == ("Jürgen", "data/a.csv", 0.35)

@@ -34,7 +34,7 @@ def job(log: str | Path | None = None) -> Iterator[Callable[[object], None]]:
     except (InputError, EngineError) as error:
         _stop(block(error), log, told)
     except OSError as error:
-        if "the disk is full" not in str(error):
+        if not any(words in str(error) for words in ("the disk is full", "cannot be written")):
             _keep(log, [*told, traceback.format_exc()])
             raise
         _stop(_framed("The results cannot be written.", str(error)), log, told)

@@ -1,11 +1,14 @@
 """Where a file named in the config or a sheet is found, and how a file comes to be: whole, or not at all."""
 
+import errno
+import hashlib
 import os
 import re
 import socket
 import time
+import unicodedata
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
@@ -42,22 +45,78 @@ def find(name: str | Path) -> Path:
     return path
 
 
+def safe_name(label: str) -> str:
+    """``label`` as a name that every system takes for a file: ASCII letters, digits, ``.``, ``_`` and ``-``, a letter or digit first.
+
+    Accents are left out (``Jürgen``: ``Jurgen``) and anything else becomes ``-`` (``Gruppe 3/a``: ``Gruppe-3-a``). A label of which
+    letters are lost, one that is too long, and one that Windows keeps for itself are told apart by the start of their SHA-256.
+    """
+    if _NAME.fullmatch(label) and len(label) <= _LONGEST and not _RESERVED.fullmatch(label):
+        return label
+    spelt = "".join(_SPELT.get(letter, letter) for letter in label)
+    parts = [unicodedata.normalize("NFKD", letter).encode("ascii", "ignore").decode() for letter in spelt]
+    name = re.sub(r"[^A-Za-z0-9._]+", "-", "".join(parts)).strip("-._")
+    digest = hashlib.sha256(label.encode()).hexdigest()[:8]
+    lost = not name or any(letter.isalnum() and not part for letter, part in zip(spelt, parts, strict=True))
+    if lost or len(name) > _LONGEST or _RESERVED.fullmatch(name):
+        name = f"{name[: _LONGEST - 9] or 'recording'}-{digest}"
+    return name
+
+
+_NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]*")
+_LONGEST = 100  # characters; a file's name may have 255 bytes, and endings follow
+_RESERVED = re.compile(r"(?i)(con|prn|aux|nul|com\d|lpt\d)(\..*)?")
+_SPELT = {
+    "ß": "ss",
+    "æ": "ae",
+    "Æ": "Ae",
+    "ø": "o",
+    "Ø": "O",
+    "œ": "oe",
+    "Œ": "Oe",
+    "ł": "l",
+    "Ł": "L",
+    "đ": "d",
+    "Đ": "D",
+}
+
+
 @contextmanager
 def written_whole(path: str | Path) -> Iterator[Path]:
     """A path to write to, beside ``path``: what is there at the end takes its name, on disk and whole.
 
-    Where writing fails, ``path`` is as it was before and nothing is left behind.
+    Where writing fails, ``path`` is as it was before and nothing is left behind. A disk that is full or a folder that cannot be
+    written raises the OSError with what is wrong and the mend in words.
     """
     path = Path(path)
-    path.parent.mkdir(parents=True, exist_ok=True)
     partial = path.with_name(f".{path.name}.{_HOST}-{os.getpid()}.part")
     try:
+        path.parent.mkdir(parents=True, exist_ok=True)
         yield partial
         _to_disk(partial)
         os.replace(partial, path)
         _to_disk(path.parent)
+    except OSError as error:
+        if error.errno in _IN_WORDS and _MEND not in str(error):
+            what = _IN_WORDS[error.errno]
+            raise OSError(error.errno, f"{what}: {path}. {_MEND} {_MENDS[error.errno]}") from error
+        raise
     finally:
-        partial.unlink(missing_ok=True)
+        with suppress(OSError):
+            partial.unlink(missing_ok=True)
+
+
+_MEND = "Mend:"
+_IN_WORDS = {
+    errno.ENOSPC: "the disk is full",
+    errno.EDQUOT: "the disk is full for this user",
+    errno.EROFS: "the folder cannot be written",
+    errno.EACCES: "the folder cannot be written",
+    errno.EPERM: "the folder cannot be written",
+}
+_MENDS = dict.fromkeys(_IN_WORDS, "make room and run again") | dict.fromkeys(
+    (errno.EROFS, errno.EACCES, errno.EPERM), "choose another with --directory, or allow writing there"
+)
 
 
 def write_text(path: str | Path, text: str) -> Path:

@@ -28,7 +28,9 @@ def check_continuous(times: Floats, signal: Floats, place: str) -> list[str]:
             f"the time between samples varies by {np.std(steps):.2g} of {interval:.4g} s (standard deviation)"
         ]
     remarks = [_told("the clock stumbles", times[uneven + 1])] if len(uneven) else []
-    spikes, healed = _places(signal, _kernel(True), period / interval), signal.copy()
+    del steps
+    spikes = _places(signal, _kernel(True), period / interval)
+    healed = signal.copy() if spikes else signal
     for k in spikes:
         healed[k] = (signal[k - 1] + signal[k + 1]) / 2
     jumps = _places(healed, _kernel(False), period / interval)
@@ -96,14 +98,19 @@ def _places(signal: Floats, kernel: Floats, period: float) -> list[int]:
     """
     if len(signal) < 8 * SIDE or not period > 4 * SIDE:  # too few samples a swing for a cubic
         return []
-    height = np.abs(np.correlate(signal, kernel, mode="valid"))
+    height = np.correlate(signal, kernel, mode="valid")
+    np.abs(height, out=height)
     size = int(max(8 * SIDE, 2 * period))
-    blocks = max(1, len(height) // size)
-    own = np.array([np.median(part) for part in np.array_split(height, blocks)]) / 0.6745
+    edges = np.linspace(0, len(height), max(1, len(height) // size) + 1).astype(int)
+    own = np.array([np.median(height[a:b]) for a, b in zip(edges, edges[1:], strict=False)]) / 0.6745
     around = np.maximum(own, np.maximum(np.append(own[1:], 0), np.append(0, own[:-1])))
-    scale = np.repeat(around, [len(part) for part in np.array_split(height, blocks)])
     seen = max(SEEN * np.ptp(signal), 2 * quantisation_step(signal))
-    odd = np.flatnonzero((height > ODD * scale) & (height > seen))
+    odd = np.concatenate(
+        [
+            a + np.flatnonzero(height[a:b] > max(ODD * scale, seen))
+            for a, b, scale in zip(edges, edges[1:], around, strict=False)
+        ]
+    )
     if not len(odd):
         return []
     clusters = np.split(odd, np.flatnonzero(np.diff(odd) > SIDE) + 1)

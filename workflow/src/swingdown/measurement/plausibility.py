@@ -42,8 +42,8 @@ def half_swings(signal: Floats) -> Swings:
     away = signal - np.median(signal[len(signal) // 2 :])
     low, high = np.percentile(signal, (0.5, 99.5))  # a spike is no swing
     zone = DEAD_ZONE * float(high - low)
-    outside = np.flatnonzero(np.abs(away) > zone)
-    side = np.sign(away[outside])
+    outside = np.flatnonzero((away > zone) | (away < -zone))
+    side = (away > 0)[outside]
     starts = outside[np.concatenate(([True], side[1:] != side[:-1]))] if len(outside) else outside
     if not len(starts):
         return Swings(starts, np.empty(0))

@@ -15,7 +15,7 @@ from ..arrays import Floats
 from ..errors import InputError
 from .columns import ANGLE, COUNTS, TIME, UNTOLD, VOLTAGE, Meaning, choose, known_unit
 from .continuity import check_alive, check_continuous
-from .plausibility import check_plausible
+from .plausibility import check_plausible, half_swings
 from .positions import Circle, fit_circle, to_angles
 from .quality import check_signal, check_times
 from .release import Window, find_windows, several_releases, within
@@ -105,6 +105,8 @@ def _recording(table: Table, row: Mapping[str, Any], place: str, digest: str) ->
         check_alive(times, signal, where)
         used, told, more_told = _by_itself(times, signal, signal_unit, row, where, partial)
         more, remarks = more | more_told, remarks + told
+        if not partial:
+            _check_long_enough(signal[used], where)
         remarks += check_continuous(times[used], signal[used], where)
 
     counted = {"counts_per_revolution": row["counts_per_revolution"]} if signal_unit == "counts" else {}
@@ -113,6 +115,7 @@ def _recording(table: Table, row: Mapping[str, Any], place: str, digest: str) ->
         {"time": ("time", times, {"units": "s", "long_name": "time as recorded"})},
         {
             "recording": row["recording"],
+            **({"label": row["label"]} if row.get("label") else {}),
             "campaign": row["campaign"],
             "role": row["role"],
             "file": name,
@@ -175,6 +178,17 @@ def _by_itself(
     return within(found, times), told, more
 
 
+def _check_long_enough(signal: Floats, place: str) -> None:
+    """InputError for less than a whole half-swing: no fit can tell a period of it, and it is better said before anything is computed."""
+    if (count := len(half_swings(signal).starts)) < 3:
+        raise InputError(
+            place,
+            f"the recording is too short: it passes its middle {max(count - 1, 0)} times",
+            "three whole half-swings or more for a fit, nine for a search in one recording alone",
+            "record longer, or widen start_s and stop_s",
+        )
+
+
 def _series(
     table: Table, row: Mapping[str, Any], time_column: str, columns: list[str], time_unit: str
 ) -> tuple[Floats, list[Floats], NDArray[np.integer], int]:
@@ -183,7 +197,7 @@ def _series(
     Only what lies in the window is held, and the rows that are being read.
     """
     name, spoilt, total, held = row["file"], {key: _Spoilt() for key in (time_column, *columns)}, 0, 0
-    parts: list[tuple[Floats, ...]] = []
+    parts: list[list[Any]] = [[] for _ in (time_column, *columns, "lines")]
     for rows, last in _with_last(table.pieces):
         piece = rows.iloc[:-1] if table.cut and last else rows
         lines = piece.index.to_numpy()
@@ -198,7 +212,8 @@ def _series(
         values = [numbers(piece[key][inside], table.decimal) for key in columns]
         for key, own in zip(columns, values, strict=True):
             spoilt[key].note(piece[key][inside], own, lines[inside])
-        parts.append((times[inside], *values, lines[inside]))
+        for kept, part in zip(parts, (times[inside], *values, lines[inside].astype(np.int32)), strict=True):
+            kept.append(part)
         if (held := held + int(inside.sum())) > MOST:
             raise InputError(
                 name,
@@ -208,9 +223,12 @@ def _series(
             )
     for key, one in spoilt.items():
         one.check(name, key)
-    if not parts:
+    if not parts[0]:
         return np.empty(0), [np.empty(0)] * len(columns), np.empty(0, dtype=int), 0
-    joined = [np.concatenate(own) for own in zip(*parts, strict=True)]
+    joined = []
+    for pieces_of_one in parts:
+        joined.append(np.concatenate(pieces_of_one))
+        pieces_of_one.clear()  # only one column is held twice at a time
     return joined[0], joined[1:-1], joined[-1], total
 
 
@@ -332,7 +350,9 @@ def _check_column(
         f"{name} ({place}, column {key})",
         f"the file has no column {wanted!r}" if wanted else f"the file has {len(columns)} column(s)",
         f"one of {', '.join(columns)}" if wanted else "a column of time and one of the signal",
-        f"correct {key} in the sheet, or the file's header",
+        f"correct {key} in the sheet, or the file's header"
+        if wanted or len(columns) > 1
+        else "write the samples a second in the cell rate_hz of the sheet, if the file holds the signal alone",
     )
 
 

@@ -19,6 +19,7 @@ RISE = 1.15  # times as high as before it was held: a pendulum that was released
 FEWEST = 4  # half-swings; fewer are no swing
 REST = 0.01  # of the range: less is rest
 LONG = 2.0  # periods of rest at the end, beyond which the rest is left out
+ENOUGH = 200  # samples a period
 KEPT = 1.0  # period of rest that stays: it tells where friction stopped the pendulum
 
 
@@ -41,8 +42,12 @@ def find_windows(times: Floats, signal: Floats, scale: float = 0.0) -> tuple[lis
     swings higher after it. ``scale`` is rad per unit of ``signal``, 0 where that is not known. A recording too short to tell gives one of nan.
     """
     whole = Window(NAN, NAN, NAN, False)
-    if len(signal) < 64 or len(half_swings(signal).starts) < 5:
+    starts = half_swings(signal).starts
+    if len(signal) < 64 or len(starts) < 5:
         return [whole], []
+    # more samples a period tell no more of a hand, and take their square in time
+    step = max(1, int(np.median(np.diff(starts)) * 2 / ENOUGH))
+    times, signal = times[::step], signal[::step]
     free, pushed = [_Free(NAN, NAN)], []
     for hand in stretches(times, signal, scale):
         free[-1] = free[-1]._replace(stop=hand.start)
@@ -61,10 +66,10 @@ def find_windows(times: Floats, signal: Floats, scale: float = 0.0) -> tuple[lis
     windows = [_window(times, signal, part) for part, _ in found] or [whole]
     if scale and np.isnan(windows[0].begins):
         part_of = within(windows[0], times)
-        swings = half_swings(signal[part_of])
-        until = lifted_until(times[part_of], scale * signal[part_of]) if len(swings.starts) > FEWEST else None
+        starts = half_swings(signal[part_of]).starts
+        until = lifted_until(times[part_of], scale * signal[part_of]) if len(starts) > FEWEST else None
         if until is not None:
-            windows[0] = windows[0]._replace(released=until, begins=float(times[part_of][swings.starts[1]]))
+            windows[0] = windows[0]._replace(released=until, begins=float(times[part_of][starts[1]]))
     return windows, pushed
 
 

@@ -1,6 +1,8 @@
 """The sample sheet: a CSV file with a row for each recording. config/README.md tells columns and defaults."""
 
+import codecs
 import csv
+import io
 from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
@@ -8,7 +10,7 @@ from typing import Any
 import pandas as pd
 
 from ..errors import InputError
-from ..paths import find, is_url
+from ..paths import find, is_url, safe_name
 from ..schema import check, near, rules
 
 SCHEMA = "recordings.schema.yaml"  # what a row may hold
@@ -32,16 +34,10 @@ def read_sheet(path: str | Path, check_files: bool = True) -> pd.DataFrame:
         raise InputError(
             path,
             "there is no such sample sheet",
-            "a CSV file with a row for each recording",
-            "correct the key `recordings` of the config",
+            f"a CSV file with a row for each recording, in {Path.cwd()} or given by its whole path",
+            "correct the key `recordings` of the config, or add `--directory FOLDER`, the folder that it lies in",
         )
-    try:
-        with open(found, newline="", encoding="utf-8-sig") as file:
-            lines = [[cell.strip() for cell in cells] for cells in csv.reader(file)]
-    except (UnicodeDecodeError, csv.Error) as error:
-        raise InputError(
-            path, f"it cannot be read as text ({error})", "a CSV file in UTF-8", "save the sheet as CSV"
-        ) from error
+    lines = _cells(found, path)
     header = lines[0] if lines else []
     _check_header(path, header)
     rows = [
@@ -51,17 +47,64 @@ def read_sheet(path: str | Path, check_files: bool = True) -> pd.DataFrame:
     ]
     if not rows:
         raise InputError(path, "it has no row", "a row for each recording", "add the recordings")
+    _check_names(path, rows)
     table = pd.DataFrame(rows).set_index("recording")
-    for name in table.index[table.index.duplicated()]:
-        at = " and ".join(str(line) for line in table.loc[name, "line"])
-        raise InputError(
-            f"{path}, lines {at}, column recording",
-            f"the name {name!r} is used twice",
-            "a name of its own for each recording",
-            "rename one of them",
-        )
     table.attrs["sheet"] = str(path)
     return table
+
+
+def _cells(found: Path, path: object) -> list[list[str]]:
+    """The cells of each line. Sheets are saved with commas, semicolons or tabs, in UTF-8, UTF-16 or Latin-1, as the program likes."""
+    raw = found.read_bytes()
+    try:
+        if raw.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
+            text = raw.decode("utf-16")
+        else:
+            try:
+                text = raw.decode("utf-8-sig")
+            except UnicodeDecodeError:
+                text = raw.decode("cp1252")
+        if "\0" in text:
+            raise csv.Error("it holds control characters")
+        first = text.partition("\n")[0]
+        separator = next((one for one in (";", "\t") if one in first and "," not in first), ",")
+        rows = list(csv.reader(io.StringIO(text, newline=""), delimiter=separator))
+    except (UnicodeDecodeError, csv.Error) as error:
+        raise InputError(
+            path, f"it cannot be read as text ({error})", "a CSV file in UTF-8", "save the sheet as CSV"
+        ) from error
+    lines = [[cell.strip() for cell in cells] for cells in rows]
+    if separator != "," and lines:  # there a comma in a number is its decimal sign
+        numbers = {k for k, name in enumerate(lines[0]) if name in NUMBERS}
+        lines[1:] = [
+            [cell.replace(",", ".") if k in numbers else cell for k, cell in enumerate(cells)]
+            for cells in lines[1:]
+        ]
+    return lines
+
+
+def _check_names(path: object, rows: list[dict[str, Any]]) -> None:
+    """InputError for two recordings that would have one file; some systems do not tell `a` from `A`."""
+    seen: dict[str, dict[str, Any]] = {}
+    for row in rows:
+        other = seen.setdefault(row["recording"].casefold(), row)
+        if other is row:
+            continue
+        both = f"{path}, lines {other['line']} and {row['line']}, column recording"
+        names = [one["label"] or one["recording"] for one in (other, row)]
+        if names[0] == names[1]:
+            raise InputError(
+                both,
+                f"the name {names[0]!r} is used twice",
+                "a name of its own for each recording",
+                "rename one of them",
+            )
+        raise InputError(
+            both,
+            f"{names[0]!r} and {names[1]!r} would be one file ({other['recording']})",
+            "names that differ in more than capitals, accents and signs",
+            "rename one of them",
+        )
 
 
 def unit_of(column: str, known: Iterable[str]) -> str:
@@ -110,6 +153,11 @@ def _row(path: object, number: int, header: list[str], cells: list[str], check_f
         if unit not in given and (told := unit_of(given.get(column, ""), known)):
             given[unit] = told
     given |= {name: _number(given[name]) for name in NUMBERS if name in given}
+    for name in ("recording", "campaign"):
+        if name in given and (safe := safe_name(given[name])) != given[name]:
+            given |= {name: safe} | (
+                {"label": given.get("label", given[name])} if name == "recording" else {}
+            )
     filled = check(given, SCHEMA, place, part="column")
     row = {name: filled[name] for name in COLUMNS} | {"line": number}
     row["sha256"] = row["sha256"].lower()
@@ -120,12 +168,18 @@ def _row(path: object, number: int, header: list[str], cells: list[str], check_f
             "stop_s after start_s",
             "correct the window",
         )
+    if (
+        "\\" in row["file"]
+        and not find(row["file"]).is_file()
+        and find(own := row["file"].replace("\\", "/")).is_file()
+    ):
+        row["file"] = own  # as paths are written on Windows
     if check_files and not is_url(row["file"]) and not find(row["file"]).is_file():
         raise InputError(
             f"{place}, column file",
             f"there is no file {row['file']}",
-            "a path relative to the working directory, an absolute path or a URL",
-            "correct the path",
+            f"a path relative to the working directory ({Path.cwd()}), an absolute path or a URL",
+            "correct the path, or add `--directory FOLDER`, the folder that it starts from",
         )
     return row
 

@@ -8,6 +8,7 @@ from typing import Any
 from ..errors import InputError
 from ..measurement.apparatus import read_apparatus
 from ..measurement.sheet import read_sheet
+from ..paths import safe_name
 
 
 @dataclass(frozen=True)
@@ -72,13 +73,14 @@ def plan(settings: dict[str, Any]) -> Plan:
 
 
 def _chosen(settings: dict[str, Any], part: str, known: Sequence[str]) -> tuple[str, ...]:
-    for name in settings[part]["campaigns"]:
+    chosen = tuple(safe_name(name) for name in settings[part]["campaigns"])
+    for name in chosen:
         if name not in known:
             near = difflib.get_close_matches(name, known, 1, 0.5)
             mend = f"write {near[0]!r}" if near else "name a campaign of the sheet, or none for all"
             problem = f"no recording of {settings['recordings']} belongs to the campaign {name!r}"
             raise InputError(f"config, key {part}.campaigns", problem, ", ".join(known), mend)
-    return tuple(settings[part]["campaigns"])
+    return chosen
 
 
 def _check_apparatus(plan: Plan, settings: dict[str, Any]) -> None:

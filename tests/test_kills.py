@@ -1,0 +1,63 @@
+"""A run that is killed at any moment loses nothing: run again, it ends with the same bytes."""
+
+import os
+import random
+import signal
+import subprocess
+import sys
+import time
+
+import pytest
+
+from swingdown.manifest import checksum
+
+
+def command(root, folder):
+    return [
+        sys.executable, "-m", "snakemake", "-c1", "--nolock", "--rerun-incomplete", "--configfile", folder / "mine.yaml",
+        "--directory", folder, "results/tables/table3.csv",
+    ]  # fmt: skip
+
+
+def study(root, folder):
+    folder.mkdir()
+    header, *rows = (root / "config/recordings.csv").read_text().splitlines()
+    kept = [row for row in rows if row.startswith("swing_01") or "static" in row]
+    (folder / "sheet.csv").write_text("\n".join([header, *kept, ""]))
+    (folder / "mine.yaml").write_text(
+        "recordings: sheet.csv\napparatus: config/apparatus.yaml\nsimulation: {simulated: []}\n"
+        "calibration: {draws: 2000}\nexperiment: {fitted: [viscous]}\n"
+    )
+    return command(root, folder)
+
+
+def results(folder):
+    """The checksums of all that a run left but logs."""
+    return {
+        path.relative_to(folder): checksum(path)
+        for path in sorted((folder / "results").rglob("*"))
+        if path.is_file() and "logs" not in path.parts and not path.name.startswith(".")
+    }
+
+
+@pytest.mark.slow
+def test_a_killed_run_ends_with_the_same_bytes(root, tmp_path):
+    whole = study(root, tmp_path / "whole")
+    begun = time.monotonic()
+    subprocess.run(whole, cwd=root, check=True, capture_output=True)
+    took = time.monotonic() - begun
+    killed = study(root, tmp_path / "killed")
+    moments = random.Random(5)
+    for _ in range(4):
+        run = subprocess.Popen(
+            killed, cwd=root, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, start_new_session=True
+        )
+        try:
+            run.wait(moments.uniform(0.2, 1.0) * took)
+        except subprocess.TimeoutExpired:
+            os.killpg(run.pid, signal.SIGKILL)
+            run.wait()
+    subprocess.run(killed, cwd=root, check=True, capture_output=True)
+    assert results(tmp_path / "killed") == results(tmp_path / "whole")
+    assert len(results(tmp_path / "whole")) > 5
+    assert not list((tmp_path / "killed" / "results").rglob(".*.part"))
