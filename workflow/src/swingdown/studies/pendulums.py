@@ -83,12 +83,14 @@ def pendulums(
     found = {str(one["campaign"]): one for one in verdicts}
     together = {str(one.attrs["campaign"]): one for one in joint}
     rows = []
-    for campaign, chosen in norms.groupby("campaign", squeeze=False):
+    campaigns = as_text(norms["campaign"])
+    for campaign in dict.fromkeys(campaigns):  # in the order of the sample sheet
+        chosen = norms.isel(recording=[k for k, one in enumerate(campaigns) if one == campaign])
         for name in as_text(chosen["recording"]):
             own = chosen.sel(recording=[name])
-            rows.append(_row(str(campaign), name, own, own.isel(recording=0), catalogue))
+            rows.append(_row(campaign, name, own, own.isel(recording=0), catalogue))
         if chosen.sizes["recording"] > 1 and campaign in together:
-            rows.append(_row(str(campaign), "(joint)", chosen, together[str(campaign)], catalogue))
+            rows.append(_row(campaign, "(joint)", chosen, together[campaign], catalogue))
     told = {} if left_out is None else {str(one.recording): one for one in left_out.itertuples()}
     for row in rows:
         verdict = found.get(row["campaign"], {})

@@ -13,6 +13,7 @@ from ...studies.words import STATUS, model_words, quantity_rows, said
 from .. import numbers
 from ..material import Material
 from ..page import Cell, Column, Figure, Item, Section, Table, Text, Value
+from ..wording import model_symbol
 from .experiment import fitted_parameters, paired, table3
 from .missing import missing
 
@@ -108,6 +109,8 @@ _NOTES = (
     "The model is one of damping alone: where something is missing, its natural frequency and friction do some of the work of that.",
 )
 
+_SYMBOLS = "Damping: κ with v for viscous, q for quadratic drag, c for dry friction in proportion to the load (load Coulomb)."
+
 
 def _of_model(label: str, residual: float) -> str:
     return (
@@ -174,7 +177,7 @@ def _table(
         cells.append(_sorted(numbers.plain(math.degrees(row["amplitude_rad"])), row["amplitude_rad"]))
         for column in ("period_s", "natural_frequency_rad_per_s", "quality", "decay_time_s"):
             cells.append(_sorted(numbers.brief(row[column], row[f"{column}_u"]), row[column]))
-        cells.append(model_words(str(row["model"])))
+        cells.append(model_symbol(str(row["model"])))
         rows.append([*cells, _why(row)] if searched else cells)
     return Table(
         label, caption, columns, rows, _NOTES, (), "tables/pendulums.csv", "pendulums", campaigns, searched
