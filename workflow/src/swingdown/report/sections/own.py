@@ -36,11 +36,12 @@ def answer(material: Material) -> Section | None:
     verdicts = {found["campaign"]: found for found in material.verdicts}
     refused = table["verdict"] == REFUSED
     for campaign, rows in table[~refused].groupby("campaign", sort=False):
-        if found := verdicts.get(str(campaign)):
+        found = verdicts.get(str(campaign))
+        if found is not None:
             items += _verdict(found, table["campaign"].nunique() > 1)
         items += _drawn(material, str(campaign), "answer", "Recording and fit", _FITTED)
         items += (
-            [_quantities(rows, material)] if len(rows) == 1 else [_recordings(rows, material, str(campaign))]
+            [_quantities(rows, found)] if len(rows) == 1 else [_recordings(rows, material, str(campaign))]
         )
         items += _drawn(material, str(campaign), "map", "Missing torque", _TORQUE)
     items += [Text(f"{row.recording} was not used: {row.remark}.") for row in table[refused].itertuples()]
@@ -82,7 +83,7 @@ def _drawn(material: Material, campaign: str, name: str, label: str, caption: st
     ]
 
 
-def _quantities(rows: pd.DataFrame, material: Material) -> Table:
+def _quantities(rows: pd.DataFrame, found: Mapping[str, Any] | None) -> Table:
     """What a single recording gives, a line a quantity."""
     row = rows.iloc[0].to_dict()
     campaign = str(row["campaign"])
@@ -93,7 +94,7 @@ def _quantities(rows: pd.DataFrame, material: Material) -> Table:
             "" if one.unit == "1" else one.unit,
             one.condition,
         ]
-        for one in quantity_rows(row)
+        for one in quantity_rows(row, found)
     ]
     columns = [Column("quantity"), Column("value", style="n"), Column("unit"), Column("holds")]
     return Table(
