@@ -80,6 +80,8 @@ def lines(row: Mapping[str, Any], verdict: Mapping[str, Any] | None = None) -> l
     told.append(
         f"damping            {model_words(str(row['model']))}; it leaves {1e3 * row['residual_rad']:.3g} mrad RMS"
     )
+    if row.get("emulated") == "yes":
+        told.append("emulated: computed, not measured on a real pendulum")
     if verdict:
         told.append(". ".join(said(verdict)))
     return told

@@ -181,7 +181,16 @@ def _table(
         cells.append(model_symbol(str(row["model"])))
         rows.append([*cells, _why(row)] if searched else cells)
     return Table(
-        label, caption, columns, rows, _NOTES, (), "tables/pendulums.csv", "pendulums", campaigns, searched
+        label,
+        caption,
+        columns,
+        rows,
+        (*_NOTES, _SYMBOLS),
+        (),
+        "tables/pendulums.csv",
+        "pendulums",
+        campaigns,
+        searched,
     )
 
 
