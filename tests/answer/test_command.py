@@ -110,6 +110,13 @@ def test_units_that_the_file_leaves_out_can_be_told(here, capsys):
     assert pd.read_csv(here / "a-swingdown" / "recordings.csv")["signal_unit"].item() == "deg"
 
 
+def test_a_window_can_be_told(here, capsys):
+    export(here / "a.csv")
+    assert main(["a.csv", "--quick", "--start", "2", "--stop", "8"]) == 0
+    assert "601 samples" in capsys.readouterr().out
+    assert pd.read_csv(here / "a-swingdown" / "recordings.csv")[["start_s", "stop_s"]].values.tolist() == [[2, 8]]
+
+
 @pytest.mark.parametrize(
     ("arguments", "told"),
     [
