@@ -114,7 +114,9 @@ def test_a_window_can_be_told(here, capsys):
     export(here / "a.csv")
     assert main(["a.csv", "--quick", "--start", "2", "--stop", "8"]) == 0
     assert "601 samples" in capsys.readouterr().out
-    assert pd.read_csv(here / "a-swingdown" / "recordings.csv")[["start_s", "stop_s"]].values.tolist() == [[2, 8]]
+    assert pd.read_csv(here / "a-swingdown" / "recordings.csv")[["start_s", "stop_s"]].values.tolist() == [
+        [2, 8]
+    ]
 
 
 @pytest.mark.parametrize(
