@@ -104,7 +104,8 @@ def _quantities(rows: pd.DataFrame, found: Mapping[str, Any] | None) -> Table:
 
 
 _NOTES = (
-    "In parentheses the standard uncertainty in units of the last digits; it allows for residuals that are not independent.",
+    "In parentheses the standard uncertainty in units of the last digits: that of the fit, for residuals that need not be independent. "
+    "Errors of the sensor's scale are not in it.",
     "Period, Q and decay time are the fitted model's, let go at rest from the angle named. Q is π over the logarithmic decrement of "
     "the first whole swing; the decay time is that in which the amplitude falls to 1/e.",
     "The model is one of damping alone: where something is missing, its natural frequency and friction do some of the work of that.",
