@@ -68,6 +68,17 @@ def test_a_model_with_a_damper_that_gives_energy_describes_nothing_where_another
     assert described_by(one) != "viscous"
 
 
+def test_a_spring_that_softens_is_a_model_like_another():
+    truth = Model(
+        "viscous+cubic_stiffness", {"natural_frequency": 7.0, "viscous_ratio": 0.01, "cubic_stiffness": -8.0}
+    )
+    series = simulate(truth, TIMES, 0.5) + 0.002 * np.random.default_rng(4).standard_normal(TIMES.size)
+    about = {"recording": "s", "campaign": "s", "emulated": "no"}
+    angle = xr.Dataset({"angle": ("time", series, {"units": "rad"})}, {"time": TIMES}, about)
+    norms = combine_recordings([fit_recording(angle, ["viscous", "viscous+cubic_stiffness"])])
+    assert described_by(norms) == "viscous+cubic_stiffness"
+
+
 def test_the_verdict_and_what_is_left_out_stand_in_the_table(study):
     norms, joint = study
     effects = [
