@@ -16,11 +16,12 @@ from snakemake.settings.types import (
 
 PAPER = {
     "all", "page", "manifest", "simulate", "fit_simulated", "table2", "record", "calibrate", "angle", "fit_swing", "fit_campaign",
-    "table3", "discover_round", "discover_verdict", "discover_figures", *(f"fig{number:02d}" for number in range(1, 16)),
+    "table3", "pendulums", "discover_round", "discover_verdict", "discover_figures", *(f"fig{number:02d}" for number in range(1, 16)),
 }  # fmt: skip
 SIMULATION = {"simulate", "fit_simulated", "table2", "fig02", "fig03", "fig04", "fig05"}
 CALIBRATION = {"calibrate", "fig06", "fig07", "fig08"}
 EXPERIMENT = PAPER - SIMULATION - {"all", "page", "manifest", "fig01"}
+OWN = {rule for rule in PAPER if not rule.startswith("fig")} - SIMULATION - CALIBRATION | {"pendulums_figure"}
 
 
 @pytest.fixture
@@ -79,8 +80,16 @@ def test_recordings_in_radians_need_no_calibration(rules, sheet):
     assert set(rules(sheet)) == PAPER - CALIBRATION
 
 
-def test_no_simulated_term_leaves_the_simulation_study_out(rules, sheet):
-    assert set(rules(sheet + "simulation: {simulated: []}\n")) == PAPER - CALIBRATION - SIMULATION
+def test_no_simulated_term_leaves_the_simulation_study_and_the_papers_figures_out(rules, sheet):
+    own = sheet + "simulation: {simulated: []}\n"
+    assert set(rules(own)) == OWN
+    assert "fig13" in rules(own, "results/figures/fig13.svg")  # by name it is still there
+
+
+def test_a_pendulum_of_one_swing_is_not_fitted_together(rules, sheet, tmp_path):
+    with (tmp_path / "sheet.csv").open("a") as rows:
+        rows.write("c,alone,a.csv\n")
+    assert rules(sheet)["fit_campaign"] == 1
 
 
 def test_each_simulated_term_is_one_job(rules):

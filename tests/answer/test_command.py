@@ -110,6 +110,15 @@ def test_units_that_the_file_leaves_out_can_be_told(here, capsys):
     assert pd.read_csv(here / "a-swingdown" / "recordings.csv")["signal_unit"].item() == "deg"
 
 
+def test_a_window_can_be_told(here, capsys):
+    export(here / "a.csv")
+    assert main(["a.csv", "--quick", "--start", "2", "--stop", "8"]) == 0
+    assert "601 samples" in capsys.readouterr().out
+    assert pd.read_csv(here / "a-swingdown" / "recordings.csv")[["start_s", "stop_s"]].values.tolist() == [
+        [2, 8]
+    ]
+
+
 @pytest.mark.parametrize(
     ("arguments", "told"),
     [
@@ -149,6 +158,39 @@ def test_a_folder_that_cannot_be_written_is_told(here, capsys):
     with pytest.raises(SystemExit):
         main(["anna.csv", "--quick", "--into", "taken"])
     assert "cannot be written" in capsys.readouterr().err
+
+
+def test_of_one_pendulum_a_swing_that_is_too_short_is_left_out_alone(here, capsys):
+    for k in range(2):
+        export(here / f"{k}.csv", angle=0.2 + 0.1 * k, seed=k)
+    export(here / "2.csv", times=np.arange(70) / 100)
+    assert main(["0.csv", "1.csv", "2.csv", "--together", "--quick", "--into", "mine"]) == 0
+    assert list(pd.read_csv(here / "mine" / "first_answer.csv")["recording"]) == ["0", "1", "(joint)"]
+    assert list(pd.read_csv(here / "mine" / "recordings.csv")["recording"]) == [0, 1]
+    assert "too few swings" in pd.read_csv(here / "mine" / "left_out.csv")["problem"].item()
+
+
+def test_a_search_that_fails_of_one_pendulum_leaves_the_others_their_report(here, capsys, monkeypatch):
+    for k in range(2):
+        export(here / "class" / f"{k}.csv", seed=k)
+    asked = []
+
+    def run(command, cwd):
+        """Stands for the workflow: the first time the search of the second pendulum ends in an error."""
+        folder = Path(command[command.index("--directory") + 1])
+        settings = yaml.safe_load((folder / "study.yaml").read_text())
+        asked.append(settings.get("discovery", {}).get("campaigns"))
+        path = folder / "results/discovery/0/verdict.json"
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text('{"status": "consistent", "sentence": "Nothing is missing: as it should be."}')
+        return subprocess.CompletedProcess(command, 1 if len(asked) == 1 else 0)
+
+    monkeypatch.setattr("swingdown.answer.command.subprocess.run", run)
+    assert main(["class"]) == 0
+    assert asked == [None, ["0"]]
+    told = capsys.readouterr().out
+    assert "0: Nothing is missing. As it should be." in told and "1: no verdict" in told
+    assert pd.read_csv(here / "class-swingdown" / "left_out.csv")["recording"].item() == 1
 
 
 def test_names_are_safe_and_each_is_there_once():

@@ -28,6 +28,19 @@ def test_the_callers_settings_change_nothing(tmp_path, realizations):
     assert (tmp_path / "plain.svg").read_bytes() == (tmp_path / "set.svg").read_bytes()
 
 
+def test_what_is_emulated_says_so_once_beside_a_figures_own_remarks(tmp_path):
+    long = "a remark that takes most of the line, so that the next one cannot stand beside it on the same one"
+    figure = style.footnote(style.new_figure(4), "one", long, "two")
+    for ending in ("svg", "png"):
+        save(figure, tmp_path / f"a.{ending}", style.EMULATED)
+    assert figure.get_supxlabel() == f"one · {long} · two\n{style.EMULATED}"
+    bare = style.new_figure(4)
+    save(bare, tmp_path / "b.svg", style.EMULATED)
+    assert bare.get_supxlabel() == style.EMULATED
+    save(plain := style.new_figure(4), tmp_path / "c.svg", "")
+    assert plain.get_supxlabel() == ""
+
+
 def test_the_suffix_chooses_the_format(tmp_path):
     assert [path.name for path in save(FIGURES["fig01"](), tmp_path / "fig01")] == ["fig01.svg", "fig01.png"]
     assert save(FIGURES["fig01"](), tmp_path / "only.png") == [tmp_path / "only.png"]

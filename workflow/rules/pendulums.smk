@@ -10,7 +10,7 @@ FIGURES += [path.replace(".svg", ending) for path in SIDE_BY_SIDE for ending in 
 rule pendulums:
     input:
         norms="results/experiment/norms.nc",
-        joint=expand("results/experiment/joint/{campaign}.nc", campaign=PLAN.campaigns),
+        joint=JOINT,
         verdicts=VERDICTS,
         left_out=str(find(config["left_out"])) if config.get("left_out") else [],
         code=code("pendulums"),

@@ -11,14 +11,20 @@ from swingdown.studies.parameters import parameter_budget, parameters
 
 
 def collect(fits, joint, published, outputs):
-    norms = combine_recordings([dataset.read(path) for path in fits])
+    single = [dataset.read(path) for path in fits]
+    norms = combine_recordings(single)
     dataset.write(norms, outputs.norms)
     pairs = comparison(norms)
     write_table(table3(norms, pd.read_csv(published)), outputs.table3)
     write_table(pairs, outputs.comparison)
     together = [dataset.read(path) for path in joint]
     write_table(parameters(norms, together), outputs.parameters)
-    write_table(parameter_budget(together), outputs.budget)
+    alone = [
+        one
+        for one in single
+        if str(one["campaign"].item()) not in {each.attrs["campaign"] for each in together}
+    ]
+    write_table(parameter_budget([*together, *alone]), outputs.budget)
     alike = [
         f"{row.campaign}: {row.verdict}" for row in pairs.itertuples() if "indistinguishable" in row.verdict
     ]

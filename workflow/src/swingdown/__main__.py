@@ -53,6 +53,18 @@ def _parser() -> argparse.ArgumentParser:
     add("--column", metavar="NAME", help="of the angle, where the file has several")
     add("--time-unit", choices=["s", "ms", "us"], help="of the time, where the file does not say it")
     add("--time-column", metavar="NAME", help="of the time")
+    add(
+        "--start",
+        type=float,
+        metavar="S",
+        help="leave out what is before this time, in s (start_s of the sheet)",
+    )
+    add(
+        "--stop",
+        type=float,
+        metavar="S",
+        help="leave out what is after this time, in s (stop_s of the sheet)",
+    )
     add("--cores", type=int, default=2, metavar="N", help="processes at a time (default: 2)")
     return parser
 
@@ -76,6 +88,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         "time_unit": options.time_unit,
         "signal_column": options.column,
         "signal_unit": options.unit,
+        "start_s": options.start,
+        "stop_s": options.stop,
         "counts_per_revolution": options.counts_per_revolution,
     }
     with console.job():

@@ -59,7 +59,8 @@ def of_swings(
         raise InputError("swing", str(problem), "the motion of a pendulum", "look at the angles") from problem
     together = each[0] if len(given) == 1 else fit_campaign(given, known)
     norms = combine_recordings(each)
-    label, entries = described_by(norms), catalogue(effects)
+    entries = catalogue(effects)
+    label = described_by(norms, entries)
     table = pendulums(norms, [] if len(given) == 1 else [together], catalogue=entries)
     shown = [
         Shown(

@@ -84,7 +84,8 @@ def _alone(given: Any) -> tuple[Any, Any, str, dict[str, Any]]:
     if isinstance(given, tuple) and len(given) == 2:
         return _clock(given[0]), given[1], _stated(given[1]), _about(given[1])
     if isinstance(given, xr.Dataset):
-        name = next((str(name) for name in given.data_vars if meaning(str(name)).kind == ANGLE), None)
+        found = [str(name) for name in given.data_vars if meaning(str(name)).kind == ANGLE]
+        name = "angle" if "angle" in found else next(iter(found), None)
         if name is None:
             raise InputError(
                 "Dataset", f"no angle among {', '.join(map(str, given.data_vars))}", "a variable `angle`"

@@ -44,7 +44,9 @@ class Answer:
     @property
     def quantities(self) -> dict[str, tuple[float, float, str]]:
         """Value, standard uncertainty and unit of each quantity by name; at the amplitude ``row["amplitude_rad"]``."""
-        return {one.name: (one.value, one.uncertainty, one.unit) for one in quantity_rows(self.row)}
+        return {
+            one.name: (one.value, one.uncertainty, one.unit) for one in quantity_rows(self.row, self.verdict)
+        }
 
     @property
     def remarks(self) -> list[str]:
@@ -84,7 +86,7 @@ class Answer:
                     "unit": one.unit,
                     "text": value_with_uncertainty(one.value, one.uncertainty),
                 }
-                for one in quantity_rows(row)
+                for one in quantity_rows(row, self.verdict)
             },
             "model": self.model,
             "residual_rad": float(row["residual_rad"]),
@@ -101,7 +103,7 @@ class Answer:
             f"<tr><td style='text-align:left'>{escape(one.words)}</td>"
             f"<td>{escape(value_with_uncertainty(one.value, one.uncertainty))}</td>"
             f"<td style='text-align:left'>{escape('' if one.unit == '1' else one.unit)} {escape(one.condition)}</td></tr>"
-            for one in quantity_rows(self.row)
+            for one in quantity_rows(self.row, self.verdict)
         )
         said = [*self.remarks, *lines(self.row, self.verdict)[-1:]] if self.verdict else self.remarks
         return (

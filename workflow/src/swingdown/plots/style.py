@@ -261,7 +261,7 @@ def save(figure: Figure, path: str | Path, note: str = "") -> list[Path]:
     path = Path(path)
     remarks = figure.get_supxlabel()
     if note and note not in remarks:
-        footnote(figure, *filter(None, remarks.replace("\n", " ").split(" · ")), note)
+        footnote(figure, *remarks.replace("\n", " · ").split(" · "), note)
     figure.draw_without_rendering()
     figure.set_layout_engine("none")
     for artist in figure.findobj():

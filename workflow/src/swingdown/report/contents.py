@@ -72,8 +72,8 @@ def head(material: Material) -> dict[str, str | list[str]]:
             if len(campaigns) == 1
             else f"What stops these {len(campaigns)} pendulums?"
         )
-        subtitle = "; ".join(_read(recording) for recording in swings[:3]) + kind
-        subtitle += f"; and {len(swings) - 3} more" if len(swings) > 3 else ""
+        few = len(swings) <= 3
+        subtitle = ("; ".join(map(_read, swings)) if few else f"{len(swings)} recordings") + kind
         notices = [OWN_EMULATED.format(campaigns=", ".join(material.emulated))] if material.emulated else []
     else:
         title = "Damping of a swinging pendulum"

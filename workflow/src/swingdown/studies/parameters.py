@@ -61,16 +61,17 @@ def _estimate(
     return {"recording": recording, "value": float(value), **known, **ends, "text": text}
 
 
-def parameter_budget(joint: Iterable[xr.Dataset]) -> pd.DataFrame:
+def parameter_budget(fits: Iterable[xr.Dataset]) -> pd.DataFrame:
     """Where the uncertainty of each campaign's values comes from: a row for each value and source: campaign, fitted, parameter,
     source, contribution, share, unit.
 
-    ``joint`` are the datasets of ``results/experiment/joint``. ``contribution`` is what one standard uncertainty of the source
+    ``fits`` are the datasets of ``results/experiment/joint``, and of pendulums of one swing those of ``experiment/fits``.
+    ``contribution`` is what one standard uncertainty of the source
     does to the value, in its unit; ``share`` its part of the variance. The source ``random`` is noise and what the model
     misses. Sources of less than a thousandth of the variance are left out.
     """
     rows = []
-    for one in joint:
+    for one in fits:
         units = dict(zip(as_text(one["parameter"]), as_text(one["parameter_unit"]), strict=True))
         for label in as_text(one["fitted"]):
             for name in units:
@@ -80,7 +81,8 @@ def parameter_budget(joint: Iterable[xr.Dataset]) -> pd.DataFrame:
                 sources |= dict(
                     zip(as_text(one["source"]), map(float, here["systematic"].values), strict=True)
                 )
-                where = {"campaign": one.attrs["campaign"], "fitted": label, "parameter": name}
+                campaign = one.attrs["campaign"] if "campaign" in one.attrs else str(one["campaign"].item())
+                where = {"campaign": campaign, "fitted": label, "parameter": name}
                 rows += [
                     where
                     | {

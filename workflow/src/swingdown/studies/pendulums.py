@@ -27,14 +27,16 @@ _SUFFIX = {
 REFUSED = "refused"  # stands where a verdict would, for a file that could not be read
 
 
-def described_by(norms: xr.Dataset) -> str:
+def described_by(norms: xr.Dataset, catalogue: Catalogue = SHIPPED) -> str:
     """The label of the model of damping that describes these recordings: the smallest whose further terms are not worth it.
 
     ``norms`` (fitted, recording, parameter) as ``norms.combine_recordings`` gives them. Evidence is BIC for as many samples
-    as count as independent; a model with a coefficient below 0, which no damper has, is left out where there is another.
+    as count as independent; a model whose effect has a size below 0 that it cannot have (a damper that gives energy) is left out
+    where there is another.
     """
     labels, evidence = as_text(norms["fitted"]), bic_effective(norms)
-    sizes = norms["value"].drop_sel(parameter="natural_frequency")
+    effects = [catalogue[name] for name in dict.fromkeys("+".join(labels).split("+"))]
+    sizes = norms["value"].sel(parameter=[one.size.name for one in effects if one.size and one.one_sided])
     sound = ~(sizes < 0).any([dim for dim in sizes.dims if dim != "fitted"]).values
     usable = [k for k in range(len(labels)) if sound[k] and np.isfinite(evidence[k])] or list(
         range(len(labels))
@@ -83,12 +85,14 @@ def pendulums(
     found = {str(one["campaign"]): one for one in verdicts}
     together = {str(one.attrs["campaign"]): one for one in joint}
     rows = []
-    for campaign, chosen in norms.groupby("campaign", squeeze=False):
+    campaigns = as_text(norms["campaign"])
+    for campaign in dict.fromkeys(campaigns):  # in the order of the sample sheet
+        chosen = norms.isel(recording=[k for k, one in enumerate(campaigns) if one == campaign])
         for name in as_text(chosen["recording"]):
             own = chosen.sel(recording=[name])
-            rows.append(_row(str(campaign), name, own, own.isel(recording=0), catalogue))
+            rows.append(_row(campaign, name, own, own.isel(recording=0), catalogue))
         if chosen.sizes["recording"] > 1 and campaign in together:
-            rows.append(_row(str(campaign), "(joint)", chosen, together[str(campaign)], catalogue))
+            rows.append(_row(campaign, "(joint)", chosen, together[campaign], catalogue))
     told = {} if left_out is None else {str(one.recording): one for one in left_out.itertuples()}
     for row in rows:
         verdict = found.get(row["campaign"], {})
@@ -116,7 +120,7 @@ _TAIL = ("model", "residual_rad", "verdict", "missing", "emulated", "remark")
 def _row(
     campaign: str, name: str, own: xr.Dataset, fitted: xr.Dataset, catalogue: Catalogue
 ) -> dict[str, Any]:
-    label = described_by(own)
+    label = described_by(own, catalogue)
     amplitude, derived = described(fitted, label, catalogue)
     row: dict[str, Any] = {
         "campaign": campaign,

@@ -22,6 +22,8 @@ _WORDS = {
     "quality": "quality Q",
     "decay_time": "decay time (1/e)",
 }
+NAMING = ("named", "ambiguous", "partial")  # verdicts that assert an effect
+_WITH = "natural frequency"
 
 
 class QuantityRow(NamedTuple):
@@ -35,8 +37,11 @@ class QuantityRow(NamedTuple):
     condition: str
 
 
-def quantity_rows(row: Mapping[str, Any]) -> list[QuantityRow]:
-    """The quantities of a row of ``studies.pendulums``, those that it has, the period first."""
+def quantity_rows(row: Mapping[str, Any], verdict: Mapping[str, Any] | None = None) -> list[QuantityRow]:
+    """The quantities of a row of ``studies.pendulums``, those that it has, the period first.
+
+    Where a verdict names what the models of damping lack, the natural frequency beside that follows theirs.
+    """
     at = f"{degrees(row['amplitude_rad']):.3g}°"
     conditions = {
         "natural_frequency": "of small undamped swings",
@@ -46,10 +51,16 @@ def quantity_rows(row: Mapping[str, Any]) -> list[QuantityRow]:
     }
     found = quantities_of(row)
     order = [name for name in _WORDS if name in found] + [name for name in found if name not in _WORDS]
-    return [
+    told = [
         QuantityRow(name, _WORDS.get(name, name.replace("_", " ")), *found[name], conditions.get(name, ""))
         for name in order
     ]
+    if verdict and verdict["status"] in NAMING:
+        known = verdict["model"]["natural_frequency"]
+        error = known["standard_error"] if known["standard_error"] is not None else float("nan")
+        place = 1 + next((k for k, one in enumerate(told) if one.name == "natural_frequency"), -1)
+        told.insert(place, QuantityRow("natural_frequency_with_effects", _WITH, known["value"], error, known["unit"], "with the effects named"))  # fmt: skip
+    return told
 
 
 def model_words(label: str) -> str:
@@ -64,11 +75,13 @@ def lines(row: Mapping[str, Any], verdict: Mapping[str, Any] | None = None) -> l
         f"{one.words:18} {value_with_uncertainty(one.value, one.uncertainty)}"
         + ("" if one.unit == "1" else f" {one.unit}")
         + (f"   {one.condition}" if one.condition else "")
-        for one in quantity_rows(row)
+        for one in quantity_rows(row, verdict)
     ]
     told.append(
         f"damping            {model_words(str(row['model']))}; it leaves {1e3 * row['residual_rad']:.3g} mrad RMS"
     )
+    if row.get("emulated") == "yes":
+        told.append("emulated: computed, not measured on a real pendulum")
     if verdict:
         told.append(". ".join(said(verdict)))
     return told

@@ -13,6 +13,7 @@ from ...studies.words import STATUS, model_words, quantity_rows, said
 from .. import numbers
 from ..material import Material
 from ..page import Cell, Column, Figure, Item, Section, Table, Text, Value
+from ..wording import model_symbol
 from .experiment import fitted_parameters, paired, table3
 from .missing import missing
 
@@ -35,11 +36,12 @@ def answer(material: Material) -> Section | None:
     verdicts = {found["campaign"]: found for found in material.verdicts}
     refused = table["verdict"] == REFUSED
     for campaign, rows in table[~refused].groupby("campaign", sort=False):
-        if found := verdicts.get(str(campaign)):
+        found = verdicts.get(str(campaign))
+        if found is not None:
             items += _verdict(found, table["campaign"].nunique() > 1)
         items += _drawn(material, str(campaign), "answer", "Recording and fit", _FITTED)
         items += (
-            [_quantities(rows, material)] if len(rows) == 1 else [_recordings(rows, material, str(campaign))]
+            [_quantities(rows, found)] if len(rows) == 1 else [_recordings(rows, material, str(campaign))]
         )
         items += _drawn(material, str(campaign), "map", "Missing torque", _TORQUE)
     items += [Text(f"{row.recording} was not used: {row.remark}.") for row in table[refused].itertuples()]
@@ -81,7 +83,7 @@ def _drawn(material: Material, campaign: str, name: str, label: str, caption: st
     ]
 
 
-def _quantities(rows: pd.DataFrame, material: Material) -> Table:
+def _quantities(rows: pd.DataFrame, found: Mapping[str, Any] | None) -> Table:
     """What a single recording gives, a line a quantity."""
     row = rows.iloc[0].to_dict()
     campaign = str(row["campaign"])
@@ -92,7 +94,7 @@ def _quantities(rows: pd.DataFrame, material: Material) -> Table:
             "" if one.unit == "1" else one.unit,
             one.condition,
         ]
-        for one in quantity_rows(row)
+        for one in quantity_rows(row, found)
     ]
     columns = [Column("quantity"), Column("value", style="n"), Column("unit"), Column("holds")]
     return Table(
@@ -102,11 +104,14 @@ def _quantities(rows: pd.DataFrame, material: Material) -> Table:
 
 
 _NOTES = (
-    "In parentheses the standard uncertainty in units of the last digits; it allows for residuals that are not independent.",
+    "In parentheses the standard uncertainty in units of the last digits: that of the fit, for residuals that need not be independent. "
+    "Errors of the sensor's scale are not in it.",
     "Period, Q and decay time are the fitted model's, let go at rest from the angle named. Q is π over the logarithmic decrement of "
     "the first whole swing; the decay time is that in which the amplitude falls to 1/e.",
     "The model is one of damping alone: where something is missing, its natural frequency and friction do some of the work of that.",
 )
+
+_SYMBOLS = "Damping: κ with v for viscous, q for quadratic drag, c for dry friction in proportion to the load (load Coulomb)."
 
 
 def _of_model(label: str, residual: float) -> str:
@@ -174,10 +179,19 @@ def _table(
         cells.append(_sorted(numbers.plain(math.degrees(row["amplitude_rad"])), row["amplitude_rad"]))
         for column in ("period_s", "natural_frequency_rad_per_s", "quality", "decay_time_s"):
             cells.append(_sorted(numbers.brief(row[column], row[f"{column}_u"]), row[column]))
-        cells.append(model_words(str(row["model"])))
+        cells.append(model_symbol(str(row["model"])))
         rows.append([*cells, _why(row)] if searched else cells)
     return Table(
-        label, caption, columns, rows, _NOTES, (), "tables/pendulums.csv", "pendulums", campaigns, searched
+        label,
+        caption,
+        columns,
+        rows,
+        (*_NOTES, _SYMBOLS),
+        (),
+        "tables/pendulums.csv",
+        "pendulums",
+        campaigns,
+        searched,
     )
 
 

@@ -1,0 +1,54 @@
+"""The first picture of one's own recordings, and that of a class."""
+
+import numpy as np
+import pandas as pd
+
+from swingdown.arrays import Shown
+from swingdown.plots.answer import swings_with_fit, thinned
+from swingdown.plots.pendulums import side_by_side
+
+TIMES = np.arange(2000) / 100
+
+
+def swing(name, angle, part="", begin=0.0):
+    series = angle * np.cos(7 * TIMES)
+    return Shown(name, part, TIMES + begin, series + 0.001, series, bool(part))
+
+
+def test_thinned_series_keep_every_peak():
+    values = np.zeros(100_000)
+    values[[77, 51_234, 99_998]] = 3.0, -2.0, 5.0
+    time, kept = thinned(np.arange(values.size) / 100, values)
+    assert kept.size <= 1800 and np.all(np.diff(time) > 0)
+    assert {3.0, -2.0, 5.0} <= set(kept)
+    same = thinned(TIMES[:500], TIMES[:500])
+    assert same[0].size == 500
+
+
+def test_parts_of_one_recording_share_an_axis_and_what_was_held_out_is_told():
+    figure = swings_with_fit(
+        [swing("a", 0.3), swing("a", 0.2, "part 2 of 3", 20.0)], 0.002, {"emulated": "yes"}
+    )
+    assert len(figure.axes) == 2
+    words = [text.get_text() for text in figure.legends[0].get_texts()]
+    assert "model, on a part held out of the fit" in words and "fit" in words
+    assert "emulated" in figure.get_supxlabel()
+
+
+def test_of_many_recordings_the_largest_the_middle_and_the_smallest_are_drawn():
+    figure = swings_with_fit([swing(f"s{k}", 0.1 * k) for k in range(1, 8)], None, {"emulated": "no"})
+    assert [axes.get_title(loc="left") for axes in figure.axes[:3]] == ["s7", "s4", "s1"]
+    assert "3 of 7 recordings" in figure.get_supxlabel()
+
+
+def test_a_class_is_drawn_with_its_verdicts_and_what_is_not_in_it():
+    rows = {
+        "campaign": ["a", "b", "c"], "recording": ["a", "b", "broken"], "model": ["viscous", "viscous", None],
+        "verdict": ["consistent", "unknown", "refused"], "emulated": ["no", "no", None],
+    }  # fmt: skip
+    for column in ("period_s", "quality", "decay_time_s"):
+        rows |= {column: [1.0, 2.0, np.nan], f"{column}_u": [0.1, np.nan, np.nan]}
+    figure = side_by_side(pd.DataFrame(rows))
+    assert [label.get_text() for label in figure.axes[0].get_yticklabels()] == ["a", "b"]
+    assert [text.get_text() for text in figure.legends[0].get_texts()] == ["nothing missing", "unknown"]
+    assert "could not be used: broken" in figure.get_supxlabel()

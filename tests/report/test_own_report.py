@@ -1,0 +1,206 @@
+"""A report of one's own recordings: the answer first, nothing of the paper, a class in one table that sorts."""
+
+import dataclasses
+import os
+import re
+import shutil
+import warnings
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+import swingdown
+from swingdown.engine.trajectory import simulate
+from swingdown.pendulum.model import Model
+from swingdown.plots import save
+from swingdown.report import contents, page
+from swingdown.studies.pendulums import in_order, pendulums
+from swingdown.study.settings import complete
+
+CHROMIUM = os.environ.get("SWINGDOWN_CHROMIUM") or shutil.which("chromium") or "/usr/bin/chromium"
+TIMES = np.arange(1001) / 100
+CAPTION = "Pendulums side by side."
+
+
+def answered(name, frequency, seed):
+    """The answer on a viscous pendulum, its table and verdict under the name of its campaign."""
+    model = Model("viscous", {"natural_frequency": frequency, "viscous_ratio": 0.008})
+    angle = simulate(model, TIMES, 0.3) + 0.002 * np.random.default_rng(seed).standard_normal(TIMES.size)
+    found = swingdown.explain(TIMES, angle, base=["viscous"], rounds=0, fitted=["viscous"], names=[name])
+    verdict = dict(found.verdict) | {"campaign": name}
+    table = found.table.assign(campaign=name, verdict=verdict["status"])
+    return found, table, verdict
+
+
+@pytest.fixture(scope="module")
+def made(tmp_path_factory):
+    """A function that makes the Material of so many pendulums, with pictures, and the folder of its report."""
+    folder = tmp_path_factory.mktemp("results")
+    answers = [answered(f"swing-{k}", 5.0 + 0.5 * k, k) for k in (1, 2, 10, 3)]
+
+    def material(count, emulated="no"):
+        chosen, seen = answers[:count], []
+        for found, _, verdict in chosen:
+            for name in ("answer", "map", "gap"):
+                path = folder / "discovery" / verdict["campaign"] / "figures" / f"{name}.svg"
+                path.parent.mkdir(parents=True, exist_ok=True)
+                if not path.exists():
+                    save(found.plot(), path)
+                seen.append(str(path))
+        norms = pd.DataFrame(
+            {"file": ["../broken.csv"], "recording": ["broken"], "problem": ["lots is no number"]}
+        )
+        refused = pendulums(answers[0][0].fits, left_out=norms).iloc[1:]
+        table = in_order(pd.concat([*(table for _, table, _ in chosen), refused], ignore_index=True))
+        table.loc[table["verdict"] != "refused", "emulated"] = emulated
+        recordings = [
+            {"recording": v["campaign"], "campaign": v["campaign"], "file": f"../{v['campaign'].replace('-', ' ')}.csv", "role": "",
+             "emulated": emulated, "sha256": "0" * 64, "taken": "took `a` as degrees"}
+            for _, _, v in chosen
+        ]  # fmt: skip
+        settings = complete({"recordings": "recordings.csv", "simulation": {"simulated": []}})
+        figures = {"pendulums": (seen[0], CAPTION)}
+        return contents.Material(
+            {"pendulums": table}, figures, recordings, settings, verdicts=[v for *_, v in chosen], seen=seen
+        )
+
+    return material, folder
+
+
+def written(material, folder):
+    sections = contents.sections(material)
+    return page.write(folder / "report.html", sections, **contents.head(material))
+
+
+def plain(path):
+    """The text of a page as a reader sees it, without pictures, styles and scripts."""
+    text = re.sub(
+        r"base64,[^\"]*|<style.*?</style>|<script.*?</script>",
+        "",
+        path.read_text(encoding="utf-8"),
+        flags=re.DOTALL,
+    )
+    return re.sub(r"\s+", " ", re.sub(r"<[^>]+>", " ", text))
+
+
+def test_it_opens_with_the_sentence_then_recording_quantities_torque_evidence_settings(made):
+    material, folder = made
+    text = plain(written(material(1), folder))
+    order = ["What stops this pendulum?", "Nothing is missing.", "How sure.", "Recording and fit, swing-1.", "Quantities, swing-1.",
+             "decay time (1/e)", "Missing torque, swing-1.", "What this run rests on", "Versions."]  # fmt: skip
+    places = [text.rindex(words) for words in order]
+    assert places == sorted(places)
+    assert "broken was not used: ../broken.csv: lots is no number." in text
+    shown = material(1).tables["pendulums"].iloc[0]
+    assert shown["period_s_text"] in text and shown["quality_text"] in text
+
+
+@pytest.mark.parametrize("count", [1, 4])
+def test_nothing_of_the_paper_is_in_it_and_it_is_small(made, count):
+    material, folder = made
+    path = written(material(count), folder)
+    for trace in (
+        "paper",
+        "Paper",
+        "Table 2",
+        "Table 3",
+        "Figure",
+        "published",
+        "hidden_effects",
+        "simulated",
+    ):
+        assert trace not in plain(path), trace
+    assert path.stat().st_size < 2_000_000
+
+
+def test_every_number_leads_to_its_file(made):
+    material, folder = made
+    found = material(1)
+    text = written(found, folder).read_text(encoding="utf-8")
+    links = set(re.findall(r'href="((?:tables|discovery|figures)/[^"]+)"', text))
+    assert {
+        "tables/pendulums.csv",
+        "discovery/swing-1/verdict.json",
+        "discovery/swing-1/figures/answer.svg",
+    } <= links
+    items = [item for section in contents.sections(found)[:-2] for item in section.items]
+    assert all(item.link and item.rule for item in items if item.kind in ("table", "figure"))
+
+
+def test_what_is_emulated_says_so_at_every_table_and_figure(made):
+    material, folder = made
+    for emulated, expected in (("yes", True), ("no", False)):
+        found = material(1, emulated)
+        items = [item for section in contents.sections(found)[:-2] for item in section.items]
+        told = [getattr(item, "caption", "") for item in items if item.kind in ("table", "figure")]
+        assert told and all((contents.LABEL in text) is expected for text in told)
+        assert ("emulated" in plain(written(found, folder))) is expected
+
+
+def test_a_class_is_one_table_and_one_picture(made):
+    material, folder = made
+    found = material(4)
+    (section, *_) = contents.sections(found)
+    lead, table, picture = section.items
+    assert lead.text == "4 pendulums. Nothing is missing: 4; 1 file could not be used."
+    assert [str(row[0]).split(">")[-2].split("<")[0] for row in table.rows[:-1]] == [
+        "swing 1",
+        "swing 2",
+        "swing 10",
+        "swing 3",
+    ]
+    assert table.rows[-1][0] == "broken" and "lots is no number" in table.rows[-1][-1]
+    assert picture.text == CAPTION
+    assert len(re.findall("<img", written(found, folder).read_text(encoding="utf-8"))) == 1
+
+
+def test_the_papers_study_keeps_its_own(made):
+    material, _ = made
+    own = material(1)
+    paper = dataclasses.replace(own, settings=complete({"recordings": "recordings.csv"}))
+    assert [section.title for section in contents.sections(paper)][:2] == ["Findings", "What is missing"]
+
+
+@pytest.fixture(scope="module")
+def browser():
+    if not Path(CHROMIUM).exists():
+        reason = f"NOT TESTED: no browser at {CHROMIUM} (tools/install-test-tools, or set SWINGDOWN_CHROMIUM)"
+        warnings.warn(reason, stacklevel=1)
+        pytest.skip(reason)
+    from playwright.sync_api import sync_playwright
+
+    with sync_playwright() as playwright:
+        flags = ["--headless", "--no-sandbox", "--disable-gpu", "--disable-background-networking"]
+        started = playwright.chromium.launch(executable_path=CHROMIUM, args=flags)
+        yield started
+        started.close()
+
+
+def test_in_a_browser_the_table_sorts_and_fits_a_phone_by_day_and_night(made, browser):
+    material, folder = made
+    path = written(material(4), folder)
+    for width, scheme in ((1400, "light"), (390, "dark")):
+        opened = browser.new_page(viewport={"width": width, "height": 900}, color_scheme=scheme)
+        opened.goto(path.as_uri())
+        assert opened.evaluate("document.documentElement.scrollWidth <= innerWidth"), width
+        background = opened.evaluate("getComputedStyle(document.body).backgroundColor")
+        assert (sum(map(int, re.findall(r"\d+", background)[:3])) < 200) is (scheme == "dark")
+
+        def first_column(opened=opened):
+            return opened.eval_on_selector_all(
+                "table.sortable tbody td:first-child", "cells => cells.map(c => c.innerText)"
+            )
+
+        opened.click("table.sortable th >> text=period")
+        assert first_column() == ["swing 10", "swing 3", "swing 2", "swing 1", "broken"]
+        opened.click("table.sortable th >> text=period")
+        assert first_column() == ["swing 1", "swing 2", "swing 3", "swing 10", "broken"]
+        opened.close()
+    one = browser.new_page(viewport={"width": 1400, "height": 900})
+    one.goto(written(material(1), folder).as_uri())
+    evidence = one.evaluate(
+        "[...document.querySelectorAll('h2')].find(h => ['Evidence', 'Settings'].includes(h.innerText)).getBoundingClientRect().top"
+    )
+    assert evidence < 5 * 900

@@ -1,0 +1,96 @@
+"""The table of pendulums: the model that describes each, its quantities, the verdict, and why one has none."""
+
+import numpy as np
+import pandas as pd
+import pytest
+import xarray as xr
+
+from swingdown.engine.trajectory import simulate
+from swingdown.pendulum.model import Model
+from swingdown.studies.experiment import fit_campaign, fit_recording
+from swingdown.studies.norms import combine_recordings
+from swingdown.studies.pendulums import described_by, pendulums, quantities_of
+from swingdown.studies.quantities import quantities
+
+FITTED = ["viscous", "load_coulomb", "viscous+load_coulomb"]
+TIMES = np.arange(1001) / 100
+
+
+def swing(name, campaign, angle, seed, **values):
+    model = Model("+".join(label for label, key in (("viscous", "viscous_ratio"), ("load_coulomb", "load_friction")) if key in values),
+                  {"natural_frequency": 7.0, **values})  # fmt: skip
+    series = simulate(model, TIMES, angle) + 0.002 * np.random.default_rng(seed).standard_normal(TIMES.size)
+    about = {"recording": name, "campaign": campaign, "emulated": "no"}
+    return xr.Dataset({"angle": ("time", series, {"units": "rad"})}, {"time": TIMES}, about)
+
+
+@pytest.fixture(scope="module")
+def study():
+    """Norms of a pendulum z of two swings and a pendulum a of one, in that order, and the joint fit of the first."""
+    swings = [
+        swing("z1", "z", 0.3, 1, viscous_ratio=0.006, load_friction=0.003),
+        swing("z2", "z", 0.2, 2, viscous_ratio=0.006, load_friction=0.003),
+        swing("a1", "a", 0.3, 3, viscous_ratio=0.01),
+    ]
+    return combine_recordings([fit_recording(one, FITTED) for one in swings]), fit_campaign(
+        swings[:2], FITTED
+    )
+
+
+def test_a_row_for_each_recording_and_for_all_of_one_pendulum_in_the_sheets_order(study):
+    norms, joint = study
+    table = pendulums(norms, [joint])
+    assert list(table["recording"]) == ["z1", "z2", "(joint)", "a1"]
+    assert list(table["model"]) == [FITTED[2]] * 3 + ["viscous"]
+    together = table.iloc[2]
+    assert together["viscous_ratio_u"] < table.iloc[0]["viscous_ratio_u"]
+    assert together["amplitude_rad"] == pytest.approx(0.3, abs=0.002)
+
+
+def test_the_quantities_are_the_truths_within_their_uncertainties_and_come_back_from_the_row(study, tmp_path):
+    norms, joint = study
+    pendulums(norms, [joint]).to_csv(tmp_path / "table.csv", index=False)
+    row = pd.read_csv(tmp_path / "table.csv").iloc[2].to_dict()
+    truth = Model(FITTED[2], {"natural_frequency": 7.0, "viscous_ratio": 0.006, "load_friction": 0.003})
+    expected, found = quantities(truth, row["amplitude_rad"]), quantities_of(row)
+    assert set(found) == set(expected)
+    for name, (value, error, unit) in found.items():
+        assert unit == expected[name].unit
+        assert abs(value - expected[name].value) < 4 * error, name
+    assert row["period_s_text"].startswith(f"{row['period_s']:.3f}")
+
+
+def test_a_model_with_a_damper_that_gives_energy_describes_nothing_where_another_does(study):
+    norms, _ = study
+    one = norms.sel(recording=["a1"]).copy(deep=True)
+    assert described_by(one) == "viscous"
+    one["value"].loc[{"fitted": "viscous", "parameter": "viscous_ratio"}] = -0.01
+    assert described_by(one) != "viscous"
+
+
+def test_a_spring_that_softens_is_a_model_like_another():
+    truth = Model(
+        "viscous+cubic_stiffness", {"natural_frequency": 7.0, "viscous_ratio": 0.01, "cubic_stiffness": -8.0}
+    )
+    series = simulate(truth, TIMES, 0.5) + 0.002 * np.random.default_rng(4).standard_normal(TIMES.size)
+    about = {"recording": "s", "campaign": "s", "emulated": "no"}
+    angle = xr.Dataset({"angle": ("time", series, {"units": "rad"})}, {"time": TIMES}, about)
+    norms = combine_recordings([fit_recording(angle, ["viscous", "viscous+cubic_stiffness"])])
+    assert described_by(norms) == "viscous+cubic_stiffness"
+
+
+def test_the_verdict_and_what_is_left_out_stand_in_the_table(study):
+    norms, joint = study
+    effects = [
+        {"name": "presliding", "tied_with": []},
+        {"name": "sensor_zero", "tied_with": ["constant_torque"]},
+    ]
+    verdicts = [{"campaign": "z", "status": "ambiguous", "effects": effects}]
+    out = pd.DataFrame(
+        {"recording": ["a1", "b"], "file": ["a.csv", "b.csv"], "problem": ["5 half-swings", "no number"]}
+    )
+    table = pendulums(norms, [joint], verdicts, out).set_index("recording")
+    assert list(table["verdict"]) == ["ambiguous"] * 3 + ["", "refused"]
+    assert table.loc["z1", "missing"] == "presliding; sensor_zero or constant_torque"
+    assert table.loc["a1", "remark"] == "5 half-swings"
+    assert table.loc["b", "remark"] == "b.csv: no number" and np.isnan(table.loc["b", "period_s"])
