@@ -153,7 +153,7 @@ def test_the_experimenters_effects_are_there():
     """The list that experimenters would expect, each under its name; forms without a name may come besides."""
     expected = {
         "viscous", "quadratic_drag", "constant_coulomb", "load_coulomb", "stribeck", "presliding", "power_law_drag",
-        "structural_damping", "added_mass", "eddy_brake", "constant_torque", "torsion_spring", "cubic_stiffness", "detent",
+        "structural_damping", "added_mass", "eddy_brake", "constant_torque", "torsion_spring", "quadratic_stiffness", "cubic_stiffness", "detent",
         "flexible_pivot", "base_vibration", "damping_drift", "steady_wind", "finite_amplitude", "sensor_zero", "sensor_gain",
         "eccentricity", "sensor_lag", "clock_drift", "backlash",
     }  # fmt: skip

@@ -2,8 +2,6 @@
 
 from collections.abc import Collection
 
-import numpy as np
-
 from ..engine.trajectory import TrajectoryError
 from .budget import Budget
 from .campaign import Campaign
@@ -12,13 +10,13 @@ from .folds import Turns, in_turn
 from .linear import frame
 from .ranking import Candidate, evidence, in_place_of, inadmissible
 from .refit import refit
-from .rounds import Round
+from .state import Round
 
 _SIZE = 4.0  # jackknife errors that a size must be from nothing
 _SHAPE = 0.25  # jackknife error over value, of a shape that is determined
 _NEEDED = 0.10  # of the score on swings left out, that an effect must be worth
 _MOST = 0.75  # of the folds, that must be better with it
-_TOLD = 0.015  # of the score, by which each rival must be worse
+_TOLD = 0.015  # of the score, by which each rival must be worse, and be worse on as many folds
 _IDLE = 0.005  # of the score, below which an effect is not needed
 
 
@@ -82,7 +80,7 @@ def _doubt(state: Round, campaign: Campaign, allowed: Collection[str] | None, na
         if parameter.role == "shape" and spread > _SHAPE * value:
             return f"{parameter.name} differs from swing to swing"
     lost = _lost(state, campaign, name, whole)
-    if lost is None or lost[0] < _NEEDED or np.mean(whole.left < lost[2].left) < _MOST:
+    if lost is None or lost[0] < _NEEDED or whole.better(lost[2]) < _MOST:
         return "swings left out do not miss it"
     for other in in_place_of(frame(state.fit, campaign.fit), state.noise, name, allowed):
         if other.refused or other.added is None:
@@ -90,6 +88,6 @@ def _doubt(state: Round, campaign: Campaign, allowed: Collection[str] | None, na
         if name in state.fit.model.catalogue.contained_in(other.added):
             continue  # the richer one can always do its work
         turns = in_turn(other.fit, campaign)
-        if turns is not None and whole.gain(turns) < _TOLD:
+        if turns is not None and (whole.gain(turns) < _TOLD or whole.better(turns) < _MOST):
             return f"{other.added} does as well in its place"
     return ""

@@ -17,7 +17,7 @@ from .campaign import Campaign, Swing, campaign
 from .confirm import gap, per_swing
 from .half_swings import said
 from .locate import kind
-from .rounds import Round
+from .state import Round
 
 _RANKING = ["move", "added", "also", "dropped", "delta_bic", "rms_rad", "tied", "correlation", "out_of_sample", "refused", "effects"]  # fmt: skip
 

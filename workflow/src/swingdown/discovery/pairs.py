@@ -1,11 +1,12 @@
 """Pairs of effects without a shape: what has no number to bend may, two at a time, be what one with a shape imitates."""
 
-from collections.abc import Collection
+from collections.abc import Collection, Sequence
 from itertools import combinations
 
 import numpy as np
 from scipy.optimize import lsq_linear
 
+from ..arrays import Floats
 from ..engine.trajectory import TrajectoryError
 from ..pendulum.effect import Effect
 from .candidates import WIDEST, Start, additions, shifted
@@ -63,7 +64,9 @@ def starts_of_pairs(
             for gain, pair, step in found[:few]]  # fmt: skip
 
 
-def _starts(frame, names, sizes, own, gain):
+def _starts(
+    frame: Frame, names: Sequence[str], sizes: Sequence[tuple[str, float]], own: Floats, gain: float
+) -> list[Start]:
     """The starts of one pair: where the linear step leads, and with the model's own values as they are."""
     (first, one), (second, other) = zip(names, sizes, strict=True)
     starts = []

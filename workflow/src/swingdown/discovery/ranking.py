@@ -81,16 +81,20 @@ def ranking(
     the model it begins from, must not hide the one that does. Those that promise most come first; where the ``budget`` is
     spent, the rest is left out.
     """
-    moves = _offered(here, additions(here.fit.model, allowed))
-    most = max((starts[0].predicted for starts in moves), default=0.0)
+    moves = _offered(here, additions(here.fit.model, allowed), best=_SHAPES)
     moves.sort(key=lambda starts: -starts[0].predicted)
-    promising = [starts for starts in moves if starts[0].predicted >= _PROMISING * most]
-    found = _moved(here, noise, promising, allowed, budget)
+    most = moves[0][0].predicted if moves else 0.0
+    # of an effect without a parameter no linear step tells what it is worth
+    near = {
+        id(starts): not _sized(here, starts) or starts[0].predicted >= _PROMISING * most for starts in moves
+    }
+    promising = [starts for starts in moves if near[id(starts)]]
+    found = _moved(here, noise, [_first(starts) for starts in promising], allowed, budget)
     if found and (leaves_noise(found[0].fit, noise) or budget.spent):
         return found
-    hopeful = [starts[0].added for starts in moves if starts[0].predicted >= _HOPEFUL * most]
-    more = [starts_to_add(here, name, best=_SHAPES) for name in hopeful if name]
-    wide = _moved(here, noise, more, allowed, budget)
+    hopeful = [starts for starts in moves if starts[0].predicted >= _HOPEFUL * most]
+    more = [starts[2:-1] if near[id(starts)] else starts for starts in hopeful]
+    wide = _sorted([_best(starts, here, noise) for starts in more if starts and not budget.spent])
     best: dict[str, list[Candidate]] = {}
     for one in (*found, *wide):
         best.setdefault(one.move, []).append(one)
@@ -98,9 +102,23 @@ def ranking(
     return _sorted([*(_nudged(one, here, noise) for one in found[:_NUDGED]), *found[_NUDGED:]])
 
 
-def _offered(here: Frame, names: Iterable[str], dropped: str | None = None) -> list[list[Start]]:
+def _offered(
+    here: Frame, names: Iterable[str], dropped: str | None = None, best: int = 2
+) -> list[list[Start]]:
     """The starts of each effect that has any."""
-    return [starts for starts in (starts_to_add(here, name, dropped=dropped) for name in names) if starts]
+    offered = (starts_to_add(here, name, best, dropped) for name in names)
+    return [starts for starts in offered if starts]
+
+
+def _sized(here: Frame, starts: list[Start]) -> bool:
+    """True where the effect of these starts has a size."""
+    added = starts[0].added
+    return added is None or here.fit.model.catalogue[added].size is not None
+
+
+def _first(starts: list[Start]) -> list[Start]:
+    """The starts to try first: the two most promising shapes, and the last, with the model as it is."""
+    return [*starts[:2], starts[-1]] if len(starts) > 3 else starts
 
 
 def leaves_noise(fit: Fit, noise: Noise) -> bool:

@@ -9,11 +9,13 @@ from ..fitting.result import Fit
 from ..pendulum.model import Model, as_model
 from .budget import Budget
 from .campaign import Campaign
+from .choice import held_out
 from .established import established, unneeded
 from .folds import in_turn
 from .linear import frame
 from .ranking import Candidate, in_place_of
-from .rounds import Round, after, first_fit, held_out, look, look_again, without_a_name
+from .rounds import after, first_fit, look, look_again, without_a_name
+from .state import Round
 
 _WAYS = 3  # that are gone, the first included
 _PARAMETER = 0.01  # of the score on swings left out: what a model must be better for each parameter more
