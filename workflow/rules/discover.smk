@@ -34,9 +34,7 @@ rule discover_search:
         ),
         code=code("discover_search"),
     output:
-        expand(
-            "results/discovery/{{campaign}}/round-{n}/{file}", n=range(ROUNDS + 1), file=ROUND_FILES
-        ),
+        expand("results/discovery/{{campaign}}/round-{n}/{file}", n=range(ROUNDS + 1), file=ROUND_FILES),
     log:
         "results/logs/discover/{campaign}/search.log",
     params:

@@ -15,6 +15,7 @@ from .state import Round
 _SIZE = 4.0  # jackknife errors that a size must be from nothing
 _SHAPE = 0.25  # jackknife error over value, of a shape that is determined
 _NEEDED = 0.10  # of the score on swings left out, that an effect must be worth
+_SHARE = 0.9  # of the excess without it, that an effect must explain: what explains less may be the like of something else
 _MOST = 0.75  # of the folds, that must be better with it
 _TOLD = 0.015  # of the score, by which each rival must be worse, and be worse on as many folds
 _IDLE = 0.005  # of the score, below which an effect is not needed
@@ -82,6 +83,9 @@ def _doubt(state: Round, campaign: Campaign, allowed: Collection[str] | None, na
     lost = _lost(state, campaign, name, whole)
     if lost is None or lost[0] < _NEEDED or whole.better(lost[2]) < _MOST:
         return "swings left out do not miss it"
+    with_it, without_it = (turns.excess(state.noise) for turns in (whole, lost[2]))
+    if without_it - with_it < _SHARE * without_it:
+        return "much remains beside what it explains"
     for other in in_place_of(frame(state.fit, campaign.fit), state.noise, name, allowed):
         if other.refused or other.added is None:
             continue

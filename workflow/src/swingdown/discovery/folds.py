@@ -9,7 +9,7 @@ from ..arrays import Floats
 from ..engine.trajectory import TrajectoryError
 from ..fitting.least_squares import fit_jointly
 from ..fitting.result import Begin, Fit
-from .campaign import Campaign, Swing
+from .campaign import Campaign, Noise, Swing
 from .confirm import predict
 from .refit import refit
 
@@ -32,6 +32,10 @@ class Turns:
     def gain(self, before: "Turns") -> float:
         """By how much the score is below that of another model."""
         return before.score - self.score
+
+    def excess(self, noise: Noise) -> float:
+        """The mean square (rad^2) that was left beyond the noise; not below 0."""
+        return max(float(np.mean(self.left**2)) - noise.deviation**2, 0.0)
 
     def better(self, before: "Turns") -> float:
         """The share of folds of which less is left than by another model."""

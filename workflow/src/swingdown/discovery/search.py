@@ -17,7 +17,7 @@ from .ranking import Candidate, in_place_of
 from .rounds import after, first_fit, look, look_again, without_a_name
 from .state import Round
 
-_WAYS = 3  # that are gone, the first included
+_WAYS = 2  # that are gone, the first included
 _PARAMETER = 0.01  # of the score on swings left out: what a model must be better for each parameter more
 _DONE = 0.05  # the same: what an end with nothing missing may be worse
 _MINDED = 0.02  # of the logarithm of what is left of held-out swings: more is minded
