@@ -28,7 +28,7 @@ def state(
         "round": number, "campaign": "rig", "split": "held out by amplitude: c", "effects": list(effects), "found": list(found),
         "parameters": parameters or {}, "systematic_rad": 2e-3, "largest_angle_rad": 0.5, "noise_rms_rad": noise, "noise_correlation": 0.0, "gap": {"fit": holdout, "holdout": holdout},
         "missing": missing, "kind": "position" if missing else None, "seen": "the pendulum runs early" if missing else "",
-        "groups": groups, "ranking": list(ranking), "rivals": rivals or {}, "reason": "", "established": established, "spent": spent,
+        "groups": groups, "ranking": list(ranking), "rivals": rivals or {}, "reason": "", "established": established, "established_in": None if established is None else number, "spent": spent,
         "chosen": chosen and {"move": f"add {chosen}", "added": chosen, "dropped": None, "gain_bic": 500.0},
     }  # fmt: skip
 
@@ -117,6 +117,35 @@ def test_what_is_established_is_asserted_although_something_remains():
     assert found["effects"][0]["tied_with"] == []  # it was held against its rivals on swings left out
     assert "0.31 ± 0.02 rad/s^2) is missing" in found["sentence"]
     assert "has no name" in found["sentence"]
+
+
+def test_what_is_established_has_the_values_of_the_round_that_tells_it():
+    value = {"value": 0.31, "standard_error": 0.02, "unit": "rad/s^2"}
+    rounds = [
+        state(0, missing=True, chosen="constant_torque", holdout=9.0, ranking=[row("constant_torque")]),
+        state(
+            1,
+            missing=True,
+            found=["constant_torque"],
+            chosen="detent",
+            holdout=3.0,
+            parameters={"constant_torque": value},
+            ranking=[row("detent")],
+        ),
+        state(
+            2,
+            missing=True,
+            found=["constant_torque", "detent"],
+            holdout=2.5,
+            parameters={"constant_torque": value | {"value": 0.02}},
+            established={"constant_torque": "", "detent": "detent_torque is not determined"},
+        )
+        | {"established_in": 1},
+    ]
+    found = verdict(rounds)
+    assert [one["name"] for one in found["effects"]] == ["constant_torque"]
+    assert [one["name"] for one in found["stand_ins"]] == ["detent"]
+    assert found["effects"][0]["parameters"]["constant_torque"]["value"] == 0.31
 
 
 def test_the_share_of_the_excess_that_is_explained_is_told_in_the_same_noise():

@@ -247,6 +247,8 @@ def test_a_richer_effect_is_the_simpler_one_where_its_entry_says(effect):
         if one.name == "cubic_stiffness":
             columns.append(torque(SHIPPED["torsion_spring"]))
         found = torque(effect, **near)
+        if effect.name == "steady_wind":
+            found = found - found.mean()  # the storm's steady push
         left = found - np.column_stack(columns) @ np.linalg.lstsq(np.column_stack(columns), found)[0]
         assert np.linalg.norm(left) < 0.05 * np.linalg.norm(found), one
 

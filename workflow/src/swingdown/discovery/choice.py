@@ -12,7 +12,7 @@ from .campaign import Campaign
 from .candidates import without
 from .confirm import better, predict
 from .linear import Frame
-from .ranking import TIE, Candidate, correlation, evidence, in_pairs, tied
+from .ranking import TIE, Candidate, beside_the_best, correlation, evidence, in_pairs, tied
 from .refit import refit
 from .state import Round
 from .verdict import GUARD
@@ -109,6 +109,8 @@ def weighed(
     """
     chosen = state.chosen
     pairs = in_pairs(here, state.noise, allowed, budget=budget)
+    pairs += beside_the_best(here, state.noise, state.ranked, allowed, budget=budget)
+    pairs = list({frozenset(one.names): one for one in sorted(pairs, key=lambda one: -one.fit.rss)}.values())
     state = ranked_by_evidence(replace(state, chosen=None), here, [*state.ranked, *pairs])
     worthy = [one for one in state.ranked if not one.refused and _substantial(one, state)]
     judged: list[tuple[float, Candidate]] = []

@@ -18,6 +18,7 @@ _NEEDED = 0.10  # of the score on swings left out, that an effect must be worth
 _SHARE = 0.9  # of the excess without it, that an effect must explain: what explains less may be the like of something else
 _MOST = 0.75  # of the folds, that must be better with it
 _TOLD = 0.015  # of the score, by which each rival must be worse, and be worse on as many folds
+_RICHER = 0.02  # of the score, that a rival must be better for each parameter more
 _IDLE = 0.005  # of the score, below which an effect is not needed
 
 
@@ -92,6 +93,10 @@ def _doubt(state: Round, campaign: Campaign, allowed: Collection[str] | None, na
         if name in state.fit.model.catalogue.contained_in(other.added):
             continue  # the richer one can always do its work
         turns = in_turn(other.fit, campaign)
-        if turns is not None and (whole.gain(turns) < _TOLD or whole.better(turns) < _MOST):
+        if turns is None:
+            continue
+        more = len(other.fit.model.parameters) - len(state.fit.model.parameters)
+        gain = whole.gain(turns) + _RICHER * max(more, 0)
+        if gain < _TOLD or (more <= 0 and whole.better(turns) < _MOST):
             return f"{other.added} does as well in its place"
     return ""

@@ -119,6 +119,7 @@ def summary(state: Round, campaign: Campaign) -> dict[str, Any]:
         "rivals": state.rivals,
         "reason": state.reason,
         "established": state.established,
+        "established_in": state.established_in,
         "spent": state.spent,
         "chosen": None if chosen is None else {"move": chosen.move, "added": chosen.added, "also": list(chosen.also),
                                                "dropped": chosen.dropped, "gain_bic": state.bic - chosen.bic},

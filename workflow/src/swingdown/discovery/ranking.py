@@ -20,7 +20,7 @@ from .candidates import (
     without,
 )
 from .linear import Frame, frame
-from .pairs import starts_of_pairs
+from .pairs import plain, starts_of_pairs
 from .refit import nudged, refit
 
 ENDLESS = Budget()
@@ -155,6 +155,34 @@ def in_pairs(
     at least so many squares (rad^2), the ``few`` that promise most."""
     offered = starts_of_pairs(here, allowed, least, few)
     return _sorted([_best(starts, here, noise) for starts in offered if not budget.spent])
+
+
+def beside_the_best(
+    here: Frame,
+    noise: Noise,
+    ranked: Sequence[Candidate],
+    allowed: Collection[str] | None = None,
+    few: int = 2,
+    budget: Budget = ENDLESS,
+) -> list[Candidate]:
+    """The ``Candidate``s that add the best of the ``ranked`` effects without a shape and another one without: the ``few`` that
+    promise most once the first is fitted.
+
+    Far from the noise a linear step from the model as it is tells little of two.
+    """
+    catalogue = here.fit.model.catalogue
+    one = next((one for one in ranked if one.added and not one.refused and not one.dropped and not one.also
+                and plain(catalogue[one.added])), None)  # fmt: skip
+    if one is None or one.added is None or budget.spent:
+        return []
+    there = frame(one.fit, here.swings)
+    names = [name for name in additions(one.fit.model, allowed) if plain(catalogue[name])]
+    moves = sorted(_offered(there, names), key=lambda starts: -starts[0].predicted)[:few]
+    begun = [
+        [replace(start, added=one.added, also=(start.added,)) for start in starts if start.added]
+        for starts in moves
+    ]
+    return _sorted([_best(starts, there, noise) for starts in begun if not budget.spent])
 
 
 def in_place_of(

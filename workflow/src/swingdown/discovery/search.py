@@ -153,13 +153,31 @@ def _told(search: _Search, states: list[Round]) -> list[Round]:
         states.append(last)
     if not last.missing:
         return states
-    sure = established(last, search.campaign, search.allowed, search.budget)
-    last = replace(last, established=sure)
+    sure, told = _established(search, states)
+    last = replace(last, established=sure, established_in=told)
     if last.number < search.rounds and not search.budget.spent:
         last = without_a_name(last, search.campaign)
     states = [*states[:-1], last]
     while (chosen := states[-1].chosen) is not None:
         number, found = states[-1].number + 1, after(states[-1].found, chosen)
         one = look_again(number, search.campaign, chosen.fit, found, number == search.rounds)
-        states.append(replace(one, established=sure))
+        states.append(replace(one, established=sure, established_in=told))
     return states
+
+
+def _established(search: _Search, states: list[Round]) -> tuple[dict[str, str], int]:
+    """What is established of the effects that the last round has, and the round that tells it.
+
+    Many terms that share out what has no name leave none of them determined: then what is established before they came is
+    asked for.
+    """
+    last = states[-1]
+    sure = established(last, search.campaign, search.allowed, search.budget)
+    for state in reversed(states[:-1]):
+        if "" in sure.values() or not state.found or search.budget.spent:
+            break
+        before = established(state, search.campaign, search.allowed, search.budget)
+        if any(before.get(name) == "" for name in last.found):
+            late = "what came before it is established without it"
+            return {name: before.get(name, late) for name in last.found}, state.number
+    return sure, last.number

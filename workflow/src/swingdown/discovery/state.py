@@ -44,6 +44,7 @@ class Round:
     others: tuple[Candidate, ...] = ()
     established: dict[str, str] | None = None
     """By effect found, why it is not established, or empty; None where nothing more is missing."""
+    established_in: int | None = None  # the number of the round that tells it
     spent: bool = False  # the search's budget
 
     @property

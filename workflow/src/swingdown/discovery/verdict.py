@@ -33,7 +33,10 @@ def verdict(rounds: Sequence[Mapping[str, Any]], catalogue: Catalogue = SHIPPED)
     doubts = (last["established"] or {}) if remains else {}
     asserted, stand_ins = [], []
     for name in last["found"]:
-        one = _effect(catalogue[name], rounds, last if name in unnamed else sound)
+        sure = remains and name not in unnamed and doubts.get(name) == ""
+        # beside terms that are not established an established one's values mean as little
+        told = rounds[last["established_in"]] if sure else last if name in unnamed else sound
+        one = _effect(catalogue[name], rounds, told)
         if remains and (name in unnamed or doubts.get(name, "not looked into")):
             doubt = "it has no name" if name in unnamed else doubts.get(name, "it was not looked into")
             stand_ins.append(one | {"doubt": doubt})
