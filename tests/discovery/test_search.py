@@ -5,13 +5,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from swingdown.discovery.budget import Budget
 from swingdown.discovery.campaign import Noise, Swing, campaign
 from swingdown.discovery.differences import coarse_noise
+from swingdown.discovery.established import established, unneeded
 from swingdown.discovery.folds import Turns, folds, in_turn
 from swingdown.discovery.linear import frame
 from swingdown.discovery.pairs import starts_of_pairs
 from swingdown.discovery.ranking import inadmissible
-from swingdown.discovery.rounds import first_fit
+from swingdown.discovery.rounds import first_fit, look
 from swingdown.discovery.search import discover
 from swingdown.engine.trajectory import simulate
 from swingdown.pendulum.model import Model
@@ -92,6 +94,20 @@ def test_each_swing_is_left_out_once_and_what_is_not_there_is_not_missed(two):
     assert abs(turns[0].gain(turns[2])) < 0.02
     error = true.model.standard_errors["quadratic_stiffness"]
     assert 0.3 * error < turns[0].spread("quadratic_stiffness") < 3 * error
+
+
+def test_what_swings_left_out_miss_is_established_and_what_they_do_not_is_not(two):
+    model = Model("viscous+quadratic_drag+quadratic_stiffness+clock_drift")
+    found = ("quadratic_drag", "quadratic_stiffness", "clock_drift")
+    state = look(1, two, first_fit(two, model), found, last=True)
+    allowed = (*found, "structural_damping", "cubic_stiffness")
+    sure = established(state, two, allowed, Budget())
+    assert sure["quadratic_drag"] == sure["quadratic_stiffness"] == ""
+    assert "clock_drift" in sure["clock_drift"]  # is as far from nothing as it differs, or is not determined
+    idle = unneeded(state, two)
+    assert idle.dropped == "clock_drift"
+    unasked = established(state, two, allowed, Budget(1e-9))
+    assert all(unasked.values())
 
 
 def test_the_jackknife_is_the_standard_error_of_a_mean():
