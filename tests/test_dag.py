@@ -16,7 +16,7 @@ from snakemake.settings.types import (
 
 PAPER = {
     "all", "page", "manifest", "simulate", "fit_simulated", "table2", "record", "calibrate", "angle", "fit_swing", "fit_campaign",
-    "table3", "pendulums", "discover_round", "discover_verdict", "discover_figures", *(f"fig{number:02d}" for number in range(1, 16)),
+    "table3", "pendulums", "discover_search", "discover_verdict", "discover_figures", *(f"fig{number:02d}" for number in range(1, 16)),
 }  # fmt: skip
 SIMULATION = {"simulate", "fit_simulated", "table2", "fig02", "fig03", "fig04", "fig05"}
 CALIBRATION = {"calibrate", "fig06", "fig07", "fig08"}
@@ -62,7 +62,7 @@ def test_the_papers_study(rules):
         counts["record"] == counts["angle"] == 19
     )  # both campaigns and the record at rest, which tells the noise
     assert counts["fit_swing"] == 12  # the paper's models are fitted to one campaign
-    assert (counts["discover_verdict"], counts["discover_round"]) == (2, 10)
+    assert (counts["discover_verdict"], counts["discover_search"]) == (2, 2)
     assert counts["fit_simulated"] == 3
     assert counts["fit_campaign"] == 1
 
@@ -114,7 +114,7 @@ def test_discovery_alone_fits_no_paper_models(rules, sheet):
     assert found == {
         "discover": 1,
         "part_manifest": 1,
-        "discover_round": 2,
+        "discover_search": 1,
         "discover_verdict": 1,
         "discover_figures": 1,
         "record": 2,

@@ -77,7 +77,7 @@ def test_the_engines_c_files_count_as_sources():
 
 def test_what_verdicts_are_judged_by_counts_as_a_source(root):
     """A changed threshold runs again every rule that reads it."""
-    for script in ("discover_round", "discover_verdict"):
+    for script in ("discover_search", "discover_verdict"):
         assert any(
             path.endswith("guard.yaml") for path in sources.sources(root / f"workflow/scripts/{script}.py")
         )

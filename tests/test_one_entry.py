@@ -12,7 +12,7 @@ import xarray as xr
 
 from swingdown.discovery import files
 from swingdown.discovery.campaign import Swing, campaign
-from swingdown.discovery.rounds import discover
+from swingdown.discovery.search import discover
 from swingdown.discovery.verdict import verdict
 from swingdown.engine.trajectory import simulate
 from swingdown.errors import InputError
@@ -83,8 +83,6 @@ def test_it_is_discovered_and_told(states, tmp_path):
     assert [entry["name"] for entry in told["effects"]] == ["rolling_resistance"]
     assert "rolling resistance (friction 1." in told["sentence"]
     assert told["next_measurement"] in (None, "Release from twice the angle.")
-    again = files.begin(files.read_rounds(folders)[0]["next"], TRUTH)
-    assert again.model.names == ("viscous", "rolling_resistance")
     for name in ("residuals", "half_swings", "ranking"):
         assert (folders[0] / {"residuals": "fit.nc"}.get(name, f"{name}.csv")).stat().st_size
     drawn.ranking(pd.read_csv(folders[0] / "ranking.csv"), told["moves"][0])

@@ -76,7 +76,7 @@ def test_another_formula_runs_every_rule_that_rests_on_it_and_no_other(study, sn
         "--configfile", study / "other.yaml", "--dry-run", "--quiet", "rules", directory=study
     )  # fmt: skip
     rules = set(done.stdout.split("Job stats:")[1].split("total")[0].split())
-    search = {"discover_round", "discover_verdict", "discover_figures"}
+    search = {"discover_search", "discover_verdict", "discover_figures"}
     assert {"fit_swing", "fit_campaign", "fit_simulated", "table2", "table3", "page", *search} <= rules
     assert not {"record", "angle", "simulate", "fig02", "fig09"} & rules
 

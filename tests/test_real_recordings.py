@@ -8,7 +8,7 @@ import pytest
 
 from swingdown.discovery.campaign import Swing, campaign
 from swingdown.discovery.files import summary
-from swingdown.discovery.rounds import discover
+from swingdown.discovery.search import discover
 from swingdown.discovery.verdict import verdict
 from swingdown.measurement.angle import to_angle
 from swingdown.measurement.recording import ingest

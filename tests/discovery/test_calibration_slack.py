@@ -7,7 +7,7 @@ import pytest
 
 from swingdown.discovery import files
 from swingdown.discovery.campaign import Swing, campaign
-from swingdown.discovery.rounds import discover
+from swingdown.discovery.search import discover
 from swingdown.discovery.verdict import verdict
 from swingdown.engine.trajectory import simulate
 from swingdown.pendulum.model import Model

@@ -9,7 +9,7 @@ from swingdown.discovery.candidates import starts_to_add
 from swingdown.discovery.files import summary
 from swingdown.discovery.linear import columns_of, frame
 from swingdown.discovery.refit import with_effect
-from swingdown.discovery.rounds import discover
+from swingdown.discovery.search import discover
 from swingdown.engine.trajectory import TrajectoryError, simulate
 from swingdown.fitting.least_squares import fit_jointly
 from swingdown.pendulum.model import Model

@@ -18,14 +18,17 @@ def state(
     rivals=None,
     effects=("viscous",),
     parameters=None,
+    established=None,
+    spent=False,
+    noise=1e-3,
 ):
     """What round.json holds of one round."""
     groups = [{"name": "position", "chi_square": 900.0, "freedom": 7, "p": 0.0, "share": 0.9}]
     return {
         "round": number, "campaign": "rig", "split": "held out by amplitude: c", "effects": list(effects), "found": list(found),
-        "parameters": parameters or {}, "systematic_rad": 2e-3, "largest_angle_rad": 0.5, "noise_rms_rad": 1e-3, "noise_correlation": 0.0, "gap": {"fit": holdout, "holdout": holdout},
+        "parameters": parameters or {}, "systematic_rad": 2e-3, "largest_angle_rad": 0.5, "noise_rms_rad": noise, "noise_correlation": 0.0, "gap": {"fit": holdout, "holdout": holdout},
         "missing": missing, "kind": "position" if missing else None, "seen": "the pendulum runs early" if missing else "",
-        "groups": groups, "ranking": list(ranking), "rivals": rivals or {}, "reason": "",
+        "groups": groups, "ranking": list(ranking), "rivals": rivals or {}, "reason": "", "established": established, "established_in": None if established is None else number, "spent": spent,
         "chosen": chosen and {"move": f"add {chosen}", "added": chosen, "dropped": None, "gain_bic": 500.0},
     }  # fmt: skip
 
@@ -48,7 +51,7 @@ def test_nothing_missing_is_consistent():
     assert found["sentence"].startswith("Nothing is missing")
 
 
-def named(*ties, missing_at_the_end=False):
+def named(*ties, missing_at_the_end=False, established=None, spent=False):
     values = {"constant_torque": {"value": 0.31, "standard_error": 0.02, "unit": "rad/s^2"}}
     first = state(
         0,
@@ -64,6 +67,8 @@ def named(*ties, missing_at_the_end=False):
         effects=("viscous", "constant_torque"),
         parameters=values,
         holdout=1.01,
+        established=established,
+        spent=spent,
     )
     return verdict([first, last])
 
@@ -89,6 +94,107 @@ def test_what_remains_makes_it_unknown_whatever_was_added(ties):
     found = named(*ties, missing_at_the_end=True)
     assert found["status"] == "unknown"
     assert "has no name" in found["sentence"]
+    assert found["effects"] == []
+
+
+def test_what_is_not_established_is_told_as_an_imitation_with_its_size_and_what_remains_in_both_units():
+    found = named(
+        missing_at_the_end=True, established={"constant_torque": "sensor_zero does as well in its place"}
+    )
+    (one,) = found["stand_ins"]
+    assert (one["name"], one["doubt"]) == ("constant_torque", "sensor_zero does as well in its place")
+    assert set(one) >= {"name", "round", "parameters", "delta_bic", "tied_with", "replaces"}
+    assert "imitated by constant torque (0.31 ± 0.02 rad/s^2)" in found["sentence"]
+    assert "constant torque (0.31 ± 0.02 rad/s^2) is missing" not in found["sentence"]
+    assert "1.01 times the noise (1.01 mrad)" in found["sentence"]
+
+
+def test_what_is_established_is_asserted_although_something_remains():
+    found = named("sensor_zero", missing_at_the_end=True, established={"constant_torque": ""})
+    assert found["status"] == "partial"
+    assert [one["name"] for one in found["effects"]] == ["constant_torque"]
+    assert found["stand_ins"] == []
+    assert found["effects"][0]["tied_with"] == []  # it was held against its rivals on swings left out
+    assert "0.31 ± 0.02 rad/s^2) is missing" in found["sentence"]
+    assert "has no name" in found["sentence"]
+
+
+def test_what_is_established_has_the_values_of_the_round_that_tells_it():
+    value = {"value": 0.31, "standard_error": 0.02, "unit": "rad/s^2"}
+    rounds = [
+        state(0, missing=True, chosen="constant_torque", holdout=9.0, ranking=[row("constant_torque")]),
+        state(
+            1,
+            missing=True,
+            found=["constant_torque"],
+            chosen="detent",
+            holdout=3.0,
+            parameters={"constant_torque": value},
+            ranking=[row("detent")],
+        ),
+        state(
+            2,
+            missing=True,
+            found=["constant_torque", "detent"],
+            holdout=2.5,
+            parameters={"constant_torque": value | {"value": 0.02}},
+            established={"constant_torque": "", "detent": "detent_torque is not determined"},
+        )
+        | {"established_in": 1},
+    ]
+    found = verdict(rounds)
+    assert [one["name"] for one in found["effects"]] == ["constant_torque"]
+    assert [one["name"] for one in found["stand_ins"]] == ["detent"]
+    assert found["effects"][0]["parameters"]["constant_torque"]["value"] == 0.31
+
+
+def test_the_share_of_the_excess_that_is_explained_is_told_in_the_same_noise():
+    """A first round that took misfit for noise is held against the noise of the last."""
+    rounds = [
+        state(0, missing=True, chosen="constant_torque", holdout=2.0, noise=5e-3),
+        state(
+            1, missing=False, found=["constant_torque"], effects=("viscous", "constant_torque"), holdout=2.0
+        ),
+    ]
+    found = verdict(rounds)
+    assert found["gap"]["explained"] == pytest.approx(1 - 3 / 99)
+    assert found["gap"]["holdout_rad"] == pytest.approx([10e-3, 2e-3])
+    assert "97 % of the excess explained" in found["sentence"]
+
+
+@pytest.mark.parametrize("spent", [True, False])
+def test_a_search_whose_time_was_spent_says_so(spent):
+    found = named(missing_at_the_end=True, spent=spent)
+    assert found["stopped"] is spent
+    assert ("stopped where its time was spent" in found["sentence"]) is spent
+
+
+def test_both_of_two_effects_that_were_added_at_once_have_the_round_and_share_no_tie():
+    both = {
+        "move": "add viscous and cubic_stiffness",
+        "added": "viscous",
+        "also": ["cubic_stiffness"],
+        "dropped": None,
+    }
+    rows = [
+        both | {"tied": True, "correlation": 1.0},
+        row("presliding") | {"also": []},
+        row("detent", tied=False) | {"also": []},
+    ]
+    first = state(0, missing=True, chosen="viscous", holdout=3.0, ranking=rows, effects=("constant_coulomb",))
+    first["chosen"] = both | {"gain_bic": 500.0}
+    last = state(
+        1,
+        missing=False,
+        found=["viscous", "cubic_stiffness"],
+        effects=("viscous", "constant_coulomb", "cubic_stiffness"),
+    )
+    found = verdict([first, last])
+    assert found["status"] == "ambiguous"
+    assert [(one["name"], one["round"], one["tied_with"]) for one in found["effects"]] == [
+        ("viscous", 1, ["presliding"]),
+        ("cubic_stiffness", 1, ["presliding"]),
+    ]
 
 
 def test_a_torque_without_a_name_stays_unknown_although_nothing_more_is_missing():
@@ -100,7 +206,8 @@ def test_a_torque_without_a_name_stays_unknown_although_nothing_more_is_missing(
     )
     found = verdict([first, last])
     assert found["status"] == "unknown"
-    assert found["effects"][0]["tied_with"] == []
+    assert found["effects"] == []
+    assert found["stand_ins"][0]["tied_with"] == []
     assert found["gap"]["holdout"] == [3.0, 1.0]
     assert found["where"]["remaining_kind"] == "restoring"
     assert "unnamed_position" in found["sentence"]
@@ -136,7 +243,7 @@ def test_named_effects_keep_the_values_they_had_before_torques_without_a_name_co
         ),
     ]
     found = verdict(rounds)
-    assert found["effects"][0]["parameters"]["constant_torque"]["value"] == 0.31
+    assert found["stand_ins"][0]["parameters"]["constant_torque"]["value"] == 0.31
     assert "What remains, 5 times the noise" in found["sentence"]
     assert "kept as unnamed_velocity and unnamed_position" in found["sentence"]
     assert "9 → 2 times" in found["sentence"]

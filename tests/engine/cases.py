@@ -26,6 +26,7 @@ RANGES = {
     "eddy_width": (0.03, 1.0),
     "constant_torque": (-2.0, 2.0),
     "torsion_stiffness": (0.1, 20.0),
+    "quadratic_stiffness": (-5.0, 5.0),
     "cubic_stiffness": (-10.0, 10.0),
     "detent_torque": (1e-2, 2.0),
     "detent_order": (4.0, 40.0),

@@ -5,7 +5,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from swingdown.discovery.campaign import Swing, campaign
-from swingdown.discovery.rounds import discover
+from swingdown.discovery.search import discover
 from swingdown.errors import InputError
 from swingdown.pendulum.catalogue import SHIPPED, catalogue
 from swingdown.pendulum.model import Model, models

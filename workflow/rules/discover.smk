@@ -1,8 +1,18 @@
-# Which effect is missing: rounds of fit, disagreement, naming and confirmation, each a folder that the next starts from.
+# Which effect is missing: rounds of fit, disagreement, naming and confirmation, a folder each, made by one search.
 # needs: results/angles/
 # makes: results/discovery/{campaign}/: round-{n}/, verdict.json and figures/
 
 ROUNDS = config["discovery"]["rounds"]
+ROUND_FILES = [
+    "round.json",
+    "model.yaml",
+    "fit.nc",
+    "groups.csv",
+    "ranking.csv",
+    "map.csv",
+    "unnamed.csv",
+    "half_swings.csv",
+]
 SEEN = [
     "answer",
     "residuals",
@@ -18,40 +28,27 @@ SEEN_FIGURES = expand("results/discovery/{campaign}/figures/{name}.svg", campaig
 MEMBERS = {campaign: PLAN.swings(campaign) + PLAN.statics(campaign) for campaign in PLAN.searched}
 
 
-rule discover_round:
+rule discover_search:
     input:
         angles=lambda wildcards: expand(
             "results/angles/{recording}.nc", recording=MEMBERS[wildcards.campaign]
         ),
-        previous=lambda wildcards: (
-            f"results/discovery/{wildcards.campaign}/round-{int(wildcards.n) - 1}/round.json"
-            if int(wildcards.n)
-            else []
-        ),
-        code=code("discover_round"),
+        code=code("discover_search"),
     output:
-        state="results/discovery/{campaign}/round-{n}/round.json",
-        model="results/discovery/{campaign}/round-{n}/model.yaml",
-        fit="results/discovery/{campaign}/round-{n}/fit.nc",
-        groups="results/discovery/{campaign}/round-{n}/groups.csv",
-        ranking="results/discovery/{campaign}/round-{n}/ranking.csv",
-        map="results/discovery/{campaign}/round-{n}/map.csv",
-        unnamed="results/discovery/{campaign}/round-{n}/unnamed.csv",
-        half_swings="results/discovery/{campaign}/round-{n}/half_swings.csv",
+        expand("results/discovery/{{campaign}}/round-{n}/{file}", n=range(ROUNDS + 1), file=ROUND_FILES),
     log:
-        "results/logs/discover/{campaign}/round-{n}.log",
-    wildcard_constraints:
-        n=r"\d+",
+        "results/logs/discover/{campaign}/search.log",
     params:
         roles=lambda wildcards: [PLAN.rows[name]["role"] for name in MEMBERS[wildcards.campaign]],
         base=config["discovery"]["base"],
         rounds=ROUNDS,
+        budget_s=config["discovery"]["budget_s"],
         model=config["model"],
         effects=config["effects"],
     message:
-        "Looking for what the model of {wildcards.campaign} lacks, round {wildcards.n}"
+        "Looking for what the model of {wildcards.campaign} lacks"
     script:
-        "../scripts/discover_round.py"
+        "../scripts/discover_search.py"
 
 
 rule discover_verdict:

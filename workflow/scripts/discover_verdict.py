@@ -15,7 +15,7 @@ from swingdown.pendulum.catalogue import catalogue
 def discover_verdict(folders, known, output):
     """The verdict written, and its sentence."""
     rounds = read_rounds(folders)
-    last = next((k for k, state in enumerate(rounds) if state["next"] is None), len(rounds) - 1)
+    last = next((k for k, state in enumerate(rounds) if state["chosen"] is None), len(rounds) - 1)
     found = verdict(rounds[: last + 1], known)
     write_text(output, json.dumps(found, indent=1, ensure_ascii=False) + "\n")
     return f"{found['campaign']}: {found['status']}. {found['sentence']}"

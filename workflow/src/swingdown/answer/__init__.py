@@ -9,7 +9,8 @@ import xarray as xr
 from ..arrays import Shown
 from ..discovery.campaign import Campaign, Swing, campaign
 from ..discovery.files import summary
-from ..discovery.rounds import Round, discover
+from ..discovery.search import discover
+from ..discovery.state import Round
 from ..discovery.verdict import verdict
 from ..errors import InputError
 from ..measurement.slack import of_angles

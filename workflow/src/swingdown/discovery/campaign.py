@@ -13,7 +13,7 @@ from ..measurement.noise_level import HARMONICS, whittle
 from ..pendulum.slack import Slack
 
 # A single recording is cut into parts of as many half-swings each: odd numbers of them, so that both ends are fitted.
-_PARTS = {5: 20, 3: 9}  # parts, and the half-swings a recording must have to be cut into so many
+_PARTS = {5: 20, 3: 9, 2: 5}  # parts, and the half-swings a recording must have to be cut into so many
 
 
 @dataclass(frozen=True)

@@ -19,7 +19,8 @@ from .linear import Frame, best_step, columns_of
 from .locate import line
 from .refit import widened, with_effect
 
-_WIDEST = 30.0  # typical sizes: as far as a linear step goes
+WIDEST = 30.0  # typical sizes: as far as a linear step goes
+_BEYOND = 1e100  # sensitivities that say nothing: of motions that grow without end
 _FIRST = 0.3  # of the typical size: where an effect that cannot be nothing starts, for a lag of nothing has no slope
 
 
@@ -31,18 +32,20 @@ class Start:
     dropped: str | None
     begin: Begin
     predicted: float
+    also: tuple[str, ...] = ()
 
     @property
     def move(self) -> str:
         """What is done to the model, in words."""
-        return describe(self.added, self.dropped)
+        return describe(self.added, self.dropped, self.also)
 
 
-def describe(added: str | None, dropped: str | None) -> str:
-    """A move in words: add, exchange or drop."""
-    if dropped is None:
-        return f"add {added}"
-    return f"drop {dropped}" if added is None else f"exchange {dropped} for {added}"
+def describe(added: str | None, dropped: str | None, also: Sequence[str] = ()) -> str:
+    """A move in words: add, exchange or drop; ``also`` names what is added with the first."""
+    if added is None:
+        return f"drop {dropped}"
+    joined = " and ".join((added, *also))
+    return f"add {joined}" if dropped is None else f"exchange {dropped} for {joined}"
 
 
 def additions(model: Model, allowed: Collection[str] | None = None) -> list[str]:
@@ -77,17 +80,19 @@ def starts_to_add(frame: Frame, name: str, best: int = 2, dropped: str | None = 
             columns = np.hstack([columns_of(frame, effect, values | one, free) for one in sides])
         except TrajectoryError:
             continue
+        if not np.max(np.abs(columns)) < _BEYOND:
+            continue
         low, high = np.full(columns.shape[1], -np.inf), np.full(columns.shape[1], np.inf)
         if not phases:
-            low = np.array([max(p.lower, -_WIDEST * p.typical) - values[p.name] for p in sizes])
-            high = np.array([min(p.upper, _WIDEST * p.typical) - values[p.name] for p in sizes])
+            low = np.array([max(p.lower, -WIDEST * p.typical) - values[p.name] for p in sizes])
+            high = np.array([min(p.upper, WIDEST * p.typical) - values[p.name] for p in sizes])
         step = best_step(frame, columns, low, high)
         found.append((step, _stepped(step.coefficients, values, free, phases, len(frame.swings))))
     if not found:
         return []
     found.sort(key=lambda entry: -entry[0].squares)
     starts = [
-        Start(name, dropped, widened(_shifted(frame, step.own), name, each), step.squares)
+        Start(name, dropped, widened(shifted(frame, step.own), name, each), step.squares)
         for step, each in found[:best]
     ]
     step, each = found[0]
@@ -120,8 +125,8 @@ def _stepped(
     return tuple({**values, free[0]: mean, phases[0].name: float(one)} for one in angle)
 
 
-def _shifted(frame: Frame, own: Floats) -> Begin:
-    """What the same linear step does to the values the model already has, and to the releases."""
+def shifted(frame: Frame, own: Floats) -> Begin:
+    """What a linear step does to the values the model already has, and to the releases."""
     definitions = {definition.name: definition for definition in frame.fit.model.definitions}
     values = [dict(model.values) for model in frame.fit.models]
     angles = [swing.release_angle for swing in frame.fit.swings]

@@ -1,7 +1,7 @@
-"""A round of discovery as files: written by one job, read by the next."""
+"""A round of discovery as files: what a search writes, and what verdict, figures and report read."""
 
 import json
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -11,18 +11,16 @@ import pandas as pd
 import xarray as xr
 
 from .. import dataset
-from ..fitting.result import Begin, Fit, SwingStart
 from ..measurement.slack import of_angles
 from ..paths import write_csv, write_text
 from ..pendulum.model import Model, write_model
-from ..pendulum.slack import Slack
 from .campaign import Campaign, Swing, campaign
 from .confirm import gap, per_swing
 from .half_swings import said
 from .locate import kind
-from .rounds import Round, after
+from .state import Round
 
-_RANKING = ["move", "added", "dropped", "delta_bic", "rms_rad", "tied", "correlation", "refused", "effects"]
+_RANKING = ["move", "added", "also", "dropped", "delta_bic", "rms_rad", "tied", "correlation", "out_of_sample", "refused", "effects"]  # fmt: skip
 
 
 def read_campaign(name: str, paths: Sequence[Path | str], roles: Sequence[str]) -> tuple[Campaign, bool]:
@@ -94,7 +92,7 @@ def _series(state: Round, campaign: Campaign, emulated: bool) -> xr.Dataset:
 
 
 def summary(state: Round, campaign: Campaign) -> dict[str, Any]:
-    """What round.json holds of a ``Round``: the state in numbers and words, the groups, the ranking, and the next start."""
+    """What round.json holds of a ``Round``: the state in numbers and words, the groups, and the ranking."""
     chosen, swings = state.chosen, [s.name for s in (*campaign.fit, *campaign.holdout)]
     ratios = [*per_swing(state.fit, state.noise), *per_swing(state.holdout, state.noise)]
     best = state.ranked[0].bic if state.ranked else 0.0
@@ -118,16 +116,18 @@ def summary(state: Round, campaign: Campaign) -> dict[str, Any]:
         "seen": said(state.half_swings, at),
         "groups": [vars(group) for group in state.groups],
         "ranking": [
-            {"move": one.move, "added": one.added, "dropped": one.dropped, "delta_bic": one.bic - best, "rms_rad": one.fit.rms,
-             "tied": one in state.ties, "correlation": state.alike.get(one.move), "refused": one.refused,
-             "effects": one.fit.model.label}
+            {"move": one.move, "added": one.added, "also": list(one.also), "dropped": one.dropped, "delta_bic": one.bic - best,
+             "rms_rad": one.fit.rms, "tied": any(one is tie for tie in state.ties), "correlation": state.alike.get(one.move),
+             "out_of_sample": state.out_of_sample.get(one.move), "refused": one.refused, "effects": one.fit.model.label}
             for one in state.ranked
         ],
         "rivals": state.rivals,
         "reason": state.reason,
-        "chosen": None if chosen is None else {"move": chosen.move, "added": chosen.added, "dropped": chosen.dropped,
-                                               "gain_bic": state.bic - chosen.bic},
-        "next": None if chosen is None else _start(chosen.fit) | {"found": list(after(state.found, chosen))},
+        "established": state.established,
+        "established_in": state.established_in,
+        "spent": state.spent,
+        "chosen": None if chosen is None else {"move": chosen.move, "added": chosen.added, "also": list(chosen.also),
+                                               "dropped": chosen.dropped, "gain_bic": state.bic - chosen.bic},
     }  # fmt: skip
 
 
@@ -156,30 +156,6 @@ def _finite(value: float | None) -> float | None:
     return float(value) if value is not None and np.isfinite(value) else None
 
 
-def _start(fit: Fit) -> dict[str, Any]:
-    """What a fit of the same swings can begin from: effects, each swing's values, releases."""
-    return {
-        "effects": list(fit.model.names),
-        "values": [dict(model.values) for model in fit.models],
-        "release_angle": [swing.release_angle for swing in fit.swings],
-        "release_velocity": [swing.release_velocity for swing in fit.swings],
-        "weighed_rad": fit.model.slack.noise,
-    }
-
-
 def read_rounds(folders: Iterable[Path | str]) -> list[dict[str, Any]]:
     """The round.json of each folder, in order."""
     return [json.loads((Path(folder) / "round.json").read_text()) for folder in folders]
-
-
-def begin(start: Mapping[str, Any], base: Model, slack: Slack | None = None) -> Begin:
-    """The ``Begin`` that a round.json's ``next`` describes, of the catalogue and with the options of the base model.
-
-    ``slack`` is the campaign's; it is weighed as it was in the fit that is gone on from.
-    """
-    if slack is not None:
-        known = start.get("weighed_rad")
-        base = base.with_slack(slack.weighed(known) if known else Slack(clock=slack.clock))
-    model = base.with_effects(start["effects"], start["values"][0])
-    releases = start["values"], start["release_angle"], start["release_velocity"]
-    return Begin(model, tuple(map(SwingStart, *releases)))

@@ -8,6 +8,7 @@ import numpy as np
 from ..engine.trajectory import TrajectoryError
 from ..fitting.result import Fit
 from ..pendulum.effect import NATURAL_FREQUENCY
+from .budget import Budget
 from .campaign import Noise
 from .candidates import (
     Start,
@@ -19,8 +20,10 @@ from .candidates import (
     without,
 )
 from .linear import Frame, frame
+from .pairs import plain, starts_of_pairs
 from .refit import nudged, refit
 
+ENDLESS = Budget()
 TIE = 10.0  # difference of BIC below which two candidates are told as tied
 _PROMISING = 0.05  # of the best predicted gain: candidates below are not refitted, a linear step already tells them off
 _HOPEFUL = (
@@ -30,6 +33,7 @@ _FEW = 4  # effects tried in another one's place
 _NUDGED = 2  # candidates looked for in their neighbourhood, too
 _SHAPES = 3  # of an effect, to start from where the first ones did not do
 _DETERMINED = 3.0  # standard errors that an effect's size must be from nothing
+_VAGUE = 1.0  # standard error over value, of a shape that is not determined
 _SUGGESTED = (
     4.0  # chi-square by which a richer effect must beat a simpler one that it contains to be tied with it
 )
@@ -37,18 +41,27 @@ _SUGGESTED = (
 
 @dataclass(frozen=True)
 class Candidate:
-    """A move and its refit: effect added and dropped (or None), the fit, its BIC, and why it is refused (or empty)."""
+    """A move and its refit: effect added and dropped (or None), the fit, its BIC, and why it is refused (or empty).
+
+    ``also`` names what is added with the first, and belongs to it.
+    """
 
     added: str | None
     dropped: str | None
     fit: Fit
     bic: float
     refused: str = ""
+    also: tuple[str, ...] = ()
 
     @property
     def move(self) -> str:
         """What is done to the model, in words."""
-        return describe(self.added, self.dropped)
+        return describe(self.added, self.dropped, self.also)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The names of all effects that are added."""
+        return () if self.added is None else (self.added, *self.also)
 
 
 def evidence(fit: Fit, noise: Noise) -> float:
@@ -60,23 +73,31 @@ def evidence(fit: Fit, noise: Noise) -> float:
     return float(n * np.log(fit.rss / fit.n) + free * np.log(n))
 
 
-def ranking(here: Frame, noise: Noise, allowed: Collection[str] | None = None) -> list[Candidate]:
+def ranking(
+    here: Frame, noise: Noise, allowed: Collection[str] | None = None, budget: Budget = ENDLESS
+) -> list[Candidate]:
     """The ``Candidate``s that mend a fit seen in a ``Frame``, best first: additions, and exchanges of known rivals.
 
     ``allowed`` limits the effects that may be added (all of the catalogue by default). A candidate is refused where a
     parameter ends at a bound at which the effect is not there; one that no start gives a trajectory for is left out.
     Where none leaves the noise alone, all are tried again from more starts: a fit in a false minimum, its own or that of
-    the model it begins from, must not hide the one that does.
+    the model it begins from, must not hide the one that does. Those that promise most come first; where the ``budget`` is
+    spent, the rest is left out.
     """
-    moves = _offered(here, additions(here.fit.model, allowed))
-    most = max((starts[0].predicted for starts in moves), default=0.0)
-    found = _moved(
-        here, noise, [starts for starts in moves if starts[0].predicted >= _PROMISING * most], allowed
-    )
-    if found and leaves_noise(found[0].fit, noise):
+    moves = _offered(here, additions(here.fit.model, allowed), best=_SHAPES)
+    moves.sort(key=lambda starts: -starts[0].predicted)
+    most = moves[0][0].predicted if moves else 0.0
+    # of an effect without a parameter no linear step tells what it is worth
+    near = {
+        id(starts): not _sized(here, starts) or starts[0].predicted >= _PROMISING * most for starts in moves
+    }
+    promising = [starts for starts in moves if near[id(starts)]]
+    found = _moved(here, noise, [_first(starts) for starts in promising], allowed, budget)
+    if found and (leaves_noise(found[0].fit, noise) or budget.spent):
         return found
-    hopeful = [starts[0].added for starts in moves if starts[0].predicted >= _HOPEFUL * most]
-    wide = _moved(here, noise, [starts_to_add(here, name, best=_SHAPES) for name in hopeful if name], allowed)
+    hopeful = [starts for starts in moves if starts[0].predicted >= _HOPEFUL * most]
+    more = [starts[2:-1] if near[id(starts)] else starts for starts in hopeful]
+    wide = _sorted([_best(starts, here, noise) for starts in more if starts and not budget.spent])
     best: dict[str, list[Candidate]] = {}
     for one in (*found, *wide):
         best.setdefault(one.move, []).append(one)
@@ -84,9 +105,23 @@ def ranking(here: Frame, noise: Noise, allowed: Collection[str] | None = None) -
     return _sorted([*(_nudged(one, here, noise) for one in found[:_NUDGED]), *found[_NUDGED:]])
 
 
-def _offered(here: Frame, names: Iterable[str], dropped: str | None = None) -> list[list[Start]]:
+def _offered(
+    here: Frame, names: Iterable[str], dropped: str | None = None, best: int = 2
+) -> list[list[Start]]:
     """The starts of each effect that has any."""
-    return [starts for starts in (starts_to_add(here, name, dropped=dropped) for name in names) if starts]
+    offered = (starts_to_add(here, name, best, dropped) for name in names)
+    return [starts for starts in offered if starts]
+
+
+def _sized(here: Frame, starts: list[Start]) -> bool:
+    """True where the effect of these starts has a size."""
+    added = starts[0].added
+    return added is None or here.fit.model.catalogue[added].size is not None
+
+
+def _first(starts: list[Start]) -> list[Start]:
+    """The starts to try first: the two most promising shapes, and the last, with the model as it is."""
+    return [*starts[:2], starts[-1]] if len(starts) > 3 else starts
 
 
 def leaves_noise(fit: Fit, noise: Noise) -> bool:
@@ -97,16 +132,60 @@ def leaves_noise(fit: Fit, noise: Noise) -> bool:
 
 def _nudged(one: Candidate, here: Frame, noise: Noise) -> Candidate:
     fit = nudged(one.fit, here.swings, rounds=1)
-    return replace(one, fit=fit, bic=evidence(fit, noise), refused=inadmissible(fit, one.added))
+    return replace(one, fit=fit, bic=evidence(fit, noise), refused=inadmissible(fit, one.added, noise))
 
 
 def _moved(
-    here: Frame, noise: Noise, moves: Sequence[list[Start]], allowed: Collection[str] | None
+    here: Frame, noise: Noise, moves: Sequence[list[Start]], allowed: Collection[str] | None, budget: Budget
 ) -> list[Candidate]:
     exchanges: dict[str, list[Start]] = {}
     for start in starts_to_exchange(here, allowed):
         exchanges.setdefault(start.move, []).append(start)
-    return _sorted([_best(starts, here, noise) for starts in (*moves, *exchanges.values())])
+    return _sorted(
+        [_best(starts, here, noise) for starts in (*moves, *exchanges.values()) if not budget.spent]
+    )
+
+
+def in_pairs(
+    here: Frame,
+    noise: Noise,
+    allowed: Collection[str] | None = None,
+    least: float = 0.0,
+    few: int = _FEW,
+    budget: Budget = ENDLESS,
+) -> list[Candidate]:
+    """The ``Candidate``s that add two effects without a shape at once, best first: of those pairs whose linear step takes away
+    at least so many squares (rad^2), the ``few`` that promise most."""
+    offered = starts_of_pairs(here, allowed, least, few)
+    return _sorted([_best(starts, here, noise) for starts in offered if not budget.spent])
+
+
+def beside_the_best(
+    here: Frame,
+    noise: Noise,
+    ranked: Sequence[Candidate],
+    allowed: Collection[str] | None = None,
+    few: int = 2,
+    budget: Budget = ENDLESS,
+) -> list[Candidate]:
+    """The ``Candidate``s that add the best of the ``ranked`` effects without a shape and another one without: the ``few`` that
+    promise most once the first is fitted.
+
+    Far from the noise a linear step from the model as it is tells little of two.
+    """
+    catalogue = here.fit.model.catalogue
+    one = next((one for one in ranked if one.added and not one.refused and not one.dropped and not one.also
+                and plain(catalogue[one.added])), None)  # fmt: skip
+    if one is None or one.added is None or budget.spent:
+        return []
+    there = frame(one.fit, here.swings)
+    names = [name for name in additions(one.fit.model, allowed) if plain(catalogue[name])]
+    moves = sorted(_offered(there, names), key=lambda starts: -starts[0].predicted)[:few]
+    begun = [
+        [replace(start, added=one.added, also=(start.added,)) for start in starts if start.added]
+        for starts in moves
+    ]
+    return _sorted([_best(starts, there, noise) for starts in begun if not budget.spent])
 
 
 def in_place_of(
@@ -148,11 +227,13 @@ def _best(starts: Sequence[Start], here: Frame, noise: Noise) -> Candidate | Non
     if not fits:
         return None
     fit, start = min(fits, key=lambda fit: fit.rss), starts[0]
-    return Candidate(start.added, start.dropped, fit, evidence(fit, noise), inadmissible(fit, start.added))
+    one = Candidate(start.added, start.dropped, fit, evidence(fit, noise), also=start.also)
+    why = [inadmissible(fit, name, noise) for name in one.names]
+    return replace(one, refused=next(filter(None, why), ""))
 
 
-def inadmissible(fit: Fit, added: str | None) -> str:
-    """Why a fitted effect cannot be what it is called: empty, or the parameter that runs to a bound."""
+def inadmissible(fit: Fit, added: str | None, noise: Noise) -> str:
+    """Why a fitted effect cannot be what it is called: empty, or the parameter that runs to a bound or is not determined."""
     if added is None:
         return ""
     effect = fit.model.catalogue[added]
@@ -170,10 +251,27 @@ def inadmissible(fit: Fit, added: str | None) -> str:
             if low < values[parameter.name] / own < high:
                 return f"{parameter.name} is that of the pendulum's own swing"
     for parameter in effect.parameters:
-        bounded = parameter != size and parameter.role != "phase"
-        if bounded and values[parameter.name] >= parameter.upper * (1 - 1e-9):
+        if parameter.role == "phase":
+            continue
+        value = values[parameter.name]
+        if value >= parameter.upper * (1 - 1e-9):
             return f"{parameter.name} runs to its bound {parameter.upper:g} {parameter.unit}"
+        # where a search may begin, a fit may end
+        if value <= parameter.lower + 1e-9 * abs(parameter.lower) and parameter.lower not in parameter.starts:
+            return f"{parameter.name} runs to its bound {parameter.lower:g} {parameter.unit}"
+        if parameter.role == "shape" and not parameter.each and _vague(fit, parameter.name, value):
+            return f"{parameter.name} is not determined"
+    if not leaves_noise(fit, noise):
+        for simpler in effect.contains:
+            if simpler.unseen and values[simpler.unseen] < noise.deviation:
+                return f"{simpler.unseen} is below the noise: {simpler.name} is all that is seen of it"
     return ""
+
+
+def _vague(fit: Fit, name: str, value: float) -> bool:
+    """True for a shape that the data leave anywhere: its standard error is beyond its own size."""
+    error = fit.model.standard_errors.get(name, 0.0)
+    return not np.isfinite(error) or error > _VAGUE * abs(value)
 
 
 def tied(ranked: Sequence[Candidate], noise: Noise) -> list[Candidate]:

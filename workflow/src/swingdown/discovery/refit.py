@@ -30,7 +30,7 @@ def refit(begin: Begin, swings: Sequence[Swing], grown: bool = True, most: int =
         raise TrajectoryError(str(problem)) from problem
 
 
-def weighed(fit: Fit, swings: Sequence[Swing], slack: Slack, noise: Noise) -> Fit:
+def opened(fit: Fit, swings: Sequence[Swing], slack: Slack, noise: Noise) -> Fit:
     """The fit with what the measurement leaves open weighed against the noise, as a candidate that leaves nothing else would be.
 
     Weighed against the residuals of a model that misses much, what is known of the sensor would stand against every

@@ -18,27 +18,45 @@ def sentence(found: Mapping[str, Any], catalogue: Catalogue = SHIPPED) -> str:
     """What a person would say of a verdict."""
     fit, holdout, where = found["gap"]["fit"], found["gap"]["holdout"], found["where"]
     dropped = f" Not needed: {_listed(found['removed'])}." if found["removed"] else ""
+    end = _misspecified(found) + (" The search stopped where its time was spent." if found["stopped"] else "")
     if found["status"] == "consistent":
         slack = ", once what the calibration leaves open is used" if _used(found.get("nuisance", {})) else ""
         text = f"Nothing is missing{slack}: the model leaves {fit[-1]:.3g} times the noise on fitted and {holdout[-1]:.3g} on held-out swings."
-        return text + dropped + _misspecified(found)
-    named = [one for one in found["effects"] if catalogue.has_name(one["name"])]
+        return text + dropped + end
     seen = where["seen"][:1].upper() + where["seen"][1:] + ": " if where["seen"] else ""
     said = []
-    if named:
-        joined = " and ".join(_described(one, catalogue[one["name"]]) for one in named)
-        said.append(f"{seen}{joined} {'is' if len(named) == 1 else 'are'} missing.")
+    if found["effects"]:
+        joined = " and ".join(_described(one, catalogue[one["name"]]) for one in found["effects"])
+        said.append(f"{seen}{joined} {'is' if len(found['effects']) == 1 else 'are'} missing.")
     elif seen:
         said.append(f"{seen.removesuffix(': ')}.")
     if len(fit) > 1:
-        said.append(f"Held-out residual {holdout[0]:.3g} → {holdout[-1]:.3g} times the noise.")
-    if found["status"] == "unknown":
-        kind = f", mostly {where['remaining_kind']}" if where["remaining_kind"] else ""
-        nameless = [one["name"] for one in found["effects"] if not catalogue.has_name(one["name"])]
-        before = holdout[-1 - len(nameless)]
-        said.append(f"What remains, {before:.3g} times the noise{kind}, has no name in the catalogue"
-                    + (f"; it is kept as {' and '.join(nameless)}." if nameless else "."))  # fmt: skip
-    return " ".join(said) + dropped + _misspecified(found)
+        said.append(f"Held-out residual {holdout[0]:.3g} → {holdout[-1]:.3g} times the noise{_share(found)}.")
+    if found["status"] in ("partial", "unknown"):
+        said.append(_remains(found, catalogue))
+    return " ".join(said) + dropped + end
+
+
+def _share(found: Mapping[str, Any]) -> str:
+    """How much of the excess is explained, where named effects explain any."""
+    share = found["gap"]["explained"]
+    return f", {100 * share:.0f} % of the excess explained" if share is not None and share > 0 else ""
+
+
+def _remains(found: Mapping[str, Any], catalogue: Catalogue) -> str:
+    """What remains, how large it is, and what imitates it without being established."""
+    kind = f", mostly {found['where']['remaining_kind']}" if found["where"]["remaining_kind"] else ""
+    nameless = [one["name"] for one in found["stand_ins"] if not catalogue.has_name(one["name"])]
+    helping = [one for one in found["stand_ins"] if catalogue.has_name(one["name"])]
+    left = found["gap"]["left"]
+    said = (
+        f"What remains, {left['noise']:.3g} times the noise ({1e3 * left['rad']:.3g} mrad){kind}, has no name in the catalogue"
+        + (f"; it is kept as {' and '.join(nameless)}." if nameless else ".")
+    )
+    if helping:
+        joined = " and ".join(_described(one, catalogue[one["name"]]) for one in helping)
+        said += f" Part of the excess is imitated by {joined}: not established."
+    return said
 
 
 def _used(nuisance: Mapping[str, Any]) -> bool:

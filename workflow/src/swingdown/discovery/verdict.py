@@ -1,4 +1,4 @@
-"""The verdict of a campaign: status, effects with their values and ties, the gap by round, and a sentence."""
+"""The verdict of a campaign: status, what is asserted and what merely helps, with values and ties, the gap by round, a sentence."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from importlib import resources
@@ -21,20 +21,33 @@ def verdict(rounds: Sequence[Mapping[str, Any]], catalogue: Catalogue = SHIPPED)
     """The contents of verdict.json as a dict, from the contents of the rounds' round.json, in order.
 
     ``status``: ``consistent`` nothing was missing, ``named`` what was added stands alone and nothing significant remains,
-    ``ambiguous`` the same with a tie, ``unknown`` where something significant remains, or remained, without a name.
+    ``ambiguous`` the same with a tie, ``partial`` something is established and something significant remains, ``unknown``
+    where something significant remains and nothing is established. ``effects`` holds what is asserted, ``stand_ins`` what
+    merely helps.
     """
     first, last = rounds[0], rounds[-1]
     unnamed = [form.name for form in catalogue.free_forms]
     # beside a torque without a name the values of the named ones mean little: it can do their work
     sound = [state for state in rounds if not any(name in unnamed for name in state["found"])][-1]
-    added = [_effect(catalogue[name], rounds, last if name in unnamed else sound) for name in last["found"]]
-    nameless = [one for one in added if one["name"] in unnamed]
-    if last["missing"] or nameless:
-        status = "unknown"
-    elif not added:
+    remains = last["missing"] or any(name in unnamed for name in last["found"])
+    doubts = (last["established"] or {}) if remains else {}
+    asserted, stand_ins = [], []
+    for name in last["found"]:
+        sure = remains and name not in unnamed and doubts.get(name) == ""
+        # beside terms that are not established an established one's values mean as little
+        told = rounds[last["established_in"]] if sure else last if name in unnamed else sound
+        one = _effect(catalogue[name], rounds, told)
+        if remains and (name in unnamed or doubts.get(name, "not looked into")):
+            doubt = "it has no name" if name in unnamed else doubts.get(name, "it was not looked into")
+            stand_ins.append(one | {"doubt": doubt})
+        else:
+            asserted.append(one)
+    if remains:
+        status = "partial" if asserted else "unknown"
+    elif not asserted:
         status = "consistent"
     else:
-        status = "ambiguous" if any(one["tied_with"] for one in added) else "named"
+        status = "ambiguous" if any(one["tied_with"] for one in asserted) else "named"
     # the rounds before a torque without a name was added tell what has none
     remaining = next(
         (state for state in rounds if state["chosen"] and state["chosen"]["added"] in unnamed), last
@@ -42,7 +55,8 @@ def verdict(rounds: Sequence[Mapping[str, Any]], catalogue: Catalogue = SHIPPED)
     found = {
         "campaign": last["campaign"],
         "status": status,
-        "effects": added,
+        "effects": asserted,
+        "stand_ins": stand_ins,
         "removed": [name for name in first["effects"] if name not in last["effects"]],
         "where": {
             "kind": KINDS.get(first["kind"]),
@@ -55,6 +69,12 @@ def verdict(rounds: Sequence[Mapping[str, Any]], catalogue: Catalogue = SHIPPED)
             "unit": "noise standard deviations",
             "fit": [state["gap"]["fit"] for state in rounds],
             "holdout": [state["gap"]["holdout"] for state in rounds],
+            "holdout_rad": [state["gap"]["holdout"] * state["noise_rms_rad"] for state in rounds],
+            "explained": _explained(first, sound),
+            "left": {
+                "noise": sound["gap"]["holdout"],
+                "rad": sound["gap"]["holdout"] * sound["noise_rms_rad"],
+            },
         },
         "noise_rms_rad": last["noise_rms_rad"],
         "noise_correlation": last["noise_correlation"],
@@ -63,26 +83,39 @@ def verdict(rounds: Sequence[Mapping[str, Any]], catalogue: Catalogue = SHIPPED)
         "model": last["parameters"],
         "nuisance": last.get("nuisance", {}),
         "misspecified": _at_their_bounds([catalogue[name] for name in sound["effects"]], sound["parameters"]),
-        "next_measurement": _next_measurement(added, status, catalogue),
+        "next_measurement": _next_measurement(asserted, status, catalogue),
+        "stopped": bool(last["spent"]),
         "guard": GUARD,
     }
     found["sentence"] = sentence(found, catalogue)
     return found
 
 
+def _explained(first: Mapping[str, Any], last: Mapping[str, Any]) -> float | None:
+    """The share of the held-out swings' excess over the noise that named effects explain; None where there was none."""
+    noise = last["noise_rms_rad"] ** 2
+    before, after = ((one["gap"]["holdout"] * one["noise_rms_rad"]) ** 2 - noise for one in (first, last))
+    return float(1 - max(after, 0.0) / before) if before > 0 else None
+
+
 def _effect(effect: Effect, rounds: Sequence[Mapping[str, Any]], fitted: Mapping[str, Any]) -> dict[str, Any]:
     """What is told of one effect: its round, values as ``fitted``, evidence, and what the data do not tell it from."""
     last, name = rounds[-1], effect.name
-    state = next(state for state in reversed(rounds) if state["chosen"] and state["chosen"]["added"] == name)
-    ties = [row for row in state["ranking"] if row["tied"] and row["added"] not in (None, name)]
+    state = next(state for state in reversed(rounds) if state["chosen"] and name in _names(state["chosen"]))
+    rows, move = [row for row in state["ranking"] if row["tied"]], state["chosen"]["move"]
+    # of one that was chosen for what held-out swings say, the evidence of the fitted ones ties nothing
+    near = [row for row in rows if row["move"] != move] if any(row["move"] == move for row in rows) else []
+    ties = {other: row for row in near for other in _names(row) if other not in _names(state["chosen"])}
     tied: list[str]
     alike: dict[str, float]
-    if isinstance(effect, FreeForm):  # what was tied in that round was refused for it
+    if (
+        isinstance(effect, FreeForm) or last["established"] is not None
+    ):  # rivals were looked for in another way
         tied, alike = [], {}
     elif name in last["rivals"]:
         tied, alike = last["rivals"][name], {}
     else:
-        tied, alike = [row["added"] for row in ties], {row["added"]: row["correlation"] for row in ties}
+        tied, alike = list(ties), {other: row["correlation"] for other, row in ties.items()}
     known = fitted["parameters"]
     return {
         "name": name,
@@ -94,6 +127,11 @@ def _effect(effect: Effect, rounds: Sequence[Mapping[str, Any]], fitted: Mapping
         "replaces": state["chosen"]["dropped"],
         "within_calibration": _within_calibration(effect, fitted),
     }  # fmt: skip
+
+
+def _names(move: Mapping[str, Any]) -> list[str]:
+    """The names of all effects that a move adds."""
+    return [] if move["added"] is None else [move["added"], *move.get("also", ())]
 
 
 def _within_calibration(effect: Effect, state: Mapping[str, Any]) -> bool:
@@ -126,6 +164,6 @@ def _next_measurement(added: Sequence[Mapping[str, Any]], status: str, catalogue
                 return text
     if any(one["tied_with"] for one in added):
         return "Release from angles spread as far as the apparatus allows, and from both sides."
-    if status == "unknown":
+    if status in ("unknown", "partial"):
         return "Record swings from several release angles, from both sides, and the pendulum at rest for a minute."
     return None

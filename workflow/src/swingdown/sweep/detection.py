@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..discovery import rounds
+from ..discovery import search
 from ..discovery.campaign import Swing, campaign
 from ..discovery.files import summary
 from ..discovery.verdict import verdict
@@ -94,7 +94,7 @@ def _columns(rows):
 
 def _told(found, settings):
     """What is kept of a verdict."""
-    added = [one["name"] for one in found["effects"]]
+    added = [one["name"] for one in (*found["effects"], *found["stand_ins"])]
     present = None if settings["detection.size"] == 0 else settings["detection.effect"]
     return {
         "gap": found["gap"]["fit"][0],
@@ -106,7 +106,7 @@ def _told(found, settings):
 def answer(campaign, settings):
     """The verdict (a dict as in verdict.json) of discovery on a campaign, under the settings of a cell."""
     base = _model(settings, settings["discovery.base"])
-    states = rounds.discover(campaign, base, settings["discovery.rounds"])
+    states = search.discover(campaign, base, settings["discovery.rounds"])
     return verdict([summary(state, campaign) for state in states], base.catalogue)
 
 

@@ -7,7 +7,7 @@ from typing import Any
 
 from ..discovery.campaign import Swing, campaign
 from ..discovery.files import summary
-from ..discovery.rounds import discover
+from ..discovery.search import discover
 from ..discovery.verdict import verdict
 from ..measurement.angle import to_angle
 from ..measurement.recording import ingest
@@ -35,7 +35,9 @@ def find(
         allowed = [name for name in base.catalogue.names if name not in lacks]
         states = discover(one, base, rounds, allowed)
         told = [summary(state, one) for state in states]
-        ranked = [row for row in told[0]["ranking"] if not row["refused"] and row["added"]]
+        ranked = [
+            row for row in told[0]["ranking"] if not row["refused"] and row["added"] and not row["also"]
+        ]
         found[str(name)] = {
             "verdict": verdict(told, base.catalogue),
             "seconds": time.process_time() - started,

@@ -25,8 +25,8 @@ def row(
     """One trial's row of scores.csv, as a dict, from its truth and what was found.
 
     ``named`` and ``tied`` list the verdict's effects and their rivals; ``exact`` every hidden effect and no other is named;
-    ``inside`` every hidden one is named or tied in sets of at most four, and no other is named; ``wrong`` an effect is named, and
-    neither it nor a rival is hidden; ``alarm`` anything but "consistent". ``right`` is what the kind of trial asks for.
+    ``inside`` every hidden one is named or tied in sets of at most four, and no other is named; ``wrong`` an effect is asserted, and
+    neither it nor a rival is hidden; ``stand_ins`` what merely helps; ``alarm`` anything but "consistent". ``right`` is what the kind of trial asks for.
     ``holdout_sigma`` is the last held-out residual in units of the true noise, ``excess`` the chi-square that the best
     single effect leaves beyond the noise that was added, ``separation`` the same of the best effect that is not hidden,
     ``covered`` of ``intervals`` 95 % intervals hold the true value.
@@ -54,7 +54,7 @@ def row(
     separation = _excess(truth, found, rivals)
     right = {
         "single": inside, "pair": inside, "null": verdict["status"] == "consistent",
-        "removed": verdict["status"] == "unknown", "foreign": verdict["status"] == "unknown",
+        "removed": not told and verdict["status"] == "unknown", "foreign": not told and verdict["status"] == "unknown",
     }  # fmt: skip
     return {
         "campaign": name,
@@ -66,10 +66,10 @@ def row(
         "status": verdict["status"],
         "named": "+".join(sets),
         "tied": "; ".join("/".join(sorted(members - {name})) for name, members in sets.items()),
+        "stand_ins": "+".join(one["name"] for one in verdict["stand_ins"]),
         "exact": exact,
         "inside": inside,
-        "wrong": verdict["status"] in ("named", "ambiguous")
-        and any(not members & set(hidden) for members in sets.values()),
+        "wrong": any(not members & set(hidden) for members in sets.values()),
         "alarm": verdict["status"] != "consistent",
         "right": right[truth["kind"]],
         "holdout_sigma": verdict["gap"]["holdout"][-1] * verdict["noise_rms_rad"] / truth["sigma"],

@@ -79,7 +79,7 @@ class Pendulum:
     def kinks(self):
         """The functions of (th, v) whose sign matters besides that of the velocity, by name."""
         found = {}
-        if "structural_damping" in self.on:
+        if self.on & {"structural_damping", "quadratic_stiffness"}:
             found["angle"] = lambda th, v: th
         if "steady_wind" in self.on:
             found["wind"] = lambda th, v: v - self.p["wind_speed"]

@@ -98,6 +98,9 @@ TORQUES = {
     "eddy_brake": _eddy,
     "constant_torque": lambda one, t, th, v, s, kinks: one.p["constant_torque"],
     "torsion_spring": lambda one, t, th, v, s, kinks: -one.p["torsion_stiffness"] * th,
+    "quadratic_stiffness": lambda one, t, th, v, s, kinks: (
+        -one.p["quadratic_stiffness"] * kinks["angle"] * th * th
+    ),
     "cubic_stiffness": lambda one, t, th, v, s, kinks: -one.p["cubic_stiffness"] * th * th * th,
     "detent": _detent,
     "base_vibration": _vibration,

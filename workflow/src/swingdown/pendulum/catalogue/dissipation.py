@@ -56,7 +56,10 @@ DISSIPATION = (
         SQUIRE,
         symbol="k",
         damping="loss*omega_n**2/2",
-        replaces=(StandIn("load_coulomb", ({"constant_friction": "gamma*omega_n**2"},)),),
+        replaces=(
+            StandIn("load_coulomb", ({"constant_friction": "gamma*omega_n**2"},)),
+            StandIn("presliding", ({"constant_friction": "F_c"},)),
+        ),
         told_apart={
             "presliding": "Sample swings of less than 1°, and let one die out: only friction that winds up shortens the period there."
         },
@@ -89,7 +92,7 @@ DISSIPATION = (
         "so small swings run early.",
         "Dahl, Aerospace Corporation TOR-0158 (1968)",
         states=(State("F", "rad/s^2", "0", "(F_c - F*sign(thetadot))*thetadot/x_c", "friction torque over inertia"),),
-        contains=(Contained("constant_coulomb", {"presliding_angle": 0.0}),),
+        contains=(Contained("constant_coulomb", {"presliding_angle": 0.0}, unseen="presliding_angle"),),
         replaces=(
             StandIn("load_coulomb", tuple(
                 {"presliding_friction": "abs(gamma*omega_n**2) + 1e-4", "presliding_angle": angle}

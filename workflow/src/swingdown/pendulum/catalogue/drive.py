@@ -73,7 +73,8 @@ DRIVE = (
         ),
         "Air that moves past the pendulum drags one way harder than the other.",
         MECHANICS,
-        contains=(Contained("quadratic_drag", {"wind_speed": 0.0}),),
+        # in a storm, beside a steady push
+        contains=(Contained("quadratic_drag", {"wind_speed": 0.0}), Contained("viscous", {"wind_speed": inf})),
         replaces=(
             StandIn("quadratic_drag", tuple(
                 {"wind_coefficient": "abs(zeta_q) + 1e-4", "wind_speed": speed} for speed in ("-0.3", "0.3")

@@ -38,6 +38,18 @@ RESTORING = (
         },
     ),
     Effect(
+        "quadratic_stiffness",
+        "-k_2*theta*abs(theta)",
+        (Parameter("quadratic_stiffness", "k_2", "1/s^2", -inf, inf, "quadratic restoring torque over inertia, odd in the angle", 1.0),),
+        "A spring that stiffens, or softens, from the smallest angles on, as a wound or bent one does: the period changes in "
+        "proportion to the amplitude.",
+        MECHANICS,
+        told_apart={
+            "cubic_stiffness": "Release from a quarter, from half and from the whole of the largest angle: the period changes with the amplitude, or with its square.",
+            "presliding": "Sample swings of less than 1°, and let one die out: friction that winds up shortens the period there as it takes energy, a spring takes none.",
+        },
+    ),
+    Effect(
         "cubic_stiffness",
         "-k_3*theta**3",
         (Parameter("cubic_stiffness", "k_3", "1/s^2", -inf, inf, "cubic restoring torque over inertia", 1.0),),

@@ -27,6 +27,8 @@ def missing(material: Material) -> Section:
             items.append(Text(f"Next measurement: {found['next_measurement']}"))
         if found["effects"]:
             items.append(_added(found))
+        if found["stand_ins"]:
+            items.append(_helping(found))
         if found["where"]["groups"]:
             items.append(_where(found))
         for name, caption in _SEEN.items():
@@ -48,6 +50,33 @@ def missing(material: Material) -> Section:
 
 
 def _added(found: dict[str, Any]) -> Table:
+    caption = f"What is asserted to be missing from the model of {found['campaign']}; in parentheses the standard error in units of the last digits."
+    notes = (
+        f"Moves: {'; '.join(found['moves']).replace('_', ' ')}. {found['split'].capitalize()}.",
+        *_stopped(found),
+    )
+    return _effects(found["campaign"], "Effects", caption, found["effects"], notes)
+
+
+def _helping(found: dict[str, Any]) -> Table:
+    caption = (
+        f"What imitates part of what is missing from the model of {found['campaign']} and is not asserted."
+    )
+    doubts = [f"{one['name']}: {one['doubt']}".replace("_", " ") for one in found["stand_ins"]]
+    notes = (
+        f"Not asserted because: {'; '.join(doubts)}.",
+        *(() if found["effects"] else _stopped(found)),
+    )
+    return _effects(found["campaign"], "Stand-ins", caption, found["stand_ins"], notes)
+
+
+def _stopped(found: dict[str, Any]) -> tuple[str, ...]:
+    return ("The search stopped where its time (discovery.budget_s) was spent.",) if found["stopped"] else ()
+
+
+def _effects(
+    campaign: str, title: str, caption: str, told: list[dict[str, Any]], notes: tuple[str, ...]
+) -> Table:
     columns = [
         Column("effect"),
         Column("parameter"),
@@ -65,24 +94,13 @@ def _added(found: dict[str, Any]) -> Table:
             numbers.whole(one["delta_bic"]),
             ", ".join(one["tied_with"]).replace("_", " ") or "–",
         ]
-        for one in found["effects"]
+        for one in told
         for name, entry in one["parameters"].items()
         if entry["value"] is not None
     ]
-    caption = f"What was added to the model of {found['campaign']}; in parentheses the standard error in units of the last digits."
-    notes = [f"Moves: {'; '.join(found['moves']).replace('_', ' ')}. {found['split'].capitalize()}."]
-    campaign = found["campaign"]
     link = f"discovery/{campaign}/verdict.json"
     return Table(
-        f"Effects, {campaign}",
-        caption,
-        columns,
-        rows,
-        tuple(notes),
-        (),
-        link,
-        "discover_verdict",
-        (campaign,),
+        f"{title}, {campaign}", caption, columns, rows, notes, (), link, "discover_verdict", (campaign,)
     )
 
 

@@ -1,0 +1,102 @@
+"""What a search has established although something remains: what swings left out in turn confirm, and nothing else could do."""
+
+from collections.abc import Collection
+
+from ..engine.trajectory import TrajectoryError
+from .budget import Budget
+from .campaign import Campaign
+from .candidates import without
+from .folds import Turns, in_turn
+from .linear import frame
+from .ranking import Candidate, evidence, in_place_of, inadmissible
+from .refit import refit
+from .state import Round
+
+_SIZE = 4.0  # jackknife errors that a size must be from nothing
+_SHAPE = 0.25  # jackknife error over value, of a shape that is determined
+_NEEDED = 0.10  # of the score on swings left out, that an effect must be worth
+_SHARE = 0.9  # of the excess without it, that an effect must explain: what explains less may be the like of something else
+_MOST = 0.75  # of the folds, that must be better with it
+_TOLD = 0.015  # of the score, by which each rival must be worse, and be worse on as many folds
+_RICHER = 0.02  # of the score, that a rival must be better for each parameter more
+_IDLE = 0.005  # of the score, below which an effect is not needed
+
+
+def unneeded(state: Round, campaign: Campaign) -> Candidate | None:
+    """The ``Candidate`` that drops an effect which swings left out in turn do not miss; None where all are missed.
+
+    Those of the base are asked, too: what was found later may do their work.
+    """
+    names = state.fit.model.names
+    whole = in_turn(state.fit, campaign, state.holdout)
+    if whole is None or len(names) < 2:
+        return None
+    best: tuple[float, Candidate, Turns] | None = None
+    for name in names:
+        lost = _lost(state, campaign, name, whole)
+        if lost is not None and lost[0] < _IDLE and (best is None or lost[0] < best[0]):
+            best = lost
+    return best and best[1]
+
+
+def _lost(state: Round, campaign: Campaign, name: str, whole: Turns) -> tuple[float, Candidate, Turns] | None:
+    """What the score on swings left out loses without one effect, the model without it, and what that leaves."""
+    try:
+        fit = refit(without(state.fit, name), campaign.fit)
+    except TrajectoryError:
+        return None
+    turns = in_turn(fit, campaign)
+    if turns is None:
+        return None
+    return whole.gain(turns), Candidate(None, name, fit, evidence(fit, state.noise)), turns
+
+
+def established(
+    state: Round, campaign: Campaign, allowed: Collection[str] | None, budget: Budget
+) -> dict[str, str]:
+    """By effect found, in words why it is not established; empty where it is.
+
+    Established is what most of the swings left out in turn miss, whose size and shape agree whichever swings they are fitted to
+    (jackknife, which knows of misfits), and in whose place no other effect does as well.
+    """
+    whole = in_turn(state.fit, campaign, state.holdout)
+    found: dict[str, str] = {}
+    for name in state.found:
+        if whole is None or budget.spent:
+            found[name] = "it was not held against swings left out"
+            continue
+        found[name] = _doubt(state, campaign, allowed, name, whole)
+    return found
+
+
+def _doubt(state: Round, campaign: Campaign, allowed: Collection[str] | None, name: str, whole: Turns) -> str:
+    effect, values = state.fit.model.catalogue[name], state.fit.model.values
+    if why := inadmissible(state.fit, name, state.noise):
+        return why
+    for parameter in effect.parameters:
+        if parameter.each or parameter.role in ("phase", "range"):
+            continue
+        spread, value = whole.spread(parameter.name), abs(values[parameter.name])
+        if parameter.role == "size" and value < _SIZE * spread:
+            return f"{parameter.name} differs from swing to swing as much as it differs from nothing"
+        if parameter.role == "shape" and spread > _SHAPE * value:
+            return f"{parameter.name} differs from swing to swing"
+    lost = _lost(state, campaign, name, whole)
+    if lost is None or lost[0] < _NEEDED or whole.better(lost[2]) < _MOST:
+        return "swings left out do not miss it"
+    with_it, without_it = (turns.excess(state.noise) for turns in (whole, lost[2]))
+    if without_it - with_it < _SHARE * without_it:
+        return "much remains beside what it explains"
+    for other in in_place_of(frame(state.fit, campaign.fit), state.noise, name, allowed):
+        if other.refused or other.added is None:
+            continue
+        if name in state.fit.model.catalogue.contained_in(other.added):
+            continue  # the richer one can always do its work
+        turns = in_turn(other.fit, campaign)
+        if turns is None:
+            continue
+        more = len(other.fit.model.parameters) - len(state.fit.model.parameters)
+        gain = whole.gain(turns) + _RICHER * max(more, 0)
+        if gain < _TOLD or (more <= 0 and whole.better(turns) < _MOST):
+            return f"{other.added} does as well in its place"
+    return ""
