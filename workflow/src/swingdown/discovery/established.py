@@ -33,6 +33,9 @@ def unneeded(state: Round, campaign: Campaign) -> Candidate | None:
         return None
     best: tuple[float, Candidate, Turns] | None = None
     for name in names:
+        size = state.fit.model.catalogue[name].size
+        if size is not None and size.lower == 0 and state.fit.model.values[size.name] <= 0:
+            continue  # that it would be negative is told
         lost = _lost(state, campaign, name, whole)
         if lost is not None and lost[0] < _IDLE and (best is None or lost[0] < best[0]):
             best = lost
@@ -96,7 +99,10 @@ def _doubt(state: Round, campaign: Campaign, allowed: Collection[str] | None, na
         if turns is None:
             continue
         more = len(other.fit.model.parameters) - len(state.fit.model.parameters)
-        gain = whole.gain(turns) + _RICHER * max(more, 0)
-        if gain < _TOLD or (more <= 0 and whole.better(turns) < _MOST):
+        if more > 0:  # a richer one can always do about as well
+            rivals = whole.gain(turns) + _RICHER * more < 0
+        else:
+            rivals = whole.gain(turns) < _TOLD or whole.better(turns) < _MOST
+        if rivals:
             return f"{other.added} does as well in its place"
     return ""
