@@ -25,7 +25,8 @@ from swingdown.plots import trials as trials_drawn
 from swingdown.report import contents, page
 from swingdown.studies.experiment import fit_campaign, fit_recording
 from swingdown.studies.norms import combine_recordings
-from swingdown.studies.paper_tables import comparison, parameters, table3
+from swingdown.studies.paper_tables import comparison, table3
+from swingdown.studies.parameters import parameters
 from swingdown.trials.find import find
 from swingdown.trials.schedule import Planned, chunks, planned
 from swingdown.trials.schedule import drawn as drawn_trial

@@ -1,5 +1,7 @@
 """Published cases computed by the project's own code, beside their certified values."""
 
+import swingdown.prefork  # noqa: F401  # first of all: it may take the job over
+
 from pathlib import Path
 
 from swingdown import console

@@ -1,5 +1,7 @@
 """The coverage of all cases as one table."""
 
+import swingdown.prefork  # noqa: F401  # first of all: it may take the job over
+
 import pandas as pd
 
 from swingdown import console

@@ -1,5 +1,7 @@
 """How often stated intervals hold the truth, in one case of many simulated measurements."""
 
+import swingdown.prefork  # noqa: F401  # first of all: it may take the job over
+
 from swingdown import console
 from swingdown.measurement.apparatus import read_apparatus
 from swingdown.paths import write_csv

@@ -1,5 +1,7 @@
 """Period, quality, decay and friction of each recording and pendulum, with the verdict on it, in one table."""
 
+import swingdown.prefork  # noqa: F401  # first of all: it may take the job over
+
 import json
 from pathlib import Path
 

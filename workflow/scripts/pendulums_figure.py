@@ -1,5 +1,7 @@
 """All pendulums of a study in one picture."""
 
+import swingdown.prefork  # noqa: F401  # first of all: it may take the job over
+
 import pandas as pd
 
 from swingdown import console

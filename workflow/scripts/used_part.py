@@ -1,5 +1,7 @@
 """One recording as it was read, and which part of it is used, as SVG and PNG."""
 
+import swingdown.prefork  # noqa: F401  # first of all: it may take the job over
+
 from swingdown import console
 from swingdown.measurement.recording import read_recording
 from swingdown.plots import save

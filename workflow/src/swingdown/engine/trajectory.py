@@ -144,7 +144,8 @@ def _run(
         report.panels, report.rejected, report.evaluations, report.reversals, report.error,
         report.stuck_after if report.stuck_after >= 0 else None, bool(report.driven),
     )  # fmt: skip
-    if effort.driven:
+    # a torque without a name may drive: it stands for whatever does
+    if effort.driven and all(map(model.catalogue.has_name, model.names)):
         warnings.warn(f"model {model.label}: {_DRIVEN}", TrajectoryWarning, stacklevel=3)
     return angles, slopes, effort
 
