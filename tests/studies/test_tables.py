@@ -177,6 +177,9 @@ def test_parameters_have_units_and_a_row_for_each_value():
         0.0008
     )  # the same in all recordings: no mean takes it away
     assert mean["standard_error"] == pytest.approx(np.hypot(mean["random_standard_error"], 0.0008))
+    assert (
+        mean["high"] - mean["value"] > 1.96 * mean["standard_error"]
+    )  # three recordings tell their scatter badly
     assert set(table["recording"]) == {"bench_0", "bench_1", "bench_2", "(mean)", "(joint)"}
 
 

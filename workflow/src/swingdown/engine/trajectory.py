@@ -144,8 +144,9 @@ def _run(
         report.panels, report.rejected, report.evaluations, report.reversals, report.error,
         report.stuck_after if report.stuck_after >= 0 else None, bool(report.driven),
     )  # fmt: skip
-    # a torque without a name may drive: it stands for whatever does
-    if effort.driven and all(map(model.catalogue.has_name, model.names)):
+    # a torque without a name may drive, for it stands for whatever does; and a friction below 0, which is told elsewhere
+    beyond = float(np.max(np.abs(angles), initial=0.0)) > np.pi / 2
+    if effort.driven and beyond and all(map(model.catalogue.has_name, model.names)):
         warnings.warn(f"model {model.label}: {_DRIVEN}", TrajectoryWarning, stacklevel=3)
     return angles, slopes, effort
 

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
+from scipy.special import stdtrit
 
 from ..arrays import Floats
 from ..engine.trajectory import sensitivities
@@ -21,6 +22,7 @@ from .result import Fit
 
 _A_PERIOD = 24  # means of residuals, a period: the pendulum's third harmonic is still there
 _HIGHEST = 12  # order of the autoregressive model
+_LEAST_DOF = 3.0
 _FEWEST = 20  # means for each order
 
 
@@ -42,13 +44,24 @@ class Uncertainty:
     ``random`` is their covariance by noise and by what the model misses, ``systematic`` (free, source) what the fit's
     ``sources`` do, ``covariance`` both together. ``inflation``: the random variance over that of independent residuals,
     geometric mean; n over this is the number of samples that count as independent. ``noise`` (rad): the standard deviation of
-    white noise with this spectrum at the pendulum's frequencies. NaN for values that a bound holds.
+    white noise with this spectrum at the pendulum's frequencies; ``dof``: degrees of freedom that its size is known to. NaN for
+    values that a bound holds.
     """
 
     random: Floats
     systematic: Floats
     inflation: float
     noise: float
+    dof: float
+
+    @property
+    def factors(self) -> Floats:
+        """By value the k of an interval value ± k standard errors that holds it with 95 % (JCGM 100, annex G): Student's, with
+        the degrees of freedom of the random part and any number of the systematic one."""
+        systematic = np.sum(self.systematic**2, axis=1)
+        with np.errstate(invalid="ignore", divide="ignore"):
+            whole = self.dof * (1 + systematic / np.diag(self.random)) ** 2
+        return np.where(np.isfinite(whole), stdtrit(np.where(np.isfinite(whole), whole, 1e9), 0.975), np.nan)
 
     @property
     def covariance(self) -> Floats:
@@ -81,13 +94,16 @@ def uncertainty(fit: Fit, swings: Swings) -> Uncertainty:
         precision[np.ix_(at, at)] = slack.precision * np.outer(scale[at], scale[at])
     random = np.full((size, size), np.nan)
     inverse = np.linalg.inv((hessian + precision)[kept])
-    random[kept] = inverse @ scores[kept] @ inverse * np.outer(scale, scale)[kept] * fit.n / (fit.n - size)
-    white = fit.rss / (fit.n - size)
-    plain = white * np.diag(inverse @ hessian[kept] @ inverse) * scale[~held] ** 2
+    random[kept] = inverse @ scores[kept] @ inverse * np.outer(scale, scale)[kept]
+    plain = fit.rss / fit.n * np.diag(inverse @ hessian[kept] @ inverse) * scale[~held] ** 2
     ratio = np.diag(random)[~held] / plain
     ratio = ratio[np.isfinite(ratio) & (ratio > 0)]
     inflation = float(np.exp(np.mean(np.log(ratio)))) if ratio.size else np.nan
-    return Uncertainty(random, fit.systematic, inflation, float(np.sqrt(white * inflation)))
+    # the fit took its values' share out of the residuals just where their spectrum is asked for
+    dof = max(fit.n / max(1.0, inflation) - size, _LEAST_DOF) if ratio.size else np.nan
+    random *= 1 + size / dof
+    noise = float(np.sqrt(fit.rss / fit.n * inflation * (1 + size / dof)))
+    return Uncertainty(random, fit.systematic, inflation, noise, dof)
 
 
 class _Part(NamedTuple):

@@ -25,7 +25,7 @@ _DIMS: dict[str, tuple[str, ...]] = {
     "residual": ("fitted", "time"),
     **dict.fromkeys(("correlation", "covariance"), ("fitted", "parameter", "parameter_2")),
     **dict.fromkeys(
-        ("value", "standard_error", "random_standard_error", "systematic_standard_error"),
+        ("value", "standard_error", "random_standard_error", "systematic_standard_error", "coverage_factor"),
         ("fitted", "parameter"),
     ),
     "systematic": ("fitted", "parameter", "source"),
@@ -181,6 +181,7 @@ def _row(
         "standard_error": np.sqrt(np.diag(known.covariance)),
         "random_standard_error": np.sqrt(np.diag(known.random)),
         "systematic_standard_error": systematic,
+        "coverage_factor": known.factors,
     }
     errors = {key: dict(zip(fit.free, values, strict=True)) for key, values in parts.items()}
     nuisance = fit.model.slack.parameters

@@ -26,6 +26,10 @@ LABELS: dict[str, tuple[str | None, str]] = {
         "its random part: noise and what the model misses, with their colour",
     ),
     "systematic_standard_error": (_OF_EACH, "its systematic part: calibration and clock"),
+    "coverage_factor": (
+        "1",
+        "k of an interval value ± k standard uncertainties that holds the value with 95 %",
+    ),
     "systematic": (_OF_EACH, "what a standard uncertainty of a source does to the fitted value"),
     "nuisance_value": (_OF_EACH, "fitted value of what the measurement leaves open"),
     "nuisance_standard_error": (_OF_EACH, "its standard uncertainty after the fit"),

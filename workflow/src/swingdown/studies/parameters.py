@@ -6,13 +6,15 @@ from typing import Any
 import numpy as np
 import pandas as pd
 import xarray as xr
+from scipy.special import stdtrit
 
 from ..rounding import value_with_uncertainty
 from .norms import as_text
 
-COVERAGE = 1.959963984540054  # standard errors either side: 95 %
+COVERAGE = 1.959963984540054  # standard errors either side: 95 %, where it is not told otherwise
 _NEGLIGIBLE = 1e-3  # of a variance
 _ERRORS = ("standard_error", "random_standard_error", "systematic_standard_error")
+_TOLD = (*_ERRORS, "coverage_factor")
 
 
 def parameters(norms: xr.Dataset, joint: Iterable[xr.Dataset] = ()) -> pd.DataFrame:
@@ -33,7 +35,7 @@ def parameters(norms: xr.Dataset, joint: Iterable[xr.Dataset] = ()) -> pd.DataFr
                 rows += [row | where for row in _estimates(chosen.sel(fitted=label, parameter=name))]
                 if campaign in together:
                     shared = together[campaign].sel(fitted=label, parameter=name)
-                    errors = (float(shared[key]) if key in shared else np.nan for key in _ERRORS)
+                    errors = (float(shared[key]) if key in shared else np.nan for key in _TOLD)
                     rows.append(_estimate("(joint)", float(shared["value"]), *errors) | where)
     rows = [row for row in rows if np.isfinite(row["value"])]
     order = ("campaign", "recording", "fitted", "parameter", "value", *_ERRORS, "low", "high", "unit", "text")
@@ -43,21 +45,25 @@ def parameters(norms: xr.Dataset, joint: Iterable[xr.Dataset] = ()) -> pd.DataFr
 def _estimates(one: xr.Dataset) -> Iterator[dict[str, Any]]:
     """A parameter's rows: each recording's, then their mean."""
     values, names = one["value"].values, as_text(one["recording"])
-    errors = [one[key].values if key in one else np.full(values.shape, np.nan) for key in _ERRORS]
+    errors = [one[key].values if key in one else np.full(values.shape, np.nan) for key in _TOLD]
     for row in zip(names, values, *errors, strict=True):
         yield _estimate(*row)
     if len(names) > 1:
         scatter = values.std(ddof=1) / np.sqrt(values.size)
-        shared = np.sqrt(np.mean(errors[-1] ** 2))
-        yield _estimate("(mean)", values.mean(), np.hypot(scatter, np.nan_to_num(shared)), scatter, shared)
+        shared = np.sqrt(np.mean(errors[2] ** 2))
+        whole = np.hypot(scatter, np.nan_to_num(shared))
+        dof = (values.size - 1) * (whole / scatter) ** 4 if scatter > 0 else np.inf  # Welch and Satterthwaite
+        factor = float(stdtrit(min(dof, 1e9), 0.975))
+        yield _estimate("(mean)", values.mean(), whole, scatter, shared, factor)
 
 
 def _estimate(
-    recording: str, value: float, error: float, random: float = np.nan, systematic: float = np.nan
+    recording: str, value: float, error: float, random: float, systematic: float, factor: float
 ) -> dict[str, Any]:
     known = dict(zip(_ERRORS, map(float, (error, random, systematic)), strict=True))
     text = value_with_uncertainty(float(value), float(error)) if np.isfinite(value) else ""
-    ends = {"low": float(value - COVERAGE * error), "high": float(value + COVERAGE * error)}
+    half = (factor if np.isfinite(factor) else COVERAGE) * error
+    ends = {"low": float(value - half), "high": float(value + half)}
     return {"recording": recording, "value": float(value), **known, **ends, "text": text}
 
 
@@ -66,9 +72,9 @@ def parameter_budget(fits: Iterable[xr.Dataset]) -> pd.DataFrame:
     source, contribution, share, unit.
 
     ``fits`` are the datasets of ``results/experiment/joint``, and of pendulums of one swing those of ``experiment/fits``.
-    ``contribution`` is what one standard uncertainty of the source
-    does to the value, in its unit; ``share`` its part of the variance. The source ``random`` is noise and what the model
-    misses. Sources of less than a thousandth of the variance are left out.
+    ``contribution`` is what one standard uncertainty of the source does to the value, in its unit; ``share`` its part of the
+    variance. The source ``random`` is noise and what the model misses. Sources of less than a thousandth of the variance are
+    left out.
     """
     rows = []
     for one in fits:

@@ -14,6 +14,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 from scipy.signal import lfilter
+from scipy.special import stdtrit
 
 from ..arrays import Floats, Swing
 from ..calibration import from_means
@@ -162,8 +163,8 @@ def swings(apparatus: Apparatus, case: Case, count: int, seed: int) -> pd.DataFr
             to_angle(_recording(times, _read(one, angle, case, rng)), one.calibration) for angle in clean
         ]
         fit, known = _fitted(angles, times)
-        for name, truth, value, error in _stated(fit, known, asked, number % _EVERY == 0):
-            held.setdefault(name, []).append(bool(abs(value - truth) <= COVERAGE * error))
+        for name, truth, value, half in _stated(fit, known, asked, number % _EVERY == 0):
+            held.setdefault(name, []).append(bool(abs(value - truth) <= half))
         foretold, spread = predict_reading(fit, known, times)
         line = one.calibration.sel(mode="gum")
         reading = float(line["line"].sel(coefficient="slope")) * (
@@ -171,7 +172,7 @@ def swings(apparatus: Apparatus, case: Case, count: int, seed: int) -> pd.DataFr
         )
         at = int(rng.integers(round(FITTED * RATE), times.size))
         held.setdefault("held-out end", []).append(
-            bool(abs(foretold[at] - reading[at]) <= COVERAGE * spread[at])
+            bool(abs(foretold[at] - reading[at]) <= _factor(known) * spread[at])
         )
     return table(case.words, held)
 
@@ -224,21 +225,31 @@ def _fitted(angles: Sequence[xr.Dataset], times: Floats) -> tuple[Fit, Uncertain
     return fit, uncertainty(fit, pairs)
 
 
+def _factor(known: Uncertainty) -> float:
+    """The k of a 95 % interval of what is derived from a fit."""
+    return float(stdtrit(known.dof, 0.975))
+
+
 def _stated(
     fit: Fit, known: Uncertainty, asked: dict[str, float], derived: bool
 ) -> Iterator[tuple[str, float, float, float]]:
-    """Of each quantity its name, true value, and value and standard uncertainty as stated."""
-    errors = np.sqrt(np.diag(known.covariance))
+    """Of each quantity its name, true value, and value and half of the 95 % interval as stated."""
+    halves = known.factors * np.sqrt(np.diag(known.covariance))
     for name in TRUTH.parameters:
         yield (
             name.replace("_", " "),
             TRUTH.values[name],
             fit.model.values[name],
-            float(errors[fit.free.index(name)]),
+            float(halves[fit.free.index(name)]),
         )
     if derived:
         at = [fit.free.index(name) for name in TRUTH.parameters]
         values = TRUTH.with_values({name: fit.model.values[name] for name in TRUTH.parameters})
         found: dict[str, Quantity] = quantities(values, AT, known.covariance[np.ix_(at, at)])
         for name in ("period", "quality", "decay_time"):
-            yield name.replace("_", " "), asked[name], found[name].value, found[name].uncertainty
+            yield (
+                name.replace("_", " "),
+                asked[name],
+                found[name].value,
+                _factor(known) * found[name].uncertainty,
+            )
