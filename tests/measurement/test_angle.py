@@ -252,3 +252,9 @@ def test_tolerances_of_a_sheet_are_limits_and_reach_the_angle():
 def test_where_nothing_is_stated_only_the_clock_is_open():
     slack = of_angles([to_angle(record(np.cos(np.arange(500) / 14), "rad"))])
     assert slack.names == () and slack.clock > 0
+
+
+def test_the_paper_s_bound_does_not_say_that_it_holds_95(swing, calibration):
+    told = {mode: to_angle(swing, calibration, mode)["angle_bound"].attrs["long_name"] for mode in MODES}
+    assert [mode for mode in MODES if "95 %" in told[mode]] == ["gum", "monte-carlo"]
+    assert "89 %" in told["paper"]

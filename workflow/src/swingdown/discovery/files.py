@@ -20,7 +20,7 @@ from .half_swings import said
 from .locate import kind
 from .state import Round
 
-_RANKING = ["move", "added", "also", "dropped", "delta_bic", "rms_rad", "tied", "correlation", "out_of_sample", "refused", "effects"]  # fmt: skip
+_RANKING = ["move", "added", "also", "dropped", "delta_bic", "gain_bic", "rms_rad", "tied", "correlation", "out_of_sample", "refused", "effects"]  # fmt: skip
 
 
 def read_campaign(name: str, paths: Sequence[Path | str], roles: Sequence[str]) -> tuple[Campaign, bool]:

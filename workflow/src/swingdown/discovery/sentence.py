@@ -34,7 +34,8 @@ def sentence(found: Mapping[str, Any], catalogue: Catalogue = SHIPPED) -> str:
         said.append(f"Held-out residual {holdout[0]:.3g} → {holdout[-1]:.3g} times the noise{_share(found)}.")
     if found["status"] in ("partial", "unknown"):
         said.append(_remains(found, catalogue))
-    return " ".join(said) + dropped + end
+    text = " ".join(said)
+    return text[:1].upper() + text[1:] + dropped + end
 
 
 def _share(found: Mapping[str, Any]) -> str:

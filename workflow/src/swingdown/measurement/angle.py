@@ -14,6 +14,8 @@ from .noise_level import noise_of, quantisation_step
 from .release import by_itself
 from .slack import as_variables, of_calibration, of_tolerances
 
+BOUND = "half width of the interval that holds the angle with 95 %"
+PAPER_BOUND = "half width of the paper's bound, limits added: it holds some 89 % of angles (docs/trust.md)"
 _RAD = {"rad": 1.0, "deg": pi / 180}
 UNIFORM_95 = 0.95 * sqrt(3)  # half width of the interval that holds 95 % of a uniform distribution, in its u
 
@@ -70,7 +72,7 @@ def to_angle(recording: xr.Dataset, calibration: xr.Dataset | None = None, mode:
             "angle_standard_uncertainty": variable(total, "standard uncertainty of the angle"),
             "angle_random_uncertainty": variable(random, "part that differs from sample to sample"),
             "angle_systematic_uncertainty": variable(systematic, "part that all samples share"),
-            "angle_bound": variable(bound, "half width of the interval that holds the angle with 95 %"),
+            "angle_bound": variable(bound, PAPER_BOUND if notes["mode"] == "paper" else BOUND),
             **as_variables(slack)[0],
         },
         {"time": recording["time"], **as_variables(slack)[1]},

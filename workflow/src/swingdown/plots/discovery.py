@@ -109,7 +109,9 @@ def missing_torque(
             axes.plot(x, part["torque"], color=colour, label=name)
         shares = {row["name"]: row["share"] for row in rounds[0]["groups"]}
         heading = f"time: {chosen}" if over == "time" else over
-        axes.set(xlabel=label, title=f"{heading}\n{100 * shares[over]:.0f} % of the excess")
+        # each as if it alone were missing, so that shares overlap; of an excess that is none there are none
+        share = f"explains {100 * shares[over]:.0f} % alone" if rounds[0]["missing"] else "nothing is missing"
+        axes.set(xlabel=label, title=f"{heading}\n{share}")
         axes.axhline(0, color=style.GREY, lw=0.6)
         axes.grid(True, axis="y")
     grid[0].set_ylabel("missing torque over inertia (rad/s²)")
@@ -204,32 +206,31 @@ def _reach(axes: Axes, values: Floats) -> None:
 
 @style.styled
 def ranking(ranked: pd.DataFrame, move: str) -> Figure:
-    """What each move would gain in the first round that looked: the difference of BIC to the best, refused ones crossed out.
+    """What each move would gain in the first round that looked, as evidence: the fall of BIC; refused ones are faint, with the reason.
 
-    ``ranked`` is a ranking table with ``move``, ``delta_bic``, ``tied`` and ``refused``; ``move`` the one that was chosen.
+    ``ranked`` is a ranking table with ``move``, ``gain_bic``, ``tied`` and ``refused``; ``move`` the one that was chosen.
     """
     if ranked.empty:
         return style.absent("Nothing was missing: no move was looked for.")
     table = ranked.head(_ROWS)
     figure = style.new_figure(1.8 + 0.55 * len(table))
     axes = figure.subplots()
-    base = 1.0  # so that the best has a bar, too
     for place, row in enumerate(table.itertuples()):
         refused = isinstance(row.refused, str) and row.refused != ""
         colour = style.FAINT if refused else AFTER if row.move == move else HELD if row.tied else style.GREY
-        axes.barh(place, max(row.delta_bic, 0) + base, left=0, color=colour, height=0.62)
-        note = f"{row.delta_bic:.0f}" + (
-            f"  refused: {_words(row.refused)}"
+        axes.barh(place, row.gain_bic, color=colour, height=0.62)
+        said = (
+            f"refused: {_words(row.refused)}"
             if refused
-            else "  chosen"
+            else "chosen"
             if row.move == move
-            else "  tied"
+            else "tied"
             if row.tied
             else ""
         )
         axes.annotate(
-            note,
-            (max(row.delta_bic, 0) + base, place),
+            f"{row.gain_bic:.0f}  {said}".rstrip(),
+            (max(row.gain_bic, 0), place),
             xytext=(4, 0),
             textcoords="offset points",
             va="center",
@@ -237,10 +238,11 @@ def ranking(ranked: pd.DataFrame, move: str) -> Figure:
         )
     axes.set_yticks(range(len(table)), [_words(name) for name in table["move"]])
     axes.invert_yaxis()
-    axes.set_xscale("symlog", linthresh=10)
-    axes.set_xlim(0, 40 * (table["delta_bic"].max() + 10))
+    most = max(float(table["gain_bic"].max()), 1.0)
+    axes.set_xlim(min(0.0, 1.05 * float(table["gain_bic"].min())), 1.5 * most)
+    axes.axvline(0, color=style.GREY, lw=0.8)
     axes.tick_params(axis="y", length=0)
-    axes.set_xlabel("ΔBIC above the best move (below 10: a tie)")
+    axes.set_xlabel("evidence gained: fall of BIC (within 10 of the best: a tie)")
     return figure
 
 
