@@ -48,7 +48,7 @@ def root():
 def snakemake():
     """A function that runs snakemake in the project's folder on other files; returns what it printed and its code."""
 
-    def run(*arguments, directory, cores=2, check=True):
+    def run(*arguments, directory, cores=2, check=True, environment=None):
         command = [
             sys.executable,
             "-m",
@@ -66,6 +66,7 @@ def snakemake():
             stdout=subprocess.PIPE,
             stderr=subprocess.STDOUT,
             timeout=900,
+            env=os.environ | (environment or {}),
         )
         if check and done.returncode:
             pytest.fail(f"{' '.join(map(str, command))} ended with {done.returncode}:\n{done.stdout}")

@@ -103,12 +103,26 @@ def test_another_setting_runs_only_what_rests_on_it(small_study, snakemake):
     assert not {"record", "angle", "calibrate", "simulate", "fit_simulated", "fig02", "fig09"} & rules
 
 
-def test_one_core_gives_the_same_numbers_as_two(small_study, snakemake, tmp_path):
-    (tmp_path / "small.csv").write_text((small_study / "small.csv").read_text())
-    snakemake(*NUMBERS, "--configfile", small_study / "small.yaml", directory=tmp_path, cores=1)
+def test_cores_order_folder_and_locale_change_no_byte(small_study, snakemake, tmp_path):
+    """One core for two, what comes last made first, in another folder, for a Turk in Calcutta."""
+    folder = tmp_path / "Bank für Pendel"
+    folder.mkdir()
+    (folder / "small.csv").write_text((small_study / "small.csv").read_text())
+    other = {"LC_ALL": "tr_TR.UTF-8", "LANG": "tr_TR.UTF-8", "TZ": "Asia/Kolkata", "PYTHONHASHSEED": "7"}
+    tables = [f"results/tables/{name}.csv" for name in TABLES]
+    figures = [
+        f"results/figures/fig{number:02d}.{ending}" for number in (2, 3, 9, 13) for ending in ("svg", "png")
+    ]
+    first = ["--prioritize", "results/simulation/norms.nc", "--"]
+    snakemake(
+        "--configfile", small_study / "small.yaml", *first, *NUMBERS, *tables, *figures,
+        directory=folder, cores=1, environment=other,
+    )  # fmt: skip
     for path in NUMBERS:
-        one, two = xr.open_dataset(tmp_path / path), xr.open_dataset(small_study / path)
+        one, two = xr.open_dataset(folder / path), xr.open_dataset(small_study / path)
         xr.testing.assert_identical(one, two)
+    for path in (*tables, *figures):
+        assert (folder / path).read_bytes() == (small_study / path).read_bytes(), path
 
 
 def test_the_run_tells_what_it_does_and_finds(small_study, snakemake, tmp_path):

@@ -19,6 +19,7 @@ def test_the_shipped_config_is_the_defaults_with_the_bench(root):
     }
     assert defaults.pop("effects") == {} and defaults.pop("hidden_effects")["seed"] == 2026
     assert defaults.pop("sweeps") == {}
+    assert defaults.pop("coverage") == {"seed": 2026, "calibrations": 5000, "swings": 5000, "together": 2000}
     assert shipped == defaults
     assert complete(files) == complete({}) | files
 
@@ -89,3 +90,18 @@ def test_what_the_command_line_says_of_a_capture_is_read_as_yaml():
     assert capture["trigger"] == {"threshold": 0.05, "pre_s": 0.5, "wait_s": 120}
     with pytest.raises(InputError, match=r"capture\.duration_s: 'soon' does not fit.*a number or null > 0"):
         complete({"capture": {"duration_s": "soon"}})
+
+
+@pytest.mark.parametrize(
+    ("setting", "told"),
+    [
+        ({"calibration": {"draws": 10**12}}, "2000000"),
+        ({"simulation": {"natural_frequency": 1e308}}, "10000"),
+        ({"simulation": {"realizations": 10**9}}, "1000000"),
+        ({"simulation": {"duration_s": 1e5, "sampling_rate_hz": 1000}}, "take 8 GB"),
+        ({"simulation": {"duration_s": 1e-3}}, "at least 20"),
+    ],
+)
+def test_settings_that_cannot_be_computed_say_what_they_would_take(setting, told):
+    with pytest.raises(InputError, match=told):
+        complete(setting)

@@ -20,6 +20,7 @@ def complete(config: Mapping[str, Any], where: str = "config") -> dict[str, Any]
         ("capture", "live", "recover", "recompute", "height", "count", "session", "monitor"),
     )
     settings = check(config, "config.schema.yaml", where)
+    _check_size(settings["simulation"], f"{where}, key simulation")
     known = catalogue(settings["effects"], f"{where}, key effects")
     for number, name in enumerate(settings["discovery"]["base"], 1):
         _check_effects([name], known, f"{where}, key discovery.base[{number}]")
@@ -30,6 +31,30 @@ def complete(config: Mapping[str, Any], where: str = "config") -> dict[str, Any]
         for number, label in enumerate(settings[part]["fitted"], 1):
             _check_model(label, known, f"{where}, key {part}.fitted[{number}]")
     return settings
+
+
+_FEWEST_SAMPLES = 20
+_MOST_SAMPLES = 50_000_000  # of all noisy copies of one simulated swing; they are held at once, at 8 bytes
+
+
+def _check_size(simulation: Mapping[str, Any], place: str) -> None:
+    """InputError for simulations that no machine holds, with what they would take."""
+    samples = simulation["sampling_rate_hz"] * simulation["duration_s"]
+    whole = samples * simulation["realizations"]
+    if whole > _MOST_SAMPLES:
+        raise InputError(
+            place,
+            f"{samples:.3g} samples in each of {simulation['realizations']} realisations take {8e-9 * whole:.3g} GB",
+            f"at most {_MOST_SAMPLES:.0e} samples in all",
+            "lower sampling_rate_hz, duration_s or realizations",
+        )
+    if samples < _FEWEST_SAMPLES:
+        raise InputError(
+            place,
+            f"{samples:.3g} samples in {simulation['duration_s']:g} s at {simulation['sampling_rate_hz']:g} Hz",
+            f"at least {_FEWEST_SAMPLES}",
+            "raise sampling_rate_hz or duration_s",
+        )
 
 
 def _check_model(label: str, known: Catalogue, place: str) -> None:
