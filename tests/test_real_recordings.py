@@ -104,11 +104,14 @@ def test_a_window_that_begins_in_the_hand_is_seen_in_the_fit(shared_data, tmp_pa
     assert float(np.sqrt((joint["rms"] ** 2).mean())) > 5 * 0.0115
 
 
+BUDGET = 100  # CPU seconds a search: what these tests hold is there long before
+
+
 def verdict_on(name, angles, base):
     """The verdict on recordings of one real pendulum, from this base model."""
     swings = [Swing(str(one.attrs["recording"]), one["time"].values, one["angle"].values) for one in angles]
     one = campaign(name, swings)
-    return verdict([summary(state, one) for state in discover(one, base)])
+    return verdict([summary(state, one) for state in discover(one, base, budget_s=BUDGET)])
 
 
 @pytest.mark.slow
@@ -133,14 +136,19 @@ def test_three_swings_of_a_link_have_no_name_for_what_they_lack(jensen):
     assert found["status"] in ("unknown", "partial")
     assert found["gap"]["holdout"][-1] < 0.7 * found["gap"]["holdout"][0]
     assert found["split"] == "held out by amplitude: rel90"
-    assert found["misspecified"] == ["viscous_ratio"]
-    assert "viscous ratio would be negative" in found["sentence"]
+    # the data would have a viscous damper give energy: it is told so, or the search has done without it
+    assert found["misspecified"] == ["viscous_ratio"] or found["removed"] == ["viscous"]
+    assert (
+        "viscous ratio would be negative" in found["sentence"] or "Not needed: viscous" in found["sentence"]
+    )
 
 
 @pytest.mark.slow
 def test_the_whole_workflow_runs_on_real_recordings(shared_data, snakemake, tmp_path):
     (tmp_path / "sheet.csv").write_text(SHEET.format(folder=shared_data.resolve()))
-    (tmp_path / "mine.yaml").write_text("recordings: sheet.csv\nsimulation: {simulated: []}\n")
+    (tmp_path / "mine.yaml").write_text(
+        "recordings: sheet.csv\nsimulation: {simulated: []}\ndiscovery: {budget_s: 20, rounds: 2}\n"
+    )
     snakemake("--configfile", tmp_path / "mine.yaml", directory=tmp_path)
     table = pd.read_csv(tmp_path / "results/tables/table3.csv").set_index(["campaign", "fitted"])
     assert np.radians(table.loc[("dynamicslab", ALL_THREE), "mean"]) <= 3.0e-3

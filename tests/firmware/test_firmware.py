@@ -203,8 +203,7 @@ def test_from_an_emulated_capture_through_the_whole_study(bench, snakemake):
     fits = xr.open_dataset(results / "experiment/fits/swing-1.nc")
     frequency = float(fits["value"].sel(fitted=best, parameter="natural_frequency"))
     assert frequency == pytest.approx(boards.emulate.NATURAL_FREQUENCY, rel=0.003)
-    for figure in ("fig08", "fig09", "fig13"):
-        assert (results / f"figures/{figure}.svg").stat().st_size > 2000
+    assert (results / "figures/fig08.svg").stat().st_size > 2000  # the calibration line
     assert (results / "report.html").stat().st_size > 100_000
 
 
