@@ -137,9 +137,17 @@ def _sweep(name, entry, base, where):
     axes, fixed = {}, {}
     for keys, entries in entry["axes"].items():
         place = f"{where}.axes, {keys}"
+        given_steps = written.steps(keys, entries, place)
+        # what holds at both ends of a range holds between them: the settings' bounds are intervals
+        within = isinstance(entries, dict) and all(
+            isinstance(one, float) for step in given_steps for one in step
+        )
         steps = [
-            tuple(_checked(base, key, value, f"{place}, value {k}") for key, value in zip(written.keys(keys), step, strict=True))
-            for k, step in enumerate(written.steps(keys, entries, place), 1)
+            tuple(
+                _plain(value, key) if within and 1 < k < len(given_steps) else _checked(base, key, value, f"{place}, value {k}")
+                for key, value in zip(written.keys(keys), step, strict=True)
+            )
+            for k, step in enumerate(given_steps, 1)
         ]  # fmt: skip
         if len({json.dumps(step) for step in steps}) < len(steps):
             raise InputError(place, "a value is there twice", "each value once", "remove one")
