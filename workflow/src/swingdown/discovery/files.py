@@ -116,7 +116,7 @@ def summary(state: Round, campaign: Campaign) -> dict[str, Any]:
         "seen": said(state.half_swings, at),
         "groups": [vars(group) for group in state.groups],
         "ranking": [
-            {"move": one.move, "added": one.added, "also": list(one.also), "dropped": one.dropped, "delta_bic": one.bic - best,
+            {"move": one.move, "added": one.added, "also": list(one.also), "dropped": one.dropped, "delta_bic": one.bic - best, "gain_bic": state.bic - one.bic,
              "rms_rad": one.fit.rms, "tied": any(one is tie for tie in state.ties), "correlation": state.alike.get(one.move),
              "out_of_sample": state.out_of_sample.get(one.move), "refused": one.refused, "effects": one.fit.model.label}
             for one in state.ranked

@@ -33,7 +33,6 @@ def complete(config: Mapping[str, Any], where: str = "config") -> dict[str, Any]
     return settings
 
 
-_FEWEST_SAMPLES = 20
 _MOST_SAMPLES = 50_000_000  # of all noisy copies of one simulated swing; they are held at once, at 8 bytes
 
 
@@ -47,13 +46,6 @@ def _check_size(simulation: Mapping[str, Any], place: str) -> None:
             f"{samples:.3g} samples in each of {simulation['realizations']} realisations take {8e-9 * whole:.3g} GB",
             f"at most {_MOST_SAMPLES:.0e} samples in all",
             "lower sampling_rate_hz, duration_s or realizations",
-        )
-    if samples < _FEWEST_SAMPLES:
-        raise InputError(
-            place,
-            f"{samples:.3g} samples in {simulation['duration_s']:g} s at {simulation['sampling_rate_hz']:g} Hz",
-            f"at least {_FEWEST_SAMPLES}",
-            "raise sampling_rate_hz or duration_s",
         )
 
 
