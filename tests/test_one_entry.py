@@ -82,7 +82,7 @@ def test_it_is_discovered_and_told(states, tmp_path):
     folders = [files.write_round(state, one, tmp_path / f"round-{state.number}", True) for state in found]
     told = verdict(files.read_rounds(folders), CATALOGUE)
     assert [entry["name"] for entry in told["effects"]] == ["rolling_resistance"]
-    assert "rolling resistance (friction 1." in told["sentence"]
+    assert "Rolling resistance (friction 1." in told["sentence"]
     assert told["next_measurement"] in (None, "Release from twice the angle.")
     for name in ("residuals", "half_swings", "ranking"):
         assert (folders[0] / {"residuals": "fit.nc"}.get(name, f"{name}.csv")).stat().st_size
@@ -90,7 +90,7 @@ def test_it_is_discovered_and_told(states, tmp_path):
     drawn.gap(told)
     material = contents.Material({}, {}, [], {"sweeps": {}}, verdicts=[told])
     page.write(tmp_path / "report.html", [contents.findings(material)], **contents.head(material))
-    assert "rolling resistance" in (tmp_path / "report.html").read_text()
+    assert "Rolling resistance" in (tmp_path / "report.html").read_text()
 
 
 def test_it_is_hidden_found_and_scored(tmp_path):
