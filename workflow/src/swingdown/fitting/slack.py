@@ -3,10 +3,10 @@
 from collections.abc import Iterable
 
 from ..pendulum.slack import Slack
-from .colour import Uncertainty, uncertainty
+from .colour import uncertainty
 from .least_squares import fit_jointly
 from .problem import Swings
-from .result import Fit
+from .result import Begin, Fit
 
 _ROUNDS = 2  # the residuals that what is known is weighed against are those of the fit itself
 
@@ -24,8 +24,7 @@ def allowing(
     for _ in range(_ROUNDS if slack.names else 1):
         noise = uncertainty(fit, swings).noise
         model = fit.model.with_slack(slack.weighed(noise))
-        begin = fit.begin
-        begin = type(begin)(model, begin.swings)
+        begin = Begin(model, fit.begin.swings)
         fit = fit_jointly(
             model,
             swings,
@@ -38,6 +37,3 @@ def allowing(
             most=most,
         )
     return fit
-
-
-__all__ = ["Uncertainty", "allowing", "uncertainty"]
