@@ -15,7 +15,7 @@ from swingdown.calibration import MODES, calibrate
 from swingdown.errors import InputError
 from swingdown.measurement.angle import to_angle
 from swingdown.measurement.apparatus import read_apparatus
-from swingdown.measurement.noise_level import noise_level, noise_of, quantisation_step
+from swingdown.measurement.noise_level import noise_level, noise_of
 from swingdown.measurement.recording import ingest
 from swingdown.measurement.sheet import read_sheet
 from swingdown.measurement.slack import of_angles
@@ -161,12 +161,6 @@ def test_elsewhere_the_noise_is_read_from_the_recording(rate, sigma):
 def test_too_few_samples_for_the_noise():
     with pytest.raises(InputError, match="at least 64"):
         noise_level(np.arange(20), np.arange(20))
-
-
-def test_the_step_of_a_signal():
-    x = np.sin(np.arange(5000) / 30)
-    assert quantisation_step(np.round(x / 0.003) * 0.003) == pytest.approx(0.003, rel=1e-6)
-    assert quantisation_step(x) == 0
 
 
 @pytest.mark.parametrize(

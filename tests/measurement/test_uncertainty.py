@@ -148,7 +148,7 @@ def test_jcgm_102_magnitude_and_phase(trust, row):
         if key in case:
             # the phase turns by pi beside this point, so its slope is taken where the published case has it
             def local(x, index=index):
-                small = [case["re"], 0] + 1e-3 * (np.asarray(x) - [case["re"], 0])
+                small = case["re"] + 1e-3 * (x[0] - case["re"]), 1e-3 * x[1]
                 return polar(small)[index] * 1e3
 
             result = propagate_gum(local, inputs, correlation)

@@ -17,6 +17,7 @@ from scipy.special import stdtrit
 from ..arrays import Floats
 from ..engine.trajectory import sensitivities
 from ..pendulum.effect import NATURAL_FREQUENCY
+from ..quantisation import quantisation_step, rounding
 from .problem import RELEASE, Swings
 from .result import Fit
 
@@ -74,7 +75,7 @@ def uncertainty(fit: Fit, swings: Swings) -> Uncertainty:
 
     The sandwich A S A: A the inverse of J'J with what is known beforehand, S = J' R J with the autocovariance R that the
     residuals' autoregressive model has (White, Econometrica 48, 817 (1980), with a parametric middle). Swings count as
-    independent.
+    independent. Where readings come in steps, S has what their rounding adds.
     """
     held = ~np.isfinite(np.diag(fit.covariance))
     scale = np.sqrt(np.where(held, 1.0, np.diag(fit.covariance)))
@@ -87,6 +88,7 @@ def uncertainty(fit: Fit, swings: Swings) -> Uncertainty:
             slopes = part.slopes * scale[part.where, np.newaxis]
             hessian[place] += part.each * slopes @ slopes.T
             scores[place] += part.each**2 * _weighted(slopes, colour)
+            scores[place] += part.rounding * np.outer(scale[part.where], scale[part.where])
     kept = np.ix_(~held, ~held)
     slack, precision = fit.model.slack, np.zeros((size, size))
     if slack.names and all(name in fit.free for name in slack.parameters):
@@ -107,13 +109,15 @@ def uncertainty(fit: Fit, swings: Swings) -> Uncertainty:
 
 
 class _Part(NamedTuple):
-    """One swing's residual and slopes as means of ``each`` samples: where its free values sit, slopes, residual, interval (s)."""
+    """One swing's residual and slopes as means of ``each`` samples: where its free values sit, slopes, residual, interval (s);
+    and what rounding adds to the covariance of slopes times residuals, of all samples."""
 
     where: Floats
     slopes: Floats
     residual: Floats
     interval: float
     each: int
+    rounding: Floats
 
 
 def _means(fit: Fit, swings: Swings) -> Iterator[_Part]:
@@ -126,7 +130,16 @@ def _means(fit: Fit, swings: Swings) -> Iterator[_Part]:
         slopes = sensitivities(fitted.model, times, *release, free=[fit.free[i] for i in where])[1]
         interval = (times[-1] - times[0]) / (times.size - 1)
         each = max(1, int(period / _A_PERIOD / interval))
-        yield _Part(where, _mean(slopes, each), _mean(angle - fitted.angle, each), each * interval, each)
+        residual = angle - fitted.angle
+        rounded = _rounding(slopes, angle, fitted.angle, float(np.var(residual)))
+        yield _Part(where, _mean(slopes, each), _mean(residual, each), each * interval, each, rounded)
+
+
+def _rounding(slopes: Floats, angle: Floats, fitted: Floats, variance: float) -> Floats:
+    """What the steps in which the angles (rad) of a swing come add to the covariance of slopes times residuals."""
+    step = quantisation_step(angle)
+    before = np.sqrt(max(0.0, variance - step**2 / 12))
+    return rounding(slopes, fitted, step, before) if step else np.zeros((len(slopes), len(slopes)))
 
 
 def _mean(series: Floats, each: int) -> Floats:

@@ -10,7 +10,8 @@ import xarray as xr
 
 from ..arrays import Floats
 from ..errors import InputError
-from .noise_level import noise_of, quantisation_step
+from ..quantisation import quantisation_step
+from .noise_level import noise_of
 from .release import by_itself
 from .slack import as_variables, of_calibration, of_tolerances
 

@@ -4,7 +4,7 @@ import numpy as np
 
 from ..arrays import Floats
 from ..errors import InputError
-from .noise_level import quantisation_step
+from ..quantisation import quantisation_step
 from .plausibility import half_swings
 
 SIDE = 6  # samples on each side of a place that is looked at

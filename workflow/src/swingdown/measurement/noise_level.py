@@ -100,16 +100,3 @@ def _blackman_harris(size: int) -> Floats:
     """The window of Harris, Proc. IEEE 66, 51 (1978), four terms (scipy.signal has it and takes a second to load)."""
     x = np.linspace(0, 2 * np.pi, size)
     return 0.35875 - 0.48829 * np.cos(x) + 0.14128 * np.cos(2 * x) - 0.01168 * np.cos(3 * x)
-
-
-def quantisation_step(signal: Floats) -> float:
-    """The step in which ``signal`` comes, in its unit; 0.0 if it does not come in steps."""
-    values = np.unique(signal)
-    if len(values) < 3 or len(values) > 0.5 * len(signal):
-        return 0.0
-    gaps = np.diff(values)
-    gaps = gaps[gaps > 1e-9 * np.ptp(values)]  # the same level, printed or computed twice
-    step = gaps.min()
-    step = gaps[gaps < 1.5 * step].mean()
-    many = gaps / step
-    return float(step) if np.mean(np.abs(many - np.round(many)) < 0.15) > 0.99 else 0.0

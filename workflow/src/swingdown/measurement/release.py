@@ -10,9 +10,10 @@ import xarray as xr
 
 from ..arrays import Floats
 from ..errors import InputError
+from ..quantisation import quantisation_step
 from .hand import stretches
 from .lift import lifted_until
-from .noise_level import noise_level, quantisation_step
+from .noise_level import noise_level
 from .plausibility import Swings, half_swings
 
 RISE = 1.15  # times as high as before it was held: a pendulum that was released anew

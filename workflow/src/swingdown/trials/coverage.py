@@ -47,7 +47,6 @@ DURATION, FITTED, RATE = (
 )  # s recorded; s that are fitted, the rest is foretold; samples a second
 AMPLITUDES = (0.3, 0.4, 0.5, 0.6)  # rad
 AT = 0.3  # rad: the amplitude at which period, quality and decay time are asked for
-_EVERY = 10  # draws: these three take longer than the fit
 _STILL = 300  # samples on each tower
 
 
@@ -154,7 +153,7 @@ def swings(apparatus: Apparatus, case: Case, count: int, seed: int) -> pd.DataFr
     asked = {name: one.value for name, one in quantities(TRUTH, AT).items()}
     held: dict[str, list[bool]] = {}
     for number in range(count):
-        one = bench(apparatus, [seed, number % max(1, count // 5), 3])
+        one = bench(apparatus, [seed, number, 3])
         rng = np.random.default_rng([seed, number, 4])
         clock = 1 + rng.uniform(-CLOCK_TOLERANCE, CLOCK_TOLERANCE)
         chosen = range(len(AMPLITUDES)) if case.swings > 1 else [number % len(AMPLITUDES)]
@@ -163,7 +162,7 @@ def swings(apparatus: Apparatus, case: Case, count: int, seed: int) -> pd.DataFr
             to_angle(_recording(times, _read(one, angle, case, rng)), one.calibration) for angle in clean
         ]
         fit, known = _fitted(angles, times)
-        for name, truth, value, half in _stated(fit, known, asked, number % _EVERY == 0):
+        for name, truth, value, half in _stated(fit, known, asked):
             held.setdefault(name, []).append(bool(abs(value - truth) <= half))
         foretold, spread = predict_reading(fit, known, times)
         line = one.calibration.sel(mode="gum")
@@ -231,7 +230,7 @@ def _factor(known: Uncertainty) -> float:
 
 
 def _stated(
-    fit: Fit, known: Uncertainty, asked: dict[str, float], derived: bool
+    fit: Fit, known: Uncertainty, asked: dict[str, float]
 ) -> Iterator[tuple[str, float, float, float]]:
     """Of each quantity its name, true value, and value and half of the 95 % interval as stated."""
     halves = known.factors * np.sqrt(np.diag(known.covariance))
@@ -242,14 +241,13 @@ def _stated(
             fit.model.values[name],
             float(halves[fit.free.index(name)]),
         )
-    if derived:
-        at = [fit.free.index(name) for name in TRUTH.parameters]
-        values = TRUTH.with_values({name: fit.model.values[name] for name in TRUTH.parameters})
-        found: dict[str, Quantity] = quantities(values, AT, known.covariance[np.ix_(at, at)])
-        for name in ("period", "quality", "decay_time"):
-            yield (
-                name.replace("_", " "),
-                asked[name],
-                found[name].value,
-                _factor(known) * found[name].uncertainty,
-            )
+    at = [fit.free.index(name) for name in TRUTH.parameters]
+    values = TRUTH.with_values({name: fit.model.values[name] for name in TRUTH.parameters})
+    found: dict[str, Quantity] = quantities(values, AT, known.covariance[np.ix_(at, at)])
+    for name in ("period", "quality", "decay_time"):
+        yield (
+            name.replace("_", " "),
+            asked[name],
+            found[name].value,
+            _factor(known) * found[name].uncertainty,
+        )
