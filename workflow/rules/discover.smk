@@ -12,15 +12,18 @@ ROUND_FILES = [
     "map.csv",
     "unnamed.csv",
     "half_swings.csv",
+    "remainder.csv",
+    "course.csv",
 ]
 SEEN = [
     "answer",
+    "remainder",
     "residuals",
     "map",
     "half_swings",
     "ranking",
     "gap",
-]  # the figures: functions of swingdown.plots.discovery
+]  # the figures: functions of swingdown.plots
 VERDICTS += expand("results/discovery/{campaign}/verdict.json", campaign=PLAN.searched)
 SEEN_FIGURES = expand("results/discovery/{campaign}/figures/{name}.svg", campaign=PLAN.searched, name=SEEN)
 

@@ -10,6 +10,7 @@ import pandas as pd
 from swingdown import console, dataset
 from swingdown.plots import discovery, save, style
 from swingdown.plots.answer import shown_in, swings_with_fit
+from swingdown.plots.remainder import remainder
 
 
 def figures(verdict, folders, outputs):
@@ -21,6 +22,11 @@ def figures(verdict, folders, outputs):
     fitted = dataset.read(last / "fit.nc")
     drawn = {
         "answer": lambda: swings_with_fit(shown_in(fitted), found["noise_rms_rad"], fitted),
+        "remainder": lambda: remainder(
+            pd.read_csv(last / "remainder.csv"),
+            pd.read_csv(last / "course.csv"),
+            json.loads((last / "round.json").read_text()),
+        ),
         "residuals": lambda: discovery.residuals(
             dataset.read(first / "fit.nc"), dataset.read(last / "fit.nc")
         ),

@@ -17,10 +17,15 @@ from ..pendulum.model import Model, write_model
 from .campaign import Campaign, Swing, campaign
 from .confirm import gap, per_swing
 from .half_swings import said
+from .linear import frame
 from .locate import kind
+from .remainder import COURSE, MAP, Remainder, remainder
 from .state import Round
 
 _RANKING = ["move", "added", "also", "dropped", "delta_bic", "gain_bic", "rms_rad", "tied", "correlation", "out_of_sample", "refused", "effects"]  # fmt: skip
+
+
+_NOTHING = Remainder(pd.DataFrame(columns=MAP), {}, pd.DataFrame(columns=COURSE), 0.0, 0.0)
 
 
 def read_campaign(name: str, paths: Sequence[Path | str], roles: Sequence[str]) -> tuple[Campaign, bool]:
@@ -43,16 +48,22 @@ def read_campaign(name: str, paths: Sequence[Path | str], roles: Sequence[str]) 
 
 
 def write_round(state: Round, campaign: Campaign, folder: Path | str, emulated: bool) -> Path:
-    """The folder written: round.json, model.yaml, fit.nc and the tables of one ``Round`` (groups, ranking, map, unnamed, half-swings)."""
+    """The folder written: round.json, model.yaml, fit.nc and the tables of one ``Round`` (groups, ranking, map, unnamed, half-swings,
+    remainder, course)."""
     folder = Path(folder)
     folder.mkdir(parents=True, exist_ok=True)
-    told = summary(state, campaign)
+    lacks = remainder(frame(state.fit, campaign.fit), state.noise) if state.missing else _NOTHING
+    told = summary(state, campaign) | {
+        "remainder": {"shares": lacks.shares, "torque": lacks.torque, "gain": lacks.gain}
+    }
     write_model(state.model, folder / "model.yaml")
     write_csv(pd.DataFrame(told["groups"]), folder / "groups.csv")
     write_csv(pd.DataFrame(told["ranking"], columns=_RANKING), folder / "ranking.csv")
     write_csv(state.curves, folder / "map.csv", float_format="%.6g")
     write_csv(state.kept, folder / "unnamed.csv", float_format="%.6g")
     write_csv(state.half_swings, folder / "half_swings.csv", float_format="%.6g")
+    write_csv(lacks.map, folder / "remainder.csv", float_format="%.6g")
+    write_csv(lacks.course, folder / "course.csv", float_format="%.6g")
     dataset.write(_series(state, campaign, emulated), folder / "fit.nc")
     write_text(folder / "round.json", json.dumps(told, indent=1) + "\n")
     return folder

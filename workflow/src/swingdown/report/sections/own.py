@@ -19,6 +19,10 @@ from .missing import missing
 
 FEW = 3  # campaigns that are shown at length; of more there is one table and one picture
 _TORQUE = "The torque that is missing, over angle, velocity and time, from the equations of variation: no data are differentiated."
+_LEFT = (
+    "What the last model still lacks: a torque over angle and speed together, of what it is a function, and when it acts. It has no "
+    "name here."
+)
 _FITTED = (
     "What was measured, what the last model makes of it, and what that leaves. Parts in green had no share in the fit but their own "
     "release: they are what the verdict is held against."
@@ -39,6 +43,8 @@ def answer(material: Material) -> Section | None:
         found = verdicts.get(str(campaign))
         if found is not None:
             items += _verdict(found, table["campaign"].nunique() > 1)
+        if found is not None and found["status"] in ("partial", "unknown"):
+            items += _drawn(material, str(campaign), "remainder", "What remains", _LEFT)
         items += _drawn(material, str(campaign), "answer", "Recording and fit", _FITTED)
         items += (
             [_quantities(rows, found)] if len(rows) == 1 else [_recordings(rows, material, str(campaign))]

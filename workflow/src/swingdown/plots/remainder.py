@@ -1,0 +1,114 @@
+"""The picture of what a model still lacks: a torque over angle and speed together, and when it acts."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from ..arrays import Floats
+from . import style
+
+_KNOWN = 0.3  # of a torque on the map must be determined by the data for it to be drawn
+_PLAIN = 2.0  # standard errors from nothing
+_SHAPES = {
+    "position": "angle alone",
+    "velocity": "speed alone",
+    "sum": "one added to the other",
+    "map": "both together",
+}
+_COLOURS = "RdBu_r"
+
+
+@style.styled
+def remainder(table: pd.DataFrame, course: pd.DataFrame, told: Mapping[str, Any]) -> Figure:
+    """The missing torque over angle and speed, what it is a function of, and its course in the swing that has most of it.
+
+    ``table`` (``angle_rad``, ``speed_rad_per_s``, ``torque``, ``band``, ``known``, ``seen``) and ``course`` (``swing``, ``time_s``,
+    ``torque``, ``band``) are those of a round, ``told`` its round.json. Where nothing is missing the picture says so.
+    """
+    figure = style.new_figure(12.0)
+    if table.empty:
+        axes = figure.subplots()
+        axes.set_axis_off()
+        axes.text(0.5, 0.5, "nothing is missing: no torque is left to draw", ha="center", va="center")
+        return figure
+    halves: Any = figure.subfigures(2, 1, height_ratios=(1.25, 1))
+    upper, lower = halves
+    left, right = upper.subplots(1, 2, width_ratios=(1.6, 1))
+    drawn = _map(left, table)
+    upper.colorbar(drawn, ax=left, label="missing torque (rad/s²)", pad=0.02)
+    _shares(right, told["remainder"]["shares"])
+    _course(lower.subplots(), course)
+    return style.footnote(
+        figure,
+        f"campaign {told['campaign']}",
+        "blank: not determined; small points: less than two standard errors",
+        "torque over inertia, beyond what the model's own values can imitate",
+    )
+
+
+def _map(axes: Axes, table: pd.DataFrame) -> Any:
+    """Torque over angle and speed, blank where the data do not determine it; for either direction of motion its own."""
+    shown = table["torque"].where((table["known"] > _KNOWN) & (table["seen"] > 0))
+    largest = float(np.nanmax(np.abs(shown))) if shown.notna().any() else 1.0
+    drawn = None
+    for forward in (True, False):
+        side = np.signbit(table["speed_rad_per_s"]) != forward
+        grid = table.assign(shown=shown)[side].pivot_table(
+            "shown", "speed_rad_per_s", "angle_rad", dropna=False
+        )
+        drawn = axes.pcolormesh(
+            style.degrees(grid.columns), grid.index, np.ma.masked_invalid(grid.to_numpy()), cmap=_COLOURS,
+            vmin=-largest, vmax=largest, shading="gouraud" if grid.notna().all(axis=None) else "nearest", rasterized=True,
+        )  # fmt: skip
+    weak = shown.notna() & (table["torque"].abs() < _PLAIN * table["band"])
+    axes.plot(
+        style.degrees(table["angle_rad"][weak]), table["speed_rad_per_s"][weak], ".", color=style.GREY, ms=2
+    )
+    axes.axhline(0, color=style.INK, lw=0.6)
+    axes.set(xlabel="angle (°)", ylabel="angular speed (rad/s)", title="where it acts")
+    return drawn
+
+
+def _shares(axes: Axes, shares: Mapping[str, float]) -> None:
+    """How much of the excess over the noise a torque of each kind would explain."""
+    names = list(_SHAPES)[::-1]
+    values = [100 * shares[name] for name in names]
+    axes.barh(range(len(names)), values, color=style.FAINT, height=0.6)
+    for k, value in enumerate(values):
+        axes.text(value + 2, k, f"{value:.0f} %", va="center", fontsize=9)
+    axes.set(xlim=(0, 120), xticks=(0, 50, 100), xlabel="share explained (%)", title="a function of")
+    axes.set_yticks(range(len(names)), [_SHAPES[name] for name in names])
+
+
+def _course(axes: Axes, course: pd.DataFrame) -> None:
+    """The torque over time of the swing in which it is largest, with what is plainly not nothing marked."""
+    size = (course["torque"] ** 2).groupby(course["swing"]).mean()
+    one = course[course["swing"] == size.idxmax()]
+    time, torque, band = (one[name].to_numpy() for name in ("time_s", "torque", "band"))
+    time = time - time[0]
+    axes.fill_between(
+        time, torque - 2 * band, torque + 2 * band, color=style.FAINT, lw=0, label="± 2 standard errors"
+    )
+    axes.plot(time, torque, color="#0072B2", lw=0.8, label="missing torque")
+    _marked(axes, time, np.abs(torque) > _PLAIN * band)
+    axes.axhline(0, color=style.GREY, lw=0.6)
+    axes.set(
+        xlabel=style.TIME,
+        ylabel="(rad/s²)",
+        title=f"when it acts: {one['swing'].iloc[0]}",
+        xlim=(time[0], time[-1]),
+    )
+    axes.margins(y=0.2)
+    axes.legend(loc="upper left", ncols=3)
+
+
+def _marked(axes: Axes, time: Floats, plain: Floats) -> None:
+    """Ticks along the lower edge at the times of a torque that is plainly not nothing."""
+    axes.plot(
+        time[plain], np.full(np.count_nonzero(plain), 0.03), "|", color="#D55E00", ms=5, mew=0.6,
+        transform=axes.get_xaxis_transform(), label="plainly not nothing",
+    )  # fmt: skip
