@@ -2,7 +2,8 @@
 
 Reads results/hidden_effects as ``snakemake hidden_effects`` leaves it, runs each method on every campaign and writes
 discovery.csv (a row for each method and campaign) and discovery_summary.csv (a row for each method). A campaign that a
-method cannot digest counts as failed, and the rest goes on.
+method cannot digest counts as failed, and the rest goes on. ``--answers FILE`` adds a method that was run elsewhere: a CSV with a
+row for each campaign (docs/benchmark.md).
 """
 
 import argparse
@@ -14,9 +15,11 @@ import weak_form
 from campaigns import campaigns, row
 
 from swingdown import console
+from swingdown.errors import InputError
 
 OURS = "this package"
 KINDS = ("single", "pair", "null", "removed", "foreign")
+SAID = ("named", "consistent", "unknown", "failed")
 PAUSE = 15  # s between two lines of progress
 
 
@@ -24,9 +27,14 @@ def methods():
     """(methods by name, reasons why others are left out): each method takes swings and the effects that are not in the catalogue."""
     found, missing = {"weak form, one term at a time": weak_form.named}, []
     try:
+        import bayes
         import sindy
 
-        found |= {"pysindy STLSQ, strong form": sindy.strong, "pysindy STLSQ, weak form": sindy.weak}
+        found |= {
+            "pysindy STLSQ, strong form": sindy.strong,
+            "pysindy STLSQ, weak form": sindy.weak,
+            "sparse Bayesian learning, weak form": bayes.named,
+        }
     except ImportError as error:
         missing.append(
             f"pysindy ({error}; make benchmark-discovery installs it from requirements-discovery.lock)"
@@ -79,6 +87,34 @@ def ours(path, trials):
     return rows
 
 
+def answers(path, trials):
+    """The rows of a method that was run elsewhere, from a CSV of its answers; InputError where that is none.
+
+    Columns ``campaign``, ``said`` (named, consistent, unknown or failed), ``named`` (effects with + between them, and / between those
+    that one term may stand for) and, if known, ``cpu_s``. A campaign without an answer counts as failed.
+    """
+    path = Path(path)
+    if not path.is_file():
+        raise InputError(path, "the answers are not there", mend="say where they are: --answers FILE")
+    table = pd.read_csv(path, dtype=str, keep_default_na=False)
+    if lacks := [name for name in ("campaign", "said", "named") if name not in table]:
+        raise InputError(path, f"no column {lacks[0]}", "the columns campaign, said and named")
+    if len(strange := sorted(set(table["said"]) - set(SAID))):
+        raise InputError(f"{path}, column said", f"{strange[0]!r}", f"one of {', '.join(SAID)}")
+    if unknown := sorted(set(table["campaign"]) - {one.name for one in trials}):
+        raise InputError(f"{path}, column campaign", f"no campaign is called {unknown[0]}")
+    told, rows = table.drop_duplicates("campaign").set_index("campaign"), []
+    for one in trials:
+        if one.name not in told.index:
+            rows.append(row(path.stem, one, [], float("nan"), "failed"))
+            continue
+        answer = told.loc[one.name]
+        names = [tuple(name.split("/")) for name in answer["named"].split("+") if name]
+        seconds = float(answer["cpu_s"]) if answer.get("cpu_s") else float("nan")
+        rows.append(row(path.stem, one, names, seconds, answer["said"]))
+    return rows
+
+
 def summarise(table):
     """The table of figures, a row for each method: counts as "k of n", the median CPU time of a campaign in s."""
     found = []
@@ -121,13 +157,15 @@ def main():
         help="what snakemake hidden_effects made",
     )
     reader.add_argument("--results", type=Path, default=Path("results/benchmarks"))
+    reader.add_argument("--answers", type=Path, action="append", default=[], help="a method's answers, a CSV")
     given = reader.parse_args()
     trials = campaigns(given.hidden)
     found, missing = methods()
     for reason in missing:
         print(f"NOT MEASURED: {reason}")
     print(f"{len(trials)} campaigns of {given.hidden}, {len(found)} methods:")
-    table = pd.DataFrame(ours(given.hidden / "scores.csv", trials) + measure(found, trials))
+    elsewhere = [line for path in given.answers for line in answers(path, trials)]
+    table = pd.DataFrame(ours(given.hidden / "scores.csv", trials) + elsewhere + measure(found, trials))
     figures = summarise(table)
     given.results.mkdir(parents=True, exist_ok=True)
     table.to_csv(given.results / "discovery.csv", index=False, float_format="%.4g")

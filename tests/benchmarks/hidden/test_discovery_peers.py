@@ -112,3 +112,30 @@ def test_the_packages_own_scores_are_taken_as_they_are(tmp_path):
         "ambiguous",
         3.0,
     )
+
+
+def test_the_answers_of_a_method_run_elsewhere_are_counted_as_the_others(tmp_path):
+    trials = campaigns(folder_of(tmp_path, EASY, TORQUE, NULL))
+    path = tmp_path / "mine.csv"
+    path.write_text(
+        "campaign,said,named,cpu_s\nc0,named,power_law_drag/quadratic_drag,2.5\nc1,named,detent,1\n"
+    )
+    first, second, third = run.answers(path, trials)
+    assert (first["method"], first["exact"], first["cpu_s"]) == ("mine", True, 2.5)
+    assert second["wrong"] and not second["exact"]
+    assert third["said"] == "failed" and not third["alarm"]
+
+
+@pytest.mark.parametrize(
+    ("text", "complaint"),
+    [
+        ("campaign,named\nc0,detent\n", "no column said"),
+        ("campaign,said,named\nc0,perhaps,detent\n", "perhaps"),
+        ("campaign,said,named\nc7,named,detent\n", "no campaign is called c7"),
+    ],
+)
+def test_answers_that_cannot_be_counted_are_refused(tmp_path, text, complaint):
+    trials = campaigns(folder_of(tmp_path, EASY))
+    (tmp_path / "mine.csv").write_text(text)
+    with pytest.raises(InputError, match=complaint):
+        run.answers(tmp_path / "mine.csv", trials)
