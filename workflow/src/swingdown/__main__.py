@@ -48,7 +48,11 @@ def _parser() -> argparse.ArgumentParser:
     add(
         "--into", metavar="FOLDER", help="the study's folder (default: beside the first file, named after it)"
     )
-    add("--unit", choices=["rad", "deg", "counts"], help="of the angle, where the file does not say it")
+    add(
+        "--unit",
+        choices=["rad", "deg", "counts", "rad/s", "deg/s"],
+        help="of the angle or the angular rate, where the file does not say it",
+    )
     add("--counts-per-revolution", type=float, metavar="N", help="of an encoder in counts")
     add("--column", metavar="NAME", help="of the angle, where the file has several")
     add("--time-unit", choices=["s", "ms", "us"], help="of the time, where the file does not say it")

@@ -12,7 +12,9 @@ import pandas as pd
 import xarray as xr
 
 from ..arrays import Shown
+from ..discovery.verdict import noise_rms
 from ..rounding import value_with_uncertainty
+from ..studies.pendulums import residual_of
 from ..studies.words import lines, quantity_rows
 
 
@@ -70,7 +72,7 @@ class Answer:
         """A matplotlib Figure: the swings with the fit, and what it leaves."""
         from ..plots.answer import swings_with_fit
 
-        noise = self.verdict["noise_rms_rad"] if self.verdict else None
+        noise = noise_rms(self.verdict) if self.verdict else None
         return swings_with_fit(self.shown, noise, {"emulated": self.row["emulated"]})
 
     def to_dict(self) -> dict[str, Any]:
@@ -89,7 +91,8 @@ class Answer:
                 for one in quantity_rows(row, self.verdict)
             },
             "model": self.model,
-            "residual_rad": float(row["residual_rad"]),
+            "residual": {"value": residual_of(row)[0], "unit": residual_of(row)[1]},
+            "residual_rad": float(row["residual_rad"]) if residual_of(row)[1] == "rad" else None,
             "emulated": row["emulated"] == "yes",
             "remarks": self.remarks,
             "verdict": dict(self.verdict) if self.verdict else None,

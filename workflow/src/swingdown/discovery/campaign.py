@@ -10,6 +10,7 @@ from ..arrays import Floats
 from ..errors import InputError
 from ..fitting.guess import middle_crossings
 from ..measurement.noise_level import HARMONICS, whittle
+from ..pendulum.catalogue import ANGLE
 from ..pendulum.slack import Slack
 
 # A single recording is cut into parts of as many half-swings each: odd numbers of them, so that both ends are fitted.
@@ -62,7 +63,8 @@ class Campaign:
     """The swings to fit and those held out, how they were chosen, and what is known of the noise before any fit.
 
     ``systematic`` is the largest standard uncertainty (rad) that all samples share; ``slack`` what calibration and clock leave
-    open of the readings, which every fit leaves open too.
+    open of the readings, which every fit leaves open too. ``reading`` is what the sensor reads: where it is a rate, angles of
+    swings and of fits stand for angular velocities (rad/s).
     """
 
     name: str
@@ -72,6 +74,7 @@ class Campaign:
     static: tuple[tuple[Floats, Floats], ...] = field(default=())
     systematic: float = 0.0
     slack: Slack = field(default_factory=Slack, compare=False)
+    reading: str = ANGLE
 
 
 def campaign(

@@ -8,7 +8,7 @@ import pandas as pd
 import xarray as xr
 
 from ..arrays import Floats
-from ..pendulum.catalogue import SHIPPED, Catalogue
+from ..pendulum.catalogue import ANGLE, RATE, READINGS, SHIPPED, Catalogue
 from ..pendulum.model import Model
 from ..rounding import value_with_uncertainty
 from .comparison import WORTH, bic_effective
@@ -56,7 +56,7 @@ def described(
     """
     one = norms.sel(fitted=label)
     options = {key: str(norms.attrs[key]) for key in ("restoring", "form") if key in norms.attrs}
-    model = Model(tuple(label.split("+")), catalogue=catalogue, **options)  # type: ignore[arg-type]
+    model = Model(tuple(label.split("+")), catalogue=catalogue, **options).of(reading_of(one))  # type: ignore[arg-type]
     at = {"parameter": list(model.parameters)}
     model = model.with_values(
         dict(zip(model.parameters, map(float, one["value"].sel(at).values), strict=True))
@@ -78,7 +78,7 @@ def pendulums(
     Columns: campaign, recording, amplitude_rad, then each quantity with its unit in the name (``period_s``, ``quality``,
     ``decay_time_s``, ``natural_frequency_rad_per_s``, and the parameters of damping where the model has them), each followed by
     its standard uncertainty (``period_s_u``) and both as a text (``period_s_text``); ``model`` the label of ``described_by``;
-    ``residual_rad`` the RMS that it leaves; ``verdict`` the status of the campaign's search, ``missing`` what that names;
+    ``residual_rad`` the RMS that it leaves (of an angular rate ``residual_rad_per_s``); ``verdict`` the status of the campaign's search, ``missing`` what that names;
     ``emulated``, ``remark``. ``left_out`` (recording, file, problem) tells in ``remark`` why a recording was not searched, and adds
     a row with the verdict ``refused`` for each file that could not be used.
     """
@@ -110,11 +110,13 @@ def in_order(table: pd.DataFrame) -> pd.DataFrame:
     first = [_column(name, unit) for name, unit in UNITS.items()]
     told = [column for column in table if f"{column}_u" in table]
     columns = [column + part for column in dict.fromkeys([*first, *told]) for part in ("", "_u", "_text")]
-    return table.reindex(columns=[*_HEAD, *columns, *_TAIL])
+    tail = [name for name in _TAIL if name != RESIDUALS[RATE] or name in table]
+    return table.reindex(columns=[*_HEAD, *columns, *tail])
 
 
 _HEAD = ("campaign", "recording", "amplitude_rad")
-_TAIL = ("model", "residual_rad", "verdict", "missing", "emulated", "remark")
+RESIDUALS = {ANGLE: "residual_rad", RATE: "residual_rad_per_s"}
+_TAIL = ("model", *RESIDUALS.values(), "verdict", "missing", "emulated", "remark")
 
 
 def _row(
@@ -133,7 +135,18 @@ def _row(
         row |= {column: value, f"{column}_u": error, f"{column}_text": value_with_uncertainty(value, error)}
     rms = np.radians(np.sqrt(np.mean(fitted["norm"].sel(fitted=label).values ** 2)))
     emulated = "yes" if "yes" in own["emulated"].values else "no"
-    return row | {"residual_rad": float(rms), "emulated": emulated}
+    return row | {RESIDUALS[reading_of(fitted)]: float(rms), "emulated": emulated}
+
+
+def reading_of(norms: xr.Dataset) -> str:
+    """What the sensor of these recordings reads: ``angle`` or ``rate``."""
+    return str(np.atleast_1d(norms["reading"].values)[0]) if "reading" in norms.coords else ANGLE
+
+
+def residual_of(row: Mapping[str, Any]) -> tuple[float, str]:
+    """What the model of a row of ``pendulums`` leaves (RMS), and its unit: rad, or rad/s of an angular rate."""
+    rate = float(row.get(RESIDUALS[RATE], np.nan))
+    return (rate, READINGS[RATE]) if np.isfinite(rate) else (float(row[RESIDUALS[ANGLE]]), READINGS[ANGLE])
 
 
 def quantities_of(row: Mapping[str, Any]) -> dict[str, Quantity]:

@@ -44,6 +44,7 @@ def cycle(model: Model, amplitude: float) -> Cycle:
     The decrement is twice the logarithm of one turning point's distance over the next one's, from side to side: where the
     swing's middle lies does not matter.
     """
+    model = model.motion  # what the sensor makes of it is none of the pendulum's
     frequency = model.values[NATURAL_FREQUENCY.name]
     ideal = 2 * np.pi / (frequency * amplitude_factor(amplitude))
     times = 1.5 * ideal * np.arange(int(1.5 * _SAMPLES)) / (1.5 * _SAMPLES)

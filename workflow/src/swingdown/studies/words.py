@@ -5,7 +5,7 @@ from math import degrees
 from typing import Any, NamedTuple
 
 from ..rounding import value_with_uncertainty
-from .pendulums import quantities_of
+from .pendulums import quantities_of, residual_of
 
 STATUS = {
     "consistent": "Nothing is missing",
@@ -77,8 +77,9 @@ def lines(row: Mapping[str, Any], verdict: Mapping[str, Any] | None = None) -> l
         + (f"   {one.condition}" if one.condition else "")
         for one in quantity_rows(row, verdict)
     ]
+    residual, unit = residual_of(row)
     told.append(
-        f"damping            {model_words(str(row['model']))}; it leaves {1e3 * row['residual_rad']:.3g} mrad RMS"
+        f"damping            {model_words(str(row['model']))}; it leaves {1e3 * residual:.3g} m{unit} RMS"
     )
     if row.get("emulated") == "yes":
         told.append("emulated: computed, not measured on a real pendulum")
@@ -90,5 +91,5 @@ def lines(row: Mapping[str, Any], verdict: Mapping[str, Any] | None = None) -> l
 def said(verdict: Mapping[str, Any]) -> tuple[str, str]:
     """The status of a verdict in a word or three, and its sentence, which does not say the same again."""
     status = STATUS.get(verdict["status"], verdict["status"])
-    sentence = str(verdict["sentence"]).removeprefix(f"{status}: ")
+    sentence = str(verdict["sentence"]).removeprefix(status).lstrip(",: ")
     return status, sentence[:1].upper() + sentence[1:]

@@ -8,7 +8,8 @@ from typing import Any
 import pandas as pd
 from markupsafe import Markup
 
-from ...studies.pendulums import REFUSED
+from ...discovery.verdict import noise_rms
+from ...studies.pendulums import REFUSED, residual_of
 from ...studies.words import STATUS, model_words, quantity_rows, said
 from .. import numbers
 from ..material import Material
@@ -58,10 +59,10 @@ def _verdict(found: Mapping[str, Any], several: bool) -> Iterator[Text]:
 
 def _sure(found: Mapping[str, Any]) -> Markup:
     """How sure a verdict is: what was held out of every fit, and what each effect gained."""
-    noise = 1e3 * found["noise_rms_rad"]
+    noise = 1e3 * noise_rms(found)
     parts = [
         f"Recordings, or parts, that were held out of every fit are met within {found['gap']['holdout'][-1]:.3g} times the noise of "
-        f"{noise:.3g} mrad; a complete model leaves 1."
+        f"{noise:.3g} m{found.get('unit', 'rad')}; a complete model leaves 1."
     ]
     for one in found["effects"]:
         words = one["name"].replace("_", " ")
@@ -98,7 +99,7 @@ def _quantities(rows: pd.DataFrame, found: Mapping[str, Any] | None) -> Table:
     ]
     columns = [Column("quantity"), Column("value", style="n"), Column("unit"), Column("holds")]
     return Table(
-        f"Quantities, {campaign}", _of_model(str(row["model"]), row["residual_rad"]), columns, told, _NOTES, (),
+        f"Quantities, {campaign}", _of_model(str(row["model"]), *residual_of(row)), columns, told, _NOTES, (),
         "tables/pendulums.csv", "pendulums", (campaign,),
     )  # fmt: skip
 
@@ -114,10 +115,10 @@ _NOTES = (
 _SYMBOLS = "Damping: κ with v for viscous, q for quadratic drag, c for dry friction in proportion to the load (load Coulomb)."
 
 
-def _of_model(label: str, residual: float) -> str:
+def _of_model(label: str, residual: float, unit: str) -> str:
     return (
         f"Of the models of damping the one with {model_words(label)} describes the recording best; "
-        f"it leaves {numbers.plain(1e3 * residual)} mrad RMS."
+        f"it leaves {numbers.plain(1e3 * residual)} m{unit} RMS."
     )
 
 
