@@ -11,6 +11,7 @@ import sys
 from pathlib import Path
 
 import numpy as np
+
 from swingdown.trials.second_pendulum import trajectory
 
 REAL = Path(__file__).parents[3] / "shared/data/real"
@@ -55,7 +56,11 @@ def write(folder: Path) -> None:
         if any(one.name.lower() == place.name.lower() for one in folder.iterdir()):
             place = folder / f"{name}.tsv"
         place.write_text(text, encoding="latin-1" if name.isascii() else "utf-8")
-    for one in ("dynamicslab_single/free_swing_small.csv", "jensen_rotary/rel45.csv", "jensen_rotary/rel90.csv"):
+    for one in (
+        "dynamicslab_single/free_swing_small.csv",
+        "jensen_rotary/rel45.csv",
+        "jensen_rotary/rel90.csv",
+    ):
         (folder / Path(one).name).write_bytes((REAL / one).read_bytes())
     (folder / "holiday.csv").write_bytes(b"\x89PNG\r\n\x1a\n" + bytes(range(256)) * 40)
 

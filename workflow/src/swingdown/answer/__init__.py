@@ -9,6 +9,7 @@ import xarray as xr
 from ..arrays import Shown
 from ..dataset import series_of
 from ..discovery.campaign import Campaign, Swing, campaign
+from ..discovery.conclusion import concluded
 from ..discovery.files import reading_of, summary
 from ..discovery.search import discover
 from ..discovery.state import Round
@@ -97,7 +98,7 @@ def explain(
     """
     first = fit(times, angles, unit=unit, fitted=fitted, effects=effects, names=names)
     whole = searchable("pendulum", first.swings)
-    states = discover(whole, Model(tuple(base), catalogue=catalogue(effects)), rounds)
+    states = concluded(discover(whole, Model(tuple(base), catalogue=catalogue(effects)), rounds), whole)
     found = verdict([summary(state, whole) for state in states], catalogue(effects).of(whole.reading))
     return first.with_verdict(found, _shown(states[-1], whole.fit, whole.holdout))
 

@@ -13,7 +13,7 @@ import pandas as pd
 from ..errors import InputError
 from ..paths import PROJECT, write_csv
 from ..rounding import value_with_uncertainty
-from ..studies.pendulums import in_order
+from ..studies.pendulums import by_verdict, in_order
 from ..studies.words import lines, model_words, quantity_rows, said
 from ..study import own
 from . import Answer, of_swings, searchable
@@ -88,6 +88,9 @@ def answer(
         path = _verdict(folder, campaign)
         found = json.loads(path.read_text(encoding="utf-8")) if path.exists() else None
         _say(f"{campaign}: {'. '.join(said(found)) if found else 'no verdict; results/logs tells why'}")
+        if found and found.get("conclusion") and len(searched) <= _FEW:
+            row = by_verdict(answers[campaign].row, found)
+            _say("\n".join(f"  {line}" for line in lines(row)))
     if code == 0:
         _say(f"the report: {folder / 'results' / 'report.html'}")
     return 1 if code else 0

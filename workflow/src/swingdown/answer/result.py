@@ -14,7 +14,7 @@ import xarray as xr
 from ..arrays import Shown
 from ..discovery.verdict import noise_rms
 from ..rounding import value_with_uncertainty
-from ..studies.pendulums import residual_of
+from ..studies.pendulums import by_verdict, in_order, residual_of
 from ..studies.words import lines, quantity_rows
 
 
@@ -60,7 +60,10 @@ class Answer:
 
     def with_verdict(self, found: Mapping[str, Any], shown: tuple[Shown, ...]) -> "Answer":
         """The same answer with a verdict, and with what its last model makes of the swings."""
-        return replace(self, verdict=found, shown=shown)
+        table = self.table.copy().astype(object)
+        row = by_verdict(self.table.iloc[-1].to_dict(), found)
+        table = pd.concat([table.iloc[:-1], pd.DataFrame([row])], ignore_index=True)
+        return replace(self, verdict=found, shown=shown, table=in_order(table))
 
     def __str__(self) -> str:
         return "\n".join([*self.remarks, *lines(self.row, self.verdict)])

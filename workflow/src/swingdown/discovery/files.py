@@ -146,6 +146,7 @@ def summary(state: Round, campaign: Campaign) -> dict[str, Any]:
         "established": state.established,
         "established_in": state.established_in,
         "spent": state.spent,
+        "conclusion": state.concluded,
         "chosen": None if chosen is None else {"move": chosen.move, "added": chosen.added, "also": list(chosen.also),
                                                "dropped": chosen.dropped, "gain_bic": state.bic - chosen.bic},
     }  # fmt: skip

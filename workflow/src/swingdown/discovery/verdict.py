@@ -84,6 +84,7 @@ def verdict(rounds: Sequence[Mapping[str, Any]], catalogue: Catalogue = SHIPPED)
         "split": last["split"],
         "moves": [state["chosen"]["move"] for state in rounds if state["chosen"]],
         "model": last["parameters"],
+        "conclusion": last.get("conclusion"),
         "nuisance": last.get("nuisance", {}),
         "misspecified": _at_their_bounds([catalogue[name] for name in sound["effects"]], sound["parameters"]),
         "next_measurement": _next_measurement(asserted, status, catalogue),

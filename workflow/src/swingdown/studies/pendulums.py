@@ -1,5 +1,6 @@
 """The pendulums of a study side by side: of each the model of damping that describes it, its quantities, and the verdict."""
 
+from collections import Counter
 from collections.abc import Iterable, Mapping
 from typing import Any
 
@@ -24,6 +25,7 @@ _SUFFIX = {
     "s": "_s",
     "rad": "_rad",
 }
+TOGETHER = "(joint)"  # stands for all recordings of a pendulum
 REFUSED = "refused"  # stands where a verdict would, for a file that could not be read
 
 
@@ -77,7 +79,8 @@ def pendulums(
 
     Columns: campaign, recording, amplitude_rad, then each quantity with its unit in the name (``period_s``, ``quality``,
     ``decay_time_s``, ``natural_frequency_rad_per_s``, and the parameters of damping where the model has them), each followed by
-    its standard uncertainty (``period_s_u``) and both as a text (``period_s_text``); ``model`` the label of ``described_by``;
+    its standard uncertainty (``period_s_u``) and both as a text (``period_s_text``); ``model`` the label of ``described_by``, or of a
+    pendulum that was searched of the model that the search ended with (``model_of``: damping or search);
     ``residual_rad`` the RMS that it leaves (of an angular rate ``residual_rad_per_s``); ``verdict`` the status of the campaign's search, ``missing`` what that names;
     ``emulated``, ``remark``. ``left_out`` (recording, file, problem) tells in ``remark`` why a recording was not searched, and adds
     a row with the verdict ``refused`` for each file that could not be used.
@@ -92,8 +95,15 @@ def pendulums(
             own = chosen.sel(recording=[name])
             rows.append(_row(campaign, name, own, own.isel(recording=0), catalogue))
         if chosen.sizes["recording"] > 1 and campaign in together:
-            rows.append(_row(campaign, "(joint)", chosen, together[campaign], catalogue))
+            rows.append(_row(campaign, TOGETHER, chosen, together[campaign], catalogue))
     told = {} if left_out is None else {str(one.recording): one for one in left_out.itertuples()}
+    each = Counter(row["campaign"] for row in rows)
+    rows = [
+        by_verdict(row, found.get(row["campaign"], {}))
+        if each[row["campaign"]] == 1 or row["recording"] == TOGETHER
+        else row
+        for row in rows
+    ]
     for row in rows:
         verdict = found.get(row["campaign"], {})
         remark = told.pop(row["recording"]).problem if row["recording"] in told else ""
@@ -116,7 +126,8 @@ def in_order(table: pd.DataFrame) -> pd.DataFrame:
 
 _HEAD = ("campaign", "recording", "amplitude_rad")
 RESIDUALS = {ANGLE: "residual_rad", RATE: "residual_rad_per_s"}
-_TAIL = ("model", *RESIDUALS.values(), "verdict", "missing", "emulated", "remark")
+DAMPING, SEARCH = "damping", "search"  # where a row's model comes from
+_TAIL = ("model", "model_of", *RESIDUALS.values(), "verdict", "missing", "emulated", "remark")
 
 
 def _row(
@@ -129,13 +140,41 @@ def _row(
         "recording": name,
         "amplitude_rad": amplitude,
         "model": label,
+        "model_of": DAMPING,
     }
-    for key, (value, error, unit) in derived.items():
-        column = _column(key, unit)
-        row |= {column: value, f"{column}_u": error, f"{column}_text": value_with_uncertainty(value, error)}
+    for key, quantity in derived.items():
+        row |= _cells(key, quantity)
     rms = np.radians(np.sqrt(np.mean(fitted["norm"].sel(fitted=label).values ** 2)))
     emulated = "yes" if "yes" in own["emulated"].values else "no"
     return row | {RESIDUALS[reading_of(fitted)]: float(rms), "emulated": emulated}
+
+
+def by_verdict(row: Mapping[str, Any], verdict: Mapping[str, Any]) -> dict[str, Any]:
+    """The row with the quantities of the model that the search ended with, fitted to the whole of every recording, in place of those
+    of a model of damping; as it is where the search has none."""
+    concluded = verdict.get("conclusion")
+    if not concluded:
+        return dict(row)
+    ends = ("", "_u", "_text")
+    old = {f"{key}{end}" for key in row if f"{key}_u" in row for end in ends}
+    found = {key: value for key, value in row.items() if key not in old and key not in RESIDUALS.values()}
+    for name, one in concluded["quantities"].items():
+        value, error = (np.nan if one[key] is None else one[key] for key in ("value", "standard_uncertainty"))
+        found |= _cells(name, Quantity(value, error, one["unit"]))
+    rates = verdict.get("reading") == RATE
+    return found | {
+        "amplitude_rad": concluded["amplitude_rad"], "model": concluded["model"], "model_of": SEARCH,
+        RESIDUALS[RATE if rates else ANGLE]: concluded["residual"],
+    }  # fmt: skip
+
+
+def _cells(name: str, one: Quantity) -> dict[str, Any]:
+    column = _column(name, one.unit)
+    return {
+        column: one.value,
+        f"{column}_u": one.uncertainty,
+        f"{column}_text": value_with_uncertainty(one.value, one.uncertainty),
+    }
 
 
 def reading_of(norms: xr.Dataset) -> str:

@@ -5,7 +5,7 @@ from math import degrees
 from typing import Any, NamedTuple
 
 from ..rounding import value_with_uncertainty
-from .pendulums import quantities_of, residual_of
+from .pendulums import SEARCH, quantities_of, residual_of
 
 STATUS = {
     "consistent": "Nothing is missing",
@@ -55,7 +55,7 @@ def quantity_rows(row: Mapping[str, Any], verdict: Mapping[str, Any] | None = No
         QuantityRow(name, _WORDS.get(name, name.replace("_", " ")), *found[name], conditions.get(name, ""))
         for name in order
     ]
-    if verdict and verdict["status"] in NAMING:
+    if verdict and verdict["status"] in NAMING and row.get("model_of") != SEARCH:
         known = verdict["model"]["natural_frequency"]
         error = known["standard_error"] if known["standard_error"] is not None else float("nan")
         place = 1 + next((k for k, one in enumerate(told) if one.name == "natural_frequency"), -1)
@@ -79,7 +79,7 @@ def lines(row: Mapping[str, Any], verdict: Mapping[str, Any] | None = None) -> l
     ]
     residual, unit = residual_of(row)
     told.append(
-        f"damping            {model_words(str(row['model']))}; it leaves {1e3 * residual:.3g} m{unit} RMS"
+        f"{'model' if row.get('model_of') == SEARCH else 'damping':18} {model_words(str(row['model']))}; it leaves {1e3 * residual:.3g} m{unit} RMS"
     )
     if row.get("emulated") == "yes":
         told.append("emulated: computed, not measured on a real pendulum")

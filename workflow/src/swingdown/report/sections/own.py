@@ -9,7 +9,7 @@ import pandas as pd
 from markupsafe import Markup
 
 from ...discovery.verdict import noise_rms
-from ...studies.pendulums import REFUSED, residual_of
+from ...studies.pendulums import REFUSED, SEARCH, residual_of
 from ...studies.words import STATUS, model_words, quantity_rows, said
 from .. import numbers
 from ..material import Material
@@ -99,7 +99,7 @@ def _quantities(rows: pd.DataFrame, found: Mapping[str, Any] | None) -> Table:
     ]
     columns = [Column("quantity"), Column("value", style="n"), Column("unit"), Column("holds")]
     return Table(
-        f"Quantities, {campaign}", _of_model(str(row["model"]), *residual_of(row)), columns, told, _NOTES, (),
+        f"Quantities, {campaign}", _of_model(row), columns, told, _NOTES[:-1] if row.get("model_of") == SEARCH else _NOTES, (),
         "tables/pendulums.csv", "pendulums", (campaign,),
     )  # fmt: skip
 
@@ -109,17 +109,20 @@ _NOTES = (
     "Errors of the sensor's scale are not in it.",
     "Period, Q and decay time are the fitted model's, let go at rest from the angle named. Q is π over the logarithmic decrement of "
     "the first whole swing; the decay time is that in which the amplitude falls to 1/e.",
-    "The model is one of damping alone: where something is missing, its natural frequency and friction do some of the work of that.",
+    "Models of damping alone: where something is missing, their natural frequency and friction do some of the work of that.",
 )
 
 _SYMBOLS = "Damping: κ with v for viscous, q for quadratic drag, c for dry friction in proportion to the load (load Coulomb)."
 
 
-def _of_model(label: str, residual: float, unit: str) -> str:
-    return (
-        f"Of the models of damping the one with {model_words(label)} describes the recording best; "
-        f"it leaves {numbers.plain(1e3 * residual)} m{unit} RMS."
-    )
+def _of_model(row: Mapping[str, Any]) -> str:
+    residual, unit = residual_of(row)
+    words, leaves = model_words(str(row["model"])), f"it leaves {numbers.plain(1e3 * residual)} m{unit} RMS."
+    if row.get("model_of") == SEARCH:
+        return (
+            f"The model that the search ended with, {words}, fitted to the whole of every recording; {leaves}"
+        )
+    return f"Of the models of damping the one with {words} describes the recording best; {leaves}"
 
 
 def _recordings(rows: pd.DataFrame, material: Material, campaign: str) -> Table:
