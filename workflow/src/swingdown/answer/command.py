@@ -10,6 +10,7 @@ from typing import Any
 
 import pandas as pd
 
+from ..console import warnings_once
 from ..errors import InputError
 from ..paths import PROJECT, write_csv
 from ..rounding import value_with_uncertainty
@@ -48,7 +49,8 @@ def answer(
             else f"none of {len(left_out)} files can be used; the first, {one.file}"
         )
         raise InputError(where, one.problem, one.expected, one.mend)
-    answers, unfit = _first(taken)
+    with warnings_once(_say):
+        answers, unfit = _first(taken)
     left_out += unfit
     lost = {one.recording for one in unfit}
     kept = [one for one in taken if one.row["recording"] not in lost]
@@ -183,5 +185,5 @@ def _run(project: Path, config: Path, folder: Path, cores: int) -> int:
     return subprocess.run(command, cwd=project).returncode
 
 
-def _say(text: str) -> None:
+def _say(text: object) -> None:
     print(text, flush=True)
