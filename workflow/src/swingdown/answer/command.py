@@ -74,7 +74,7 @@ def answer(
         _say("the search and the report need the project's folder (a clone of it); the first answer stands")
         return 0
     _say("now looking for what is missing ...\n")
-    code = _run(PROJECT, config, folder, cores)
+    code = run_workflow(PROJECT, config, folder, cores)
     failed = [name for name in searched if not _verdict(folder, name).exists()]
     if code and failed and len(failed) < len(searched):
         _say(f"\nthe search did not end of {', '.join(failed)}; once more without")
@@ -85,7 +85,7 @@ def answer(
         ]  # fmt: skip
         rest = [name for name in searched if name not in failed]
         again = own.write(folder, [one.row for one in kept], left_out, rest)
-        code = _run(PROJECT, again, folder, cores)
+        code = run_workflow(PROJECT, again, folder, cores)
     for campaign in searched:
         path = _verdict(folder, campaign)
         found = json.loads(path.read_text(encoding="utf-8")) if path.exists() else None
@@ -175,11 +175,11 @@ def _verdict(folder: Path, campaign: str) -> Path:
     return folder / "results" / "discovery" / campaign / "verdict.json"
 
 
-def _run(project: Path, config: Path, folder: Path, cores: int) -> int:
+def run_workflow(project: Path, config: Path, folder: Path, cores: int, targets: Sequence[str] = ()) -> int:
     """The exit code of the workflow on a study. What fails of one pendulum stops no other."""
     command = [
         sys.executable, "-m", "snakemake", "--snakefile", str(project / "Snakefile"), f"-c{cores}", "--keep-going",
-        "--configfile", str(config.resolve()), "--directory", str(folder.resolve()),
+        "--configfile", str(config.resolve()), "--directory", str(folder.resolve()), "--", *targets,
     ]  # fmt: skip
     sys.stdout.flush()
     return subprocess.run(command, cwd=project).returncode

@@ -67,6 +67,7 @@ def to_angle(recording: xr.Dataset, calibration: xr.Dataset | None = None, mode:
     kept = {
         key: recording.attrs[key] for key in ("recording", "campaign", "role", "file", "sha256", "source")
     }
+    kept |= {"label": recording.attrs["label"]} if "label" in recording.attrs else {}
     emulated = recording.attrs["emulated"]
     if unit == "V" and calibration is not None and calibration.attrs["emulated"] == "yes":
         emulated = "yes"

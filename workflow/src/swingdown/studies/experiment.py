@@ -205,6 +205,10 @@ def _about(angle: xr.Dataset) -> dict[str, tuple[str, str]]:
     return {
         "campaign": (str(angle.attrs.get("campaign", "")), "pendulum the recording belongs to"),
         "emulated": (str(angle.attrs.get("emulated", "no")), "whether the recording is emulated"),
+        "label": (
+            str(angle.attrs.get("label", angle.attrs.get("recording", ""))),
+            "the recording's name as it was written",
+        ),
         "reading": (str(dataset.series_of(angle).name), "what the sensor reads: angle or rate"),
         "uncertainty": (str(angle.attrs.get("mode", "unknown")), "what the angle's uncertainty is from"),
     }

@@ -149,7 +149,7 @@ def combine_recordings(datasets: Iterable[xr.Dataset]) -> xr.Dataset:
 def _with_recording(dataset: xr.Dataset) -> xr.Dataset:
     own = {
         name: ("recording", [str(dataset[name].item())], dataset[name].attrs)
-        for name in ("campaign", "emulated", "reading", "uncertainty")
+        for name in ("campaign", "emulated", "label", "reading", "uncertainty")
         if name in dataset.coords
     }
     return dataset.expand_dims("recording").assign_coords(own)

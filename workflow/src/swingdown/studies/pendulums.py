@@ -2,6 +2,7 @@
 
 from collections import Counter
 from collections.abc import Iterable, Mapping
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -77,7 +78,7 @@ def pendulums(
 ) -> pd.DataFrame:
     """A row for each recording, and where a campaign has several one for all of them together, ``(joint)``.
 
-    Columns: campaign, recording, amplitude_rad, then each quantity with its unit in the name (``period_s``, ``quality``,
+    Columns: campaign, recording, label (its name as it was written), amplitude_rad, then each quantity with its unit in the name (``period_s``, ``quality``,
     ``decay_time_s``, ``natural_frequency_rad_per_s``, and the parameters of damping where the model has them), each followed by
     its standard uncertainty (``period_s_u``) and both as a text (``period_s_text``); ``model`` the label of ``described_by``, or of a
     pendulum that was searched of the model that the search ended with (``model_of``: damping or search);
@@ -110,7 +111,13 @@ def pendulums(
         row |= {"verdict": verdict.get("status", ""), "missing": _named(verdict), "remark": remark}
     for name, one in told.items():
         rows.append(
-            {"campaign": name, "recording": name, "verdict": REFUSED, "remark": f"{one.file}: {one.problem}"}
+            {
+                "campaign": name,
+                "recording": name,
+                "label": Path(str(one.file)).stem,
+                "verdict": REFUSED,
+                "remark": f"{one.file}: {one.problem}",
+            }
         )
     return in_order(pd.DataFrame(rows))
 
@@ -124,7 +131,7 @@ def in_order(table: pd.DataFrame) -> pd.DataFrame:
     return table.reindex(columns=[*_HEAD, *columns, *tail])
 
 
-_HEAD = ("campaign", "recording", "amplitude_rad")
+_HEAD = ("campaign", "recording", "label", "amplitude_rad")
 RESIDUALS = {ANGLE: "residual_rad", RATE: "residual_rad_per_s"}
 DAMPING, SEARCH = "damping", "search"  # where a row's model comes from
 _TAIL = ("model", "model_of", *RESIDUALS.values(), "verdict", "missing", "emulated", "remark")
@@ -138,6 +145,7 @@ def _row(
     row: dict[str, Any] = {
         "campaign": campaign,
         "recording": name,
+        "label": str(own["label"].values[0]) if "label" in own.coords and name != TOGETHER else name,
         "amplitude_rad": amplitude,
         "model": label,
         "model_of": DAMPING,

@@ -2,14 +2,13 @@
 
 import math
 from collections.abc import Iterator, Mapping
-from pathlib import Path
 from typing import Any
 
 import pandas as pd
 from markupsafe import Markup
 
 from ...discovery.verdict import noise_rms
-from ...studies.pendulums import REFUSED, SEARCH, residual_of
+from ...studies.pendulums import REFUSED, SEARCH, TOGETHER, residual_of
 from ...studies.words import STATUS, model_words, quantity_rows, said
 from .. import numbers
 from ..material import Material
@@ -112,7 +111,10 @@ _NOTES = (
     "Models of damping alone: where something is missing, their natural frequency and friction do some of the work of that.",
 )
 
-_SYMBOLS = "Damping: κ with v for viscous, q for quadratic drag, c for dry friction in proportion to the load (load Coulomb)."
+_SYMBOLS = (
+    "Model: κ with v for viscous, q for quadratic drag, c for dry friction in proportion to the load (load Coulomb); other effects by "
+    "their names. Where a search ended, it is the model that it ended with."
+)
 
 
 def _of_model(row: Mapping[str, Any]) -> str:
@@ -160,31 +162,29 @@ def _table(
     material: Material,
     searched: bool,
 ) -> Table:
-    files = {recording["recording"]: Path(str(recording["file"])).stem for recording in material.recordings}
     columns = [
         Column("pendulum" if searched else "recording"),
-        Column("amplitude", "degrees", "n"),
+        *([Column("verdict")] if searched else []),
         Column("period", "s", "n"),
-        Column("natural frequency", "rad/s", "n"),
         Column("Q", style="n"),
         Column("decay time", "s", "n"),
-        Column("damping"),
-        *([Column("verdict")] if searched else []),
+        Column("at", "degrees", "n"),
+        Column("natural frequency", "rad/s", "n"),
+        Column("model"),
     ]
     rows: list[list[Cell]] = []
     for row in table.to_dict("records"):
-        name = (
-            "all together" if row["recording"] == "(joint)" else files.get(row["recording"], row["recording"])
-        )
+        name = "all together" if row["recording"] == TOGETHER else str(row["label"])
         if row["verdict"] == REFUSED:
-            rows.append([str(name), *[""] * (len(columns) - 3), "", _why(row)])
+            rows.append([name, _why(row), *[""] * (len(columns) - 2)])
             continue
-        cells: list[Cell] = [_linked(str(name), row) if searched else str(name)]
-        cells.append(_sorted(numbers.plain(math.degrees(row["amplitude_rad"])), row["amplitude_rad"]))
-        for column in ("period_s", "natural_frequency_rad_per_s", "quality", "decay_time_s"):
-            cells.append(_sorted(numbers.brief(row[column], row[f"{column}_u"]), row[column]))
-        cells.append(model_symbol(str(row["model"])))
-        rows.append([*cells, _why(row)] if searched else cells)
+        amplitude = _sorted(numbers.plain(math.degrees(row["amplitude_rad"])), row["amplitude_rad"])
+        period, quality, decay, frequency = (
+            _sorted(numbers.brief(row[column], row[f"{column}_u"]), row[column])
+            for column in ("period_s", "quality", "decay_time_s", "natural_frequency_rad_per_s")
+        )
+        first: list[Cell] = [_linked(name, row), _why(row)] if searched else [name]
+        rows.append([*first, period, quality, decay, amplitude, frequency, model_symbol(str(row["model"]))])
     return Table(
         label,
         caption,
