@@ -1,5 +1,5 @@
 # make            set up .venv and run the study (the paper's tables, figures and report appear in results/)
-# make start FILE=my-swing.csv   from a recording, or a folder of them, to what damps the pendulum and what a model of it lacks
+# make start FILE=my-swing.csv   from a recording, or a folder of them, to what damps the pendulum and what a model of it lacks; or FILE=mine.yaml, a study of your own
 # make test       set up .venv and run the tests; make test-all runs the slow ones too
 # make certified  compute published cases with known answers (NIST, GUM, York, ISO/TS 28037): results/trust/certified.csv
 # make coverage   how often stated 95 % intervals hold the truth, in simulated measurements: results/coverage/coverage.csv (half an hour)

@@ -2,6 +2,7 @@
 
 import errno
 import os
+import warnings
 
 import pandas as pd
 import pytest
@@ -71,3 +72,12 @@ def test_a_disk_that_takes_no_results_is_told_without_a_traceback(
     assert words in told and mend in told and "a.csv" in told and "Traceback" not in told
     assert [path.name for path in tmp_path.iterdir()] == ["a.csv"]
     assert (tmp_path / "a.csv").read_text() == "as it was"
+
+
+def test_a_kind_of_warning_is_told_once(tmp_path, capsys):
+    with console.job(tmp_path / "log"):
+        for k in range(300):
+            warnings.warn(f"model {k} gains energy", UserWarning, stacklevel=1)
+    said = (tmp_path / "log").read_text()
+    assert said.splitlines() == ["Beware: model 0 gains energy (299 more such)"]
+    assert capsys.readouterr().err.count("gains energy") == 1

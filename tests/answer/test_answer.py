@@ -13,6 +13,7 @@ import swingdown
 from swingdown.engine.trajectory import simulate
 from swingdown.errors import InputError
 from swingdown.pendulum.model import Model
+from swingdown.studies.quantities import quantities
 
 TIMES = np.arange(1201) / 100
 TRUTH = Model("viscous", {"natural_frequency": 7.25, "viscous_ratio": 0.008})
@@ -110,7 +111,7 @@ def test_what_is_emulated_says_so_in_the_picture():
         (TIMES, 0 * ANGLE, "constant"),
         (TIMES[:5], ANGLE[:5], "5 samples"),
         (TIMES, None, "the times bring no angle along"),
-        (pd.DataFrame({"t": TIMES, "Gyroscope z (rad/s)": ANGLE}), None, "an angular rate"),
+        (pd.DataFrame({"t": TIMES, "Gyroscope z (rpm)": ANGLE}), None, "an angular rate"),
         (xr.DataArray(ANGLE, {"time": TIMES}, attrs={"units": "m"}), None, "their unit is 'm'"),
     ],
 )
@@ -126,3 +127,44 @@ def test_importing_the_package_loads_nothing_of_what_a_call_needs():
     code = "import sys, swingdown; swingdown.fit, swingdown.explain; print('matplotlib' in sys.modules)"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "False"
+
+
+@pytest.fixture(scope="module")
+def with_presliding():
+    """Times, angles and the truth of a pendulum that lacks presliding friction in every model of damping."""
+    values = {"natural_frequency": 7.25, "viscous_ratio": 0.004, "load_friction": 0.003, "presliding_friction": 0.1, "presliding_angle": 0.006}  # fmt: skip
+    truth = Model(("viscous", "load_coulomb", "presliding"), values)
+    times = np.arange(2000) / 100
+    noise = np.random.default_rng(3).normal(0, 1e-3, times.size)
+    return times, simulate(truth, times, 0.5) + noise, truth
+
+
+def test_the_quantities_of_an_explanation_are_those_of_the_model_it_ends_with(with_presliding):
+    """The truth's, where a model of damping alone gives others; and the whole recording counts, held-out parts too."""
+    times, angles, truth = with_presliding
+    found = swingdown.explain(times, angles)
+    assert found.model == truth.label
+    expected = quantities(truth, found.row["amplitude_rad"])
+    told = found.quantities
+    assert set(told) == set(expected)
+    for name, (value, uncertainty, unit) in told.items():
+        assert unit == expected[name].unit
+        assert abs(value - expected[name].value) < 4 * uncertainty, name
+    first = swingdown.fit(times, angles).quantities
+    assert abs(first["decay_time"][0] - expected["decay_time"].value) > 3 * told["decay_time"][1]
+    ended = found.verdict["conclusion"]
+    covariance = np.array(ended["covariance"], dtype=float)
+    at = ended["parameters"].index("presliding_angle")
+    assert np.sqrt(covariance[at, at]) == pytest.approx(told["presliding_angle"][1])
+
+
+def test_first_answer_and_verdict_agree_where_they_have_one_model():
+    times, truth = np.arange(2000) / 100, {"natural_frequency": 7.25, "viscous_ratio": 0.004, "load_friction": 0.003}  # fmt: skip
+    noise = np.random.default_rng(3).normal(0, 1e-3, times.size)
+    angles = simulate(Model(("viscous", "load_coulomb"), truth), times, 0.5) + noise
+    first, last = swingdown.fit(times, angles), swingdown.explain(times, angles)
+    assert first.model == last.model
+    for name, (value, uncertainty, _) in last.quantities.items():
+        before, error, _ = first.quantities[name]
+        assert value == pytest.approx(before, abs=0.02 * uncertainty)
+        assert uncertainty == pytest.approx(error, rel=0.02)

@@ -129,7 +129,9 @@ def test_the_sheet_has_the_last_word(take):
         ("t/s", "a time", "s"),
         ("millis", "a time", "ms"),
         ("Time (µs)", "a time", "us"),
-        ("Gyroscope z (rad/s)", "an angular rate", ""),
+        ("Gyroscope z (rad/s)", "an angular rate", "rad/s"),
+        ("Gyroscope z (°/s)", "an angular rate", "deg/s"),
+        ("Gyroscope z (rpm)", "an angular rate", ""),
         ("Angular velocity", "an angular rate", ""),
         ("Temperature (°C)", "something else", ""),
         ("x (m)", "a length", ""),
@@ -147,8 +149,12 @@ def test_what_a_header_says(header, kind, unit):
     ("header", "told"),
     [
         (
-            "Time (s),Gyroscope z (rad/s)",
-            ["Gyroscope z (rad/s)", "an angular rate in 'rad/s' is no angle", "integrate"],
+            "Time (s),Gyroscope z (rpm)",
+            [
+                "Gyroscope z (rpm)",
+                "an angular rate in 'rpm' is no angle and no rate in a unit known here",
+                "deg/s",
+            ],
         ),
         ("Time (s),Temperature (°C)", ["'°C'", "is no angle"]),
         ("t,x", ["column x", "without its partner", "x and y"]),

@@ -7,7 +7,7 @@ from scipy.special import ellipk
 from swingdown.engine.trajectory import simulate
 from swingdown.fitting.least_squares import fit_trajectory
 from swingdown.pendulum.model import Model
-from swingdown.studies.quantities import cycle, decay_time, quantities
+from swingdown.studies.quantities import cycle, decay_time, quantities, steady
 
 OMEGA = 7.25
 
@@ -78,3 +78,14 @@ def test_uncertainties_are_as_large_as_the_scatter_of_repeated_measurements():
         )
     scatter = np.sqrt(np.mean(np.square(away), axis=0))
     assert np.all((scatter > 0.75) & (scatter < 1.3)), dict(zip(expected, scatter, strict=True))
+
+
+def test_what_a_sensor_makes_of_it_is_no_part_of_a_pendulum():
+    plain = pendulum("viscous", "sine", viscous_ratio=0.01)
+    seen = pendulum("viscous+sensor_gain+sensor_zero", "sine", viscous_ratio=0.01, sensor_gain=0.3, sensor_zero=0.1)  # fmt: skip
+    assert cycle(seen, 0.5) == cycle(plain, 0.5)
+
+
+def test_what_changes_over_a_record_is_left_out():
+    drifting = pendulum("viscous+damping_drift", viscous_ratio=0.01, damping_drift=0.01)
+    assert steady(drifting) == pendulum("viscous", viscous_ratio=0.01)

@@ -13,11 +13,13 @@ def angle(recording, calibration, mode, output):
     calibration = dataset.read(calibration) if calibration else None
     result = to_angle(read_recording(recording), calibration, mode=mode)
     dataset.write(result, output)
-    degrees = np.degrees(result["angle"].values)
-    uncertainty = np.degrees(float(np.sqrt((result["angle_standard_uncertainty"] ** 2).mean())))
+    read = dataset.series_of(result)
+    unit = "°" if read.name == "angle" else "°/s"
+    degrees = np.degrees(read.values)
+    uncertainty = np.degrees(float(np.sqrt((dataset.series_of(result, "standard_uncertainty") ** 2).mean())))
     return (
-        f"{result.attrs['recording']}: {degrees.min():.2f}° to {degrees.max():.2f}°, "
-        f"standard uncertainty {uncertainty:.2g}° ({result.attrs['mode']})"
+        f"{result.attrs['recording']}: {degrees.min():.2f}{unit} to {degrees.max():.2f}{unit}, "
+        f"standard uncertainty {uncertainty:.2g}{unit} ({result.attrs['mode']})"
     )
 
 

@@ -8,6 +8,7 @@ from pathlib import Path
 import pandas as pd
 
 from swingdown import console, dataset
+from swingdown.discovery.verdict import noise_rms
 from swingdown.plots import discovery, save, style
 from swingdown.plots.answer import shown_in, swings_with_fit
 from swingdown.plots.remainder import remainder
@@ -21,7 +22,7 @@ def figures(verdict, folders, outputs):
     moved = found["moves"][0] if found["moves"] else ""
     fitted = dataset.read(last / "fit.nc")
     drawn = {
-        "answer": lambda: swings_with_fit(shown_in(fitted), found["noise_rms_rad"], fitted),
+        "answer": lambda: swings_with_fit(shown_in(fitted), noise_rms(found), fitted),
         "remainder": lambda: remainder(
             pd.read_csv(last / "remainder.csv"),
             pd.read_csv(last / "course.csv"),

@@ -7,6 +7,7 @@ from pathlib import Path
 
 from swingdown import console
 from swingdown.discovery import files
+from swingdown.discovery.conclusion import concluded
 from swingdown.discovery.search import discover
 from swingdown.pendulum.catalogue import catalogue
 from swingdown.pendulum.model import Model
@@ -15,7 +16,7 @@ from swingdown.pendulum.model import Model
 def discover_search(campaign, angles, roles, base, rounds, budget_s, folders):
     """The rounds' folders written, and what was found in a sentence."""
     swings, emulated = files.read_campaign(campaign, angles, roles)
-    states = discover(swings, base, rounds, budget_s=budget_s)
+    states = concluded(discover(swings, base, rounds, budget_s=budget_s), swings)
     for state, folder in zip(states, folders, strict=False):
         files.write_round(state, swings, folder, emulated)
     for folder in folders[len(states) :]:

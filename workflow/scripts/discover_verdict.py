@@ -16,7 +16,7 @@ def discover_verdict(folders, known, output):
     """The verdict written, and its sentence."""
     rounds = read_rounds(folders)
     last = next((k for k, state in enumerate(rounds) if state["chosen"] is None), len(rounds) - 1)
-    found = verdict(rounds[: last + 1], known)
+    found = verdict(rounds[: last + 1], known.of(rounds[0].get("reading", "angle")))
     write_text(output, json.dumps(found, indent=1, ensure_ascii=False) + "\n")
     return f"{found['campaign']}: {found['status']}. {found['sentence']}"
 

@@ -3,6 +3,7 @@
 import argparse
 import sys
 from collections.abc import Sequence
+from pathlib import Path
 
 from . import console
 from .manifest import verify
@@ -28,9 +29,10 @@ def verify_results(results: str) -> int:
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         "swingdown",
-        usage="swingdown FILE… [FOLDER…] [options]\n       swingdown verify RESULTS",
+        usage="swingdown FILE… [FOLDER…] [options]\n       swingdown CONFIG.yaml [TARGET…] [--directory FOLDER]\n"
+        "       swingdown verify RESULTS",
         description="From recordings of a swinging pendulum to its period, its damping, and what a model of it still lacks. "
-        "`verify` holds a study's files against its manifest.",
+        "A config file is a study of one's own, which is run; `verify` holds a study's files against its manifest.",
     )
     add = parser.add_argument
     add(
@@ -48,7 +50,11 @@ def _parser() -> argparse.ArgumentParser:
     add(
         "--into", metavar="FOLDER", help="the study's folder (default: beside the first file, named after it)"
     )
-    add("--unit", choices=["rad", "deg", "counts"], help="of the angle, where the file does not say it")
+    add(
+        "--unit",
+        choices=["rad", "deg", "counts", "rad/s", "deg/s"],
+        help="of the angle or the angular rate, where the file does not say it",
+    )
     add("--counts-per-revolution", type=float, metavar="N", help="of an encoder in counts")
     add("--column", metavar="NAME", help="of the angle, where the file has several")
     add("--time-unit", choices=["s", "ms", "us"], help="of the time, where the file does not say it")
@@ -64,6 +70,9 @@ def _parser() -> argparse.ArgumentParser:
         type=float,
         metavar="S",
         help="leave out what is after this time, in s (stop_s of the sheet)",
+    )
+    add(
+        "--directory", metavar="FOLDER", help="where a config's study is run (default: where the config lies)"
     )
     add("--cores", type=int, default=2, metavar="N", help="processes at a time (default: 2)")
     return parser
@@ -81,6 +90,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
         _parser().print_usage(sys.stderr)
         return 2
     options = _parser().parse_args(given)
+    if Path(options.given[0]).suffix.lower() in (".yaml", ".yml"):
+        from .answer.study import study
+
+        with console.job():
+            return study(options.given[0], options.given[1:], options.directory, options.cores)
     from .answer.command import answer  # some seconds of imports, which `verify` need not wait for
 
     told = {

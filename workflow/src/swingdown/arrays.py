@@ -11,7 +11,10 @@ Swing = tuple[Floats, Floats]  # times (s) and angles (rad), one as long as the 
 
 
 class Shown(NamedTuple):
-    """A swing, or a part of one, beside what a model makes of it: names, times (s), angles and fitted angles (rad)."""
+    """A swing, or a part of one, beside what a model makes of it: names, times (s), angles and fitted angles (rad).
+
+    Of an angular rate both are in rad/s, as ``unit`` says.
+    """
 
     recording: str
     part: str
@@ -19,6 +22,7 @@ class Shown(NamedTuple):
     angle: Floats
     fit: Floats
     held_out: bool = False
+    unit: str = "rad"
 
     @staticmethod
     def named(name: str) -> tuple[str, str]:

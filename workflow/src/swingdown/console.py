@@ -2,6 +2,7 @@
 
 import sys
 import traceback
+import warnings
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
@@ -30,7 +31,8 @@ def job(log: str | Path | None = None) -> Iterator[Callable[[object], None]]:
 
     _keep(log, told)
     try:
-        yield say
+        with warnings_once(say):
+            yield say
     except (InputError, EngineError) as error:
         _stop(block(error), log, told)
     except OSError as error:
@@ -41,6 +43,22 @@ def job(log: str | Path | None = None) -> Iterator[Callable[[object], None]]:
     except Exception:
         _keep(log, [*told, traceback.format_exc()])
         raise
+
+
+@contextmanager
+def warnings_once(say: Callable[[object], None]) -> Iterator[None]:
+    """A block whose warnings are told at its end, one for each kind: a search meets the same odd motion in hundreds of models."""
+    caught: list[warnings.WarningMessage] = []
+    try:
+        with warnings.catch_warnings(record=True) as caught:
+            yield
+    finally:
+        kinds: dict[type[Warning], list[str]] = {}
+        for one in caught:
+            kinds.setdefault(one.category, []).append(str(one.message))
+        for told in kinds.values():
+            more = len(set(told)) - 1
+            say(f"Beware: {told[0]}" + (f" ({more} more such)" if more else ""))
 
 
 def block(error: InputError | EngineError) -> str:

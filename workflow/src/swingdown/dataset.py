@@ -72,6 +72,15 @@ def write(dataset: xr.Dataset, path: str | Path) -> Path:
     return path
 
 
+def series_of(data: xr.Dataset, part: str = "") -> xr.DataArray:
+    """What a sensor read, of a dataset of ``results/angles``: the variable ``angle`` (rad), or ``rate`` (rad/s) where it has that.
+
+    ``part`` names one that goes with it, such as ``bound`` or ``random_uncertainty``; KeyError where there is none.
+    """
+    name = "rate" if "rate" in data else "angle"
+    return data[f"{name}_{part}" if part else name]
+
+
 def read(path: str | Path) -> xr.Dataset:
     """The dataset of a file written by ``write``, loaded whole.
 

@@ -7,14 +7,16 @@ from typing import Any
 import xarray as xr
 
 from ..arrays import Shown
+from ..dataset import series_of
 from ..discovery.campaign import Campaign, Swing, campaign
-from ..discovery.files import summary
+from ..discovery.conclusion import concluded
+from ..discovery.files import reading_of, summary
 from ..discovery.search import discover
 from ..discovery.state import Round
 from ..discovery.verdict import verdict
 from ..errors import InputError
 from ..measurement.slack import of_angles
-from ..pendulum.catalogue import catalogue
+from ..pendulum.catalogue import READINGS, catalogue
 from ..pendulum.model import PAPER_MODELS, Model, models
 from ..studies.experiment import fit_campaign, fit_recording
 from ..studies.norms import combine_recordings
@@ -40,7 +42,8 @@ def fit(
 
     ``times`` (s) and ``angles`` are arrays, lists or pandas Series; or ``angles`` is left out and ``times`` is a Series (its
     index is the time), a DataFrame with a column of time and one of the angle, or a DataArray or Dataset of xarray. Lists of
-    these are several swings. ``unit`` is ``rad`` or ``deg``; without it a header or the attribute ``units`` decides, else rad.
+    these are several swings. ``unit`` is ``rad`` or ``deg``, or of angular rates ``rad/s``
+    or ``deg/s``; without it a header or the attribute ``units`` decides, else rad.
     ``fitted`` are labels of models, ``effects`` effects of one's own as the settings' key ``effects`` has them. InputError for
     what no pendulum does, and for a swing that is too short.
     """
@@ -68,8 +71,9 @@ def of_swings(
             str(one["recording"].item()),
             "",
             one["time"].values,
-            data["angle"].values,
+            series_of(data).values,
             one["fit"].sel(fitted=label).values,
+            unit=str(series_of(data).attrs["units"]),
         )
         for one, data in zip(each, given, strict=True)
     ]
@@ -94,22 +98,29 @@ def explain(
     """
     first = fit(times, angles, unit=unit, fitted=fitted, effects=effects, names=names)
     whole = searchable("pendulum", first.swings)
-    states = discover(whole, Model(tuple(base), catalogue=catalogue(effects)), rounds)
-    found = verdict([summary(state, whole) for state in states], catalogue(effects))
+    states = concluded(discover(whole, Model(tuple(base), catalogue=catalogue(effects)), rounds), whole)
+    found = verdict([summary(state, whole) for state in states], catalogue(effects).of(whole.reading))
     return first.with_verdict(found, _shown(states[-1], whole.fit, whole.holdout))
 
 
 def searchable(name: str, given: Sequence[xr.Dataset]) -> Campaign:
     """The ``Campaign`` of these angle datasets; InputError where they are too little to hold any out."""
-    made = [Swing(str(one.attrs["recording"]), one["time"].values, one["angle"].values) for one in given]
-    return replace(campaign(name, made), slack=of_angles(given))
+    made = [Swing(str(one.attrs["recording"]), one["time"].values, series_of(one).values) for one in given]
+    return replace(campaign(name, made), slack=of_angles(given), reading=reading_of(name, given))
 
 
 def _shown(state: Round, fitted: Sequence[Swing], held: Sequence[Swing]) -> tuple[Shown, ...]:
     """The swings beside what the last model of a search makes of them, in the order of their times."""
     pairs = [*zip(fitted, state.fit.swings, strict=True), *zip(held, state.holdout.swings, strict=True)]
     found = [
-        Shown(*Shown.named(swing.name), swing.times, swing.angle, one.angle, swing in held)
+        Shown(
+            *Shown.named(swing.name),
+            swing.times,
+            swing.angle,
+            one.angle,
+            swing in held,
+            READINGS[state.fit.model.reading],
+        )
         for swing, one in pairs
     ]
     return tuple(sorted(found, key=lambda one: (one.recording, float(one.times[0]))))

@@ -10,10 +10,11 @@ from typing import Any
 
 import pandas as pd
 
+from ..console import warnings_once
 from ..errors import InputError
 from ..paths import PROJECT, write_csv
 from ..rounding import value_with_uncertainty
-from ..studies.pendulums import in_order
+from ..studies.pendulums import by_verdict, in_order
 from ..studies.words import lines, model_words, quantity_rows, said
 from ..study import own
 from . import Answer, of_swings, searchable
@@ -48,7 +49,8 @@ def answer(
             else f"none of {len(left_out)} files can be used; the first, {one.file}"
         )
         raise InputError(where, one.problem, one.expected, one.mend)
-    answers, unfit = _first(taken)
+    with warnings_once(_say):
+        answers, unfit = _first(taken)
     left_out += unfit
     lost = {one.recording for one in unfit}
     kept = [one for one in taken if one.row["recording"] not in lost]
@@ -72,7 +74,7 @@ def answer(
         _say("the search and the report need the project's folder (a clone of it); the first answer stands")
         return 0
     _say("now looking for what is missing ...\n")
-    code = _run(PROJECT, config, folder, cores)
+    code = run_workflow(PROJECT, config, folder, cores)
     failed = [name for name in searched if not _verdict(folder, name).exists()]
     if code and failed and len(failed) < len(searched):
         _say(f"\nthe search did not end of {', '.join(failed)}; once more without")
@@ -83,11 +85,14 @@ def answer(
         ]  # fmt: skip
         rest = [name for name in searched if name not in failed]
         again = own.write(folder, [one.row for one in kept], left_out, rest)
-        code = _run(PROJECT, again, folder, cores)
+        code = run_workflow(PROJECT, again, folder, cores)
     for campaign in searched:
         path = _verdict(folder, campaign)
         found = json.loads(path.read_text(encoding="utf-8")) if path.exists() else None
         _say(f"{campaign}: {'. '.join(said(found)) if found else 'no verdict; results/logs tells why'}")
+        if found and found.get("conclusion") and len(searched) <= _FEW:
+            row = by_verdict(answers[campaign].row, found)
+            _say("\n".join(f"  {line}" for line in lines(row)))
     if code == 0:
         _say(f"the report: {folder / 'results' / 'report.html'}")
     return 1 if code else 0
@@ -170,15 +175,15 @@ def _verdict(folder: Path, campaign: str) -> Path:
     return folder / "results" / "discovery" / campaign / "verdict.json"
 
 
-def _run(project: Path, config: Path, folder: Path, cores: int) -> int:
+def run_workflow(project: Path, config: Path, folder: Path, cores: int, targets: Sequence[str] = ()) -> int:
     """The exit code of the workflow on a study. What fails of one pendulum stops no other."""
     command = [
         sys.executable, "-m", "snakemake", "--snakefile", str(project / "Snakefile"), f"-c{cores}", "--keep-going",
-        "--configfile", str(config.resolve()), "--directory", str(folder.resolve()),
+        "--configfile", str(config.resolve()), "--directory", str(folder.resolve()), "--", *targets,
     ]  # fmt: skip
     sys.stdout.flush()
     return subprocess.run(command, cwd=project).returncode
 
 
-def _say(text: str) -> None:
+def _say(text: object) -> None:
     print(text, flush=True)

@@ -10,15 +10,16 @@ import xarray as xr
 from ..arrays import Floats
 from ..errors import InputError
 from ..measurement.angle import to_angle
-from ..measurement.columns import ANGLE, choose, meaning
+from ..measurement.columns import ANGLE, RATE, choose, meaning
 from ..measurement.continuity import check_continuous
+from ..measurement.gyroscope import TO_RAD_PER_S, check_rate
 from ..measurement.plausibility import check_plausible
 from ..measurement.quality import check_signal, check_times
 from ..measurement.recording import SHORTEST
 from ..measurement.release import find_windows
 
-UNITS = ("rad", "deg")
-_SCALE = {"rad": 1.0, "deg": np.pi / 180}
+UNITS = ("rad", "deg", *TO_RAD_PER_S)
+_SCALE = {"rad": 1.0, "deg": np.pi / 180}  # of angles: a hand is told in another way from rates
 # What a file's owner mends in the sample sheet, the caller of a function mends in the call.
 _MENDS = {
     "signal_unit": "say unit='deg' (or unit='rad' for counted turns)",
@@ -99,7 +100,7 @@ def _alone(given: Any) -> tuple[Any, Any, str, dict[str, Any]]:
         return _clock(given[given.dims[0]]), given.values, _stated(given), _about(given)
     if isinstance(given, pd.DataFrame) and given.shape[1] > 1:
         clock, chosen = choose(tuple(map(str, given.columns)), "", "", "DataFrame")
-        if len(chosen) > 1 or chosen[0].kind not in (ANGLE, ""):
+        if len(chosen) > 1 or chosen[0].kind not in (ANGLE, RATE, ""):
             raise InputError(
                 "DataFrame", f"column {chosen[0].name!r} holds no angle", "a column of the angle"
             )
@@ -163,13 +164,15 @@ def _swing(
         check_times(times, np.arange(times.size), name)
         check_signal(times, values, name)
         remarks = check_plausible(times, values, taken, True, bool(unit or stated), name)
+        if taken in TO_RAD_PER_S:
+            remarks += check_rate(times, values, taken, name)
         remarks += check_continuous(times, values, name)
     except InputError as problem:
         mend = next((text for key, text in _MENDS.items() if key in problem.mend), problem.mend)
         where = problem.where.replace(", line ", ", sample ")
         raise InputError(where, problem.problem, problem.expected, mend) from None
     more: dict[str, Any] = {}
-    windows, _ = find_windows(times, values, _SCALE.get(taken, 0.0))
+    windows, _ = find_windows(times, values, _SCALE.get(taken, 0.0), taken in TO_RAD_PER_S)
     if len(windows) > 1:
         spans = ", ".join(f"{one.begins:.3f} to {one.ends:.3f} s" for one in windows)
         raise InputError(

@@ -12,7 +12,9 @@ import pandas as pd
 import xarray as xr
 
 from ..arrays import Shown
+from ..discovery.verdict import noise_rms
 from ..rounding import value_with_uncertainty
+from ..studies.pendulums import by_verdict, in_order, residual_of
 from ..studies.words import lines, quantity_rows
 
 
@@ -58,7 +60,10 @@ class Answer:
 
     def with_verdict(self, found: Mapping[str, Any], shown: tuple[Shown, ...]) -> "Answer":
         """The same answer with a verdict, and with what its last model makes of the swings."""
-        return replace(self, verdict=found, shown=shown)
+        table = self.table.copy().astype(object)
+        row = by_verdict(self.table.iloc[-1].to_dict(), found)
+        table = pd.concat([table.iloc[:-1], pd.DataFrame([row])], ignore_index=True)
+        return replace(self, verdict=found, shown=shown, table=in_order(table))
 
     def __str__(self) -> str:
         return "\n".join([*self.remarks, *lines(self.row, self.verdict)])
@@ -70,7 +75,7 @@ class Answer:
         """A matplotlib Figure: the swings with the fit, and what it leaves."""
         from ..plots.answer import swings_with_fit
 
-        noise = self.verdict["noise_rms_rad"] if self.verdict else None
+        noise = noise_rms(self.verdict) if self.verdict else None
         return swings_with_fit(self.shown, noise, {"emulated": self.row["emulated"]})
 
     def to_dict(self) -> dict[str, Any]:
@@ -89,7 +94,8 @@ class Answer:
                 for one in quantity_rows(row, self.verdict)
             },
             "model": self.model,
-            "residual_rad": float(row["residual_rad"]),
+            "residual": {"value": residual_of(row)[0], "unit": residual_of(row)[1]},
+            "residual_rad": float(row["residual_rad"]) if residual_of(row)[1] == "rad" else None,
             "emulated": row["emulated"] == "yes",
             "remarks": self.remarks,
             "verdict": dict(self.verdict) if self.verdict else None,

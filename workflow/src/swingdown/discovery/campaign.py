@@ -10,6 +10,7 @@ from ..arrays import Floats
 from ..errors import InputError
 from ..fitting.guess import middle_crossings
 from ..measurement.noise_level import HARMONICS, whittle
+from ..pendulum.catalogue import ANGLE
 from ..pendulum.slack import Slack
 
 # A single recording is cut into parts of as many half-swings each: odd numbers of them, so that both ends are fitted.
@@ -62,7 +63,8 @@ class Campaign:
     """The swings to fit and those held out, how they were chosen, and what is known of the noise before any fit.
 
     ``systematic`` is the largest standard uncertainty (rad) that all samples share; ``slack`` what calibration and clock leave
-    open of the readings, which every fit leaves open too.
+    open of the readings, which every fit leaves open too. ``reading`` is what the sensor reads: where it is a rate, angles of
+    swings and of fits stand for angular velocities (rad/s). ``whole`` are all swings, of a recording that is cut the whole of it.
     """
 
     name: str
@@ -72,6 +74,8 @@ class Campaign:
     static: tuple[tuple[Floats, Floats], ...] = field(default=())
     systematic: float = 0.0
     slack: Slack = field(default_factory=Slack, compare=False)
+    reading: str = ANGLE
+    whole: tuple[Swing, ...] = field(default=(), compare=False)
 
 
 def campaign(
@@ -91,18 +95,18 @@ def campaign(
             f"campaign {name}", "no swing to fit", "one or more recordings that are not static or held out"
         )
     if holdout:
-        return Campaign(
-            name, tuple(swings), tuple(holdout), "held out as the sample sheet says", tuple(static)
-        )
+        how = "held out as the sample sheet says"
+        return Campaign(name, tuple(swings), tuple(holdout), how, tuple(static), whole=(*swings, *holdout))
     if len(swings) == 1:
         parts = cut(swings[0])
         how = f"one recording, cut by amplitude into {len(parts)} parts: every second held out"
-        return Campaign(name, tuple(parts[::2]), tuple(parts[1::2]), how, tuple(static))
+        return Campaign(name, tuple(parts[::2]), tuple(parts[1::2]), how, tuple(static), whole=tuple(swings))
     order = sorted(swings, key=lambda swing: swing.amplitude)
     held = order[:1] if len(order) == 2 else order[1:-1:3]
     names = ", ".join(swing.name for swing in held)
     fit = tuple(swing for swing in swings if swing not in held)
-    return Campaign(name, fit, tuple(held), f"held out by amplitude: {names}", tuple(static))
+    how = f"held out by amplitude: {names}"
+    return Campaign(name, fit, tuple(held), how, tuple(static), whole=tuple(swings))
 
 
 def cut(swing: Swing) -> list[Swing]:

@@ -11,9 +11,12 @@ import pandas as pd
 import xarray as xr
 
 from .. import dataset
+from ..errors import InputError
 from ..measurement.slack import of_angles
 from ..paths import write_csv, write_text
+from ..pendulum.catalogue import READINGS
 from ..pendulum.model import Model, write_model
+from ..studies.experiment import largest_angles
 from .campaign import Campaign, Swing, campaign
 from .confirm import gap, per_swing
 from .half_swings import said
@@ -21,6 +24,7 @@ from .linear import frame
 from .locate import kind
 from .remainder import COURSE, MAP, Remainder, remainder
 from .state import Round
+from .verdict import in_unit
 
 _RANKING = ["move", "added", "also", "dropped", "delta_bic", "gain_bic", "rms_rad", "tied", "correlation", "out_of_sample", "refused", "effects"]  # fmt: skip
 
@@ -37,14 +41,26 @@ def read_campaign(name: str, paths: Sequence[Path | str], roles: Sequence[str]) 
     read: list[xr.Dataset] = []
     for path, role in zip(paths, roles, strict=True):
         data = dataset.read(path)
-        swing = Swing(str(data.attrs["recording"]), data["time"].values, data["angle"].values)
-        systematic = max(systematic, float(data["angle_systematic_uncertainty"].max()))
+        swing = Swing(str(data.attrs["recording"]), data["time"].values, dataset.series_of(data).values)
+        systematic = max(systematic, float(dataset.series_of(data, "systematic_uncertainty").max()))
         emulated |= str(data.attrs.get("emulated", "no")) == "yes"
         kinds[role or "fit"].append(swing)
         read.append(data)
     static = [swing.pair for swing in kinds["static"]]
     known = campaign(name, kinds["fit"], kinds["holdout"], static)
-    return replace(known, systematic=systematic, slack=of_angles(read)), emulated
+    known = replace(known, systematic=systematic, slack=of_angles(read), reading=reading_of(name, read))
+    return known, emulated
+
+
+def reading_of(name: str, angles: Sequence[xr.Dataset]) -> str:
+    """What the sensor of a campaign reads, ``angle`` or ``rate``; InputError where its recordings differ."""
+    kinds = {str(dataset.series_of(one).name) for one in angles}
+    if len(kinds) > 1:
+        raise InputError(
+            f"campaign {name}", "some of its recordings are of angles and some of angular rates", "one of the two",
+            "make two campaigns of it in the sample sheet",
+        )  # fmt: skip
+    return kinds.pop()
 
 
 def write_round(state: Round, campaign: Campaign, folder: Path | str, emulated: bool) -> Path:
@@ -73,15 +89,18 @@ def _series(state: Round, campaign: Campaign, emulated: bool) -> xr.Dataset:
     """Data and fit of every swing, fitted and held out, as one ragged dataset (swing index by sample)."""
     swings = [*campaign.fit, *campaign.holdout]
     series = [one.angle for one in (*state.fit.swings, *state.holdout.swings)]
-    rad = {"units": "rad"}
+    rad, what = (
+        {"units": READINGS[campaign.reading]},
+        "angle" if campaign.reading == "angle" else "angular rate",
+    )
     return xr.Dataset(
         {
-            "angle": (
+            campaign.reading: (
                 "sample",
                 np.concatenate([s.angle for s in swings]),
-                rad | {"long_name": "measured angle"},
+                rad | {"long_name": f"measured {what}"},
             ),
-            "fit": ("sample", np.concatenate(series), rad | {"long_name": "fitted angle"}),
+            "fit": ("sample", np.concatenate(series), rad | {"long_name": f"fitted {what}"}),
             "time": (
                 "sample",
                 np.concatenate([s.times for s in swings]),
@@ -96,7 +115,7 @@ def _series(state: Round, campaign: Campaign, emulated: bool) -> xr.Dataset:
         {
             "campaign": campaign.name,
             "emulated": "yes" if emulated else "no",
-            "noise_rms_rad": state.noise.deviation,
+            in_unit("noise_rms", campaign.reading): state.noise.deviation,
             "model": state.fit.model.label,
         },
     )
@@ -111,14 +130,15 @@ def summary(state: Round, campaign: Campaign) -> dict[str, Any]:
     return {
         "round": state.number,
         "campaign": campaign.name,
+        "reading": campaign.reading,
         "split": campaign.how,
         "effects": list(state.fit.model.names),
         "found": list(state.found),
         "parameters": _parameters(state.model),
         "nuisance": _nuisance(state.model),
-        "systematic_rad": campaign.systematic,
-        "largest_angle_rad": float(np.max(np.abs(state.fit.angle))),
-        "noise_rms_rad": state.noise.deviation,
+        in_unit("systematic", campaign.reading): campaign.systematic,
+        "largest_angle_rad": max(largest_angles(state.fit, [swing.pair for swing in campaign.fit])),
+        in_unit("noise_rms", campaign.reading): state.noise.deviation,
         "noise_correlation": state.noise.correlation,
         "gap": {"fit": gap(state.fit, state.noise), "holdout": gap(state.holdout, state.noise)},
         "gap_by_swing": dict(zip(swings, map(float, ratios), strict=True)),
@@ -137,6 +157,7 @@ def summary(state: Round, campaign: Campaign) -> dict[str, Any]:
         "established": state.established,
         "established_in": state.established_in,
         "spent": state.spent,
+        "conclusion": state.concluded,
         "chosen": None if chosen is None else {"move": chosen.move, "added": chosen.added, "also": list(chosen.also),
                                                "dropped": chosen.dropped, "gain_bic": state.bic - chosen.bic},
     }  # fmt: skip

@@ -12,7 +12,7 @@ from ..pendulum.effect import NATURAL_FREQUENCY
 from ..pendulum.formula import evaluate
 from ..pendulum.free_form import FreeForm
 from .campaign import Noise
-from .linear import Frame, columns_of
+from .linear import Frame, columns_of, motion
 from .refit import refit, with_effect
 
 _POINTS = 41  # of a curve
@@ -22,9 +22,8 @@ COLUMNS = ["over", "part", "x", "torque", "band"]
 
 def extents(frame: Frame) -> dict[str, float]:
     """The largest angle (rad) and speed (rad/s) that the fit reaches, by what a free form is over."""
-    series = zip(frame.fit.swings, frame.swings, strict=True)
-    speed = max(float(np.max(np.abs(np.gradient(one.angle, swing.times)))) for one, swing in series)
-    return {"position": float(np.max(np.abs(frame.fit.angle))), "velocity": speed}
+    angle, speed = motion(frame.fit, frame.swings)
+    return {"position": float(np.max(np.abs(angle))), "velocity": float(np.max(np.abs(speed)))}
 
 
 def _range(frame: Frame, form: FreeForm) -> dict[str, float]:

@@ -6,8 +6,10 @@ import numpy as np
 import pandas as pd
 
 from ..arrays import Floats, Swing
+from ..pendulum.catalogue import ANGLE, RATE
 
 _COLUMNS = ["time_s", "amplitude_rad", "energy_loss", "period_ratio", "midpoint_rad"]
+_QUANTITIES = ("energy_loss", "period_ratio", "midpoint_rad")
 _ABOVE_NOISE = 8.0  # standard deviations that a turning point must be from the middle
 _NEAR = 0.12  # of a half-swing on each side of a turning point, where the angle is a parabola to the noise
 
@@ -34,10 +36,13 @@ def turning_points(times: Floats, angle: Floats) -> tuple[Floats, Floats]:
     return when, where
 
 
-def half_swings(times: Floats, angle: Floats, natural_frequency: float) -> pd.DataFrame:
+def half_swings(times: Floats, angle: Floats, natural_frequency: float, reading: str = ANGLE) -> pd.DataFrame:
     """A table, one row a half-swing: amplitude (rad), loss (share of the potential energy), half-period against that of
     an undamped pendulum of that amplitude (ratio), and mid-point (rad, from three turning points, so that decay leaves it
     alone). Half-swings that the noise could have made are left out.
+
+    Of a rate (rad/s) the turning points are where it is fastest: each stands for the angle that it reaches by the energy it has
+    there. The mid-point is then not known.
     """
     when, where = turning_points(times, angle)
     noise = np.std(np.diff(angle, 2)) / np.sqrt(6) if angle.size > 3 else 0.0
@@ -46,12 +51,15 @@ def half_swings(times: Floats, angle: Floats, natural_frequency: float) -> pd.Da
     when, where = when[:last], where[:last]
     if when.size < 4:
         return pd.DataFrame(columns=_COLUMNS, dtype=float)
+    if reading == RATE:
+        where = where - np.median((where[:-2] + 2 * where[1:-1] + where[2:]) / 4)  # a gyroscope's zero
+        where = np.sign(where) * 2 * np.arcsin(np.minimum(np.abs(where) / (2 * natural_frequency), 1.0))
     height = 1 - np.cos(where)
     amplitude = np.abs(np.diff(where)) / 2
     mean, root = np.ones_like(amplitude), np.cos(amplitude / 2)
     for _ in range(6):
         mean, root = (mean + root) / 2, np.sqrt(mean * root)
-    middle = (where[:-2] + 2 * where[1:-1] + where[2:]) / 4
+    middle = (where[:-2] + 2 * where[1:-1] + where[2:]) / 4 * (np.nan if reading == RATE else 1.0)
     return pd.DataFrame(
         {
             "time_s": (when[1:] + when[:-1]) / 2,
@@ -64,7 +72,11 @@ def half_swings(times: Floats, angle: Floats, natural_frequency: float) -> pd.Da
 
 
 def beside(
-    names: Sequence[str], swings: Sequence[Swing], modelled: Sequence[Swing], natural_frequency: float
+    names: Sequence[str],
+    swings: Sequence[Swing],
+    modelled: Sequence[Swing],
+    natural_frequency: float,
+    reading: str = ANGLE,
 ) -> pd.DataFrame:
     """One table of all half-swings of several swings, measured beside modelled: columns ``swing``, ``of`` and those of
     ``half_swings``. ``swings`` and ``modelled`` hold (times in s, angles in rad).
@@ -72,7 +84,7 @@ def beside(
     tables = []
     for name, measured, fitted in zip(names, swings, modelled, strict=True):
         for of, (times, angle) in (("measured", measured), ("modelled", fitted)):
-            tables.append(half_swings(times, angle, natural_frequency).assign(swing=name, of=of))
+            tables.append(half_swings(times, angle, natural_frequency, reading).assign(swing=name, of=of))
     return pd.concat(tables, ignore_index=True)
 
 
@@ -91,7 +103,7 @@ def differences(table: pd.DataFrame) -> pd.DataFrame:
         pairs.append(
             pd.merge_asof(
                 measured, modelled, on="time_s", direction="nearest", tolerance=reach, suffixes=("", "_model")
-            ).dropna()
+            ).dropna(subset=["energy_loss_model"])
         )
     if not pairs or not sum(map(len, pairs)):
         return pd.DataFrame(columns=["quantity", "low_rad", "high_rad", "difference", "error"])
@@ -100,7 +112,9 @@ def differences(table: pd.DataFrame) -> pd.DataFrame:
     rows = []
     for low, high in zip(edges, edges[1:], strict=False):
         inside = joined[(joined["amplitude_rad"] >= low) & (joined["amplitude_rad"] <= high)]
-        for quantity in ("energy_loss", "period_ratio", "midpoint_rad"):
+        for quantity in _QUANTITIES:
+            if inside[quantity].isna().all():
+                continue
             difference = (inside[quantity] - inside[f"{quantity}_model"]).to_numpy()
             middle = np.median(difference)
             spread = 1.4826 * np.median(np.abs(difference - middle)) / np.sqrt(max(1, difference.size - 1))

@@ -8,10 +8,11 @@ from scipy.linalg import qr
 from scipy.optimize import lsq_linear
 
 from ..arrays import Floats
-from ..engine.trajectory import TrajectoryError, sensitivities
+from ..engine.trajectory import TrajectoryError, sensitivities, simulate
 from ..errors import InputError
 from ..fitting.problem import RELEASE
 from ..fitting.result import Fit
+from ..pendulum.catalogue import ANGLE, RATE
 from ..pendulum.effect import Effect
 from .campaign import Swing
 
@@ -96,6 +97,21 @@ def frame(fit: Fit, swings: Sequence[Swing]) -> Frame:
     names = (*shared, *(each * len(swings)))
     of = (*(-1 for _ in shared), *(k for k in range(len(swings)) for _ in each))
     return Frame(fit, tuple(swings), residual, slopes, orthonormal(slopes), slices, names, of)
+
+
+def motion(fit: Fit, swings: Sequence[Swing]) -> tuple[Floats, Floats]:
+    """Angles (rad) and angular velocities (rad/s) of a fit at all samples, one swing below the other.
+
+    Of a sensor of angles the angles are what it reads, and the velocities their differences; behind a rate stands the motion.
+    """
+    pairs = list(zip(fit.swings, swings, strict=True))
+    if fit.model.reading == ANGLE:
+        return fit.angle, np.concatenate([np.gradient(one.angle, swing.times) for one, swing in pairs])
+    angles, velocities = (
+        [simulate(one.model.motion.of(what), swing.times, one.release_angle, one.release_velocity) for one, swing in pairs]
+        for what in (ANGLE, RATE)
+    )  # fmt: skip
+    return np.concatenate(angles), np.concatenate(velocities)
 
 
 def _with_knowledge(

@@ -11,9 +11,10 @@ import numpy as np
 from scipy.stats import chi2
 
 from ..arrays import Floats
+from ..pendulum.catalogue import ANGLE
 from .campaign import Noise
 from .free_form import free_columns
-from .linear import Frame, explained
+from .linear import Frame, explained, motion
 
 KINDS = {
     "position": "restoring",
@@ -81,12 +82,15 @@ def kind(found: Iterable[Group]) -> str | None:
 def probes(frame: Frame) -> dict[str, Floats]:
     """The columns of each group's general form, by name."""
     columns = {form.over: free_columns(frame, form) for form in frame.fit.model.catalogue.free_forms}
-    angle = frame.fit.angle
-    series = zip(frame.fit.swings, frame.swings, strict=True)
-    speed = np.concatenate([np.gradient(one.angle, swing.times) for one, swing in series])
+    angle, speed = motion(frame.fit, frame.swings)
     since = np.concatenate([(w.times - w.times[0]) / (w.times[-1] - w.times[0]) for w in frame.swings])
     x, v = angle / np.max(np.abs(angle)), speed / np.max(np.abs(speed))
-    sensor = np.column_stack([np.ones_like(x), angle, np.cos(angle), np.sin(angle), speed, np.sign(speed)])
+    if frame.fit.model.reading == ANGLE:
+        sensor = np.column_stack(
+            [np.ones_like(x), angle, np.cos(angle), np.sin(angle), speed, np.sign(speed)]
+        )
+    else:
+        sensor = np.column_stack([np.ones_like(x), v, v**2, v**3])
     shapes = [x**i * v**j for i in range(6) for j in range(6 - i)]
     other = np.column_stack([shape * since**k for k in range(3) for shape in shapes])
     return {

@@ -30,7 +30,7 @@ _UNNEEDED = 4.0  # chi-square that a held-out swing may lose with a term that is
 
 def first_fit(campaign: Campaign, base: Model) -> Fit:
     """The base model fitted jointly within the catalogue's bounds, the sensor and the clock taken for what they say."""
-    base = base.with_slack(Slack(clock=campaign.slack.clock))
+    base = base.of(campaign.reading).with_slack(Slack(clock=campaign.slack.clock))
     fit = fit_jointly(base, [swing.pair for swing in campaign.fit], bounded=True)
     return nudged(fit, campaign.fit)
 
@@ -86,7 +86,7 @@ def _seen(number: int, campaign: Campaign, here: Frame, found: tuple[str, ...]) 
     names, pairs = [swing.name for swing in swings], [swing.pair for swing in swings]
     return Round(
         number, fit, predict(fit, campaign.holdout), noise, tuple(groups(here, noise)), missing(here, noise),
-        kept(here, noise), beside(names, pairs, modelled, frequency), found,
+        kept(here, noise), beside(names, pairs, modelled, frequency, campaign.reading), found,
     )  # fmt: skip
 
 

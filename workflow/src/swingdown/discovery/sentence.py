@@ -9,7 +9,7 @@ from ..pendulum.catalogue import SHIPPED, Catalogue
 from ..pendulum.effect import Effect
 from ..rounding import plus_minus
 
-_SMALLER = {"rad": (1e-3, "mrad"), "s": (1e-3, "ms")}
+_SMALLER = {"rad": (1e-3, "mrad"), "rad/s": (1e-3, "mrad/s"), "s": (1e-3, "ms")}
 _ASKED = 3.0  # standard errors
 _SMALL = 0.1  # of a unit that has a smaller one beside it
 
@@ -51,7 +51,7 @@ def _remains(found: Mapping[str, Any], catalogue: Catalogue) -> str:
     helping = [one for one in found["stand_ins"] if catalogue.has_name(one["name"])]
     left = found["gap"]["left"]
     said = (
-        f"What remains, {left['noise']:.3g} times the noise ({1e3 * left['rad']:.3g} mrad){kind}, has no name in the catalogue"
+        f"What remains, {left['noise']:.3g} times the noise ({1e3 * left.get('rad', left.get('rad_per_s')):.3g} m{found.get('unit', 'rad')}){kind}, has no name in the catalogue"
         + (f"; it is kept as {' and '.join(nameless)}." if nameless else ".")
     )
     if helping:

@@ -1,6 +1,7 @@
 """The state of a search after so many moves: the fit, where it fails, what could mend it, and what was chosen."""
 
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -46,6 +47,7 @@ class Round:
     """By effect found, why it is not established, or empty; None where nothing more is missing."""
     established_in: int | None = None  # the number of the round that tells it
     spent: bool = False  # the search's budget
+    concluded: dict[str, Any] | None = None  # of the last round: what ``conclusion.conclusion`` gives
 
     @property
     def bic(self) -> float:

@@ -7,7 +7,7 @@ from typing import Any
 
 import yaml
 
-from ..pendulum.catalogue import SHIPPED, Catalogue
+from ..pendulum.catalogue import ANGLE, READINGS, SHIPPED, Catalogue
 from ..pendulum.effect import Effect
 from ..pendulum.formula import evaluate
 from ..pendulum.free_form import FreeForm
@@ -26,6 +26,7 @@ def verdict(rounds: Sequence[Mapping[str, Any]], catalogue: Catalogue = SHIPPED)
     merely helps.
     """
     first, last = rounds[0], rounds[-1]
+    reading = last.get("reading", ANGLE)
     unnamed = [form.name for form in catalogue.free_forms]
     # beside a torque without a name the values of the named ones mean little: it can do their work
     sound = [state for state in rounds if not any(name in unnamed for name in state["found"])][-1]
@@ -54,6 +55,8 @@ def verdict(rounds: Sequence[Mapping[str, Any]], catalogue: Catalogue = SHIPPED)
     )
     found = {
         "campaign": last["campaign"],
+        "reading": reading,
+        "unit": READINGS[reading],
         "status": status,
         "effects": asserted,
         "stand_ins": stand_ins,
@@ -69,18 +72,19 @@ def verdict(rounds: Sequence[Mapping[str, Any]], catalogue: Catalogue = SHIPPED)
             "unit": "noise standard deviations",
             "fit": [state["gap"]["fit"] for state in rounds],
             "holdout": [state["gap"]["holdout"] for state in rounds],
-            "holdout_rad": [state["gap"]["holdout"] * state["noise_rms_rad"] for state in rounds],
+            in_unit("holdout", reading): [state["gap"]["holdout"] * noise_rms(state) for state in rounds],
             "explained": _explained(first, sound),
             "left": {
                 "noise": sound["gap"]["holdout"],
-                "rad": sound["gap"]["holdout"] * sound["noise_rms_rad"],
+                "rad" if reading == ANGLE else "rad_per_s": sound["gap"]["holdout"] * noise_rms(sound),
             },
         },
-        "noise_rms_rad": last["noise_rms_rad"],
+        in_unit("noise_rms", reading): noise_rms(last),
         "noise_correlation": last["noise_correlation"],
         "split": last["split"],
         "moves": [state["chosen"]["move"] for state in rounds if state["chosen"]],
         "model": last["parameters"],
+        "conclusion": last.get("conclusion"),
         "nuisance": last.get("nuisance", {}),
         "misspecified": _at_their_bounds([catalogue[name] for name in sound["effects"]], sound["parameters"]),
         "next_measurement": _next_measurement(asserted, status, catalogue),
@@ -91,10 +95,20 @@ def verdict(rounds: Sequence[Mapping[str, Any]], catalogue: Catalogue = SHIPPED)
     return found
 
 
+def in_unit(key: str, reading: str) -> str:
+    """A key for a number of what is read, with its unit: ``noise_rms_rad``, of a rate ``noise_rms_rad_per_s``."""
+    return f"{key}_{'rad' if reading == ANGLE else 'rad_per_s'}"
+
+
+def noise_rms(found: Mapping[str, Any]) -> float:
+    """The noise's standard deviation in a verdict, or in a round: rad, of a rate rad/s (its ``unit``)."""
+    return float(found[in_unit("noise_rms", found.get("reading", ANGLE))])
+
+
 def _explained(first: Mapping[str, Any], last: Mapping[str, Any]) -> float | None:
     """The share of the held-out swings' excess over the noise that named effects explain; None where there was none."""
-    noise = last["noise_rms_rad"] ** 2
-    before, after = ((one["gap"]["holdout"] * one["noise_rms_rad"]) ** 2 - noise for one in (first, last))
+    noise = noise_rms(last) ** 2
+    before, after = ((one["gap"]["holdout"] * noise_rms(one)) ** 2 - noise for one in (first, last))
     return float(1 - max(after, 0.0) / before) if before > 0 else None
 
 
@@ -136,11 +150,12 @@ def _names(move: Mapping[str, Any]) -> list[str]:
 
 def _within_calibration(effect: Effect, state: Mapping[str, Any]) -> bool:
     """True if a sensor effect is no larger than what the calibration leaves open (two standard uncertainties)."""
-    if not effect.reading_error or not state["systematic_rad"]:
+    systematic = state[in_unit("systematic", state.get("reading", ANGLE))]
+    if not effect.reading_error or not systematic:
         return False
     known = {p.symbol: state["parameters"][p.name]["value"] for p in effect.parameters}
     error = evaluate(effect.reading_error, largest_angle=state["largest_angle_rad"], **known)
-    return bool(error <= 2 * state["systematic_rad"])
+    return bool(error <= 2 * systematic)
 
 
 def _groups(state: Mapping[str, Any]) -> dict[str, dict[str, Any]]:

@@ -69,16 +69,19 @@ def model(
     n_states: int,
     play: int,
     duration: float,
+    reads_rate: bool = False,
 ) -> Any:
     """A C ``Model``.
 
     ``motions``, ``sensors``, ``clocks``: (row, first parameter, first state) of each effect; ``play``: a parameter or -1;
-    ``duration`` in s.
+    ``duration`` in s; ``reads_rate``: what is read is the angular velocity.
     """
     kinds = {"motions": motions, "sensors": sensors, "clocks": clocks}
     arrays = {kind: ffi().new("PlacedEffect[]", placed) for kind, placed in kinds.items()}
     counts = {f"n_{kind}": len(placed) for kind, placed in kinds.items()}
-    others = {"n_parameters": n_parameters, "n_states": n_states, "play": play, "duration": duration}
+    others = {
+        "n_parameters": n_parameters, "n_states": n_states, "play": play, "duration": duration, "reads_rate": int(reads_rate),
+    }  # fmt: skip
     found = ffi().new("Model *", arrays | counts | others)
     _arrays[found] = arrays
     return found

@@ -10,7 +10,7 @@ import numpy as np
 
 from ..arrays import Floats
 from ..errors import InputError
-from ..pendulum.catalogue import SHIPPED, Catalogue
+from ..pendulum.catalogue import RATE, SHIPPED, Catalogue
 from ..pendulum.model import Model
 from . import build, interface
 from .rows import entries
@@ -64,7 +64,7 @@ def _loaded(catalogue: Catalogue) -> tuple[Any, dict[tuple[str, str], int]]:
 
 def engine(catalogue: Catalogue = SHIPPED) -> Any:
     """The compiled engine for a catalogue (compiled at the first use on a machine)."""
-    return _loaded(catalogue)[0]
+    return _loaded(catalogue.whole)[0]
 
 
 class Compiled:
@@ -74,7 +74,7 @@ class Compiled:
     """
 
     def __init__(self, model: Model, duration: float) -> None:
-        self.library, rows = _loaded(model.catalogue)
+        self.library, rows = _loaded(model.catalogue.whole)
         parts: dict[str, list[tuple[int, int, int]]] = {
             "motions": [(rows[model.gravity.name, "consistent"], 1, 0)],
             "sensors": [],
@@ -92,8 +92,9 @@ class Compiled:
             parameter, state = parameter + len(effect.parameters), state + len(effect.states)
         self.model, self.n_parameters = model, parameter
         self.c = interface.model(
-            **parts, n_parameters=parameter, n_states=state, play=play, duration=duration
-        )
+            **parts, n_parameters=parameter, n_states=state, play=play, duration=duration,
+            reads_rate=model.catalogue.reading == RATE,
+        )  # fmt: skip
 
 
 def checked_times(times: Any) -> Floats:
@@ -145,14 +146,14 @@ def _run(
         report.stuck_after if report.stuck_after >= 0 else None, bool(report.driven),
     )  # fmt: skip
     # a torque without a name may drive, for it stands for whatever does; and a friction below 0, which is told elsewhere
-    beyond = float(np.max(np.abs(angles), initial=0.0)) > np.pi / 2
+    beyond = model.reading != RATE and float(np.max(np.abs(angles), initial=0.0)) > np.pi / 2
     if effort.driven and beyond and all(map(model.catalogue.has_name, model.names)):
         warnings.warn(f"model {model.label}: {_DRIVEN}", TrajectoryWarning, stacklevel=3)
     return angles, slopes, effort
 
 
 def simulate(model: Model, times: Any, release_angle: float, release_velocity: float = 0.0) -> Floats:
-    """The angle read at each time, in rad; an array of the shape of ``times``.
+    """The angle read at each time, in rad (of a model that reads rates the angular velocity, rad/s); an array like ``times``.
 
     ``times`` in s, increasing, the release at the first; ``release_angle`` in rad, ``release_velocity`` in rad/s.
     Raises InputError for bad times or a model without values, TrajectoryError where the accuracy cannot be kept or the

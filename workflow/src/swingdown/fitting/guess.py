@@ -7,6 +7,7 @@ import numpy as np
 
 from ..arrays import Floats
 from ..errors import InputError
+from ..pendulum.catalogue import ANGLE, RATE
 from ..pendulum.formula import evaluate
 from ..pendulum.model import Model
 
@@ -69,9 +70,14 @@ def middle_crossings(times: Floats, angle: Floats) -> tuple[Floats, Floats]:
     return crossings, extremes
 
 
-def first_guess(times: Any, angle: Any, restoring: str = "sine") -> Guess:
-    """The ``Guess`` for a swing: times in s, angles in rad; InputError where it crosses its middle fewer than twice."""
+def first_guess(times: Any, angle: Any, restoring: str = "sine", reading: str = ANGLE) -> Guess:
+    """The ``Guess`` for a swing: times in s, angles in rad; InputError where it crosses its middle fewer than twice.
+
+    Of the ``reading`` ``rate`` the second are angular velocities in rad/s.
+    """
     times, angle = np.asarray(times, dtype=float), np.asarray(angle, dtype=float)
+    if reading == RATE:
+        return _guess_from_rate(times, angle, restoring)
     crossings, extremes = middle_crossings(times, angle)
     if crossings.size < 2:
         crossings, extremes = middle_crossings(times, angle - 0.5 * (angle.max() + angle.min()))
@@ -87,7 +93,49 @@ def first_guess(times: Any, angle: Any, restoring: str = "sine") -> Guess:
     half, amplitude = float(np.median(halves[used])), float(np.median(extremes[used]))
     frequency = np.pi / half / (amplitude_factor(amplitude) if restoring == "sine" else 1.0)
     loss = (extremes[0] - extremes[-1]) / max(1, extremes.size - 1) if extremes.size > 1 else 0.01 * amplitude
+    release, velocity = _at_first(times, angle, half)
+    return Guess(float(frequency), release, velocity, amplitude, float(loss))
+
+
+def _at_first(times: Floats, series: Floats, half: float) -> tuple[float, float]:
+    """Value and slope (a second) at the first sample, of a parabola through an eighth of a half-swing."""
     few = max(4, min(times.size, int(np.searchsorted(times, times[0] + half / 8))))
     span = times[few - 1] - times[0]
-    local = np.linalg.lstsq(np.vander((times[:few] - times[0]) / span, 3), angle[:few])[0]  # of a parabola
-    return Guess(float(frequency), float(local[2]), float(local[1] / span), amplitude, float(loss))
+    local = np.linalg.lstsq(np.vander((times[:few] - times[0]) / span, 3), series[:few])[0]
+    return float(local[2]), float(local[1] / span)
+
+
+def _guess_from_rate(times: Floats, rate: Floats, restoring: str) -> Guess:
+    """The ``Guess`` from angular velocities (rad/s): the largest of each half-swing tell its amplitude by the energy.
+
+    A gyroscope's zero is taken from the mean over whole periods, at whose ends the pendulum is where it was.
+    """
+    crossings, _ = middle_crossings(times, rate - np.mean(rate))
+    if crossings.size >= 3:
+        last = crossings[crossings.size - (1 if crossings.size % 2 else 2)]
+        rate = rate - np.mean(rate[(times >= crossings[0]) & (times <= last)])
+        crossings, speeds = middle_crossings(times, rate)
+    if crossings.size < 2:
+        raise InputError(
+            "swing", "the angular rate passes zero fewer than twice", "at least one whole half-swing", "record longer"
+        )  # fmt: skip
+    used = speeds >= 0.5 * speeds[0]
+    half, fastest = float(np.median(np.diff(crossings)[used])), float(np.median(speeds[used]))
+    frequency = observed = np.pi / half
+    for _ in range(30 if restoring == "sine" else 0):  # the faster of two that depend on each other
+        frequency = observed / amplitude_factor(_amplitude(fastest, frequency, restoring))
+    reached = np.array([_amplitude(one, frequency, restoring) for one in speeds])
+    amplitude = float(np.median(reached[used]))
+    loss = (reached[0] - reached[-1]) / max(1, reached.size - 1) if reached.size > 1 else 0.01 * amplitude
+    velocity, acceleration = _at_first(times, rate, half)
+    sine = float(np.clip(-acceleration / frequency**2, -1.0, 1.0))
+    # beyond 90° the pull falls again: which side of it the release is on, the energy tells
+    cosine = np.cos(reached[0]) + 0.5 * (velocity / frequency) ** 2 if restoring == "sine" else 1.0
+    release = float(np.arctan2(sine, cosine)) if cosine < 0.5 else float(np.arcsin(sine))
+    return Guess(float(frequency), release, velocity, amplitude, float(loss))
+
+
+def _amplitude(speed: float, frequency: float, restoring: str) -> float:
+    """The angle (rad) that a pendulum reaches that is this fast (rad/s) at the bottom."""
+    share = speed / frequency
+    return float(2 * np.arcsin(min(share / 2, 0.999))) if restoring == "sine" else float(share)

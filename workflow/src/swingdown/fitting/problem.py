@@ -10,6 +10,7 @@ from ..arrays import Floats
 from ..engine import interface
 from ..engine.trajectory import Compiled, checked_times
 from ..errors import InputError
+from ..pendulum.catalogue import RATE
 from ..pendulum.effect import NATURAL_FREQUENCY, Parameter
 from ..pendulum.model import Model
 from .guess import first_guess
@@ -24,7 +25,7 @@ _DENSE, _ENOUGH = (
 _SMALLEST_FREQUENCY = 1e-3  # rad/s; a pendulum slower than an hour is none
 
 Swings = Sequence[tuple[Any, Any]]
-"""(times in s, angles in rad) of each swing."""
+"""(times in s, angles in rad) of each swing; of a model that reads rates (times in s, angular velocities in rad/s)."""
 
 
 def checked_swing(times: Any, angle: Any) -> tuple[Floats, Floats]:
@@ -61,6 +62,11 @@ class Problem:
     ) -> None:
         if start not in STARTS:
             raise InputError("fit, start", f"unknown start {start!r}", " or ".join(STARTS))
+        if model.reading == RATE and start != "free":
+            raise InputError(
+                f"fit of {model.label}, start", f"{start!r} takes the release from the first sample, and the recording is of an "
+                "angular rate, which does not tell it", "free", "fit the release too (experiment.start: free)",
+            )  # fmt: skip
         self.fixed = dict(fixed or {})
         if unknown := [name for name in (*own, *self.fixed) if name not in model.parameters]:
             raise InputError(
@@ -76,7 +82,8 @@ class Problem:
         count = len(self.swings)
         self.free = self.shared + each * count
         self.given = np.tile([self.fixed.get(name, 0.0) for name in slots], (count, 1))
-        self.given[:, slots.index("release_angle")] = [angle[0] for _, angle in self.swings]
+        if model.reading != RATE:
+            self.given[:, slots.index("release_angle")] = [angle[0] for _, angle in self.swings]
         self.where = np.full(self.given.shape, -1, dtype=np.int32)
         for k in range(count):
             place = {name: i for i, name in enumerate(self.shared)}
@@ -159,7 +166,8 @@ class Problem:
         known = guess if isinstance(guess, (list, tuple)) else [] if guess is None else [guess]
         if not seen and known and not any(isinstance(one, Model) for one in known):
             return np.array([self._from_guess(one, ()) for one in known]), 0
-        found = [first_guess(times, angle, self.model.restoring) for times, angle in self.swings]
+        reading = self.model.reading
+        found = [first_guess(times, angle, self.model.restoring, reading) for times, angle in self.swings]
         releases = [(g.release_angle, g.release_velocity) for g in found]
         shares = [g.damping(self.model) for g in found]
         loss = {name: float(np.mean([share[name] for share in shares])) for name in shares[0]}

@@ -11,19 +11,21 @@ import xarray as xr
 from ..arrays import Floats
 from ..errors import InputError
 from ..quantisation import quantisation_step
+from .gyroscope import TO_RAD_PER_S
 from .noise_level import noise_of
 from .release import by_itself
 from .slack import as_variables, of_calibration, of_tolerances
 
 BOUND = "half width of the interval that holds the angle with 95 %"
 PAPER_BOUND = "half width of the paper's bound, limits added: it holds some 89 % of angles (docs/trust.md)"
-_RAD = {"rad": 1.0, "deg": pi / 180}
+_RAD = {"rad": 1.0, "deg": pi / 180} | TO_RAD_PER_S
+_PARTS = ("standard_uncertainty", "random_uncertainty", "systematic_uncertainty", "bound")
 UNIFORM_95 = 0.95 * sqrt(3)  # half width of the interval that holds 95 % of a uniform distribution, in its u
 
 
 def to_angle(recording: xr.Dataset, calibration: xr.Dataset | None = None, mode: str = "gum") -> xr.Dataset:
     """The angle dataset of a recording: ``angle``, its uncertainties and its 95 % bound (all rad, over
-    ``time``).
+    ``time``). Of an angular rate the variables are ``rate`` and so on, in rad/s (``dataset.series_of`` finds either).
 
     A recording in volts needs the ``calibration`` dataset; its ``mode`` (paper, gum, monte-carlo) sets the
     uncertainty. In counts, or in rad or deg in steps, the only uncertainty known is that of the resolution
@@ -52,28 +54,35 @@ def to_angle(recording: xr.Dataset, calibration: xr.Dataset | None = None, mode:
         notes["systematic"] = f"{notes['systematic']}; and {also}" if unit == "V" else also
     slack = of_calibration(calibration, stated) if unit == "V" and calibration is not None else stated
     total = np.hypot(random, systematic)
+    turns = unit in TO_RAD_PER_S
+    name, units = ("rate", "rad/s") if turns else ("angle", "rad")
 
     def variable(values: Floats, text: str, **more: str) -> tuple[str, Floats, dict[str, str]]:
         return (
             "time",
             np.broadcast_to(values, angle.shape).copy(),
-            {"units": "rad", "long_name": text, **more},
+            {"units": units, "long_name": text, **more},
         )
 
-    parts = "angle_standard_uncertainty angle_random_uncertainty angle_systematic_uncertainty angle_bound"
+    parts = " ".join(f"{name}_{part}" for part in _PARTS)
     kept = {
         key: recording.attrs[key] for key in ("recording", "campaign", "role", "file", "sha256", "source")
     }
+    kept |= {"label": recording.attrs["label"]} if "label" in recording.attrs else {}
     emulated = recording.attrs["emulated"]
     if unit == "V" and calibration is not None and calibration.attrs["emulated"] == "yes":
         emulated = "yes"
     return xr.Dataset(
         {
-            "angle": variable(angle, "angle from the vertical", ancillary_variables=parts),
-            "angle_standard_uncertainty": variable(total, "standard uncertainty of the angle"),
-            "angle_random_uncertainty": variable(random, "part that differs from sample to sample"),
-            "angle_systematic_uncertainty": variable(systematic, "part that all samples share"),
-            "angle_bound": variable(bound, PAPER_BOUND if notes["mode"] == "paper" else BOUND),
+            name: variable(
+                angle, "angular rate" if turns else "angle from the vertical", ancillary_variables=parts
+            ),
+            f"{name}_standard_uncertainty": variable(total, f"standard uncertainty of the {name}"),
+            f"{name}_random_uncertainty": variable(random, "part that differs from sample to sample"),
+            f"{name}_systematic_uncertainty": variable(systematic, "part that all samples share"),
+            f"{name}_bound": variable(
+                bound, PAPER_BOUND if notes["mode"] == "paper" else BOUND.replace("angle", name)
+            ),
             **as_variables(slack)[0],
         },
         {"time": recording["time"], **as_variables(slack)[1]},

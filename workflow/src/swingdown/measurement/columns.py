@@ -25,19 +25,20 @@ _WRITTEN = {
     (VOLTAGE, ""): ("mv", "µv", "μv"),
     (COUNTS, "counts"): ("count", "counts", "ticks"),
     (LENGTH, ""): ("m", "dm", "cm", "mm", "km", "in", "inch", "ft", "px", "pixel", "pixels", "meter", "metre", "meters", "metres"),
-    (RATE, ""): (
-        "rad/s", "rad/sec", "rad·s⁻¹", "rad s^-1", "rad*s^-1", "1/s", "deg/s", "deg/sec", "degrees/s", "°/s", "º/s", "dps",
-        "rpm", "mdps",
-    ),
+    (RATE, "rad/s"): ("rad/s", "rad/sec", "rad·s⁻¹", "rad s^-1", "rad*s^-1", "rad s⁻¹", "rad s-1", "radians/s", "rads/s"),
+    (RATE, "deg/s"): ("deg/s", "deg/sec", "degrees/s", "°/s", "º/s", "˚/s", "dps", "°/sec", "deg s⁻¹"),
+    (RATE, ""): ("1/s", "rpm", "mdps"),
     (OTHER, ""): (
         "m/s", "m/s^2", "m/s²", "m/s2", "cm/s", "g", "mg", "n", "nm", "n·m", "°c", "c", "°f", "k", "hz", "kg", "t", "µt", "μt",
         "mt", "lx", "lux", "pa", "hpa", "kpa", "a", "ma", "w", "j", "db", "%", "rad/s^2", "rad/s²", "deg/s^2", "°/s²", "°/s^2",
     ),
 }  # fmt: skip
+SIGNAL_RATES = ("rad/s", "deg/s")
 UNITS = {written: meaning for meaning, all_ in _WRITTEN.items() for written in all_}
 
 _TIMES = re.compile(r"(?i)\b(t|time|zeit|temps|tiempo|tempo|timestamp|elapsed|millis|micros)\b")
 _ANGLES = re.compile(r"(?i)θ|φ|\b(theta|phi|angle|angular position|winkel|ángulo|angulo|ausschlag)\b")
+_SIZE_ALONE = re.compile(r"(?i)\b(abs|absolute|magnitude|norm|total|betrag)\b")
 _COORDINATE = re.compile(r"(?i)^(?:.*[ _-])?(?:position[ _-]?)?([xy])(?:[ _-]?(?:position|pos))?$")
 
 
@@ -170,13 +171,15 @@ def _swing(
             place, "the file has 1 column(s)", "a column of time and one of the signal", "export both"
         )
     first = others[0]
+    if stated in SIGNAL_RATES and (turning := next((one for one in others if one.kind == RATE), None)):
+        return [turning]
     if stated or (first.unit and first.kind in (ANGLE, VOLTAGE, COUNTS)):
         return [first]
     if found := next((one for one in others if one.kind == ANGLE and one.unit), None):
         return [found]
     if pair := _pair(others):
         return pair
-    for wanted in (_names_angle, _plain, _has_signal_unit):
+    for wanted in (_names_angle, _plain, _has_signal_unit, _is_rate):
         if found := next((one for one in others if wanted(one)), None):
             return [found]
     return [_checked(first, others, place, "", lone=clock.kind == TIME)]
@@ -184,6 +187,17 @@ def _swing(
 
 def _has_signal_unit(one: Meaning) -> bool:
     return bool(one.unit) and one.kind in (VOLTAGE, COUNTS)
+
+
+def _is_rate(one: Meaning) -> bool:
+    return one.kind == RATE and bool(one.unit) and not _SIZE_ALONE.search(one.name)
+
+
+def axes_beside(names: Sequence[str], chosen: Meaning, beside: Mapping[str, str]) -> list[str]:
+    """The columns that hold the rates about a gyroscope's axes, of the unit of the ``chosen`` one, that among them; how fast it
+    turns without saying which way is none of them."""
+    columns = [meaning(name, beside.get(name, "")) for name in names]
+    return [one.name for one in columns if _is_rate(one) and one.unit == chosen.unit]
 
 
 def _names_angle(one: Meaning) -> bool:
@@ -207,12 +221,19 @@ def _saying(one: Meaning) -> str:
 
 def _checked(one: Meaning, others: list[Meaning], place: str, stated: str, lone: bool) -> Meaning:
     """``one``; InputError by name where it cannot be an angle. ``lone`` refuses an x or y that lacks the other."""
-    if stated or (one.unit and one.kind in (ANGLE, VOLTAGE, COUNTS)):
+    if one.kind == RATE and _SIZE_ALONE.search(one.name):
+        raise InputError(
+            f"{place}, column {one.name}",
+            "it tells how fast it turns and not which way",
+            "the rate about one axis, in rad/s or deg/s",
+            "name the column of that axis in the cell signal_column of the sheet",
+        )
+    if stated or (one.unit and one.kind in (ANGLE, VOLTAGE, COUNTS, RATE)):
         return one
     if one.kind in (ANGLE, UNTOLD) and not one.written and not (lone and one.axis):
         return one
     mends = {
-        RATE: "record the angle itself, or integrate the rate and correct its drift before",
+        RATE: "write rad/s or deg/s in the cell signal_unit of the sheet, or convert the column to one of them",
         LENGTH: "export the other coordinate too (x and y): an angle is fitted to both, with the pivot",
         ANGLE: "convert it to rad or deg",
         VOLTAGE: "convert it to V, rad or deg",
@@ -223,8 +244,15 @@ def _checked(one: Meaning, others: list[Meaning], place: str, stated: str, lone:
         what += f", in {one.written!r},"
     raise InputError(
         f"{place}, column {one.name}",
-        f"{what} is no angle" + (" in a unit known here" if one.kind in (ANGLE, VOLTAGE) else ""),
-        "an angle in rad or deg, encoder counts, volts, or positions x and y"
+        f"{what} is no angle"
+        + (
+            " in a unit known here"
+            if one.kind in (ANGLE, VOLTAGE)
+            else " and no rate in a unit known here"
+            if one.kind == RATE
+            else ""
+        ),
+        "an angle in rad or deg, an angular rate in rad/s or deg/s, encoder counts, volts, or positions x and y"
         + (f"; the file has {', '.join(column.name for column in others)}" if len(others) > 1 else ""),
         mends.get(one.kind, "name the column of the angle in the cell signal_column of the sheet"),
     )

@@ -5,6 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..arrays import Floats
+from .noise_level import noise_level
 from .plausibility import Swings, half_swings
 
 WINDOW = 0.25  # of a period: the stretch of samples from which an acceleration is told
@@ -18,6 +19,11 @@ SHORT = (
     1.2  # windows: a spike or a jump is in no more of them, so a hand within a recording is strong for longer
 )
 CLOSE = 0.75  # of a period: what is strong twice within it is one hand
+
+
+STILL = 0.02  # of the range of an angular rate: less is no motion
+HIGHER = 1.15  # times as fast as in the period before it was held
+HELD = 0.3  # of a period: at a turning point it is that slow for a hundredth
 
 
 class Stretch(NamedTuple):
@@ -62,6 +68,30 @@ def stretches(times: Floats, signal: Floats, scale: float = 0.0) -> list[Stretch
         start, stop = _half_height(excess, start, stop)
         found.append((start + half if start else 0, stop + half if stop < len(excess) else len(signal) - 1))
     return [Stretch(float(times[start]), float(times[stop])) for start, stop in found]
+
+
+def held_still(times: Floats, rate: Floats) -> list[Stretch]:
+    """The stretches of an angular rate in which the pendulum is held still before it swings (on), in order.
+
+    A hand that holds the angle leaves a rate of nothing, as rest does; but what comes to rest by itself does not swing higher
+    afterwards. A hand that lifts and lets go at once is not seen in a rate.
+    """
+    swings = half_swings(rate)
+    if len(swings.starts) < 5 or len(rate) < 64:
+        return []
+    still = np.abs(rate - swings.centre()) < max(STILL * np.ptp(rate), 5 * noise_level(times, rate))
+    period = swings.period(times)
+    usual = round(period / float(np.median(np.diff(times))))
+    found = []
+    for a, b in _runs(still.astype(float)):
+        before, after = np.abs(rate[max(0, a - usual) : a]), np.abs(rate[b:])
+        if (
+            b < len(rate)
+            and times[b] - times[a] > HELD * period
+            and after.max() > HIGHER * before.max(initial=0.0)
+        ):
+            found.append(Stretch(float(times[a]), float(times[b])))
+    return found
 
 
 def _learned_from(swings: Swings) -> tuple[int, int]:

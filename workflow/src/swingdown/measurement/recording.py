@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -13,8 +14,9 @@ from numpy.typing import NDArray
 from .. import dataset
 from ..arrays import Floats
 from ..errors import InputError
-from .columns import ANGLE, COUNTS, TIME, UNTOLD, VOLTAGE, Meaning, choose, known_unit
+from .columns import ANGLE, COUNTS, RATE, TIME, UNTOLD, VOLTAGE, Meaning, axes_beside, choose, known_unit
 from .continuity import check_alive, check_continuous
+from .gyroscope import TO_RAD_PER_S, check_rate, turning_most
 from .plausibility import check_plausible, half_swings
 from .positions import Circle, fit_circle, to_angles
 from .quality import check_signal, check_times
@@ -25,13 +27,18 @@ from .source import Table, check_sha256, opened, table_of
 from .table import numbers
 
 MOST = 20_000_000  # samples that are held at once: half a gigabyte
-UNIT_WORDS = {"V": "volts", "rad": "rad", "deg": "degrees", "counts": "counts"}
+UNIT_WORDS = {
+    "V": "volts", "rad": "rad", "deg": "degrees", "counts": "counts", "rad/s": "rad/s, an angular rate",
+    "deg/s": "degrees a second, an angular rate",
+}  # fmt: skip
 SHORTEST = 10  # samples; fewer tell nothing about a swing
 LONG_NAMES = {
     "V": "voltage of the angle sensor",
     "rad": "angle as recorded",
     "deg": "angle as recorded",
     "counts": "encoder counts as recorded",
+    "rad/s": "angular rate as recorded",
+    "deg/s": "angular rate as recorded",
 }
 
 
@@ -70,13 +77,14 @@ def _recording(table: Table, row: Mapping[str, Any], place: str, digest: str) ->
     _check_own_unit(clock, row, "time", name, place)
     _check_own_unit(found[0], row, "signal", name, place)
     time_unit = known_unit(clock, row["time_unit"], (TIME,))
-    told_unit = known_unit(found[0], row["signal_unit"], (ANGLE, VOLTAGE, COUNTS))
+    told_unit = known_unit(found[0], row["signal_unit"], (ANGLE, VOLTAGE, COUNTS, RATE))
     signal_unit = "rad" if positions else told_unit or "rad"
     _check_unit(row, found[0].name, signal_unit, name, place)
 
-    times, values, lines, total = _series(
-        table, row, clock.name, [one.name for one in found], time_unit or "s"
-    )
+    names = [one.name for one in found]
+    if found[0].kind == RATE and not row["signal_column"]:
+        names = axes_beside(table.names, found[0], table.units) or names
+    times, values, lines, total = _series(table, row, clock.name, names, time_unit or "s")
     if len(times) < SHORTEST:
         raise InputError(
             f"{name} ({place})",
@@ -95,13 +103,16 @@ def _recording(table: Table, row: Mapping[str, Any], place: str, digest: str) ->
         more = {f"pivot_{key}": value for key, value in circle._asdict().items()}
         remarks += [_pivot(circle, found[0].written)]
     else:
-        signal = values[0]
+        taken, told = turning_most(names, values)
+        found, signal, remarks = [replace(found[0], name=names[taken])], values[taken], remarks + told
     where = f"{name}, column {found[0].name} ({place})"
     check_signal(times, signal, where, static=row["role"] == "static")
     if row["role"] != "static":
         remarks += check_plausible(
             times, signal, signal_unit, bool(time_unit), bool(told_unit) or positions, where
         )
+        if signal_unit in TO_RAD_PER_S:
+            remarks += check_rate(times, signal, signal_unit, where)
         check_alive(times, signal, where)
         used, told, more_told = _by_itself(times, signal, signal_unit, row, where, partial)
         more, remarks = more | more_told, remarks + told
@@ -127,7 +138,7 @@ def _recording(table: Table, row: Mapping[str, Any], place: str, digest: str) ->
             "partial": "yes" if partial else "no",
             "expected_samples": len(times),
             "taken": _taken(table, clock, found, time_unit, told_unit, times),
-            **tolerances(row),
+            **tolerances(row, signal_unit),
             **({"remarks": "; ".join(remarks)} if remarks else {}),
             **more,
             **counted,
@@ -145,7 +156,7 @@ def _by_itself(
     if partial:  # across a gap nothing can be told
         return slice(None), [], {}
     scale = {"rad": 1.0, "deg": math.pi / 180, "counts": 2 * math.pi / row["counts_per_revolution"]}
-    windows, pushed = find_windows(times, signal, scale.get(unit, 0.0))
+    windows, pushed = find_windows(times, signal, scale.get(unit, 0.0), unit in TO_RAD_PER_S)
     first, last = windows[0], windows[-1]
     by_hand = not math.isnan(row["start_s"]), not math.isnan(row["stop_s"])
     told = []
@@ -366,6 +377,17 @@ def _check_unit(row: Mapping[str, Any], column: str, unit: str, name: str, place
             f"the column {column!r} seems to be in V and the sheet does not say so",
             "V in signal_unit: recordings in volts need a calibration",
             "write the unit of the signal in the cell signal_unit",
+        )
+    turns = unit in TO_RAD_PER_S
+    if (
+        np.nan_to_num(row.get(other := "zero_tolerance_rad" if turns else "zero_tolerance_rad_per_s", 0.0))
+        > 0
+    ):
+        raise InputError(
+            f"{name} ({place}, column {other})",
+            f"the signal is in {unit}",
+            f"the limit of its zero in {'rad/s' if turns else 'rad'}",
+            f"write it in the column {'zero_tolerance_rad_per_s' if turns else 'zero_tolerance_rad'}",
         )
     if unit == "counts" and not row["counts_per_revolution"] > 0:
         raise InputError(

@@ -11,7 +11,7 @@ import xarray as xr
 from ..arrays import Floats
 from ..errors import InputError
 from ..quantisation import quantisation_step
-from .hand import stretches
+from .hand import held_still, stretches
 from .lift import lifted_until
 from .noise_level import noise_level
 from .plausibility import Swings, half_swings
@@ -36,11 +36,13 @@ class Window(NamedTuple):
 NAN = float("nan")
 
 
-def find_windows(times: Floats, signal: Floats, scale: float = 0.0) -> tuple[list[Window], list[float]]:
+def find_windows(
+    times: Floats, signal: Floats, scale: float = 0.0, rate: bool = False
+) -> tuple[list[Window], list[float]]:
     """The Windows of a recording in order, and when (s) something pushed the pendulum within one of them.
 
     There is a window for each release, and one of nan where nobody touched the pendulum. A hand parts two of them where it stays for a period, or where the pendulum
-    swings higher after it. ``scale`` is rad per unit of ``signal``, 0 where that is not known. A recording too short to tell gives one of nan.
+    swings higher after it. ``scale`` is rad per unit of ``signal``, 0 where that is not known. ``rate``: an angular rate. A recording too short to tell gives one of nan.
     """
     whole = Window(NAN, NAN, NAN, False)
     starts = half_swings(signal).starts
@@ -50,7 +52,7 @@ def find_windows(times: Floats, signal: Floats, scale: float = 0.0) -> tuple[lis
     step = max(1, int(np.median(np.diff(starts)) * 2 / ENOUGH))
     times, signal = times[::step], signal[::step]
     free, pushed = [_Free(NAN, NAN)], []
-    for hand in stretches(times, signal, scale):
+    for hand in held_still(times, signal) if rate else stretches(times, signal, scale):
         free[-1] = free[-1]._replace(stop=hand.start)
         free.append(_Free(hand.stop, NAN))
     found: list[tuple[_Free, Swings]] = []

@@ -7,25 +7,35 @@ from typing import Any
 import xarray as xr
 
 from ..pendulum.slack import Slack, reading_slack
+from .gyroscope import GAIN_TOLERANCE, TO_RAD_PER_S, ZERO_TOLERANCE
 
 CLOCK_TOLERANCE = 5e-5
 """The share by which a recorder's seconds may be wrong where the sheet says nothing: that of a quartz. A board with a ceramic
 resonator has a hundred times as much."""
-_KEYS = ("gain_tolerance", "zero_tolerance_rad", "clock_tolerance")
+_OF_ANGLES = {"gain_tolerance": 0.0, "zero_tolerance_rad": 0.0, "clock_tolerance": CLOCK_TOLERANCE}
+_OF_RATES = {
+    "gain_tolerance": GAIN_TOLERANCE, "zero_tolerance_rad_per_s": ZERO_TOLERANCE, "clock_tolerance": CLOCK_TOLERANCE,
+}  # fmt: skip
 
 
-def tolerances(row: Mapping[str, Any]) -> dict[str, float]:
-    """The tolerances in a row of the sample sheet, with the usual ones where it has none: limits of error, by key."""
-    usual = dict.fromkeys(_KEYS, 0.0) | {"clock_tolerance": CLOCK_TOLERANCE}
-    return {key: float(row.get(key, usual[key])) for key in _KEYS}
+def tolerances(row: Mapping[str, Any], unit: str) -> dict[str, float]:
+    """The tolerances in a row of the sample sheet, with the usual ones where it has none: limits of error, by key.
+
+    ``unit`` is that of the signal. Where nothing is said, an angle sensor's gain and zero are taken for right; those of a
+    gyroscope never are.
+    """
+    usual = _OF_RATES if unit in TO_RAD_PER_S else _OF_ANGLES
+    stated = {key: float(row.get(key, float("nan"))) for key in usual}
+    return {key: value if (value := stated[key]) == value else usual[key] for key in usual}
 
 
 def of_tolerances(recording: xr.Dataset) -> Slack:
     """The ``Slack`` that a recording's own tolerances leave: limits, taken for those of uniform distributions."""
-    known = tolerances(recording.attrs)
+    known = tolerances(recording.attrs, str(recording["signal"].attrs["units"]))
+    zero = known.get("zero_tolerance_rad_per_s", known.get("zero_tolerance_rad", 0.0))
     values = {
         "sensor_gain": {"gain_tolerance": known["gain_tolerance"] / sqrt(3)},
-        "sensor_zero": {"zero_tolerance": known["zero_tolerance_rad"] / sqrt(3)},
+        "sensor_zero": {"zero_tolerance": zero / sqrt(3)},
     }
     return reading_slack(values, known["clock_tolerance"] / sqrt(3))
 
@@ -61,7 +71,7 @@ def as_variables(slack: Slack) -> tuple[dict[str, Any], dict[str, Any]]:
         return {}, {}
     attrs = {
         "units": "1",
-        "comment": "numbers of 1 for the gain, of rad for the zero, of rad-1 for the curvature",
+        "comment": "numbers of 1 for the gain, of rad (a rate's: rad/s) for the zero, of rad-1 for the curvature",
         "long_name": "what a standard uncertainty of a source does to the reading",
     }
     names = {"long_name": "what the measurement leaves open of the reading"}

@@ -11,7 +11,7 @@ import yaml
 
 from ..errors import InputError
 from ..paths import written_whole
-from .catalogue import SHIPPED, Catalogue, catalogue
+from .catalogue import ANGLE, SHIPPED, Catalogue, catalogue
 from .catalogue.restoring import GRAVITY
 from .effect import NATURAL_FREQUENCY, Effect, Parameter
 from .slack import Slack
@@ -74,6 +74,24 @@ class Model:
         """All that acts on the reading or the motion, in catalogue order: the effects and those of the slack."""
         return tuple(
             self.catalogue[name] for name in self.catalogue.ordered((*self.names, *self.slack.names))
+        )
+
+    @property
+    def reading(self) -> str:
+        """What its sensor reads: ``angle`` (rad) or ``rate`` (rad/s), as its catalogue says."""
+        return self.catalogue.reading
+
+    def of(self, reading: str) -> "Model":
+        """The same pendulum with a sensor of that reading; InputError where it has an effect that such a sensor cannot have."""
+        return self if reading == self.reading else replace(self, catalogue=self.catalogue.of(reading))
+
+    @property
+    def motion(self) -> "Model":
+        """The same pendulum without what sensor, clock and slack do: what it reads is the angle itself."""
+        names = tuple(one.name for one in self.effects if one.acts_on == "torque")
+        bare = Model(names, {}, {}, self.restoring, self.form, self.catalogue.of(ANGLE))
+        return bare.with_values(
+            {name: value for name, value in self.values.items() if name in bare.parameters}
         )
 
     @property
@@ -168,6 +186,7 @@ def write_model(model: Model, path: Path | str) -> Path:
         "effects": list(model.names),
         "restoring": model.restoring,
         "form": model.form,
+        **({} if model.reading == ANGLE else {"reading": model.reading}),
         "parameters": values,
     }
     with written_whole(path) as partial:
@@ -185,8 +204,9 @@ def read_model(path: Path | str, catalogue: Catalogue = SHIPPED) -> Model:
         ) from None
     if not isinstance(content, dict) or "effects" not in content:
         raise InputError(path, "not a model file", "a mapping with the key 'effects'")
-    if unknown := set(content) - {"effects", "restoring", "form", "parameters"}:
-        raise InputError(path, f"unknown key {sorted(unknown)[0]!r}", "effects, restoring, form, parameters")
+    known = ("effects", "restoring", "form", "reading", "parameters")
+    if unknown := set(content) - set(known):
+        raise InputError(path, f"unknown key {sorted(unknown)[0]!r}", ", ".join(known))
     names, parameters = content["effects"], content.get("parameters") or {}
     names = names.split("+") if isinstance(names, str) else names
     if not isinstance(names, list) or not all(isinstance(name, str) for name in names):
@@ -202,7 +222,7 @@ def read_model(path: Path | str, catalogue: Catalogue = SHIPPED) -> Model:
             tuple(names),
             restoring=content.get("restoring", "sine"),
             form=content.get("form", "consistent"),
-            catalogue=catalogue,
+            catalogue=catalogue.of(content.get("reading", ANGLE)),
         )
         values, errors = {}, {}
         for name, entry in parameters.items():

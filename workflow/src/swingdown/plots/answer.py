@@ -9,6 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from ..arrays import Floats, Shown
+from ..dataset import series_of
 from . import style
 
 FITTED, HELD, DATA = "#0072B2", "#009E73", style.GREY
@@ -38,8 +39,9 @@ def swings_with_fit(
         if len(names) > 1:
             upper.set_title(name)
         lower.set_xlabel("time (s)" if len(chosen) > 1 else style.TIME)
-    grid[0, 0].set_ylabel("angle (°)")
-    grid[1, 0].set_ylabel("data − fit (°)")
+    angle = shown[0].unit == "rad"
+    grid[0, 0].set_ylabel("angle (°)" if angle else "angular rate (°/s)")
+    grid[1, 0].set_ylabel("data − fit (°)" if angle else "data − fit (°/s)")
     handles = {
         handle.get_label(): handle
         for row in grid
@@ -79,11 +81,11 @@ def _recording(upper: Axes, lower: Axes, parts: Sequence[Shown], noise: float | 
 
 def shown_in(data: xr.Dataset) -> list[Shown]:
     """The swings of a round's fit dataset (``angle``, ``fit``, ``time``, ``swing`` over sample; ``name``, ``held_out`` over swings)."""
-    found = []
+    found, read = [], series_of(data)
     for k, (name, held) in enumerate(zip(data["name"].values, data["held_out"].values, strict=True)):
         rows = data["swing"].values == k
-        times, angle, fit = (data[key].values[rows] for key in ("time", "angle", "fit"))
-        found.append(Shown(*Shown.named(str(name)), times, angle, fit, bool(held)))
+        times, angle, fit = (one.values[rows] for one in (data["time"], read, data["fit"]))
+        found.append(Shown(*Shown.named(str(name)), times, angle, fit, bool(held), str(read.attrs["units"])))
     return sorted(found, key=lambda one: (one.recording, float(one.times[0])))
 
 

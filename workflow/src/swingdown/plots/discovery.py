@@ -10,6 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from ..arrays import Floats
+from ..dataset import series_of
 from . import style
 
 BEFORE, AFTER, HELD = "#D55E00", "#0072B2", "#009E73"
@@ -29,7 +30,8 @@ def residuals(first: xr.Dataset, last: xr.Dataset) -> Figure:
     figure = style.new_figure(10.5)
     shown = [one for one in (_worst(first, held=False), _worst(first, held=True)) if one is not None]
     grid = figure.subplots(len(shown), 1, squeeze=False)[:, 0]
-    noise = float(np.degrees(last.attrs["noise_rms_rad"]))
+    unit = "°" if series_of(last).attrs["units"] == "rad" else "°/s"
+    noise = float(np.degrees(last.attrs["noise_rms_rad" if unit == "°" else "noise_rms_rad_per_s"]))
     for axes, k in zip(grid, shown, strict=True):
         time, before = _residual(first, k)
         _, after = _residual(last, k)
@@ -50,7 +52,9 @@ def residuals(first: xr.Dataset, last: xr.Dataset) -> Figure:
             label="last model" if last.attrs["model"] != first.attrs["model"] else "(no move was made)",
         )
         held = "held out" if bool(first["held_out"].values[k]) else "fitted"
-        axes.set(xlim=(0, time[-1]), ylabel="data − fit (°)", title=f"{first['name'].values[k]} ({held})")
+        axes.set(
+            xlim=(0, time[-1]), ylabel=f"data − fit ({unit})", title=f"{first['name'].values[k]} ({held})"
+        )
         style.symmetric(axes, np.concatenate([before, [2 * noise]]))
         axes.grid(True, axis="y")
     grid[-1].set_xlabel(style.TIME)
@@ -61,7 +65,7 @@ def residuals(first: xr.Dataset, last: xr.Dataset) -> Figure:
 def _residual(data: xr.Dataset, k: int) -> tuple[Floats, Floats]:
     rows = data["swing"].values == k
     time = data["time"].values[rows]
-    return time - time[0], style.degrees(data["angle"].values[rows] - data["fit"].values[rows])
+    return time - time[0], style.degrees(series_of(data).values[rows] - data["fit"].values[rows])
 
 
 def _worst(data: xr.Dataset, held: bool) -> int | None:
@@ -174,6 +178,13 @@ def half_swings(first: pd.DataFrame, last: pd.DataFrame) -> Figure:
         below.axhline(0, color=style.GREY, lw=0.6)
         axes.set_title(label)
         below.set_xlabel("amplitude (°)")
+        if not np.isfinite(measured[column]).any():
+            axes.annotate(
+                "not told by a rate" if len(measured) else "no half-swing",
+                (0.5, 0.5),
+                xycoords="axes fraction",
+                ha="center",
+            )
         for one in (axes, below):
             one.grid(True, axis="y")
     upper[0].set_ylabel("each half-swing")
@@ -196,7 +207,7 @@ def _left(table: pd.DataFrame, column: str) -> pd.Series:
 
 def _reach(axes: Axes, values: Floats) -> None:
     """The axes widened so that all but a few strays are in view."""
-    if not len(values):
+    if not np.isfinite(values).any():
         return
     low, high = np.nanquantile(values, [0.02, 0.98])
     room = 0.25 * (high - low) + 1e-12

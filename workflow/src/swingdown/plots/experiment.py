@@ -8,6 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from ..arrays import Floats
+from ..dataset import series_of
 from ..pendulum.model import symbol
 from . import style
 from .calibration import recording_note
@@ -70,7 +71,8 @@ def fit_of(label: str, fits: xr.Dataset, angles: xr.Dataset, remark: str = "") -
     one = fits.sel(fitted=label)
     time = fits["time"].values
     time = time - time[0]
-    angle, bound = style.degrees(angles["angle"]), style.degrees(angles["angle_bound"])
+    angle, bound = style.degrees(series_of(angles)), style.degrees(series_of(angles, "bound"))
+    what = r"angle $\theta$ (°)" if "angle" in angles else r"angular rate (°/s)"
     fit, residual = style.degrees(one["fit"]), style.degrees(one["residual"])
     colour = style.colour(label)
 
@@ -84,7 +86,7 @@ def fit_of(label: str, fits: xr.Dataset, angles: xr.Dataset, remark: str = "") -
         axes.plot(time, angle, color=DATA, lw=2.4 if axes is whole else 4)
         axes.plot(time, fit, color=colour, lw=0.9 if axes is whole else 1.3)
         axes.grid(True, axis="y")
-        axes.set_ylabel(r"angle $\theta$ (°)")
+        axes.set_ylabel(what)
     whole.set_xlim(time[0], time[-1])
     early.set(xlim=(0, shown), title=f"(a) first {shown:g} s")
     late.set(xlim=(time[-1] - shown, time[-1]), title=f"(b) last {shown:g} s", ylabel="")
@@ -115,8 +117,9 @@ def _residual(
     bands: list[Artist] = [
         axes.fill_between(time, -bound, bound, color=style.FAINT, alpha=0.6, lw=0, label="error bound")
     ]
-    if "angle_random_uncertainty" in angles and (angles["angle_random_uncertainty"] > 0).all():
-        noise = 2 * style.degrees(angles["angle_random_uncertainty"])
+    random = f"{series_of(angles).name}_random_uncertainty"
+    if random in angles and (angles[random] > 0).all():
+        noise = 2 * style.degrees(angles[random])
         label = "± 2 random uncertainties"
         bands.append(axes.fill_between(time, -noise, noise, color=style.GREY, alpha=0.55, lw=0, label=label))
     axes.axhline(0, color=style.GREY, lw=0.6)
@@ -126,7 +129,12 @@ def _residual(
     if not small:
         style.symmetric(axes, np.concatenate([residual, bound]))
     title = "(c) residual: the error bound reaches beyond this strip" if small else "(c) residual"
-    axes.set(xlim=(time[0], time[-1]), xlabel=style.TIME, ylabel="data − fit (°)", title=title)
+    axes.set(
+        xlim=(time[0], time[-1]),
+        xlabel=style.TIME,
+        ylabel="data − fit (°)" if "angle" in angles else "data − fit (°/s)",
+        title=title,
+    )
     axes.grid(True, axis="y")
     return bands
 

@@ -25,7 +25,7 @@ def side_by_side(table: pd.DataFrame) -> Figure:
     ``table`` is ``results/tables/pendulums.csv``; rows without a model (files that could not be used) are named below.
     """
     shown = table[table["model"].notna()].reset_index(drop=True)
-    left = table.loc[table["model"].isna(), "recording"].astype(str)
+    left = table.loc[table["model"].isna(), "label"].astype(str)
     figure = style.new_figure(2.6 + 0.42 * len(shown))
     grid = figure.subplots(1, len(_COLUMNS), sharey=True)
     status = shown["verdict"].fillna("").astype(str)
@@ -44,7 +44,7 @@ def side_by_side(table: pd.DataFrame) -> Figure:
         axes.margins(x=0.12)
     names = [
         f"{campaign}: together" if name == "(joint)" else str(name)
-        for campaign, name in zip(shown["campaign"], shown["recording"], strict=True)
+        for campaign, name in zip(shown["campaign"], shown["label"], strict=True)
     ]
     grid[0].set_yticks(shown.index, names)
     grid[0].set_ylim(len(shown) - 0.4, -0.6)

@@ -6,7 +6,9 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from .. import dataset
 from ..arrays import Floats, Swing
+from ..engine.trajectory import simulate
 from ..errors import InputError
 from ..fitting.colour import uncertainty
 from ..fitting.guess import first_guess
@@ -15,6 +17,7 @@ from ..fitting.nested import fit_nested
 from ..fitting.result import Fit
 from ..fitting.slack import allowing
 from ..measurement.slack import of_angles
+from ..pendulum.catalogue import ANGLE
 from ..pendulum.model import Model, as_model
 from ..pendulum.slack import Slack
 from .norms import Coordinate, Variable, labelled, model_coords, spread
@@ -51,7 +54,7 @@ def fit_recording(
     ``variance_inflation`` tells by how much that is too good. InputError for a swing too short to fit.
     """
     name, times, series = _swing(angle)
-    models = [as_model(one) for one in fitted]
+    models = _reading([as_model(one) for one in fitted], [angle])
 
     def fit_one(model: Model, guess: list[Fit] | None) -> Fit:
         return fit_trajectory(model, times, series, guess=guess, start=start, bounded=bounded)
@@ -62,14 +65,14 @@ def fit_recording(
     coords = model_coords(models)
     names = coords["parameter"][1]
     own = [{
-        "norm": np.degrees(fit.rms), "largest_angle": np.abs(fit.angle).max(), "release_angle": fit.only.release_angle, "release_velocity": fit.only.release_velocity,
+        "norm": np.degrees(fit.rms), "largest_angle": largest_angles(fit, pairs)[0], "release_angle": fit.only.release_angle, "release_velocity": fit.only.release_velocity,
         "fit": fit.angle, "residual": series - fit.angle,
     } for fit in fits]  # fmt: skip
     rows = [_row(fit, pairs, [angle], names) | more for fit, more in zip(fits, own, strict=True)]
     variables: dict[str, Variable] = {
         key: (_DIMS.get(key, ("fitted",)), [row[key] for row in rows]) for key in rows[0]
     }
-    bound = _known(angle, "angle_bound")
+    bound = _known(angle, "bound")
     variables["error_bound_norm"] = ((), np.nan if bound is None else np.degrees(np.sqrt(np.mean(bound**2))))
     variables["samples"] = ((), times.size)
     variables |= _prior(slack)
@@ -80,7 +83,7 @@ def fit_recording(
         **{key: ((), value, {"long_name": text}) for key, (value, text) in _about(angle).items()},
     }
     attrs = _options(models, start, bounded) | {"emulated": coords["emulated"][1]}
-    return labelled(xr.Dataset(variables, coords, attrs))
+    return _in_units(labelled(xr.Dataset(variables, coords, attrs)), models[0].reading)
 
 
 def fit_campaign(
@@ -101,7 +104,7 @@ def fit_campaign(
         )
     swings = [_swing(angle) for angle in angles]
     series = [(times, values) for _, times, values in swings]
-    models = [as_model(one) for one in fitted]
+    models = _reading([as_model(one) for one in fitted], angles)
     found = fit_nested(
         models, lambda model, guess: fit_jointly(model, series, guess=guess, start=start, bounded=bounded)
     )
@@ -116,7 +119,7 @@ def fit_campaign(
     by_swing = {
         "rms": [[swing.rms for swing in fit.swings] for fit in fits],
         "norm": [[np.degrees(swing.rms) for swing in fit.swings] for fit in fits],
-        "largest_angle": [[np.abs(swing.angle).max() for swing in fit.swings] for fit in fits],
+        "largest_angle": [largest_angles(fit, series) for fit in fits],
         "release_angle": [[swing.release_angle for swing in fit.swings] for fit in fits],
         "release_velocity": [[swing.release_velocity for swing in fit.swings] for fit in fits],
     }
@@ -134,7 +137,42 @@ def fit_campaign(
     }
     emulated = "yes" if "yes" in coords["emulated"][1] else "no"
     attrs = _options(models, start, bounded) | {"emulated": emulated, "campaign": coords["campaign"][1][0]}
-    return labelled(xr.Dataset(variables, coords, attrs))
+    return _in_units(labelled(xr.Dataset(variables, coords, attrs)), models[0].reading)
+
+
+def _reading(models: Sequence[Model], angles: Sequence[xr.Dataset]) -> list[Model]:
+    """The models with a sensor that reads what these recordings hold; InputError where some hold angles and some rates."""
+    kinds = {str(dataset.series_of(angle).name) for angle in angles}
+    if len(kinds) > 1:
+        raise InputError(
+            f"campaign {angles[0].attrs.get('campaign', '')}", "some of its recordings are of angles and some of angular rates",
+            "one of the two", "make two campaigns of it in the sample sheet",
+        )  # fmt: skip
+    return [model.of(*kinds) for model in models]
+
+
+def largest_angles(fit: Fit, swings: Sequence[Swing]) -> list[float]:
+    """Of each swing the largest angle (rad) of the fitted motion; of a sensor of angles the largest that it reads."""
+    if fit.model.reading == ANGLE:
+        return [float(np.abs(one.angle).max()) for one in fit.swings]
+    return [
+        float(np.abs(simulate(one.model.motion, times, one.release_angle, one.release_velocity)).max())
+        for (times, _), one in zip(swings, fit.swings, strict=True)
+    ]
+
+
+def _in_units(found: xr.Dataset, reading: str) -> xr.Dataset:
+    """The dataset with the units of what was read: of rates rad/s and degrees/s where angles have rad and degrees."""
+    if reading == ANGLE:
+        return found
+    for name in ("fit", "residual", "rms", "norm", "error_bound_norm"):
+        if name in found:
+            about = found[name].attrs
+            about |= {
+                "units": f"{about['units']}/s",
+                "long_name": about["long_name"].replace("angle", "angular rate"),
+            }
+    return found
 
 
 def _options(models: Sequence[Model], start: str, bounded: bool) -> dict[str, Any]:
@@ -146,7 +184,7 @@ def _options(models: Sequence[Model], start: str, bounded: bool) -> dict[str, An
 def _swing(angle: xr.Dataset) -> tuple[str, Floats, Floats]:
     """The recording's name, times (s) and angle (rad); InputError if it is too short to fit."""
     name = str(angle.attrs.get("recording", "recording"))
-    times, series = angle["time"].values, angle["angle"].values
+    times, series = angle["time"].values, dataset.series_of(angle).values
     crossings = np.count_nonzero(np.diff(np.signbit(series - np.median(series))))
     if times.size < 4 * _ENOUGH or crossings < _ENOUGH + 1:
         raise InputError(
@@ -156,7 +194,7 @@ def _swing(angle: xr.Dataset) -> tuple[str, Floats, Floats]:
             "record longer, or widen start_s and stop_s",
         )
     try:
-        first_guess(times, series)
+        first_guess(times, series, reading=str(dataset.series_of(angle).name))
     except InputError as problem:
         raise InputError(f"recording {name}", problem.problem, problem.expected, problem.mend) from problem
     return name, times, series
@@ -167,6 +205,11 @@ def _about(angle: xr.Dataset) -> dict[str, tuple[str, str]]:
     return {
         "campaign": (str(angle.attrs.get("campaign", "")), "pendulum the recording belongs to"),
         "emulated": (str(angle.attrs.get("emulated", "no")), "whether the recording is emulated"),
+        "label": (
+            str(angle.attrs.get("label", angle.attrs.get("recording", ""))),
+            "the recording's name as it was written",
+        ),
+        "reading": (str(dataset.series_of(angle).name), "what the sensor reads: angle or rate"),
         "uncertainty": (str(angle.attrs.get("mode", "unknown")), "what the angle's uncertainty is from"),
     }
 
@@ -208,7 +251,7 @@ def _row(
 def _reduced_chi2(fit: Fit, swings: Sequence[Swing], angles: Sequence[xr.Dataset]) -> float:
     total = 0.0
     for (_, series), angle, fitted in zip(swings, angles, fit.swings, strict=True):
-        random = _known(angle, "angle_random_uncertainty")
+        random = _known(angle, "random_uncertainty")
         if random is None:
             return np.nan
         total += float(np.sum(((series - fitted.angle) / random) ** 2))
@@ -263,7 +306,9 @@ def _condition(covariance: Floats) -> float:
 
 
 def _known(angle: xr.Dataset, name: str) -> Floats | None:
-    """The variable's values where it is there and above 0 throughout, else None."""
-    if name not in angle or not np.all(angle[name].values > 0):
+    """The values of this part of the reading where it is there and above 0 throughout, else None."""
+    try:
+        values = dataset.series_of(angle, name).values
+    except KeyError:
         return None
-    return np.broadcast_to(angle[name].values, angle["angle"].shape)
+    return np.broadcast_to(values, dataset.series_of(angle).shape) if np.all(values > 0) else None

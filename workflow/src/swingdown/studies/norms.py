@@ -137,6 +137,11 @@ def combine_recordings(datasets: Iterable[xr.Dataset]) -> xr.Dataset:
         )
     combined = _combined([_with_recording(dataset) for dataset in datasets], "recording", "experiment/norms")
     emulated = "yes" if "yes" in combined["emulated"].values else "no"
+    for name in ("norm", "error_bound_norm"):  # of angles and of rates, side by side
+        if name in combined and "units" not in combined[name].attrs:
+            units, text = LABELS[name]
+            comment = "degrees/s of recordings whose reading is rate"
+            combined[name].attrs |= {"units": units, "long_name": text, "comment": comment}
     order = ("fitted", "recording", "parameter", "parameter_2")
     return combined.transpose(*order, missing_dims="ignore").assign_attrs(emulated=emulated)
 
@@ -144,7 +149,8 @@ def combine_recordings(datasets: Iterable[xr.Dataset]) -> xr.Dataset:
 def _with_recording(dataset: xr.Dataset) -> xr.Dataset:
     own = {
         name: ("recording", [str(dataset[name].item())], dataset[name].attrs)
-        for name in ("campaign", "emulated", "uncertainty")
+        for name in ("campaign", "emulated", "label", "reading", "uncertainty")
+        if name in dataset.coords
     }
     return dataset.expand_dims("recording").assign_coords(own)
 

@@ -1,6 +1,8 @@
 """The pendulums of a study side by side: of each the model of damping that describes it, its quantities, and the verdict."""
 
+from collections import Counter
 from collections.abc import Iterable, Mapping
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -8,7 +10,7 @@ import pandas as pd
 import xarray as xr
 
 from ..arrays import Floats
-from ..pendulum.catalogue import SHIPPED, Catalogue
+from ..pendulum.catalogue import ANGLE, RATE, READINGS, SHIPPED, Catalogue
 from ..pendulum.model import Model
 from ..rounding import value_with_uncertainty
 from .comparison import WORTH, bic_effective
@@ -24,6 +26,7 @@ _SUFFIX = {
     "s": "_s",
     "rad": "_rad",
 }
+TOGETHER = "(joint)"  # stands for all recordings of a pendulum
 REFUSED = "refused"  # stands where a verdict would, for a file that could not be read
 
 
@@ -56,7 +59,7 @@ def described(
     """
     one = norms.sel(fitted=label)
     options = {key: str(norms.attrs[key]) for key in ("restoring", "form") if key in norms.attrs}
-    model = Model(tuple(label.split("+")), catalogue=catalogue, **options)  # type: ignore[arg-type]
+    model = Model(tuple(label.split("+")), catalogue=catalogue, **options).of(reading_of(one))  # type: ignore[arg-type]
     at = {"parameter": list(model.parameters)}
     model = model.with_values(
         dict(zip(model.parameters, map(float, one["value"].sel(at).values), strict=True))
@@ -75,10 +78,11 @@ def pendulums(
 ) -> pd.DataFrame:
     """A row for each recording, and where a campaign has several one for all of them together, ``(joint)``.
 
-    Columns: campaign, recording, amplitude_rad, then each quantity with its unit in the name (``period_s``, ``quality``,
+    Columns: campaign, recording, label (its name as it was written), amplitude_rad, then each quantity with its unit in the name (``period_s``, ``quality``,
     ``decay_time_s``, ``natural_frequency_rad_per_s``, and the parameters of damping where the model has them), each followed by
-    its standard uncertainty (``period_s_u``) and both as a text (``period_s_text``); ``model`` the label of ``described_by``;
-    ``residual_rad`` the RMS that it leaves; ``verdict`` the status of the campaign's search, ``missing`` what that names;
+    its standard uncertainty (``period_s_u``) and both as a text (``period_s_text``); ``model`` the label of ``described_by``, or of a
+    pendulum that was searched of the model that the search ended with (``model_of``: damping or search);
+    ``residual_rad`` the RMS that it leaves (of an angular rate ``residual_rad_per_s``); ``verdict`` the status of the campaign's search, ``missing`` what that names;
     ``emulated``, ``remark``. ``left_out`` (recording, file, problem) tells in ``remark`` why a recording was not searched, and adds
     a row with the verdict ``refused`` for each file that could not be used.
     """
@@ -92,15 +96,28 @@ def pendulums(
             own = chosen.sel(recording=[name])
             rows.append(_row(campaign, name, own, own.isel(recording=0), catalogue))
         if chosen.sizes["recording"] > 1 and campaign in together:
-            rows.append(_row(campaign, "(joint)", chosen, together[campaign], catalogue))
+            rows.append(_row(campaign, TOGETHER, chosen, together[campaign], catalogue))
     told = {} if left_out is None else {str(one.recording): one for one in left_out.itertuples()}
+    each = Counter(row["campaign"] for row in rows)
+    rows = [
+        by_verdict(row, found.get(row["campaign"], {}))
+        if each[row["campaign"]] == 1 or row["recording"] == TOGETHER
+        else row
+        for row in rows
+    ]
     for row in rows:
         verdict = found.get(row["campaign"], {})
         remark = told.pop(row["recording"]).problem if row["recording"] in told else ""
         row |= {"verdict": verdict.get("status", ""), "missing": _named(verdict), "remark": remark}
     for name, one in told.items():
         rows.append(
-            {"campaign": name, "recording": name, "verdict": REFUSED, "remark": f"{one.file}: {one.problem}"}
+            {
+                "campaign": name,
+                "recording": name,
+                "label": Path(str(one.file)).stem,
+                "verdict": REFUSED,
+                "remark": f"{one.file}: {one.problem}",
+            }
         )
     return in_order(pd.DataFrame(rows))
 
@@ -110,11 +127,14 @@ def in_order(table: pd.DataFrame) -> pd.DataFrame:
     first = [_column(name, unit) for name, unit in UNITS.items()]
     told = [column for column in table if f"{column}_u" in table]
     columns = [column + part for column in dict.fromkeys([*first, *told]) for part in ("", "_u", "_text")]
-    return table.reindex(columns=[*_HEAD, *columns, *_TAIL])
+    tail = [name for name in _TAIL if name != RESIDUALS[RATE] or name in table]
+    return table.reindex(columns=[*_HEAD, *columns, *tail])
 
 
-_HEAD = ("campaign", "recording", "amplitude_rad")
-_TAIL = ("model", "residual_rad", "verdict", "missing", "emulated", "remark")
+_HEAD = ("campaign", "recording", "label", "amplitude_rad")
+RESIDUALS = {ANGLE: "residual_rad", RATE: "residual_rad_per_s"}
+DAMPING, SEARCH = "damping", "search"  # where a row's model comes from
+_TAIL = ("model", "model_of", *RESIDUALS.values(), "verdict", "missing", "emulated", "remark")
 
 
 def _row(
@@ -125,15 +145,55 @@ def _row(
     row: dict[str, Any] = {
         "campaign": campaign,
         "recording": name,
+        "label": str(own["label"].values[0]) if "label" in own.coords and name != TOGETHER else name,
         "amplitude_rad": amplitude,
         "model": label,
+        "model_of": DAMPING,
     }
-    for key, (value, error, unit) in derived.items():
-        column = _column(key, unit)
-        row |= {column: value, f"{column}_u": error, f"{column}_text": value_with_uncertainty(value, error)}
+    for key, quantity in derived.items():
+        row |= _cells(key, quantity)
     rms = np.radians(np.sqrt(np.mean(fitted["norm"].sel(fitted=label).values ** 2)))
     emulated = "yes" if "yes" in own["emulated"].values else "no"
-    return row | {"residual_rad": float(rms), "emulated": emulated}
+    return row | {RESIDUALS[reading_of(fitted)]: float(rms), "emulated": emulated}
+
+
+def by_verdict(row: Mapping[str, Any], verdict: Mapping[str, Any]) -> dict[str, Any]:
+    """The row with the quantities of the model that the search ended with, fitted to the whole of every recording, in place of those
+    of a model of damping; as it is where the search has none."""
+    concluded = verdict.get("conclusion")
+    if not concluded:
+        return dict(row)
+    ends = ("", "_u", "_text")
+    old = {f"{key}{end}" for key in row if f"{key}_u" in row for end in ends}
+    found = {key: value for key, value in row.items() if key not in old and key not in RESIDUALS.values()}
+    for name, one in concluded["quantities"].items():
+        value, error = (np.nan if one[key] is None else one[key] for key in ("value", "standard_uncertainty"))
+        found |= _cells(name, Quantity(value, error, one["unit"]))
+    rates = verdict.get("reading") == RATE
+    return found | {
+        "amplitude_rad": concluded["amplitude_rad"], "model": concluded["model"], "model_of": SEARCH,
+        RESIDUALS[RATE if rates else ANGLE]: concluded["residual"],
+    }  # fmt: skip
+
+
+def _cells(name: str, one: Quantity) -> dict[str, Any]:
+    column = _column(name, one.unit)
+    return {
+        column: one.value,
+        f"{column}_u": one.uncertainty,
+        f"{column}_text": value_with_uncertainty(one.value, one.uncertainty),
+    }
+
+
+def reading_of(norms: xr.Dataset) -> str:
+    """What the sensor of these recordings reads: ``angle`` or ``rate``."""
+    return str(np.atleast_1d(norms["reading"].values)[0]) if "reading" in norms.coords else ANGLE
+
+
+def residual_of(row: Mapping[str, Any]) -> tuple[float, str]:
+    """What the model of a row of ``pendulums`` leaves (RMS), and its unit: rad, or rad/s of an angular rate."""
+    rate = float(row.get(RESIDUALS[RATE], np.nan))
+    return (rate, READINGS[RATE]) if np.isfinite(rate) else (float(row[RESIDUALS[ANGLE]]), READINGS[ANGLE])
 
 
 def quantities_of(row: Mapping[str, Any]) -> dict[str, Quantity]:

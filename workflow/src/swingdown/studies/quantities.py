@@ -12,7 +12,7 @@ import numpy as np
 from ..arrays import Floats
 from ..engine.trajectory import TrajectoryError, simulate
 from ..fitting.guess import amplitude_factor
-from ..pendulum.effect import NATURAL_FREQUENCY
+from ..pendulum.effect import NATURAL_FREQUENCY, Effect
 from ..pendulum.model import Model
 
 _SAMPLES = (
@@ -20,6 +20,9 @@ _SAMPLES = (
 )
 _AMPLITUDES = 6  # at which the loss is asked for, from the stated one to its e-th part
 _STEP = 0.1  # of a standard error: the differences that uncertainties follow from
+
+
+_OF_TIME = {"t", "duration"}
 
 
 class Quantity(NamedTuple):
@@ -44,6 +47,7 @@ def cycle(model: Model, amplitude: float) -> Cycle:
     The decrement is twice the logarithm of one turning point's distance over the next one's, from side to side: where the
     swing's middle lies does not matter.
     """
+    model = model.motion  # what the sensor makes of it is none of the pendulum's
     frequency = model.values[NATURAL_FREQUENCY.name]
     ideal = 2 * np.pi / (frequency * amplitude_factor(amplitude))
     times = 1.5 * ideal * np.arange(int(1.5 * _SAMPLES)) / (1.5 * _SAMPLES)
@@ -60,6 +64,19 @@ def cycle(model: Model, amplitude: float) -> Cycle:
     if not first > second > 0:
         return Cycle(period, np.nan, amplitude)
     return Cycle(period, 2 * float(np.log(first / second)), float(np.sqrt(first * second)) / 2)
+
+
+def steady(model: Model) -> Model:
+    """The model without the effects that change with the time of the record: a drive, a damping that drifts."""
+    kept = [one.name for one in model.effects if not _named_in(one) & _OF_TIME]
+    bare = model.with_effects(kept)
+    return bare.with_values({name: value for name, value in model.values.items() if name in bare.parameters})
+
+
+def _named_in(effect: Effect) -> set[str]:
+    """The names in an effect's formulas of motion."""
+    found = effect.expressions()
+    return {one.name for part in (*found.motion.values(), *found.rates) for one in part.free_symbols}
 
 
 def _vertex(times: Floats, values: Floats, k: int) -> tuple[float, float]:

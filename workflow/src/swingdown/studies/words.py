@@ -5,7 +5,7 @@ from math import degrees
 from typing import Any, NamedTuple
 
 from ..rounding import value_with_uncertainty
-from .pendulums import quantities_of
+from .pendulums import SEARCH, quantities_of, residual_of
 
 STATUS = {
     "consistent": "Nothing is missing",
@@ -55,7 +55,7 @@ def quantity_rows(row: Mapping[str, Any], verdict: Mapping[str, Any] | None = No
         QuantityRow(name, _WORDS.get(name, name.replace("_", " ")), *found[name], conditions.get(name, ""))
         for name in order
     ]
-    if verdict and verdict["status"] in NAMING:
+    if verdict and verdict["status"] in NAMING and row.get("model_of") != SEARCH:
         known = verdict["model"]["natural_frequency"]
         error = known["standard_error"] if known["standard_error"] is not None else float("nan")
         place = 1 + next((k for k, one in enumerate(told) if one.name == "natural_frequency"), -1)
@@ -77,8 +77,9 @@ def lines(row: Mapping[str, Any], verdict: Mapping[str, Any] | None = None) -> l
         + (f"   {one.condition}" if one.condition else "")
         for one in quantity_rows(row, verdict)
     ]
+    residual, unit = residual_of(row)
     told.append(
-        f"damping            {model_words(str(row['model']))}; it leaves {1e3 * row['residual_rad']:.3g} mrad RMS"
+        f"{'model' if row.get('model_of') == SEARCH else 'damping':18} {model_words(str(row['model']))}; it leaves {1e3 * residual:.3g} m{unit} RMS"
     )
     if row.get("emulated") == "yes":
         told.append("emulated: computed, not measured on a real pendulum")
@@ -90,5 +91,5 @@ def lines(row: Mapping[str, Any], verdict: Mapping[str, Any] | None = None) -> l
 def said(verdict: Mapping[str, Any]) -> tuple[str, str]:
     """The status of a verdict in a word or three, and its sentence, which does not say the same again."""
     status = STATUS.get(verdict["status"], verdict["status"])
-    sentence = str(verdict["sentence"]).removeprefix(f"{status}: ")
+    sentence = str(verdict["sentence"]).removeprefix(status).lstrip(",: ")
     return status, sentence[:1].upper() + sentence[1:]

@@ -3,7 +3,6 @@
 import hashlib
 import os
 import re
-import unicodedata
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -17,7 +16,7 @@ from ..measurement.angle import to_angle
 from ..measurement.recording import ingest
 from ..measurement.sheet import COLUMNS
 from ..measurement.source import NETCDF
-from ..paths import write_csv, write_text
+from ..paths import safe_name, write_csv, write_text
 
 # What of a folder is taken for a recording; sheets of office programs are, so that they are told and not passed over.
 ENDINGS = (".csv", ".tsv", ".txt", ".dat", ".xlsx", ".xls", ".ods", *NETCDF)
@@ -83,10 +82,7 @@ def names(paths: Sequence[Path]) -> list[str]:
     """A name for each file that can name a file on any system: letters, digits, ``.``, ``_`` and ``-``, each once."""
     found: list[str] = []
     for path in paths:
-        plain = unicodedata.normalize("NFKD", path.stem.replace("ß", "ss")).encode("ascii", "ignore").decode()
-        name = re.sub(r"[^A-Za-z0-9._-]+", "-", plain).strip("-._") or "recording"
-        if not name[0].isalnum():
-            name = f"r{name}"
+        name = safe_name(path.stem)
         count, taken = 1, {one.lower() for one in found}
         while (chosen := name if count == 1 else f"{name}-{count}").lower() in taken:
             count += 1
@@ -114,6 +110,7 @@ def rows(
             "campaign": TOGETHER if together else name,
             "file": os.path.relpath(path.resolve(), folder.resolve()),
         }
+        | ({"label": path.stem} if path.stem != name else {})
         | {key: cell for key, cell in (told or {}).items() if cell is not None}
         for name, path in zip(names(paths), paths, strict=True)
     ]

@@ -18,12 +18,13 @@ from ..errors import InputError
 from .torques import KNOWN, TORQUES, of_twin
 
 RTOL, ATOL = 1e-13, 1e-16
+_OF_ANGLES = {"backlash", "sensor_lag", "eccentricity", "sensor_curvature"}  # errors of an angle sensor alone
 FAR = 60.0  # rad; beyond, the motion has run away
 
 
 @dataclass
 class Motion:
-    """What the oracle saw: the reading (rad) and the side of any play it touches (-1, 0, 1) at each time, the turning
+    """What the oracle saw: the reading (rad; of a gyroscope rad/s) and the side of any play it touches (-1, 0, 1) at each time, the turning
     points' times (s), and when it stuck last (s, or None)."""
 
     reading: np.ndarray
@@ -159,7 +160,7 @@ def _first_event(pendulum, t, y, end, s, kinks, samples):
     last = done.t[-1]
     inside = samples[(samples >= t) & (samples <= last)]
     return (
-        done.sol(inside)[[0, 4]] if inside.size else np.empty((2, 0)),
+        done.sol(inside)[[0, 4, 1]] if inside.size else np.empty((3, 0)),
         last,
         done.y[:, -1],
         ended,
@@ -177,16 +178,22 @@ def trajectory(
     form="consistent",
     most=4000,
     twins=None,
+    reading="angle",
 ):
     """The ``Motion`` of a pendulum with these effects (names) and values (by parameter name), release at times[0].
 
     ``twins`` holds, by name, the torques of effects that are not written here (``Effect.twin``). InputError for an effect
-    that is in neither place: what a trial leaves out in silence would be looked for in vain.
+    that is in neither place: what a trial leaves out in silence would be looked for in vain. ``reading`` is ``angle`` or
+    ``rate``: what the sensor reads; one of rates has neither play, lag, eccentricity nor curvature.
     """
     effects = tuple(effects)
     if unknown := [name for name in effects if name not in KNOWN and name not in (twins or {})]:
         raise InputError(
             f"effect {unknown[0]!r}", "the second pendulum does not know it", ", ".join(sorted(KNOWN))
+        )
+    if reading == "rate" and (other := sorted(_OF_ANGLES & set(effects))):
+        raise InputError(
+            f"effect {other[0]!r}", "a gyroscope does not have it", "an effect of the motion, gain or zero"
         )
     stamped = np.asarray(times, dtype=float) - times[0]
     duration = float(stamped[-1])
@@ -200,7 +207,7 @@ def trajectory(
         side = function(release_angle, release_velocity)
         kinks[name] = 1.0 if side >= 0 else -1.0
     motion = Motion(np.empty(true.size))
-    angle, lagging = np.empty(true.size), np.empty(true.size)
+    angle, lagging, velocity = np.empty(true.size), np.empty(true.size), np.empty(true.size)
     t, done, end = 0.0, 0, float(true[-1]) * (1 + 1e-12) + 1e-12
     s = int(np.sign(release_velocity))
     pieces = []
@@ -212,7 +219,7 @@ def trajectory(
             break
         found, t_next, y, ended, names = _first_event(pendulum, t, y, end, s, kinks, true[done:])
         count = found.shape[1]
-        angle[done : done + count], lagging[done : done + count] = found
+        angle[done : done + count], lagging[done : done + count], velocity[done : done + count] = found
         pieces += [(true[done + k], angle[done + k], done + k) for k in range(count)]
         done += count
         t = t_next
@@ -237,7 +244,8 @@ def trajectory(
         raise Runaway("too many events")
     if done < true.size:
         raise Runaway("the end was not reached")
-    motion.reading, motion.contact = _read(effects, values, angle, lagging, pieces, release_angle)
+    read = velocity if reading == "rate" else angle
+    motion.reading, motion.contact = _read(effects, values, read, lagging, pieces, release_angle)
     if not isfinite(motion.reading.sum()):
         raise Runaway("not finite")
     return motion

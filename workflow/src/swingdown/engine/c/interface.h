@@ -21,6 +21,7 @@ typedef struct {
     int n_motions, n_sensors, n_clocks, n_parameters, n_states;
     const PlacedEffect *motions, *sensors, *clocks;
     int play;        /* parameter that is the width of play (rad) before the sensors, or -1 */
+    int reads_rate;  /* 1: what is read is the angular velocity (rad/s), and there is no play; 0: the angle */
     double duration; /* of the record, s */
 } Model;
 

@@ -39,6 +39,14 @@ static void move_states_by_clock(Record *r, const System *s, const Panel *panel,
         }
 }
 
+/* How fast what is read changes: the velocity, or where that is read the acceleration. */
+static void sample_changes(Record *r, const Panel *panel, const double *x, int size) {
+    double a[N];
+    const int rate = r->problem->model->reads_rate;
+    for (int k = 0; k < N; k++) a[k] = (k + 1) * panel->curve.v[k + 1] * 2.0 / panel->h;
+    sample(rate ? a : panel->curve.v, rate ? N - 1 : N, x, size, r->velocities + r->next);
+}
+
 static void read_play(Record *r, int last) {
     const double half = 0.5 * r->problem->parameters[r->play.parameter];
     for (int i = r->next; i < last; i++) {
@@ -51,15 +59,15 @@ static void read_play(Record *r, int last) {
 static void read_panel(Record *r, const System *s, const Panel *panel, const Sensitivities *d, double t_end) {
     int last = r->next;
     while (last < r->problem->n_times && r->times[last] <= t_end) last++;
-    const int next = r->next, size = last - next;
+    const int next = r->next, size = last - next, rate = r->problem->model->reads_rate;
     const double h = panel->h, per_second = 2.0 / h, *x = r->positions + next;
     for (int i = next; i < last; i++) r->positions[i] = (r->times[i] - panel->from.t) * per_second - 1.0;
-    sample(panel->curve.th, N + 1, x, size, r->angles + next);
-    if (r->clock_slopes) sample(panel->curve.v, N, x, size, r->velocities + next);
+    sample(rate ? panel->curve.v : panel->curve.th, rate ? N : N + 1, x, size, r->angles + next);
+    if (r->clock_slopes) sample_changes(r, panel, x, size);
     for (int k = 0; k < r->n_states; k++)
         sample_state(&panel->curve.state[k], s->relaxation[k], h, x, size, r->states + (size_t)k * r->problem->n_times + next);
     for (int f = 0; f < r->free.n_free; f++) {
-        sample(d->curve[f].th, N + 1, x, size, slopes_of(r, f) + next);
+        sample(rate ? d->curve[f].v : d->curve[f].th, rate ? N : N + 1, x, size, slopes_of(r, f) + next);
         for (int k = 0; k < r->n_states; k++)
             sample_state(&d->curve[f].state[k], s->relaxation[k], h, x, size, state_slopes_of(r, k, f) + next);
     }
@@ -74,11 +82,12 @@ static void push_play_on(Record *r, double th, const double *th_slopes) {
 }
 
 static void read_rest(Record *r, double th, const double *th_slopes) {
-    const int plays = r->play.parameter >= 0;
+    const int plays = r->play.parameter >= 0, rate = r->problem->model->reads_rate;
     for (; r->next < r->problem->n_times; r->next++) {
-        r->angles[r->next] = plays ? r->play.reading : th;
+        r->angles[r->next] = rate ? 0.0 : plays ? r->play.reading : th;
         r->velocities[r->next] = 0.0;
-        for (int f = 0; f < r->free.n_free; f++) slopes_of(r, f)[r->next] = plays ? r->play.slope[f] : th_slopes[f];
+        for (int f = 0; f < r->free.n_free; f++)
+            slopes_of(r, f)[r->next] = rate ? 0.0 : plays ? r->play.slope[f] : th_slopes[f];
     }
 }
 

@@ -18,21 +18,44 @@ from .clock import CLOCK
 from .dissipation import DISSIPATION
 from .drive import DRIVE
 from .restoring import GRAVITY, RESTORING
-from .sensor import SENSOR
+from .sensor import GYROSCOPE, SENSOR
 
 ENTRIES: tuple[Effect, ...] = (*DISSIPATION, *RESTORING, *DRIVE, *SENSOR, *CLOCK)
+ANGLE, RATE = "angle", "rate"
+READINGS = {ANGLE: "rad", RATE: "rad/s"}
+"""What a sensor may read of a pendulum, and its unit: the angle, or the angular velocity."""
 
 
 class Catalogue:
     """The effects a pendulum may have, by name and in the order in which models list them; it never changes.
 
     Iterating gives the effects that have a name; ``free_forms`` are the torques without one, which models may have too.
-    ``names`` are the names of the former. InputError for two effects or two parameters of one name.
+    ``names`` are the names of the former. ``reading`` is what a sensor reads, a key of ``READINGS``: it decides what a sensor
+    may have wrong. ``whole`` is the catalogue of angles that this one is part of. InputError for two effects or two parameters
+    of one name.
     """
 
-    __slots__ = ("_known", "_parameters", "_places", "free_forms", "gravity", "names")
+    __slots__ = (
+        "_known",
+        "_of_rates",
+        "_parameters",
+        "_places",
+        "free_forms",
+        "gravity",
+        "names",
+        "reading",
+        "whole",
+    )
 
-    def __init__(self, entries: tuple[Effect, ...] = ENTRIES, where: str = "catalogue") -> None:
+    def __init__(
+        self,
+        entries: tuple[Effect, ...] = ENTRIES,
+        where: str = "catalogue",
+        whole: "Catalogue | None" = None,
+    ) -> None:
+        self.reading = ANGLE if whole is None else RATE
+        self.whole: Catalogue = self if whole is None else whole
+        self._of_rates: Catalogue | None = self if whole else None
         self.gravity: Mapping[str, Effect] = GRAVITY
         self.free_forms: tuple[FreeForm, ...] = FREE_FORMS
         self.names = tuple(effect.name for effect in entries)
@@ -69,6 +92,11 @@ class Catalogue:
 
     def __getitem__(self, name: str) -> Effect:
         """The effect of that name, one without a name included; InputError with the known names otherwise."""
+        if name not in self._known and self.reading == RATE and name in self.whole:
+            raise InputError(
+                f"effect {name!r}", "a sensor of angles has it, and the recording is of an angular rate", ", ".join(self.names),
+                "leave it out for this recording",
+            )  # fmt: skip
         if name not in self._known:
             raise InputError(f"effect {name!r}", "no such effect in the catalogue", ", ".join(self.names))
         return self._known[name]
@@ -91,12 +119,28 @@ class Catalogue:
         """The names in the catalogue's order; InputError for one that is unknown."""
         return tuple(sorted(names, key=lambda name: self._places[self[name].name]))
 
+    def of(self, reading: str) -> "Catalogue":
+        """The catalogue for recordings of this ``reading``: one of rates has the errors of a gyroscope in place of an angle sensor's."""
+        if reading not in READINGS:
+            raise InputError("reading", f"unknown reading {reading!r}", " or ".join(READINGS))
+        if reading == ANGLE:
+            return self.whole
+        if self._of_rates is None:
+            own = {effect.name: effect for effect in GYROSCOPE}
+            of_angles = {effect.name for effect in SENSOR} - set(own)
+            entries = tuple(own.get(one.name, one) for one in self if one.name not in of_angles)
+            self._of_rates = Catalogue(entries, whole=self)
+        return self._of_rates
+
     def without(self, *names: str) -> "Catalogue":
         """The catalogue that lacks these effects."""
-        return Catalogue(tuple(effect for effect in self if effect.name not in names))
+        kept = tuple(effect for effect in self if effect.name not in names)
+        return Catalogue(kept, whole=self.whole if self.reading == RATE else None)
 
     def with_effects(self, *effects: Effect, where: str = "catalogue") -> "Catalogue":
         """The catalogue that has these effects too, after its own."""
+        if self.reading == RATE:
+            return self.whole.with_effects(*effects, where=where).of(RATE)
         return Catalogue((*self, *effects), where)
 
     def contained_in(self, name: str) -> tuple[str, ...]:

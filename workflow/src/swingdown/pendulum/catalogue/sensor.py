@@ -1,5 +1,6 @@
 """What the sensor makes of the angle, in the order in which it acts: play, lag, eccentricity, gain, zero."""
 
+from dataclasses import replace
 from math import inf, pi
 
 from ..effect import Contained, Effect, Parameter, State
@@ -93,3 +94,16 @@ SENSOR = (
         reading_error="abs(b_s)",
     ),
 )
+
+_OF_ANGLES = {effect.name: effect for effect in SENSOR}
+GYROSCOPE = (
+    replace(
+        _OF_ANGLES["sensor_gain"], explanation="The gyroscope reads every rate too large, or too small, by the same share."
+    ),
+    replace(
+        _OF_ANGLES["sensor_zero"],
+        parameters=(Parameter("sensor_zero", "b_s", "rad/s", -inf, inf, "reading at rest"),),
+        explanation="The gyroscope does not read zero when the pendulum is at rest.",
+    ),
+)  # fmt: skip
+"""What a gyroscope makes of the angular velocity: gain, then zero; play, lag, eccentricity and curvature are an angle sensor's."""

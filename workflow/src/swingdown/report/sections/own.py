@@ -2,13 +2,13 @@
 
 import math
 from collections.abc import Iterator, Mapping
-from pathlib import Path
 from typing import Any
 
 import pandas as pd
 from markupsafe import Markup
 
-from ...studies.pendulums import REFUSED
+from ...discovery.verdict import noise_rms
+from ...studies.pendulums import REFUSED, SEARCH, TOGETHER, residual_of
 from ...studies.words import STATUS, model_words, quantity_rows, said
 from .. import numbers
 from ..material import Material
@@ -64,10 +64,10 @@ def _verdict(found: Mapping[str, Any], several: bool) -> Iterator[Text]:
 
 def _sure(found: Mapping[str, Any]) -> Markup:
     """How sure a verdict is: what was held out of every fit, and what each effect gained."""
-    noise = 1e3 * found["noise_rms_rad"]
+    noise = 1e3 * noise_rms(found)
     parts = [
         f"Recordings, or parts, that were held out of every fit are met within {found['gap']['holdout'][-1]:.3g} times the noise of "
-        f"{noise:.3g} mrad; a complete model leaves 1."
+        f"{noise:.3g} m{found.get('unit', 'rad')}; a complete model leaves 1."
     ]
     for one in found["effects"]:
         words = one["name"].replace("_", " ")
@@ -104,7 +104,7 @@ def _quantities(rows: pd.DataFrame, found: Mapping[str, Any] | None) -> Table:
     ]
     columns = [Column("quantity"), Column("value", style="n"), Column("unit"), Column("holds")]
     return Table(
-        f"Quantities, {campaign}", _of_model(str(row["model"]), row["residual_rad"]), columns, told, _NOTES, (),
+        f"Quantities, {campaign}", _of_model(row), columns, told, _NOTES[:-1] if row.get("model_of") == SEARCH else _NOTES, (),
         "tables/pendulums.csv", "pendulums", (campaign,),
     )  # fmt: skip
 
@@ -114,17 +114,23 @@ _NOTES = (
     "Errors of the sensor's scale are not in it.",
     "Period, Q and decay time are the fitted model's, let go at rest from the angle named. Q is π over the logarithmic decrement of "
     "the first whole swing; the decay time is that in which the amplitude falls to 1/e.",
-    "The model is one of damping alone: where something is missing, its natural frequency and friction do some of the work of that.",
+    "Models of damping alone: where something is missing, their natural frequency and friction do some of the work of that.",
 )
 
-_SYMBOLS = "Damping: κ with v for viscous, q for quadratic drag, c for dry friction in proportion to the load (load Coulomb)."
+_SYMBOLS = (
+    "Model: κ with v for viscous, q for quadratic drag, c for dry friction in proportion to the load (load Coulomb); other effects by "
+    "their names. Where a search ended, it is the model that it ended with."
+)
 
 
-def _of_model(label: str, residual: float) -> str:
-    return (
-        f"Of the models of damping the one with {model_words(label)} describes the recording best; "
-        f"it leaves {numbers.plain(1e3 * residual)} mrad RMS."
-    )
+def _of_model(row: Mapping[str, Any]) -> str:
+    residual, unit = residual_of(row)
+    words, leaves = model_words(str(row["model"])), f"it leaves {numbers.plain(1e3 * residual)} m{unit} RMS."
+    if row.get("model_of") == SEARCH:
+        return (
+            f"The model that the search ended with, {words}, fitted to the whole of every recording; {leaves}"
+        )
+    return f"Of the models of damping the one with {words} describes the recording best; {leaves}"
 
 
 def _recordings(rows: pd.DataFrame, material: Material, campaign: str) -> Table:
@@ -162,31 +168,29 @@ def _table(
     material: Material,
     searched: bool,
 ) -> Table:
-    files = {recording["recording"]: Path(str(recording["file"])).stem for recording in material.recordings}
     columns = [
         Column("pendulum" if searched else "recording"),
-        Column("amplitude", "degrees", "n"),
+        *([Column("verdict")] if searched else []),
         Column("period", "s", "n"),
-        Column("natural frequency", "rad/s", "n"),
         Column("Q", style="n"),
         Column("decay time", "s", "n"),
-        Column("damping"),
-        *([Column("verdict")] if searched else []),
+        Column("at", "degrees", "n"),
+        Column("natural frequency", "rad/s", "n"),
+        Column("model"),
     ]
     rows: list[list[Cell]] = []
     for row in table.to_dict("records"):
-        name = (
-            "all together" if row["recording"] == "(joint)" else files.get(row["recording"], row["recording"])
-        )
+        name = "all together" if row["recording"] == TOGETHER else str(row["label"])
         if row["verdict"] == REFUSED:
-            rows.append([str(name), *[""] * (len(columns) - 3), "", _why(row)])
+            rows.append([name, _why(row), *[""] * (len(columns) - 2)])
             continue
-        cells: list[Cell] = [_linked(str(name), row) if searched else str(name)]
-        cells.append(_sorted(numbers.plain(math.degrees(row["amplitude_rad"])), row["amplitude_rad"]))
-        for column in ("period_s", "natural_frequency_rad_per_s", "quality", "decay_time_s"):
-            cells.append(_sorted(numbers.brief(row[column], row[f"{column}_u"]), row[column]))
-        cells.append(model_symbol(str(row["model"])))
-        rows.append([*cells, _why(row)] if searched else cells)
+        amplitude = _sorted(numbers.plain(math.degrees(row["amplitude_rad"])), row["amplitude_rad"])
+        period, quality, decay, frequency = (
+            _sorted(numbers.brief(row[column], row[f"{column}_u"]), row[column])
+            for column in ("period_s", "quality", "decay_time_s", "natural_frequency_rad_per_s")
+        )
+        first: list[Cell] = [_linked(name, row), _why(row)] if searched else [name]
+        rows.append([*first, period, quality, decay, amplitude, frequency, model_symbol(str(row["model"]))])
     return Table(
         label,
         caption,

@@ -1,0 +1,54 @@
+"""What is known of a gyroscope before any fit: its limits of error, the axis that a pendulum turns about, and what it can read."""
+
+from collections.abc import Sequence
+from math import pi
+
+import numpy as np
+
+from ..arrays import Floats
+from ..errors import InputError
+from .plausibility import half_swings
+
+# Limits that the maker states of one that telephones and boards have (MPU-6050, product specification 3.4, section 6.1).
+GAIN_TOLERANCE = 0.03
+ZERO_TOLERANCE = 0.35  # rad/s: 20°/s
+TO_RAD_PER_S = {"rad/s": 1.0, "deg/s": pi / 180}
+ASKEW = 0.1  # of the rate about the axis that turns most: so much about another tells that it lies askew
+FASTEST = 6.0  # times 2 pi over the period; a pendulum that goes to 175° and back is slower at the bottom
+
+
+def turning_most(names: Sequence[str], values: Sequence[Floats]) -> tuple[int, list[str]]:
+    """Which of several axes turns most, by its place, and remarks on that."""
+    spread = [float(np.std(one)) for one in values]
+    most = int(np.argmax(spread))
+    if len(names) < 2:
+        return most, []
+    told = [
+        f"of {len(names)} axes `{names[most]}` turns most and was taken (signal_column in the sheet says otherwise)"
+    ]
+    others = [share / spread[most] for k, share in enumerate(spread) if k != most] if spread[most] > 0 else []
+    if others and max(others) > ASKEW:
+        told.append(
+            f"another axis turns {100 * max(others):.0f} % as much: the gyroscope lies askew and reads too little, "
+            f"by about {100 * (1 - 1 / np.hypot(1, max(others))):.1f} %"
+        )
+    return most, told
+
+
+def check_rate(times: Floats, signal: Floats, unit: str, place: str) -> list[str]:
+    """Remarks on an angular rate (``unit`` rad/s or deg/s), each one line; InputError where no pendulum turns so fast."""
+    rate, swings = signal * TO_RAD_PER_S[unit], half_swings(signal)
+    period, fastest = swings.period(times), float(np.abs(rate).max())
+    if fastest * period > 2 * pi * FASTEST:
+        raise InputError(
+            place,
+            f"taken for {unit} it reaches {fastest:.4g} rad/s with a period of {period:.3g} s, which no pendulum does",
+            f"at most {2 * pi * FASTEST / period:.3g} rad/s",
+            "write deg/s in the cell signal_unit of the sheet if these are degrees a second, or check the unit of the time",
+        )
+    zero = swings.centre() * TO_RAD_PER_S[unit]
+    if abs(zero) > ZERO_TOLERANCE:
+        return [
+            f"it reads about {zero:.2g} rad/s at rest, more than gyroscopes usually do: state a limit in zero_tolerance_rad_per_s"
+        ]
+    return []
