@@ -1,6 +1,5 @@
 """A round of discovery as files: what a search writes, and what verdict, figures and report read."""
 
-import json
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -12,8 +11,8 @@ import xarray as xr
 
 from .. import dataset
 from ..measurement.slack import of_angles
-from ..paths import write_csv, write_text
 from ..pendulum.model import Model, write_model
+from ..sealed import read_json, write_csv, write_json
 from .campaign import Campaign, Swing, campaign
 from .confirm import gap, per_swing
 from .half_swings import said
@@ -54,7 +53,7 @@ def write_round(state: Round, campaign: Campaign, folder: Path | str, emulated: 
     write_csv(state.kept, folder / "unnamed.csv", float_format="%.6g")
     write_csv(state.half_swings, folder / "half_swings.csv", float_format="%.6g")
     dataset.write(_series(state, campaign, emulated), folder / "fit.nc")
-    write_text(folder / "round.json", json.dumps(told, indent=1) + "\n")
+    write_json(folder / "round.json", told)
     return folder
 
 
@@ -158,4 +157,4 @@ def _finite(value: float | None) -> float | None:
 
 def read_rounds(folders: Iterable[Path | str]) -> list[dict[str, Any]]:
     """The round.json of each folder, in order."""
-    return [json.loads((Path(folder) / "round.json").read_text()) for folder in folders]
+    return [read_json(Path(folder) / "round.json") for folder in folders]
