@@ -109,7 +109,7 @@ def test_a_disk_that_fills_up_at_any_stage(small_study, snakemake, disk, tmp_pat
     disk(results, "60m")
     shutil.copytree(small_study / "results", results, dirs_exist_ok=True)
     whole = contents(small_study / "results")
-    arguments = ("--configfile", folder / "small.yaml", "--rerun-triggers", "params", "--keep-going")
+    arguments = ("--configfile", folder / "small.yaml", "--rerun-triggers", "mtime", "--keep-going")
     for stage, names in STAGES.items():
         for name in names:
             (results / name).unlink()

@@ -207,7 +207,7 @@ def test_a_run_on_damaged_results_is_refused_in_our_words(small_study, snakemake
         before = path.stat()
         path.write_bytes(flipped(path.read_bytes(), np.random.default_rng(3)))
         os.utime(path, ns=(before.st_atime_ns, before.st_mtime_ns))
-    arguments = ("--configfile", folder / "small.yaml", "--rerun-triggers", "params", "--keep-going")
+    arguments = ("--configfile", folder / "small.yaml", "--rerun-triggers", "mtime", "--keep-going")
     made = [made for made, _ in damaged.values()]
     rules = [rule for _, rule in damaged.values()]
     done = snakemake(*made, "--forcerun", *rules, *arguments, directory=folder, check=False)

@@ -17,6 +17,7 @@ from swingdown.console import UNWRITTEN, framed
 from swingdown.paths import in_words
 
 _ERRNO = re.compile(r"\[Errno (\d+)\]")
+_OF_FILES = ("OSError", "PermissionError", "RuleException", "WorkflowError")
 _QUIET = 5.0  # seconds between two lines that say how far the run is
 # What asks nothing of the user, or is told in other words; the Slurm plugin (2.8) asks Slurm for an account even where it is told not to.
 _KNOWN = (
@@ -41,7 +42,7 @@ class LogHandler(LogHandlerBase):
     def __post_init__(self):
         self.stream = sys.stdout if self.common_settings.stdout else sys.stderr
         self.done, self.total = 0, 0
-        self.unwritten = ""
+        self.unwritten, self.failed = "", False
         self.told = 0.0  # when a line last said how far the run is
 
     def emit(self, record):
@@ -64,6 +65,7 @@ class LogHandler(LogHandlerBase):
             self.told = time.monotonic() if doing else self.told
             return doing and f"[{self.done:{width}}/{self.total}] {doing}"
         if event == LogEvent.JOB_ERROR:
+            self.failed = True
             logs = f" (log: {', '.join(record.log)})" if record.log else ""
             made = ", ".join(record.output).replace(" (update)", "")
             return f"FAILED: rule {record.rule_name} for {made}{logs}"
@@ -94,7 +96,9 @@ class LogHandler(LogHandlerBase):
                 "mend:      wait until it has ended; where none runs (one was killed, or the power failed), give",
                 "           this command with --unlock, which removes the lock, and then as before",
             )
-        number = _ERRNO.search(text) if exception in ("OSError", "PermissionError", "RuleException") else None
+        if self.failed and text.startswith("WorkflowError:\nError recording metadata"):
+            return ""  # of a job that has said why it failed
+        number = _ERRNO.search(text) if exception in _OF_FILES else None
         if number and (told := in_words(int(number[1]), os.getcwd())):
             said, self.unwritten = self.unwritten, told
             return framed(UNWRITTEN, told) if said != told else ""  # of the job, and then of the run
