@@ -2,6 +2,7 @@
 
 import os
 import random
+import shutil
 import signal
 import subprocess
 import sys
@@ -10,6 +11,9 @@ import time
 import pytest
 
 from swingdown.manifest import checksum
+from swingdown.sealed import remove_orphans
+
+KILLS = int(os.environ.get("SWINGDOWN_KILLS", 4))  # docs/results.md tells what came of fifty
 
 
 def command(root, folder):
@@ -46,18 +50,24 @@ def test_a_killed_run_ends_with_the_same_bytes(root, tmp_path):
     begun = time.monotonic()
     subprocess.run(whole, cwd=root, check=True, capture_output=True)
     took = time.monotonic() - begun
-    killed = study(root, tmp_path / "killed")
-    moments = random.Random(5)
-    for _ in range(4):
+    killed, wanted = study(root, tmp_path / "killed"), results(tmp_path / "whole")
+    assert len(wanted) > 5
+    moments, kills = random.Random(5), 0
+    while kills < KILLS:
         run = subprocess.Popen(
-            killed, cwd=root, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, start_new_session=True
+            killed, cwd=root, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, start_new_session=True
         )
         try:
-            run.wait(moments.uniform(0.2, 1.0) * took)
+            told, _ = run.communicate(timeout=moments.uniform(0.2, 1.0) * took)
         except subprocess.TimeoutExpired:
             os.killpg(run.pid, signal.SIGKILL)
-            run.wait()
+            run.communicate()
+            kills += 1
+        else:  # it was whole before its moment came; the next begins anew
+            assert run.returncode == 0, told
+            assert results(tmp_path / "killed") == wanted
+            shutil.rmtree(tmp_path / "killed" / "results")
     subprocess.run(killed, cwd=root, check=True, capture_output=True)
-    assert results(tmp_path / "killed") == results(tmp_path / "whole")
-    assert len(results(tmp_path / "whole")) > 5
-    assert not list((tmp_path / "killed" / "results").rglob(".*.part"))
+    assert results(tmp_path / "killed") == wanted
+    left = tmp_path / "killed" / "results"
+    assert not [*left.rglob(".*.part"), *remove_orphans(left)]

@@ -14,6 +14,7 @@ from swingdown.engine.trajectory import TrajectoryError, simulate
 from swingdown.errors import InputError
 from swingdown.measurement.recording import ingest
 from swingdown.measurement.sheet import read_sheet
+from swingdown.measurement.spikes import find_spikes
 from swingdown.pendulum.catalogue import SHIPPED
 from swingdown.pendulum.model import Model
 
@@ -188,6 +189,33 @@ def asked(times, angle, folder):
         return "refused: " + str(error)
 
 
+def left_out(number):
+    """A sentence on what is left out of swings with up to 20 samples that are beside them by a tenth, or by 30 times the noise."""
+    counts = {}
+    for kind, longest in (("single", 1), ("in runs of up to five", 5)):
+        spoilt = found = wrongly = 0
+        for k in range(number):
+            times, angle, noise, _, _ = good(k)
+            draws = np.random.default_rng((22, k))
+            angle, where = angle.copy(), np.zeros(angle.size, dtype=bool)
+            asked_for = int(draws.integers(1, min(20, angle.size // 110) + 1))
+            away = max(0.1 * np.ptp(angle), 30 * noise)
+            for _ in range(1000):
+                length = min(int(draws.integers(1, longest + 1)), asked_for - np.count_nonzero(where))
+                at = int(draws.integers(10, angle.size - 10 - length))
+                if not where[max(0, at - 8) : at + length + 8].any():
+                    where[at : at + length] = True
+                    angle[at : at + length] += away * draws.choice([-1, 1])
+                if np.count_nonzero(where) == asked_for:
+                    break
+            marked = find_spikes(times, angle).where
+            spoilt += np.count_nonzero(where)
+            found += np.count_nonzero(marked & where)
+            wrongly += np.count_nonzero(marked & ~where)
+        counts[kind] = f"{found} of {spoilt} samples {kind} and {wrongly} that are sound"
+    return f"left out as spikes: {', '.join(counts.values())}"
+
+
 def main(number):
     """Prints one row for each question, and what was told of good swings."""
     seen = dict.fromkeys(SPOILT, 0)
@@ -208,6 +236,7 @@ def main(number):
                     print("missed", k, way.__name__, others, said, file=sys.stderr)
     for way in SPOILT:
         print(f"| {way.__doc__.rstrip('.')} | {seen[way]} of {number} |")
+    print(left_out(number))
     print(f"| told of swings as they should be | {wrongly.get('any', 0)} of {number} |")
 
 

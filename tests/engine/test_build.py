@@ -153,6 +153,29 @@ def test_processes_that_build_at_once(library, compiler, usual, tmp_path, reques
     assert cache.is_whole(library())
 
 
+COLD = """
+import numpy as np
+from swingdown.engine.trajectory import simulate
+from swingdown.pendulum.model import Model
+values = {"natural_frequency": 7.0, "viscous_ratio": 0.01, "constant_friction": 0.2}
+print(simulate(Model("viscous+constant_coulomb", values), np.linspace(0.0, 3.0, 200), 0.5, 0.1).tobytes().hex())
+"""
+
+
+@pytest.mark.slow
+def test_processes_that_need_the_whole_engine_at_once_on_a_new_machine(tmp_path, monkeypatch, usual):
+    """Nothing is there: header, library and interface of the whole catalogue are made by each that comes, and one stays."""
+    monkeypatch.setenv("SWINGDOWN_CACHE", str(tmp_path / "cache"))
+    command = [sys.executable, "-c", COLD]
+    started = [
+        subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) for _ in range(3)
+    ]
+    told = [process.communicate() for process in started]
+    assert [out.strip() for out, _ in told] == [usual.tobytes().hex()] * 3, told
+    left = sorted(path.name.partition("-")[0] for path in (tmp_path / "cache").iterdir())
+    assert left == ["catalogue", "catalogue", "engine", "engine", "interface", "interface"]
+
+
 def test_a_cache_that_cannot_be_written(compiler, tmp_path, monkeypatch):
     compiler()
     (tmp_path / "file").write_text("")

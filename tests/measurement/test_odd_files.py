@@ -96,7 +96,7 @@ ODD = {
     ),
     "a sign that flips": (TIME, flipped(), "t_s,angle_rad", {}, "told", "jumps"),
     "an offset that drifts": (TIME, angle() + 0.01 * TIME, "t_s,angle_rad", {}, "told", "drifts by"),
-    "three spikes": (TIME, spoilt([700, 1500, 2222], 0.2), "t_s,angle_rad", {}, "told", "a spike at 7 s and 2"),
+    "three spikes": (TIME, spoilt([700, 1500, 2222], 0.2), "t_s,angle_rad", {}, "mended", "a spike at 7 s and 2"),
     "less than a swing": (TIME[:35], angle()[:35], "t_s,angle_rad", {}, "refused", "the recording is too short"),
     "no header": (TIME, angle(), "", {}, "mended", "no header"),
 }  # fmt: skip

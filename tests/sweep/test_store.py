@@ -122,15 +122,49 @@ def test_a_chunk_that_is_whole_in_the_store_is_left_alone(tmp_path):
     assert set(files(tmp_path)) == set(before)
 
 
-def test_what_the_store_has_no_room_for_is_refused(tmp_path):
+@pytest.mark.parametrize("older", [False, True])
+def test_what_the_store_has_no_room_for_is_refused(tmp_path, older):
     run(sweep(), tmp_path)
     with pytest.raises(InputError, match="made without viscous\\+load_coulomb"):
         jobs(sweep(fitted=("viscous", "load_coulomb", "viscous+load_coulomb")), tmp_path)
     mark = sorted((tmp_path / "chunks").iterdir())[0]
     told = json.loads(mark.read_text())
+    if older:  # marks once had no digests of themselves and the draws
+        del told["sha256"], told["draws_sha256"]
     mark.write_text(json.dumps(told | {"first": told["first"] + 3}))
-    with pytest.raises(InputError, match="in another chunk too|does not hold what it says"):
+    words = "in another chunk too|does not hold what it says" if older else "damaged, or was edited"
+    with pytest.raises(InputError, match=words):
         combine(sweep(), sorted((tmp_path / "chunks").iterdir()), tmp_path / "sweep.nc")
+
+
+def test_draws_that_are_damaged_are_refused(tmp_path):
+    """Whatever byte of a chunk's draws is flipped or cut, in the arrays or in what describes them."""
+    run(sweep(), tmp_path)
+    chunks = sorted((tmp_path / "chunks").iterdir())
+    combine(sweep(), chunks, tmp_path / "sweep.nc")
+    good = (tmp_path / "sweep.nc").read_bytes()
+    draws = np.random.default_rng(2)
+    files = [
+        path
+        for path in sorted((tmp_path / store.STORE).rglob("*"))
+        if path.is_file() and "cells" not in path.parts
+    ]
+    refused = 0
+    for path in [*files, tmp_path / store.SLOTS]:
+        whole = path.read_bytes()
+        at = int(draws.integers(len(whole)))
+        for damaged in (whole[:at], whole[:at] + bytes([whole[at] ^ 16]) + whole[at + 1 :]):
+            path.write_bytes(damaged)
+            try:
+                combine(sweep(), chunks, tmp_path / "again.nc")
+                if path.name in (".zattrs", ".zarray", ".zgroup", ".zmetadata", store.SLOTS):
+                    continue  # words that describe, and what only jobs to come read
+                assert (tmp_path / "again.nc").read_bytes() == good, path
+            except InputError as error:
+                assert error.mend, path
+                refused += 1
+        path.write_bytes(whole)
+    assert refused > len(files) / 2
 
 
 def test_a_store_is_opened_without_reading_it(both):

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from swingdown import console
 from swingdown.certified.table import quantities, table, told
-from swingdown.paths import write_csv
+from swingdown.sealed import write_csv
 
 if __name__ == "__main__":
     with console.job(snakemake.log[0]) as say:

@@ -5,11 +5,11 @@ import swingdown.prefork  # noqa: F401  # first of all: it may take the job over
 import pandas as pd
 
 from swingdown import console
-from swingdown.paths import write_csv
+from swingdown.sealed import read_csv, write_csv
 
 if __name__ == "__main__":
     with console.job(snakemake.log[0]) as say:
-        whole = pd.concat([pd.read_csv(path) for path in snakemake.input.cases], ignore_index=True)
+        whole = pd.concat([read_csv(path) for path in snakemake.input.cases], ignore_index=True)
         write_csv(whole, snakemake.output[0])
         least = whole.loc[whole["share"].idxmin()]
         say(

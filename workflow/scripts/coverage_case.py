@@ -4,7 +4,7 @@ import swingdown.prefork  # noqa: F401  # first of all: it may take the job over
 
 from swingdown import console
 from swingdown.measurement.apparatus import read_apparatus
-from swingdown.paths import write_csv
+from swingdown.sealed import write_csv
 from swingdown.trials.coverage import CASES, calibrations, swings
 
 

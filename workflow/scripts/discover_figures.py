@@ -2,21 +2,19 @@
 
 import swingdown.prefork  # noqa: F401  # first of all: it may take the job over
 
-import json
 from pathlib import Path
-
-import pandas as pd
 
 from swingdown import console, dataset
 from swingdown.discovery.verdict import noise_rms
 from swingdown.plots import discovery, save, style
 from swingdown.plots.answer import shown_in, swings_with_fit
 from swingdown.plots.remainder import remainder
+from swingdown.sealed import read_csv, read_json
 
 
 def figures(verdict, folders, outputs):
     """Each of the outputs written, the first and the last of the campaign's rounds side by side."""
-    found = json.loads(Path(verdict).read_text())
+    found = read_json(verdict)
     used = [Path(folder) for folder in folders][: len(found["gap"]["fit"])]
     first, last = used[0], used[-1]
     moved = found["moves"][0] if found["moves"] else ""
@@ -24,23 +22,21 @@ def figures(verdict, folders, outputs):
     drawn = {
         "answer": lambda: swings_with_fit(shown_in(fitted), noise_rms(found), fitted),
         "remainder": lambda: remainder(
-            pd.read_csv(last / "remainder.csv"),
-            pd.read_csv(last / "course.csv"),
-            json.loads((last / "round.json").read_text()),
+            read_csv(last / "remainder.csv"), read_csv(last / "course.csv"), read_json(last / "round.json")
         ),
         "residuals": lambda: discovery.residuals(
             dataset.read(first / "fit.nc"), dataset.read(last / "fit.nc")
         ),
         "map": lambda: discovery.missing_torque(
-            pd.read_csv(first / "map.csv"),
-            pd.read_csv(last / "map.csv"),
-            pd.read_csv(last / "unnamed.csv"),
-            [json.loads((folder / "round.json").read_text()) for folder in used],
+            read_csv(first / "map.csv"),
+            read_csv(last / "map.csv"),
+            read_csv(last / "unnamed.csv"),
+            [read_json(folder / "round.json") for folder in used],
         ),
         "half_swings": lambda: discovery.half_swings(
-            pd.read_csv(first / "half_swings.csv"), pd.read_csv(last / "half_swings.csv")
+            read_csv(first / "half_swings.csv"), read_csv(last / "half_swings.csv")
         ),
-        "ranking": lambda: discovery.ranking(pd.read_csv(first / "ranking.csv"), moved),
+        "ranking": lambda: discovery.ranking(read_csv(first / "ranking.csv"), moved),
         "gap": lambda: discovery.gap(found),
     }
     made = {}

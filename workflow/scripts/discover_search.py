@@ -2,7 +2,6 @@
 
 import swingdown.prefork  # noqa: F401  # first of all: it may take the job over
 
-import shutil
 from pathlib import Path
 
 from swingdown import console
@@ -17,10 +16,7 @@ def discover_search(campaign, angles, roles, base, rounds, budget_s, folders):
     """The rounds' folders written, and what was found in a sentence."""
     swings, emulated = files.read_campaign(campaign, angles, roles)
     states = concluded(discover(swings, base, rounds, budget_s=budget_s), swings)
-    for state, folder in zip(states, folders, strict=False):
-        files.write_round(state, swings, folder, emulated)
-    for folder in folders[len(states) :]:
-        shutil.copytree(folders[len(states) - 1], folder, dirs_exist_ok=True)
+    files.write_rounds(states, swings, folders, emulated)
     last = states[-1]
     gap = last.fit.rms / last.noise.deviation
     return f"{campaign}: {last.fit.model.label} leaves {gap:.3g} times the noise; {last.reason}"

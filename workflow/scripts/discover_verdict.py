@@ -2,14 +2,13 @@
 
 import swingdown.prefork  # noqa: F401  # first of all: it may take the job over
 
-import json
 from pathlib import Path
 
 from swingdown import console
 from swingdown.discovery.files import read_rounds
 from swingdown.discovery.verdict import verdict
-from swingdown.paths import write_text
 from swingdown.pendulum.catalogue import catalogue
+from swingdown.sealed import write_json
 
 
 def discover_verdict(folders, known, output):
@@ -17,7 +16,7 @@ def discover_verdict(folders, known, output):
     rounds = read_rounds(folders)
     last = next((k for k, state in enumerate(rounds) if state["chosen"] is None), len(rounds) - 1)
     found = verdict(rounds[: last + 1], known.of(rounds[0].get("reading", "angle")))
-    write_text(output, json.dumps(found, indent=1, ensure_ascii=False) + "\n")
+    write_json(output, found)
     return f"{found['campaign']}: {found['status']}. {found['sentence']}"
 
 

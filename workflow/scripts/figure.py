@@ -2,11 +2,10 @@
 
 import swingdown.prefork  # noqa: F401  # first of all: it may take the job over
 
-import pandas as pd
-
 from swingdown import console, dataset
 from swingdown.measurement.apparatus import read_apparatus
 from swingdown.plots import FIGURES, save
+from swingdown.sealed import read_csv
 
 
 def figure(name, data, outputs):
@@ -18,7 +17,7 @@ def figure(name, data, outputs):
 def opened(path):
     """The dataset, table or sheet in a file."""
     if path.endswith(".csv"):
-        return pd.read_csv(path)
+        return read_csv(path)
     return dataset.read(path) if path.endswith(".nc") else read_apparatus(path)
 
 

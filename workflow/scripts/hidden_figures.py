@@ -4,17 +4,16 @@ import swingdown.prefork  # noqa: F401  # first of all: it may take the job over
 
 from pathlib import Path
 
-import pandas as pd
-
 from swingdown import console
 from swingdown.plots import save, trials
+from swingdown.sealed import read_csv
 from swingdown.trials.score import read_scores
 
 
 def figures(scores, confusion, outputs):
     """Each of the outputs written."""
     drawn = {
-        "confusion": trials.confusion(pd.read_csv(confusion)),
+        "confusion": trials.confusion(read_csv(confusion)),
         "detection": trials.detection(read_scores(scores)),
     }
     for output in map(Path, outputs):

@@ -2,21 +2,19 @@
 
 import swingdown.prefork  # noqa: F401  # first of all: it may take the job over
 
-import json
-from pathlib import Path
-
 from swingdown import console
-from swingdown.paths import write_text
 from swingdown.pendulum.catalogue import catalogue
 from swingdown.pendulum.model import Model
+from swingdown.sealed import read_bytes, read_json, write_json
 from swingdown.trials.find import find
 from swingdown.trials.trial import BASE
 
 
 def verdicts(sheet, excluded, base, rounds, output):
     """The verdicts written, and how many there are."""
-    found = find(sheet, base, rounds, json.loads(Path(excluded).read_text()))
-    write_text(output, json.dumps(found, indent=1) + "\n")
+    read_bytes(sheet)  # it is as it was written; the swings' own sums stand in it
+    found = find(sheet, base, rounds, read_json(excluded))
+    write_json(output, found)
     return f"{len(found)} verdicts in {sum(one['seconds'] for one in found.values()):.0f} s"
 
 

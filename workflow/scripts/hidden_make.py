@@ -2,14 +2,13 @@
 
 import swingdown.prefork  # noqa: F401  # first of all: it may take the job over
 
-import json
 from pathlib import Path
 
 import pandas as pd
 
 from swingdown import console
-from swingdown.paths import write_csv, write_text
 from swingdown.pendulum.catalogue import catalogue
+from swingdown.sealed import write_csv, write_json
 from swingdown.trials.schedule import Planned, drawn
 from swingdown.trials.trial import write_trial
 
@@ -29,8 +28,8 @@ def make(chunk, trials, seed, known, sheet, excluded, truth):
         if trial.kind == "removed":
             lacks[name] = list(trial.hidden)
     write_csv(pd.DataFrame(rows), sheet)
-    write_text(excluded, json.dumps(lacks, indent=1) + "\n")
-    write_text(truth, json.dumps(truths, indent=1) + "\n")
+    write_json(excluded, lacks)
+    write_json(truth, truths)
     return f"{len(truths)} of {len(trials)} trials drawn"
 
 

@@ -2,15 +2,12 @@
 
 import swingdown.prefork  # noqa: F401  # first of all: it may take the job over
 
-import json
-from pathlib import Path
-
 import pandas as pd
 import yaml
 
 from swingdown import console
-from swingdown.paths import write_csv, write_text
 from swingdown.pendulum.catalogue import catalogue
+from swingdown.sealed import read_json, write_csv, write_text
 from swingdown.trials.score import confusion, guard, row, summarise
 
 
@@ -18,7 +15,7 @@ def score(truths, verdicts, known, scores, summary, matrix, guarded):
     """The tables written, and what they say in a line."""
     rows = []
     for truth, verdict in zip(truths, verdicts, strict=True):
-        true, found = (json.loads(Path(path).read_text()) for path in (truth, verdict))
+        true, found = (read_json(path) for path in (truth, verdict))
         rows += [row(name, true[name], found[name], known) for name in true]
     table = pd.DataFrame(rows)
     write_csv(table, scores, float_format="%.6g")

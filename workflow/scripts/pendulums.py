@@ -2,13 +2,9 @@
 
 import swingdown.prefork  # noqa: F401  # first of all: it may take the job over
 
-import json
-from pathlib import Path
-
-import pandas as pd
-
 from swingdown import console, dataset
 from swingdown.pendulum.catalogue import catalogue
+from swingdown.sealed import read_csv, read_json
 from swingdown.studies.paper_tables import write_table
 from swingdown.studies.pendulums import pendulums
 
@@ -18,8 +14,8 @@ def collect(norms, joint, verdicts, left_out, known, output):
     table = pendulums(
         dataset.read(norms),
         [dataset.read(path) for path in joint],
-        [json.loads(Path(path).read_text(encoding="utf-8")) for path in verdicts],
-        pd.read_csv(left_out) if left_out else None,
+        [read_json(path) for path in verdicts],
+        read_csv(left_out) if left_out else None,
         known,
     )
     write_table(table, output)

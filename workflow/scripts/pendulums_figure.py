@@ -2,15 +2,14 @@
 
 import swingdown.prefork  # noqa: F401  # first of all: it may take the job over
 
-import pandas as pd
-
 from swingdown import console
 from swingdown.plots import save
 from swingdown.plots.pendulums import side_by_side
+from swingdown.sealed import read_csv
 
 
 def draw(table, outputs):
-    figure = side_by_side(pd.read_csv(table))
+    figure = side_by_side(read_csv(table))
     for path in outputs:
         save(figure, path)
 

@@ -2,11 +2,11 @@
 
 import swingdown.prefork  # noqa: F401  # first of all: it may take the job over
 
-import json
 from pathlib import Path
 
 from swingdown import console, dataset
 from swingdown.report import contents, page, sweeps
+from swingdown.sealed import read_json
 
 
 def report(tables, figures, captions, recordings, verdicts, seen, told, settings, sweep_captions, output):
@@ -19,7 +19,7 @@ def report(tables, figures, captions, recordings, verdicts, seen, told, settings
         recordings=[dataset.read(path).attrs for path in recordings],
         settings=settings,
         inputs=told,
-        verdicts=[json.loads(Path(path).read_text(encoding="utf-8")) for path in verdicts],
+        verdicts=[read_json(path) for path in verdicts],
         seen=list(seen),
         sweeps=sweeps.made(settings["sweeps"], sweep_captions),
     )

@@ -5,18 +5,26 @@ printed by the job itself, see ``swingdown.console``. The full story is in ``.sn
 """
 
 import logging
+import os
+import re
 import sys
 import time
 
 from snakemake_interface_logger_plugins.base import LogHandlerBase
 from snakemake_interface_logger_plugins.common import LogEvent
 
+from swingdown.console import UNWRITTEN, framed
+from swingdown.paths import in_words
+
+_ERRNO = re.compile(r"\[Errno (\d+)\]")
+_OF_FILES = ("OSError", "PermissionError", "RuleException", "WorkflowError")
 _QUIET = 5.0  # seconds between two lines that say how far the run is
-# What asks nothing of the user; the Slurm plugin (2.8) asks Slurm for an account even where it is told not to.
+# What asks nothing of the user, or is told in other words; the Slurm plugin (2.8) asks Slurm for an account even where it is told not to.
 _KNOWN = (
     "No SLURM account given, trying to guess.",
     "No account was given, not able to get a SLURM account",
     "Unable to guess SLURM account. Trying to proceed without.",
+    "Failed to setup log file",  # of a folder that cannot be written, which is told at the first result
 )
 
 
@@ -34,6 +42,7 @@ class LogHandler(LogHandlerBase):
     def __post_init__(self):
         self.stream = sys.stdout if self.common_settings.stdout else sys.stderr
         self.done, self.total = 0, 0
+        self.unwritten, self.failed = "", False
         self.told = 0.0  # when a line last said how far the run is
 
     def emit(self, record):
@@ -56,11 +65,12 @@ class LogHandler(LogHandlerBase):
             self.told = time.monotonic() if doing else self.told
             return doing and f"[{self.done:{width}}/{self.total}] {doing}"
         if event == LogEvent.JOB_ERROR:
+            self.failed = True
             logs = f" (log: {', '.join(record.log)})" if record.log else ""
             made = ", ".join(record.output).replace(" (update)", "")
             return f"FAILED: rule {record.rule_name} for {made}{logs}"
         if event == LogEvent.ERROR:
-            return self._error(text)
+            return self._error(text, getattr(record, "exception", ""))
         if text.startswith("Exiting because a job execution failed"):
             return ""  # the job and the line above have said so
         if text.startswith("Nothing to be done"):
@@ -77,7 +87,21 @@ class LogHandler(LogHandlerBase):
         self.told = now
         return f"{self.done} of {self.total} jobs done"
 
-    def _error(self, text):
+    def _error(self, text, exception):
+        if exception == "LockException":
+            return framed(
+                "Another run is at work in this folder, and two would write the same files.",
+                f"where:     {os.getcwd()}",
+                "problem:   its lock is there; this run has done nothing and changed nothing",
+                "mend:      wait until it has ended; where none runs (one was killed, or the power failed), give",
+                "           this command with --unlock, which removes the lock, and then as before",
+            )
+        if self.failed and text.startswith("WorkflowError:\nError recording metadata"):
+            return ""  # of a job that has said why it failed
+        number = _ERRNO.search(text) if exception in _OF_FILES else None
+        if number and (told := in_words(int(number[1]), os.getcwd())):
+            said, self.unwritten = self.unwritten, told
+            return framed(UNWRITTEN, told) if said != told else ""  # of the job, and then of the run
         if "CalledProcessError" in text and ".snakemake/scripts" in text:
             return ""  # the job has printed what went wrong; this only repeats the command
         if "At least one job did not complete successfully" in text:

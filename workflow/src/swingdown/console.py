@@ -11,6 +11,7 @@ from typing import NoReturn
 from .errors import EngineError, InputError
 from .paths import write_text
 
+UNWRITTEN = "The results cannot be written."
 _INDENT = "        "  # under the "[ 3/48] " that starts a job's line
 
 
@@ -39,7 +40,7 @@ def job(log: str | Path | None = None) -> Iterator[Callable[[object], None]]:
         if not any(words in str(error) for words in ("the disk is full", "cannot be written")):
             _keep(log, [*told, traceback.format_exc()])
             raise
-        _stop(_framed("The results cannot be written.", str(error)), log, told)
+        _stop(framed(UNWRITTEN, error.strerror or str(error)), log, told)
     except Exception:
         _keep(log, [*told, traceback.format_exc()])
         raise
@@ -66,10 +67,11 @@ def block(error: InputError | EngineError) -> str:
     parts = ("where", "problem", "expected", "mend")
     lines = [f"{part + ':':10} {getattr(error, part)}" for part in parts if getattr(error, part)]
     what = "The engine cannot be built." if isinstance(error, EngineError) else "This input cannot be used."
-    return _framed(what, *lines)
+    return framed(what, *lines)
 
 
-def _framed(*lines: str) -> str:
+def framed(*lines: str) -> str:
+    """Lines between two rules, as what stops a run is told."""
     rule = "-" * 78
     return "\n".join(["", rule, *(f"  {line}" for line in lines), rule, ""])
 

@@ -109,15 +109,15 @@ def read(path: str | Path) -> xr.Dataset:
 
 
 def attributes(path: str | Path) -> dict[str, Any]:
-    """The attributes of a file written by ``write``, as a dict; its data are not read."""
-    with netCDF4.Dataset(path) as file:
+    """The attributes of a file written by ``write``, as a dict; its data are not read. InputError for a damaged one."""
+    with reading(path), netCDF4.Dataset(path) as file:
         return {name: file.getncattr(name) for name in file.ncattrs()}
 
 
 @contextmanager
 def reading(path: str | Path) -> Iterator[None]:
     """A block that reads the netCDF file ``path``: whatever goes wrong in it is told as an InputError."""
-    _check_seal(Path(path))
+    check_seal(Path(path))
     try:
         yield
     except (InputError, MemoryError):
@@ -140,7 +140,8 @@ def seal(path: Path) -> None:
         file.write(_SEAL + digest.encode())
 
 
-def _check_seal(path: Path) -> None:
+def check_seal(path: Path) -> None:
+    """None where a file's bytes are those that were written, or it has no seal; InputError where they are not."""
     with path.open("rb") as file:
         size = file.seek(0, os.SEEK_END) - len(_SEAL) - 64
         file.seek(max(size, 0))

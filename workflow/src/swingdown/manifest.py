@@ -7,6 +7,7 @@ from pathlib import Path
 
 from .errors import InputError
 from .paths import write_text
+from .sealed import is_seal
 
 NAME = "manifest.json"
 _LEFT_OUT = {"logs", "benchmarks"}  # they tell of the run, and differ from one to the next
@@ -19,7 +20,7 @@ def write_manifest(
     """How many files the manifest ``output`` lists: those below ``parts`` of the folder ``results``, but for ``without``.
 
     Parts are files or folders relative to ``results``; one that is not there has no files. An entry is path (relative to
-    ``results``), size in bytes and SHA-256, sorted by path. Manifests, logs, benchmarks and unfinished files are not listed.
+    ``results``), size in bytes and SHA-256, sorted by path. Manifests, seals, logs, benchmarks and unfinished files are not listed.
     """
     results = Path(results)
     outside = [results / part for part in without]
@@ -92,6 +93,7 @@ def _files(results: Path, parts: Iterable[str]) -> list[Path]:
         if path.is_file()
         and path.name != NAME
         and not path.name.endswith(".part")
+        and not is_seal(path)
         and not _LEFT_OUT & set(path.relative_to(results).parts[:-1])
         and not path.name.startswith(".snakemake")
     )

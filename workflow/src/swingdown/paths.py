@@ -97,13 +97,18 @@ def written_whole(path: str | Path) -> Iterator[Path]:
         os.replace(partial, path)
         _to_disk(path.parent)
     except OSError as error:
-        if error.errno in _IN_WORDS and _MEND not in str(error):
-            what = _IN_WORDS[error.errno]
-            raise OSError(error.errno, f"{what}: {path}. {_MEND} {_MENDS[error.errno]}") from error
+        told = in_words(error.errno, path)
+        if told and _MEND not in str(error):
+            raise OSError(error.errno, told) from error
         raise
     finally:
         with suppress(OSError):
             partial.unlink(missing_ok=True)
+
+
+def in_words(number: int | None, path: str | Path) -> str:
+    """What is wrong, where, and the mend, of the errno of a failed write; "" for one that is not the disk's or the folder's."""
+    return f"{_IN_WORDS[number]}: {path}. {_MEND} {_MENDS[number]}" if number in _IN_WORDS else ""
 
 
 _MEND = "Mend:"

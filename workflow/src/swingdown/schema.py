@@ -44,7 +44,10 @@ def check(content: Any, schema: str, where: object, part: str = "key") -> dict[s
     validator = _validator(schema)
     faults = sorted(
         validator.iter_errors(content),
-        key=lambda fault: (fault.validator != "additionalProperties", fault.path),
+        key=lambda fault: (
+            fault.validator != "additionalProperties",
+            [(type(step).__name__, step) for step in fault.path],  # YAML's keys are of several kinds
+        ),
     )
     if faults:
         raise _refusal(faults[0], rules(schema), where, part)

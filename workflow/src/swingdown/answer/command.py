@@ -1,6 +1,5 @@
 """From files to an answer in one command: each is read, a first answer is told, and the workflow is run for the verdict."""
 
-import json
 import subprocess
 import sys
 from collections.abc import Mapping, Sequence
@@ -14,6 +13,7 @@ from ..console import warnings_once
 from ..errors import InputError
 from ..paths import PROJECT, write_csv
 from ..rounding import value_with_uncertainty
+from ..sealed import read_json
 from ..studies.pendulums import by_verdict, in_order
 from ..studies.words import lines, model_words, quantity_rows, said
 from ..study import own
@@ -88,7 +88,7 @@ def answer(
         code = run_workflow(PROJECT, again, folder, cores)
     for campaign in searched:
         path = _verdict(folder, campaign)
-        found = json.loads(path.read_text(encoding="utf-8")) if path.exists() else None
+        found = read_json(path) if path.exists() else None
         _say(f"{campaign}: {'. '.join(said(found)) if found else 'no verdict; results/logs tells why'}")
         if found and found.get("conclusion") and len(searched) <= _FEW:
             row = by_verdict(answers[campaign].row, found)

@@ -17,6 +17,7 @@ from ..measurement.plausibility import check_plausible
 from ..measurement.quality import check_signal, check_times
 from ..measurement.recording import SHORTEST
 from ..measurement.release import find_windows
+from ..measurement.spikes import as_variable, find_spikes
 
 UNITS = ("rad", "deg", *TO_RAD_PER_S)
 _SCALE = {"rad": 1.0, "deg": np.pi / 180}  # of angles: a hand is told in another way from rates
@@ -166,13 +167,14 @@ def _swing(
         remarks = check_plausible(times, values, taken, True, bool(unit or stated), name)
         if taken in TO_RAD_PER_S:
             remarks += check_rate(times, values, taken, name)
-        remarks += check_continuous(times, values, name)
+        spikes = find_spikes(times, values)
+        remarks += check_continuous(times, values, name, spikes)
     except InputError as problem:
         mend = next((text for key, text in _MENDS.items() if key in problem.mend), problem.mend)
         where = problem.where.replace(", line ", ", sample ")
         raise InputError(where, problem.problem, problem.expected, mend) from None
     more: dict[str, Any] = {}
-    windows, _ = find_windows(times, values, _SCALE.get(taken, 0.0), taken in TO_RAD_PER_S)
+    windows, _ = find_windows(times, spikes.healed, _SCALE.get(taken, 0.0), taken in TO_RAD_PER_S)
     if len(windows) > 1:
         spans = ", ".join(f"{one.begins:.3f} to {one.ends:.3f} s" for one in windows)
         raise InputError(
@@ -193,7 +195,7 @@ def _swing(
             f"used until {window.ends:.3f} s: {'then it rests' if window.rests else 'a hand stops it'}"
         )
     recording = xr.Dataset(
-        {"signal": ("time", values, {"units": taken})},
+        {"signal": ("time", values, {"units": taken}), **as_variable(spikes.where)},
         {"time": ("time", times, {"units": "s", "long_name": "time as given"})},
         {
             "recording": name, "campaign": "pendulum", "role": "fit", "file": "", "sha256": "", "source": "given as arrays",

@@ -1,6 +1,5 @@
 """A round of discovery as files: what a search writes, and what verdict, figures and report read."""
 
-import json
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -13,9 +12,9 @@ import xarray as xr
 from .. import dataset
 from ..errors import InputError
 from ..measurement.slack import of_angles
-from ..paths import write_csv, write_text
 from ..pendulum.catalogue import READINGS
 from ..pendulum.model import Model, write_model
+from ..sealed import read_json, write_csv, write_json
 from ..studies.experiment import largest_angles
 from .campaign import Campaign, Swing, campaign
 from .confirm import gap, per_swing
@@ -63,12 +62,23 @@ def reading_of(name: str, angles: Sequence[xr.Dataset]) -> str:
     return kinds.pop()
 
 
-def write_round(state: Round, campaign: Campaign, folder: Path | str, emulated: bool) -> Path:
+def write_rounds(
+    states: Sequence[Round], campaign: Campaign, folders: Sequence[Path | str], emulated: bool
+) -> None:
+    """The folders written, one for each ``Round``; those beyond the last one repeat it."""
+    for number, state in enumerate(states):
+        lacks = remainder(frame(state.fit, campaign.fit), state.noise) if state.missing else _NOTHING
+        for folder in folders[number:] if state is states[-1] else folders[number : number + 1]:
+            write_round(state, campaign, folder, emulated, lacks)
+
+
+def write_round(
+    state: Round, campaign: Campaign, folder: Path | str, emulated: bool, lacks: Remainder = _NOTHING
+) -> Path:
     """The folder written: round.json, model.yaml, fit.nc and the tables of one ``Round`` (groups, ranking, map, unnamed, half-swings,
-    remainder, course)."""
+    and of what the model still ``lacks`` remainder and course)."""
     folder = Path(folder)
     folder.mkdir(parents=True, exist_ok=True)
-    lacks = remainder(frame(state.fit, campaign.fit), state.noise) if state.missing else _NOTHING
     told = summary(state, campaign) | {
         "remainder": {"shares": lacks.shares, "torque": lacks.torque, "gain": lacks.gain}
     }
@@ -81,7 +91,7 @@ def write_round(state: Round, campaign: Campaign, folder: Path | str, emulated: 
     write_csv(lacks.map, folder / "remainder.csv", float_format="%.6g")
     write_csv(lacks.course, folder / "course.csv", float_format="%.6g")
     dataset.write(_series(state, campaign, emulated), folder / "fit.nc")
-    write_text(folder / "round.json", json.dumps(told, indent=1) + "\n")
+    write_json(folder / "round.json", told)
     return folder
 
 
@@ -190,4 +200,4 @@ def _finite(value: float | None) -> float | None:
 
 def read_rounds(folders: Iterable[Path | str]) -> list[dict[str, Any]]:
     """The round.json of each folder, in order."""
-    return [json.loads((Path(folder) / "round.json").read_text()) for folder in folders]
+    return [read_json(Path(folder) / "round.json") for folder in folders]

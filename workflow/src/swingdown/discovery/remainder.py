@@ -20,6 +20,7 @@ from ..arrays import Floats
 from ..engine.trajectory import sensitivities
 from ..fitting.problem import RELEASE
 from ..fitting.result import SwingFit
+from ..pendulum.catalogue import ANGLE
 from ..pendulum.effect import NATURAL_FREQUENCY
 from ..pendulum.model import Model
 from ..pendulum.slack import Slack
@@ -93,7 +94,7 @@ def motion(model: Model, swing: Swing, angle: float, velocity: float) -> Motion:
     at = np.arange(samples.size) * each
     times = np.interp(np.arange(at[-1] + 1), at, samples)
     names = [one.name for one in model.effects if one.acts_on == "torque"]
-    bare = model.with_effects(names, model.values).with_slack(Slack())
+    bare = model.with_effects(names, model.values).with_slack(Slack()).of(ANGLE)
     course, slopes = sensitivities(bare, times, angle, velocity, free=RELEASE)
     speed, rates = np.gradient(course, times), np.gradient(slopes, times, axis=1)
     wronskian = slopes[0] * rates[1] - slopes[1] * rates[0]

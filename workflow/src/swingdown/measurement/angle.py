@@ -15,6 +15,7 @@ from .gyroscope import TO_RAD_PER_S
 from .noise_level import noise_of
 from .release import by_itself
 from .slack import as_variables, of_calibration, of_tolerances
+from .spikes import without
 
 BOUND = "half width of the interval that holds the angle with 95 %"
 PAPER_BOUND = "half width of the paper's bound, limits added: it holds some 89 % of angles (docs/trust.md)"
@@ -32,15 +33,15 @@ def to_angle(recording: xr.Dataset, calibration: xr.Dataset | None = None, mode:
     (step / sqrt 12); in rad or deg without steps it is the noise seen in the recording itself, with its colour. Of
     systematic errors only what the sheet's tolerances say is then known: the attribute ``systematic`` tells.
     ``reading_slack`` (nuisance, source) says what each source does to the reading's gain, zero and curvature,
-    which fits leave open. InputError for volts without a calibration, or with one of another campaign.
+    which fits leave open. Samples that the recording marks as spikes are left out: their times are missing. InputError for volts without a calibration, or with one of another campaign.
     """
-    recording = by_itself(recording)
+    recording, healed = without(by_itself(recording))
     signal = recording["signal"]
     unit = signal.attrs["units"]
     if unit == "V":
         angle, random, systematic, bound, notes = _from_volts(recording, calibration, mode)
     else:
-        angle, random, notes = _from_angle(recording, unit)
+        angle, random, notes = _from_angle(recording, unit, healed)
         systematic = np.zeros_like(angle)
         bound = notes["coverage_factor"] * random
     stated = of_tolerances(recording)
@@ -165,15 +166,16 @@ def _encoder_limit(calibration: xr.Dataset, volts: Floats, name: str) -> Floats:
     return limits[np.searchsorted(up_to, np.abs(volts))]
 
 
-def _from_angle(recording: xr.Dataset, unit: str) -> tuple[Floats, Floats, dict[str, Any]]:
-    values = recording["signal"].values
+def _from_angle(recording: xr.Dataset, unit: str, healed: Floats) -> tuple[Floats, Floats, dict[str, Any]]:
+    """Angle, random uncertainty and notes; ``healed`` is the signal with spikes healed, evenly spaced as noise is told from."""
+    values, times = recording["signal"].values, recording["time"].values
     scale = 2 * pi / recording.attrs["counts_per_revolution"] if unit == "counts" else _RAD[unit]
     step = 1.0 if unit == "counts" else quantisation_step(values)
     colour: dict[str, float] = {}
     if step:
         u, mode, factor = step / sqrt(12), "resolution", UNIFORM_95
     else:
-        noise = noise_of(recording["time"].values, values)
+        noise = noise_of(np.linspace(times[0], times[-1], healed.size), healed)
         u, mode, factor = noise.deviation, "residual noise", 1.96
         colour = {"noise_correlation": noise.correlation} if noise.correlation else {}
     notes: dict[str, Any] = {

@@ -6,39 +6,50 @@ from ..arrays import Floats
 from ..errors import InputError
 from ..quantisation import quantisation_step
 from .plausibility import half_swings
+from .spikes import MOST, SIDE, UNEVEN, Spikes, find_spikes, kernel, standing_out
 
-SIDE = 6  # samples on each side of a place that is looked at
-ODD = 12.0  # local standard deviations, beyond which a jump or spike is told; measured on recordings that have none
-SEEN = 0.004  # of the range; smaller ones are not told
+SPIKE = "a spike"
 PHASE = "the pendulum is out of step with the clock, as where samples are lost,"
 JUMP = "the signal jumps, as where samples are lost or the apparatus is knocked,"
 OUT_OF_STEP = 0.03  # of a half-swing's time; a smaller jump of the phase is not told
 JITTER = 8.0  # standard deviations of what noise does to the time of a half-swing
-STUMBLE = 0.2  # of the usual interval
 
 
-def check_continuous(times: Floats, signal: Floats, place: str) -> list[str]:
-    """Remarks, each one line, on spikes, jumps and uneven times."""
+def check_continuous(times: Floats, signal: Floats, place: str, spikes: Spikes | None = None) -> list[str]:
+    """Remarks, each one line, on spikes, jumps and uneven times. ``spikes`` are those of the signal, where they are known."""
     period = half_swings(signal).period(times)
     interval = float(np.median(np.diff(times)))
     steps = np.diff(times) / interval
-    uneven = np.flatnonzero(np.abs(steps - 1) > STUMBLE)
+    uneven = np.flatnonzero(np.abs(steps - 1) > UNEVEN)
     if len(uneven) > 0.01 * len(steps):  # a clock that jitters throughout
         return [
             f"the time between samples varies by {np.std(steps):.2g} of {interval:.4g} s (standard deviation)"
         ]
     remarks = [_told("the clock stumbles", times[uneven + 1])] if len(uneven) else []
     del steps
-    spikes = _places(signal, _kernel(True), period / interval)
-    healed = signal.copy() if spikes else signal
-    for k in spikes:
-        healed[k] = (signal[k - 1] + signal[k + 1]) / 2
-    jumps = _places(healed, _kernel(False), period / interval)
-    spikes = [k for k in spikes if all(abs(k - n) > SIDE for n in jumps)]  # a jump looks a little like one
-    remarks += [_told(what, times[places]) for what, places in (("a spike", spikes), (JUMP, jumps)) if places]
-    told = times[[*spikes, *jumps]]
+    spikes = spikes or find_spikes(times, signal)
+    left_out = np.flatnonzero(spikes.where)
+    # spikes that were left where they are, for they are too many or too near an end
+    kept = _places(spikes.healed, kernel(True), period / interval)
+    healed = spikes.healed.copy() if kept else spikes.healed
+    for k in kept:
+        healed[k] = (healed[k - 1] + healed[k + 1]) / 2
+    jumps = _places(healed, kernel(False), period / interval)
+    kept = [k for k in kept if all(abs(k - n) > SIDE for n in jumps)]  # a jump looks a little like one
+    if len(left_out):
+        runs = np.split(left_out, np.flatnonzero(np.diff(left_out) > 1) + 1)
+        words = _told(SPIKE, times[[int(run[0]) for run in runs]])
+        remarks.append(f"{words}, left out as missing: {len(left_out)} of {times.size} samples")
+    if kept:
+        many = not len(left_out) and len(kept) > MOST * times.size
+        remarks.append(f"{_told(SPIKE, times[kept])}, {'too many to be' if many else 'not'} left out")
+    if jumps:
+        remarks.append(_told(JUMP, times[jumps]))
+    told = times[[*left_out, *kept, *jumps]]
     late = [
-        one for one in _out_of_step(times, signal) if all(abs(one - other) > 3 * period for other in told)
+        one
+        for one in _out_of_step(times, spikes.healed)
+        if all(abs(one - other) > 3 * period for other in told)
     ]
     if late:
         remarks.append(_told(PHASE, np.array(late)))
@@ -82,39 +93,13 @@ def _told(what: str, times: Floats) -> str:
     return f"{what} at {times[0]:.6g} s{more}"
 
 
-def _kernel(spike: bool) -> Floats:
-    """Weights of the samples in a window that give the height of a spike, or of a jump, on a cubic swing."""
-    n = 2 * SIDE + 1 if spike else 2 * SIDE
-    x = (np.arange(n) - (n - 1) / 2) / SIDE
-    # a kink, as samples lost at a turning point leave it, is no spike
-    odd = [np.abs(x), np.arange(n) == SIDE] if spike else [x > 0]
-    return np.linalg.pinv(np.column_stack([x**0, x, x**2, x**3, *odd]).astype(float))[-1]
-
-
-def _places(signal: Floats, kernel: Floats, period: float) -> list[int]:
-    """Where the height that the kernel tells stands out of those nearby: the largest of each cluster.
-
-    What swing and noise do to it is told by its median over two periods, before, around and after. ``period`` in samples.
-    """
-    if len(signal) < 8 * SIDE or not period > 4 * SIDE:  # too few samples a swing for a cubic
+def _places(signal: Floats, weights: Floats, period: float) -> list[int]:
+    """Where the height that the kernel tells stands out of those nearby: the largest of each cluster. ``period`` in samples."""
+    clusters = [one.samples for one in standing_out(signal, weights, period)]
+    if not clusters:
         return []
-    height = np.correlate(signal, kernel, mode="valid")
-    np.abs(height, out=height)
-    size = int(max(8 * SIDE, 2 * period))
-    edges = np.linspace(0, len(height), max(1, len(height) // size) + 1).astype(int)
-    own = np.array([np.median(height[a:b]) for a, b in zip(edges, edges[1:], strict=False)]) / 0.6745
-    around = np.maximum(own, np.maximum(np.append(own[1:], 0), np.append(0, own[:-1])))
-    seen = max(SEEN * np.ptp(signal), 2 * quantisation_step(signal))
-    odd = np.concatenate(
-        [
-            a + np.flatnonzero(height[a:b] > max(ODD * scale, seen))
-            for a, b, scale in zip(edges, edges[1:], around, strict=False)
-        ]
-    )
-    if not len(odd):
-        return []
-    clusters = np.split(odd, np.flatnonzero(np.diff(odd) > SIDE) + 1)
-    return [int(one[np.argmax(height[one])]) + SIDE for one in clusters]
+    height = np.abs(np.correlate(signal, weights, mode="valid"))
+    return [int(one[np.argmax(height[one - SIDE])]) for one in clusters]
 
 
 def check_alive(times: Floats, signal: Floats, place: str) -> None:

@@ -24,6 +24,7 @@ from .release import Window, find_windows, several_releases, within
 from .sheet import TIME_UNITS
 from .slack import tolerances
 from .source import Table, check_sha256, opened, table_of
+from .spikes import Spikes, as_variable, find_spikes
 from .table import numbers
 
 MOST = 20_000_000  # samples that are held at once: half a gigabyte
@@ -94,6 +95,7 @@ def _recording(table: Table, row: Mapping[str, Any], place: str, digest: str) ->
         )
     check_times(times, lines, f"{name}, column {clock.name} ({place})", gaps=partial)
     more: dict[str, float] = {}
+    marked: dict[str, Any] = {}
     remarks = ["the last line has no end and was left out"] if table.cut else []
     if positions:
         circle = fit_circle(
@@ -114,15 +116,16 @@ def _recording(table: Table, row: Mapping[str, Any], place: str, digest: str) ->
         if signal_unit in TO_RAD_PER_S:
             remarks += check_rate(times, signal, signal_unit, where)
         check_alive(times, signal, where)
-        used, told, more_told = _by_itself(times, signal, signal_unit, row, where, partial)
-        more, remarks = more | more_told, remarks + told
+        spikes = find_spikes(times, signal) if not partial else Spikes(np.zeros(signal.size, bool), signal)
+        used, told, more_told = _by_itself(times, spikes.healed, signal_unit, row, where, partial)
+        more, remarks, marked = more | more_told, remarks + told, as_variable(spikes.where)
         if not partial:
-            _check_long_enough(signal[used], where)
-        remarks += check_continuous(times[used], signal[used], where)
+            _check_long_enough(spikes.healed[used], where)
+        remarks += check_continuous(times[used], signal[used], where, spikes.within(used))
 
     counted = {"counts_per_revolution": row["counts_per_revolution"]} if signal_unit == "counts" else {}
     return xr.Dataset(
-        {"signal": ("time", signal, {"units": signal_unit, "long_name": LONG_NAMES[signal_unit]})},
+        {"signal": ("time", signal, {"units": signal_unit, "long_name": LONG_NAMES[signal_unit]}), **marked},
         {"time": ("time", times, {"units": "s", "long_name": "time as recorded"})},
         {
             "recording": row["recording"],

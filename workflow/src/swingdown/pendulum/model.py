@@ -10,7 +10,7 @@ from typing import Any
 import yaml
 
 from ..errors import InputError
-from ..paths import written_whole
+from ..sealed import read_text, write_text
 from .catalogue import ANGLE, SHIPPED, Catalogue, catalogue
 from .catalogue.restoring import GRAVITY
 from .effect import NATURAL_FREQUENCY, Effect, Parameter
@@ -189,15 +189,13 @@ def write_model(model: Model, path: Path | str) -> Path:
         **({} if model.reading == ANGLE else {"reading": model.reading}),
         "parameters": values,
     }
-    with written_whole(path) as partial:
-        partial.write_text(yaml.safe_dump(content, sort_keys=False, allow_unicode=True))
-    return Path(path)
+    return write_text(path, yaml.safe_dump(content, sort_keys=False, allow_unicode=True))
 
 
 def read_model(path: Path | str, catalogue: Catalogue = SHIPPED) -> Model:
     """The model that a model file states; InputError names the file and the key that is wrong."""
     try:
-        content = yaml.safe_load(Path(path).read_text())
+        content = yaml.safe_load(read_text(path))
     except yaml.YAMLError as problem:
         raise InputError(
             path, f"it cannot be read as YAML ({' '.join(str(problem).split())})", "a model file"

@@ -13,19 +13,23 @@ AROUND = 1.5  # s, shown on each side of where the used part begins
 
 @style.styled
 def used_part(recording: xr.Dataset) -> Figure:
-    """A figure of one recording (``results/recordings/*.nc``): what is used in ink, a hand's part and the rest in grey.
+    """A figure of one recording (``results/recordings/*.nc``): what is used in ink, a hand's part and the rest in grey, spikes as crosses.
 
     ``signal`` over ``time`` (s) in its own unit. Below, the second and a half before and after where the used part begins.
     """
     time, signal = recording["time"].values, recording["signal"].values
     told = recording.attrs
     begins, ends = float(told.get("begins_s", time[0])), float(told.get("ends_s", time[-1]))
-    used = (time >= begins) & (time <= ends)
+    spikes = recording["spike"].values.astype(bool) if "spike" in recording else np.zeros(time.size, bool)
+    used = (time >= begins) & (time <= ends) & ~spikes
     figure = style.new_figure(10.4)
     whole, beginning = figure.subplots(2, 1)
     for axes in (whole, beginning):
         axes.plot(time, signal, color=LEFT_OUT, lw=0.9, label="left out" if not used.all() else None)
         axes.plot(time[used], signal[used], color=style.INK, lw=0.9, label="used")
+        axes.plot(
+            time[spikes], signal[spikes], "x", color=EDGE, label="spikes, left out" if spikes.any() else None
+        )
         for key, words in (("released_s", "released"), ("begins_s", "used from"), ("ends_s", "used until")):
             if key in told:
                 axes.axvline(

@@ -22,6 +22,7 @@ from numpy.typing import ArrayLike
 from ..arrays import Floats
 from ..paths import written_whole
 from ..pendulum.model import symbol
+from ..sealed import writing
 
 _P = ParamSpec("_P")
 _T = TypeVar("_T")
@@ -271,6 +272,7 @@ def save(figure: Figure, path: str | Path, note: str = "") -> list[Path]:
         [path] if path.suffix in _NO_TRACE else [path.with_name(path.name + suffix) for suffix in _NO_TRACE]
     )
     for target in targets:
-        with written_whole(target) as partial:
+        written = writing if target.suffix == ".svg" else written_whole  # the report reads it again
+        with written(target) as partial:
             figure.savefig(partial, format=target.suffix[1:], dpi=DPI, metadata=_NO_TRACE[target.suffix])
     return targets

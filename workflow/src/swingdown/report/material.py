@@ -7,6 +7,7 @@ from typing import Any
 
 import pandas as pd
 
+from ..sealed import read_csv
 from . import sweeps as swept
 from .page import Figure
 
@@ -58,4 +59,4 @@ class Material:
 
 def read_tables(paths: Iterable[str | Path]) -> dict[str, pd.DataFrame]:
     """The tables of the given CSV files by name without ending."""
-    return {Path(path).stem: pd.read_csv(path) for path in paths}
+    return {Path(path).stem: read_csv(path) for path in paths}

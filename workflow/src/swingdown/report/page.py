@@ -12,6 +12,7 @@ from docutils.core import publish_parts
 from markupsafe import Markup
 
 from ..paths import written_whole
+from ..sealed import read_bytes
 
 TEMPLATE = Path(__file__).with_name("report.html.j2")
 
@@ -108,7 +109,7 @@ class Figure:
     @property
     def source(self) -> str:
         path = Path(self.path)
-        return f"data:{_MEDIA[path.suffix]};base64,{base64.b64encode(path.read_bytes()).decode()}"
+        return f"data:{_MEDIA[path.suffix]};base64,{base64.b64encode(read_bytes(path)).decode()}"
 
     @property
     def caption(self) -> Markup:

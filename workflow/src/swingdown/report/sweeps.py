@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
+from ..sealed import read_csv
 from .page import Cell, Column, Figure, Findings, Item, Section, Table, Text
 
 CLAIM = 68  # per cent
@@ -50,7 +51,7 @@ def made(
                 (path.stem, str(path), Path(texts[path.stem]).read_text(encoding="utf-8"))
                 for path in pictures
             ]
-            found[name] = Made(pd.read_csv(folder / "summary.csv"), told)
+            found[name] = Made(read_csv(folder / "summary.csv"), told)
     return found
 
 

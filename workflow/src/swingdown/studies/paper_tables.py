@@ -12,7 +12,7 @@ import pandas as pd
 import xarray as xr
 
 from ..arrays import Floats
-from ..paths import written_whole
+from ..sealed import write_csv
 from .comparison import bic_effective, comparison
 from .norms import as_text
 
@@ -115,10 +115,8 @@ def _negative(one: xr.Dataset) -> Iterator[str]:
 
 
 def write_table(table: pd.DataFrame, path: str | Path) -> Path:
-    """The path written: a CSV file at full precision that appears under its name only when it is complete."""
-    with written_whole(path) as partial:
-        table.to_csv(partial, index=False, lineterminator="\n")
-    return Path(path)
+    """The path written: a CSV file at full precision that appears under its name only when it is complete, with its seal."""
+    return write_csv(table, path)
 
 
 def statistics(values: Floats) -> tuple[float, float, int]:

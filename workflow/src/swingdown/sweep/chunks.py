@@ -190,7 +190,7 @@ def read_book(book):
     book = Path(book)
     if not book.exists():
         return
-    with book.open(encoding="utf-8") as lines:
+    with book.open(encoding="utf-8", errors="replace") as lines:
         for number, line in enumerate(lines, 1):
             yield _chunk(line, f"{book}, line {number}")
 
@@ -198,7 +198,7 @@ def read_book(book):
 def find_chunk(book, name):
     """The chunk of that name; InputError where the book has none. Other lines are not kept in memory."""
     if Path(book).exists():
-        with Path(book).open(encoding="utf-8") as lines:
+        with Path(book).open(encoding="utf-8", errors="replace") as lines:
             for number, line in enumerate(lines, 1):
                 if line.startswith(name):
                     return _chunk(line, f"{book}, line {number}")

@@ -46,5 +46,5 @@ def record(results: str, path: str) -> str:
 
 def _attributes(results):
     if Path(results).suffix == ".json":
-        return json.loads(Path(results).read_text(encoding="utf-8"))
+        return store.read_mark(results)
     return dataset.attributes(results)

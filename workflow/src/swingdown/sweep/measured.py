@@ -1,12 +1,12 @@
 """A pendulum that was measured, as the one that a sweep simulates: what its campaign's discovery found."""
 
-import json
 import re
 from pathlib import Path
 
 from ..errors import InputError
 from ..pendulum.catalogue import catalogue
 from ..pendulum.model import read_model
+from ..sealed import read_json
 
 _CONFIG = ("natural_frequency", "viscous_ratio", "quadratic_coefficient", "load_friction")
 
@@ -36,5 +36,5 @@ def of_pendulum(entry, place, own=None):
     found["discovery.base"] = list(model.names)
     verdict = path / "verdict.json"
     if verdict.is_file():
-        found["detection.noise_rad"] = float(json.loads(verdict.read_text(encoding="utf-8"))["noise_rms_rad"])
+        found["detection.noise_rad"] = float(read_json(verdict)["noise_rms_rad"])
     return found

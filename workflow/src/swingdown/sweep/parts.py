@@ -5,6 +5,7 @@ from pathlib import Path
 import netCDF4
 import numpy as np
 
+from .. import dataset
 from ..errors import InputError
 from . import store
 
@@ -85,6 +86,7 @@ def _opened(path):
         raise InputError(
             path, "there is no such file", "a chunk that a job has computed", "run the sweep again"
         )
+    dataset.check_seal(Path(path))
     try:
         file = netCDF4.Dataset(path)
     except OSError as error:

@@ -5,15 +5,17 @@ The store has a dimension ``draw``; a job writes whole chunks of it, which no ot
 store the group ``cells``) has ``row``: where along ``draw`` each draw of each cell is.
 """
 
+import hashlib
 import json
 import os
+from contextlib import contextmanager
 from importlib import import_module
 from pathlib import Path
 
 import numpy as np
 
+from .. import sealed
 from ..errors import InputError
-from ..paths import written_whole
 from .draws import cell_key
 
 STORE, SLOTS = "draws.zarr", "slots.jsonl"
@@ -32,7 +34,8 @@ def prepare(sweep, plan, folder):
     listed = list(
         dict.fromkeys(name for values in sweep for name in computation.entries(sweep.cell(values)) or ())
     )
-    group = zarr.open_group(path, mode="a", zarr_format=2)
+    with _reading(path):
+        group = zarr.open_group(path, mode="a", zarr_format=2)
     if "slot" not in group.attrs:
         group.attrs.update(
             {"slot": sweep.chunk, "listed": listed, "computes": sweep.computes, "sweep": sweep.name}
@@ -55,9 +58,8 @@ def prepare(sweep, plan, folder):
             one = group[name]
             if one.shape[0] < taken * group.attrs["slot"]:
                 one.resize((taken * group.attrs["slot"], *one.shape[1:]))
-        before = (folder / SLOTS).read_text(encoding="utf-8") if (folder / SLOTS).exists() else ""
-        with written_whole(folder / SLOTS) as partial:
-            partial.write_text(before + "\n".join(lines) + "\n", encoding="utf-8")
+        before = sealed.read_text(folder / SLOTS) if (folder / SLOTS).exists() else ""
+        sealed.write_text(folder / SLOTS, before + "\n".join(lines) + "\n")
         zarr.consolidate_metadata(path)
     return path
 
@@ -93,7 +95,7 @@ def _create(group, computation, listed, slot):
 def read_slots(folder):
     """(first slot, number of slots) of each chunk in the store, by the name of its results."""
     path = Path(folder) / SLOTS
-    lines = path.read_text(encoding="utf-8").splitlines() if path.exists() else []
+    lines = sealed.read_text(path).splitlines() if path.exists() else []
     return {stem: (first, count) for stem, first, count in map(json.loads, lines)}
 
 
@@ -133,6 +135,8 @@ def write(data, stem, mark):
     reasons = {key: str(why) for key, why in zip(keys, data["reason"].values, strict=True) if str(why)}
     told = {key: data.attrs[key] for key in ("computes", "code", "swingdown", "cpu_s")}
     told |= {"first": first, "draws": size, "keys": keys, "reasons": reasons}
+    told["draws_sha256"] = _digests(group, slice(first, first + size))
+    told["sha256"] = _digest_of(told)
     mark.parent.mkdir(parents=True, exist_ok=True)
     partial = mark.with_name(f".{mark.name}.{os.uname().nodename}.{os.getpid()}")
     try:
@@ -146,9 +150,15 @@ def parts(mark):
     """What ``parts.parts`` gives, of a chunk in the store, with ``row``, where along ``draw`` the block is, among the variables."""
     import zarr
 
-    told = json.loads(Path(mark).read_text(encoding="utf-8"))
-    group = zarr.open_group(Path(mark).parent.parent / STORE, mode="r", use_consolidated=False)
+    told = read_mark(mark)
+    with _reading(mark):
+        group = zarr.open_group(Path(mark).parent.parent / STORE, mode="r", use_consolidated=False)
     here = slice(told["first"], told["first"] + told["draws"])
+    with _reading(mark):
+        found = _digests(group, here)
+    if any(found.get(name) != digest for name, digest in told.get("draws_sha256", {}).items()):
+        raise InputError(mark, "the draws in the store are not those that were written", "undamaged draws",
+                         "delete it and run the sweep again")  # fmt: skip
     numbers, draws = group["key"][here], group["realization"][here]
     names = {int(key[:16], 16): key for key in told["keys"]}
     if not set(map(int, np.unique(numbers))) <= set(names):
@@ -169,9 +179,10 @@ def about(mark):
     """What ``parts.about`` gives, of a chunk in the store."""
     import zarr
 
-    told = json.loads(Path(mark).read_text(encoding="utf-8"))
-    group = zarr.open_group(Path(mark).parent.parent / STORE, mode="r", use_consolidated=False)
-    dims = {name: tuple(group[name].attrs["_ARRAY_DIMENSIONS"]) for name in _variables(group)}
+    told = read_mark(mark)
+    with _reading(mark):
+        group = zarr.open_group(Path(mark).parent.parent / STORE, mode="r", use_consolidated=False)
+        dims = {name: tuple(group[name].attrs["_ARRAY_DIMENSIONS"]) for name in _variables(group)}
     dimension = next((one[1] for one in dims.values() if len(one) > 1), None)
     variables = {
         name: (
@@ -186,6 +197,40 @@ def about(mark):
         "variables": variables,
         "reasons": told["reasons"],
         "attributes": told,
+    }
+
+
+@contextmanager
+def _reading(where):
+    """A block that reads the store: whatever goes wrong with its files is told as an InputError."""
+    try:
+        yield
+    except (InputError, MemoryError):
+        raise
+    except Exception as error:  # damage makes zarr fail in ways that nobody listed
+        raise InputError(where, f"the store cannot be read ({' '.join(str(error).split())})", f"an undamaged {STORE}",
+                         "delete the sweep's folder and run it again") from error  # fmt: skip
+
+
+def read_mark(mark):
+    """What the mark of a chunk in the store tells; InputError where it is damaged. An older one carries no digest of itself."""
+    content = sealed.read_json(mark)
+    if not isinstance(content, dict) or ("sha256" in content and content["sha256"] != _digest_of(content)):
+        raise InputError(mark, "it is damaged, or was edited", "what its own sha256 was taken of",
+                         "delete it and run the sweep again")  # fmt: skip
+    return content
+
+
+def _digest_of(told):
+    text = json.dumps({key: value for key, value in told.items() if key != "sha256"}, sort_keys=True)
+    return hashlib.sha256(text.encode()).hexdigest()
+
+
+def _digests(group, here):
+    """The SHA-256 of a chunk's draws as they are read back, by variable."""
+    names = ["key", "realization", *_variables(group)]
+    return {
+        name: hashlib.sha256(np.ascontiguousarray(group[name][here]).tobytes()).hexdigest() for name in names
     }
 
 

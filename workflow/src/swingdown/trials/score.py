@@ -10,6 +10,7 @@ from scipy.stats import binomtest
 from ..discovery.campaign import Noise
 from ..discovery.verdict import GUARD
 from ..pendulum.catalogue import SHIPPED, Catalogue
+from ..sealed import read_csv
 from .trial import CORRELATION
 
 _EXCESS = (
@@ -109,7 +110,7 @@ def _excess(truth, found, among):
 
 def read_scores(path):
     """The table of a scores.csv, in which "null" is a kind of trial and no missing value."""
-    return pd.read_csv(path, keep_default_na=False, na_values=[""])
+    return read_csv(path, keep_default_na=False, na_values=[""])
 
 
 def summarise(scores):

@@ -13,6 +13,7 @@ from ..arrays import Floats
 from ..engine.trajectory import TrajectoryError
 from ..errors import InputError
 from ..fitting.least_squares import fit_jointly
+from ..manifest import checksum
 from ..paths import write_csv
 from ..pendulum.catalogue import SHIPPED, Catalogue
 from ..pendulum.effect import Effect, Parameter
@@ -243,7 +244,14 @@ def write_trial(
     for k, (times, angle) in enumerate(swings(trial, seed, catalogue), 1):
         path = Path(folder) / f"{name}-{k}.csv"
         write_csv(pd.DataFrame({"t_s": times, "theta_rad": angle}), path, float_format="%.7g")
-        rows.append({"recording": f"{name}-{k}", "campaign": name, "file": str(path.resolve())})
+        rows.append(
+            {
+                "recording": f"{name}-{k}",
+                "campaign": name,
+                "file": str(path.resolve()),
+                "sha256": checksum(path),
+            }
+        )
         noise.append(
             float(np.sqrt(np.mean((angle - _swing(trial, trial.hidden, k - 1, times, catalogue)) ** 2)))
         )
