@@ -7,7 +7,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from ..arrays import Floats
-from .noise_level import quantisation_step
+from ..quantisation import quantisation_step
 from .plausibility import half_swings
 
 SIDE = 6  # samples on each side of a place that is looked at
