@@ -6,6 +6,7 @@
 # make benchmark  time the engine against what one would otherwise use (sets up .venv/peers for that; some minutes)
 # make benchmark-discovery  hold the search for hidden effects against what one would otherwise use (after snakemake hidden_effects;
 #                 sets up .venv/discovery for that; some minutes)
+# make docs       the site of docs/, with catalogue, settings and API: site/index.html (sets up .venv/docs for that)
 # make lock       resolve the versions again after a change of pyproject.toml; UPGRADE=--upgrade takes newer ones
 # make clean      remove what was computed; make distclean removes .venv as well
 #
@@ -24,7 +25,7 @@ BIN := .venv/bin
 # Named after the locks' contents and this folder, so that the environment is laid anew when, and only when, they change.
 READY := .venv/ready-$(shell (pwd; cat requirements.lock requirements-uv.lock pyproject.toml) | cksum | cut -d' ' -f1)
 
-.PHONY: run start venv test test-all certified coverage benchmark benchmark-discovery lock clean distclean
+.PHONY: run start venv test test-all certified coverage benchmark benchmark-discovery docs lock clean distclean
 .DELETE_ON_ERROR:
 
 run: $(READY)
@@ -86,19 +87,30 @@ benchmark-discovery: $(READY)
 	@OPENBLAS_NUM_THREADS=1 OMP_NUM_THREADS=1 PYTHONPATH=workflow/src \
 	  $$(test -e $(DISCOVERY)/ready && echo $(DISCOVERY)/bin/python || echo $(BIN)/python) tests/benchmarks/hidden/run.py $(ARGS)
 
+DOCS := .venv/docs-$(shell cksum < requirements-docs.lock | cut -d' ' -f1)
+
+# Whatever is not as it should be, a link that leads nowhere say, ends it.
+docs: $(READY)
+	@test -e $(DOCS)/ready || { echo "Setting up Sphinx ($(DOCS), once) ..." && $(PYTHON) -m venv --clear $(DOCS) \
+	  && $(BIN)/uv pip sync -q --system-certs --require-hashes --python $(DOCS)/bin/python requirements-docs.lock \
+	  && touch $(DOCS)/ready; }
+	@$(DOCS)/bin/python -m sphinx -q -W --keep-going -c docs . site
+	@echo "site/index.html"
+
 lock:
 	@$(PYTHON) -m venv --clear .venv
 	@$(BIN)/python -m pip install -q --disable-pip-version-check uv
 	@$(BIN)/uv pip compile -q pyproject.toml --extra test --output-file requirements.lock $(LOCK)
 	@$(BIN)/uv pip compile -q pyproject.toml --extra benchmark -c requirements.lock --output-file requirements-benchmark.lock $(LOCK)
 	@$(BIN)/uv pip compile -q pyproject.toml --extra peers -c requirements.lock --output-file requirements-discovery.lock $(LOCK)
+	@$(BIN)/uv pip compile -q pyproject.toml --extra docs -c requirements.lock --output-file requirements-docs.lock $(LOCK)
 	@$(BIN)/uv --version | sed 's/^uv \([^ ]*\).*/uv==\1/' | $(BIN)/uv pip compile -q - --output-file requirements-uv.lock $(LOCK)
 
 LOCK := --system-certs $(UPGRADE) --universal --python-version 3.11 --generate-hashes \
   --no-emit-index-url --no-emit-find-links --no-header --no-annotate
 
 clean:
-	@rm -rf results .snakemake .pytest_cache .mypy_cache .ruff_cache
+	@rm -rf results site docs/generated .snakemake .pytest_cache .mypy_cache .ruff_cache
 
 distclean: clean
 	@rm -rf .venv

@@ -1,4 +1,4 @@
-"""What README shows of the package runs as it stands there."""
+"""What README and the page on notebooks show of the package is so."""
 
 import re
 
@@ -7,10 +7,39 @@ import numpy as np
 
 def test_the_notebooks_lines_run_and_find_the_truth(root):
     (code,) = re.findall(
-        r"^```python\n(.*?)^```$", (root / "README.md").read_text(), re.DOTALL | re.MULTILINE
+        r"^```python\n(.*?)^```$", (root / "docs/notebook.md").read_text(), re.DOTALL | re.MULTILINE
     )
     names = {}
-    exec(compile(code, "README.md", "exec"), names)
+    exec(compile(code, "notebook.md", "exec"), names)
     fit, truth = names["fit"], names["truth"]
     errors = fit.standard_errors[: len(truth.parameters)]
     assert np.all(np.abs(fit.values[: errors.size] - truth.vector()) < 4 * errors)
+
+
+def test_readme_shows_what_the_tutorial_is_held_to(root):
+    """README's example is the one of docs/own-file.md, which is run."""
+    readme, tutorial = ((root / name).read_text() for name in ("README.md", "docs/own-file.md"))
+    shown = re.search(r"^```\n(anna\.csv: .*?)^```$", readme, re.DOTALL | re.MULTILINE)[1].splitlines()
+    told = "".join(re.findall(r"^<!-- prints -->\n```\n(.*?)^```$", tutorial, re.DOTALL | re.MULTILINE))
+    assert shown[-1].startswith("anna: ") and shown[-1] in told
+    assert set(told.splitlines()) <= set(shown)
+
+
+def test_readme_is_two_screens(root):
+    lines = (root / "README.md").read_text().splitlines()
+    assert len(lines) <= 90
+    assert len(lines[-1]) and all(len(line) <= 260 for line in lines)
+
+
+def test_links_of_the_texts_lead_to_files(root):
+    """Also in those texts that no site is built from."""
+    texts = [
+        root / "README.md",
+        root / "CONTRIBUTING.md",
+        root / "config/README.md",
+        *(root / "docs").glob("*.md"),
+    ]
+    for text in texts:
+        prose = re.sub(r"^```.*?^```$", "", text.read_text(), flags=re.DOTALL | re.MULTILINE)
+        for link in re.findall(r"\]\(([^)#\s]+)[^)]*\)", prose):
+            assert "://" in link or (text.parent / link).exists(), f"{text.name}: {link}"

@@ -1,6 +1,8 @@
 """A report of one's own recordings: the answer first, nothing of the paper, a class in one table that sorts."""
 
+import base64
 import dataclasses
+import json
 import os
 import re
 import shutil
@@ -12,10 +14,12 @@ import pandas as pd
 import pytest
 
 import swingdown
+from swingdown.arrays import Shown
 from swingdown.engine.trajectory import simulate
 from swingdown.pendulum.model import Model
 from swingdown.plots import save
 from swingdown.report import contents, page
+from swingdown.report.trace import MOST, trace
 from swingdown.studies.pendulums import in_order, pendulums
 from swingdown.study.settings import complete
 
@@ -63,8 +67,9 @@ def made(tmp_path_factory):
         settings = complete({"recordings": "recordings.csv", "simulation": {"simulated": []}})
         figures = {"pendulums": (seen[0], CAPTION)}
         return contents.Material(
-            {"pendulums": table}, figures, recordings, settings, verdicts=[v for *_, v in chosen], seen=seen
-        )
+            {"pendulums": table}, figures, recordings, settings, verdicts=[v for *_, v in chosen], seen=seen,
+            swings={v["campaign"]: list(found.shown) for found, _, v in chosen},
+        )  # fmt: skip
 
     return material, folder
 
@@ -101,7 +106,7 @@ def test_it_opens_with_the_sentence_then_recording_quantities_torque_evidence_se
 def test_nothing_of_the_paper_is_in_it_and_it_is_small(made, count):
     material, folder = made
     path = written(material(count), folder)
-    for trace in (
+    for words in (
         "paper",
         "Paper",
         "Table 2",
@@ -111,7 +116,7 @@ def test_nothing_of_the_paper_is_in_it_and_it_is_small(made, count):
         "hidden_effects",
         "simulated",
     ):
-        assert trace not in plain(path), trace
+        assert words not in plain(path), words
     assert path.stat().st_size < 2_000_000
 
 
@@ -204,3 +209,62 @@ def test_in_a_browser_the_table_sorts_and_fits_a_phone_by_day_and_night(made, br
         "[...document.querySelectorAll('h2')].find(h => ['Evidence', 'Settings'].includes(h.innerText)).getBoundingClientRect().top"
     )
     assert evidence < 5 * 900
+
+
+def test_a_trace_can_be_looked_at_closely_and_is_a_picture_on_paper(made, browser):
+    material, folder = made
+    path = written(material(1), folder)
+    for width, scheme in ((1400, "light"), (390, "dark")):
+        opened = browser.new_page(viewport={"width": width, "height": 900}, color_scheme=scheme)
+        wrong, asked = [], []
+        opened.on("pageerror", lambda error, wrong=wrong: wrong.append(str(error)))
+        opened.on("request", lambda request, asked=asked: asked.append(request.url))
+        opened.goto(path.as_uri())
+        figure = opened.locator("figure.zoomable")
+        assert figure.count() == 1 and figure.locator("canvas").count() == 2
+        assert not figure.locator("img").is_visible()
+        assert opened.evaluate("document.documentElement.scrollWidth <= innerWidth"), width
+        before, pictures = figure.locator(".u-axis").count(), []
+        for button in ("closer", "closer", "all of it"):
+            figure.get_by_role("button", name=button).click()
+            pictures.append(figure.screenshot())
+        assert before and len(set(pictures)) == 3, "each click shows another stretch"
+        opened.emulate_media(media="print")
+        assert figure.locator("img").is_visible() and not figure.locator("canvas").first.is_visible()
+        assert not wrong and all(url.startswith(("file:", "data:")) for url in asked)
+        opened.close()
+
+
+def test_what_a_trace_holds_is_what_was_measured_and_fitted(made):
+    material, _ = made
+    (figure,) = [
+        item for item in contents.sections(material(1))[0].items if getattr(item, "numbers", None) is not None
+    ]
+    (told,) = json.loads(figure.numbers)["recordings"]
+    assert told["samples"] == told["kept"] == TIMES.size
+    assert any(held for _, held in told["parts"]) and not all(held for _, held in told["parts"])
+    shown = material(1).swings["swing-1"]
+    for key, value in (("angle", [one.angle for one in shown]), ("fit", [one.fit for one in shown])):
+        packed = np.frombuffer(base64.b64decode(told[key]), "<f4")
+        np.testing.assert_allclose(packed, np.degrees(np.concatenate(value)), atol=1e-5)
+
+
+def test_of_a_long_recording_what_stands_out_stays_and_the_page_stays_small():
+    times = np.arange(400_000) / 1000
+    angle = 0.3 * np.cos(7 * times)
+    fit = angle.copy()
+    fit[123_456] -= 0.1
+    told = trace([Shown("long", "", times, angle, fit)], 0.001)
+    assert len(told) < 400_000
+    (one,) = json.loads(told)["recordings"]
+    assert one["samples"] == 400_000 and 0 < one["kept"] <= MOST
+    packed = [np.frombuffer(base64.b64decode(one[key]), "<f4") for key in ("time", "angle", "fit")]
+    at = np.argmax(packed[1] - packed[2])
+    assert packed[0][at] == pytest.approx(123.456) and (packed[1] - packed[2])[at] == pytest.approx(
+        np.degrees(0.1), abs=1e-4
+    )
+
+
+def test_names_in_a_trace_cannot_end_it():
+    told = trace([Shown("</script><b>", "", TIMES[:9], TIMES[:9], TIMES[:9])], None)
+    assert "<" not in told and json.loads(told)["recordings"][0]["name"] == "</script><b>"

@@ -86,3 +86,15 @@ def test_nothing_runs_wider_than_the_page(page):
 
 def test_nothing_is_fetched_from_outside(page):
     assert [url for url in page.asked if not url.startswith(("file:", "data:"))] == []
+
+
+def test_every_table_and_figure_of_results_leads_to_its_file_and_rule(page, small_study):
+    """But for what the run itself is: versions and inputs."""
+    captions = page.eval_on_selector_all(
+        "figcaption, caption",
+        "found => found.map(c => [c.querySelector('b').innerText, c.querySelector('.source a')?.getAttribute('href'), c.innerText])",
+    )
+    for label, link, text in captions:
+        if label not in ("Versions.", "Inputs."):
+            assert link and "rule " in text, label
+            assert (small_study / "results" / link).exists(), link

@@ -3,6 +3,15 @@
 #        and, where they lie there, the results of sweeps: the report shows them but never computes them
 # makes: results/report.html
 
+from swingdown.report.sections import FEW
+
+# What the swings are drawn from in the page of one's own recordings: the last round's fit. Of a class there is no room for it.
+FITS = (
+    expand("results/discovery/{campaign}/round-{n}/fit.nc", campaign=PLAN.searched, n=ROUNDS)
+    if OWN and len(PLAN.searched) <= FEW
+    else []
+)
+
 
 rule page:
     input:
@@ -16,6 +25,7 @@ rule page:
         recordings=expand("results/recordings/{recording}.nc", recording=PLAN.measured),
         verdicts=VERDICTS,
         seen=SEEN_FIGURES if VERDICTS else [],
+        fits=FITS,
         sweep_captions=SWEEP_CAPTIONS,
         told=told(),
         template=f"{workflow.basedir}/workflow/src/swingdown/report/report.html.j2",

@@ -5,11 +5,15 @@ import swingdown.prefork  # noqa: F401  # first of all: it may take the job over
 from pathlib import Path
 
 from swingdown import console, dataset
+from swingdown.plots.answer import shown_in
 from swingdown.report import contents, page, sweeps
 from swingdown.sealed import read_json
 
 
-def report(tables, figures, captions, recordings, verdicts, seen, told, settings, sweep_captions, output):
+def report(
+    tables, figures, captions, recordings, verdicts, seen, told, settings, sweep_captions, fits, output
+):
+    fitted = [dataset.read(path) for path in fits]
     material = contents.Material(
         tables=contents.read_tables(tables),
         figures={
@@ -22,6 +26,7 @@ def report(tables, figures, captions, recordings, verdicts, seen, told, settings
         verdicts=[read_json(path) for path in verdicts],
         seen=list(seen),
         sweeps=sweeps.made(settings["sweeps"], sweep_captions),
+        swings={one.attrs["campaign"]: shown_in(one) for one in fitted},
     )
     sections = contents.sections(material)
     page.write(output, sections, **contents.head(material))
@@ -35,6 +40,6 @@ if __name__ == "__main__":
         say(
             report(
                 files.tables, files.figures, files.captions, files.recordings, files.verdicts, files.seen, files.told,
-                snakemake.params.settings, files.sweep_captions, snakemake.output[0],
+                snakemake.params.settings, files.sweep_captions, files.fits, snakemake.output[0],
             )
         )  # fmt: skip

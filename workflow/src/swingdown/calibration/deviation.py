@@ -14,11 +14,11 @@ def deviation_lines(line: Line, x: Floats, y: Floats, half_x: Floats, half_y: Fl
     """Intercept and slope of a lower and an upper line for each of ``KINDS``, shape (3, 2, 2), and a box
     factor.
 
-    - ``extreme``: the least and the greatest slope of a line through every error box, of half sides
-    ``half_x`` and ``half_y``. Where no line passes through all boxes they are doubled until one does: the box
-    factor says how far. - ``one-sigma``: (intercept + u, slope - u) and (intercept - u, slope + u). -
-    ``covariance``: slope ± u about the line's centre, where intercept and slope do not correlate: the
-    asymptotes of the band that ``line.predict`` gives.
+    - ``extreme``: the least and the greatest slope of a line through every error box, of half sides ``half_x`` and
+      ``half_y``. Where no line passes through all boxes they are doubled until one does: the box factor says how far.
+    - ``one-sigma``: (intercept + u, slope - u) and (intercept - u, slope + u).
+    - ``covariance``: slope ± u about the line's centre, where intercept and slope do not correlate: the
+      asymptotes of the band that ``line.predict`` gives.
     """
     u_intercept, u_slope = line.uncertainties
     centre = -line.covariance[0, 1] / line.covariance[1, 1]

@@ -33,7 +33,7 @@ def symbol(name: str) -> Any:
 def parse(text: str, names: Iterable[str], where: str = "formula") -> Any:
     """The sympy expression that ``text`` states, built from ``names`` and the whitelisted functions alone.
 
-    Numbers, + - * / **, parentheses, the functions in ``FUNCTIONS``, ``pi`` and the given names are allowed;
+    Numbers, ``+ - * / **``, parentheses, the functions in ``FUNCTIONS``, ``pi`` and the given names are allowed;
     anything else raises InputError naming ``where``. Nothing is ever evaluated as Python.
     """
     tree = _tree(text, frozenset(names), where)

@@ -267,8 +267,11 @@ def gap(verdict: Mapping[str, Any]) -> Figure:
     axes.axhline(1, color=style.GREY, lw=0.8, ls=(0, (4, 2)))
     axes.plot(places, fit, "o-", color=AFTER, ms=5, label="fitted swings")
     axes.plot(places, held, "s--", color=HELD, ms=5, label="held-out swings")
-    for values, up in ((fit, -12), (held, 7)):
-        for place, value in zip(places, values, strict=True):
+    for values, others in ((fit, held), (held, fit)):
+        for place, value, other in zip(places, values, others, strict=True):
+            up = (
+                7 if value > other or (value == other and values is held) else -13
+            )  # away from the other's point
             axes.annotate(
                 f"{value:.3g}",
                 (place, value),

@@ -83,8 +83,11 @@ def fit_of(label: str, fits: xr.Dataset, angles: xr.Dataset, remark: str = "") -
     late = figure.add_subplot(grid[1, 1])
     shown = min(EARLY_AND_LATE, 0.4 * time[-1])
     for axes in (whole, early, late):
-        axes.plot(time, angle, color=DATA, lw=2.4 if axes is whole else 4)
-        axes.plot(time, fit, color=colour, lw=0.9 if axes is whole else 1.3)
+        if axes is whole:
+            axes.plot(time, angle, color=DATA, lw=2.4)
+        else:  # each sample by itself, where there is room for it
+            axes.plot(time, angle, ".", color=style.GREY, ms=3.2, mew=0)
+        axes.plot(time, fit, color=colour, lw=0.9)
         axes.grid(True, axis="y")
         axes.set_ylabel(what)
     whole.set_xlim(time[0], time[-1])
@@ -96,7 +99,7 @@ def fit_of(label: str, fits: xr.Dataset, angles: xr.Dataset, remark: str = "") -
     bands = _residual(strip, time, residual, bound, angles, colour)
     figure.align_ylabels((whole, early, strip))
     handles = [
-        whole.plot([], [], color=DATA, lw=4, label="measured angle")[0],
+        whole.plot([], [], ".-", color=DATA, lw=2.4, ms=5, mfc=style.GREY, mew=0, label="measured angle")[0],
         whole.plot([], [], color=colour, label="fit")[0],
         *bands,
     ]

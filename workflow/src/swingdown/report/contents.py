@@ -1,10 +1,11 @@
 """What the report says, section by section in reading order. A further section is a file in ``sections`` and a line here."""
 
+import re
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from markupsafe import Markup
+from markupsafe import Markup, escape
 
 from . import sweeps as swept
 from .material import Material, read_tables
@@ -73,7 +74,8 @@ def head(material: Material) -> dict[str, str | list[str]]:
             else f"What stops these {len(campaigns)} pendulums?"
         )
         few = len(swings) <= 3
-        subtitle = ("; ".join(map(_read, swings)) if few else f"{len(swings)} recordings") + kind
+        told = Markup("; ").join(map(_read, swings)) if few else f"{len(swings)} recordings"
+        subtitle = told + kind
         notices = [OWN_EMULATED.format(campaigns=", ".join(material.emulated))] if material.emulated else []
     else:
         title = "Damping of a swinging pendulum"
@@ -83,11 +85,12 @@ def head(material: Material) -> dict[str, str | list[str]]:
     return {"title": title, "subtitle": subtitle, "notices": notices, "footer": footer}
 
 
-def _read(recording: dict[str, Any]) -> str:
-    """A recording and how its file was read."""
+def _read(recording: dict[str, Any]) -> Markup:
+    """A recording and how its file was read, with names of columns as code."""
     taken = f" ({recording['taken']})" if recording.get("taken") else ""
     remarks = f": {recording['remarks']}" if recording.get("remarks") else ""
-    return f"{Path(str(recording['file'])).name}{taken}{remarks}"
+    text = escape(f"{Path(str(recording['file'])).name}{taken}{remarks}")
+    return Markup(re.sub(r"`([^`]+)`", r"<code>\1</code>", text))
 
 
 def plain_findings(material: Material) -> list[str]:

@@ -7,6 +7,7 @@ from typing import Any
 
 import pandas as pd
 
+from ..arrays import Shown
 from ..sealed import read_csv
 from . import sweeps as swept
 from .page import Figure
@@ -31,6 +32,9 @@ class Material:
         default_factory=list
     )  # paths of their figures, discovery/{campaign}/figures/{name}.svg
     sweeps: dict[str, swept.Made] = field(default_factory=dict)
+    swings: dict[str, list[Shown]] = field(
+        default_factory=dict
+    )  # by campaign, beside what the last model makes of them
 
     @property
     def own(self) -> bool:

@@ -13,6 +13,7 @@ from markupsafe import Markup
 
 from ..paths import written_whole
 from ..sealed import read_bytes
+from . import trace
 
 TEMPLATE = Path(__file__).with_name("report.html.j2")
 
@@ -92,7 +93,10 @@ class Table:
 
 @dataclass(frozen=True)
 class Figure:
-    """A figure file and its caption (reStructuredText); ``link``, ``rule`` and ``of`` as of a ``Table``."""
+    """A figure file and its caption (reStructuredText); ``link``, ``rule`` and ``of`` as of a ``Table``.
+
+    ``numbers`` are what ``trace.js`` draws in the place of the picture where the page is looked at on a screen.
+    """
 
     label: str
     path: str
@@ -100,6 +104,7 @@ class Figure:
     link: str = ""
     rule: str = ""
     of: tuple[str, ...] = ()
+    numbers: Markup | None = None
     kind = "figure"
 
     @property
@@ -146,7 +151,16 @@ def rst(text: str) -> str:
 def write(path: str | Path, sections: Sequence[Section], **head: str | Sequence[str]) -> Path:
     """The path written: the report with its sections; ``head`` fills title, subtitle, notices and footer."""
     environment = jinja2.Environment(autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True)
-    html = environment.from_string(TEMPLATE.read_text(encoding="utf-8")).render(sections=sections, **head)
+    zoomable = any(
+        isinstance(item, Figure) and item.numbers for section in sections for item in section.items
+    )
+    more = {
+        name: Markup("\n".join(path.read_text(encoding="utf-8") for path in paths)) if zoomable else ""
+        for name, paths in (("styles", trace.STYLE), ("programs", trace.PROGRAM))
+    }
+    html = environment.from_string(TEMPLATE.read_text(encoding="utf-8")).render(
+        sections=sections, **more, **head
+    )
     with written_whole(path) as partial:
         partial.write_text(html, encoding="utf-8")
     return Path(path)

@@ -13,7 +13,7 @@ def apparatus(material: Material) -> Section:
     """The pendulum, what was measured of it, and how voltage becomes angle."""
     items: list[Item] = list(material.shown("fig01", "fig06", "fig07", "fig08"))
     if (budget := material.tables.get("uncertainty_budget")) is not None:
-        items.append(_budget(budget))
+        items.append(_budget(budget, material))
     return Section("Pendulum and calibration", [*items, *material.shown("fig09")])
 
 
@@ -21,11 +21,11 @@ def calibration(material: Material) -> Section:
     """How voltage becomes angle, of an apparatus of one's own."""
     items: list[Item] = [replace(one, label="Calibration") for one in material.shown("fig08")]
     if (budget := material.tables.get("uncertainty_budget")) is not None:
-        items.append(_budget(budget))
+        items.append(_budget(budget, material))
     return Section("Calibration", items)
 
 
-def _budget(budget: pd.DataFrame) -> Table:
+def _budget(budget: pd.DataFrame, material: Material) -> Table:
     quantity = budget["quantity"].iloc[-1]  # the angle of one sample, to which all else leads
     columns = [
         Column("source"),
@@ -50,6 +50,9 @@ def _budget(budget: pd.DataFrame) -> Table:
     caption = f"What each input contributes to the standard uncertainty of one {quantity.replace('_', ' ')} ({numbers.plain(total)} mrad)."
     notes = (
         "A limit over its divisor is the standard uncertainty; times the sensitivity it is the contribution.",
-        "The budgets of the line, of the rest voltage and of the angle at rest are in results/tables/uncertainty_budget.csv.",
+        "The budgets of the line, of the rest voltage and of the angle at rest are in the same file.",
     )
-    return Table("Uncertainty budget", caption, columns, rows, notes)
+    place = "tables/uncertainty_budget.csv"
+    return Table(
+        "Uncertainty budget", caption, columns, rows, notes, (), place, "calibrate", tuple(material.emulated)
+    )

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 from typing import Any
 
 import pandas as pd
@@ -13,11 +14,12 @@ from ...studies.words import STATUS, model_words, quantity_rows, said
 from .. import numbers
 from ..material import Material
 from ..page import Cell, Column, Figure, Item, Section, Table, Text, Value
+from ..trace import trace
 from ..wording import model_symbol
+from . import FEW
 from .experiment import fitted_parameters, paired, table3
 from .missing import missing
 
-FEW = 3  # campaigns that are shown at length; of more there is one table and one picture
 _TORQUE = "The torque that is missing, over angle, velocity and time, from the equations of variation: no data are differentiated."
 _LEFT = (
     "What the last model still lacks: a torque over angle and speed together, of what it is a function, and when it acts. It has no "
@@ -45,7 +47,8 @@ def answer(material: Material) -> Section | None:
             items += _verdict(found, table["campaign"].nunique() > 1)
         if found is not None and found["status"] in ("partial", "unknown"):
             items += _drawn(material, str(campaign), "remainder", "What remains", _LEFT)
-        items += _drawn(material, str(campaign), "answer", "Recording and fit", _FITTED)
+        drawn = _drawn(material, str(campaign), "answer", "Recording and fit", _FITTED)
+        items += [_zoomable(figure, material, found) for figure in drawn]
         items += (
             [_quantities(rows, found)] if len(rows) == 1 else [_recordings(rows, material, str(campaign))]
         )
@@ -74,13 +77,22 @@ def _sure(found: Mapping[str, Any]) -> Markup:
         parts.append(
             f"With {words} BIC falls by {numbers.whole(one['delta_bic'])}; 10 is called very strong."
         )
-    link = Markup('<a href="discovery/{0}/verdict.json">discovery/{0}/verdict.json</a>').format(
-        found["campaign"]
-    )
+    place = f"discovery/{found['campaign']}/verdict.json"
+    link = Markup('<a href="{0}">{0}</a>, rule discover_verdict').format(place)
     return Markup("<b>How sure.</b> {} All of it: {}.").format(" ".join(parts), link)
 
 
-def _drawn(material: Material, campaign: str, name: str, label: str, caption: str) -> list[Item]:
+def _zoomable(figure: Figure, material: Material, found: Mapping[str, Any] | None) -> Figure:
+    """The figure with the numbers behind it, where they are there."""
+    swings = material.swings.get(figure.of[0])
+    return (
+        replace(figure, numbers=trace(swings, found["noise_rms_rad"] if found else None))
+        if swings
+        else figure
+    )
+
+
+def _drawn(material: Material, campaign: str, name: str, label: str, caption: str) -> list[Figure]:
     place = f"discovery/{campaign}/figures/{name}.svg"
     paths = [path for path in material.seen if path.endswith(place)]
     return [
@@ -249,7 +261,8 @@ def damping(material: Material) -> Section | None:
         return None
     tables = material.tables
     own = tables["table3"][tables["table3"]["fitted"] != "error_bounds"]
-    items: list[Item] = [table3(own, material)]
+    compared = table3(own, material)
+    items: list[Item] = [replace(compared, notes=(*compared.notes, _SYMBOLS))]
     if own.groupby("campaign")["n"].max().max() > 1 and "comparison" in tables:
         items.append(paired(tables["comparison"]))
     if "parameters" in tables:

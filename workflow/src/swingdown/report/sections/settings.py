@@ -9,6 +9,7 @@ from ..page import Listing, Section, Text
 NOT_RUN = (
     "simulation",
     "hidden_effects",
+    "coverage",
     "detection",
     "sweeps",
 )  # no result of one's own recordings rests on these

@@ -36,7 +36,8 @@ def simulation(material: Material) -> Section | None:
         f"Simulated swings ({settings['realizations']} noisy copies of each, signal to noise {settings['snr']:g}): norm of fit "
         "less noise-free swing, mean ± standard deviation over the copies."
     )
+    notes = (INFERRED_NOTE.replace("_", " "),)
     shown = Table(
-        "Table 2", caption, columns, rows, (INFERRED_NOTE.replace("_", " "),), groups(table["simulated"])
+        "Table 2", caption, columns, rows, notes, groups(table["simulated"]), "tables/table2.csv", "table2"
     )
     return Section("Simulation", [shown, *material.shown("fig02", "fig03", "fig04", "fig05")])

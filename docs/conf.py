@@ -1,0 +1,54 @@
+"""The site: Sphinx with MyST for Markdown and the theme Furo. ``make docs`` builds it into site/, without a network.
+
+The source folder is the project's, so that the pages link to each other, and to the READMEs beside the code, as they do where the
+files lie. What is made from the code is written by ``generate.py`` into ``docs/generated`` before anything is read.
+"""
+
+import re
+import sys
+from importlib.metadata import PackageNotFoundError
+from importlib.metadata import version as installed
+from pathlib import Path
+
+HERE = Path(__file__).parent
+sys.path[:0] = [str(HERE), str(HERE.parent / "workflow" / "src")]
+
+import generate  # noqa: E402
+
+generate.write(HERE / "generated")
+
+suppress_warnings = ["myst.header"]  # pages may go from a title to smaller headings at once
+
+project = "swingdown"
+author = "the authors of swingdown"
+project_copyright = author
+try:
+    release = installed("swingdown")
+except PackageNotFoundError:
+    release = ""
+extensions = ["myst_parser", "sphinx.ext.autodoc"]
+root_doc = "docs/index"
+include_patterns = [
+    "README.md", "CONTRIBUTING.md", "CHANGELOG.md", "config/README.md", "docs/**", "resources/*/README.md",
+]  # fmt: skip
+exclude_patterns = ["**/.*"]
+
+myst_heading_anchors = 4  # links such as own-file.md#the-same-by-hand
+myst_links_external_new_tab = False
+autodoc_typehints = "signature"
+autodoc_member_order = "bysource"
+
+html_theme = "furo"
+html_title = f"swingdown {release}".strip()
+html_extra_path = ["entry"]  # the way in: index.html, which leads to docs/index.html
+html_show_sourcelink = False
+html_copy_source = False
+
+
+def setup(app):
+    """Docstrings may write a plural such as ``Fit``s, which reStructuredText wants told apart."""
+
+    def plurals(app, what, name, obj, options, lines):
+        lines[:] = [re.sub(r"``([^`]+)``(?=\w)", r"``\1``\\ ", line) for line in lines]
+
+    app.connect("autodoc-process-docstring", plurals)

@@ -1,0 +1,93 @@
+"""What the pages of docs/ tell to type works as it stands there, and prints what they show.
+
+A comment before a block says what it is: ``<!-- run -->``, or ``<!-- run slow -->`` for what takes longer, runs its commands (Python
+where the block says so) one after the other in a folder that looks like a fresh clone; ``<!-- file: NAME -->`` writes it there;
+``<!-- prints -->`` holds each of its lines to be printed by the block before.
+"""
+
+import os
+import re
+import subprocess
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+BLOCK = re.compile(
+    r"^<!-- (run|run slow|prints|file: \S+) -->\n```(\w*)\n(.*?)^```$", re.DOTALL | re.MULTILINE
+)
+PAGES = {
+    path.name: BLOCK.findall(path.read_text(encoding="utf-8"))
+    for path in sorted((ROOT / "docs").glob("*.md"))
+}
+PAGES = {name: blocks for name, blocks in PAGES.items() if blocks}
+# what a clone has, but for what is made in it
+THERE = (
+    ".venv",
+    "Makefile",
+    "Snakefile",
+    "config",
+    "docs",
+    "profiles",
+    "pyproject.toml",
+    "resources",
+    "workflow",
+)
+
+
+@pytest.fixture
+def clone(tmp_path):
+    """A folder with the project in it, where results are made and none is there yet."""
+    for name in THERE:
+        (tmp_path / name).symlink_to(ROOT / name)
+    return tmp_path
+
+
+def run(page, folder, slow):
+    """Follows a page: its files are written, its commands run, what they print is held against what it shows."""
+    printed = ""
+    for kind, language, text in PAGES[page]:
+        if kind.startswith("file: "):
+            path = folder / kind.removeprefix("file: ")
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_text(text, encoding="utf-8")
+        elif kind == "prints":
+            missing = [line for line in text.splitlines() if printed and line.strip() not in printed]
+            assert not missing, f"{page} shows lines that are not printed: {missing}\n{printed[-4000:]}"
+        elif kind == "run" or slow:
+            command = (
+                [".venv/bin/python", "-c", text]
+                if language == "python"
+                else ["bash", "-euo", "pipefail", "-c", text]
+            )
+            done = subprocess.run(
+                command,
+                cwd=folder,
+                env=os.environ | {"PYTHONUNBUFFERED": "1"},
+                text=True,
+                stdout=subprocess.PIPE,
+                stderr=subprocess.STDOUT,
+            )
+            assert done.returncode == 0, f"{page}: {text}\n{done.stdout[-4000:]}"
+            printed = done.stdout
+        else:
+            printed = ""
+
+
+@pytest.mark.parametrize(
+    "page", [page for page, blocks in PAGES.items() if any(b[0] == "run" for b in blocks)]
+)
+def test_what_a_page_tells_to_type_works(page, clone):
+    run(page, clone, slow=False)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "page", [page for page, blocks in PAGES.items() if any(b[0] == "run slow" for b in blocks)]
+)
+def test_so_does_what_takes_longer(page, clone):
+    run(page, clone, slow=True)
+
+
+def test_each_kind_of_user_has_a_tutorial_that_is_run():
+    assert {"own-file.md", "class.md", "bench.md", "paper.md", "sweeps.md", "own-effect.md"} <= set(PAGES)

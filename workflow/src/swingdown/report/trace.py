@@ -1,0 +1,62 @@
+"""Swings with their fits as numbers in the page, so that a reader can look at a stretch of them closely."""
+
+import base64
+import json
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+from markupsafe import Markup
+from numpy.typing import NDArray
+
+from ..arrays import Floats, Shown
+
+MOST = 15_000  # samples of one trace: 16 bytes each in the page
+_FOLDER = Path(__file__).parent
+STYLE = (_FOLDER / "uplot" / "uPlot.min.css", _FOLDER / "trace.css")
+PROGRAM = (_FOLDER / "uplot" / "uPlot.iife.min.js", _FOLDER / "trace.js")
+
+
+def trace(shown: Sequence[Shown], noise: float | None) -> Markup:
+    """The JSON of swings and fits that ``trace.js`` draws: by recording time (s), angle and fit (degrees), and the parts held out.
+
+    ``noise`` is the noise's standard deviation (rad). Of more than ``MOST`` samples those stay that leave most of the fit, to both
+    sides, in columns of equal width: ``kept`` tells how many of ``samples``.
+    """
+    names = list(dict.fromkeys(one.recording for one in shown))
+    recordings = [
+        _recording(name, [one for one in shown if one.recording == name], MOST // len(names))
+        for name in names
+    ]
+    content = {"noise": float(np.degrees(noise)) if noise else None, "recordings": recordings}
+    return Markup(json.dumps(content).replace("<", "\\u003c"))
+
+
+def _recording(name: str, parts: Sequence[Shown], most: int) -> dict[str, object]:
+    begin = float(parts[0].times[0])
+    samples = sum(one.times.size for one in parts)
+    kept = [_kept(one.angle - one.fit, max(2, most * one.times.size // samples)) for one in parts]
+    pairs = list(zip(parts, kept, strict=True))
+    return {
+        "name": name,
+        "samples": samples,
+        "kept": sum(rows.size for rows in kept),
+        "parts": [[int(rows.size), one.held_out] for one, rows in pairs],
+        "time": _packed(np.concatenate([one.times[rows] - begin for one, rows in pairs])),
+        "angle": _packed(np.concatenate([np.degrees(one.angle[rows]) for one, rows in pairs])),
+        "fit": _packed(np.concatenate([np.degrees(one.fit[rows]) for one, rows in pairs])),
+    }
+
+
+def _kept(residual: Floats, most: int) -> NDArray[np.intp]:
+    """The indices of all samples, or of so many: of each column the one with the least and with the greatest residual."""
+    if residual.size <= most:
+        return np.arange(residual.size)
+    columns = np.array_split(np.arange(residual.size), max(1, most // 2))
+    found = [rows[[np.argmin(residual[rows]), np.argmax(residual[rows])]] for rows in columns]
+    return np.unique(np.concatenate(found))
+
+
+def _packed(values: Floats) -> str:
+    """The numbers as 32-bit floats, little-endian, in base 64."""
+    return base64.b64encode(values.astype("<f4").tobytes()).decode()
