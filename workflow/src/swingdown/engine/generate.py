@@ -45,7 +45,17 @@ class _Printer(C99CodePrinter):
         return super()._print_Pow(power)
 
 
-_printer = _Printer()
+class _LockstepPrinter(_Printer):
+    """The same for a number of each fit."""
+
+    def _print_sin(self, call):
+        return f"sines({self._print(call.args[0])})"
+
+    def _print_cos(self, call):
+        return f"cosines({self._print(call.args[0])})"
+
+
+_printer, _lockstep_printer = _Printer(), _LockstepPrinter()
 
 
 def switches(*expressions):
@@ -194,6 +204,20 @@ class _Outputs:
             "initial_partials": (_PARTIALS, _partials(self.initial, released, parameters)),
         }
 
+    def in_lockstep(self):
+        """Whether fits side by side can have this motion: a torque alone, smooth but for the velocity's sign."""
+        told = self.properties()
+        special = ("n_states", "n_switches", "inertial", "fractional_power", "localised")
+        torque = self.motion.get("0")
+        return torque is not None and _of_each(torque) and not any(told[name] for name in special)
+
+    def _is_affine(self):
+        reading = self.reading.get("0")
+        if reading is None or self.effect.acts_on != "sensor":
+            return False
+        moving = {_VELOCITY, _ACCELERATION, _TIME, symbol("duration"), *self.states.values()}
+        return reading.diff(_THETA, 2) == 0 and not reading.free_symbols & moving
+
     def properties(self):
         """The numbers in the entry's row of the table of effects, by name."""
         motion = self.motion.values()
@@ -207,7 +231,75 @@ class _Outputs:
             "inertial": int("1" in self.motion),
             "fractional_power": int(any(_with_shared_points(one).has(_SPEED) for one in motion)),
             "localised": max(localised, default=0),
+            "directed": int(any(expression.has(_DIRECTION) for expression in motion)),
+            "affine": int(self._is_affine()),
         }
+
+
+def _of_each(expression):
+    """Whether a formula has only what vectors of numbers have operators for: sums, whole powers, sines and cosines."""
+    powers, calls = expression.atoms(sympy.Pow), expression.atoms(sympy.Function)
+    whole = all(power.exp.is_Integer and abs(power.exp) <= 8 for power in powers)
+    return whole and all(isinstance(call, (sympy.sin, sympy.cos)) for call in calls)
+
+
+def _lockstep_function(name, signature, effect, assignments):
+    """A C function that does each (target, operator, expression) at every point of fits side by side."""
+    head = [
+        f"static void {name}{signature} {{",
+        "(void)q; (void)p;"
+        + (
+            " (void)by_angle; (void)by_velocity; (void)by_omega; (void)by_own;"
+            if "by_own" in signature
+            else ""
+        ),
+    ]
+    targets, operators, formulas = zip(*assignments, strict=True)
+    shared, reduced = sympy.cse(
+        [formula.subs({sympy.sin(_THETA): _SINE, sympy.cos(_THETA): _COSINE}) for formula in formulas],
+        symbols=sympy.numbered_symbols("x", real=True),
+        list=True,
+    )
+    used = set().union(*(e.free_symbols for e in reduced), *(e.free_symbols for _, e in shared))
+    numbers = {
+        _OMEGA: "q->omega_n",
+        symbol("duration"): "(Each){0.0} + q->duration",
+        _DIRECTION: "q->direction",
+    }
+    numbers |= {symbol(parameter.symbol): f"p[{k}]" for k, parameter in enumerate(effect.parameters)}
+    printed = _lockstep_printer.doprint
+
+    def of_each(value):
+        return printed(value) if value.free_symbols else f"(Each){{0.0}} + {printed(value)}"
+
+    return [
+        *head,
+        *(f"const Each {printed(key)} = {value};" for key, value in numbers.items() if key in used),
+        "for (int i = 0; i < LOCKSTEP_NODES; i++) {",
+        *(f"const Each {printed(key)} = {array}[i];" for key, array in _POINTS.items() if key in used),
+        *(f"const Each {printed(key)} = {of_each(value)};" for key, value in shared),
+        *(f"{targets[k]} {operators[k]} {of_each(value)};" for k, value in enumerate(reduced)),
+        "}",
+        "}",
+    ]
+
+
+def _lockstep(name, effect, torque):
+    """The C functions of a torque for fits side by side (LockstepFormula and LockstepPartials in c/effect.h)."""
+    value = [("torque[i]", "+=", torque)]
+    slopes = [("by_angle[i]", "+=", torque.diff(_THETA)), ("by_velocity[i]", "+=", torque.diff(_VELOCITY)),
+              ("by_omega[i]", "+=", torque.diff(_OMEGA))]  # fmt: skip
+    own = [
+        (f"by_own[{k} * LOCKSTEP_NODES + i]", "=", torque.diff(symbol(parameter.symbol)))
+        for k, parameter in enumerate(effect.parameters)
+    ]
+    assigned = [one for one in slopes if one[2] != 0] + own
+    signature = "(const LockstepPoints *q, const Each *p, Each *torque"
+    by = ", Each *by_angle, Each *by_velocity, Each *by_omega, Each *by_own"
+    return [
+        *_lockstep_function(f"{name}_lockstep", f"{signature})", effect, value),
+        *_lockstep_function(f"{name}_lockstep_partials", f"{signature}{by})", effect, value + assigned),
+    ]
 
 
 def _effect(number, effect, form):
@@ -220,7 +312,18 @@ def _effect(number, effect, form):
     if outputs.methods:
         fields["method"] = f"{{{', '.join(f'{{{one.kind}, {one.of}}}' for one in outputs.methods)}}}"
     fields |= outputs.properties()
+    if outputs.in_lockstep():
+        lines += _lockstep(f"e{number}", effect, outputs.motion["0"])
+        fields |= {name: f"e{number}_{name}" for name in ("lockstep", "lockstep_partials")}
     return lines, f"{{{', '.join(f'.{name} = {value}' for name, value in fields.items())}}},"
+
+
+def _table(name, values):
+    if "tail" not in name and isinstance(values[0], list):
+        # stored by column, so that the loop over the nodes is the inner, contiguous one
+        values = list(zip(*values, strict=True))
+    flat = [value for row in values for value in row] if isinstance(values[0], (list, tuple)) else values
+    return f"static const double {name}[] = {{{', '.join(value.hex() for value in flat)}}};"
 
 
 def source(catalogue, gravity):
@@ -228,13 +331,11 @@ def source(catalogue, gravity):
     lines = [
         "/* Generated from the catalogue of effects; edit that instead. */",
         f"#define N {collocation.NODES}",
+        f"#define LOCKSTEP_NODES {collocation.LOCKSTEP_NODES}",
     ]
-    for name, values in collocation.collocation().items():
-        if name != "tail" and isinstance(values[0], list):
-            # stored by column, so that the loop over the nodes is the inner, contiguous one
-            values = list(zip(*values, strict=True))
-        flat = [value for row in values for value in row] if isinstance(values[0], (list, tuple)) else values
-        lines.append(f"static const double T_{name}[] = {{{', '.join(value.hex() for value in flat)}}};")
+    for prefix, nodes in (("T", collocation.NODES), ("LOCKSTEP", collocation.LOCKSTEP_NODES)):
+        for name, values in collocation.collocation(nodes).items():
+            lines.append(_table(f"{prefix}_{name}", values))
     rows = []
     for number, (effect, form) in enumerate(entries(catalogue, gravity)):
         code, row = _effect(number, effect, form)

@@ -255,12 +255,14 @@ def fit_swings(
 
 
 class BatchResult(NamedTuple):
-    """Arrays for a batch's results by series: variables (series, variable), rss (rad^2), converged and evaluations (int32)."""
+    """Arrays for a batch's results by series: variables (series, variable), rss (rad^2), and as int32 converged, evaluations
+    and whether it was fitted alone."""
 
     values: np.ndarray
     rss: np.ndarray
     converged: np.ndarray
     evaluations: np.ndarray
+    alone: np.ndarray
 
 
 def fit_batch(
@@ -269,17 +271,21 @@ def fit_batch(
     times: Floats,
     series: Floats,
     values: Floats,
+    guess: Floats,
     where: np.ndarray,
     bounds: Bounds,
     options: Options,
     result: BatchResult,
 ) -> None:
-    """Fit each row of ``series`` (rad) over the same times (s) from the values in its row, into the ``BatchResult``."""
+    """Fit each row of ``series`` (rad) over the same times (s) from the values in its row, into the ``BatchResult``.
+
+    ``guess``: a row near which all start; what is computed there serves them all.
+    """
     new = ffi().new
     batch = new(
         "Batch *",
-        (model, times.size, doubles(times), len(series), doubles(series), doubles(values), integers(where), bounds.lower.size,
-         _c_bounds(bounds)),
+        (model, times.size, doubles(times), len(series), doubles(series), doubles(values), doubles(guess), integers(where),
+         bounds.lower.size, _c_bounds(bounds)),
     )  # fmt: skip
     into = new(
         "BatchResult *",
@@ -288,6 +294,7 @@ def fit_batch(
             doubles(result.rss),
             integers(result.converged),
             integers(result.evaluations),
+            integers(result.alone),
         ),
     )
     library.fit_batch(batch, new("SearchOptions *", options), into)

@@ -29,8 +29,9 @@ def fit_batch(
     """The ``BatchFit`` of one model to each of many series of angles over the same times.
 
     ``guess`` is the model with the values to start from, ``release_angle`` (rad) and ``release_velocity`` (rad/s) the
-    release to start from; ``series`` in rad, of shape (series, n). ``workers`` threads share the series; the numbers do
-    not depend on how many. Raises InputError for arrays that do not fit together.
+    release to start from; ``series`` in rad, of shape (series, n). ``workers`` threads share the series; the numbers depend
+    neither on how many nor on a series' company. Where the model is smooth, fits go side by side in the processor's vector
+    lanes, in an eighth of the time; ``alone`` tells which did not. Raises InputError for arrays that do not fit together.
     """
     times, series = checked_times(times), np.ascontiguousarray(series, dtype=float)
     if series.ndim != 2 or series.shape[1] != times.size or not np.all(np.isfinite(series)):
@@ -49,16 +50,25 @@ def fit_batch(
     where = np.arange(size + 2, dtype=np.int32)
     where[len(free) :] = -1
     values, rss = np.zeros((count, len(free))), np.zeros(count)
-    converged, evaluations = np.zeros(count, dtype=np.int32), np.zeros(count, dtype=np.int32)
+    converged, evaluations, alone = np.zeros((3, count), dtype=np.int32)
     options, bounds = (
         interface.Options(most, tolerance),
         interface.Bounds(lower[: len(free)], upper[: len(free)]),
     )
 
     def work(part: slice) -> None:
-        into = interface.BatchResult(values[part], rss[part], converged[part], evaluations[part])
+        into = interface.BatchResult(values[part], rss[part], converged[part], evaluations[part], alone[part])
         interface.fit_batch(
-            compiled.library, compiled.c, times, series[part], starts[part], where, bounds, options, into
+            compiled.library,
+            compiled.c,
+            times,
+            series[part],
+            starts[part],
+            first,
+            where,
+            bounds,
+            options,
+            into,
         )
 
     edges = np.linspace(0, count, min(workers, count) * 8 + 1).astype(int) if workers > 1 else [0, count]
@@ -68,4 +78,4 @@ def fit_batch(
             list(pool.map(work, parts))
     elif parts:
         work(parts[0])
-    return BatchFit(free, values, rss, converged == 1, evaluations)
+    return BatchFit(free, values, rss, converged == 1, evaluations, alone == 1)

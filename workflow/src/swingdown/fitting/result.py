@@ -125,10 +125,12 @@ class Fit:
 
 @dataclass(frozen=True)
 class BatchFit:
-    """Many series fitted alike: ``values`` (series, free), and of each series rss (rad^2), converged, evaluations."""
+    """Many series fitted alike: ``values`` (series, free), and of each series rss (rad^2), converged, evaluations, and
+    whether it was fitted alone, not side by side with others."""
 
     free: tuple[str, ...]
     values: Floats
     rss: Floats
     converged: NDArray[np.bool_]
     evaluations: NDArray[np.int32]
+    alone: NDArray[np.bool_]

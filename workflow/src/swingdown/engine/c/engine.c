@@ -12,4 +12,8 @@
 #include "record.c"
 #include "trajectory.c"
 #include "least_squares.c"
+#include "lockstep_panel.c"
+#include "lockstep_record.c"
+#include "lockstep_point.c"
+#include "lockstep.c"
 #include "swings.c"

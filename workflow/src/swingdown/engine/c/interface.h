@@ -141,6 +141,7 @@ typedef struct {
     int n_series;
     const double *series;
     double *values; /* overwritten where variable */
+    const double *guess; /* a row near which all start */
     const int *variable_of;
     int n_variables;
     Bounds bounds;
@@ -148,7 +149,7 @@ typedef struct {
 
 typedef struct {
     double *variables, *squares; /* by series: a row of variables; the sum of squares, rad^2 */
-    int *converged, *evaluations;
+    int *converged, *evaluations, *alone; /* alone: not in lockstep with others, which takes longer */
 } BatchResult;
 
 /* The status. */

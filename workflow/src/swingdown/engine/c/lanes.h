@@ -9,16 +9,6 @@
 
 #include "catalogue.h" /* generated: N, the tables T_ of the collocation, and the table EFFECTS */
 
-/* GCC's and Clang's vectors; each lane rounds as a double alone would, so their number changes no bit; wider ones than
- * the processor's are taken apart, at several times the cost. */
-#if defined __AVX512F__
-#define WIDTH 8
-#elif defined __AVX__
-#define WIDTH 4
-#else
-#define WIDTH 2
-#endif
-typedef double Lanes __attribute__((vector_size(WIDTH * sizeof(double)), aligned(8), may_alias));
 #define LANES(array, k) (((Lanes *)(array))[k])
 #define READ_LANES(array, k) (((const Lanes *)(array))[k])
 #define LANES_OF(size) ((size) / WIDTH)

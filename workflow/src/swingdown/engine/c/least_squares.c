@@ -8,28 +8,6 @@
 #define TINY 1e-300
 #define MOST_DAMPING 1e18
 
-/* Where a search is, and the step it tries. normal: J'J; damping multiplies the scale (Marquardt's). */
-typedef struct {
-    const LeastSquares *problem;
-    int n;
-    double *x, *gradient, *normal, value;
-    double *trial, *trial_gradient, *trial_normal;
-    double *step, *cholesky;
-    double *scale; /* J'J's diagonal, falling no faster than by half: a variable whose column fades does not run off */
-    unsigned char active[MAX_VARIABLES]; /* a bound that the variable is on and would cross */
-    double damping, growth; /* Nielsen's: growth multiplies the damping after a step that does not gain */
-    double trust_radius;    /* of a step, in units of the residuals; -1 before the first */
-    int skip_last_slopes;   /* a last step may be taken without them */
-    SearchOutcome *outcome;
-} Search;
-
-/* A step that is proposed; predicted: reduction, of half the sum of squares; relative: to it. */
-typedef struct {
-    int solvable;
-    double size, predicted, relative;
-    int without_slopes, motionless;
-} Proposal;
-
 /* ---- Linear algebra ---- */
 
 /* The lower triangle's Cholesky factor of the k x k matrix in place; 0 where it is not positive definite. */
@@ -148,19 +126,6 @@ static int moves(const Search *s) {
 
 /* ---- The search ---- */
 
-static double evaluate(Search *s, const double *x, double *gradient, double *normal) {
-    s->outcome->evaluations++;
-    return s->problem->cost(s->problem->of, x, gradient, normal);
-}
-
-/* Half the sum of squares after the step; infinite where there is none to take. */
-static double evaluate_trial(Search *s, const Proposal *step) {
-    const Bounds *bounds = &s->problem->bounds;
-    if (!step->solvable || !(step->predicted > 0.0)) return INFINITY;
-    for (int i = 0; i < s->n; i++) s->trial[i] = fmin(fmax(s->x[i] + s->step[i], bounds->lower[i]), bounds->upper[i]);
-    return step->without_slopes ? evaluate(s, s->trial, NULL, NULL) : evaluate(s, s->trial, s->trial_gradient, s->trial_normal);
-}
-
 static int is_at(const Search *s, const KnownMinimum *known) {
     if (!(fabs(s->value - known->value) <= SAME * known->value)) return 0;
     double distance = 0.0;
@@ -170,28 +135,36 @@ static int is_at(const Search *s, const KnownMinimum *known) {
     return distance <= SAME * known->value;
 }
 
-/* Take the step; 0 where nothing more can be computed. */
-static int accept(Search *s, const Proposal *step, double found, const KnownMinimum *known) {
-    const double tolerance = s->problem->options.tolerance, gain = (s->value - found) / step->predicted;
-    const double fall = (s->value - found) / (s->value + TINY);
-    memcpy(s->x, s->trial, s->n * sizeof(double));
-    if (!step->without_slopes) {
-        memcpy(s->gradient, s->trial_gradient, s->n * sizeof(double));
-        memcpy(s->normal, s->trial_normal, (size_t)s->n * s->n * sizeof(double));
-    } else if (fall >= tolerance) { /* more than predicted: not the end after all */
-        found = evaluate(s, s->x, s->gradient, s->normal);
-        if (isnan(found)) return 0;
-    }
+/* The step is taken and has the value `found`, lower by `fall`, and slopes where it is not the last. */
+static void arrive(Search *s, double found) {
+    const Proposal *step = &s->proposal;
+    const double tolerance = s->problem->options.tolerance, gain = s->gain;
     s->value = found;
     s->outcome->predicted_reduction = step->relative;
-    const int at_end = (step->relative < tolerance && fall < tolerance) || step->motionless;
+    const int at_end = (step->relative < tolerance && s->fall < tolerance) || step->motionless;
     if (s->value == 0.0 || (at_end && s->damping < 1.0)) s->outcome->converged = STATIONARY;
     if (gain > 0.75) s->trust_radius = fmax(s->trust_radius, 2.0 * step->size);
     const double twice = 2.0 * gain - 1.0;
     s->damping = fmax(1e-14, s->damping * fmax(0.05, 1.0 - twice * twice * twice));
     s->growth = 4.0;
-    if (known && !s->outcome->converged && is_at(s, known)) s->outcome->converged = AT_KNOWN_MINIMUM;
-    return 1;
+    if (s->known && !s->outcome->converged && is_at(s, s->known)) s->outcome->converged = AT_KNOWN_MINIMUM;
+    s->stage = s->outcome->converged == NOT_STATIONARY ? PROPOSES : OVER;
+}
+
+/* Take the step. */
+static void accept(Search *s, double found) {
+    const Proposal *step = &s->proposal;
+    s->gain = (s->value - found) / step->predicted;
+    s->fall = (s->value - found) / (s->value + TINY);
+    memcpy(s->x, s->trial, s->n * sizeof(double));
+    if (!step->without_slopes) {
+        memcpy(s->gradient, s->trial_gradient, s->n * sizeof(double));
+        memcpy(s->normal, s->trial_normal, (size_t)s->n * s->n * sizeof(double));
+    } else if (s->fall >= s->problem->options.tolerance) { /* more than predicted: not the end after all */
+        s->stage = WANTS_SLOPES;
+        return;
+    }
+    arrive(s, found);
 }
 
 /* No shorter step gains: a minimum only if a full step would gain or move next to nothing. */
@@ -203,62 +176,104 @@ static void judge_no_gain(Search *s) {
     s->outcome->converged = relative < 1e-8 || (solvable && length(s, s->step) < 1e-8 * length(s, s->x));
 }
 
-/* Damp the next step more; 0 where there is nothing more to gain. */
-static int reject(Search *s, const Proposal *step, double found) {
+/* Damp the next step more, unless there is nothing more to gain. */
+static void reject(Search *s, double found) {
+    const Proposal *step = &s->proposal;
     /* the prediction is within the rounding of the sum itself */
     const int negligible = (step->predicted > 0.0 && step->relative < s->problem->options.tolerance) || step->motionless;
+    s->stage = PROPOSES;
     if (step->solvable && negligible && s->damping < 1.0) {
         s->outcome->converged = STATIONARY;
         s->outcome->predicted_reduction = step->relative;
-        return 0;
+        s->stage = OVER;
+        return;
     }
     /* where there is no trajectory at all the step was far too long, and finding that out is costly */
     s->damping = isfinite(found) || !step->solvable ? s->damping * s->growth : fmax(s->damping, 1e-2) * 100.0;
     s->growth *= 2.0;
-    if (s->damping <= MOST_DAMPING) return 1;
+    if (s->damping <= MOST_DAMPING) return;
     judge_no_gain(s);
-    return 0;
+    s->stage = OVER;
 }
 
-/* One step, taken or not; 0 where the search ends. */
-static int iterate(Search *s, const KnownMinimum *known) {
+/* Propose the next step, to s->trial. */
+static void propose_next(Search *s) {
+    const Bounds *bounds = &s->problem->bounds;
     for (int i = 0; i < s->n; i++) s->scale[i] = fmax(0.5 * s->scale[i], s->normal[i * s->n + i]);
     /* the first steps stay shorter than the way from zero to the start */
     if (s->trust_radius < 0.0) s->trust_radius = 0.5 * length(s, s->x);
-    const Proposal step = propose(s);
-    if (step.solvable && !moves(s)) {
+    s->proposal = propose(s);
+    if (s->proposal.solvable && !moves(s)) {
         s->outcome->converged = STATIONARY;
         s->outcome->predicted_reduction = 0.0;
-        return 0;
+        s->stage = OVER;
+    } else if (!s->proposal.solvable || !(s->proposal.predicted > 0.0)) reject(s, INFINITY); /* there is no step to take */
+    else {
+        for (int i = 0; i < s->n; i++) s->trial[i] = fmin(fmax(s->x[i] + s->step[i], bounds->lower[i]), bounds->upper[i]);
+        s->stage = TRIES;
     }
-    const double found = evaluate_trial(s, &step);
-    if (isnan(found)) return 0;
-    return isfinite(found) && found <= s->value ? accept(s, &step, found, known) : reject(s, &step, found);
+}
+
+static Point next_point(Search *s) {
+    while (s->stage == PROPOSES) {
+        if (s->outcome->evaluations < s->problem->options.most_evaluations) propose_next(s);
+        else s->stage = OVER;
+    }
+    if (s->stage == OVER) return (Point){NULL, NULL, NULL};
+    s->outcome->evaluations++;
+    if (s->stage != TRIES) return (Point){s->x, s->gradient, s->normal};
+    if (s->proposal.without_slopes) return (Point){s->trial, NULL, NULL};
+    return (Point){s->trial, s->trial_gradient, s->trial_normal};
+}
+
+static void take_value(Search *s, double found) {
+    switch (s->stage) {
+    case STARTS:
+        s->value = found;
+        s->outcome->converged = isfinite(found) ? NOT_STATIONARY : NOT_COMPUTABLE;
+        s->stage = isfinite(found) ? PROPOSES : OVER;
+        break;
+    case TRIES:
+        if (isnan(found)) s->stage = OVER;
+        else if (isfinite(found) && found <= s->value) accept(s, found);
+        else reject(s, found);
+        break;
+    default:
+        if (isnan(found)) s->stage = OVER;
+        else arrive(s, found);
+    }
+}
+
+static size_t search_room(int n) { return 2 * (size_t)n * n + 6 * (size_t)n + 8; }
+
+static void begin_search(Search *s, const LeastSquares *problem, const KnownMinimum *known, int normal_at_end, double *room, double *x,
+                         double *normal, SearchOutcome *outcome) {
+    const int n = problem->n_variables;
+    *outcome = (SearchOutcome){NOT_COMPUTABLE, 0, INFINITY, 0};
+    *s = (Search){.problem = problem, .known = known, .n = n, .x = x, .normal = normal, .outcome = outcome,
+                  .damping = 1e-4, .growth = 4.0, .trust_radius = -1.0, .skip_last_slopes = !normal_at_end, .stage = STARTS};
+    s->gradient = room;
+    s->trial_gradient = s->gradient + n;
+    s->step = s->trial_gradient + n;
+    s->trial = s->step + n;
+    s->scale = s->trial + n;
+    s->trial_normal = s->scale + n;
+    s->cholesky = s->trial_normal + (size_t)n * n; /* and the right-hand side */
+    for (int i = 0; i < n; i++) x[i] = fmin(fmax(x[i], problem->bounds.lower[i]), problem->bounds.upper[i]);
+    memset(s->scale, 0, n * sizeof(double));
 }
 
 static double search(const LeastSquares *problem, const KnownMinimum *known, int normal_at_end, double *x, double *normal,
                      SearchOutcome *outcome) {
     const int n = problem->n_variables;
-    const size_t nn = (size_t)n * n;
+    Search s;
     *outcome = (SearchOutcome){NOT_COMPUTABLE, 0, INFINITY, 0};
-    double *memory = n > MAX_VARIABLES ? NULL : malloc((2 * nn + 6 * (size_t)n + 8) * sizeof(double));
-    if (!memory) return NAN;
-    Search s = {.problem = problem, .n = n, .x = x, .normal = normal, .outcome = outcome,
-                .damping = 1e-4, .growth = 4.0, .trust_radius = -1.0, .skip_last_slopes = !normal_at_end};
-    s.gradient = memory;
-    s.trial_gradient = s.gradient + n;
-    s.step = s.trial_gradient + n;
-    s.trial = s.step + n;
-    s.scale = s.trial + n;
-    s.trial_normal = s.scale + n;
-    s.cholesky = s.trial_normal + nn; /* and the right-hand side */
-    for (int i = 0; i < n; i++) x[i] = fmin(fmax(x[i], problem->bounds.lower[i]), problem->bounds.upper[i]);
-    memset(s.scale, 0, n * sizeof(double));
-    s.value = evaluate(&s, x, s.gradient, normal);
-    if (isfinite(s.value)) outcome->converged = NOT_STATIONARY;
-    while (outcome->converged == NOT_STATIONARY && outcome->evaluations < problem->options.most_evaluations)
-        if (!iterate(&s, known)) break;
-    free(memory);
+    double *room = n > MAX_VARIABLES ? NULL : malloc(search_room(n) * sizeof(double));
+    if (!room) return NAN;
+    begin_search(&s, problem, known, normal_at_end, room, x, normal, outcome);
+    for (Point at = next_point(&s); at.x; at = next_point(&s))
+        take_value(&s, problem->cost(problem->of, at.x, at.gradient, at.normal));
+    free(room);
     return s.value;
 }
 

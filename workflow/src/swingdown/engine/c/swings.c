@@ -1,9 +1,11 @@
-/* Fits of one or more swings with a common model, and of many series alike: fit_swings and fit_batch of interface.h. */
+/* Fits of one or more swings with a common model, and of many series alike, side by side where they can be (lockstep.h):
+ * fit_swings and fit_batch of interface.h. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "least_squares.h"
+#include "lockstep.h"
 #include "trajectory.h"
 
 #define MOST_WORK 4.0 /* of a trajectory, times the usual */
@@ -216,23 +218,28 @@ double fit_swings(const FitProblem *problem, const Starts *starts, const SearchO
     return 2.0 * least;
 }
 
-int fit_batch(const Batch *batch, const SearchOptions *options, BatchResult *result) {
+/* One series of a batch by itself. normal: room for a matrix. */
+static void fit_series(const Batch *batch, const SearchOptions *options, int k, double *normal, BatchResult *result) {
     const int np = batch->model->n_parameters, n = batch->n_variables;
-    double start[MAX_PARAMETERS + 2], squares;
-    double *normal = malloc((size_t)n * n * sizeof(double));
-    if (!normal) return NO_MEMORY;
-    for (int k = 0; k < batch->n_series; k++) {
-        double *values = batch->values + (size_t)k * (np + 2);
-        const double *series = batch->series + (size_t)k * batch->n_samples;
-        for (int i = 0; i < np + 2; i++)
-            if (batch->variable_of[i] >= 0) start[batch->variable_of[i]] = values[i];
-        const FitProblem one = {batch->model, 1, &batch->n_samples, &batch->times, &series, values, batch->variable_of, n, batch->bounds};
-        const Starts starts = {1, start, 0};
-        FitResult fitted = {.variables = result->variables + (size_t)k * n, .normal = normal, .squares = &squares};
-        result->squares[k] = fit_swings(&one, &starts, options, &fitted);
-        result->converged[k] = fitted.outcome.converged;
-        result->evaluations[k] = fitted.outcome.evaluations;
-    }
+    double start[MAX_PARAMETERS + 2], squares, *values = batch->values + (size_t)k * (np + 2);
+    const double *series = batch->series + (size_t)k * batch->n_samples;
+    for (int i = 0; i < np + 2; i++)
+        if (batch->variable_of[i] >= 0) start[batch->variable_of[i]] = values[i];
+    const FitProblem one = {batch->model, 1, &batch->n_samples, &batch->times, &series, values, batch->variable_of, n, batch->bounds,
+                            {NULL, NULL}};
+    const Starts starts = {1, start, 0};
+    FitResult fitted = {.variables = result->variables + (size_t)k * n, .normal = normal, .squares = &squares};
+    result->squares[k] = fit_swings(&one, &starts, options, &fitted);
+    result->converged[k] = fitted.outcome.converged;
+    result->evaluations[k] = fitted.outcome.evaluations;
+}
+
+int fit_batch(const Batch *batch, const SearchOptions *options, BatchResult *result) {
+    const size_t n = batch->n_variables;
+    double *normal = malloc(n * n * sizeof(double));
+    const int status = normal ? fit_in_lockstep(batch, options, result) : NO_MEMORY;
+    for (int k = 0; k < batch->n_series && status == DONE; k++)
+        if (result->alone[k]) fit_series(batch, options, k, normal, result);
     free(normal);
-    return DONE;
+    return status;
 }

@@ -1,0 +1,167 @@
+"""Fits side by side in the processor's lanes: the same optimum as one by one, and no fit that another one changes."""
+
+import shutil
+
+import numpy as np
+import pytest
+from swings import TIMES
+
+from swingdown.engine import build, interface
+from swingdown.engine.trajectory import simulate
+from swingdown.fitting.batch import fit_batch
+from swingdown.fitting.least_squares import fit_trajectory
+from swingdown.fitting.result import Begin, SwingStart
+from swingdown.pendulum.catalogue import SHIPPED
+from swingdown.pendulum.model import Model
+
+SMOOTH = {
+    "viscous": {},
+    "viscous+sensor_zero": {"sensor_zero": 0.01},
+    "viscous+sensor_zero+sensor_gain": {"sensor_zero": 0.01, "sensor_gain": 0.02},
+    "viscous+constant_torque": {"constant_torque": 0.3},
+    "viscous+cubic_stiffness": {"cubic_stiffness": 0.4},
+    "viscous+damping_drift+sensor_zero": {"damping_drift": 0.5, "sensor_zero": 0.01},
+    "viscous+base_vibration": {
+        "vibration_acceleration": 2.0,
+        "vibration_frequency": 3.0,
+        "vibration_phase": 0.3,
+    },
+}
+IRREGULAR = np.sort(np.random.default_rng(5).uniform(0.0, 10.0, 700))
+SPARSE = np.arange(0.0, 10.0, 0.13)
+RELEASE = 0.5, 0.2
+
+
+def model(label):
+    return Model(label, {"natural_frequency": 7.25, "viscous_ratio": 0.02} | SMOOTH[label])
+
+
+def noisy(label, times=TIMES, count=20, noise=3e-3, release=RELEASE):
+    clean = simulate(model(label), times, *release)
+    return clean + noise * np.random.default_rng([3, len(label)]).standard_normal((count, times.size))
+
+
+def from_guess(guess, times, angle, **options):
+    """The fit of one series by itself, from where a batch starts."""
+    begin = Begin(guess, (SwingStart(guess.values, *RELEASE),))
+    return fit_trajectory(
+        guess.label, times, angle, guess=begin, seen=False, grown=False, tolerance=1e-13, **options
+    )
+
+
+@pytest.mark.parametrize("times", [TIMES, IRREGULAR, SPARSE], ids=["even", "irregular", "sparse"])
+@pytest.mark.parametrize("label", SMOOTH)
+def test_the_optimum_is_that_of_a_fit_by_itself(label, times):
+    series, guess = noisy(label, times, count=3), model(label)
+    many = fit_batch(guess, times, series, *RELEASE, tolerance=1e-13)
+    assert not many.alone.any() and many.converged.all()
+    for angle, values, rss in zip(series, many.values, many.rss, strict=True):
+        alone = from_guess(guess, times, angle)
+        assert rss == pytest.approx(alone.rss, rel=1e-6)
+        determined = np.isfinite(alone.standard_errors)
+        assert np.abs((values - alone.values) / alone.standard_errors)[determined].max() < 1e-4
+
+
+@pytest.mark.parametrize("degrees", [5, 20, 60, 100, 140])
+def test_a_model_fitted_to_itself_comes_back(degrees):
+    true, release = model("viscous+sensor_zero"), (np.radians(degrees), 0.1)
+    fit = fit_batch(true, TIMES, simulate(true, TIMES, *release)[None], 0.999 * release[0], 0.1)
+    assert not fit.alone[0]
+    assert fit.values[0] == pytest.approx([*true.vector(), *release], abs=1e-8)
+    assert np.sqrt(fit.rss[0] / TIMES.size) < 5e-9 * release[0]
+
+
+def test_a_hopeless_series_harms_no_other():
+    label = "viscous+sensor_zero"
+    series, rng = noisy(label), np.random.default_rng(7)
+    rough = series.copy()
+    rough[3], rough[11] = 10 * rng.standard_normal(TIMES.size), 1e6 * np.sin(40 * TIMES)
+    rough[12] = 0.0
+    good, mixed = (fit_batch(model(label), TIMES, each, *RELEASE) for each in (series, rough))
+    others = np.setdiff1d(np.arange(len(series)), [3, 11, 12])
+    assert not good.alone.any()
+    assert np.array_equal(good.values[others], mixed.values[others])
+    assert np.array_equal(good.rss[others], mixed.rss[others])
+    assert np.array_equal(good.evaluations[others], mixed.evaluations[others])
+    for k in (3, 11, 12):  # and what becomes of it depends on nothing else either
+        lone = fit_batch(model(label), TIMES, rough[k][None], *RELEASE)
+        assert np.array_equal(lone.values[0], mixed.values[k], equal_nan=True)
+
+
+@pytest.mark.parametrize(
+    "options", [{}, {"start": "rest"}, {"bounded": True, "tolerance": 1e-6}, {"most": 3}]
+)
+def test_a_batch_of_one_has_the_same_bits(options):
+    label = "viscous+sensor_zero"
+    series = noisy(label, count=11)
+    release = 0.48, 0.0 if "start" in options else 0.2
+    together = fit_batch(model(label), TIMES, series, *release, **options)
+    for k in range(len(series)):
+        lone = fit_batch(model(label), TIMES, series[k : k + 1], *release, **options)
+        assert np.array_equal(lone.values[0], together.values[k])
+        assert lone.rss[0] == together.rss[k] and lone.evaluations[0] == together.evaluations[k]
+
+
+def test_bounds_are_kept():
+    label = "viscous+sensor_zero"
+    series = simulate(Model("sensor_zero", {"natural_frequency": 7.25, "sensor_zero": 0.01}), TIMES, *RELEASE)
+    rng = np.random.default_rng(2)
+    series = series + 3e-3 * rng.standard_normal((20, TIMES.size))
+    fit = fit_batch(model(label), TIMES, series, *RELEASE, bounded=True)
+    damping = fit.values[:, 1]
+    assert fit.converged.all() and damping.min() == 0.0 and 4 <= np.sum(damping == 0.0) <= 16
+
+
+def test_a_guess_far_off_finds_the_optimum():
+    label = "viscous+sensor_zero"
+    series, near = noisy(label), model(label)
+    far = near.with_values(near.values | {"natural_frequency": 7.4, "viscous_ratio": 0.06})
+    one, other = (fit_batch(each, TIMES, series, *RELEASE, tolerance=1e-13) for each in (near, far))
+    assert other.converged.all()
+    assert other.values == pytest.approx(one.values, rel=1e-6, abs=1e-7)
+
+
+def test_other_models_are_fitted_one_by_one():
+    true = Model("constant_coulomb", {"natural_frequency": 7.25, "constant_friction": 0.2})
+    series = simulate(true, TIMES, *RELEASE) + 1e-3 * np.random.default_rng(1).standard_normal(
+        (2, TIMES.size)
+    )
+    fit = fit_batch(true, TIMES, series, *RELEASE)
+    assert fit.alone.all() and fit.converged.all()
+
+
+EFFECTS, GRAVITIES = (SHIPPED["viscous"], SHIPPED["constant_coulomb"]), tuple(SHIPPED.gravity.values())
+
+
+def test_the_number_of_lanes_changes_no_bit(tmp_path, monkeypatch):
+    interface.ffi()  # from the usual cache
+    gcc = shutil.which("gcc")
+    if gcc is None:
+        pytest.skip("gcc is not installed")
+    found = []
+    for given in ("", "-mno-avx512f -mno-avx"):
+        monkeypatch.setenv("SWINGDOWN_CACHE", str(tmp_path / f"cache{len(found)}"))
+        program = tmp_path / f"compiler{len(found)}"
+        program.write_text(f'#!/bin/sh\nexec {gcc} "$@" {given} -O1\n')
+        program.chmod(0o755)
+        monkeypatch.setenv("CC", str(program))
+        found.append(batch_by(interface.ffi().dlopen(str(build.library(EFFECTS, GRAVITIES)))))
+    for one, other in zip(*found, strict=True):
+        assert np.array_equal(one, other)
+
+
+def batch_by(library):
+    """Values, sums of squares and evaluations of viscous fits by an engine that knows ``EFFECTS``."""
+    series, first = noisy("viscous", count=11), np.array([7.2, 0.03, 0.5, 0.2])
+    placed = interface.model(
+        [(0, 1, 0), (2, 1, 0)], (), (), n_parameters=2, n_states=0, play=-1, duration=10.0
+    )
+    counts = np.zeros((3, 11), dtype=np.int32)
+    result = interface.BatchResult(np.zeros((11, 4)), np.zeros(11), *counts)
+    bounds = interface.Bounds(np.full(4, -np.inf), np.full(4, np.inf))
+    where = np.arange(4, dtype=np.int32)
+    interface.fit_batch(
+        library, placed, TIMES, series, np.tile(first, (11, 1)), first, where, bounds, interface.Options(100, 1e-10), result
+    )  # fmt: skip
+    assert not result.alone.any() and np.all(result.converged == 1)
+    return result.values, result.rss, result.evaluations
