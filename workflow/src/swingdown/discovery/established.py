@@ -6,6 +6,7 @@ from ..engine.trajectory import TrajectoryError
 from .budget import Budget
 from .campaign import Campaign
 from .candidates import without
+from .constancy import changes
 from .folds import Turns, in_turn
 from .linear import frame
 from .ranking import Candidate, evidence, in_place_of, inadmissible
@@ -19,6 +20,8 @@ _SHARE = 0.9  # of the excess without it, that an effect must explain: what expl
 _MOST = 0.75  # of the folds, that must be better with it
 _TOLD = 0.015  # of the score, by which each rival must be worse, and be worse on as many folds
 _RICHER = 0.02  # of the score, that a rival must be better for each parameter more
+_CONSTANT = 0.1  # of its size (RMS along the motion), that an effect may change by
+_EXPLAINED, _CLEAR = 1 / 3, 5.0  # of what remains, and standard errors, that such a change must be to count
 _IDLE = 0.005  # of the score, below which an effect is not needed
 
 
@@ -54,6 +57,18 @@ def _lost(state: Round, campaign: Campaign, name: str, whole: Turns) -> tuple[fl
     return whole.gain(turns), Candidate(None, name, fit, evidence(fit, state.noise)), turns
 
 
+def _changing(state: Round, campaign: Campaign, name: str) -> str:
+    """In words how an effect is not of one size, where that explains a good part of what remains; empty where it is."""
+    here = frame(state.fit, campaign.fit)
+    excess = state.fit.rss - state.fit.n * state.noise.deviation**2
+    for one in changes(here, state.fit.model.catalogue[name], state.noise):
+        if one.squares < _EXPLAINED * excess or one.change < _CLEAR * one.error:
+            continue
+        if one.change > _CONSTANT or one.squares > _SHARE * excess:
+            return f"its size changes with {one.of}"
+    return ""
+
+
 def established(
     state: Round, campaign: Campaign, allowed: Collection[str] | None, budget: Budget
 ) -> dict[str, str]:
@@ -87,6 +102,8 @@ def _doubt(state: Round, campaign: Campaign, allowed: Collection[str] | None, na
     lost = _lost(state, campaign, name, whole)
     if lost is None or lost[0] < _NEEDED or whole.better(lost[2]) < _MOST:
         return "swings left out do not miss it"
+    if why := _changing(state, campaign, name):
+        return why
     with_it, without_it = (turns.excess(state.noise) for turns in (whole, lost[2]))
     if without_it - with_it < _SHARE * without_it:
         return "much remains beside what it explains"

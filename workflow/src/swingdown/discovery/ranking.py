@@ -19,6 +19,7 @@ from .candidates import (
     starts_to_exchange,
     without,
 )
+from .constancy import by_changing
 from .linear import Frame, frame
 from .pairs import plain, starts_of_pairs
 from .refit import nudged, refit
@@ -29,7 +30,9 @@ _PROMISING = 0.05  # of the best predicted gain: candidates below are not refitt
 _HOPEFUL = (
     0.01  # the same, for those tried from more starts where none of the promising ones leaves the noise alone
 )
+_FIRST = 2  # effects without a shape that others are tried beside
 _FEW = 4  # effects tried in another one's place
+_FELL_SHORT = 1.02  # of what a linear step leaves: a fit that leaves more may be in a false minimum
 _NUDGED = 2  # candidates looked for in their neighbourhood, too
 _SHAPES = 3  # of an effect, to start from where the first ones did not do
 _DETERMINED = 3.0  # standard errors that an effect's size must be from nothing
@@ -91,8 +94,9 @@ def ranking(
     near = {
         id(starts): not _sized(here, starts) or starts[0].predicted >= _PROMISING * most for starts in moves
     }
-    promising = [starts for starts in moves if near[id(starts)]]
-    found = _moved(here, noise, [_first(starts) for starts in promising], allowed, budget)
+    promising = [_first(starts) for starts in moves if near[id(starts)]]
+    found = _moved(here, noise, promising, allowed, budget)
+    found = _grown(found, promising, here, noise, budget)
     if found and (leaves_noise(found[0].fit, noise) or budget.spent):
         return found
     hopeful = [starts for starts in moves if starts[0].predicted >= _HOPEFUL * most]
@@ -135,6 +139,40 @@ def _nudged(one: Candidate, here: Frame, noise: Noise) -> Candidate:
     return replace(one, fit=fit, bic=evidence(fit, noise), refused=inadmissible(fit, one.added, noise))
 
 
+def _grown(
+    found: Sequence[Candidate], moves: Sequence[list[Start]], here: Frame, noise: Noise, budget: Budget
+) -> list[Candidate]:
+    """The candidates, those looked for again in growing parts of the swings that fell short of what a linear step promised where
+    this would have brought them beside the best: dry friction has many minima, and growing parts lead around them.
+
+    Where the best is far from the noise and many promise all, those that damp are and the ``_FEW`` first of the others.
+    """
+    known = {one.move: one for one in found}
+    admissible = [one.bic for one in found if not one.refused]
+    reach = min(admissible) + TIE if admissible else np.inf
+    again = []
+    for starts in moves:
+        left = max(here.fit.rss - starts[0].predicted, here.fit.n * noise.deviation**2)
+        one = known.get(starts[0].move)
+        if one is None or (
+            one.fit.rss > _FELL_SHORT * left and one.bic + _gain(one.fit.rss, left, one.fit.n, noise) < reach
+        ):
+            again.append(starts)
+    damping = [starts for starts in again if here.fit.model.catalogue[starts[0].added or ""].damping]
+    others = [starts for starts in again if starts not in damping]
+    for starts in (*damping, *others[:_FEW]):
+        one = None if budget.spent else _best(starts, here, noise, grown=True)
+        old = known.get(starts[0].move)
+        if one and (old is None or one.fit.rss < old.fit.rss):
+            known[one.move] = one
+    return _sorted(known.values())
+
+
+def _gain(rss: float, left: float, n: int, noise: Noise) -> float:
+    """The change of the evidence where no more than ``left`` were left of a sum of squares."""
+    return float(noise.effective(n) * np.log(left / rss))
+
+
 def _moved(
     here: Frame, noise: Noise, moves: Sequence[list[Start]], allowed: Collection[str] | None, budget: Budget
 ) -> list[Candidate]:
@@ -142,7 +180,10 @@ def _moved(
     for start in starts_to_exchange(here, allowed):
         exchanges.setdefault(start.move, []).append(start)
     return _sorted(
-        [_best(starts, here, noise) for starts in (*moves, *exchanges.values()) if not budget.spent]
+        [
+            *(_best(starts, here, noise) for starts in moves if not budget.spent),
+            *(_best(starts, here, noise, grown=True) for starts in exchanges.values() if not budget.spent),
+        ]
     )
 
 
@@ -168,24 +209,25 @@ def beside_the_best(
     few: int = 2,
     budget: Budget = ENDLESS,
 ) -> list[Candidate]:
-    """The ``Candidate``s that add the best of the ``ranked`` effects without a shape and another one without: the ``few`` that
-    promise most once the first is fitted.
+    """The ``Candidate``s that add one of the best of the ``ranked`` effects without a shape and another one without: the ``few``
+    that promise most once the first is fitted.
 
     Far from the noise a linear step from the model as it is tells little of two.
     """
     catalogue = here.fit.model.catalogue
-    one = next((one for one in ranked if one.added and not one.refused and not one.dropped and not one.also
-                and plain(catalogue[one.added])), None)  # fmt: skip
-    if one is None or one.added is None or budget.spent:
-        return []
-    there = frame(one.fit, here.swings)
-    names = [name for name in additions(one.fit.model, allowed) if plain(catalogue[name])]
-    moves = sorted(_offered(there, names), key=lambda starts: -starts[0].predicted)[:few]
-    begun = [
-        [replace(start, added=one.added, also=(start.added,)) for start in starts if start.added]
-        for starts in moves
-    ]
-    return _sorted([_best(starts, there, noise) for starts in begun if not budget.spent])
+    alone = [one for one in ranked if one.added and not one.refused and not one.dropped and not one.also
+             and plain(catalogue[one.added])]  # fmt: skip
+    found: list[Candidate | None] = []
+    for one in alone[:_FIRST]:
+        if one.added is None or budget.spent:
+            break
+        there = frame(one.fit, here.swings)
+        names = [name for name in additions(one.fit.model, allowed) if plain(catalogue[name])]
+        moves = sorted(_offered(there, names), key=lambda starts: -starts[0].predicted)[:few]
+        for starts in moves:
+            begun = [replace(start, added=one.added, also=(start.added,)) for start in starts if start.added]
+            found.append(_best(begun, there, noise))
+    return _sorted(found)
 
 
 def in_place_of(
@@ -217,11 +259,15 @@ def _sorted(found: Iterable[Candidate | None]) -> list[Candidate]:
     return sorted((one for one in found if one), key=lambda one: (bool(one.refused), one.bic))
 
 
-def _best(starts: Sequence[Start], here: Frame, noise: Noise) -> Candidate | None:
+def _best(starts: Sequence[Start], here: Frame, noise: Noise, grown: bool = False) -> Candidate | None:
+    # friction that does the work of what is missing is far too large: what damps is given its share of the decay, too
+    seen = grown and any(
+        here.fit.model.catalogue[name].damping for name in (starts[0].added, *starts[0].also) if name
+    )
     fits = []
     for start in starts:
         try:
-            fits.append(refit(start.begin, here.swings))
+            fits.append(refit(start.begin, here.swings, grown=grown, seen=seen))
         except TrajectoryError:
             continue
     if not fits:
@@ -266,6 +312,29 @@ def inadmissible(fit: Fit, added: str | None, noise: Noise) -> str:
             if simpler.unseen and values[simpler.unseen] < noise.deviation:
                 return f"{simpler.unseen} is below the noise: {simpler.name} is all that is seen of it"
     return ""
+
+
+def told_from_changes(
+    ranked: Iterable[Candidate], here: Frame, noise: Noise, found: Sequence[str]
+) -> list[Candidate]:
+    """The candidates, best first; refused are those with a shape that do no better beside effects found before than a change of
+    these would: then it is their shape that is wrong, and nothing is known of what is added.
+
+    ``found`` names the effects added before.
+    """
+    ranked = list(ranked)
+    if not found or not ranked:
+        return ranked
+    now, reach = evidence(here.fit, noise), by_changing(here, noise, found)
+    catalogue = here.fit.model.catalogue
+
+    def told(one: Candidate) -> Candidate:
+        shaped = any(catalogue[name].with_role("shape") for name in one.names)
+        if one.refused or not shaped or now - one.bic > reach + TIE:
+            return one
+        return replace(one, refused="a change of what was added before does as well")
+
+    return _sorted(told(one) for one in ranked)
 
 
 def _vague(fit: Fit, name: str, value: float) -> bool:

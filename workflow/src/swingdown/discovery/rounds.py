@@ -20,7 +20,17 @@ from .free_form import fit_free_form, kept, missing
 from .half_swings import beside
 from .linear import Frame, frame
 from .locate import groups
-from .ranking import ENDLESS, Candidate, drops, evidence, in_place_of, leaves_noise, ranking, tied
+from .ranking import (
+    ENDLESS,
+    Candidate,
+    drops,
+    evidence,
+    in_place_of,
+    leaves_noise,
+    ranking,
+    tied,
+    told_from_changes,
+)
 from .refit import nudged, opened
 from .state import Round
 from .verdict import GUARD
@@ -61,6 +71,7 @@ def look(
     for old in found:
         if not budget.spent:
             ranked += in_place_of(here, state.noise, old, allowed)
+    ranked = told_from_changes(ranked, here, state.noise, found)
     state = ranked_by_evidence(state, here, ranked)
     state = confirmed(state, campaign)
     if state.chosen and leaves_noise(state.chosen.fit, state.noise):
