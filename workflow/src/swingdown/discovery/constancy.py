@@ -50,7 +50,7 @@ def changes(frame: Frame, effect: Effect, noise: Noise) -> list[Change]:
             # how much it changes along the motion, where its torque is large
             spread = np.linalg.qr(shapes, mode="r")
             change = spread @ (inverse @ frame.residual)
-            error = float(np.sqrt(noise.slow_variance)) * np.linalg.norm(spread @ inverse, 2)
+            error = float(np.sqrt(noise.slow_variance) * np.linalg.norm(spread @ inverse, 2))
             found.append(
                 Change(" and ".join(one.of for one in some), float(np.linalg.norm(change)), error, squares)
             )

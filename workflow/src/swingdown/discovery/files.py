@@ -2,7 +2,7 @@
 
 import json
 from collections.abc import Iterable, Sequence
-from dataclasses import replace
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
@@ -125,6 +125,8 @@ def summary(state: Round, campaign: Campaign) -> dict[str, Any]:
         "reason": state.reason,
         "established": state.established,
         "established_in": state.established_in,
+        "probabilities": dict(state.probabilities),
+        "next_swing": None if state.next_swing is None else asdict(state.next_swing) | {"text": str(state.next_swing)},
         "spent": state.spent,
         "chosen": None if chosen is None else {"move": chosen.move, "added": chosen.added, "also": list(chosen.also),
                                                "dropped": chosen.dropped, "gain_bic": state.bic - chosen.bic},

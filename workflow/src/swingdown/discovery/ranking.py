@@ -31,6 +31,7 @@ _HOPEFUL = (
     0.01  # the same, for those tried from more starts where none of the promising ones leaves the noise alone
 )
 _FIRST = 2  # effects without a shape that others are tried beside
+_WIDE = 10  # effects tried from more starts where none leaves the noise alone
 _FEW = 4  # effects tried in another one's place
 _FELL_SHORT = 1.02  # of what a linear step leaves: a fit that leaves more may be in a false minimum
 _NUDGED = 2  # candidates looked for in their neighbourhood, too
@@ -99,7 +100,7 @@ def ranking(
     found = _grown(found, promising, here, noise, budget)
     if found and (leaves_noise(found[0].fit, noise) or budget.spent):
         return found
-    hopeful = [starts for starts in moves if starts[0].predicted >= _HOPEFUL * most]
+    hopeful = [starts for starts in moves if starts[0].predicted >= _HOPEFUL * most][:_WIDE]
     more = [starts[2:-1] if near[id(starts)] else starts for starts in hopeful]
     wide = _sorted([_best(starts, here, noise) for starts in more if starts and not budget.spent])
     best: dict[str, list[Candidate]] = {}
