@@ -5,13 +5,14 @@ from collections.abc import Collection
 import numpy as np
 
 from ..engine.trajectory import TrajectoryError
+from .admissible import inadmissible
 from .budget import Budget
 from .campaign import Campaign
 from .candidates import without
 from .constancy import changes
 from .folds import Turns, in_turn
 from .linear import frame
-from .ranking import Candidate, evidence, in_place_of, inadmissible
+from .ranking import Candidate, evidence, in_place_of
 from .refit import refit
 from .state import Round
 

@@ -12,8 +12,8 @@ import numpy as np
 
 from ..fitting.colour import uncertainty
 from ..fitting.result import Fit
+from .admissible import leaves_noise
 from .campaign import Campaign, Noise
-from .ranking import leaves_noise
 from .state import Round
 
 

@@ -7,7 +7,7 @@ import numpy as np
 
 from ..engine.trajectory import TrajectoryError
 from ..fitting.result import Fit
-from ..pendulum.effect import NATURAL_FREQUENCY
+from .admissible import inadmissible, leaves_noise
 from .budget import Budget
 from .campaign import Noise
 from .candidates import (
@@ -33,11 +33,10 @@ _HOPEFUL = (
 _FIRST = 2  # effects without a shape that others are tried beside
 _WIDE = 10  # effects tried from more starts where none leaves the noise alone
 _FEW = 4  # effects tried in another one's place
+_FAR = 2.0  # times the noise
 _FELL_SHORT = 1.02  # of what a linear step leaves: a fit that leaves more may be in a false minimum
 _NUDGED = 2  # candidates looked for in their neighbourhood, too
 _SHAPES = 3  # of an effect, to start from where the first ones did not do
-_DETERMINED = 3.0  # standard errors that an effect's size must be from nothing
-_VAGUE = 1.0  # standard error over value, of a shape that is not determined
 _SUGGESTED = (
     4.0  # chi-square by which a richer effect must beat a simpler one that it contains to be tied with it
 )
@@ -97,7 +96,7 @@ def ranking(
     }
     promising = [_first(starts) for starts in moves if near[id(starts)]]
     found = _moved(here, noise, promising, allowed, budget)
-    found = _grown(found, promising, here, noise, budget)
+    found = _grown(found, moves, here, noise, budget)
     if found and (leaves_noise(found[0].fit, noise) or budget.spent):
         return found
     hopeful = [starts for starts in moves if starts[0].predicted >= _HOPEFUL * most][:_WIDE]
@@ -129,12 +128,6 @@ def _first(starts: list[Start]) -> list[Start]:
     return [*starts[:2], starts[-1]] if len(starts) > 3 else starts
 
 
-def leaves_noise(fit: Fit, noise: Noise) -> bool:
-    """True if the residual's size is that of the noise, to five standard deviations of what the samples allow."""
-    n = noise.effective(fit.n)
-    return bool(abs(fit.rms / noise.deviation - 1) < 5 / np.sqrt(2 * n) + 0.01)
-
-
 def _nudged(one: Candidate, here: Frame, noise: Noise) -> Candidate:
     fit = nudged(one.fit, here.swings, rounds=1)
     return replace(one, fit=fit, bic=evidence(fit, noise), refused=inadmissible(fit, one.added, noise))
@@ -146,7 +139,8 @@ def _grown(
     """The candidates, those looked for again in growing parts of the swings that fell short of what a linear step promised where
     this would have brought them beside the best: dry friction has many minima, and growing parts lead around them.
 
-    Where the best is far from the noise and many promise all, those that damp are and the ``_FEW`` first of the others.
+    Where the best is far from the noise the model's own friction may do the work of what is missing, and a linear step from it tells
+    little: what damps is looked for again whatever it promised.
     """
     known = {one.move: one for one in found}
     admissible = [one.bic for one in found if not one.refused]
@@ -155,12 +149,14 @@ def _grown(
     for starts in moves:
         left = max(here.fit.rss - starts[0].predicted, here.fit.n * noise.deviation**2)
         one = known.get(starts[0].move)
-        if one is None or (
-            one.fit.rss > _FELL_SHORT * left and one.bic + _gain(one.fit.rss, left, one.fit.n, noise) < reach
-        ):
+        fit = here.fit if one is None else one.fit
+        if fit.rss > _FELL_SHORT * left and evidence(fit, noise) + _gain(fit, left, noise) < reach:
             again.append(starts)
-    damping = [starts for starts in again if here.fit.model.catalogue[starts[0].added or ""].damping]
-    others = [starts for starts in again if starts not in damping]
+    if not found or found[0].fit.rms > _FAR * noise.deviation:
+        damping = [starts for starts in moves if here.fit.model.catalogue[starts[0].added or ""].damping]
+    else:
+        damping = []
+    others = [starts for starts in again if not any(starts is one for one in damping)]
     for starts in (*damping, *others[:_FEW]):
         one = None if budget.spent else _best(starts, here, noise, grown=True)
         old = known.get(starts[0].move)
@@ -169,9 +165,9 @@ def _grown(
     return _sorted(known.values())
 
 
-def _gain(rss: float, left: float, n: int, noise: Noise) -> float:
-    """The change of the evidence where no more than ``left`` were left of a sum of squares."""
-    return float(noise.effective(n) * np.log(left / rss))
+def _gain(fit: Fit, left: float, noise: Noise) -> float:
+    """The change of the evidence where no more than ``left`` (rad^2) were left of what a fit leaves."""
+    return float(noise.effective(fit.n) * np.log(left / fit.rss))
 
 
 def _moved(
@@ -279,42 +275,6 @@ def _best(starts: Sequence[Start], here: Frame, noise: Noise, grown: bool = Fals
     return replace(one, refused=next(filter(None, why), ""))
 
 
-def inadmissible(fit: Fit, added: str | None, noise: Noise) -> str:
-    """Why a fitted effect cannot be what it is called: empty, or the parameter that runs to a bound or is not determined."""
-    if added is None:
-        return ""
-    effect = fit.model.catalogue[added]
-    size, values = effect.size, fit.models[0].values
-    if size is None:
-        return ""
-    if values[size.name] <= size.lower + 1e-12:
-        return f"{size.name} wants to be below {size.lower:g} {size.unit}"
-    if _DETERMINED * fit.model.standard_errors.get(size.name, 0.0) > abs(values[size.name]):
-        return f"{size.name} is not determined"
-    for parameter in effect.parameters:
-        if parameter.apart_from_swing:
-            own = values[NATURAL_FREQUENCY.name] / (2 * np.pi)
-            low, high = parameter.apart_from_swing
-            if low < values[parameter.name] / own < high:
-                return f"{parameter.name} is that of the pendulum's own swing"
-    for parameter in effect.parameters:
-        if parameter.role == "phase":
-            continue
-        value = values[parameter.name]
-        if value >= parameter.upper * (1 - 1e-9):
-            return f"{parameter.name} runs to its bound {parameter.upper:g} {parameter.unit}"
-        # where a search may begin, a fit may end
-        if value <= parameter.lower + 1e-9 * abs(parameter.lower) and parameter.lower not in parameter.starts:
-            return f"{parameter.name} runs to its bound {parameter.lower:g} {parameter.unit}"
-        if parameter.role == "shape" and not parameter.each and _vague(fit, parameter.name, value):
-            return f"{parameter.name} is not determined"
-    if not leaves_noise(fit, noise):
-        for simpler in effect.contains:
-            if simpler.unseen and values[simpler.unseen] < noise.deviation:
-                return f"{simpler.unseen} is below the noise: {simpler.name} is all that is seen of it"
-    return ""
-
-
 def told_from_changes(
     ranked: Iterable[Candidate], here: Frame, noise: Noise, found: Sequence[str]
 ) -> list[Candidate]:
@@ -336,12 +296,6 @@ def told_from_changes(
         return replace(one, refused="a change of what was added before does as well")
 
     return _sorted(told(one) for one in ranked)
-
-
-def _vague(fit: Fit, name: str, value: float) -> bool:
-    """True for a shape that the data leave anywhere: its standard error is beyond its own size."""
-    error = fit.model.standard_errors.get(name, 0.0)
-    return not np.isfinite(error) or error > _VAGUE * abs(value)
 
 
 def tied(ranked: Sequence[Candidate], noise: Noise) -> list[Candidate]:

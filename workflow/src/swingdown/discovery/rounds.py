@@ -11,6 +11,7 @@ from ..fitting.result import Fit
 from ..pendulum.effect import NATURAL_FREQUENCY
 from ..pendulum.model import Model
 from ..pendulum.slack import Slack
+from .admissible import leaves_noise
 from .budget import Budget
 from .campaign import Campaign, Noise, measure_noise
 from .choice import confirmed, gained, ranked_by_evidence, shape_believed, to_the_end, weighed
