@@ -27,7 +27,6 @@ from .ranking import (
     drops,
     evidence,
     in_place_of,
-    leaves_noise,
     ranking,
     tied,
     told_from_changes,
