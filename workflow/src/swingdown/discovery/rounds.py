@@ -97,7 +97,7 @@ def _seen(number: int, campaign: Campaign, here: Frame, found: tuple[str, ...]) 
     names, pairs = [swing.name for swing in swings], [swing.pair for swing in swings]
     return Round(
         number, fit, predict(fit, campaign.holdout), noise, tuple(groups(here, noise)), missing(here, noise),
-        kept(here, noise), beside(names, pairs, modelled, frequency), found,
+        kept(here, noise), beside(names, pairs, modelled, frequency, fit.model.restoring), found,
     )  # fmt: skip
 
 
