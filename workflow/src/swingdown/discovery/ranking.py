@@ -31,7 +31,7 @@ _HOPEFUL = (
     0.01  # the same, for those tried from more starts where none of the promising ones leaves the noise alone
 )
 _FIRST = 2  # effects without a shape that others are tried beside
-_WIDE = 10  # effects tried from more starts where none leaves the noise alone
+_WIDE = 6  # effects tried from more starts where none leaves the noise alone
 _FEW = 4  # effects tried in another one's place
 _FAR = 2.0  # times the noise
 _FELL_SHORT = 1.02  # of what a linear step leaves: a fit that leaves more may be in a false minimum
@@ -267,6 +267,8 @@ def _best(starts: Sequence[Start], here: Frame, noise: Noise, grown: bool = Fals
             fits.append(refit(start.begin, here.swings, grown=grown, seen=seen))
         except TrajectoryError:
             continue
+        if start.predicted > 0 and fits[-1].rss < _FELL_SHORT * (here.fit.rss - start.predicted):
+            break  # it is where the linear step said: no other start leads further
     if not fits:
         return None
     fit, start = min(fits, key=lambda fit: fit.rss), starts[0]
