@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from swingdown.discovery.admissible import inadmissible
 from swingdown.discovery.budget import Budget
 from swingdown.discovery.campaign import Noise, Swing, campaign
 from swingdown.discovery.differences import coarse_noise
@@ -12,7 +13,6 @@ from swingdown.discovery.established import established, unneeded
 from swingdown.discovery.folds import Turns, folds, in_turn
 from swingdown.discovery.linear import frame
 from swingdown.discovery.pairs import starts_of_pairs
-from swingdown.discovery.ranking import inadmissible
 from swingdown.discovery.rounds import first_fit, look
 from swingdown.discovery.search import discover
 from swingdown.engine.trajectory import simulate

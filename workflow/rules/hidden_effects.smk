@@ -1,6 +1,6 @@
 # How far verdicts can be trusted: campaigns in which the truth is hidden, and the score of the verdicts on them.
 # needs: nothing but the settings
-# makes: results/hidden_effects/scores.csv, summary.csv, confusion.csv, guard.yaml and their figure; on request only
+# makes: results/hidden_effects/scores.csv, summary.csv, confusion.csv, reliability.csv, guard.yaml and their figure; on request only
 
 HIDDEN = config["hidden_effects"]
 
@@ -51,6 +51,7 @@ rule hidden_score:
         scores="results/hidden_effects/scores.csv",
         summary="results/hidden_effects/summary.csv",
         confusion="results/hidden_effects/confusion.csv",
+        reliability="results/hidden_effects/reliability.csv",
         guard="results/hidden_effects/guard.yaml",
     log:
         "results/logs/hidden_effects/score.log",

@@ -8,20 +8,23 @@ import yaml
 from swingdown import console
 from swingdown.pendulum.catalogue import catalogue
 from swingdown.sealed import read_json, write_csv, write_text
+from swingdown.trials.reliability import reliability
 from swingdown.trials.score import confusion, guard, row, summarise
 
 
-def score(truths, verdicts, known, scores, summary, matrix, guarded):
+def score(truths, verdicts, known, scores, summary, matrix, reliable, guarded):
     """The tables written, and what they say in a line."""
-    rows = []
+    rows, both = [], []
     for truth, verdict in zip(truths, verdicts, strict=True):
         true, found = (read_json(path) for path in (truth, verdict))
+        both += [(true[name], found[name]) for name in true]
         rows += [row(name, true[name], found[name], known) for name in true]
     table = pd.DataFrame(rows)
     write_csv(table, scores, float_format="%.6g")
     figures = summarise(table)
     write_csv(figures, summary, float_format="%.4g")
     write_csv(confusion(table, known), matrix, index=True, float_format="%.4g")
+    write_csv(reliability(both), reliable, float_format="%.4g")
     write_text(
         guarded,
         "# To be taken into workflow/src/swingdown/discovery/guard.yaml, which verdicts quote.\n"
@@ -36,6 +39,7 @@ if __name__ == "__main__":
         known = catalogue(snakemake.params.effects)
         say(
             score(
-                inputs.truths, inputs.verdicts, known, output.scores, output.summary, output.confusion, output.guard
+                inputs.truths, inputs.verdicts, known, output.scores, output.summary, output.confusion,
+                output.reliability, output.guard,
             )
         )  # fmt: skip

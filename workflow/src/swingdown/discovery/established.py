@@ -2,13 +2,17 @@
 
 from collections.abc import Collection
 
+import numpy as np
+
 from ..engine.trajectory import TrajectoryError
+from .admissible import inadmissible
 from .budget import Budget
 from .campaign import Campaign
 from .candidates import without
+from .constancy import changes
 from .folds import Turns, in_turn
 from .linear import frame
-from .ranking import Candidate, evidence, in_place_of, inadmissible
+from .ranking import Candidate, evidence, in_place_of
 from .refit import refit
 from .state import Round
 
@@ -19,11 +23,14 @@ _SHARE = 0.9  # of the excess without it, that an effect must explain: what expl
 _MOST = 0.75  # of the folds, that must be better with it
 _TOLD = 0.015  # of the score, by which each rival must be worse, and be worse on as many folds
 _RICHER = 0.02  # of the score, that a rival must be better for each parameter more
+_CONSTANT = 0.1  # of its size (RMS along the motion), that an effect may change by
+_EXPLAINED, _CLEAR = 1 / 3, 5.0  # of what remains, and standard errors, that such a change must be to count
+_STEADY = 0.3  # of its size, by which it may be another where nothing else that was found stands beside it
 _IDLE = 0.005  # of the score, below which an effect is not needed
 
 
 def unneeded(state: Round, campaign: Campaign) -> Candidate | None:
-    """The ``Candidate`` that drops an effect which swings left out in turn do not miss; None where all are missed.
+    """The ``Candidate`` that drops an effect which neither fitted swings nor those left out in turn miss; None where all are missed.
 
     Those of the base are asked, too: what was found later may do their work.
     """
@@ -37,7 +44,9 @@ def unneeded(state: Round, campaign: Campaign) -> Candidate | None:
         if size is not None and size.lower == 0 and state.fit.model.values[size.name] <= 0:
             continue  # that it would be negative is told
         lost = _lost(state, campaign, name, whole)
-        if lost is not None and lost[0] < _IDLE and (best is None or lost[0] < best[0]):
+        if lost is None or np.log(lost[1].fit.rms / state.fit.rms) > _IDLE:
+            continue  # the fitted swings miss it
+        if lost[0] < _IDLE and (best is None or lost[0] < best[0]):
             best = lost
     return best and best[1]
 
@@ -52,6 +61,39 @@ def _lost(state: Round, campaign: Campaign, name: str, whole: Turns) -> tuple[fl
     if turns is None:
         return None
     return whole.gain(turns), Candidate(None, name, fit, evidence(fit, state.noise)), turns
+
+
+def _changing(state: Round, campaign: Campaign, name: str) -> str:
+    """In words how an effect is not of one size, where that explains a good part of what remains; empty where it is."""
+    here = frame(state.fit, campaign.fit)
+    excess = state.fit.rss - state.fit.n * state.noise.deviation**2
+    for one in changes(here, state.fit.model.catalogue[name], state.noise):
+        if one.squares < _EXPLAINED * excess or one.change < _CLEAR * one.error:
+            continue
+        if one.change > _CONSTANT or one.squares > _SHARE * excess:
+            return f"its size changes with {one.of}"
+    return ""
+
+
+def _leaning(state: Round, campaign: Campaign, name: str) -> str:
+    """In words that an effect has another size where nothing else that was found stands beside it; empty where it has not.
+
+    Terms that bend one another's curve into that of something else have their sizes from one another.
+    """
+    size, others = state.fit.model.catalogue[name].size, [one for one in state.found if one != name]
+    if size is None or not others:
+        return ""
+    alone = state.fit
+    try:
+        for other in others:
+            if len(alone.model.names) > 1 and other in alone.model.names:
+                alone = refit(without(alone, other), campaign.fit, grown=False)
+    except TrajectoryError:
+        return "it is not there without what was found beside it"
+    value = state.fit.model.values[size.name]
+    if abs(alone.model.values[size.name] - value) > _STEADY * abs(value):
+        return f"{size.name} depends on what stands beside it"
+    return ""
 
 
 def established(
@@ -87,6 +129,8 @@ def _doubt(state: Round, campaign: Campaign, allowed: Collection[str] | None, na
     lost = _lost(state, campaign, name, whole)
     if lost is None or lost[0] < _NEEDED or whole.better(lost[2]) < _MOST:
         return "swings left out do not miss it"
+    if why := _changing(state, campaign, name) or _leaning(state, campaign, name):
+        return why
     with_it, without_it = (turns.excess(state.noise) for turns in (whole, lost[2]))
     if without_it - with_it < _SHARE * without_it:
         return "much remains beside what it explains"

@@ -1,7 +1,7 @@
 """A round of discovery as files: what a search writes, and what verdict, figures and report read."""
 
 from collections.abc import Iterable, Sequence
-from dataclasses import replace
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
@@ -166,6 +166,8 @@ def summary(state: Round, campaign: Campaign) -> dict[str, Any]:
         "reason": state.reason,
         "established": state.established,
         "established_in": state.established_in,
+        "probabilities": dict(state.probabilities),
+        "next_swing": None if state.next_swing is None else asdict(state.next_swing) | {"text": str(state.next_swing)},
         "spent": state.spent,
         "conclusion": state.concluded,
         "chosen": None if chosen is None else {"move": chosen.move, "added": chosen.added, "also": list(chosen.also),

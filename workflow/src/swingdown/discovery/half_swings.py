@@ -36,10 +36,13 @@ def turning_points(times: Floats, angle: Floats) -> tuple[Floats, Floats]:
     return when, where
 
 
-def half_swings(times: Floats, angle: Floats, natural_frequency: float, reading: str = ANGLE) -> pd.DataFrame:
+def half_swings(
+    times: Floats, angle: Floats, natural_frequency: float, restoring: str = "sine", reading: str = ANGLE
+) -> pd.DataFrame:
     """A table, one row a half-swing: amplitude (rad), loss (share of the potential energy), half-period against that of
     an undamped pendulum of that amplitude (ratio), and mid-point (rad, from three turning points, so that decay leaves it
-    alone). Half-swings that the noise could have made are left out.
+    alone). Half-swings that the noise could have made are left out, and beside a weight's sine (``restoring``) those that
+    begin or end beyond the top, which are none.
 
     Of a rate (rad/s) the turning points are where it is fastest: each stands for the angle that it reaches by the energy it has
     there. The mid-point is then not known.
@@ -49,16 +52,21 @@ def half_swings(times: Floats, angle: Floats, natural_frequency: float, reading:
     plain = np.abs(where - np.median(angle)) > _ABOVE_NOISE * noise
     last = int(np.argmin(plain)) if not plain.all() else plain.size
     when, where = when[:last], where[:last]
+    if restoring == "sine" and reading == ANGLE:  # what falls down is at rest beyond the top no more
+        first = int(np.max(np.flatnonzero(np.abs(where) >= np.pi), initial=-1)) + 1
+        when, where = when[first:], where[first:]
     if when.size < 4:
         return pd.DataFrame(columns=_COLUMNS, dtype=float)
     if reading == RATE:
         where = where - np.median((where[:-2] + 2 * where[1:-1] + where[2:]) / 4)  # a gyroscope's zero
-        where = np.sign(where) * 2 * np.arcsin(np.minimum(np.abs(where) / (2 * natural_frequency), 1.0))
-    height = 1 - np.cos(where)
+        where = where / natural_frequency
+        if restoring == "sine":
+            where = np.sign(where) * 2 * np.arcsin(np.minimum(np.abs(where) / 2, 1.0))
     amplitude = np.abs(np.diff(where)) / 2
-    mean, root = np.ones_like(amplitude), np.cos(amplitude / 2)
-    for _ in range(6):
-        mean, root = (mean + root) / 2, np.sqrt(mean * root)
+    if restoring == "sine":
+        height, mean = 1 - np.cos(where), _slower(amplitude)
+    else:
+        height, mean = where**2 / 2, np.ones_like(amplitude)
     middle = (where[:-2] + 2 * where[1:-1] + where[2:]) / 4 * (np.nan if reading == RATE else 1.0)
     return pd.DataFrame(
         {
@@ -71,11 +79,20 @@ def half_swings(times: Floats, angle: Floats, natural_frequency: float, reading:
     )
 
 
+def _slower(amplitude: Floats) -> Floats:
+    """The frequency of undamped swings of these amplitudes (rad, below pi) over that of small ones: agm(1, cos(amplitude / 2))."""
+    mean, root = np.ones_like(amplitude), np.cos(amplitude / 2)
+    for _ in range(6):
+        mean, root = (mean + root) / 2, np.sqrt(mean * root)
+    return mean
+
+
 def beside(
     names: Sequence[str],
     swings: Sequence[Swing],
     modelled: Sequence[Swing],
     natural_frequency: float,
+    restoring: str = "sine",
     reading: str = ANGLE,
 ) -> pd.DataFrame:
     """One table of all half-swings of several swings, measured beside modelled: columns ``swing``, ``of`` and those of
@@ -84,7 +101,8 @@ def beside(
     tables = []
     for name, measured, fitted in zip(names, swings, modelled, strict=True):
         for of, (times, angle) in (("measured", measured), ("modelled", fitted)):
-            tables.append(half_swings(times, angle, natural_frequency, reading).assign(swing=name, of=of))
+            table = half_swings(times, angle, natural_frequency, restoring, reading)
+            tables.append(table.assign(swing=name, of=of))
     return pd.concat(tables, ignore_index=True)
 
 

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from scipy.linalg import qr
@@ -37,6 +38,13 @@ class Frame:
     slices: tuple[slice, ...]
     names: tuple[str, ...]
     of: tuple[int, ...]
+
+    @cached_property
+    def factors(self) -> tuple[Floats, Floats]:
+        """The slopes, each of length one, as orthonormal columns times a triangle: two arrays."""
+        size = np.linalg.norm(self.slopes, axis=0)
+        factors = np.linalg.qr(self.slopes / np.where(size == 0, 1.0, size))
+        return factors.Q, factors.R
 
     @property
     def samples(self) -> int:
@@ -173,16 +181,23 @@ def explained(frame: Frame, columns: Floats) -> tuple[float, int]:
 
 def best_step(frame: Frame, columns: Floats, low: Floats, high: Floats) -> Step:
     """The ``Step`` of least squares with the coefficients between ``low`` and ``high``, the fit's own values within theirs."""
-    whole = np.hstack([frame.slopes, frame.padded(columns)])
-    size = np.linalg.norm(whole, axis=0)
-    size[size == 0] = 1.0
-    basis, triangle = np.linalg.qr(whole / size)
+    (basis, own), scale = frame.factors, np.linalg.norm(frame.slopes, axis=0)
+    size = np.linalg.norm(columns, axis=0)
+    scale, size = np.where(scale == 0, 1.0, scale), np.where(size == 0, 1.0, size)
+    beside = frame.padded(columns) / size
+    # of the triangle of all columns that of the fit's own is known: only what is offered is new
+    inside = basis.T @ beside
+    rest = beside - basis @ inside
+    again = basis.T @ rest
+    more, corner = np.linalg.qr(rest - basis @ again)
+    triangle = np.block([[own, inside + again], [np.zeros((corner.shape[0], own.shape[1])), corner]])
+    aim = np.concatenate([basis.T @ frame.residual, more.T @ frame.residual])
+    size = np.concatenate([scale, size])
     own_low, own_high = frame.room
     low, high = np.concatenate([own_low, low]) * size, np.concatenate([own_high, high]) * size
     held = high - low <= 0
-    aim = basis.T @ frame.residual
     step = np.zeros(size.size)
     step[~held] = lsq_linear(triangle[:, ~held], aim, (low[~held], high[~held]), method="bvls", tol=1e-9).x
-    before, after = np.sum(frame.residual**2), np.sum((frame.residual - (whole / size) @ step) ** 2)
+    squares = float(aim @ aim - np.sum((aim - triangle @ step) ** 2))
     step = step / size
-    return Step(float(before - after), step[frame.slopes.shape[1] :], step[: frame.slopes.shape[1]])
+    return Step(squares, step[own.shape[1] :], step[: own.shape[1]])

@@ -7,7 +7,7 @@ import numpy as np
 
 from ..engine.trajectory import TrajectoryError
 from ..fitting.result import Fit
-from ..pendulum.effect import NATURAL_FREQUENCY
+from .admissible import inadmissible, leaves_noise
 from .budget import Budget
 from .campaign import Noise
 from .candidates import (
@@ -19,6 +19,7 @@ from .candidates import (
     starts_to_exchange,
     without,
 )
+from .constancy import by_changing
 from .linear import Frame, frame
 from .pairs import plain, starts_of_pairs
 from .refit import nudged, refit
@@ -29,11 +30,13 @@ _PROMISING = 0.05  # of the best predicted gain: candidates below are not refitt
 _HOPEFUL = (
     0.01  # the same, for those tried from more starts where none of the promising ones leaves the noise alone
 )
+_FIRST = 2  # effects without a shape that others are tried beside
+_WIDE = 6  # effects tried from more starts where none leaves the noise alone
 _FEW = 4  # effects tried in another one's place
+_FAR = 2.0  # times the noise
+_FELL_SHORT = 1.02  # of what a linear step leaves: a fit that leaves more may be in a false minimum
 _NUDGED = 2  # candidates looked for in their neighbourhood, too
 _SHAPES = 3  # of an effect, to start from where the first ones did not do
-_DETERMINED = 3.0  # standard errors that an effect's size must be from nothing
-_VAGUE = 1.0  # standard error over value, of a shape that is not determined
 _SUGGESTED = (
     4.0  # chi-square by which a richer effect must beat a simpler one that it contains to be tied with it
 )
@@ -91,11 +94,12 @@ def ranking(
     near = {
         id(starts): not _sized(here, starts) or starts[0].predicted >= _PROMISING * most for starts in moves
     }
-    promising = [starts for starts in moves if near[id(starts)]]
-    found = _moved(here, noise, [_first(starts) for starts in promising], allowed, budget)
+    promising = [_first(starts) for starts in moves if near[id(starts)]]
+    found = _moved(here, noise, promising, allowed, budget)
+    found = _grown(found, moves, here, noise, budget)
     if found and (leaves_noise(found[0].fit, noise) or budget.spent):
         return found
-    hopeful = [starts for starts in moves if starts[0].predicted >= _HOPEFUL * most]
+    hopeful = [starts for starts in moves if starts[0].predicted >= _HOPEFUL * most][:_WIDE]
     more = [starts[2:-1] if near[id(starts)] else starts for starts in hopeful]
     wide = _sorted([_best(starts, here, noise) for starts in more if starts and not budget.spent])
     best: dict[str, list[Candidate]] = {}
@@ -124,15 +128,46 @@ def _first(starts: list[Start]) -> list[Start]:
     return [*starts[:2], starts[-1]] if len(starts) > 3 else starts
 
 
-def leaves_noise(fit: Fit, noise: Noise) -> bool:
-    """True if the residual's size is that of the noise, to five standard deviations of what the samples allow."""
-    n = noise.effective(fit.n)
-    return bool(abs(fit.rms / noise.deviation - 1) < 5 / np.sqrt(2 * n) + 0.01)
-
-
 def _nudged(one: Candidate, here: Frame, noise: Noise) -> Candidate:
     fit = nudged(one.fit, here.swings, rounds=1)
     return replace(one, fit=fit, bic=evidence(fit, noise), refused=inadmissible(fit, one.added, noise))
+
+
+def _grown(
+    found: Sequence[Candidate], moves: Sequence[list[Start]], here: Frame, noise: Noise, budget: Budget
+) -> list[Candidate]:
+    """The candidates, those looked for again in growing parts of the swings that fell short of what a linear step promised where
+    this would have brought them beside the best: dry friction has many minima, and growing parts lead around them.
+
+    Where the best is far from the noise the model's own friction may do the work of what is missing, and a linear step from it tells
+    little: what damps is looked for again whatever it promised.
+    """
+    known = {one.move: one for one in found}
+    admissible = [one.bic for one in found if not one.refused]
+    reach = min(admissible) + TIE if admissible else np.inf
+    again = []
+    for starts in moves:
+        left = max(here.fit.rss - starts[0].predicted, here.fit.n * noise.deviation**2)
+        one = known.get(starts[0].move)
+        fit = here.fit if one is None else one.fit
+        if fit.rss > _FELL_SHORT * left and evidence(fit, noise) + _gain(fit, left, noise) < reach:
+            again.append(starts)
+    if not found or found[0].fit.rms > _FAR * noise.deviation:
+        damping = [starts for starts in moves if here.fit.model.catalogue[starts[0].added or ""].damping]
+    else:
+        damping = []
+    others = [starts for starts in again if not any(starts is one for one in damping)]
+    for starts in (*damping, *others[:_FEW]):
+        one = None if budget.spent else _best(starts, here, noise, grown=True)
+        old = known.get(starts[0].move)
+        if one and (old is None or one.fit.rss < old.fit.rss):
+            known[one.move] = one
+    return _sorted(known.values())
+
+
+def _gain(fit: Fit, left: float, noise: Noise) -> float:
+    """The change of the evidence where no more than ``left`` (rad^2) were left of what a fit leaves."""
+    return float(noise.effective(fit.n) * np.log(left / fit.rss))
 
 
 def _moved(
@@ -142,7 +177,10 @@ def _moved(
     for start in starts_to_exchange(here, allowed):
         exchanges.setdefault(start.move, []).append(start)
     return _sorted(
-        [_best(starts, here, noise) for starts in (*moves, *exchanges.values()) if not budget.spent]
+        [
+            *(_best(starts, here, noise) for starts in moves if not budget.spent),
+            *(_best(starts, here, noise, grown=True) for starts in exchanges.values() if not budget.spent),
+        ]
     )
 
 
@@ -168,24 +206,25 @@ def beside_the_best(
     few: int = 2,
     budget: Budget = ENDLESS,
 ) -> list[Candidate]:
-    """The ``Candidate``s that add the best of the ``ranked`` effects without a shape and another one without: the ``few`` that
-    promise most once the first is fitted.
+    """The ``Candidate``s that add one of the best of the ``ranked`` effects without a shape and another one without: the ``few``
+    that promise most once the first is fitted.
 
     Far from the noise a linear step from the model as it is tells little of two.
     """
     catalogue = here.fit.model.catalogue
-    one = next((one for one in ranked if one.added and not one.refused and not one.dropped and not one.also
-                and plain(catalogue[one.added])), None)  # fmt: skip
-    if one is None or one.added is None or budget.spent:
-        return []
-    there = frame(one.fit, here.swings)
-    names = [name for name in additions(one.fit.model, allowed) if plain(catalogue[name])]
-    moves = sorted(_offered(there, names), key=lambda starts: -starts[0].predicted)[:few]
-    begun = [
-        [replace(start, added=one.added, also=(start.added,)) for start in starts if start.added]
-        for starts in moves
-    ]
-    return _sorted([_best(starts, there, noise) for starts in begun if not budget.spent])
+    alone = [one for one in ranked if one.added and not one.refused and not one.dropped and not one.also
+             and plain(catalogue[one.added])]  # fmt: skip
+    found: list[Candidate | None] = []
+    for one in alone[:_FIRST]:
+        if one.added is None or budget.spent:
+            break
+        there = frame(one.fit, here.swings)
+        names = [name for name in additions(one.fit.model, allowed) if plain(catalogue[name])]
+        moves = sorted(_offered(there, names), key=lambda starts: -starts[0].predicted)[:few]
+        for starts in moves:
+            begun = [replace(start, added=one.added, also=(start.added,)) for start in starts if start.added]
+            found.append(_best(begun, there, noise))
+    return _sorted(found)
 
 
 def in_place_of(
@@ -217,13 +256,19 @@ def _sorted(found: Iterable[Candidate | None]) -> list[Candidate]:
     return sorted((one for one in found if one), key=lambda one: (bool(one.refused), one.bic))
 
 
-def _best(starts: Sequence[Start], here: Frame, noise: Noise) -> Candidate | None:
+def _best(starts: Sequence[Start], here: Frame, noise: Noise, grown: bool = False) -> Candidate | None:
+    # friction that does the work of what is missing is far too large: what damps is given its share of the decay, too
+    seen = grown and any(
+        here.fit.model.catalogue[name].damping for name in (starts[0].added, *starts[0].also) if name
+    )
     fits = []
     for start in starts:
         try:
-            fits.append(refit(start.begin, here.swings))
+            fits.append(refit(start.begin, here.swings, grown=grown, seen=seen))
         except TrajectoryError:
             continue
+        if start.predicted > 0 and fits[-1].rss < _FELL_SHORT * (here.fit.rss - start.predicted):
+            break  # it is where the linear step said: no other start leads further
     if not fits:
         return None
     fit, start = min(fits, key=lambda fit: fit.rss), starts[0]
@@ -232,46 +277,27 @@ def _best(starts: Sequence[Start], here: Frame, noise: Noise) -> Candidate | Non
     return replace(one, refused=next(filter(None, why), ""))
 
 
-def inadmissible(fit: Fit, added: str | None, noise: Noise) -> str:
-    """Why a fitted effect cannot be what it is called: empty, or the parameter that runs to a bound or is not determined."""
-    if added is None:
-        return ""
-    effect = fit.model.catalogue[added]
-    size, values = effect.size, fit.models[0].values
-    if size is None:
-        return ""
-    if values[size.name] <= size.lower + 1e-12:
-        return f"{size.name} wants to be below {size.lower:g} {size.unit}"
-    if _DETERMINED * fit.model.standard_errors.get(size.name, 0.0) > abs(values[size.name]):
-        return f"{size.name} is not determined"
-    for parameter in effect.parameters:
-        if parameter.apart_from_swing:
-            own = values[NATURAL_FREQUENCY.name] / (2 * np.pi)
-            low, high = parameter.apart_from_swing
-            if low < values[parameter.name] / own < high:
-                return f"{parameter.name} is that of the pendulum's own swing"
-    for parameter in effect.parameters:
-        if parameter.role == "phase":
-            continue
-        value = values[parameter.name]
-        if value >= parameter.upper * (1 - 1e-9):
-            return f"{parameter.name} runs to its bound {parameter.upper:g} {parameter.unit}"
-        # where a search may begin, a fit may end
-        if value <= parameter.lower + 1e-9 * abs(parameter.lower) and parameter.lower not in parameter.starts:
-            return f"{parameter.name} runs to its bound {parameter.lower:g} {parameter.unit}"
-        if parameter.role == "shape" and not parameter.each and _vague(fit, parameter.name, value):
-            return f"{parameter.name} is not determined"
-    if not leaves_noise(fit, noise):
-        for simpler in effect.contains:
-            if simpler.unseen and values[simpler.unseen] < noise.deviation:
-                return f"{simpler.unseen} is below the noise: {simpler.name} is all that is seen of it"
-    return ""
+def told_from_changes(
+    ranked: Iterable[Candidate], here: Frame, noise: Noise, found: Sequence[str]
+) -> list[Candidate]:
+    """The candidates, best first; refused are those with a shape that do no better beside effects found before than a change of
+    these would: then it is their shape that is wrong, and nothing is known of what is added.
 
+    ``found`` names the effects added before.
+    """
+    ranked = list(ranked)
+    if not found or not ranked:
+        return ranked
+    now, reach = evidence(here.fit, noise), by_changing(here, noise, found)
+    catalogue = here.fit.model.catalogue
 
-def _vague(fit: Fit, name: str, value: float) -> bool:
-    """True for a shape that the data leave anywhere: its standard error is beyond its own size."""
-    error = fit.model.standard_errors.get(name, 0.0)
-    return not np.isfinite(error) or error > _VAGUE * abs(value)
+    def told(one: Candidate) -> Candidate:
+        shaped = any(catalogue[name].with_role("shape") for name in one.names)
+        if one.refused or not shaped or now - one.bic > reach + TIE:
+            return one
+        return replace(one, refused="a change of what was added before does as well")
+
+    return _sorted(told(one) for one in ranked)
 
 
 def tied(ranked: Sequence[Candidate], noise: Noise) -> list[Candidate]:

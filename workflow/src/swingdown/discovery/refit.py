@@ -15,16 +15,18 @@ _NUDGES = (0.97, 1.03, 0.9, 1.1)
 _BETTER = 1e-4  # of the sum of squares; a smaller gain is the same minimum
 
 
-def refit(begin: Begin, swings: Sequence[Swing], grown: bool = True, most: int = 30) -> Fit:
+def refit(
+    begin: Begin, swings: Sequence[Swing], grown: bool = True, most: int = 30, seen: bool = False
+) -> Fit:
     """The ``Fit`` of the model that ``begin`` has, within the catalogue's bounds, from its values and releases.
 
-    ``grown`` as in ``fit_jointly``. What the catalogue calls a range is not fitted. TrajectoryError where the values give
+    ``grown`` as in ``fit_jointly``; ``seen`` begins from the decay that the swings show, too. What the catalogue calls a range is not fitted. TrajectoryError where the values give
     no trajectory, or are none that the model can have.
     """
     model, values = begin.model, begin.swings[0].values
     fixed = {name: values[name] for effect in model.effects for name in effect.ranges}
     try:
-        return fit_jointly(model, [swing.pair for swing in swings], guess=begin, seen=False, bounded=True, own=model.each,
+        return fit_jointly(model, [swing.pair for swing in swings], guess=begin, seen=seen, bounded=True, own=model.each,
                            fixed=fixed, grown=grown, most=most)  # fmt: skip
     except InputError as problem:  # one candidate that cannot be is no reason to end a search
         raise TrajectoryError(str(problem)) from problem

@@ -11,6 +11,7 @@ from ..fitting.result import Fit
 from ..pendulum.effect import NATURAL_FREQUENCY
 from ..pendulum.model import Model
 from ..pendulum.slack import Slack
+from .admissible import leaves_noise
 from .budget import Budget
 from .campaign import Campaign, Noise, measure_noise
 from .choice import confirmed, gained, ranked_by_evidence, shape_believed, to_the_end, weighed
@@ -20,7 +21,16 @@ from .free_form import fit_free_form, kept, missing
 from .half_swings import beside
 from .linear import Frame, frame
 from .locate import groups
-from .ranking import ENDLESS, Candidate, drops, evidence, in_place_of, leaves_noise, ranking, tied
+from .ranking import (
+    ENDLESS,
+    Candidate,
+    drops,
+    evidence,
+    in_place_of,
+    ranking,
+    tied,
+    told_from_changes,
+)
 from .refit import nudged, opened
 from .state import Round
 from .verdict import GUARD
@@ -61,6 +71,7 @@ def look(
     for old in found:
         if not budget.spent:
             ranked += in_place_of(here, state.noise, old, allowed)
+    ranked = told_from_changes(ranked, here, state.noise, found)
     state = ranked_by_evidence(state, here, ranked)
     state = confirmed(state, campaign)
     if state.chosen and leaves_noise(state.chosen.fit, state.noise):
@@ -86,7 +97,7 @@ def _seen(number: int, campaign: Campaign, here: Frame, found: tuple[str, ...]) 
     names, pairs = [swing.name for swing in swings], [swing.pair for swing in swings]
     return Round(
         number, fit, predict(fit, campaign.holdout), noise, tuple(groups(here, noise)), missing(here, noise),
-        kept(here, noise), beside(names, pairs, modelled, frequency, campaign.reading), found,
+        kept(here, noise), beside(names, pairs, modelled, frequency, fit.model.restoring, campaign.reading), found,
     )  # fmt: skip
 
 

@@ -1,7 +1,7 @@
 """The whole search: from the base model move by move, along other ways where the first does not end well, and what it establishes."""
 
 from collections.abc import Collection, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -13,10 +13,14 @@ from .choice import held_out
 from .established import established, unneeded
 from .folds import in_turn
 from .linear import frame
+from .next_swing import NextSwing, next_swing
+from .posterior import Structure, probabilities, weighed
 from .ranking import Candidate, in_place_of
 from .rounds import after, first_fit, look, look_again, without_a_name
 from .state import Round
 
+_MANY = 3  # effects together can leave nothing of what none of them is: each has to be established
+_DOUBTED = 0.01  # probability of the second structure, from which on a swing is looked for that tells it from the first
 _WAYS = 2  # that are gone, the first included
 _PARAMETER = 0.01  # of the score on swings left out: what a model must be better for each parameter more
 _DONE = 0.05  # the same: what an end with nothing missing may be worse
@@ -31,6 +35,7 @@ class _Search:
     rounds: int
     allowed: Collection[str] | None
     budget: Budget
+    looked: list[Round] = field(default_factory=list)  # all rounds of all ways, in order
 
 
 def discover(
@@ -54,7 +59,25 @@ def discover(
         states = _simplified(search, states)
     if states[-1].missing:
         states = _told(search, states)
-    return [*states[:-1], replace(states[-1], spent=search.budget.spent)]
+    elif len(states[-1].found) >= _MANY:
+        sure, number = _established(search, states)
+        states = [*states[:-1], replace(states[-1], established=sure, established_in=number)]
+    told = weighed([*search.looked, *states], campaign)
+    likely = probabilities(told, states[0].fit.model.names)
+    last = replace(states[-1], spent=search.budget.spent, probabilities=likely)
+    return [*states[:-1], replace(last, next_swing=_next(last, told, campaign))]
+
+
+def _next(last: Round, told: Sequence[tuple[float, Structure]], campaign: Campaign) -> NextSwing | None:
+    """The swing that tells the two most probable structures apart; None where nothing is missing and one of them is sure."""
+    named = [one for one in told if not _nameless(one[1])][:2]
+    if len(named) < 2 or not (last.missing or named[1][0] > _DOUBTED):
+        return None
+    return next_swing(named[0][1].fit, named[1][1].fit, campaign, last.noise)
+
+
+def _nameless(one: Structure) -> bool:
+    return not all(one.fit.model.catalogue.has_name(name) for name in one.names)
 
 
 def _way(search: _Search, fit: Fit, found: Sequence[str], number: int, seen: set[str]) -> list[Round]:
@@ -63,6 +86,7 @@ def _way(search: _Search, fit: Fit, found: Sequence[str], number: int, seen: set
     for k in range(number, search.rounds + 1):
         last = k == search.rounds
         states.append(look(k, search.campaign, fit, found, search.allowed, last, search.budget))
+        search.looked.append(states[-1])
         chosen = states[-1].chosen
         if chosen is None or chosen.fit.model.label in seen:
             break

@@ -50,6 +50,9 @@ def _remains(found: Mapping[str, Any], catalogue: Catalogue) -> str:
     nameless = [one["name"] for one in found["stand_ins"] if not catalogue.has_name(one["name"])]
     helping = [one for one in found["stand_ins"] if catalogue.has_name(one["name"])]
     left = found["gap"]["left"]
+    if not found["where"]["remaining"] and not nameless:
+        joined = " and ".join(_described(one, catalogue[one["name"]]) for one in helping)
+        return f"Nothing more is missing, but what is was imitated by {joined}: not established."
     said = (
         f"What remains, {left['noise']:.3g} times the noise ({1e3 * left.get('rad', left.get('rad_per_s')):.3g} m{found.get('unit', 'rad')}){kind}, has no name in the catalogue"
         + (f"; it is kept as {' and '.join(nameless)}." if nameless else ".")

@@ -1,5 +1,6 @@
 """The state of a search after so many moves: the fit, where it fails, what could mend it, and what was chosen."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -10,6 +11,7 @@ from ..fitting.result import Fit
 from ..pendulum.model import Model
 from .campaign import Noise
 from .locate import Group
+from .next_swing import NextSwing
 from .ranking import Candidate, evidence
 from .verdict import GUARD
 
@@ -44,8 +46,12 @@ class Round:
     out_of_sample: dict[str, float] = field(default_factory=dict)
     others: tuple[Candidate, ...] = ()
     established: dict[str, str] | None = None
-    """By effect found, why it is not established, or empty; None where nothing more is missing."""
+    """By effect found, why it is not established, or empty; None where nothing more is missing and few effects were found."""
     established_in: int | None = None  # the number of the round that tells it
+    probabilities: Mapping[str, float] = field(
+        default_factory=dict
+    )  # by effect, of being there; told in the last round
+    next_swing: NextSwing | None = None  # that tells the leading structures apart
     spent: bool = False  # the search's budget
     concluded: dict[str, Any] | None = None  # of the last round: what ``conclusion.conclusion`` gives
 

@@ -14,6 +14,8 @@ from ..pendulum.free_form import FreeForm
 from .locate import KINDS
 from .sentence import sentence
 
+_TOLD = 0.001  # probability of an effect, below which it is not listed
+_APART = 5.0  # standard deviations that a further swing must be worth
 GUARD = yaml.safe_load(resources.files(__package__).joinpath("guard.yaml").read_text())
 
 
@@ -22,7 +24,7 @@ def verdict(rounds: Sequence[Mapping[str, Any]], catalogue: Catalogue = SHIPPED)
 
     ``status``: ``consistent`` nothing was missing, ``named`` what was added stands alone and nothing significant remains,
     ``ambiguous`` the same with a tie, ``partial`` something is established and something significant remains, ``unknown``
-    where something significant remains and nothing is established. ``effects`` holds what is asserted, ``stand_ins`` what
+    where something significant remains, or none of many effects that leave nothing is established. ``effects`` holds what is asserted, ``stand_ins`` what
     merely helps.
     """
     first, last = rounds[0], rounds[-1]
@@ -31,19 +33,20 @@ def verdict(rounds: Sequence[Mapping[str, Any]], catalogue: Catalogue = SHIPPED)
     # beside a torque without a name the values of the named ones mean little: it can do their work
     sound = [state for state in rounds if not any(name in unnamed for name in state["found"])][-1]
     remains = last["missing"] or any(name in unnamed for name in last["found"])
-    doubts = (last["established"] or {}) if remains else {}
+    judged = remains or last["established"] is not None  # of many that leave nothing, each is judged, too
+    doubts = last["established"] or {}
     asserted, stand_ins = [], []
     for name in last["found"]:
-        sure = remains and name not in unnamed and doubts.get(name) == ""
+        sure = judged and name not in unnamed and doubts.get(name) == ""
         # beside terms that are not established an established one's values mean as little
         told = rounds[last["established_in"]] if sure else last if name in unnamed else sound
         one = _effect(catalogue[name], rounds, told)
-        if remains and (name in unnamed or doubts.get(name, "not looked into")):
+        if judged and (name in unnamed or doubts.get(name, "not looked into")):
             doubt = "it has no name" if name in unnamed else doubts.get(name, "it was not looked into")
             stand_ins.append(one | {"doubt": doubt})
         else:
             asserted.append(one)
-    if remains:
+    if remains or stand_ins:
         status = "partial" if asserted else "unknown"
     elif not asserted:
         status = "consistent"
@@ -60,6 +63,7 @@ def verdict(rounds: Sequence[Mapping[str, Any]], catalogue: Catalogue = SHIPPED)
         "status": status,
         "effects": asserted,
         "stand_ins": stand_ins,
+        "probabilities": {name: p for name, p in last.get("probabilities", {}).items() if p >= _TOLD},
         "removed": [name for name in first["effects"] if name not in last["effects"]],
         "where": {
             "kind": KINDS.get(first["kind"]),
@@ -87,7 +91,8 @@ def verdict(rounds: Sequence[Mapping[str, Any]], catalogue: Catalogue = SHIPPED)
         "conclusion": last.get("conclusion"),
         "nuisance": last.get("nuisance", {}),
         "misspecified": _at_their_bounds([catalogue[name] for name in sound["effects"]], sound["parameters"]),
-        "next_measurement": _next_measurement(asserted, status, catalogue),
+        "next_measurement": _next_measurement(asserted, status, catalogue, last.get("next_swing")),
+        "next_swing": last.get("next_swing"),
         "stopped": bool(last["spent"]),
         "guard": GUARD,
     }
@@ -122,8 +127,8 @@ def _effect(effect: Effect, rounds: Sequence[Mapping[str, Any]], fitted: Mapping
     ties = {other: row for row in near for other in _names(row) if other not in _names(state["chosen"])}
     tied: list[str]
     alike: dict[str, float]
-    if (
-        isinstance(effect, FreeForm) or last["established"] is not None
+    if isinstance(effect, FreeForm) or (
+        last["established"] is not None and last["missing"]
     ):  # rivals were looked for in another way
         tied, alike = [], {}
     elif name in last["rivals"]:
@@ -135,6 +140,7 @@ def _effect(effect: Effect, rounds: Sequence[Mapping[str, Any]], fitted: Mapping
         "name": name,
         "round": state["round"] + 1,
         "parameters": {p.name: known.get(p.name, {"value": None, "standard_error": None, "unit": p.unit}) for p in effect.parameters},
+        "probability": last.get("probabilities", {}).get(name),
         "delta_bic": state["chosen"]["gain_bic"],
         "tied_with": tied,
         "correlation": alike,
@@ -171,14 +177,25 @@ def _at_their_bounds(effects: Iterable[Effect], values: Mapping[str, Any]) -> li
     return [p.name for p in sizes if p.name in values and values[p.name]["value"] <= 0.0]
 
 
-def _next_measurement(added: Sequence[Mapping[str, Any]], status: str, catalogue: Catalogue) -> str | None:
-    """The measurement that would tell more, as a sentence, or None: of tied effects, what the catalogue says of two of them."""
+def _next_measurement(
+    added: Sequence[Mapping[str, Any]],
+    status: str,
+    catalogue: Catalogue,
+    swing: Mapping[str, Any] | None,
+) -> str | None:
+    """The measurement that would tell more, as a sentence, or None: the swing that tells the leading structures apart where one
+    does; else of tied effects what the catalogue says of two of them."""
+    tied = any(one["tied_with"] for one in added)
+    if not tied and status not in ("unknown", "partial"):
+        return None
+    if swing is not None and swing["separation"] >= _APART:
+        return str(swing["text"])
     for one in added:
         for pair in combinations(catalogue.ordered({one["name"], *one["tied_with"]}), 2):
             if text := catalogue.measurement(*pair):
                 return text
-    if any(one["tied_with"] for one in added):
+    if tied:
         return "Release from angles spread as far as the apparatus allows, and from both sides."
-    if status in ("unknown", "partial"):
-        return "Record swings from several release angles, from both sides, and the pendulum at rest for a minute."
-    return None
+    return (
+        "Record swings from several release angles, from both sides, and the pendulum at rest for a minute."
+    )

@@ -1,6 +1,7 @@
 """Verdicts held against the truth: a row for each trial, and the figures that tell how far verdicts can be trusted."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
+from math import isfinite
 from typing import Any
 
 import numpy as np
@@ -18,6 +19,7 @@ _EXCESS = (
 )
 _SEPARABLE = 25.0  # chi-square by which every other effect fails
 _TIE_SET = 4
+_NEAR, _ERRORS = 0.05, 3.0  # of a value, and standard errors: where an effect is told to be a simpler one
 
 
 def row(
@@ -27,7 +29,7 @@ def row(
 
     ``named`` and ``tied`` list the verdict's effects and their rivals; ``exact`` every hidden effect and no other is named;
     ``inside`` every hidden one is named or tied in sets of at most four, and no other is named; ``wrong`` an effect is asserted, and
-    neither it nor a rival is hidden; ``stand_ins`` what merely helps; ``alarm`` anything but "consistent". ``right`` is what the kind of trial asks for.
+    neither it nor a rival nor the simpler effect that it is at the values told is hidden; ``stand_ins`` what merely helps; ``alarm`` anything but "consistent". ``right`` is what the kind of trial asks for.
     ``holdout_sigma`` is the last held-out residual in units of the true noise, ``excess`` the chi-square that the best
     single effect leaves beyond the noise that was added, ``separation`` the same of the best effect that is not hidden,
     ``covered`` of ``intervals`` 95 % intervals hold the true value.
@@ -70,7 +72,7 @@ def row(
         "stand_ins": "+".join(one["name"] for one in verdict["stand_ins"]),
         "exact": exact,
         "inside": inside,
-        "wrong": any(not members & set(hidden) for members in sets.values()),
+        "wrong": any(not _there(one, hidden, catalogue) for one in told),
         "alarm": verdict["status"] != "consistent",
         "right": right[truth["kind"]],
         "holdout_sigma": verdict["gap"]["holdout"][-1] * verdict["noise_rms_rad"] / truth["sigma"],
@@ -83,6 +85,22 @@ def row(
         "seconds": found["seconds"],
         "moves": "; ".join(verdict["moves"]),
     }
+
+
+def _there(one: Mapping[str, Any], hidden: Iterable[str], catalogue: Catalogue) -> bool:
+    """True for an effect that is hidden, is tied with one that is, or is told with values at which it is one that is: a drag in the
+    power 2.00 of the speed is quadratic drag."""
+    if {one["name"], *one["tied_with"]} & set(hidden):
+        return True
+
+    def at(name: str, wanted: float) -> bool:
+        value, error = (one["parameters"][name][part] for part in ("value", "standard_error"))
+        return isfinite(wanted) and abs(value - wanted) < max(_NEAR * abs(wanted), _ERRORS * (error or 0.0))
+
+    return any(
+        simpler.name in hidden and all(at(name, wanted) for name, wanted in simpler.at.items())
+        for simpler in catalogue[one["name"]].contains
+    )
 
 
 def _coverage(truth, verdict):

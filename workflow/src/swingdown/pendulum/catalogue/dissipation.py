@@ -45,6 +45,7 @@ DISSIPATION = (
         f"{PAPER}, Table 1, with the powers of omega_n that its units need",
         printed="-omega_n*gamma*(thetadot**2 + cos(theta))*sign(thetadot)",
         symbol="c",
+        beside="sine",  # the pull of a rod: a wheel on a spring has none that changes
         damping="loss/2",
         replaces=(StandIn("constant_coulomb", ({"load_friction": "c/omega_n**2"},)),),
     ),

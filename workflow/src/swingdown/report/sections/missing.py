@@ -84,6 +84,7 @@ def _effects(
         Column("value", style="n"),
         Column("unit"),
         Column("BIC gained", style="n"),
+        Column("probability", "%", "n"),
         Column("not told apart from"),
     ]
     rows = [
@@ -93,6 +94,7 @@ def _effects(
             numbers.brief(entry["value"], entry["standard_error"]),
             entry["unit"],
             numbers.whole(one["delta_bic"]),
+            "–" if one["probability"] is None else f"{100 * one['probability']:.0f}",
             ", ".join(one["tied_with"]).replace("_", " ") or "–",
         ]
         for one in told

@@ -1,0 +1,58 @@
+"""Whether a fit can be what it is called: residuals of the noise's size, sizes and shapes within their bounds and determined."""
+
+import numpy as np
+
+from ..fitting.result import Fit
+from ..pendulum.effect import NATURAL_FREQUENCY
+from .campaign import Noise
+
+_DETERMINED = 3.0  # standard errors that an effect's size must be from nothing
+_VAGUE = 1.0  # standard error over value, of a shape that is not determined
+
+
+def leaves_noise(fit: Fit, noise: Noise) -> bool:
+    """True if the residual's size is that of the noise, to five standard deviations of what the samples allow."""
+    n = noise.effective(fit.n)
+    return bool(abs(fit.rms / noise.deviation - 1) < 5 / np.sqrt(2 * n) + 0.01)
+
+
+def inadmissible(fit: Fit, added: str | None, noise: Noise) -> str:
+    """Why a fitted effect cannot be what it is called: empty, or the parameter that runs to a bound or is not determined."""
+    if added is None:
+        return ""
+    effect = fit.model.catalogue[added]
+    size, values = effect.size, fit.models[0].values
+    if size is None:
+        return ""
+    if values[size.name] <= size.lower + 1e-12:
+        return f"{size.name} wants to be below {size.lower:g} {size.unit}"
+    if _DETERMINED * fit.model.standard_errors.get(size.name, 0.0) > abs(values[size.name]):
+        return f"{size.name} is not determined"
+    for parameter in effect.parameters:
+        if parameter.apart_from_swing:
+            own = values[NATURAL_FREQUENCY.name] / (2 * np.pi)
+            low, high = parameter.apart_from_swing
+            if low < values[parameter.name] / own < high:
+                return f"{parameter.name} is that of the pendulum's own swing"
+    for parameter in effect.parameters:
+        if parameter.role == "phase":
+            continue
+        value = values[parameter.name]
+        if value >= parameter.upper * (1 - 1e-9):
+            return f"{parameter.name} runs to its bound {parameter.upper:g} {parameter.unit}"
+        # where a search may begin, a fit may end
+        if value <= parameter.lower + 1e-9 * abs(parameter.lower) and parameter.lower not in parameter.starts:
+            return f"{parameter.name} runs to its bound {parameter.lower:g} {parameter.unit}"
+        if parameter.role == "shape" and not parameter.each and _vague(fit, parameter.name, value):
+            return f"{parameter.name} is not determined"
+    if not leaves_noise(fit, noise):
+        for simpler in effect.contains:
+            if simpler.unseen and values[simpler.unseen] < noise.deviation:
+                return f"{simpler.unseen} is below the noise: {simpler.name} is all that is seen of it"
+    return ""
+
+
+def _vague(fit: Fit, name: str, value: float) -> bool:
+    """True for a shape that the data leave anywhere: its standard error is beyond its own size."""
+    error = fit.model.standard_errors.get(name, 0.0)
+    return not np.isfinite(error) or error > _VAGUE * abs(value)
