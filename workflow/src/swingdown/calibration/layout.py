@@ -147,6 +147,7 @@ def dataset(
         "encoder_kind": apparatus["encoder"]["kind"],
         "draws_left_out": float(drawn.left_out),
         "coverage": COVERAGE,
+        "coverage_applies_to": "gum, monte-carlo; the limits of mode paper hold some 90 % of angles (docs/trust.md)",
     }
     if still is not None:
         difference = gum.line.inverse(0.0)[0] - gum.values[2]

@@ -18,7 +18,7 @@ from .slack import as_variables, of_calibration, of_tolerances
 from .spikes import without
 
 BOUND = "half width of the interval that holds the angle with 95 %"
-PAPER_BOUND = "half width of the paper's bound, limits added: it holds some 89 % of angles (docs/trust.md)"
+PAPER_BOUND = "half width of the paper's bound, limits added: it holds some 90 % of angles (docs/trust.md)"
 _RAD = {"rad": 1.0, "deg": pi / 180} | TO_RAD_PER_S
 _PARTS = ("standard_uncertainty", "random_uncertainty", "systematic_uncertainty", "bound")
 UNIFORM_95 = 0.95 * sqrt(3)  # half width of the interval that holds 95 % of a uniform distribution, in its u
