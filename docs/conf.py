@@ -25,7 +25,7 @@ project_copyright = author
 try:
     release = installed("swingdown")
 except PackageNotFoundError:
-    release = ""
+    release = ""  # in the environment that builds the site the package is a folder
 extensions = ["myst_parser", "sphinx.ext.autodoc"]
 root_doc = "docs/index"
 include_patterns = [
@@ -33,6 +33,7 @@ include_patterns = [
 ]  # fmt: skip
 exclude_patterns = ["**/.*"]
 
+highlight_language = "none"  # what a block does not say is a command or what it prints
 myst_heading_anchors = 4  # links such as own-file.md#the-same-by-hand
 myst_links_external_new_tab = False
 autodoc_typehints = "signature"
@@ -49,6 +50,9 @@ def setup(app):
     """Docstrings may write a plural such as ``Fit``s, which reStructuredText wants told apart."""
 
     def plurals(app, what, name, obj, options, lines):
-        lines[:] = [re.sub(r"``([^`]+)``(?=\w)", r"``\1``\\ ", line) for line in lines]
+        text = re.sub(
+            r"``(.+?)``(?=(\w?))", lambda found: found[0] + ("\\ " if found[2] else ""), "\n".join(lines)
+        )
+        lines[:] = text.split("\n")
 
     app.connect("autodoc-process-docstring", plurals)
