@@ -1,7 +1,7 @@
 """The site: Sphinx with MyST for Markdown and the theme Furo. ``make docs`` builds it into site/, without a network.
 
 The source folder is the project's, so that the pages link to each other, and to the READMEs beside the code, as they do where the
-files lie. What is made from the code is written by ``generate.py`` into ``docs/generated`` before anything is read.
+files lie. What is made from the code is written into ``docs/generated`` before, by ``generate.py``.
 """
 
 import re
@@ -10,12 +10,7 @@ from importlib.metadata import PackageNotFoundError
 from importlib.metadata import version as installed
 from pathlib import Path
 
-HERE = Path(__file__).parent
-sys.path[:0] = [str(HERE), str(HERE.parent / "workflow" / "src")]
-
-import generate  # noqa: E402
-
-generate.write(HERE / "generated")
+sys.path.insert(0, str(Path(__file__).parents[1] / "workflow" / "src"))
 
 suppress_warnings = ["myst.header"]  # pages may go from a title to smaller headings at once
 

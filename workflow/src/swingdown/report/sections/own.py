@@ -81,8 +81,9 @@ def _zoomable(figure: Figure, material: Material, found: Mapping[str, Any] | Non
     swings = material.swings.get(figure.of[0])
     if not swings:
         return figure
-    noise = found["noise_rms_rad"] if found else None
-    return replace(figure, numbers=trace(swings, noise, MOST // len(material.swings)))
+    unit = found.get("unit", "rad") if found else "rad"  # of what is read, an angle or a rate
+    noise = found[f"noise_rms_{unit.replace('/', '_per_')}"] if found else None
+    return replace(figure, numbers=trace(swings, noise, MOST // len(material.swings), unit))
 
 
 def _drawn(material: Material, campaign: str, name: str, label: str, caption: str) -> list[Figure]:
