@@ -1,7 +1,7 @@
 """The site: Sphinx with MyST for Markdown and the theme Furo. ``make docs`` builds it into site/, without a network.
 
 The source folder is the project's, so that the pages link to each other, and to the READMEs beside the code, as they do where the
-files lie. What is made from the code is written by ``generate.py`` into ``docs/generated`` before anything is read.
+files lie. What is made from the code is written into ``docs/generated`` before, by ``generate.py``.
 """
 
 import re
@@ -10,12 +10,7 @@ from importlib.metadata import PackageNotFoundError
 from importlib.metadata import version as installed
 from pathlib import Path
 
-HERE = Path(__file__).parent
-sys.path[:0] = [str(HERE), str(HERE.parent / "workflow" / "src")]
-
-import generate  # noqa: E402
-
-generate.write(HERE / "generated")
+sys.path.insert(0, str(Path(__file__).parents[1] / "workflow" / "src"))
 
 suppress_warnings = ["myst.header"]  # pages may go from a title to smaller headings at once
 
@@ -25,7 +20,7 @@ project_copyright = author
 try:
     release = installed("swingdown")
 except PackageNotFoundError:
-    release = ""
+    release = ""  # in the environment that builds the site the package is a folder
 extensions = ["myst_parser", "sphinx.ext.autodoc"]
 root_doc = "docs/index"
 include_patterns = [
@@ -33,6 +28,7 @@ include_patterns = [
 ]  # fmt: skip
 exclude_patterns = ["**/.*"]
 
+highlight_language = "none"  # what a block does not say is a command or what it prints
 myst_heading_anchors = 4  # links such as own-file.md#the-same-by-hand
 myst_links_external_new_tab = False
 autodoc_typehints = "signature"
@@ -49,6 +45,9 @@ def setup(app):
     """Docstrings may write a plural such as ``Fit``s, which reStructuredText wants told apart."""
 
     def plurals(app, what, name, obj, options, lines):
-        lines[:] = [re.sub(r"``([^`]+)``(?=\w)", r"``\1``\\ ", line) for line in lines]
+        text = re.sub(
+            r"``(.+?)``(?=(\w?))", lambda found: found[0] + ("\\ " if found[2] else ""), "\n".join(lines)
+        )
+        lines[:] = text.split("\n")
 
     app.connect("autodoc-process-docstring", plurals)

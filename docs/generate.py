@@ -114,7 +114,7 @@ def _entry(effect: Effect, folder: Path) -> Iterator[str]:
         yield "| parameter | symbol | unit | bounds | typical | what |"
         yield "|---|---|---|---|---|---|"
         for p in effect.parameters:
-            unit = "" if p.unit == "1" else p.unit
+            unit = p.unit.replace("^2", "²")
             what = p.text.replace("|", "\\|")
             yield f"| `{p.name}` | `{p.symbol}` | {unit} | {_bounds(p.lower, p.upper)} | {p.typical:g} | {what} |"
         yield ""

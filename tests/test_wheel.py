@@ -26,11 +26,12 @@ from swingdown.errors import InputError
 from swingdown.fitting.least_squares import fit_trajectory
 from swingdown.measurement.sheet import read_sheet
 from swingdown.pendulum.model import Model
-from swingdown.report import contents, page, provenance
+from swingdown.report import contents, page, provenance, trace
 from swingdown.study.settings import complete
 
 print("package", Path(swingdown.__file__).parent)
 assert paths.PROJECT is None
+assert all(path.read_text(encoding="utf-8") for path in (*trace.STYLE, *trace.PROGRAM))
 assert paths.find("config/config.yaml") == Path("config/config.yaml")
 
 truth = {"natural_frequency": 7.25, "viscous_ratio": 0.03, "load_friction": 0.012}

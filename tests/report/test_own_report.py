@@ -12,6 +12,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
+from markupsafe import Markup
 
 import swingdown
 from swingdown.arrays import Shown
@@ -98,6 +99,8 @@ def test_it_opens_with_the_sentence_then_recording_quantities_torque_evidence_se
     places = [text.rindex(words) for words in order]
     assert places == sorted(places)
     assert "broken was not used: ../broken.csv: lots is no number." in text
+    subtitle = contents.head(material(1))["subtitle"]
+    assert subtitle == Markup("swing 1.csv (took <code>a</code> as degrees)") and isinstance(subtitle, Markup)
     shown = material(1).tables["pendulums"].iloc[0]
     assert shown["period_s_text"] in text and shown["quality_text"] in text
 
@@ -263,6 +266,14 @@ def test_of_a_long_recording_what_stands_out_stays_and_the_page_stays_small():
     assert packed[0][at] == pytest.approx(123.456) and (packed[1] - packed[2])[at] == pytest.approx(
         np.degrees(0.1), abs=1e-4
     )
+
+
+def test_a_rate_is_called_a_rate():
+    told = [
+        json.loads(trace([Shown("a", "", TIMES, TIMES, TIMES)], 0.1, unit=unit)) for unit in ("rad", "rad/s")
+    ]
+    assert [one["what"] for one in told] == ["angle (°)", "angular rate (°/s)"]
+    assert [one["left"] for one in told] == ["data − fit (°)", "data − fit (°/s)"]
 
 
 def test_names_in_a_trace_cannot_end_it():

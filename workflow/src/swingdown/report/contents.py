@@ -89,7 +89,7 @@ def _read(recording: dict[str, Any]) -> Markup:
     """A recording and how its file was read, with names of columns as code."""
     taken = f" ({recording['taken']})" if recording.get("taken") else ""
     remarks = f": {recording['remarks']}" if recording.get("remarks") else ""
-    text = escape(f"{Path(str(recording['file'])).name}{taken}{remarks}")
+    text = str(escape(f"{Path(str(recording['file'])).name}{taken}{remarks}"))
     return Markup(re.sub(r"`([^`]+)`", r"<code>\1</code>", text))
 
 

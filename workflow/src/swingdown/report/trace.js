@@ -44,8 +44,8 @@ for (const figure of document.querySelectorAll("figure[data-trace]")) {
     const held = label => anyHeld ? [series(label, heldOut)] : [];
     const some = (...which) => which.filter(k => anyHeld || (k !== 3 && k !== 5)).map(k => rows[k]);
     const spots = { paths: () => null, points: { show: true, size: 3, width: 0, fill: soft } };
-    const upper = options(260, [series("measured", soft, spots), series("fit", fitted), ...held("model, held out")], "angle (°)");
-    const lower = options(200, [series("data − fit", fitted), ...held("data − model, held out")], "data − fit (°)");
+    const upper = options(260, [series("measured", soft, spots), series("fit", fitted), ...held("model, held out")], given.what);
+    const lower = options(200, [series("data − fit", fitted), ...held("data − model, held out")], given.left);
     lower.axes[0] = axis("time (s) since the first sample"); lower.axes[0].size = 34;
     if (given.noise) lower.hooks.drawClear = [plot => {
       const [top, bottom] = [2, -2].map(times => plot.valToPos(times * given.noise, "y", true));
@@ -82,7 +82,9 @@ for (const figure of document.querySelectorAll("figure[data-trace]")) {
     Object.assign(button, { type: "button", textContent: text, title, onclick: act });
     button.setAttribute("aria-label", title);
   }
-  bar.appendChild(document.createElement("span")).textContent = "drag over a stretch to see it closely, click twice for all of it" + (given.noise ? "; grey: ± 2 standard deviations of the noise" : "");
+  const thin = given.recordings.some(one => one.kept < one.samples);
+  bar.appendChild(document.createElement("span")).textContent = "drag over a stretch to see it closely, click twice for all of it" + (given.noise ? "; grey: ± 2 standard deviations of the noise" : "")
+    + (thin ? "; of the samples those that the fit misses most" : "");
 
   figure.classList.add("zoomable");
   draw();

@@ -11,24 +11,31 @@ from numpy.typing import NDArray
 
 from ..arrays import Floats, Shown
 
-MOST = 15_000  # samples of one trace: 16 bytes each in the page
+MOST = 15_000  # samples of all traces of a page: 16 bytes each
 _FOLDER = Path(__file__).parent
 STYLE = (_FOLDER / "uplot" / "uPlot.min.css", _FOLDER / "trace.css")
 PROGRAM = (_FOLDER / "uplot" / "uPlot.iife.min.js", _FOLDER / "trace.js")
 
 
-def trace(shown: Sequence[Shown], noise: float | None) -> Markup:
+def trace(shown: Sequence[Shown], noise: float | None, most: int = MOST, unit: str = "rad") -> Markup:
     """The JSON of swings and fits that ``trace.js`` draws: by recording time (s), angle and fit (degrees), and the parts held out.
 
-    ``noise`` is the noise's standard deviation (rad). Of more than ``MOST`` samples those stay that leave most of the fit, to both
-    sides, in columns of equal width: ``kept`` tells how many of ``samples``.
+    ``noise`` is the noise's standard deviation; angles, fits and noise are in ``unit``: ``rad``, or ``rad/s`` where a rate is read.
+    Of more than ``most`` samples those stay that leave most of the fit, to both sides, in columns of equal width: ``kept`` tells
+    how many of ``samples``.
     """
     names = list(dict.fromkeys(one.recording for one in shown))
     recordings = [
-        _recording(name, [one for one in shown if one.recording == name], MOST // len(names))
+        _recording(name, [one for one in shown if one.recording == name], most // len(names))
         for name in names
     ]
-    content = {"noise": float(np.degrees(noise)) if noise else None, "recordings": recordings}
+    shown_in = unit.replace("rad", "°")
+    content = {
+        "what": f"{'angle' if unit == 'rad' else 'angular rate'} ({shown_in})",
+        "left": f"data − fit ({shown_in})",
+        "noise": float(np.degrees(noise)) if noise else None,
+        "recordings": recordings,
+    }
     return Markup(json.dumps(content).replace("<", "\\u003c"))
 
 

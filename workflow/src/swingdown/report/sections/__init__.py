@@ -1,3 +1,4 @@
 """The sections of the report, a file each: a function of the ``Material`` that returns a ``page.Section``."""
 
-FEW = 3  # campaigns that are shown at length; of more there is one table and one picture
+# Campaigns that are shown at length, some 0.7 MB each; of more there is one table and one picture.
+FEW = 2

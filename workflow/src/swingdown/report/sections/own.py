@@ -14,7 +14,7 @@ from ...studies.words import STATUS, model_words, quantity_rows, said
 from .. import numbers
 from ..material import Material
 from ..page import Cell, Column, Figure, Item, Section, Table, Text, Value
-from ..trace import trace
+from ..trace import MOST, trace
 from ..wording import model_symbol
 from . import FEW
 from .experiment import fitted_parameters, paired, table3
@@ -85,11 +85,11 @@ def _sure(found: Mapping[str, Any]) -> Markup:
 def _zoomable(figure: Figure, material: Material, found: Mapping[str, Any] | None) -> Figure:
     """The figure with the numbers behind it, where they are there."""
     swings = material.swings.get(figure.of[0])
-    return (
-        replace(figure, numbers=trace(swings, found["noise_rms_rad"] if found else None))
-        if swings
-        else figure
-    )
+    if not swings:
+        return figure
+    unit = found.get("unit", "rad") if found else "rad"  # of what is read, an angle or a rate
+    noise = found[f"noise_rms_{unit.replace('/', '_per_')}"] if found else None
+    return replace(figure, numbers=trace(swings, noise, MOST // len(material.swings), unit))
 
 
 def _drawn(material: Material, campaign: str, name: str, label: str, caption: str) -> list[Figure]:
