@@ -43,7 +43,10 @@ with console.job():
     PLAN = plan({} if AT_THE_BENCH else config)
     SWEEPS = sweeps(config, where)
 
-AT_START = [partial(remove_leftovers, "results"), partial(remove_orphans, "results")]  # what is done before the first job, and never by a dry run
+AT_START = [
+    partial(remove_leftovers, "results"),
+    partial(remove_orphans, "results"),
+]  # what is done before the first job, and never by a dry run
 # A study of recordings that leaves the paper's simulations out is somebody's own: its results show no trace of the paper.
 OWN = bool(PLAN.campaigns) and not config["simulation"]["simulated"]
 TABLES, FIGURES, VERDICTS = [], [], []  # each stage adds what it makes; the report shows all of it

@@ -77,7 +77,7 @@ def saturated_runs(signal: Floats) -> list[tuple[int, int]]:
     the signal also leaves it in a straight line, where a release starts from rest.
     """
     top, span = signal.max(), np.ptp(signal)
-    step = _smallest_step(signal / span) * span
+    step = float(_smallest_step(signal / span) * span)
     if span < 4 * (STEPS + 1) * step:  # too coarse to tell a rail from a step
         return []
     at_top = signal >= top - 1e-9 * span
