@@ -2,7 +2,7 @@
 # make start FILE=my-swing.csv   from a recording, or a folder of them, to what damps the pendulum and what a model of it lacks; or FILE=mine.yaml, a study of your own
 # make test       set up .venv and run the tests; make test-all runs the slow ones too
 # make certified  compute published cases with known answers (NIST, GUM, York, ISO/TS 28037): results/trust/certified.csv
-# make coverage   how often stated 95 % intervals hold the truth, in simulated measurements: results/coverage/coverage.csv (half an hour)
+# make coverage   how often stated 95 % intervals hold the truth, in simulated measurements: results/coverage/coverage.csv (some half an hour)
 # make benchmark  time the engine against what one would otherwise use (sets up .venv/peers for that; some minutes)
 # make benchmark-discovery  hold the search for hidden effects against what one would otherwise use (after snakemake hidden_effects;
 #                 sets up .venv/discovery for that; some minutes)

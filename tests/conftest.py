@@ -1,7 +1,9 @@
 """What several tests share: where the recordings of real pendulums lie, a run of the workflow, and the slow switch."""
 
+import ctypes
 import fcntl
 import os
+import signal
 import subprocess
 import sys
 import warnings
@@ -44,6 +46,15 @@ def root():
     return ROOT
 
 
+def ends_with_its_parent():
+    """What a process that tests start does first, where Linux can: it is told to stop when they are killed, and no orphan goes on."""
+    if sys.platform == "linux":
+        ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGTERM)
+
+
+_PR_SET_PDEATHSIG = 1  # of <sys/prctl.h>
+
+
 @pytest.fixture(scope="session")
 def snakemake():
     """A function that runs snakemake in the project's folder on other files; returns what it printed and its code."""
@@ -66,6 +77,7 @@ def snakemake():
             stdout=subprocess.PIPE,
             stderr=subprocess.STDOUT,
             timeout=900,
+            preexec_fn=ends_with_its_parent,
             env=os.environ | (environment or {}),
         )
         if check and done.returncode:

@@ -12,7 +12,7 @@ from contextlib import contextmanager
 
 import pytest
 
-from swingdown.sealed import seal_of
+from swingdown.sealed import remove_orphans, seal_of
 
 WORDS = "The results cannot be written."
 
@@ -82,6 +82,8 @@ def test_a_folder_that_cannot_be_written(snakemake, disk, tmp_path, inside):
 
 
 def contents(folder):
+    """What lies below a folder, but logs, the filler, and seals of what is gone, which the next run removes."""
+    remove_orphans(folder)
     return {
         path.relative_to(folder): path.read_bytes()
         for path in sorted(folder.rglob("*"))
@@ -89,17 +91,32 @@ def contents(folder):
     }
 
 
-# What is made at each of the stages, without the files that its others need: together they can all fail in one run.
+# At each stage, what is asked for, and what else its job makes: without what the others need, so that together they can all fail in
+# one run.
 STAGES = {
-    "ingest, angle, simulation, a figure": [
-        "recordings/swing_02.nc", "angles/swing_01.nc", "simulation/realizations.nc", "figures/fig01.svg",
-    ],
-    "calibration, fits of simulations": ["calibration/calibration.nc", "simulation/norms_viscous.nc"],
-    "fits of swings, table, verdict, figure of data": [
-        "experiment/fits/swing_01.nc", "tables/table2.csv", "discovery/bench/verdict.json", "figures/fig08.svg",
-    ],
-    "tables, figures of a verdict": ["tables/table3.csv", "discovery/bench/figures/gap.svg"],
-    "report": ["report.html"],
+    "ingest, angle, simulation, a figure": {
+        "recordings/swing_02.nc": [],
+        "angles/swing_01.nc": [],
+        "simulation/realizations.nc": [],
+        "figures/fig01.svg": ["figures/fig01.png"],
+    },
+    "calibration, fits of simulations": {
+        "calibration/calibration.nc": ["tables/uncertainty_budget.csv"],
+        "simulation/norms_viscous.nc": [],
+    },
+    "fits of swings, table, verdict": {
+        "experiment/fits/swing_01.nc": [],
+        "tables/table2.csv": ["simulation/norms.nc"],
+        "discovery/bench/verdict.json": [],
+    },
+    "tables, figures of data and of a verdict": {
+        "tables/table3.csv": [
+            "tables/comparison.csv", "tables/parameters.csv", "tables/parameter_budget.csv", "experiment/norms.nc",
+        ],
+        "figures/fig08.svg": ["figures/fig08.png"],
+        "discovery/bench/figures/gap.svg": ["discovery/bench/figures/*.*"],
+    },
+    "report": {"report.html": []},
 }  # fmt: skip
 
 
@@ -113,12 +130,11 @@ def test_a_disk_that_fills_up_at_any_stage(small_study, snakemake, disk, tmp_pat
     whole = contents(small_study / "results")
     arguments = ("--configfile", folder / "small.yaml", "--rerun-triggers", "mtime", "--keep-going")
     for stage, names in STAGES.items():
-        for name in (
-            names
-        ):  # with what else the job makes: what goes at the start of a job leaves room for a small table
-            path = results / name
-            for one in (path, path.with_suffix(".png"), seal_of(path)):
-                one.unlink(missing_ok=True)
+        made = [results / name for name in names]
+        made += [path for more in names.values() for pattern in more for path in results.glob(pattern)]
+        for path in made:  # what goes at the start of a job leaves room for a small table
+            path.unlink(missing_ok=True)
+            seal_of(path).unlink(missing_ok=True)
         shutil.rmtree(results / "logs")
         with filled(results):
             before = contents(results)

@@ -219,3 +219,20 @@ def test_a_run_on_damaged_results_is_refused_in_our_words(small_study, snakemake
     snakemake(*made, *arguments, directory=folder)
     for name in (*damaged, *made):
         assert (folder / name).read_bytes() == (small_study / name).read_bytes(), name
+
+
+def test_snakemake_minds_no_seals(snakemake, tmp_path):
+    """They are nobody's output: nothing is made again for them, and what deletes results can be followed by a run."""
+    made = "results/figures/fig01.svg"
+    snakemake(made, directory=tmp_path)
+    seal = sealed.seal_of(tmp_path / made)
+    assert seal.is_file()
+    assert "Nothing to do" in snakemake(made, directory=tmp_path).stdout
+    seal.unlink()
+    assert "Nothing to do" in snakemake(made, directory=tmp_path).stdout
+    sealed.write_text(tmp_path / "results/figures/lost.csv", "a")
+    (tmp_path / "results/figures/lost.csv").unlink()
+    snakemake(made, "--delete-all-output", directory=tmp_path)
+    assert not (tmp_path / made).exists()
+    snakemake(made, directory=tmp_path)
+    assert seal.is_file() and not sealed.seal_of(tmp_path / "results/figures/lost.csv").exists()

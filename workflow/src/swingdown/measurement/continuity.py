@@ -6,7 +6,7 @@ from ..arrays import Floats
 from ..errors import InputError
 from ..quantisation import quantisation_step
 from .plausibility import half_swings
-from .spikes import MOST, SIDE, UNEVEN, Spikes, find_spikes, kernel, standing_out
+from .spikes import MOST, SIDE, Spikes, evenness, find_spikes, kernel, standing_out
 
 SPIKE = "a spike"
 PHASE = "the pendulum is out of step with the clock, as where samples are lost,"
@@ -18,15 +18,11 @@ JITTER = 8.0  # standard deviations of what noise does to the time of a half-swi
 def check_continuous(times: Floats, signal: Floats, place: str, spikes: Spikes | None = None) -> list[str]:
     """Remarks, each one line, on spikes, jumps and uneven times. ``spikes`` are those of the signal, where they are known."""
     period = half_swings(signal).period(times)
-    interval = float(np.median(np.diff(times)))
-    steps = np.diff(times) / interval
-    uneven = np.flatnonzero(np.abs(steps - 1) > UNEVEN)
-    if len(uneven) > 0.01 * len(steps):  # a clock that jitters throughout
-        return [
-            f"the time between samples varies by {np.std(steps):.2g} of {interval:.4g} s (standard deviation)"
-        ]
+    interval, uneven = evenness(times)
+    if len(uneven) > MOST * (times.size - 1):  # a clock that jitters throughout
+        varies = float(np.std(np.diff(times))) / interval
+        return [f"the time between samples varies by {varies:.2g} of {interval:.4g} s (standard deviation)"]
     remarks = [_told("the clock stumbles", times[uneven + 1])] if len(uneven) else []
-    del steps
     spikes = spikes or find_spikes(times, signal)
     left_out = np.flatnonzero(spikes.where)
     # spikes that were left where they are, for they are too many or too near an end

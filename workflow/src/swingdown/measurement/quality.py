@@ -77,14 +77,12 @@ def saturated_runs(signal: Floats) -> list[tuple[int, int]]:
     the signal also leaves it in a straight line, where a release starts from rest.
     """
     top, span = signal.max(), np.ptp(signal)
-    step = np.diff(np.unique(np.round(signal / span, 9))).min() * span
+    step = float(_smallest_step(signal / span) * span)
     if span < 4 * (STEPS + 1) * step:  # too coarse to tell a rail from a step
         return []
     at_top = signal >= top - 1e-9 * span
     near = signal >= top - (STEPS + 0.5) * step
-    away = np.concatenate(([0], np.cumsum(signal < top - span / 4)))[
-        1:
-    ]  # counts up between one visit and the next
+    away = np.cumsum(signal < top - span / 4, dtype=np.int32)  # counts up between one visit and the next
     cut = []
     for visit in np.unique(away[at_top]):
         own = away == visit
@@ -96,6 +94,14 @@ def saturated_runs(signal: Floats) -> list[tuple[int, int]]:
         sides = [side for side in (signal[: here[0]][::-1], signal[here[-1] + 1 :]) if len(side) > 3]
         return cut if sides and all(_corner(side, step) for side in sides) else []
     return cut
+
+
+def _smallest_step(levels: Floats) -> float:
+    """The smallest difference between two of the levels, to nine decimals; they are sorted in place, for a long recording fills the memory."""
+    np.round(levels, 9, out=levels)
+    levels.sort()
+    gaps = np.diff(levels)
+    return float(np.min(gaps, where=gaps > 0, initial=np.inf))
 
 
 def _corner(side: Floats, step: float) -> bool:

@@ -27,7 +27,7 @@ from .source import Table, check_sha256, opened, table_of
 from .spikes import Spikes, as_variable, find_spikes
 from .table import numbers
 
-MOST = 20_000_000  # samples that are held at once: half a gigabyte
+MOST = 18_000_000  # samples that are held at once: with all that is asked of them, less than a gigabyte
 UNIT_WORDS = {
     "V": "volts", "rad": "rad", "deg": "degrees", "counts": "counts", "rad/s": "rad/s, an angular rate",
     "deg/s": "degrees a second, an angular rate",
@@ -94,6 +94,7 @@ def _recording(table: Table, row: Mapping[str, Any], place: str, digest: str) ->
             "correct start_s and stop_s, or the time unit",
         )
     check_times(times, lines, f"{name}, column {clock.name} ({place})", gaps=partial)
+    del lines
     more: dict[str, float] = {}
     marked: dict[str, Any] = {}
     remarks = ["the last line has no end and was left out"] if table.cut else []

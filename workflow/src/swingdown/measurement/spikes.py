@@ -57,11 +57,9 @@ def find_spikes(times: Floats, signal: Floats) -> Spikes:
     and the last six samples are not looked at. Where more than 1 % of the samples would be spikes, none is.
     """
     none = Spikes(np.zeros(signal.size, dtype=bool), signal)
-    steps = np.diff(times)
-    interval = float(np.median(steps))
-    if np.count_nonzero(np.abs(steps / interval - 1) > UNEVEN) > MOST * steps.size:
+    interval, uneven = evenness(times)
+    if len(uneven) > MOST * (times.size - 1):
         return none
-    del steps
     period, where = half_swings(signal).period(times) / interval, none.where.copy()
     for _ in range(_PASSES):
         clusters = standing_out(signal, kernel(True), period)
@@ -77,6 +75,19 @@ def find_spikes(times: Floats, signal: Floats) -> Spikes:
         where[places] = True
         signal = heal(signal, where)
     return Spikes(where, signal) if np.count_nonzero(where) <= MOST * signal.size else none
+
+
+def evenness(times: Floats) -> tuple[float, NDArray[np.integer]]:
+    """The usual interval (s), and the steps that differ from it by more than a fifth, by the number of the sample before.
+
+    In place, for a long recording fills the memory: of the steps no second copy is held.
+    """
+    steps = np.diff(times)
+    interval = float(np.median(steps, overwrite_input=True))
+    np.subtract(times[1:], times[:-1], out=steps)  # the median has sorted them
+    steps /= interval
+    steps -= 1
+    return interval, np.flatnonzero(np.abs(steps, out=steps) > UNEVEN)
 
 
 def heal(signal: Floats, where: NDArray[np.bool_]) -> Floats:
