@@ -138,3 +138,55 @@ def test_damage_is_refused_or_harmless(read, kind):
         except InputError:
             continue
         same(found)
+
+
+def changed(row, cells):
+    """The rows with one of them replaced."""
+    return [*ROWS[:row], cells, *ROWS[row + 1 :]]
+
+
+# Ways in which a workbook is spoilt: the bytes of the file.
+SPOILT = {
+    "a cell of text": workbook(data=changed(50, [ROWS[50][0], "oops"])),
+    "not a number": workbook(data=changed(50, [ROWS[50][0], "NaN"])),
+    "an error of a formula": workbook(data=changed(50, [ROWS[50][0], "#DIV/0!"])),
+    "a cell less": workbook(data=changed(50, [ROWS[50][0]])),
+    "thousands": workbook(data=changed(50, ["1.234,5", ROWS[50][1]])),
+    "another header": workbook(data=[*ROWS, *ROWS]),
+    "two rows exchanged": workbook(data=[*ROWS[:50], ROWS[51], ROWS[50], *ROWS[52:]]),
+    "a row twice": workbook(data=[*ROWS[:50], ROWS[50], *ROWS[50:]]),
+    "rows gone": workbook(data=[*ROWS[:50], *ROWS[53:]]),
+    "a row empty": workbook(data=changed(50, [None, None])),
+    "empty": workbook(data=[]),
+    "only a header": workbook(data=ROWS[:1]),
+    "decimal signs of two kinds, as text": workbook(
+        data=[
+            ROWS[0],
+            *([str(t), str(x).replace(".", "," if k % 2 else ".")] for k, (t, x) in enumerate(ROWS[1:])),
+        ]
+    ),
+    "text numbers among numbers": workbook(
+        data=changed(50, [ROWS[50][0], f"{ROWS[50][1]}".replace(".", ",")])
+    ),
+    "cut in the middle": workbook(data=ROWS)[: len(workbook(data=ROWS)) // 2],
+    "a picture": b"\x89PNG\r\n\x1a\n\x00\x00\x00\rIHDR",
+    "nothing": b"",
+}
+
+
+@pytest.mark.parametrize("how", SPOILT)
+def test_a_spoilt_workbook_gives_no_number(read, how):
+    with pytest.raises(InputError, match=r"swing\.xlsx") as told:
+        read(SPOILT[how], "swing.xlsx")
+    assert told.value.problem and told.value.mend
+
+
+def test_a_workbook_called_csv_and_text_called_xlsx_are_read_or_refused(read):
+    """By what they hold, and never as something else."""
+    for content, name in ((workbook(data=ROWS), "swing.csv"), (TEXT.encode(), "swing.xlsx")):
+        try:
+            found = read(content, name)
+        except InputError as error:
+            assert name in str(error.where) and error.mend
+        else:
+            same(found)

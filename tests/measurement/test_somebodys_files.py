@@ -51,6 +51,13 @@ EXPORTS = {
         "utf-8",
         "deg",
     ),
+    # phyphox, the gyroscope's raw data: three axes and how fast it turns in all, of which one is the pendulum's
+    "phyphox_gyroscope": (
+        '"Time (s)";"Gyroscope x (rad/s)";"Gyroscope y (rad/s)";"Gyroscope z (rad/s)";"Absolute (rad/s)"\n'
+        + rows(TIME, 0.01 * SWING, 0.02 * SWING, SWING, np.abs(SWING), separator=";", comma=True),
+        "utf-8",
+        "rad/s",
+    ),
     # Logger Pro and Graphical Analysis: the data set's name before each column
     "logger_pro": (
         "Latest: Time (s),Latest: Angle (°)\r\n" + rows(TIME, np.degrees(SWING)).replace("\n", "\r\n"),
@@ -195,6 +202,9 @@ BROKEN = {
 }
 
 
+IN_THE_LAST_CELL = ("a cell of text", "not a number", "a cell less")
+
+
 def edit(text, number, change, again=False):
     lines = text.splitlines()
     separator = next(one for one in (";", "\t", ",", "  ", " ") if one in lines[number])
@@ -209,11 +219,13 @@ def exchange(text):
 
 
 @pytest.mark.parametrize("how", BROKEN)
-@pytest.mark.parametrize(
-    "program", ["tracker", "phyphox", "logger_pro", "capstone", "arduino", "arduino_without_header", "spaces"]
-)
+@pytest.mark.parametrize("program", [name for name in EXPORTS if name != "quoted"])
 def test_a_broken_export_gives_no_number(take, program, how):
     text, encoding, _ = EXPORTS[program]
+    if (
+        program == "phyphox_gyroscope" and how in IN_THE_LAST_CELL
+    ):  # that is how fast it turns in all, which nothing is read from
+        text = "".join(line.rpartition(";")[0] + "\n" for line in text.splitlines())
     with pytest.raises(InputError, match=r"swing\.csv.*Mend:"):
         take(BROKEN[how](text), encoding=encoding)
 
@@ -233,7 +245,7 @@ def test_a_decimal_sign_of_the_other_kind_gives_no_number(take, program):
 
 
 @pytest.mark.parametrize("cut", range(1, 18))
-@pytest.mark.parametrize("program", ["tracker", "phyphox", "arduino"])
+@pytest.mark.parametrize("program", EXPORTS)
 def test_a_file_cut_in_the_middle_of_a_row_keeps_only_whole_numbers(take, program, cut):
     text, encoding, unit = EXPORTS[program]
     whole = take(text, encoding=encoding)
@@ -242,11 +254,12 @@ def test_a_file_cut_in_the_middle_of_a_row_keeps_only_whole_numbers(take, progra
     try:
         made = take(kept, encoding=encoding)
     except InputError as error:
-        assert "finite" in str(error) or "empty" in str(error)
+        # of quoted cells the last quote is lost, and then nothing tells where the cell ends
+        assert any(words in str(error) for words in ("finite", "empty", "EOF inside string"))
         return
     n = made.sizes["time"]
     assert n > 250
-    if unit != "rad":  # that of positions depends on all of them
+    if program != "tracker":  # the angle of positions depends on all of them
         assert (made["signal"].values == whole["signal"].values[:n]).all()
     assert (made["time"].values == whole["time"].values[:n]).all()
 

@@ -2,8 +2,10 @@
 
 import numpy as np
 import pandas as pd
+import pytest
 
 from swingdown.arrays import Shown
+from swingdown.plots import discovery
 from swingdown.plots.answer import swings_with_fit, thinned
 from swingdown.plots.pendulums import side_by_side
 
@@ -52,3 +54,20 @@ def test_a_class_is_drawn_with_its_verdicts_and_what_is_not_in_it():
     assert [label.get_text() for label in figure.axes[0].get_yticklabels()] == ["a", "b"]
     assert [text.get_text() for text in figure.legends[0].get_texts()] == ["nothing missing", "unknown"]
     assert "could not be used: broken" in figure.get_supxlabel()
+
+
+def test_the_larger_gap_is_told_above():
+    """Labels on fixed sides say of two marks close to each other the wrong number."""
+    found = {"gap": {"fit": [4.45, 1.0], "holdout": [4.14, 1.01]}, "moves": ["add presliding"]}
+    axes = discovery.gap(found).axes[0]
+    places = {text.get_text(): text.xyann[1] for text in axes.texts}
+    assert places["4.45"] > 0 > places["4.14"] and places["1.01"] > 0 > places["1"]
+
+
+@pytest.mark.parametrize("count, bars", [(20, 0), (400, 12)])
+def test_many_half_swings_are_told_by_means(count, bars):
+    x = np.linspace(0.1, 0.5, count)
+    rows = pd.DataFrame({"swing": "a", "of": "measured", "amplitude_rad": x, "energy_loss": 0.02, "period_ratio": 1 + 1e-3 * np.sin(99 * x), "midpoint_rad": 0.0})  # fmt: skip
+    table = pd.concat([rows, rows.assign(of="modelled", period_ratio=1.0)])
+    below = discovery.half_swings(table, table).axes[4]
+    assert len(below.containers) == 2 * bars  # of the base model and of the last

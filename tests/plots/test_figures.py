@@ -142,7 +142,8 @@ def test_the_true_model_and_the_papers_values_are_marked(draw, table2):
 
 
 def test_both_methods_and_every_realisation_are_drawn(draw, norms):
-    axes = draw("fig03").axes[0]
+    other = norms.assign(least_squares_norm=1.2 * norms["norm"])
+    axes = draw("fig03", norms=other).axes[0]
     count = {marker: [line for line in axes.lines if line.get_marker() == marker] for marker in "oD."}
     assert len(count["o"]) == len(count["D"]) == len(PAPER_MODELS)
     assert (
@@ -200,3 +201,17 @@ def test_a_fit_that_was_not_made_is_not_drawn(draw, name, fits, run_norms):
 def test_each_of_the_seven_models_has_a_colour_of_its_own():
     assert list(style.COLOURS) == list(PAPER_MODELS)
     assert len(set(style.COLOURS.values())) == len(PAPER_MODELS)
+
+
+def test_methods_that_agree_have_one_mark(draw):
+    """Two marks beside each other for one optimum say that there are two."""
+    figure = draw("fig03")
+    assert "Nelder–Mead and least squares alike" in said(figure) and "differs" not in said(figure)
+    assert not [line for line in figure.axes[0].lines if line.get_marker() == "D"]
+
+
+def test_samples_are_seen_behind_a_fit(draw):
+    whole, _, early, late = draw("fig13").axes
+    for axes in (whole, early, late):
+        samples = axes.get_lines()[0]
+        assert samples.get_linestyle() == "None" and samples.get_markerfacecolor() == "none"

@@ -35,7 +35,7 @@ def answered(name, frequency, seed):
     angle = simulate(model, TIMES, 0.3) + 0.002 * np.random.default_rng(seed).standard_normal(TIMES.size)
     found = swingdown.explain(TIMES, angle, base=["viscous"], rounds=0, fitted=["viscous"], names=[name])
     verdict = dict(found.verdict) | {"campaign": name}
-    table = found.table.assign(campaign=name, verdict=verdict["status"])
+    table = found.table.assign(campaign=name, label=name.replace("-", " "), verdict=verdict["status"])
     return found, table, verdict
 
 
@@ -159,7 +159,7 @@ def test_a_class_is_one_table_and_one_picture(made):
         "swing 10",
         "swing 3",
     ]
-    assert table.rows[-1][0] == "broken" and "lots is no number" in table.rows[-1][-1]
+    assert table.rows[-1][0] == "broken" and "lots is no number" in table.rows[-1][1]
     assert picture.text == CAPTION
     assert len(re.findall("<img", written(found, folder).read_text(encoding="utf-8"))) == 1
 

@@ -215,3 +215,13 @@ def test_a_measured_pendulum_is_the_one_that_is_simulated(tmp_path):
         and known.settings["simulation.load_friction"] == 0.001
     )
     assert "snakemake discover" in refused(pendulum=str(tmp_path / "none")).mend
+
+
+def test_a_model_of_a_rate_is_no_pendulum_of_a_sweep(tmp_path):
+    """Its sensor's zero is in rad/s, and sweeps simulate angles."""
+    from swingdown.pendulum.model import Model, write_model
+    from swingdown.sweep.measured import of_pendulum
+
+    file = write_model(Model("viscous", {"natural_frequency": 7.0, "viscous_ratio": 0.01}).of("rate"), tmp_path / "model.yaml")  # fmt: skip
+    with pytest.raises(InputError, match="angular rate"):
+        of_pendulum({"pendulum": str(file), "computes": "detection"}, "config, key sweeps")

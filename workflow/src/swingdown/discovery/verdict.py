@@ -83,6 +83,7 @@ def verdict(rounds: Sequence[Mapping[str, Any]], catalogue: Catalogue = SHIPPED)
                 "rad" if reading == ANGLE else "rad_per_s": sound["gap"]["holdout"] * noise_rms(sound),
             },
         },
+        "noise_rms_rad": None,  # of a rate there is none in rad
         in_unit("noise_rms", reading): noise_rms(last),
         "noise_correlation": last["noise_correlation"],
         "split": last["split"],

@@ -15,6 +15,7 @@ from . import style
 
 BEFORE, AFTER, HELD = "#D55E00", "#0072B2", "#009E73"
 _ROWS = 12  # of a ranking
+_MANY, _GROUPS = 80, 12  # half-swings beyond which means of groups are drawn, and so many groups
 
 
 def _words(name: str) -> str:
@@ -139,7 +140,8 @@ def _largest(part: pd.DataFrame) -> str:
 def half_swings(first: pd.DataFrame, last: pd.DataFrame) -> Figure:
     """Energy loss, period and mid-point of each half-swing against its amplitude: measured, base model and last model.
 
-    ``first`` and ``last`` are the rounds' half-swing tables.
+    ``first`` and ``last`` are the rounds' half-swing tables. Of many half-swings the lower row has means of groups, with bars of two
+    standard errors.
     """
     figure = style.new_figure(11.5)
     upper, lower = figure.subplots(2, 3, sharex=True)
@@ -150,16 +152,14 @@ def half_swings(first: pd.DataFrame, last: pd.DataFrame) -> Figure:
     )
     for axes, below, (column, label, scale) in zip(upper, lower, quantities, strict=True):
         measured = first[first["of"] == "measured"]
-        axes.plot(
-            style.degrees(measured["amplitude_rad"]),
-            scale * measured[column],
-            "o",
-            color=style.GREY,
-            ms=3.6,
-            mfc="none",
-            mew=0.7,
-            label="measured",
+        many = len(measured) > _MANY
+        at, values = style.degrees(measured["amplitude_rad"]), scale * measured[column].to_numpy()
+        look = (
+            {"marker": ".", "ms": 1.5, "mew": 0}
+            if many
+            else {"marker": "o", "ms": 3.6, "mfc": "none", "mew": 0.7}
         )
+        axes.plot(at, values, ls="", color=style.GREY, label="measured", **look)
         for table, colour, name in ((first, BEFORE, "base model"), (last, AFTER, "last model")):
             modelled = table[table["of"] == "modelled"]
             axes.plot(
@@ -172,8 +172,13 @@ def half_swings(first: pd.DataFrame, last: pd.DataFrame) -> Figure:
                 label=name,
             )
             amplitude, left = _left(table, column)
-            below.plot(style.degrees(amplitude), scale * left, ".", color=colour, ms=4.5, mew=0)
-            _reach(below, scale * left)
+            at, left = style.degrees(amplitude), scale * np.asarray(left, float)
+            if len(at) > _MANY:
+                below.plot(at, left, ".", color=colour, ms=1.5, mew=0, alpha=0.5)
+                _means(below, at, left, colour)
+            else:
+                below.plot(at, left, ".", color=colour, ms=4.5, mew=0)
+            _reach(below, left)
         _reach(axes, scale * measured[column].to_numpy())
         below.axhline(0, color=style.GREY, lw=0.6)
         axes.set_title(label)
@@ -191,6 +196,26 @@ def half_swings(first: pd.DataFrame, last: pd.DataFrame) -> Figure:
     lower[0].set_ylabel("measured − modelled")
     figure.legend(handles=upper[0].get_legend_handles_labels()[0], loc="outside upper left", ncols=3)
     return figure
+
+
+def _means(axes: Axes, at: Floats, values: Floats, colour: str) -> None:
+    """The means of so many half-swings that lie side by side, with two standard errors: of hundreds the eye sees none."""
+    known = np.isfinite(values)
+    order = np.argsort(at[known])
+    for part in np.array_split(order, _GROUPS):
+        x, y = at[known][part], values[known][part]
+        if len(x) > 1:
+            error = 2 * float(np.std(y, ddof=1)) / np.sqrt(len(y))
+            axes.errorbar(
+                float(np.mean(x)),
+                float(np.mean(y)),
+                yerr=error,
+                fmt="o",
+                color=colour,
+                ms=3.4,
+                capsize=2,
+                elinewidth=1.0,
+            )
 
 
 def _left(table: pd.DataFrame, column: str) -> pd.Series:
@@ -267,18 +292,18 @@ def gap(verdict: Mapping[str, Any]) -> Figure:
     axes.axhline(1, color=style.GREY, lw=0.8, ls=(0, (4, 2)))
     axes.plot(places, fit, "o-", color=AFTER, ms=5, label="fitted swings")
     axes.plot(places, held, "s--", color=HELD, ms=5, label="held-out swings")
-    for values, others in ((fit, held), (held, fit)):
-        for place, value, other in zip(places, values, others, strict=True):
-            up = (
-                7 if value > other or (value == other and values is held) else -13
-            )  # away from the other's point
+    for place, both in zip(places, zip(fit, held, strict=True), strict=True):
+        for value, other, colour in zip(both, both[::-1], (AFTER, HELD), strict=True):
+            # the larger stands above, each in its mark's colour
+            above = value > other or (value == other and colour == HELD)
             axes.annotate(
                 f"{value:.3g}",
                 (place, value),
-                xytext=(0, up),
+                xytext=(0, 7 if above else -14),
                 textcoords="offset points",
                 ha="center",
                 fontsize=8.5,
+                color=colour,
             )
     axes.set_yscale("log")
     style.decimal_log(axes.yaxis)

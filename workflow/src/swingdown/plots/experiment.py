@@ -13,7 +13,6 @@ from ..pendulum.model import symbol
 from . import style
 from .calibration import recording_note
 
-DATA = "#a9b0b7"
 EARLY_AND_LATE = 3.0  # seconds enlarged at each end of a swing
 ERROR_BOUNDS = "error_bounds"
 
@@ -83,11 +82,10 @@ def fit_of(label: str, fits: xr.Dataset, angles: xr.Dataset, remark: str = "") -
     late = figure.add_subplot(grid[1, 1])
     shown = min(EARLY_AND_LATE, 0.4 * time[-1])
     for axes in (whole, early, late):
-        if axes is whole:
-            axes.plot(time, angle, color=DATA, lw=2.4)
-        else:  # each sample by itself, where there is room for it
-            axes.plot(time, angle, ".", color=style.GREY, ms=3.2, mew=0)
-        axes.plot(time, fit, color=colour, lw=0.9)
+        # each sample is a ring that the fit's line goes through, or misses; a band would hide both
+        size, edge = (1.4, 0.3) if axes is whole else (3.4, 0.5)
+        axes.plot(time, angle, "o", ms=size, mfc="none", mew=edge, color=style.GREY, rasterized=axes is whole)
+        axes.plot(time, fit, color=colour, lw=0.7 if axes is whole else 1.1)
         axes.grid(True, axis="y")
         axes.set_ylabel(what)
     whole.set_xlim(time[0], time[-1])
@@ -99,7 +97,7 @@ def fit_of(label: str, fits: xr.Dataset, angles: xr.Dataset, remark: str = "") -
     bands = _residual(strip, time, residual, bound, angles, colour)
     figure.align_ylabels((whole, early, strip))
     handles = [
-        whole.plot([], [], ".-", color=DATA, lw=2.4, ms=5, mfc=style.GREY, mew=0, label="measured angle")[0],
+        style.mark("o", style.GREY, "samples", hollow=True),
         whole.plot([], [], color=colour, label="fit")[0],
         *bands,
     ]

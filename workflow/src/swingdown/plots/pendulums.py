@@ -24,6 +24,7 @@ def side_by_side(table: pd.DataFrame) -> Figure:
 
     ``table`` is ``results/tables/pendulums.csv``; rows without a model (files that could not be used) are named below.
     """
+    table = table if "label" in table else table.assign(label=table["recording"])
     shown = table[table["model"].notna()].reset_index(drop=True)
     left = table.loc[table["model"].isna(), "label"].astype(str)
     figure = style.new_figure(2.6 + 0.42 * len(shown))

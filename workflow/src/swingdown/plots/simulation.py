@@ -1,5 +1,6 @@
 """Figures 2 to 5: the simulated swings, and how well each model fits what another has made."""
 
+import numpy as np
 import pandas as pd
 import xarray as xr
 from matplotlib.figure import Figure
@@ -8,6 +9,7 @@ from ..pendulum.model import symbol
 from . import style
 
 INFERRED = r"release angle, duration, $\zeta_q$, $\gamma$, start of the fit, norm"
+AGREE = 0.01  # of a norm: two methods that differ by less found the same optimum
 PAPER, NELDER_MEAD, LEAST_SQUARES = -0.24, -0.05, 0.18  # where marks stand, from a model's place on the axis
 
 
@@ -76,13 +78,21 @@ def norms_of(simulated: str, norms: xr.Dataset, table2: pd.DataFrame) -> Figure:
 
     figure = style.new_figure(9.4)
     axes = figure.subplots()
+    apart = False
     for place, label in enumerate(fitted):
         colour = style.colour(label)
         if label == simulated:
             axes.axvspan(place - 0.5, place + 0.5, color=style.PALE, lw=0, zorder=0)
         one = data.sel(fitted=label)
-        style.runs(axes, place + NELDER_MEAD, one["norm"].values, colour, "o")
-        style.runs(axes, place + LEAST_SQUARES, one["least_squares_norm"].values, colour, "D")
+        simplex, squares = one["norm"].values, one["least_squares_norm"].values
+        if np.allclose(
+            simplex, squares, rtol=0, atol=AGREE * np.mean(squares)
+        ):  # the same optimum needs no second mark
+            style.runs(axes, place + NELDER_MEAD, simplex, colour, "o")
+        else:
+            apart = True
+            style.runs(axes, place + NELDER_MEAD, simplex, colour, "o")
+            style.runs(axes, place + LEAST_SQUARES, squares, colour, "D")
         if label in published.index:
             row = published.loc[label]
             style.published(axes, place + PAPER, row["published_mean"], row["published_std"])
@@ -97,8 +107,8 @@ def norms_of(simulated: str, norms: xr.Dataset, table2: pd.DataFrame) -> Figure:
     style.legend_above(
         axes,
         [
-            style.mark("o", style.GREY, "Nelder–Mead"),
-            style.mark("D", style.GREY, "least squares"),
+            style.mark("o", style.GREY, "Nelder–Mead" if apart else "Nelder–Mead and least squares alike"),
+            *([style.mark("D", style.GREY, "least squares, where it differs")] if apart else []),
             style.mark("s", style.INK, "the paper", hollow=True),
             style.mark(".", style.FAINT, f"each of {count} realisations"),
         ],

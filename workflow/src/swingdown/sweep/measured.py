@@ -4,7 +4,7 @@ import re
 from pathlib import Path
 
 from ..errors import InputError
-from ..pendulum.catalogue import catalogue
+from ..pendulum.catalogue import ANGLE, catalogue
 from ..pendulum.model import read_model
 from ..sealed import read_json
 
@@ -28,6 +28,9 @@ def of_pendulum(entry, place, own=None):
         raise InputError(place, f"{path} is no model file, nor the folder of a campaign that was searched", "a file such as round-1/model.yaml",
                          "run `snakemake discover` first, or correct the path")  # fmt: skip
     model = read_model(file, catalogue(own))
+    if model.reading != ANGLE:
+        raise InputError(place, f"{file} is the model of a recording of an angular rate", "a model of angles, which is what sweeps simulate",
+                         "name a campaign of angles, or leave `pendulum` out and state the values")  # fmt: skip
     found = {"model.restoring": model.restoring, "model.form": model.form}
     for name, value in model.values.items():
         found[f"{'simulation' if name in _CONFIG else 'parameters'}.{name}"] = float(value)

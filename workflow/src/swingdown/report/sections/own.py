@@ -192,7 +192,7 @@ def _table(
     ]
     rows: list[list[Cell]] = []
     for row in table.to_dict("records"):
-        name = "all together" if row["recording"] == TOGETHER else str(row["label"])
+        name = "all together" if row["recording"] == TOGETHER else str(row.get("label", row["recording"]))
         if row["verdict"] == REFUSED:
             rows.append([name, _why(row), *[""] * (len(columns) - 2)])
             continue
