@@ -84,10 +84,19 @@ def first_guess(times: Any, angle: Any, restoring: str = "sine") -> Guess:
         )
     halves = np.diff(crossings)
     used = extremes >= 0.5 * extremes[0]  # the late, small ones are mostly noise or friction
-    half, amplitude = float(np.median(halves[used])), float(np.median(extremes[used]))
+    half, amplitude = _median(halves[used]), _median(extremes[used])
     frequency = np.pi / half / (amplitude_factor(amplitude) if restoring == "sine" else 1.0)
     loss = (extremes[0] - extremes[-1]) / max(1, extremes.size - 1) if extremes.size > 1 else 0.01 * amplitude
     few = max(4, min(times.size, int(np.searchsorted(times, times[0] + half / 8))))
     span = times[few - 1] - times[0]
-    local = np.linalg.lstsq(np.vander((times[:few] - times[0]) / span, 3), angle[:few])[0]  # of a parabola
+    early = (times[:few] - times[0]) / span
+    powers = np.ones((few, 3))
+    powers[:, 0], powers[:, 1] = early * early, early
+    local = np.linalg.lstsq(powers, angle[:few])[0]  # of a parabola
     return Guess(float(frequency), float(local[2]), float(local[1] / span), amplitude, float(loss))
+
+
+def _median(values: Floats) -> float:
+    """The median of a few values: numpy's own takes longer to look at its arguments than all else does."""
+    ordered, half = np.sort(values), values.size // 2
+    return float(ordered[half] if values.size % 2 else (ordered[half - 1] + ordered[half]) / 2)
