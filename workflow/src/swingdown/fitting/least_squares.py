@@ -138,7 +138,7 @@ def _from_all(
     thin = problem.thinned(float(problem.slots(starts[0])[0, 0]))
     grown, agreed = starts[:0], False
     if first:
-        part = _search(thin, starts, min(most, 30), max(tolerance, _ROUGH), _TELLING, until_noise=True)
+        part = _search(thin, starts, min(most, 30), max(tolerance, _ROUGH), _TELLING)
         tried = np.vstack([part[1], starts[:first]])
         rss, best, _, squares, outcome = found = _search(thin, tried, most, tolerance, until_noise=True)
         squares = squares[:1] if outcome.ends_in_noise else squares
