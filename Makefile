@@ -71,7 +71,7 @@ PEERS := .venv/peers-$(shell cksum < requirements-benchmark.lock | cut -d' ' -f1
 
 # One thread each, so that CPU times compare; without the peers' packages the rest is timed all the same.
 benchmark: $(READY)
-	@test -e $(PEERS)/ready || { echo "Setting up the peers ($(PEERS), once, 800 MB) ..." && $(PYTHON) -m venv --clear $(PEERS) \
+	@test -e $(PEERS)/ready || { echo "Setting up the peers ($(PEERS), once, 1.6 GB) ..." && $(PYTHON) -m venv --clear $(PEERS) \
 	  && $(BIN)/uv pip sync -q --system-certs --require-hashes --python $(PEERS)/bin/python requirements-benchmark.lock \
 	  && touch $(PEERS)/ready; } || echo "The peers could not be set up; what needs them is left out."
 	@OPENBLAS_NUM_THREADS=1 XLA_FLAGS="--xla_cpu_multi_thread_eigen=false intra_op_parallelism_threads=1" PYTHONPATH=workflow/src:tests/engine \

@@ -19,13 +19,21 @@ RTOL_DIFFERENCES, ATOL_DIFFERENCES, STEP, STOP = 1e-10, 1e-12, 1e-5, 1e-8
 
 @dataclass(frozen=True)
 class Task:
-    """Angles (rad) at times (s), and where to start: frequency, coefficients, zero, release angle, release velocity."""
+    """Series of angles (rad) at times (s), and where to start: frequency, coefficients, zero, release angle and velocity.
+
+    All but those that fit batches fit the first, ``angle``.
+    """
 
     name: str
     times: np.ndarray
-    angle: np.ndarray
+    series: np.ndarray
     start: np.ndarray
     scale: np.ndarray  # typical sizes, for those optimisers that want them
+
+    @property
+    def angle(self):
+        """The first of the series."""
+        return self.series[0]
 
 
 class Found(NamedTuple):
@@ -211,14 +219,21 @@ def available():
         "odeint + least_squares": odeint_least_squares,
     }
     missing = []
-    try:
-        import lmfit  # noqa: F401
+    from compiled_peers import FITTERS  # which imports from here
 
-        fitters["odeint + lmfit leastsq"] = odeint_lmfit
-    except ImportError:
-        missing.append("odeint + lmfit leastsq")
-    try:
-        fitters["diffrax + optimistix, warm"] = Diffrax()
-    except ImportError:
-        missing.append("diffrax + optimistix, warm")
+    for name, make in {
+        "odeint + lmfit leastsq": _lmfit,
+        "diffrax + optimistix, warm": Diffrax,
+        **FITTERS,
+    }.items():
+        try:
+            fitters[name] = make()
+        except ImportError:
+            missing.append(name)
     return fitters, missing
+
+
+def _lmfit():
+    import lmfit  # noqa: F401
+
+    return odeint_lmfit

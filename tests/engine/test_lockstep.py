@@ -27,13 +27,27 @@ SMOOTH = {
         "vibration_phase": 0.3,
     },
 }
+DIRECTED = {
+    "constant_coulomb": {"constant_friction": 0.05},
+    "quadratic_drag": {"quadratic_coefficient": 0.02},
+    "viscous+constant_coulomb": {"constant_friction": 0.1},
+    "viscous+quadratic_drag+load_coulomb+sensor_zero": {
+        "quadratic_coefficient": 0.01,
+        "load_friction": 0.001,
+        "sensor_zero": 0.01,
+    },
+    "viscous+quadratic_drag+constant_torque": {"quadratic_coefficient": 0.01, "constant_torque": 0.3},
+}
+BOTH = SMOOTH | DIRECTED
+FULL = "viscous+quadratic_drag+load_coulomb+sensor_zero"
 IRREGULAR = np.sort(np.random.default_rng(5).uniform(0.0, 10.0, 700))
 SPARSE = np.arange(0.0, 10.0, 0.13)
 RELEASE = 0.5, 0.2
 
 
 def model(label):
-    return Model(label, {"natural_frequency": 7.25, "viscous_ratio": 0.02} | SMOOTH[label])
+    viscous = {"viscous_ratio": 0.02} if "viscous" in label else {}
+    return Model(label, {"natural_frequency": 7.25} | viscous | BOTH[label])
 
 
 def noisy(label, times=TIMES, count=20, noise=3e-3, release=RELEASE):
@@ -50,7 +64,7 @@ def from_guess(guess, times, angle, **options):
 
 
 @pytest.mark.parametrize("times", [TIMES, IRREGULAR, SPARSE], ids=["even", "irregular", "sparse"])
-@pytest.mark.parametrize("label", SMOOTH)
+@pytest.mark.parametrize("label", BOTH)
 def test_the_optimum_is_that_of_a_fit_by_itself(label, times):
     series, guess = noisy(label, times, count=3), model(label)
     many = fit_batch(guess, times, series, *RELEASE, tolerance=1e-13)
@@ -62,6 +76,31 @@ def test_the_optimum_is_that_of_a_fit_by_itself(label, times):
         assert np.abs((values - alone.values) / alone.standard_errors)[determined].max() < 1e-4
 
 
+@pytest.mark.parametrize("velocity", [0.1, -0.3, 1e-4, 2.0])
+@pytest.mark.parametrize("label", ["viscous+quadratic_drag", "viscous+constant_coulomb"])
+def test_pushed_at_the_release(label, velocity):
+    """A push away from rest turns the pendulum at once: a half-swing much shorter than the others."""
+    values = {
+        "viscous": "viscous_ratio",
+        "quadratic_drag": "quadratic_coefficient",
+        "constant_coulomb": "constant_friction",
+    }
+    true = Model(label, {"natural_frequency": 7.25} | {values[name]: 0.02 for name in label.split("+")})
+    fit = fit_batch(true, TIMES, simulate(true, TIMES, 0.5, velocity)[None], 0.5, velocity, tolerance=1e-13)
+    assert fit.values[0] == pytest.approx([*true.vector(), 0.5, velocity], abs=1e-7)
+    assert not fit.alone[0] and np.sqrt(fit.rss[0] / TIMES.size) < 5e-9 * 0.5
+
+
+def test_a_pendulum_that_friction_stops_is_fitted_alone():
+    true = Model("constant_coulomb", {"natural_frequency": 7.25, "constant_friction": 2.0})
+    series = simulate(true, TIMES, *RELEASE) + 1e-3 * np.random.default_rng(1).standard_normal(
+        (3, TIMES.size)
+    )
+    fit = fit_batch(true, TIMES, series, *RELEASE)
+    assert fit.alone.all() and fit.converged.all()
+    assert fit.values[:, 1] == pytest.approx(2.0, abs=0.01)
+
+
 @pytest.mark.parametrize("degrees", [5, 20, 60, 100, 140])
 def test_a_model_fitted_to_itself_comes_back(degrees):
     true, release = model("viscous+sensor_zero"), (np.radians(degrees), 0.1)
@@ -71,8 +110,8 @@ def test_a_model_fitted_to_itself_comes_back(degrees):
     assert np.sqrt(fit.rss[0] / TIMES.size) < 5e-9 * release[0]
 
 
-def test_a_hopeless_series_harms_no_other():
-    label = "viscous+sensor_zero"
+@pytest.mark.parametrize("label", ["viscous+sensor_zero", FULL])
+def test_a_hopeless_series_harms_no_other(label):
     series, rng = noisy(label), np.random.default_rng(7)
     rough = series.copy()
     rough[3], rough[11] = 10 * rng.standard_normal(TIMES.size), 1e6 * np.sin(40 * TIMES)
@@ -112,8 +151,8 @@ def test_bounds_are_kept():
     assert fit.converged.all() and damping.min() == 0.0 and 4 <= np.sum(damping == 0.0) <= 16
 
 
-def test_a_guess_far_off_finds_the_optimum():
-    label = "viscous+sensor_zero"
+@pytest.mark.parametrize("label", ["viscous+sensor_zero", FULL])
+def test_a_guess_far_off_finds_the_optimum(label):
     series, near = noisy(label), model(label)
     far = near.with_values(near.values | {"natural_frequency": 7.4, "viscous_ratio": 0.06})
     one, other = (fit_batch(each, TIMES, series, *RELEASE, tolerance=1e-13) for each in (near, far))
@@ -122,12 +161,12 @@ def test_a_guess_far_off_finds_the_optimum():
 
 
 def test_other_models_are_fitted_one_by_one():
-    true = Model("constant_coulomb", {"natural_frequency": 7.25, "constant_friction": 0.2})
+    true = Model("viscous+eccentricity", {"natural_frequency": 7.25, "viscous_ratio": 0.02, "eccentricity": 0.01, "eccentricity_phase": 0.8})  # fmt: skip
     series = simulate(true, TIMES, *RELEASE) + 1e-3 * np.random.default_rng(1).standard_normal(
         (2, TIMES.size)
     )
     fit = fit_batch(true, TIMES, series, *RELEASE)
-    assert fit.alone.all() and fit.converged.all()
+    assert fit.alone.all()
 
 
 EFFECTS, GRAVITIES = (SHIPPED["viscous"], SHIPPED["constant_coulomb"]), tuple(SHIPPED.gravity.values())
@@ -145,17 +184,18 @@ def test_the_number_of_lanes_changes_no_bit(tmp_path, monkeypatch):
         program.write_text(f'#!/bin/sh\nexec {gcc} "$@" {given} -O1\n')
         program.chmod(0o755)
         monkeypatch.setenv("CC", str(program))
-        found.append(batch_by(interface.ffi().dlopen(str(build.library(EFFECTS, GRAVITIES)))))
+        library = interface.ffi().dlopen(str(build.library(EFFECTS, GRAVITIES)))
+        found.append([*batch_by(library, 0), *batch_by(library, 1)])
     for one, other in zip(*found, strict=True):
         assert np.array_equal(one, other)
 
 
-def batch_by(library):
-    """Values, sums of squares and evaluations of viscous fits by an engine that knows ``EFFECTS``."""
-    series, first = noisy("viscous", count=11), np.array([7.2, 0.03, 0.5, 0.2])
-    placed = interface.model(
-        [(0, 1, 0), (2, 1, 0)], (), (), n_parameters=2, n_states=0, play=-1, duration=10.0
-    )
+def batch_by(library, effect):
+    """Values, sums of squares and evaluations of fits with one of ``EFFECTS`` by an engine that knows them."""
+    label = ("viscous", "constant_coulomb")[effect]
+    series, first = noisy(label, count=11), np.array([7.2, 0.03, 0.5, 0.2])
+    places = [(0, 1, 0), (2 + effect, 1, 0)]
+    placed = interface.model(places, (), (), n_parameters=2, n_states=0, play=-1, duration=10.0)
     counts = np.zeros((3, 11), dtype=np.int32)
     result = interface.BatchResult(np.zeros((11, 4)), np.zeros(11), *counts)
     bounds = interface.Bounds(np.full(4, -np.inf), np.full(4, np.inf))

@@ -128,12 +128,13 @@ def swing_trajectory(
 
 class Outcome(NamedTuple):
     """How a search ended: a ``Convergence`` of c/interface.h, its evaluations, the relative reduction that its last full
-    step predicted, and whether a swing stops within its record."""
+    step predicted, whether a swing stops within its record, and whether nothing but white noise is left."""
 
     converged: int
     evaluations: int
     predicted_reduction: float
     stops: bool
+    ends_in_noise: bool
 
 
 class Bounds(NamedTuple):
@@ -158,7 +159,7 @@ class Options(NamedTuple):
 
 
 def _outcome(c: Any) -> Outcome:
-    return Outcome(c.converged, c.evaluations, c.predicted_reduction, bool(c.stops))
+    return Outcome(c.converged, c.evaluations, c.predicted_reduction, bool(c.stops), bool(c.ends_in_noise))
 
 
 def _c_bounds(bounds: Bounds) -> tuple[Any, Any]:
@@ -231,11 +232,13 @@ def fit_swings(
     lengths: Sequence[int],
     options: Options,
     evaluate_best: bool,
+    until_noise: bool = False,
 ) -> tuple[float, Floats, Floats, Floats, Outcome]:
     """The least sum of squares (rad^2) from the starts, the variables there, J'J, the sum from each start, the ``Outcome``.
 
     ``given`` (swing, value): the values that are no variables; ``starts`` (start, variable); ``lengths``: how many
-    samples of each swing count. J'J is that of a point close by unless ``evaluate_best``.
+    samples of each swing count. J'J is that of a point close by unless ``evaluate_best``. ``until_noise``: where the first
+    start leads to a minimum that leaves nothing but noise, the others are not tried; their sums are NaN.
     """
     size, count, new = problem.n_variables, len(lengths), ffi().new
     values, best, normal = given.copy(), np.zeros(size), np.zeros((size, size))
@@ -249,7 +252,7 @@ def fit_swings(
     result = new(
         "FitResult *", {"variables": doubles(best), "normal": doubles(normal), "squares": doubles(squares)}
     )
-    all_starts = new("Starts *", (len(starts), doubles(starts), bool(evaluate_best)))
+    all_starts = new("Starts *", (len(starts), doubles(starts), bool(evaluate_best), bool(until_noise)))
     rss = library.fit_swings(swings, all_starts, new("SearchOptions *", options), result)
     return rss, best, normal, squares, _outcome(result.outcome)
 

@@ -130,26 +130,59 @@ def _run(
     }
     if unknown := [name for name in free if name not in codes]:
         raise InputError(f"model {model.label}", f"no value {unknown[0]!r} to vary", ", ".join(codes))
-    chosen = [codes[name] for name in free]
     angles, slopes = np.empty(times.size), np.empty((len(free), times.size))
     release = release_angle, release_velocity
-    status, report = interface.swing_trajectory(
-        library, compiled.c, values, release, times, chosen, angles, slopes if free else None
-    )
-    if status:
-        stated = ", ".join(
-            f"{name} {value:.6g}" for name, value in zip(model.parameters, values, strict=True)
-        )
-        raise TrajectoryError(f"model {model.label} with {stated}: {_STATUS[interface.status_name(status)]}")
+    chosen = [codes[name] for name in free]
+    report = _follow(compiled, values, release, times, chosen, angles, slopes if free else None)
     effort = Effort(
         report.panels, report.rejected, report.evaluations, report.reversals, report.error,
         report.stuck_after if report.stuck_after >= 0 else None, bool(report.driven),
     )  # fmt: skip
-    # a torque without a name may drive, for it stands for whatever does; and a friction below 0, which is told elsewhere
-    beyond = model.reading != RATE and float(np.max(np.abs(angles), initial=0.0)) > np.pi / 2
-    if effort.driven and beyond and all(map(model.catalogue.has_name, model.names)):
-        warnings.warn(f"model {model.label}: {_DRIVEN}", TrajectoryWarning, stacklevel=3)
+    _warn_of_drive(compiled, report, angles)
     return angles, slopes, effort
+
+
+def _follow(
+    compiled: Compiled,
+    values: Floats,
+    release: Sequence[float],
+    times: Floats,
+    chosen: Sequence[int],
+    angles: Floats,
+    slopes: Floats | None,
+) -> Any:
+    status, report = interface.swing_trajectory(
+        compiled.library, compiled.c, values, release, times, chosen, angles, slopes
+    )
+    if status:
+        model = compiled.model
+        stated = ", ".join(
+            f"{name} {value:.6g}" for name, value in zip(model.parameters, values, strict=True)
+        )
+        raise TrajectoryError(f"model {model.label} with {stated}: {_STATUS[interface.status_name(status)]}")
+    return report
+
+
+def _warn_of_drive(compiled: Compiled, report: Any, angles: Floats) -> None:
+    if not report.driven:
+        return
+    # a torque without a name may drive, for it stands for whatever does; and a friction below 0, which is told elsewhere
+    model = compiled.model
+    beyond = model.reading != RATE and float(np.max(np.abs(angles), initial=0.0)) > np.pi / 2
+    if beyond and all(map(model.catalogue.has_name, model.names)):
+        warnings.warn(f"model {model.label}: {_DRIVEN}", TrajectoryWarning, stacklevel=4)
+
+
+def simulate_compiled(compiled: Compiled, times: Floats, values: Floats, release: Sequence[float]) -> Floats:
+    """The angles (rad) of ``simulate`` for a compiled model, of which nothing is checked again.
+
+    ``times`` (s) as ``checked_times`` gives them, ``values`` in the order of the model's parameters, ``release`` angle and
+    velocity (rad, rad/s). Raises TrajectoryError and warns as ``simulate`` does.
+    """
+    angles = np.empty(times.size)
+    report = _follow(compiled, np.ascontiguousarray(values), release, times, (), angles, None)
+    _warn_of_drive(compiled, report, angles)
+    return angles
 
 
 def simulate(model: Model, times: Any, release_angle: float, release_velocity: float = 0.0) -> Floats:

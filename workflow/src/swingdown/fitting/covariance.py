@@ -8,6 +8,7 @@ from ..pendulum.slack import time_power
 from .problem import RELEASE, Problem
 
 CLOCK = "clock"
+_SINGULAR = 1e15
 _RELEASE_UNITS = dict(zip(RELEASE, ("rad", "rad/s"), strict=True))
 
 
@@ -39,7 +40,8 @@ def inverse_of(problem: Problem, hessian: Floats, best: Floats) -> Floats:
         inverse = np.linalg.inv(scaled)
     except np.linalg.LinAlgError:
         return found
-    if np.linalg.cond(scaled) < 1e15:
+    # by the product of Frobenius' norms first, which is never smaller than the condition number and takes a tenth of the time
+    if np.linalg.norm(scaled) * np.linalg.norm(inverse) < _SINGULAR or np.linalg.cond(scaled) < _SINGULAR:
         found[np.ix_(free, free)] = inverse / np.outer(scale[free], scale[free])
     return found
 

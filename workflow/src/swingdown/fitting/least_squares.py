@@ -7,7 +7,7 @@ import numpy as np
 
 from ..arrays import Floats
 from ..engine import interface
-from ..engine.trajectory import TrajectoryError, simulate
+from ..engine.trajectory import TrajectoryError, simulate_compiled
 from ..pendulum.model import Model, as_model
 from .covariance import covariance_of
 from .problem import Problem, Swings
@@ -93,11 +93,11 @@ def fit_at(
         {name: float(errors[name]) for name in problem.shared},
     )
     swings = []
-    for row, (times, angle) in zip(slots, problem.swings, strict=True):
+    for row, compiled, (times, angle) in zip(slots, problem.compiled, problem.swings, strict=True):
         one = model
         if problem.own:
             one = model.with_values(dict(zip(names, map(float, row[:-2]), strict=True)))
-        series = simulate(one, times, *row[-2:])
+        series = simulate_compiled(compiled, times, row[:-2], row[-2:])
         rms = float(np.sqrt(np.mean((series - angle) ** 2)))
         own = {name: one.values[name] for name in problem.own}
         swings.append(SwingFit(one, float(row[-2]), float(row[-1]), series, rms, own))
@@ -130,8 +130,9 @@ def _from_all(
 ) -> tuple[Any, int, int]:
     """The least sum of squares over the whole of every swing, how many starts reached it and how many were tried.
 
-    The ``first`` so many of the starts and the optimum of one part from all of them do where they come to one place at which
-    no swing stops: then no start is far off. Else parts are grown into the whole, unless ``grow`` is False, and all starts
+    The optimum of one part from all starts and the ``first`` so many of them do where they come to one place at which no
+    swing stops: then no start is far off. Where the part's optimum leads to one that leaves nothing but white noise, there is
+    nothing better to be found, and it is not asked for a second time. Else parts are grown into the whole, unless ``grow`` is False, and all starts
     tried. Of many samples a few tell where to: the search among all ends there.
     """
     thin = problem.thinned(float(problem.slots(starts[0])[0, 0]))
@@ -139,7 +140,8 @@ def _from_all(
     if first:
         part = _search(thin, starts, min(most, 30), max(tolerance, _ROUGH), _TELLING)
         tried = np.vstack([part[1], starts[:first]])
-        rss, best, _, squares, outcome = found = _search(thin, tried, most, tolerance)
+        rss, best, _, squares, outcome = found = _search(thin, tried, most, tolerance, until_noise=True)
+        squares = squares[:1] if outcome.ends_in_noise else squares
         stationary = part[-1].converged > 0 and outcome.converged > 0
         agreed = stationary and not outcome.stops and bool(np.all(squares <= rss * (1 + _SAME)))
     if not agreed:
@@ -148,11 +150,20 @@ def _from_all(
         rss, best, _, squares, _ = found = _search(thin, tried, most, tolerance)
     if thin is not problem:
         found = _search(problem, np.vstack([best, grown]), most, tolerance)
-    return found, int(np.sum(squares <= rss * (1 + _SAME))), len(tried)
+    return found, int(np.sum(squares <= rss * (1 + _SAME))), squares.size
 
 
-def _search(problem: Problem, starts: Floats, most: int, tolerance: float, share: float = 1.0) -> Any:
+def _search(
+    problem: Problem,
+    starts: Floats,
+    most: int,
+    tolerance: float,
+    share: float = 1.0,
+    until_noise: bool = False,
+) -> Any:
     """The least sum of squares over a share of every swing: it, where, J'J (near there, for a part), each start's, and how."""
     lengths = [min(times.size, max(_FEWEST, round(share * times.size))) for times, _ in problem.swings]
     options, library = interface.Options(most, tolerance), problem.compiled[0].library
-    return interface.fit_swings(library, problem.c, problem.given, starts, lengths, options, share == 1)
+    return interface.fit_swings(
+        library, problem.c, problem.given, starts, lengths, options, share == 1, until_noise
+    )

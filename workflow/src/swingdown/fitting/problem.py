@@ -45,6 +45,10 @@ def limits(definition: Parameter, bounded: bool) -> tuple[float, float]:
     return (definition.lower, definition.upper) if bounded else (definition.least, np.inf)
 
 
+def _mean(values: list[float]) -> float:
+    return values[0] if len(values) == 1 else float(np.mean(values))
+
+
 class Problem:
     """The free variables of a fit and where each sits in every swing's values.
 
@@ -151,7 +155,7 @@ class Problem:
         x = np.zeros(len(self.free))
         taken = self.where >= 0
         x[self.where[taken]] = slots[taken]
-        return np.clip(x, self.lower, self.upper)
+        return np.minimum(np.maximum(x, self.lower), self.upper)
 
     def slots(self, x: Floats) -> Floats:
         """Every swing's values at the free variables: parameters, release angle, release velocity; (swing, slot)."""
@@ -170,8 +174,8 @@ class Problem:
         found = [first_guess(times, angle, self.model.restoring, reading) for times, angle in self.swings]
         releases = [(g.release_angle, g.release_velocity) for g in found]
         shares = [g.damping(self.model) for g in found]
-        loss = {name: float(np.mean([share[name] for share in shares])) for name in shares[0]}
-        frequency = {NATURAL_FREQUENCY.name: float(np.mean([g.natural_frequency for g in found]))}
+        loss = {name: _mean([share[name] for share in shares]) for name in shares[0]}
+        frequency = {NATURAL_FREQUENCY.name: _mean([g.natural_frequency for g in found])}
         split = frequency | {name: value / max(1, len(loss)) for name, value in loss.items()}
         alone = [
             frequency | {name: value if name == only else 0.0 for name, value in loss.items()}

@@ -15,5 +15,6 @@
 #include "lockstep_panel.c"
 #include "lockstep_record.c"
 #include "lockstep_point.c"
+#include "lockstep_swings.c"
 #include "lockstep.c"
 #include "swings.c"

@@ -81,6 +81,7 @@ typedef struct {
     int evaluations;
     double predicted_reduction; /* of the last full step, relative to the sum of squares */
     int stops;                  /* a swing sticks within its record, where that was looked at */
+    int ends_in_noise;          /* nothing but white noise is left, where that was looked at */
 } SearchOutcome;
 
 typedef struct {
@@ -116,17 +117,18 @@ typedef struct {
     Knowledge known;
 } FitProblem;
 
-/* The starts of a fit, row by row; evaluate_best: whether J'J and `stops` are wanted at the best point itself. */
+/* The starts of a fit, row by row. evaluate_best: whether J'J and `stops` are wanted at the best point itself. until_noise: the
+ * others are not tried where the first leads to a minimum that leaves nothing but white noise, far smaller than the swing. */
 typedef struct {
     int n_starts;
     const double *variables;
-    int evaluate_best;
+    int evaluate_best, until_noise;
 } Starts;
 
 typedef struct {
     double *variables; /* at the best of all minima */
     double *normal;    /* J'J there, or of a point close by where it was not asked for */
-    double *squares;   /* the sum of squares that each start came to, rad^2 */
+    double *squares;   /* the sum of squares that each start came to, rad^2; not a number where it was not tried */
     SearchOutcome outcome;
 } FitResult;
 

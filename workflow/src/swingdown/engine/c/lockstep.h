@@ -1,12 +1,13 @@
 /* Fits side by side, each in a lane of its own: the same arithmetic for all, so a fit's numbers depend neither on its company
  * nor on how many lanes there are.
  *
- * Here are the models that are smooth: no effect depends on the velocity's sign, has states or adds inertia, and sensors are
- * affine. Their panels stand still in time, LOCKSTEP_NODES nodes each, the same for all fits and evaluations. So a panel's
- * angle is always a polynomial over the same samples, and the data count only by their part in the space of those
- * polynomials (lockstep_record.c): a fit's work does not grow with its samples. The last point's solution and slopes foretell
- * the next one's, so that Newton's iteration has little left to do. Whatever else happens, a panel that is not accurate or
- * does not converge or a search that does not end at a minimum, is left to the fits one by one. */
+ * Here are the models without states, added inertia or effects that may be narrow, whose sensors are affine. Of a smooth motion,
+ * which does not depend on the velocity's sign, panels stand still in time, LOCKSTEP_NODES nodes each, the same for all fits and
+ * evaluations. So a panel's angle is always a polynomial over the same samples, and the data count only by their part in the
+ * space of those polynomials (lockstep_record.c): a fit's work does not grow with its samples. Of a directed motion, which does,
+ * each lane's panels go from reversal to reversal (lockstep_swings.c). The last point's solution foretells the next one's, so
+ * that Newton's iteration has little left to do. Whatever else happens (a panel that is not accurate or does not converge, a
+ * pendulum that sticks, a search that does not end at a minimum) is left to the fits one by one. */
 #ifndef LOCKSTEP_H
 #define LOCKSTEP_H
 #include "least_squares.h"
@@ -130,9 +131,17 @@ typedef struct {
     Each *data, missed;              /* coordinates of each lane's series, and what they leave */
     Each gain, zero, gain_by[MOST_FREE], zero_by[MOST_FREE];
     Each squares, gradient[MOST_FREE], normal[MOST_FREE * MOST_FREE]; /* at the point just computed */
-    /* of the point from which the batch starts: it, its solution, and the coordinates of its angles and slopes */
-    double first[MOST_FREE], *first_u, *first_changes, *first_angles, *first_slopes, first_normal[MOST_FREE * MOST_FREE];
-    double *series; /* coordinates of one */
+    /* what the last point foretells: n_kept numbers of each lane, the solution and, of a directed motion, the durations (s) of the
+     * half-swings that began with each panel */
+    int n_kept;
+    Each *kept, *durations;
+    int directed, parts; /* the motion depends on the velocity's sign; panels of a half-swing */
+    double half_swing;   /* s */
+    /* of the point from which the batch starts: it, what it foretells, and its angles and slopes, as coordinates or at the samples */
+    int n_rows;
+    double first[MOST_FREE], *first_kept, *first_angles, *first_slopes, first_normal[MOST_FREE * MOST_FREE];
+    double *series; /* one, in the same way */
+    const double *series_of[WIDTH];
     Each *angles;   /* room for the coordinates of one panel's angles and slopes */
     LaneFit fits[WIDTH];
     int next;
@@ -141,8 +150,8 @@ typedef struct {
 /* Sums of squares and slopes at s->values, for the fits chosen; those for which they could be computed. */
 static Which evaluate_lockstep(Lockstep *s, Which which, int has_last);
 
-/* The solution of the point from which the batch starts, to the accuracy that leaves room for others; 0 where there is none. */
-static int solve_first(Lockstep *s, const double *values);
+/* The same of a motion that depends on the velocity's sign (lockstep_swings.c). */
+static Which evaluate_swings(Lockstep *s, Which which, int has_last);
 
 /* What a lane's sensors make of the angle, at its values. */
 static void set_sensors(Lockstep *s, int lane);

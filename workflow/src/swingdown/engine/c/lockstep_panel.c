@@ -3,8 +3,8 @@
 #define LOCKSTEP_SOLVED 1e-12    /* residual of the collocation equations against their size, after the last sweep */
 #define FORETOLD 1e-4            /* the same before the first sweep, where slopes there are as good as at the solution */
 /* last two Legendre coefficients of the acceleration against its size, times the square of the phase that the panel takes: at
- * this limit the angle is off by 4e-9 of the largest between the nodes, and by far less at the panels' ends */
-#define LOCKSTEP_TRUNCATION 1e-3
+ * this limit the angle is off by 2e-10 of the largest between the nodes, and by far less at the panels' ends */
+#define LOCKSTEP_TRUNCATION 7.5e-5
 #define ROUNDS 6
 #define LEAST_PIVOT 0.05
 

@@ -1,7 +1,5 @@
 #include "lockstep.h"
 
-#define FIRST_ERROR 0.4 /* of the first solution's panels: what the limit leaves for the others to differ */
-
 /* ---- Sensors ---- */
 
 /* One sensor more. */
@@ -119,6 +117,7 @@ static void guess_lockstep(const Lockstep *s, int k, int has_last, const Each *s
     const Each *u = s->last.u + k * LN, *changes = s->last.changes + (size_t)k * n * LN;
     UNROLL
     for (int i = 0; i < LN; i++) panel->u[i] = u[i];
+    if (!step) return;
     for (int f = 0; f < n; f++)
         if (s->free.moves[f])
             UNROLL
@@ -185,31 +184,4 @@ static Which evaluate_lockstep(Lockstep *s, Which which, int has_last) {
             }
     }
     return which & (Which)(s->squares < INFINITY);
-}
-
-/* ---- The point from which the batch starts ---- */
-
-static double product_of(const double *a, const double *b, int n) {
-    double part[8] = {0.0};
-    for (int i = 0; i < n; i += 2) /* n is even, for TERMS is */
-        for (int j = 0; j < 2; j++) part[i % 8 + j] += a[i + j] * b[i + j];
-    return ((part[0] + part[1]) + (part[2] + part[3])) + ((part[4] + part[5]) + (part[6] + part[7]));
-}
-
-static int solve_first(Lockstep *s, const double *values) {
-    const int n = s->free.n, np = s->batch->model->n_parameters, size = s->record.n_panels * TERMS;
-    for (int i = 0; i < np + 2; i++) s->values[i] = each(values[i]);
-    for (int l = 0; l < WIDTH; l++) set_sensors(s, l);
-    s->system.most_error = FIRST_ERROR;
-    const Which all = (Which)(each(0.0) == each(0.0));
-    if (!any(evaluate_lockstep(s, all, 0))) return 0;
-    s->system.most_error = 1.0;
-    for (int i = 0; i < s->record.n_panels * LN; i++) s->first_u[i] = s->last.u[i][0];
-    for (int i = 0; i < s->record.n_panels * n * LN; i++) s->first_changes[i] = s->last.changes[i][0];
-    for (int f = 0; f < n; f++) {
-        s->first[f] = values[s->free.value[f]];
-        for (int g = 0; g <= f; g++)
-            s->first_normal[f * n + g] = product_of(s->first_slopes + (size_t)f * size, s->first_slopes + (size_t)g * size, size);
-    }
-    return 1;
 }

@@ -8,7 +8,9 @@
 #include "lockstep.h"
 #include "trajectory.h"
 
-#define MOST_WORK 4.0 /* of a trajectory, times the usual */
+#define MOST_WORK 4.0      /* of a trajectory, times the usual */
+#define FEW_RESIDUALS 50.0 /* no fewer tell whether they are white */
+#define SMALL_PART 0.05    /* of a swing's squares about its mean */
 
 /* A fit under way: the cost function's own.
  *
@@ -22,6 +24,8 @@ typedef struct {
     double least;               /* half the sum of squares, so far */
     double usual, floor, left;  /* panels; usual: before anything is computed by the model; later no less than half of that */
     int stops;                  /* a swing sticks in one of the last trajectories */
+    int looks;                  /* at the residuals: their squares, and those of the steps from each to the next */
+    double squares, steps;      /* sums over all swings */
 } Fit;
 
 /* The free values of a swing, and the variable that each is. */
@@ -115,6 +119,12 @@ static int compute_swing(Fit *fit, int k, const SwingVariables *own, int with_sl
     return panels;
 }
 
+static void look_at_residuals(Fit *fit, int n) {
+    const double *r = fit->residuals;
+    fit->squares += dot(r, r, n);
+    fit->steps += dot(r, r, n - 1) + dot(r + 1, r + 1, n - 1) - 2.0 * dot(r, r + 1, n - 1);
+}
+
 /* The Cost of a Fit. */
 static double swings_cost(void *of, const double *x, double *gradient, double *normal) {
     Fit *fit = of;
@@ -132,6 +142,7 @@ static double swings_cost(void *of, const double *x, double *gradient, double *n
         if (panels < 0) return INFINITY;
         work += panels;
         value += 0.5 * dot(fit->residuals, fit->residuals, n);
+        if (fit->looks) look_at_residuals(fit, n);
         if (gradient) add_normal(fit, &own, n, gradient, normal);
     }
     value += add_knowledge(problem, x, gradient, normal);
@@ -171,6 +182,31 @@ static void set_budget(Fit *fit, const double *x, int most_evaluations) {
     fit->left = most_evaluations * fit->usual;
 }
 
+/* Slopes at the best point, what its residuals are like, and whether a swing stops there. */
+static void evaluate_best(Fit *fit, FitResult *result, double *gradient, double *normal) {
+    fit->usual = fit->left = INFINITY;
+    fit->squares = fit->steps = 0.0;
+    fit->looks = 1;
+    swings_cost(fit, result->variables, gradient, normal);
+    fit->looks = 0;
+    result->outcome.stops = fit->stops;
+}
+
+/* Whether the residuals just computed are white (von Neumann's ratio, Annals of Mathematical Statistics 12, 1941) and a small
+ * part of the swings: then there is nothing left that another minimum could explain. */
+static int leaves_noise(const Fit *fit) {
+    const FitProblem *problem = fit->problem;
+    double n = 0.0, swing = 0.0;
+    for (int k = 0; k < problem->n_swings; k++) {
+        double sum = 0.0;
+        for (int i = 0; i < problem->n_samples[k]; i++) sum += problem->angles[k][i];
+        const double mean = sum / problem->n_samples[k];
+        for (int i = 0; i < problem->n_samples[k]; i++) swing += (problem->angles[k][i] - mean) * (problem->angles[k][i] - mean);
+        n += problem->n_samples[k];
+    }
+    return n >= FEW_RESIDUALS && fit->squares < SMALL_PART * swing && fit->steps > 2.0 * (1.0 - 4.0 / sqrt(n)) * fit->squares;
+}
+
 /* Half the least sum of squares over all starts; x, normal: room for one of them. */
 static double search_all(Fit *fit, const Starts *starts, const SearchOptions *options, double *x, double *normal, FitResult *result) {
     const FitProblem *problem = fit->problem;
@@ -194,6 +230,12 @@ static double search_all(Fit *fit, const Starts *starts, const SearchOptions *op
             memcpy(result->normal, normal, n * n * sizeof(double));
             result->outcome = outcome;
         }
+        if (k || !starts->until_noise || result->outcome.converged != STATIONARY) continue;
+        evaluate_best(fit, result, x, normal);
+        if (fit->stops || !leaves_noise(fit)) continue;
+        memcpy(result->normal, normal, n * n * sizeof(double));
+        result->outcome.ends_in_noise = 1;
+        while (++k < starts->n_starts) result->squares[k] = NAN;
     }
     result->outcome.evaluations = evaluations;
     return least;
@@ -203,15 +245,12 @@ double fit_swings(const FitProblem *problem, const Starts *starts, const SearchO
     const size_t n = problem->n_variables;
     Fit fit;
     double least = INFINITY;
-    result->outcome = (SearchOutcome){NOT_COMPUTABLE, 0, INFINITY, 0};
+    result->outcome = (SearchOutcome){NOT_COMPUTABLE, 0, INFINITY, 0, 0};
     double *room = malloc((n * n + n) * sizeof(double)), *x = room + n * n;
     if (open_fit(&fit, problem) && room) {
         least = search_all(&fit, starts, options, x, room, result);
-        if (starts->evaluate_best && result->outcome.converged >= 0) {
-            fit.usual = fit.left = INFINITY;
-            swings_cost(&fit, result->variables, x, result->normal);
-            result->outcome.stops = fit.stops;
-        }
+        if (starts->evaluate_best && result->outcome.converged >= 0 && !result->outcome.ends_in_noise)
+            evaluate_best(&fit, result, x, result->normal);
     }
     free(fit.residuals);
     free(room);
@@ -227,7 +266,7 @@ static void fit_series(const Batch *batch, const SearchOptions *options, int k, 
         if (batch->variable_of[i] >= 0) start[batch->variable_of[i]] = values[i];
     const FitProblem one = {batch->model, 1, &batch->n_samples, &batch->times, &series, values, batch->variable_of, n, batch->bounds,
                             {NULL, NULL}};
-    const Starts starts = {1, start, 0};
+    const Starts starts = {1, start, 0, 0};
     FitResult fitted = {.variables = result->variables + (size_t)k * n, .normal = normal, .squares = &squares};
     result->squares[k] = fit_swings(&one, &starts, options, &fitted);
     result->converged[k] = fitted.outcome.converged;
