@@ -5,6 +5,7 @@ import pytest
 
 from swingdown.engine.trajectory import sensitivities, simulate
 from swingdown.errors import InputError
+from swingdown.fitting.batch import fit_batch
 from swingdown.fitting.least_squares import fit_trajectory
 from swingdown.pendulum.catalogue import SHIPPED
 from swingdown.pendulum.model import Model, read_model, write_model
@@ -49,6 +50,19 @@ def test_a_fit_finds_the_pendulum_from_its_rate(release, zero):
     truth = np.array([*(values[name] for name in fit.model.parameters), *release])
     assert fit.converged
     assert np.all(np.abs(fit.values - truth) < 4 * fit.standard_errors)
+
+
+@pytest.mark.parametrize("names", [("viscous",), DAMPED])
+def test_a_batch_of_rates_gives_what_single_fits_give(names):
+    model = Model(names, {name: VALUES[name] for name in VALUES if name in Model(names).parameters}).of(
+        "rate"
+    )
+    noise = np.random.default_rng(2).normal(0, 0.02, (3, TIMES.size))
+    series = simulate(model, TIMES, 0.5) + noise
+    found = fit_batch(model, TIMES, series, 0.5)
+    for one, values in zip(series, found.values, strict=True):
+        fit = fit_trajectory(model, TIMES, one)
+        np.testing.assert_allclose(values, fit.values, atol=1e-3 * np.max(fit.standard_errors))
 
 
 def test_a_release_at_rest_is_not_told_by_a_rate():
