@@ -57,9 +57,8 @@ def discover(
         states = _best(search, _ways(search, states))
     if any(state.out_of_sample for state in states):
         states = _simplified(search, states)
-    if states[-1].missing:
-        states = _told(search, states)
-    elif len(states[-1].found) >= _MANY:
+    states = _told(search, states) if states[-1].missing else _leaner(search, states)
+    if states[-1].established is None and len(states[-1].found) >= _MANY:
         sure, number = _established(search, states)
         states = [*states[:-1], replace(states[-1], established=sure, established_in=number)]
     told = weighed([*search.looked, *states], campaign)
@@ -160,6 +159,25 @@ def _simplified(search: _Search, states: list[Round]) -> list[Round]:
                 found = after(last.found, one)
                 following = look(last.number + 1, search.campaign, one.fit, found, search.allowed, True)
                 return _simplified(search, [*states[:-1], chosen, following])
+    return states
+
+
+def _leaner(search: _Search, states: list[Round]) -> list[Round]:
+    """The rounds of a way that ends with nothing missing; of many effects those that the last move made idle give way to it."""
+    while len(states[-1].found) >= _MANY and not search.budget.spent:
+        before, last = states[-2:]
+        idle = unneeded(last, search.campaign)
+        if idle is None or before.chosen is None or before.chosen.dropped is not None:
+            break
+        chosen = replace(before.chosen, dropped=idle.dropped, fit=idle.fit, bic=idle.bic)
+        if idle.dropped in chosen.names:
+            break
+        found = after(before.found, chosen)
+        leaner = look(last.number, search.campaign, idle.fit, found, search.allowed, True)
+        if leaner.missing:
+            break
+        search.looked.append(leaner)
+        states = [*states[:-2], replace(before, chosen=chosen), leaner]
     return states
 
 
