@@ -213,12 +213,12 @@ def _established(search: _Search, states: list[Round]) -> tuple[dict[str, str], 
     Many terms that share out what has no name leave none of them determined: then what is established before they came is
     asked for.
     """
-    last = states[-1]
-    sure = established(last, search.campaign, search.allowed, search.budget)
+    last, base = states[-1], states[0].fit.model.names
+    sure = established(last, search.campaign, search.allowed, search.budget, base)
     for state in reversed(states[:-1]):
         if "" in sure.values() or not state.found or search.budget.spent:
             break
-        before = established(state, search.campaign, search.allowed, search.budget)
+        before = established(state, search.campaign, search.allowed, search.budget, base)
         if any(before.get(name) == "" for name in last.found):
             late = "what came before it is established without it"
             return {name: before.get(name, late) for name in last.found}, state.number
