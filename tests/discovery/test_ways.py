@@ -7,7 +7,7 @@ import pytest
 
 from swingdown.discovery.budget import Budget
 from swingdown.discovery.campaign import Swing, campaign
-from swingdown.discovery.established import established
+from swingdown.discovery.established import established, rivalled
 from swingdown.discovery.ranking import Candidate
 from swingdown.discovery.rounds import first_fit, look
 from swingdown.discovery.search import _alike, _best, _leaner, _Search, _simplified
@@ -119,3 +119,12 @@ def test_an_exchange_is_held_against_the_term_that_it_took_the_place_of(drag, mo
     )
     assert "viscous" not in alone
     assert beside == "viscous does as well in its place"
+
+
+def test_what_damps_is_held_against_all_that_damps(drag):
+    """A linear step from a pendulum without its friction promises other effects more than the friction that is there."""
+    state = at(drag, "structural_damping+quadratic_drag", ("structural_damping", "quadratic_drag"))
+    others = ("flexible_pivot", "power_law_drag", "steady_wind", "eddy_brake", "constant_torque", "viscous")
+    assert rivalled(state, drag, others, "structural_damping") == "viscous does as well in its place"
+    true = at(drag, "viscous+quadratic_drag", ("viscous", "quadratic_drag"))
+    assert rivalled(true, drag, ("load_coulomb", "constant_torque"), "viscous") == ""
