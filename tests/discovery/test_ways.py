@@ -8,7 +8,7 @@ import pytest
 
 from swingdown.discovery.budget import Budget
 from swingdown.discovery.campaign import Swing, campaign
-from swingdown.discovery.established import established, rivalled
+from swingdown.discovery.established import _leaning, established, rivalled
 from swingdown.discovery.ranking import Candidate, in_place_of
 from swingdown.discovery.rounds import first_fit, look
 from swingdown.discovery.search import _alike, _best, _leaner, _Search, _simplified
@@ -102,11 +102,14 @@ def test_of_many_effects_the_one_that_the_last_move_made_idle_gives_way(drag):
 
 
 def test_what_leans_on_what_was_found_beside_it_is_not_established(drag):
-    """Drag in the power of 3 beside one in the power of 1: each bends the other's curve, and what is there is between them."""
-    model = Model("viscous+constant_coulomb+power_law_drag")
-    state = look(1, drag, first_fit(drag, model), ("constant_coulomb", "power_law_drag"), last=True)
-    sure = established(state, drag, ("quadratic_drag",), Budget())
-    assert sure["constant_coulomb"]
+    """Two springs bend one another's curve; a drag takes no part in it."""
+    found = ("quadratic_drag", "quadratic_stiffness", "cubic_stiffness")
+    state = at(drag, "viscous+" + "+".join(found), found)
+    values = dict(state.fit.model.values) | {"quadratic_stiffness": -0.5, "cubic_stiffness": 0.8}
+    fit = replace(state.fit, model=state.fit.model.with_values(values))
+    state = replace(state, fit=fit)
+    assert "depends on what stands beside it" in _leaning(state, drag, "quadratic_stiffness")
+    assert _leaning(state, drag, "quadratic_drag") == ""
 
 
 def test_an_exchange_is_held_against_the_term_that_it_took_the_place_of(drag, monkeypatch):
