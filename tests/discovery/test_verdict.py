@@ -109,6 +109,57 @@ def test_what_is_not_established_is_told_as_an_imitation_with_its_size_and_what_
     assert "1.01 times the noise (1.01 mrad)" in found["sentence"]
 
 
+def test_of_many_effects_that_leave_nothing_only_those_established_are_asserted():
+    many = ["constant_torque", "cubic_stiffness", "detent"]
+    values = {name: {"value": 0.3, "standard_error": 0.01, "unit": "1"} for name in ("constant_torque", "cubic_stiffness", "detent_torque")}  # fmt: skip
+    states = [
+        state(k, missing=True, found=many[:k], chosen=many[k], holdout=5.0 - k, ranking=[row(many[k])])
+        for k in range(3)
+    ]
+    doubts = dict.fromkeys(many, "swings left out do not miss it")
+    last = state(3, missing=False, found=many, effects=("viscous", *many), parameters=values)
+    assert verdict([*states, last])["status"] == "named"  # they were not judged
+    found = verdict([*states, last | {"established": doubts, "established_in": 3}])
+    assert (found["status"], found["effects"]) == ("unknown", [])
+    assert [one["name"] for one in found["stand_ins"]] == many
+    assert "Nothing more is missing, but what is was imitated by" in found["sentence"]
+    sure = doubts | {"cubic_stiffness": ""}
+    found = verdict([*states, last | {"established": sure, "established_in": 3}])
+    assert found["status"] == "partial"
+    assert [one["name"] for one in found["effects"]] == ["cubic_stiffness"]
+
+
+@pytest.mark.parametrize(("separation", "told"), [(12.0, "Release from 40°"), (3.0, "rest")])
+def test_a_swing_that_tells_a_tie_apart_is_asked_for_where_one_does(separation, told):
+    swing = {
+        "release_angle": 0.7,
+        "duration": 30.0,
+        "separation": separation,
+        "between": ["a", "b"],
+        "text": "Release from 40°.",
+    }
+    first = state(
+        0, missing=True, chosen="constant_torque", ranking=[row("constant_torque"), row("sensor_zero")]
+    )
+    values = {"constant_torque": {"value": 0.31, "standard_error": 0.02, "unit": "rad/s^2"}}
+    last = state(
+        1, missing=False, found=["constant_torque"], effects=("viscous", "constant_torque"), parameters=values
+    )
+    found = verdict(
+        [
+            first,
+            last
+            | {
+                "next_swing": swing,
+                "probabilities": {"constant_torque": 0.6, "sensor_zero": 0.4, "detent": 1e-9},
+            },
+        ]
+    )
+    assert told in found["next_measurement"]
+    assert found["effects"][0]["probability"] == 0.6
+    assert found["probabilities"] == {"constant_torque": 0.6, "sensor_zero": 0.4}
+
+
 def test_what_is_established_is_asserted_although_something_remains():
     found = named("sensor_zero", missing_at_the_end=True, established={"constant_torque": ""})
     assert found["status"] == "partial"

@@ -1,6 +1,7 @@
 """Hidden effects are named, foreign ones are called unknown, and nothing is found where nothing is: from files alone."""
 
 import json
+from dataclasses import replace
 
 import pandas as pd
 import pytest
@@ -11,7 +12,8 @@ from swingdown.plots.trials import detection
 from swingdown.trials.find import find
 from swingdown.trials.schedule import Planned, chunks, drawn, planned
 from swingdown.trials.score import confusion, guard, read_scores, row, summarise
-from swingdown.trials.trial import BASE, hideable, write_trial
+from swingdown.trials.second_pendulum import Runaway
+from swingdown.trials.trial import BASE, hideable, left_by_base, write_trial
 
 SEED = 99  # not the seed of the scores in the README
 
@@ -74,6 +76,34 @@ def test_a_trial_is_the_same_however_often_it_is_drawn():
     one = Planned("single", ("cubic_stiffness",), 2.0, "white", 0)
     assert drawn(SEED, one) == drawn(SEED, one)
     assert drawn(SEED, one) != drawn(SEED + 1, one)
+
+
+def test_a_pendulum_that_stops_before_it_has_swung_is_no_trial():
+    trial = drawn(SEED, Planned("null", (), 1.0, "white", 0))
+    for friction, swings in ((0.05, True), (6.0, False)):
+        one = replace(trial, values=trial.values | {"constant_friction": friction})
+        if swings:
+            assert left_by_base(one, ("constant_coulomb",), SHIPPED) > 0
+        else:
+            with pytest.raises(Runaway):
+                left_by_base(one, ("constant_coulomb",), SHIPPED)
+
+
+def test_a_drag_told_in_the_power_two_is_quadratic_drag():
+    truth = {"kind": "removed", "hidden": ["quadratic_drag"], "noise": "white", "ratio": 2.0, "reached": 2.0, "sigma": 1e-3,
+             "values": {}, "noise_rms_rad": [1e-3] * 6, "samples": 2001}  # fmt: skip
+
+    def wrong(exponent, error):
+        values = {"power_law_coefficient": 0.02, "power_law_exponent": exponent}
+        told = {"name": "power_law_drag", "tied_with": [],
+                "parameters": {k: {"value": v, "standard_error": error, "unit": ""} for k, v in values.items()}}  # fmt: skip
+        verdict = {"status": "named", "effects": [told], "stand_ins": [], "gap": {"holdout": [2.0, 1.0]}, "noise_rms_rad": 1e-3,
+                   "moves": [], "model": {}}  # fmt: skip
+        return row("c", truth, {"verdict": verdict, "fitted": ["c-1"], "rms_rad": {"power_law_drag": 1e-3}, "seconds": 1.0})["wrong"]  # fmt: skip
+
+    assert not wrong(2.04, 0.02)
+    assert wrong(2.9, 0.02)
+    assert wrong(1.0, 0.02)  # viscous, which is not hidden
 
 
 def test_every_effect_is_hidden_at_every_size_and_chunks_hold_each_trial_once():

@@ -97,12 +97,17 @@ def _leaning(state: Round, campaign: Campaign, name: str) -> str:
 
 
 def established(
-    state: Round, campaign: Campaign, allowed: Collection[str] | None, budget: Budget
+    state: Round,
+    campaign: Campaign,
+    allowed: Collection[str] | None,
+    budget: Budget,
+    base: Collection[str] = (),
 ) -> dict[str, str]:
     """By effect found, in words why it is not established; empty where it is.
 
     Established is what most of the swings left out in turn miss, whose size and shape agree whichever swings they are fitted to
-    (jackknife, which knows of misfits), and in whose place no other effect does as well.
+    (jackknife, which knows of misfits), and in whose place no other effect does as well, those of the ``base`` that were
+    dropped first of all.
     """
     whole = in_turn(state.fit, campaign, state.holdout)
     found: dict[str, str] = {}
@@ -110,11 +115,18 @@ def established(
         if whole is None or budget.spent:
             found[name] = "it was not held against swings left out"
             continue
-        found[name] = _doubt(state, campaign, allowed, name, whole)
+        found[name] = _doubt(state, campaign, allowed, name, whole, base)
     return found
 
 
-def _doubt(state: Round, campaign: Campaign, allowed: Collection[str] | None, name: str, whole: Turns) -> str:
+def _doubt(
+    state: Round,
+    campaign: Campaign,
+    allowed: Collection[str] | None,
+    name: str,
+    whole: Turns,
+    base: Collection[str],
+) -> str:
     effect, values = state.fit.model.catalogue[name], state.fit.model.values
     if why := inadmissible(state.fit, name, state.noise):
         return why
@@ -134,7 +146,30 @@ def _doubt(state: Round, campaign: Campaign, allowed: Collection[str] | None, na
     with_it, without_it = (turns.excess(state.noise) for turns in (whole, lost[2]))
     if without_it - with_it < _SHARE * without_it:
         return "much remains beside what it explains"
-    for other in in_place_of(frame(state.fit, campaign.fit), state.noise, name, allowed):
+    return rivalled(state, campaign, allowed, name, base, whole)
+
+
+def rivalled(
+    state: Round,
+    campaign: Campaign,
+    allowed: Collection[str] | None,
+    name: str,
+    base: Collection[str] = (),
+    whole: Turns | None = None,
+) -> str:
+    """In words which effect does as well in the place of one of a round's; empty where none does on swings left out in turn."""
+    whole = whole or in_turn(state.fit, campaign, state.holdout)
+    if whole is None:
+        return "it was not held against swings left out"
+    here, catalogue = frame(state.fit, campaign.fit), state.fit.model.catalogue
+    # a linear step from a model without its friction promises nothing of another friction: all that damps is held against what damps,
+    # and what the base had against what is there in its place
+    alike = [one for one in base if one not in state.fit.model.names]
+    if catalogue[name].damping:
+        alike += [one.name for one in catalogue if one.damping and (allowed is None or one.name in allowed)]
+    others = [*in_place_of(here, state.noise, name, set(alike), few=len(alike))] if alike else []
+    others += in_place_of(here, state.noise, name, allowed)
+    for other in {one.added: one for one in reversed(others)}.values():
         if other.refused or other.added is None:
             continue
         if name in state.fit.model.catalogue.contained_in(other.added):

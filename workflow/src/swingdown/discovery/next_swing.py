@@ -19,7 +19,7 @@ from .campaign import Campaign, Noise
 
 _REACHES = (0.25, 0.5, 1.0, 1.5, 2.0)  # of the largest angle so far
 _LASTING = (1.0, 3.0)  # of the longest swing so far
-_FARTHEST = np.radians(150.0)
+_FARTHEST = np.radians(85.0)  # of a pendulum: beyond, a rod is pushed and not pulled
 _NEARLY = 0.9  # of the best separation: less trouble is worth more
 _MOST = 3000  # samples that are computed of a swing; its noise is weighed as if all were
 _KNOWN = 1e-9  # of a value's size, its least standard error
@@ -51,13 +51,14 @@ def next_swing(one: Fit, other: Fit, campaign: Campaign, noise: Noise) -> NextSw
     largest = max(float(np.max(np.abs(swing.angle))) for swing in swings)
     longest = max(float(swing.times[-1] - swing.times[0]) for swing in swings)
     interval = min(float(np.median(np.diff(swing.times))) for swing in swings)
+    farthest = max(largest, _FARTHEST) if one.model.restoring == "sine" else np.inf
     found: list[NextSwing] = []
     labels = (one.model.label, other.model.label)
     # the least trouble first
     for lasting in _LASTING:
         for reach in _REACHES:
             for side in (1.0, -1.0):
-                angle = min(reach * largest, _FARTHEST) * side
+                angle = min(reach * largest, farthest) * side
                 try:
                     apart = separation(one, other, angle, lasting * longest, interval, noise)
                 except (TrajectoryError, InputError):

@@ -10,7 +10,7 @@ from ..pendulum.model import Model, as_model
 from .budget import Budget
 from .campaign import Campaign
 from .choice import held_out
-from .established import established, unneeded
+from .established import established, rivalled, unneeded
 from .folds import in_turn
 from .linear import frame
 from .next_swing import NextSwing, next_swing
@@ -57,9 +57,8 @@ def discover(
         states = _best(search, _ways(search, states))
     if any(state.out_of_sample for state in states):
         states = _simplified(search, states)
-    if states[-1].missing:
-        states = _told(search, states)
-    elif len(states[-1].found) >= _MANY:
+    states = _told(search, states) if states[-1].missing else _leaner(search, states)
+    if states[-1].established is None and len(states[-1].found) >= _MANY:
         sure, number = _established(search, states)
         states = [*states[:-1], replace(states[-1], established=sure, established_in=number)]
     told = weighed([*search.looked, *states], campaign)
@@ -163,6 +162,25 @@ def _simplified(search: _Search, states: list[Round]) -> list[Round]:
     return states
 
 
+def _leaner(search: _Search, states: list[Round]) -> list[Round]:
+    """The rounds of a way that ends with nothing missing; of many effects those that the last move made idle give way to it."""
+    while len(states[-1].found) >= _MANY and not search.budget.spent:
+        before, last = states[-2:]
+        idle = unneeded(last, search.campaign)
+        if idle is None or before.chosen is None or before.chosen.dropped is not None:
+            break
+        chosen = replace(before.chosen, dropped=idle.dropped, fit=idle.fit, bic=idle.bic)
+        if idle.dropped in chosen.names:
+            break
+        found = after(before.found, chosen)
+        leaner = look(last.number, search.campaign, idle.fit, found, search.allowed, True)
+        if leaner.missing:
+            break
+        search.looked.append(leaner)
+        states = [*states[:-2], replace(before, chosen=chosen), leaner]
+    return states
+
+
 def _told(search: _Search, states: list[Round]) -> list[Round]:
     """The rounds of a way that ends with something missing: terms that later ones made idle are dropped, what is established is
     found out, and what remains is kept as a torque without a name."""
@@ -193,15 +211,26 @@ def _established(search: _Search, states: list[Round]) -> tuple[dict[str, str], 
     """What is established of the effects that the last round has, and the round that tells it.
 
     Many terms that share out what has no name leave none of them determined: then what is established before they came is
-    asked for.
+    asked for. What was no better than another when it was chosen is not: all that came later was chosen to go with it.
     """
     last = states[-1]
-    sure = established(last, search.campaign, search.allowed, search.budget)
-    for state in reversed(states[:-1]):
-        if "" in sure.values() or not state.found or search.budget.spent:
+    sure = _since_chosen(search, states)
+    for k in range(len(states) - 1, 0, -1):
+        if "" in sure.values() or not states[k - 1].found or search.budget.spent:
             break
-        before = established(state, search.campaign, search.allowed, search.budget)
+        before = _since_chosen(search, states[:k])
         if any(before.get(name) == "" for name in last.found):
             late = "what came before it is established without it"
-            return {name: before.get(name, late) for name in last.found}, state.number
+            return {name: before.get(name, late) for name in last.found}, states[k - 1].number
     return sure, last.number
+
+
+def _since_chosen(search: _Search, states: list[Round]) -> dict[str, str]:
+    """What is established in the last of these rounds, and was told from its rivals in the one that it was first in, too."""
+    last, base = states[-1], states[0].fit.model.names
+    sure = established(last, search.campaign, search.allowed, search.budget, base)
+    for name, doubt in sure.items():
+        first = next(state for state in states if name in state.found)
+        if not doubt and first is not last and not search.budget.spent:
+            sure[name] = rivalled(first, search.campaign, search.allowed, name, base)
+    return sure

@@ -12,6 +12,7 @@ from scipy.signal import lfilter
 from ..arrays import Floats
 from ..engine.trajectory import TrajectoryError
 from ..errors import InputError
+from ..fitting.guess import middle_crossings
 from ..fitting.least_squares import fit_jointly
 from ..manifest import checksum
 from ..paths import write_csv
@@ -24,6 +25,7 @@ from .torques import FOREIGN, KNOWN
 BASE = ("viscous", "load_coulomb")
 NOISES = ("white", "coloured", "steps")
 SWINGS, DURATION, RATE = 6, 20.0, 100.0  # each campaign's; s, samples a second
+_CROSSINGS = 6  # of the middle, that a swing must make at least
 CORRELATION = 0.5  # of neighbouring samples of coloured noise
 STEP = 2.0  # of noise in steps, in units of its whole standard deviation (an encoder's steps and little else)
 # one that takes energy away, drives or reads wrongly beside one that does not: pairs of which the data can tell both
@@ -172,7 +174,7 @@ def _sized(trial: Trial, name: str, sign: float, catalogue: Catalogue) -> Trial:
     for _ in range(14):
         one = replace(trial, values=trial.values | {parameter: float(sign * size)})
         try:
-            left = _left_by_base(one, (name,), catalogue)
+            left = left_by_base(one, (name,), catalogue)
         except (Runaway, TrajectoryError, InputError):
             left = np.inf
         if abs(left / target - 1) < 0.08 or (high < np.inf and high - low < 1e-3 * high):
@@ -201,10 +203,12 @@ def check_known(names: Iterable[str], catalogue: Catalogue) -> None:
         )  # fmt: skip
 
 
-def _left_by_base(trial: Trial, hidden: Sequence[str], catalogue: Catalogue) -> float:
+def left_by_base(trial: Trial, hidden: Sequence[str], catalogue: Catalogue) -> float:
     """RMS (rad) that the base model leaves of every second swing, sampled at a third of the rate, without noise."""
     times = np.arange(0, DURATION, 3 / RATE)
     pairs = [(times, _swing(trial, hidden, k, times, catalogue)) for k in range(0, SWINGS, 2)]
+    if any(middle_crossings(*pair)[0].size < _CROSSINGS for pair in pairs):
+        raise Runaway("it stops before it has swung, which no import takes for a swing")
     return fit_jointly(Model(BASE), pairs, bounded=True).rms
 
 

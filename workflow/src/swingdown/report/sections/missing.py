@@ -94,7 +94,7 @@ def _effects(
             numbers.brief(entry["value"], entry["standard_error"]),
             entry["unit"],
             numbers.whole(one["delta_bic"]),
-            "–" if one["probability"] is None else f"{100 * one['probability']:.0f}",
+            "–" if one.get("probability") is None else f"{100 * one['probability']:.0f}",
             ", ".join(one["tied_with"]).replace("_", " ") or "–",
         ]
         for one in told

@@ -1,0 +1,134 @@
+"""Where a search goes after its first way: the better of two ways, a simpler effect in the place of a richer one, what leans or idles."""
+
+from dataclasses import replace
+from functools import partial
+
+import numpy as np
+import pytest
+
+from swingdown.discovery.budget import Budget
+from swingdown.discovery.campaign import Swing, campaign
+from swingdown.discovery.established import _leaning, established, rivalled
+from swingdown.discovery.ranking import Candidate, in_place_of
+from swingdown.discovery.rounds import first_fit, look
+from swingdown.discovery.search import _alike, _best, _leaner, _Search, _simplified
+from swingdown.engine.trajectory import simulate
+from swingdown.fitting.least_squares import fit_jointly
+from swingdown.pendulum.model import Model
+
+TIMES = np.arange(501) / 50  # s
+NOISE = 1e-3  # rad
+TRUE = Model("viscous+quadratic_drag", {"natural_frequency": 7.0, "viscous_ratio": 0.006, "quadratic_coefficient": 0.004})  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def drag():
+    """Swings of a pendulum with quadratic drag beside the base's viscous term."""
+    draws = np.random.default_rng(6)
+    swings = [
+        Swing(f"{a}", TIMES, simulate(TRUE, TIMES, a) + NOISE * draws.standard_normal(TIMES.size))
+        for a in (0.9, -0.7, 0.5, 0.3)
+    ]
+    return campaign("drag", swings)
+
+
+def at(one, label, found, number=1):
+    """The round at the fit of a model, the last of its way."""
+    return look(number, one, first_fit(one, Model(label)), found, last=True)
+
+
+def search(one, rounds=4, allowed=None):
+    return _Search(one, rounds, allowed, Budget())
+
+
+def move(state, added, dropped=None):
+    """A choice that leads to the model of a round."""
+    return Candidate(added, dropped, state.fit, state.bic)
+
+
+def test_a_simpler_effect_takes_the_place_of_one_that_contains_it_where_held_out_swings_do_not_mind(drag):
+    rich = at(drag, "viscous+steady_wind", ("steady_wind",))
+    states = _simplified(search(drag), [rich])
+    assert [state.fit.model.label for state in states] == ["viscous+steady_wind", "viscous+quadratic_drag"]
+    assert states[0].chosen.move == "exchange steady_wind for quadratic_drag"
+    assert states[1].found == ("quadratic_drag",)
+
+
+def test_it_does_not_where_held_out_swings_mind_where_no_round_is_left_or_where_it_may_not(drag):
+    rich = at(drag, "viscous+steady_wind", ("steady_wind",))
+    assert _simplified(search(drag, allowed=("viscous",)), [rich]) == [rich]
+    assert _simplified(search(drag, rounds=1), [rich]) == [rich]
+    values = {"natural_frequency": 7.0, "viscous_ratio": 0.006, "wind_coefficient": 0.004, "wind_speed": 1.0}
+    windy = Model("viscous+steady_wind", values)
+    swings = [replace(one, angle=simulate(windy, TIMES, one.angle[0])) for one in (*drag.fit, *drag.holdout)]
+    storm = campaign("storm", swings)
+    fit = fit_jointly(windy, [one.pair for one in storm.fit], guess=windy, bounded=True)
+    rich = look(1, storm, fit, ("steady_wind",), last=True)
+    assert _simplified(search(storm), [rich]) == [rich]
+
+
+def test_of_two_ways_the_one_is_told_that_leaves_less_of_swings_left_out(drag):
+    base = look(0, drag, first_fit(drag, Model("viscous")), last=True)
+    right = at(drag, "viscous+quadratic_drag", ("quadratic_drag",))
+    wrong = at(drag, "viscous+constant_torque", ("constant_torque",))
+    ways = [[replace(base, chosen=move(one, *one.found)), one] for one in (wrong, right)]
+    assert _best(search(drag), ways)[-1] is right
+    assert _best(search(drag), ways[::-1])[-1] is right
+    # a way that runs into another one's model says so
+    into = [ways[1][0], replace(right, chosen=move(right, "viscous"))]
+    ended = _best(search(drag), [ways[0], into])[-1]
+    assert ended.chosen is None
+    assert "another way" in ended.reason
+
+
+def test_a_richer_form_of_the_first_choice_is_no_other_way(drag):
+    state = at(drag, "viscous", ())
+    state = replace(state, chosen=move(state, "quadratic_drag"))
+    assert _alike(state, move(state, "power_law_drag"))
+    assert _alike(state, move(state, "steady_wind"))
+    assert not _alike(state, move(state, "cubic_stiffness"))
+
+
+def test_of_many_effects_the_one_that_the_last_move_made_idle_gives_way(drag):
+    many = ("constant_torque", "cubic_stiffness", "quadratic_drag")
+    before = at(drag, "viscous+constant_torque+cubic_stiffness", many[:2], number=1)
+    last = at(drag, "viscous+" + "+".join(many), many, number=2)
+    assert not last.missing
+    states = _leaner(search(drag), [replace(before, chosen=move(last, "quadratic_drag")), last])
+    assert len(states) == 2
+    assert len(states[-1].found) == 2
+    assert "quadratic_drag" in states[-1].found
+    assert states[0].chosen.dropped in many[:2]
+
+
+def test_what_leans_on_what_was_found_beside_it_is_not_established(drag):
+    """Two springs bend one another's curve; a drag takes no part in it."""
+    found = ("quadratic_drag", "quadratic_stiffness", "cubic_stiffness")
+    state = at(drag, "viscous+" + "+".join(found), found)
+    values = dict(state.fit.model.values) | {"quadratic_stiffness": -0.5, "cubic_stiffness": 0.8}
+    fit = replace(state.fit, model=state.fit.model.with_values(values))
+    state = replace(state, fit=fit)
+    assert "depends on what stands beside it" in _leaning(state, drag, "quadratic_stiffness")
+    assert _leaning(state, drag, "quadratic_drag") == ""
+
+
+def test_an_exchange_is_held_against_the_term_that_it_took_the_place_of(drag, monkeypatch):
+    """Viscous friction is there and was dropped for structural damping: without any friction much is left, with either little."""
+    monkeypatch.setattr("swingdown.discovery.established._changing", lambda *_: "")
+    monkeypatch.setattr("swingdown.discovery.established._leaning", lambda *_: "")
+    model = Model("structural_damping+quadratic_drag")
+    state = look(2, drag, first_fit(drag, model), ("structural_damping", "quadratic_drag"), last=True)
+    alone, beside = (
+        established(state, drag, (), Budget(), base)["structural_damping"] for base in ((), ("viscous",))
+    )
+    assert "viscous" not in alone
+    assert beside == "viscous does as well in its place"
+
+
+def test_what_damps_is_held_against_all_that_damps_whatever_it_promises(drag, monkeypatch):
+    monkeypatch.setattr("swingdown.discovery.established.in_place_of", partial(in_place_of, few=0))
+    state = at(drag, "structural_damping+quadratic_drag", ("structural_damping", "quadratic_drag"))
+    others = ("constant_torque", "cubic_stiffness", "viscous")
+    assert rivalled(state, drag, others, "structural_damping") == "viscous does as well in its place"
+    true = at(drag, "viscous+quadratic_drag", ("viscous", "quadratic_drag"))
+    assert rivalled(true, drag, ("load_coulomb", "constant_torque"), "viscous") == ""
