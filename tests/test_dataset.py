@@ -3,6 +3,7 @@
 import errno
 import subprocess
 import sys
+import warnings
 
 import netCDF4
 import numpy as np
@@ -161,3 +162,14 @@ except OSError as error:
     assert done.stdout.startswith(f"{errno.ENOSPC} "), done.stdout + done.stderr
     assert "the disk is full" in done.stdout and "1.6 MB" in done.stdout and "0.09 MB are free" in done.stdout
     assert not list(tmp_path.iterdir())
+
+
+def test_an_empty_dimension_is_no_reason_to_warn_when_the_rest_is_written_again(tmp_path):
+    series = {"nothing": ("none", np.zeros(0)), "values": ("time", np.arange(3.0))}
+    data = xr.Dataset(
+        {name: (dim, one, {"units": "1", "long_name": name}) for name, (dim, one) in series.items()}
+    )
+    read = dataset.read(dataset.write(data.assign_attrs(title="a test"), tmp_path / "one.nc"))
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        dataset.write(read[["values"]], tmp_path / "two.nc")

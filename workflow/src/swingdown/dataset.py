@@ -50,7 +50,10 @@ def write(dataset: xr.Dataset, path: str | Path) -> Path:
 
     try:
         with written_whole(path) as partial:
-            dataset.to_netcdf(partial, engine="netcdf4", format="NETCDF4", encoding=encoding)
+            # a dimension of nothing comes back from a file as one without a limit
+            dataset.to_netcdf(
+                partial, engine="netcdf4", format="NETCDF4", encoding=encoding, unlimited_dims=()
+            )
             digest = _digest(_load(partial))
             with netCDF4.Dataset(
                 partial, "a"

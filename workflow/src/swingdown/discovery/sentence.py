@@ -78,7 +78,12 @@ def _misspecified(found: Mapping[str, Any]) -> str:
 
 
 def _listed(names: Iterable[str]) -> str:
-    return ", ".join(name.replace("_", " ") for name in names)
+    return ", ".join(map(_spoken, names))
+
+
+def _spoken(name: str) -> str:
+    """An effect's name as one says it: Coulomb was a person."""
+    return name.replace("_", " ").replace("coulomb", "Coulomb")
 
 
 def _described(one: Mapping[str, Any], effect: Effect) -> str:
@@ -91,9 +96,9 @@ def _described(one: Mapping[str, Any], effect: Effect) -> str:
     ]
     if told and one["within_calibration"]:
         told.append("within what the calibration leaves open")
-    rivals = " or ".join(tie.replace("_", " ") for tie in ties)
+    rivals = " or ".join(map(_spoken, ties))
     return (
-        name
+        _spoken(name)
         + (f" ({', '.join(told)})" if told else "")
         + (f", or {rivals}, which the data do not tell apart," if ties else "")
     )
