@@ -10,6 +10,7 @@ import pandas as pd
 import pytest
 import yaml
 
+import swingdown
 from swingdown.__main__ import main
 from swingdown.engine.trajectory import simulate
 from swingdown.measurement.sheet import read_sheet
@@ -224,3 +225,35 @@ def test_from_an_empty_folder_to_a_report(here, root):
         assert trace not in text
     assert len(text) < 2_000_000
     assert main(["verify", str(results)]) == 0
+
+
+def three_releases():
+    """(times in s, angles in rad): let go at 2, 14 and 26 s from 0.6 rad, caught and lifted in between."""
+    times = np.arange(0, 37, 0.01)
+    model = Model("viscous", {"natural_frequency": 7.25, "viscous_ratio": 0.008})
+    own = simulate(model, np.arange(1000) / 100, 0.6)
+    lift = np.interp(np.arange(200), [0, 120, 200], [own[-1], 0.6, 0.6])
+    first = np.interp(np.arange(200), [0, 100, 200], [0, 0.6, 0.6])
+    angle = np.concatenate([first, own, lift, own, lift, own, lift])[: times.size]
+    return times[: angle.size], angle + 0.002 * np.random.default_rng(5).standard_normal(angle.size)
+
+
+def test_several_releases_in_a_file_are_recordings_of_one_pendulum(here, capsys):
+    times, angle = three_releases()
+    pd.DataFrame({"Time (s)": times, "Angle (°)": np.degrees(angle)}).round(5).to_csv("anna.csv", index=False)
+    assert main(["anna.csv", "--quick"]) == 0
+    told = capsys.readouterr().out
+    assert "the pendulum is released 3 times in it; each is a recording" in told
+    sheet = read_sheet("anna-swingdown/recordings.csv", check_files=False)
+    assert list(sheet.index) == ["anna-1", "anna-2", "anna-3"]
+    assert list(sheet["campaign"].unique()) == ["anna"]
+    assert sheet["label"].tolist() == [f"anna, release {k}" for k in (1, 2, 3)]
+    row = pd.read_csv("anna-swingdown/first_answer.csv").iloc[0]
+    assert abs(row["natural_frequency_rad_per_s"] - 7.25) < 4 * row["natural_frequency_rad_per_s_u"]
+
+
+def test_several_releases_in_a_series_are_swings_of_one_pendulum():
+    found = swingdown.fit(*three_releases())
+    assert len(found.swings) == 3
+    value = found.row["natural_frequency_rad_per_s"]
+    assert abs(value - 7.25) < 4 * found.row["natural_frequency_rad_per_s_u"]

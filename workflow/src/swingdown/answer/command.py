@@ -105,16 +105,20 @@ def _read(
     taken: list[own.Taken] = []
     left_out: list[own.Refused] = []
     for path, row in zip(paths, rows, strict=True):
-        found = own.take(row, path)
-        if isinstance(found, own.Refused):
-            left_out.append(found)
-            _say(f"{path.name}: NOT USED: {found.problem}. Expected: {found.expected}. Mend: {found.mend}.")
-            continue
-        taken.append(found)
-        about = found.recording.attrs
-        _say(f"{path.name}: {about['taken']}, {found.angle.sizes['time']} samples")
-        if about.get("remarks"):
-            _say(f"    {about['remarks']}")
+        parts = own.take(row, path)
+        if len(parts) > 1:
+            _say(f"{path.name}: the pendulum is released {len(parts)} times in it; each is a recording")
+        for number, found in enumerate(parts, 1):
+            name = path.name if len(parts) == 1 else f"{path.name}, release {number}"
+            if isinstance(found, own.Refused):
+                left_out.append(found)
+                _say(f"{name}: NOT USED: {found.problem}. Expected: {found.expected}. Mend: {found.mend}.")
+                continue
+            taken.append(found)
+            about = found.recording.attrs
+            _say(f"{name}: {about['taken']}, {found.angle.sizes['time']} samples")
+            if about.get("remarks"):
+                _say(f"    {about['remarks']}")
     return taken, left_out
 
 

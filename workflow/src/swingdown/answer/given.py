@@ -16,7 +16,7 @@ from ..measurement.gyroscope import TO_RAD_PER_S, check_rate
 from ..measurement.plausibility import check_plausible
 from ..measurement.quality import check_signal, check_times
 from ..measurement.recording import SHORTEST
-from ..measurement.release import find_windows
+from ..measurement.release import find_windows, within
 from ..measurement.spikes import as_variable, find_spikes
 
 UNITS = ("rad", "deg", *TO_RAD_PER_S)
@@ -33,7 +33,8 @@ _MENDS = {
 def swings(
     times: Any, angles: Any = None, unit: str | None = None, names: Sequence[str] | None = None
 ) -> list[xr.Dataset]:
-    """Datasets of the angle in rad over the time in s, as ``measurement.angle.to_angle`` gives them: one a swing.
+    """Datasets of the angle in rad over the time in s, as ``measurement.angle.to_angle`` gives them: one a swing, and of a series
+    with several releases one a release.
 
     What the arguments may be: ``answer.fit``. InputError names the swing and what is wrong with it.
     """
@@ -49,7 +50,7 @@ def swings(
         raise InputError(
             "argument names", f"{len(set(names))} names for {len(found)} swings", "one name each"
         )
-    return [_swing(name, *one, unit) for name, one in zip(names, found, strict=True)]
+    return [swing for name, one in zip(names, found, strict=True) for swing in _swings_in(name, *one, unit)]
 
 
 def _each(times: Any, angles: Any) -> Iterator[tuple[Any, Any, str, dict[str, Any]]]:
@@ -146,9 +147,9 @@ def _about(values: Any) -> dict[str, Any]:
     return dict(values.attrs) if isinstance(values, xr.DataArray) else {}
 
 
-def _swing(
+def _swings_in(
     name: str, times: Any, values: Any, stated: str, about: dict[str, Any], unit: str | None
-) -> xr.Dataset:
+) -> list[xr.Dataset]:
     values = np.array(values, dtype=float)
     if times.ndim != 1 or values.shape != times.shape:
         raise InputError(name, f"{values.size} angles for {times.size} times", "one angle for each time")
@@ -176,13 +177,14 @@ def _swing(
     more: dict[str, Any] = {}
     windows, _ = find_windows(times, spikes.healed, _SCALE.get(taken, 0.0), taken in TO_RAD_PER_S)
     if len(windows) > 1:
-        spans = ", ".join(f"{one.begins:.3f} to {one.ends:.3f} s" for one in windows)
-        raise InputError(
-            name,
-            f"the pendulum is released {len(windows)} times in it ({spans})",
-            "one release in a swing",
-            "give each as a swing of its own",
-        )
+        parts = [within(one, times) for one in windows]
+        return [
+            swing
+            for number, part in enumerate(parts, 1)
+            for swing in _swings_in(
+                f"{name}, release {number}", times[part], values[part], stated, about, unit
+            )
+        ]
     (window,) = windows
     if np.isfinite(window.begins):
         more |= {"released_s": window.released, "begins_s": window.begins}
@@ -202,4 +204,4 @@ def _swing(
             "emulated": str(about.get("emulated", "no")), **more,
         },
     )  # fmt: skip
-    return to_angle(recording).assign_attrs(remarks="; ".join(remarks))
+    return [to_angle(recording).assign_attrs(remarks="; ".join(remarks))]

@@ -36,6 +36,12 @@ class Window(NamedTuple):
 NAN = float("nan")
 
 
+class SeveralReleases(InputError):
+    """A recording with several releases: ``cells`` are the start_s and stop_s (s, as text) of each, those that it needs."""
+
+    cells: tuple[dict[str, str], ...] = ()
+
+
 def find_windows(
     times: Floats, signal: Floats, scale: float = 0.0, rate: bool = False
 ) -> tuple[list[Window], list[float]]:
@@ -140,7 +146,7 @@ def by_itself(recording: xr.Dataset) -> xr.Dataset:
     return recording.isel(time=within(Window(NAN, begins, ends, False), recording["time"].values))
 
 
-def several_releases(windows: Sequence[Window], row: Mapping[str, Any], place: str) -> InputError:
+def several_releases(windows: Sequence[Window], row: Mapping[str, Any], place: str) -> SeveralReleases:
     """The refusal of a recording with several releases. Its mend holds the rows of the sheet that make each of them a recording."""
     kept = [key for key, cell in row.items() if key != "line" and isinstance(cell, str) and cell]
     if not np.isnan(row["counts_per_revolution"]):
@@ -148,13 +154,17 @@ def several_releases(windows: Sequence[Window], row: Mapping[str, Any], place: s
     text = io.StringIO()
     rows = csv.writer(text, lineterminator="\n")
     rows.writerow([*kept, "start_s", "stop_s"])
+    parts = []
     for number, window in enumerate(windows, 1):
+        ends = {"start_s": window.begins, "stop_s": window.ends}
+        parts.append({key: "" if np.isnan(at) else f"{at:.3f}" for key, at in ends.items()})
         cells = [f"{row[key]}-{number}" if key == "recording" else row[key] for key in kept]
-        ends = ["" if np.isnan(one) else f"{one:.3f}" for one in (window.begins, window.ends)]
-        rows.writerow([*cells, *ends])
-    return InputError(
+        rows.writerow([*cells, *parts[-1].values()])
+    refusal = SeveralReleases(
         place,
         f"the pendulum is released {len(windows)} times in it",
         "one swing in a recording",
         f"put these rows in place of this one, or state start_s or stop_s to keep it whole:\n{text.getvalue()}".rstrip(),
     )
+    refusal.cells = tuple({key: cell for key, cell in part.items() if cell} for part in parts)
+    return refusal

@@ -14,6 +14,7 @@ import yaml
 from ..errors import InputError
 from ..measurement.angle import to_angle
 from ..measurement.recording import ingest
+from ..measurement.release import SeveralReleases
 from ..measurement.sheet import COLUMNS
 from ..measurement.source import NETCDF
 from ..paths import safe_name, write_csv, write_text
@@ -116,15 +117,32 @@ def rows(
     ]
 
 
-def take(row: Mapping[str, Any], path: Path) -> Taken | Refused:
-    """What a file of the sheet's ``row`` gives: its angle, or why it has none."""
+def take(row: Mapping[str, Any], path: Path) -> list[Taken | Refused]:
+    """What a file of the sheet's ``row`` gives: its angle, or why it has none; of several releases in a row each.
+
+    Releases are recordings of one campaign, whose names end in their number.
+    """
     try:
-        recording = ingest({**COLUMNS, **row, "file": str(path)})
-        if recording["signal"].attrs["units"] == "V":
-            raise InputError(path.name, "it is in volts", "an angle, or an apparatus sheet that calibrates it", "write a study of your own with the key `apparatus`")  # fmt: skip
-        return Taken(dict(row), recording, to_angle(recording))
+        return [_taken(row, path)]
+    except SeveralReleases as found:
+        parts = [_release(row, number, cells) for number, cells in enumerate(found.cells, 1)]
     except InputError as problem:
-        return refused(row, problem)
+        return [refused(row, problem)]
+    return [one for part in parts for one in take(part, path)]
+
+
+def _release(row: Mapping[str, Any], number: int, cells: Mapping[str, str]) -> dict[str, Any]:
+    """The row of one release of several in the file of a row."""
+    window = {key: float(cell) for key, cell in cells.items()}
+    label = f"{row.get('label', row['recording'])}, release {number}"
+    return {**row, "recording": f"{row['recording']}-{number}", "label": label, **window}
+
+
+def _taken(row: Mapping[str, Any], path: Path) -> Taken:
+    recording = ingest({**COLUMNS, **row, "file": str(path)})
+    if recording["signal"].attrs["units"] == "V":
+        raise InputError(path.name, "it is in volts", "an angle, or an apparatus sheet that calibrates it", "write a study of your own with the key `apparatus`")  # fmt: skip
+    return Taken(dict(row), recording, to_angle(recording))
 
 
 def refused(row: Mapping[str, Any], problem: InputError) -> Refused:
