@@ -398,3 +398,20 @@ def test_no_trajectory_from_any_start_is_told():
     start = Begin(runaway, (SwingStart(runaway.values, 0.5, 0.0),))
     with pytest.raises(TrajectoryError, match="no start"):
         fit_trajectory("cubic_stiffness", TIMES, angle, guess=start, seen=False)
+
+
+@pytest.mark.parametrize(("effect", "value"), [("clock_drift", -0.013), ("damping_drift", 0.02)])
+def test_what_drifts_does_so_in_time_however_long_a_swing_was_recorded(effect, value):
+    truth = Model(
+        ("viscous", effect), {"natural_frequency": 7.25, "viscous_ratio": 0.01, effect: value}, record=20.0
+    )
+    rng, swings = np.random.default_rng(8), []
+    for last, angle in ((20.0, 0.6), (11.0, 0.3)):
+        times = np.linspace(0, last, round(100 * last) + 1)
+        swings.append((times, simulate(truth, times, angle) + 1e-3 * rng.standard_normal(times.size)))
+    fit = fit_jointly(truth.label, swings)
+    error = fit.standard_errors[fit.free.index(effect)]
+    assert fit.rms == pytest.approx(1e-3, rel=0.05)
+    assert abs(fit.model.values[effect] - value) < 4 * error
+    # and goes on to do so where the fit is asked about another recording
+    assert fit.model.record == 20.0

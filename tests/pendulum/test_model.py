@@ -110,3 +110,18 @@ def test_a_bad_model_file_is_told_with_its_name(tmp_path, text, told):
     with pytest.raises(InputError, match=told) as refusal:
         read_model(path)
     assert "model.yaml" in str(refusal.value)
+
+
+def test_a_model_that_drifts_keeps_the_record_it_drifts_over(tmp_path):
+    model = Model(
+        ("viscous", "clock_drift"),
+        {"natural_frequency": 7.0, "viscous_ratio": 0.01, "clock_drift": 0.02},
+        record=20.0,
+    )
+    assert read_model(write_model(model, tmp_path / "model.yaml")).record == 20.0
+    plain = write_model(model.with_effects(("viscous",), {}), tmp_path / "plain.yaml")
+    assert "record" not in plain.read_text()
+    broken = tmp_path / "broken.yaml"
+    broken.write_text("effects: [viscous]\nrecord_s: -1\n")
+    with pytest.raises(InputError, match="record_s"):
+        read_model(broken)

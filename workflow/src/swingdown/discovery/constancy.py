@@ -109,7 +109,12 @@ def torque_along(frame: Frame, effect: Effect) -> Floats | None:
         values[NATURAL_FREQUENCY.symbol] = one.model.values[NATURAL_FREQUENCY.name]
         speed = np.gradient(one.angle, swing.times)
         torque = evaluate(
-            effect.term, theta=one.angle, thetadot=speed, t=since, duration=float(since[-1]), **values
+            effect.term,
+            theta=one.angle,
+            thetadot=speed,
+            t=since,
+            duration=one.model.record or float(since[-1]),
+            **values,
         )
         found.append(np.broadcast_to(torque, since.shape))
     return np.concatenate(found)

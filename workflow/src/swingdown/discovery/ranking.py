@@ -1,6 +1,7 @@
 """Which effect is missing: every move refitted from several starts, inadmissible ones refused, ranked by evidence."""
 
 from collections.abc import Collection, Iterable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -129,7 +130,10 @@ def _first(starts: list[Start]) -> list[Start]:
 
 
 def _nudged(one: Candidate, here: Frame, noise: Noise) -> Candidate:
+    """The candidate, or a better one in its neighbourhood, or from the decay that the swings show."""
     fit = nudged(one.fit, here.swings, rounds=1)
+    with suppress(TrajectoryError):
+        fit = min(fit, refit(fit.begin, here.swings, seen=True), key=lambda fit: fit.rss)
     return replace(one, fit=fit, bic=evidence(fit, noise), refused=inadmissible(fit, one.added, noise))
 
 

@@ -74,6 +74,7 @@ class Compiled:
     """
 
     def __init__(self, model: Model, duration: float) -> None:
+        duration = model.record or duration
         self.library, rows = _loaded(model.catalogue.whole)
         parts: dict[str, list[tuple[int, int, int]]] = {
             "motions": [(rows[model.gravity.name, "consistent"], 1, 0)],

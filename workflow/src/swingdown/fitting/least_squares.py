@@ -1,6 +1,7 @@
 """Trajectory least squares with exact sensitivities: one model to one swing, or to several at once."""
 
 from collections.abc import Iterable, Mapping
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -47,9 +48,12 @@ def fit_jointly(
     fitted. ``seen=False`` leaves out the starts from the decay where there are fits to start from, ``grown=False`` the one
     that is found by fitting ever longer parts of the swings. ``most`` evaluations a start are spent, fewer where a
     trajectory takes far more work than those of a pendulum usually do; ``converged`` tells.
-    Raises InputError for swings that cannot be fitted and TrajectoryError where no start gives a trajectory.
+    What drifts over a record drifts over the longest one. Raises InputError for swings that cannot be fitted and
+    TrajectoryError where no start gives a trajectory.
     """
     model = as_model(model)
+    if model.record is None and len(swings) > 1:
+        model = replace(model, record=max(float(times[-1] - times[0]) for times, _ in swings))
     own = (model.each if len(swings) > 1 else ()) if own is None else tuple(own)
     problem = Problem(model, swings, start, bounded, own, fixed)
     starts, from_data = problem.starts(guess, seen)

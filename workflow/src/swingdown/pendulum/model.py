@@ -4,6 +4,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import combinations
+from math import inf
 from pathlib import Path
 from typing import Any
 
@@ -34,6 +35,9 @@ class Model:
     ``slack`` is what the measurement leaves open of the reading: its effects act, and their parameters are the last but for
     those of the catalogue's later entries, but they are no part of what the pendulum is said to be: neither of its ``names``
     nor of its ``label``. One that is also among the names is the model's own.
+
+    ``record`` (s) is the ``duration`` that formulas speak of, for every recording the same: what drifts, drifts in time, however
+    long one records. None: that of each recording by itself.
     """
 
     names: tuple[str, ...]
@@ -43,6 +47,7 @@ class Model:
     form: str = "consistent"
     catalogue: Catalogue = field(default=SHIPPED, repr=False, compare=False)
     slack: Slack = field(default_factory=Slack, repr=False, compare=False)
+    record: float | None = field(default=None, repr=False, compare=False)
 
     def __post_init__(self) -> None:
         given: Any = self.names  # a label too
@@ -89,7 +94,7 @@ class Model:
     def motion(self) -> "Model":
         """The same pendulum without what sensor, clock and slack do: what it reads is the angle itself."""
         names = tuple(one.name for one in self.effects if one.acts_on == "torque")
-        bare = Model(names, {}, {}, self.restoring, self.form, self.catalogue.of(ANGLE))
+        bare = Model(names, {}, {}, self.restoring, self.form, self.catalogue.of(ANGLE), record=self.record)
         return bare.with_values(
             {name: value for name, value in self.values.items() if name in bare.parameters}
         )
@@ -115,6 +120,11 @@ class Model:
         return tuple(name for effect in self.effects for name in effect.each)
 
     @property
+    def drifts(self) -> bool:
+        """True where something in it changes over the record."""
+        return any("duration" in effect.term for effect in self.effects)
+
+    @property
     def units(self) -> dict[str, str]:
         """The unit of each parameter, by name."""
         return {parameter.name: parameter.unit for parameter in self.definitions}
@@ -128,7 +138,14 @@ class Model:
     def with_effects(self, names: Sequence[str], values: Mapping[str, float] | None = None) -> "Model":
         """A model of the same catalogue, restoring torque, form and slack with these effects and values."""
         return Model(
-            tuple(names), dict(values or {}), {}, self.restoring, self.form, self.catalogue, self.slack
+            tuple(names),
+            dict(values or {}),
+            {},
+            self.restoring,
+            self.form,
+            self.catalogue,
+            self.slack,
+            self.record,
         )
 
     def with_slack(self, slack: Slack) -> "Model":
@@ -187,6 +204,7 @@ def write_model(model: Model, path: Path | str) -> Path:
         "restoring": model.restoring,
         "form": model.form,
         **({} if model.reading == ANGLE else {"reading": model.reading}),
+        **({"record_s": model.record} if model.record and model.drifts else {}),
         "parameters": values,
     }
     return write_text(path, yaml.safe_dump(content, sort_keys=False, allow_unicode=True))
@@ -202,7 +220,7 @@ def read_model(path: Path | str, catalogue: Catalogue = SHIPPED) -> Model:
         ) from None
     if not isinstance(content, dict) or "effects" not in content:
         raise InputError(path, "not a model file", "a mapping with the key 'effects'")
-    known = ("effects", "restoring", "form", "reading", "parameters")
+    known = ("effects", "restoring", "form", "reading", "record_s", "parameters")
     if unknown := set(content) - set(known):
         raise InputError(path, f"unknown key {sorted(unknown)[0]!r}", ", ".join(known))
     names, parameters = content["effects"], content.get("parameters") or {}
@@ -221,6 +239,7 @@ def read_model(path: Path | str, catalogue: Catalogue = SHIPPED) -> Model:
             restoring=content.get("restoring", "sine"),
             form=content.get("form", "consistent"),
             catalogue=catalogue.of(content.get("reading", ANGLE)),
+            record=_record(content.get("record_s")),
         )
         values, errors = {}, {}
         for name, entry in parameters.items():
@@ -236,3 +255,11 @@ def read_model(path: Path | str, catalogue: Catalogue = SHIPPED) -> Model:
         return model.with_values(values, errors)
     except InputError as problem:
         raise InputError(path, str(problem)) from None
+
+
+def _record(given: Any) -> float | None:
+    if given is None:
+        return None
+    if not isinstance(given, (int, float)) or not 0 < given < inf:
+        raise InputError("key record_s", f"{given!r}", "a length in seconds, more than 0")
+    return float(given)

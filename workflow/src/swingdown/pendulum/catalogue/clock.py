@@ -14,7 +14,7 @@ CLOCK = (
                 "1",
                 -0.2,
                 0.2,
-                "relative gain of the clock over the record",
+                "relative gain of the clock over the longest record",
                 0.002,
                 largest=0.05,
             ),

@@ -57,7 +57,7 @@ DRIVE = (
     Effect(
         "damping_drift",
         "-2*zeta_d*omega_n*thetadot*t/duration",
-        (Parameter("damping_drift", "zeta_d", "1", -inf, inf, "change of the viscous ratio over the record", 0.003),),
+        (Parameter("damping_drift", "zeta_d", "1", -inf, inf, "change of the viscous ratio over the longest record", 0.003),),
         "The damping changes while the pendulum swings: a bearing warms up, a draught sets in.",
         MECHANICS,
     ),
