@@ -9,11 +9,13 @@ import os
 import re
 import sys
 import time
+from pathlib import Path
 
 from snakemake_interface_logger_plugins.base import LogHandlerBase
 from snakemake_interface_logger_plugins.common import LogEvent
 
-from swingdown.console import UNWRITTEN, framed
+from swingdown.console import UNWRITTEN, block, framed
+from swingdown.errors import InputError
 from swingdown.paths import in_words
 
 _ERRNO = re.compile(r"\[Errno (\d+)\]")
@@ -26,6 +28,31 @@ _KNOWN = (
     "Unable to guess SLURM account. Trying to proceed without.",
     "Failed to setup log file",  # of a folder that cannot be written, which is told at the first result
 )
+
+
+def _of_config():
+    """What is wrong with a config file that the command line names; empty where nothing is."""
+    from swingdown.answer.study import check_config  # it takes a second to load, and a run seldom asks
+
+    for path in _after(sys.argv, ("--configfile", "--configfiles")):
+        try:
+            check_config(Path(path))
+        except InputError as problem:
+            return block(problem)
+    return ""
+
+
+def _after(words, options):
+    """The words of a command line that follow one of the options, up to the next option."""
+    inside = False
+    for word in words:
+        name, equals, value = word.partition("=")
+        if word.startswith("-"):
+            inside = name in options
+            if inside and equals:
+                yield value
+        elif inside:
+            yield word
 
 
 class LogHandler(LogHandlerBase):
@@ -88,6 +115,8 @@ class LogHandler(LogHandlerBase):
         return f"{self.done} of {self.total} jobs done"
 
     def _error(self, text, exception):
+        if not self.total and (told := _of_config()):
+            return told
         if exception == "LockException":
             return framed(
                 "Another run is at work in this folder, and two would write the same files.",

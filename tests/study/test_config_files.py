@@ -1,0 +1,27 @@
+"""A config file that cannot be used is told by plain ``snakemake`` as our own checks tell it."""
+
+import subprocess
+import sys
+
+import pytest
+
+
+@pytest.mark.parametrize(
+    ("content", "told"),
+    [
+        (b"recordings: sheet.csv\nsimulation: {simulated: []\nseed: 3\n", "mine.yaml, line 3"),
+        (b"recordings: sh\xe4.csv\n", "it is not text in UTF-8"),
+        (None, "there is no such config file"),
+    ],
+)
+@pytest.mark.parametrize("option", ["--configfile", "--configfiles"])
+def test_what_is_wrong_with_a_config_is_told_once(tmp_path, root, content, told, option):
+    path = tmp_path / "mine.yaml"
+    if content is not None:
+        path.write_bytes(content)
+    command = [sys.executable, "-m", "snakemake", "-c1", "all", "--directory", str(tmp_path), option, str(path)]
+    done = subprocess.run(command, cwd=root, capture_output=True, text=True)
+    said = done.stdout + done.stderr
+    assert done.returncode == 1
+    assert said.count("This input cannot be used") == 1 and told in said and "mend:" in said
+    assert "Traceback" not in said and "Error" not in said
