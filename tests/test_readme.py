@@ -21,8 +21,8 @@ def test_readme_shows_what_the_tutorial_is_held_to(root):
     readme, tutorial = ((root / name).read_text() for name in ("README.md", "docs/own-file.md"))
     shown = re.search(r"^```\n(anna\.csv: .*?)^```$", readme, re.DOTALL | re.MULTILINE)[1].splitlines()
     told = "".join(re.findall(r"^<!-- prints -->\n```\n(.*?)^```$", tutorial, re.DOTALL | re.MULTILINE))
-    assert any(line.startswith("anna: Named. ") for line in told.splitlines())
-    assert set(told.splitlines()) <= set(shown)
+    assert any(line.startswith("anna: Named. ") for line in shown)
+    assert set(shown) - {"…"} <= set(told.splitlines())
 
 
 def test_readme_stays_short(root):
