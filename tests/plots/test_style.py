@@ -88,4 +88,11 @@ def test_plots_rest_on_datasets_symbols_rounding_and_the_way_files_are_written_a
             elif isinstance(node, ast.ImportFrom) and node.level == 0:
                 assert node.module.split(".")[0] in allowed, file.name
             elif isinstance(node, ast.ImportFrom) and node.level == 2:
-                assert node.module in ("arrays", "pendulum.model", "paths", "rounding", "sealed"), file.name
+                assert node.module in (
+                    "arrays",
+                    "dataset",
+                    "pendulum.model",
+                    "paths",
+                    "rounding",
+                    "sealed",
+                ), file.name

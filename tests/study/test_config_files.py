@@ -19,7 +19,17 @@ def test_what_is_wrong_with_a_config_is_told_once(tmp_path, root, content, told,
     path = tmp_path / "mine.yaml"
     if content is not None:
         path.write_bytes(content)
-    command = [sys.executable, "-m", "snakemake", "-c1", "all", "--directory", str(tmp_path), option, str(path)]
+    command = [
+        sys.executable,
+        "-m",
+        "snakemake",
+        "-c1",
+        "all",
+        "--directory",
+        str(tmp_path),
+        option,
+        str(path),
+    ]
     done = subprocess.run(command, cwd=root, capture_output=True, text=True)
     said = done.stdout + done.stderr
     assert done.returncode == 1

@@ -20,10 +20,8 @@ from ..arrays import Floats
 from ..engine.trajectory import sensitivities
 from ..fitting.problem import RELEASE
 from ..fitting.result import SwingFit
-from ..pendulum.catalogue import ANGLE
 from ..pendulum.effect import NATURAL_FREQUENCY
 from ..pendulum.model import Model
-from ..pendulum.slack import Slack
 from .campaign import Noise, Swing
 from .linear import Frame
 
@@ -93,9 +91,7 @@ def motion(model: Model, swing: Swing, angle: float, velocity: float) -> Motion:
     each = max(1, int(np.ceil(_FINE * interval / period)))
     at = np.arange(samples.size) * each
     times = np.interp(np.arange(at[-1] + 1), at, samples)
-    names = [one.name for one in model.effects if one.acts_on == "torque"]
-    bare = model.with_effects(names, model.values).with_slack(Slack()).of(ANGLE)
-    course, slopes = sensitivities(bare, times, angle, velocity, free=RELEASE)
+    course, slopes = sensitivities(model.motion, times, angle, velocity, free=RELEASE)
     speed, rates = np.gradient(course, times), np.gradient(slopes, times, axis=1)
     wronskian = slopes[0] * rates[1] - slopes[1] * rates[0]
     moving = np.abs(wronskian) > _STUCK

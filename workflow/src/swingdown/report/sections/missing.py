@@ -33,6 +33,8 @@ def missing(material: Material) -> Section:
         if found["where"]["groups"]:
             items.append(_where(found))
         for name, caption in _SEEN.items():
+            if name == "remainder" and found["status"] not in ("partial", "unknown"):
+                continue  # nothing remains that could be drawn
             paths = [
                 path for path in material.seen if path.endswith(f"discovery/{campaign}/figures/{name}.svg")
             ]
