@@ -6,7 +6,7 @@ from scipy.integrate import solve_ivp
 
 from swingdown.discovery.campaign import Noise, Swing
 from swingdown.discovery.linear import frame
-from swingdown.discovery.remainder import motion, remainder, response
+from swingdown.discovery.remainder import _smooth, motion, remainder, response
 from swingdown.engine.trajectory import sensitivities, simulate
 from swingdown.fitting.least_squares import fit_jointly
 from swingdown.pendulum.model import Model
@@ -77,3 +77,9 @@ def test_nothing_is_seen_where_nothing_is_missing():
     found = left(BASE, [simulate(BASE, TIMES, a) for a in (0.3, 0.45, 0.6, 0.7)])
     assert found.gain < 8
     assert (found.map["torque"].abs() < 3 * found.map["band"]).mean() > 0.95
+
+
+def test_a_shape_that_the_fit_could_imitate_altogether_tells_nothing():
+    columns, near = np.diag([1.0, 2.0]), np.eye(2)
+    told = _smooth((1e-9 * columns, columns), np.ones(2), near, 1e-4, 2.0, 100)
+    assert not told.value.any() and not told.known.any() and told.left == 2.0

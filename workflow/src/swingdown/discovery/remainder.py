@@ -186,6 +186,11 @@ def _smooth(
     left, singular, right = np.linalg.svd(columns[0] @ root, full_matrices=False)
     own = singular < _IMITATED * np.linalg.norm(columns[1] @ root @ right.T, axis=0)
     singular, seen = np.where(own, 0.0, singular), np.where(own, 0.0, left.T @ along)
+    if not np.any(singular > 0) or not np.all(
+        np.isfinite(singular)
+    ):  # the fit's own values could do all of it
+        nothing = np.zeros(root.shape[0])
+        return _Smooth(nothing, nothing, nothing, whole)
     for _ in range(3):
 
         def cost(logarithm: float, variance: float = variance) -> float:
