@@ -1,6 +1,7 @@
 """A round of discovery as files: what a search writes, and what verdict, figures and report read."""
 
 from collections.abc import Iterable, Sequence
+from contextlib import suppress
 from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
@@ -10,6 +11,7 @@ import pandas as pd
 import xarray as xr
 
 from .. import dataset
+from ..engine.trajectory import TrajectoryError
 from ..errors import InputError
 from ..measurement.slack import of_angles
 from ..pendulum.catalogue import READINGS
@@ -67,7 +69,10 @@ def write_rounds(
 ) -> None:
     """The folders written, one for each ``Round``; those beyond the last one repeat it."""
     for number, state in enumerate(states):
-        lacks = remainder(frame(state.fit, campaign.fit), state.noise) if state.missing else _NOTHING
+        lacks = _NOTHING
+        if state.missing:  # a motion that cannot be followed more finely is no reason to lose the verdict
+            with suppress(TrajectoryError, np.linalg.LinAlgError):
+                lacks = remainder(frame(state.fit, campaign.fit), state.noise)
         for folder in folders[number:] if state is states[-1] else folders[number : number + 1]:
             write_round(state, campaign, folder, emulated, lacks)
 

@@ -27,13 +27,13 @@ def remainder(table: pd.DataFrame, course: pd.DataFrame, told: Mapping[str, Any]
     """The missing torque over angle and speed, what it is a function of, and its course in the swing that has most of it.
 
     ``table`` (``angle_rad``, ``speed_rad_per_s``, ``torque``, ``band``, ``known``, ``seen``) and ``course`` (``swing``, ``time_s``,
-    ``torque``, ``band``) are those of a round, ``told`` its round.json. Where nothing is missing the picture says so.
+    ``torque``, ``band``) are those of a round, ``told`` its round.json. Where there is none the picture says so.
     """
     figure = style.new_figure(12.0)
     if table.empty:
         axes = figure.subplots()
         axes.set_axis_off()
-        axes.text(0.5, 0.5, "nothing is missing: no torque is left to draw", ha="center", va="center")
+        axes.text(0.5, 0.5, "no torque is left to draw", ha="center", va="center")
         return figure
     halves: Any = figure.subfigures(2, 1, height_ratios=(1.25, 1))
     upper, lower = halves
