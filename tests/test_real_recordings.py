@@ -134,13 +134,22 @@ def test_three_swings_of_a_link_have_no_name_for_what_they_lack(jensen):
     """The trigger's jumps on return strokes are in no catalogue: an effect may be added, nothing may be called complete."""
     found = verdict_on("jensen", jensen, ("viscous", "load_coulomb"))
     assert found["status"] in ("unknown", "partial")
-    # 7.9 of 11.0: less than with an eddy brake and a wind, which are doubted now as not of one size
-    assert found["gap"]["holdout"][-1] < 0.75 * found["gap"]["holdout"][0]
+    assert found["gap"]["holdout"][-1] < found["gap"]["holdout"][0]
     assert found["split"] == "held out by amplitude: rel90"
     # the base does not fit: a term of it would give energy, or is not needed beside what was found
     assert found["misspecified"] == ["viscous_ratio"] or found["removed"]
     told = "viscous ratio would be negative" in found["sentence"]
     assert told or f"Not needed: {found['removed'][0].replace('_', ' ')}" in found["sentence"]
+
+
+@pytest.mark.slow
+@pytest.mark.xfail(
+    strict=True,
+    reason="7.9 of 11.0 times the noise: what brought it to 7.4 is doubted now as not of one size",
+)
+def test_a_third_of_the_links_gap_is_explained(jensen):
+    found = verdict_on("jensen", jensen, ("viscous", "load_coulomb"))
+    assert found["gap"]["holdout"][-1] < 0.7 * found["gap"]["holdout"][0]
 
 
 @pytest.mark.slow
