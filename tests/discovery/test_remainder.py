@@ -5,8 +5,9 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from swingdown.discovery.campaign import Noise, Swing
+from swingdown.discovery.green import motion, response
 from swingdown.discovery.linear import frame
-from swingdown.discovery.remainder import _smooth, motion, remainder, response
+from swingdown.discovery.remainder import _smooth, remainder
 from swingdown.engine.trajectory import sensitivities, simulate
 from swingdown.fitting.least_squares import fit_jointly
 from swingdown.pendulum.model import Model

@@ -9,13 +9,14 @@ from swingdown.discovery.admissible import inadmissible
 from swingdown.discovery.budget import Budget
 from swingdown.discovery.campaign import Noise, Swing, campaign
 from swingdown.discovery.differences import coarse_noise
-from swingdown.discovery.established import established, unneeded
+from swingdown.discovery.established import Finding, established, unneeded
 from swingdown.discovery.folds import Turns, folds, in_turn
 from swingdown.discovery.linear import frame
 from swingdown.discovery.pairs import starts_of_pairs
 from swingdown.discovery.rounds import first_fit, look
 from swingdown.discovery.search import discover
 from swingdown.engine.trajectory import simulate
+from swingdown.pendulum.catalogue import SHIPPED
 from swingdown.pendulum.model import Model
 
 TIMES = np.arange(601) / 50  # s
@@ -102,12 +103,23 @@ def test_what_swings_left_out_miss_is_established_and_what_they_do_not_is_not(tw
     state = look(1, two, first_fit(two, model), found, last=True)
     allowed = (*found, "structural_damping", "cubic_stiffness")
     sure = established(state, two, allowed, Budget())
-    assert sure["quadratic_drag"] == sure["quadratic_stiffness"] == ""
-    assert "clock_drift" in sure["clock_drift"]  # is as far from nothing as it differs, or is not determined
+    assert sure["quadratic_drag"].sure and sure["quadratic_stiffness"].sure
+    assert sure["quadratic_drag"].errors["quadratic_coefficient"] > 0
+    assert "clock_drift" in sure["clock_drift"].doubt  # is as far from nothing as it differs, or is not determined
     idle = unneeded(state, two)
     assert idle.dropped == "clock_drift"
     unasked = established(state, two, allowed, Budget(1e-9))
-    assert all(unasked.values())
+    assert not any(one.sure for one in unasked.values())
+
+
+def test_a_tie_is_told_of_effects_that_a_known_measurement_tells_apart_and_a_doubt_of_others():
+    sure = Finding("")
+    tied = sure.beside(["structural_damping"], "viscous", SHIPPED)
+    assert tied.sure and tied.ties == ("structural_damping",)
+    assert "structural_damping does as well" in tied.alone.doubt
+    assert "stribeck does as well" in sure.beside(["stribeck"], "viscous", SHIPPED).doubt
+    assert sure.beside([], "viscous", SHIPPED) == sure
+    assert "not held against" in sure.beside(None, "viscous", SHIPPED).doubt
 
 
 def test_the_jackknife_is_the_standard_error_of_a_mean():

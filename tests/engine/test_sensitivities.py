@@ -46,9 +46,13 @@ def test_a_slow_sensor_on_a_linear_pendulum_is_known_exactly(lag):
     pole = w * complex(-ratio, np.sqrt(1 - ratio**2))
     amplitude = complex(release, (release * pole.real - velocity) / pole.imag)
     steady, steady_slope = amplitude / (1 + lag * pole), -amplitude * pole / (1 + lag * pole) ** 2
-    transient, fading = release - lag * velocity - steady.real, np.exp(-times / lag)
+    moving = velocity**2 / (velocity**2 + (0.2 * w * release) ** 2)
+    slow = (lag * w) ** 2
+    first = release - (lag * velocity + moving * release * slow) / (1 + slow)
+    first_slope = -(velocity * (1 - slow) + 2 * moving * release * lag * w**2) / (1 + slow) ** 2
+    transient, fading = first - steady.real, np.exp(-times / lag)
     exact = (steady * np.exp(pole * times)).real + transient * fading
-    slope = (steady_slope * np.exp(pole * times)).real - (velocity + steady_slope.real) * fading
+    slope = (steady_slope * np.exp(pole * times)).real + (first_slope - steady_slope.real) * fading
     slope += transient * fading * times / lag**2
     values = {"natural_frequency": w, "viscous_ratio": ratio, "lag_time": lag}
     angle, slopes = sensitivities(

@@ -1,11 +1,12 @@
-"""Whether an effect is the same everywhere: its torque made to change with side, angle, speed and time, to first order.
+"""Whether an effect is the same everywhere, and of the form that it is said to be, to first order.
 
 What is fitted as one effect and is another like it has another size on one side than on the other, when fast or when slow,
-early or late. Where letting it change so explains what remains, the name is doubted; and what is added beside it must do
-better than such a change would.
+early or late: its torque is let change so. Or a torque of the same kind and of a general form remains beside it: over the
+angle beside what depends on the angle, a friction or a drag from place to place beside what damps. Where one of these
+explains what remains, the name is doubted; and what is added beside an effect must do better than such a change would.
 """
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import combinations
 from typing import NamedTuple
@@ -15,12 +16,15 @@ import numpy as np
 from ..arrays import Floats
 from ..pendulum.effect import NATURAL_FREQUENCY, Effect
 from ..pendulum.formula import evaluate
+from ..pendulum.model import Model
 from .campaign import Noise
-from .linear import Frame, explained
+from .green import Motion, hats, motions_of, responses
+from .linear import Frame, explained, orthonormal
 
 _SLOW = 0.03  # of the largest speed; slower, no exponent is told apart
 _ALIKE = 1e-3  # of two changes: what tells them apart, over what they share
-_STILL = 1e-3  # of its largest, below which the Wronskian of a motion that has died out tells nothing
+_PIECES = 8  # of a torque of a general form, over the angle or the speed
+_DETERMINED = 0.05  # of a piece's work: what less of it is left beyond the fit says nothing of its size
 
 
 @dataclass(frozen=True)
@@ -34,10 +38,20 @@ class Change:
     squares: float
 
 
+@dataclass(frozen=True)
+class Form:
+    """A torque of a general form beside an effect: over what, its size (RMS along the motion) over the effect's own, and the
+    squares (rad^2) that it explains beyond the fit."""
+
+    over: str
+    size: float
+    squares: float
+
+
 def changes(frame: Frame, effect: Effect, noise: Noise) -> list[Change]:
     """The ``Change``s of one of a fit's effects, with one shape or with two, that which explains most first; empty for one that
     is no torque of angle, speed and time alone, or of which there is nothing."""
-    ways, found = list(_ways(frame, effect)), []
+    ways, found = list(_ways(frame, motions_of(frame), effect)), []
     for count in (1, 2):
         for some in combinations(ways, count):
             columns = np.column_stack([one.column for one in some])
@@ -61,13 +75,60 @@ def by_changing(frame: Frame, noise: Noise, names: Iterable[str]) -> float:
     """The evidence (as a difference of BIC, to first order) that is gained most by letting one of these effects change, with one
     shape or with two; 0 where nothing is gained."""
     best, penalty = 0.0, float(np.log(noise.effective(frame.samples)))
+    names = list(names)
+    motions = motions_of(frame) if names else []
     for name in names:
-        columns = [one.column for one in _ways(frame, frame.fit.model.catalogue[name])]
+        columns = [one.column for one in _ways(frame, motions, frame.fit.model.catalogue[name])]
         for count in (1, 2):
             for some in combinations(columns, count):
                 squares, freedom = explained(frame, np.column_stack(some))
                 best = max(best, _evidence(frame, noise, squares) - freedom * penalty)
     return best
+
+
+def forms(frame: Frame, effect: Effect) -> list[Form]:
+    """The ``Form``s of a torque of the effect's kind that may remain beside it, that which explains most first; empty as ``changes`` is.
+
+    Beside what depends on the angle alone one over the angle; beside what depends on the velocity one over the speed, a
+    friction and a drag from place to place.
+    """
+    motions = motions_of(frame)
+    torques = torques_along(frame, motions, effect)
+    if torques is None or not any(np.any(one) for one in torques):
+        return []
+    largest = max(float(np.max(np.abs(one.angle))) for one in motions)
+    fastest = max(float(np.max(np.abs(one.speed))) for one in motions)
+    own, found = _rms(torques), []
+    for over, shape in _FORMS.items():
+        if (over == "the angle") == ("thetadot" in effect.term):
+            continue
+        pieces = [shape(one.angle / largest, one.speed / fastest) for one in motions]
+        columns = responses(motions, pieces)
+        work = np.linalg.norm(columns, axis=0)
+        work[work == 0] = 1.0
+        left, size, right = np.linalg.svd(frame.outside(columns) / work, full_matrices=False)
+        seen = size > _DETERMINED
+        along = left[:, seen].T @ frame.residual
+        values = (right[seen].T / size[seen]) @ along / work
+        found.append(Form(over, _rms([one @ values for one in pieces]) / own, float(along @ along)))
+    return sorted(found, key=lambda one: -one.squares)
+
+
+def _over_angle(x: Floats) -> Floats:
+    return hats(x, np.linspace(-1, 1, _PIECES))
+
+
+# by what they are over: a column for each piece, of angle and speed over their largest values
+_FORMS: dict[str, Callable[[Floats, Floats], Floats]] = {
+    "the angle": lambda x, v: _over_angle(x),
+    "the speed": lambda x, v: np.sign(v)[:, np.newaxis] * hats(np.abs(v), np.linspace(0, 1, _PIECES)),
+    "the place, as friction": lambda x, v: np.sign(v)[:, np.newaxis] * _over_angle(x),
+    "the place, as drag": lambda x, v: v[:, np.newaxis] * _over_angle(x),
+}
+
+
+def _rms(torques: Sequence[Floats]) -> float:
+    return float(np.sqrt(np.mean(np.concatenate(torques) ** 2)))
 
 
 def _evidence(frame: Frame, noise: Noise, squares: float) -> float:
@@ -85,102 +146,65 @@ class _Way(NamedTuple):
     column: Floats
 
 
-def _ways(frame: Frame, effect: Effect) -> Iterator[_Way]:
-    torque = torque_along(frame, effect)
-    if torque is None or not np.any(torque):
+def _ways(frame: Frame, motions: Sequence[Motion], effect: Effect) -> Iterator[_Way]:
+    torques = torques_along(frame, motions, effect)
+    if torques is None or not any(np.any(one) for one in torques):
         return
-    weight = torque**2 / np.sum(torque**2)
-    for name, shape in _shapes(frame).items():
+    joined = np.concatenate(torques)
+    weight = joined**2 / np.sum(joined**2)
+    ends = np.cumsum([one.times.size for one in motions])[:-1]
+    pushed = _pushed(frame, motions)
+    for name, shape in _shapes(motions).items():
         centred = shape - float(weight @ shape)
-        column = frame.outside(response(frame, (torque * centred)[:, np.newaxis]))[:, 0]
+        moved = [one[:, np.newaxis] for one in np.split(joined * centred, ends)]
+        column = frame.outside(responses(motions, moved))[:, 0]
+        if name == "direction":
+            column = column - pushed @ (pushed.T @ column)
         if np.any(column):
             yield _Way(name, np.sqrt(weight) * centred, column)
 
 
-def torque_along(frame: Frame, effect: Effect) -> Floats | None:
-    """The torque (rad/s^2) of one of a fit's effects along the fitted motion, a value a sample; None for one that has a memory,
-    inertia, or acts on the reading."""
+def _pushed(frame: Frame, motions: Sequence[Motion]) -> Floats:
+    """What a constant torque and a sensor's zero do beyond the fit, orthonormal: all that moves the middle imitates in part a drag that
+    is stronger one way than the other."""
+    torque = responses(motions, [np.ones((one.times.size, 1)) for one in motions])
+    both = frame.outside(np.hstack([torque, np.ones_like(torque)]))
+    work = np.linalg.norm(both, axis=0)
+    kept = work > _DETERMINED * np.linalg.norm(np.hstack([torque, np.ones_like(torque)]), axis=0)
+    return orthonormal(both[:, kept] / work[kept]) if kept.any() else np.zeros((both.shape[0], 0))
+
+
+def torques_along(frame: Frame, motions: Sequence[Motion], effect: Effect) -> list[Floats] | None:
+    """The torque (rad/s^2) of one of a fit's effects along each swing's motion; None for one that has a memory, inertia, or acts
+    on the reading."""
     if effect.acts_on != "torque" or effect.states or effect.inertia:
         return None
-    found = []
-    for swing, one in zip(frame.swings, frame.fit.swings, strict=True):
-        values = {p.symbol: one.model.values[p.name] for p in effect.parameters}
-        since = swing.times - swing.times[0]
-        values[NATURAL_FREQUENCY.symbol] = one.model.values[NATURAL_FREQUENCY.name]
-        speed = np.gradient(one.angle, swing.times)
-        torque = evaluate(
-            effect.term,
-            theta=one.angle,
-            thetadot=speed,
-            t=since,
-            duration=one.model.record or float(since[-1]),
-            **values,
-        )
-        found.append(np.broadcast_to(torque, since.shape))
-    return np.concatenate(found)
+    pairs = zip(motions, frame.fit.swings, strict=True)
+    return [_torque_along(motion, effect, swing.model) for motion, swing in pairs]
 
 
-def _shapes(frame: Frame) -> dict[str, Floats]:
-    """With what an effect may change, a number of the order of 1 at each sample."""
-    angle = frame.fit.angle
-    series = list(zip(frame.fit.swings, frame.swings, strict=True))
-    speed = np.concatenate([np.abs(np.gradient(one.angle, swing.times)) for one, swing in series])
-    since = np.concatenate([(w.times - w.times[0]) / (w.times[-1] - w.times[0]) for w in frame.swings])
-    x, v = angle / np.max(np.abs(angle)), speed / np.max(speed)
+def _torque_along(motion: Motion, effect: Effect, model: Model) -> Floats:
+    values = {p.symbol: model.values[p.name] for p in effect.parameters}
+    values[NATURAL_FREQUENCY.symbol] = model.values[NATURAL_FREQUENCY.name]
+    since = motion.times - motion.times[0]
+    duration = model.record or float(since[-1])
+    torque = evaluate(
+        effect.term, theta=motion.angle, thetadot=motion.speed, t=since, duration=duration, **values
+    )
+    return np.broadcast_to(torque, since.shape)
+
+
+def _shapes(motions: Sequence[Motion]) -> dict[str, Floats]:
+    """With what an effect may change, a number of the order of 1 at each time of the grid."""
+    angle, velocity = (np.concatenate([getattr(one, what) for one in motions]) for what in ("angle", "speed"))
+    since = np.concatenate([(one.times - one.times[0]) / (one.times[-1] - one.times[0]) for one in motions])
+    x, v = angle / np.max(np.abs(angle)), np.abs(velocity) / np.max(np.abs(velocity))
     # the logarithm is what a slightly other exponent of the speed makes of a torque
-    return {"side": x, "angle": x**2, "speed": v, "slowness": np.log(v + _SLOW), "time": since}
-
-
-def response(frame: Frame, torques: Floats) -> Floats:
-    """What small torques (samples, any; rad/s^2) along the fitted motion do to the angles: an array as large.
-
-    By variation of constants, with the fit's own sensitivities to angle and velocity of release as the two solutions of the
-    equation of variation; their Wronskian falls as the damping has it (Abel), and what follows where the motion has died
-    out is left at nothing.
-    """
-    found = np.zeros_like(torques)
-    for k, (swing, rows) in enumerate(zip(frame.swings, frame.slices, strict=True)):
-        first, second = (
-            frame.slopes[
-                rows,
-                next(
-                    i
-                    for i, (name, of) in enumerate(zip(frame.names, frame.of, strict=True))
-                    if name == wanted and of == k
-                ),
-            ]
-            for wanted in ("release_angle", "release_velocity")
-        )
-        found[rows] = _varied(swing.times, first, second, torques[rows])
-    return found
-
-
-def _varied(times: Floats, first: Floats, second: Floats, torques: Floats) -> Floats:
-    slopes = [np.gradient(one, times) for one in (first, second)]
-    wronskian = first * slopes[1] - second * slopes[0]
-    # at turning points dry friction makes them jump: the smooth course between is what counts
-    size = np.abs(wronskian)
-    live = size > _STILL * np.max(size)
-    end = int(np.max(np.flatnonzero(live))) + 1 if live.any() else 0
-    if end < 8:
-        return np.zeros_like(torques)
-    part = slice(0, end)
-    at = np.linspace(-1, 1, end)
-    course = np.log(np.maximum(size[part], _STILL * np.max(size)))
-    kept = np.ones(end, dtype=bool)
-    for _ in range(4):
-        line = np.polynomial.Polynomial.fit(at[kept], course[kept], 3)
-        off = course - line(at)
-        kept = np.abs(off) <= 2.5 * 1.4826 * np.median(np.abs(off[kept])) + 1e-9
-    smooth = np.exp(line(at))[:, np.newaxis]
-    u1, u2 = first[part, np.newaxis], second[part, np.newaxis]
-    one, other = (_summed(times[part], u * torques[part] / smooth) for u in (u1, u2))
-    found = np.zeros_like(torques)
-    found[part] = u2 * one - u1 * other
-    return found
-
-
-def _summed(times: Floats, series: Floats) -> Floats:
-    """The integral from the first time on, by trapezoids."""
-    steps = np.diff(times)[:, np.newaxis] * (series[1:] + series[:-1]) / 2
-    return np.concatenate([np.zeros((1, series.shape[1])), np.cumsum(steps, axis=0)])
+    return {
+        "side": x,
+        "direction": np.sign(velocity),
+        "angle": x**2,
+        "speed": v,
+        "slowness": np.log(v + _SLOW),
+        "time": since,
+    }

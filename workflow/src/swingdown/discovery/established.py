@@ -1,15 +1,17 @@
 """What a search has established although something remains: what swings left out in turn confirm, and nothing else could do."""
 
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from ..engine.trajectory import TrajectoryError
+from ..pendulum.catalogue import Catalogue
 from .admissible import inadmissible
 from .budget import Budget
 from .campaign import Campaign
 from .candidates import without
-from .constancy import changes
+from .constancy import changes, forms
 from .folds import Turns, in_turn
 from .linear import frame
 from .ranking import Candidate, evidence, in_place_of
@@ -22,9 +24,18 @@ _NEEDED = 0.10  # of the score on swings left out, that an effect must be worth
 _SHARE = 0.9  # of the excess without it, that an effect must explain: what explains less may be the like of something else
 _MOST = 0.75  # of the folds, that must be better with it
 _TOLD = 0.015  # of the score, by which each rival must be worse, and be worse on as many folds
+_PLAINLY = (
+    0.05  # of the logarithm of what fitted swings leave: a rival that is worse by as much is told off by them
+)
 _RICHER = 0.02  # of the score, that a rival must be better for each parameter more
+_TIE_SET = 4  # effects, of which one is there
 _CONSTANT = 0.1  # of its size (RMS along the motion), that an effect may change by
+AT_FIRST = 0.5  # the same when it was found, much else being missing
 _EXPLAINED, _CLEAR = 1 / 3, 5.0  # of what remains, and standard errors, that such a change must be to count
+_FORM, _BESIDE = (
+    0.5,
+    0.3,
+)  # of what remains, and of its size, that a torque of its kind and of another form must be to count
 _STEADY = 0.3  # of its size, by which it may be another where nothing else that was found stands beside it
 _IDLE = 0.005  # of the score, below which an effect is not needed
 
@@ -63,15 +74,22 @@ def _lost(state: Round, campaign: Campaign, name: str, whole: Turns) -> tuple[fl
     return whole.gain(turns), Candidate(None, name, fit, evidence(fit, state.noise)), turns
 
 
-def _changing(state: Round, campaign: Campaign, name: str) -> str:
-    """In words how an effect is not of one size, where that explains a good part of what remains; empty where it is."""
+def changing(state: Round, campaign: Campaign, name: str, most: float = _CONSTANT) -> str:
+    """In words how an effect is not of one size or not of its form, where that explains a good part of what remains; else empty.
+
+    ``most`` is the change, of its size, that is let pass.
+    """
     here = frame(state.fit, campaign.fit)
+    effect = state.fit.model.catalogue[name]
     excess = state.fit.rss - state.fit.n * state.noise.deviation**2
-    for one in changes(here, state.fit.model.catalogue[name], state.noise):
+    for one in changes(here, effect, state.noise):
         if one.squares < _EXPLAINED * excess or one.change < _CLEAR * one.error:
             continue
-        if one.change > _CONSTANT or one.squares > _SHARE * excess:
+        if one.change > most or (most == _CONSTANT and one.squares > _SHARE * excess):
             return f"its size changes with {one.of}"
+    for form in forms(here, effect):
+        if form.squares >= _FORM * excess and form.size > max(_BESIDE, most):
+            return f"a torque of another form, over {form.over}, remains beside it"
     return ""
 
 
@@ -96,44 +114,78 @@ def _leaning(state: Round, campaign: Campaign, name: str) -> str:
     return ""
 
 
+@dataclass(frozen=True)
+class Finding:
+    """What is to be said of one effect that was found: why it is not established (or empty), the effects one of which may be there
+    in its place, and by parameter the standard error that the jackknife over swings left out gives."""
+
+    doubt: str
+    ties: tuple[str, ...] = ()
+    errors: Mapping[str, float] = field(default_factory=dict)
+
+    @property
+    def sure(self) -> bool:
+        """True where the effect, or one of those it ties with, is established."""
+        return not self.doubt
+
+    def beside(self, names: Collection[str] | None, name: str, catalogue: Catalogue) -> "Finding":
+        """The finding once these ``names`` are known to do as well as the effect (None: there was no asking).
+
+        A tie is told of few, each of them one of which the catalogue knows the measurement that tells it from the effect.
+        """
+        if names is None:
+            return replace(self, doubt="it was not held against swings left out")
+        strange = [one for one in names if not catalogue.measurement(name, one)]
+        ties = tuple(dict.fromkeys((*self.ties, *names)))
+        if strange or len(ties) >= _TIE_SET:
+            return replace(self, doubt=f"{(strange or list(ties))[0]} does as well in its place", ties=())
+        return replace(self, ties=ties)
+
+    @property
+    def alone(self) -> "Finding":
+        """The finding where a tie is a doubt."""
+        return (
+            replace(self, doubt=f"{self.ties[0]} does as well in its place", ties=()) if self.ties else self
+        )
+
+
 def established(
     state: Round,
     campaign: Campaign,
     allowed: Collection[str] | None,
     budget: Budget,
     base: Collection[str] = (),
-) -> dict[str, str]:
-    """By effect found, in words why it is not established; empty where it is.
+) -> dict[str, Finding]:
+    """The ``Finding`` of each effect that a round has found.
 
     Established is what most of the swings left out in turn miss, whose size and shape agree whichever swings they are fitted to
     (jackknife, which knows of misfits), and in whose place no other effect does as well, those of the ``base`` that were
     dropped first of all.
     """
     whole = in_turn(state.fit, campaign, state.holdout)
-    found: dict[str, str] = {}
+    found: dict[str, Finding] = {}
     for name in state.found:
         if whole is None or budget.spent:
-            found[name] = "it was not held against swings left out"
+            found[name] = Finding("it was not held against swings left out")
             continue
-        found[name] = _doubt(state, campaign, allowed, name, whole, base)
+        effect = state.fit.model.catalogue[name]
+        errors = {p.name: whole.spread(p.name) for p in effect.parameters if not p.each and p.role != "range"}
+        found[name] = Finding(_doubt(state, campaign, name, whole, errors), errors=errors)
+        if found[name].sure:
+            near = rivals(state, campaign, allowed, name, base, whole)
+            found[name] = found[name].beside(near, name, state.fit.model.catalogue)
     return found
 
 
-def _doubt(
-    state: Round,
-    campaign: Campaign,
-    allowed: Collection[str] | None,
-    name: str,
-    whole: Turns,
-    base: Collection[str],
-) -> str:
+def _doubt(state: Round, campaign: Campaign, name: str, whole: Turns, errors: Mapping[str, float]) -> str:
+    """In words why an effect is not established, its rivals left aside; empty where there is no reason."""
     effect, values = state.fit.model.catalogue[name], state.fit.model.values
     if why := inadmissible(state.fit, name, state.noise):
         return why
     for parameter in effect.parameters:
         if parameter.each or parameter.role in ("phase", "range"):
             continue
-        spread, value = whole.spread(parameter.name), abs(values[parameter.name])
+        spread, value = errors[parameter.name], abs(values[parameter.name])
         if parameter.role == "size" and value < _SIZE * spread:
             return f"{parameter.name} differs from swing to swing as much as it differs from nothing"
         if parameter.role == "shape" and spread > _SHAPE * value:
@@ -141,26 +193,30 @@ def _doubt(
     lost = _lost(state, campaign, name, whole)
     if lost is None or lost[0] < _NEEDED or whole.better(lost[2]) < _MOST:
         return "swings left out do not miss it"
-    if why := _changing(state, campaign, name) or _leaning(state, campaign, name):
+    if why := changing(state, campaign, name) or _leaning(state, campaign, name):
         return why
     with_it, without_it = (turns.excess(state.noise) for turns in (whole, lost[2]))
     if without_it - with_it < _SHARE * without_it:
         return "much remains beside what it explains"
-    return rivalled(state, campaign, allowed, name, base, whole)
+    return ""
 
 
-def rivalled(
+def rivals(
     state: Round,
     campaign: Campaign,
     allowed: Collection[str] | None,
     name: str,
     base: Collection[str] = (),
     whole: Turns | None = None,
-) -> str:
-    """In words which effect does as well in the place of one of a round's; empty where none does on swings left out in turn."""
+) -> list[str] | None:
+    """The names of the effects that do as well in the place of one of a round's; None where there are no swings to leave out.
+
+    One with as many parameters does as well unless fitted and left-out swings together tell, and most of the latter or, by much,
+    the former.
+    """
     whole = whole or in_turn(state.fit, campaign, state.holdout)
     if whole is None:
-        return "it was not held against swings left out"
+        return None
     here, catalogue = frame(state.fit, campaign.fit), state.fit.model.catalogue
     # a linear step from a model without its friction promises nothing of another friction: all that damps is held against what damps,
     # and what the base had against what is there in its place
@@ -169,19 +225,21 @@ def rivalled(
         alike += [one.name for one in catalogue if one.damping and (allowed is None or one.name in allowed)]
     others = [*in_place_of(here, state.noise, name, set(alike), few=len(alike))] if alike else []
     others += in_place_of(here, state.noise, name, allowed)
+    found = []
     for other in {one.added: one for one in reversed(others)}.values():
         if other.refused or other.added is None:
             continue
-        if name in state.fit.model.catalogue.contained_in(other.added):
+        if name in catalogue.contained_in(other.added):
             continue  # the richer one can always do its work
         turns = in_turn(other.fit, campaign)
         if turns is None:
             continue
         more = len(other.fit.model.parameters) - len(state.fit.model.parameters)
+        gain, fitted = whole.gain(turns), float(np.log(other.fit.rms / state.fit.rms))
         if more > 0:  # a richer one can always do about as well
-            rivals = whole.gain(turns) + _RICHER * more < 0
+            as_well = gain + _RICHER * more < 0
         else:
-            rivals = whole.gain(turns) < _TOLD or whole.better(turns) < _MOST
-        if rivals:
-            return f"{other.added} does as well in its place"
-    return ""
+            as_well = (gain + fitted) / 2 < _TOLD or (whole.better(turns) < _MOST and fitted < _PLAINLY)
+        if as_well:
+            found.append(other.added)
+    return found

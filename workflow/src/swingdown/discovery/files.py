@@ -142,6 +142,8 @@ def summary(state: Round, campaign: Campaign) -> dict[str, Any]:
     ratios = [*per_swing(state.fit, state.noise), *per_swing(state.holdout, state.noise)]
     best = state.ranked[0].bic if state.ranked else 0.0
     at = kind(state.groups) if state.missing else None
+    judged = state.established or {}
+    remains = state.missing or bool(state.nameless)  # else what would do as well was told by the evidence
     return {
         "round": state.number,
         "campaign": campaign.name,
@@ -167,9 +169,10 @@ def summary(state: Round, campaign: Campaign) -> dict[str, Any]:
              "out_of_sample": state.out_of_sample.get(one.move), "refused": one.refused, "effects": one.fit.model.label}
             for one in state.ranked
         ],
-        "rivals": state.rivals,
+        "rivals": state.rivals | {name: list(one.ties) for name, one in judged.items() if one.sure and remains},
         "reason": state.reason,
-        "established": state.established,
+        "established": None if state.established is None else {name: one.doubt for name, one in judged.items()},
+        "jackknife": {p: error for one in judged.values() if one.sure for p, error in one.errors.items()},
         "established_in": state.established_in,
         "probabilities": dict(state.probabilities),
         "next_swing": None if state.next_swing is None else asdict(state.next_swing) | {"text": str(state.next_swing)},

@@ -177,7 +177,12 @@ def said(table: pd.DataFrame, kind: str | None) -> str:
     if (found["difference"] > 0).nunique() == 1 and sizes.min() > 4:
         return words
     if row["low_rad"] == found["low_rad"].min():
-        return f"at amplitudes below {high:.2g}° {words}"
+        return f"at amplitudes below {_degrees(high)} {words}"
     if row["high_rad"] == found["high_rad"].max():
-        return f"at amplitudes above {low:.2g}° {words}"
-    return f"at amplitudes from {low:.2g}° to {high:.2g}° {words}"
+        return f"at amplitudes above {_degrees(low)} {words}"
+    return f"at amplitudes from {_degrees(low)} to {_degrees(high)} {words}"
+
+
+def _degrees(angle: float) -> str:
+    """An angle (degrees) with two figures: 7.3°, 57°, 140°."""
+    return f"{float(f'{angle:.2g}'):g}°"

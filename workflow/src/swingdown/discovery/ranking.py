@@ -23,7 +23,7 @@ from .candidates import (
 from .constancy import by_changing
 from .linear import Frame, frame
 from .pairs import plain, starts_of_pairs
-from .refit import nudged, refit
+from .refit import nudged, refit, with_effect
 
 ENDLESS = Budget()
 TIE = 10.0  # difference of BIC below which two candidates are told as tied
@@ -37,6 +37,7 @@ _FEW = 4  # effects tried in another one's place
 _FAR = 2.0  # times the noise
 _FELL_SHORT = 1.02  # of what a linear step leaves: a fit that leaves more may be in a false minimum
 _NUDGED = 2  # candidates looked for in their neighbourhood, too
+_SHARES = (0.05, 0.3)  # of an effect's size: with how much of it a fit begins that was exchanged without it
 _SHAPES = 3  # of an effect, to start from where the first ones did not do
 _SUGGESTED = (
     4.0  # chi-square by which a richer effect must beat a simpler one that it contains to be tied with it
@@ -98,7 +99,9 @@ def ranking(
     promising = [_first(starts) for starts in moves if near[id(starts)]]
     found = _moved(here, noise, promising, allowed, budget)
     found = _grown(found, moves, here, noise, budget)
-    if found and (leaves_noise(found[0].fit, noise) or budget.spent):
+    found = _no_worse(found, here, noise)
+    # a fit that is near the noise and lacks something may be in a false minimum, and so may what is nearer
+    if found and (budget.spent or leaves_noise(found[0].fit, noise) and not leaves_noise(here.fit, noise)):
         return found
     hopeful = [starts for starts in moves if starts[0].predicted >= _HOPEFUL * most][:_WIDE]
     more = [starts[2:-1] if near[id(starts)] else starts for starts in hopeful]
@@ -167,6 +170,27 @@ def _grown(
         if one and (old is None or one.fit.rss < old.fit.rss):
             known[one.move] = one
     return _sorted(known.values())
+
+
+def _no_worse(found: list[Candidate], here: Frame, noise: Noise) -> list[Candidate]:
+    """The candidates, best first: where an exchange is the best of them and what it adds, added, does worse, that fit begins anew from
+    the exchange. What has one effect more cannot do worse but in a false minimum."""
+    first = found[0] if found else None
+    if first is None or first.refused or first.added is None or first.dropped is None:
+        return found
+    alone = next((one for one in found if one.names == first.names and one.dropped is None), None)
+    if alone is None or alone.fit.rss <= first.fit.rss:
+        return found
+    effect, values = here.fit.model.catalogue[first.dropped], here.fit.model.values
+    again = []
+    for share in _SHARES:
+        own = {p.name: values[p.name] * (share if p.role == "size" else 1.0) for p in effect.parameters}
+        with suppress(TrajectoryError):
+            fit = refit(with_effect(first.fit.begin, effect.name, own), here.swings, grown=False)
+            again.append(nudged(fit, here.swings, rounds=1))
+    fit = min((alone.fit, *again), key=lambda fit: fit.rss)
+    better = replace(alone, fit=fit, bic=evidence(fit, noise), refused=inadmissible(fit, alone.added, noise))
+    return _sorted(better if one is alone else one for one in found)
 
 
 def _gain(fit: Fit, left: float, noise: Noise) -> float:

@@ -1,28 +1,19 @@
-"""What a model still lacks, without a name: a torque over angle and speed together, and the torque's course in time.
+"""What a model still lacks, without a name: a torque over angle and speed together, and the torque's course in time."""
 
-A torque f(s) that a model lacks moves its reading at t by G(t, s) f(s) ds. Green's function G follows from the two slopes
-of the motion by its release, which span all small motions about it (variation of parameters): no torque needs an equation
-of variation of its own. With states of memory (presliding, a flexible pivot) this holds as far as they follow the motion.
-"""
-
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 from scipy.integrate import cumulative_trapezoid
 from scipy.linalg import block_diag
 from scipy.optimize import minimize_scalar
 
 from ..arrays import Floats
-from ..engine.trajectory import sensitivities
-from ..fitting.problem import RELEASE
-from ..fitting.result import SwingFit
 from ..pendulum.effect import NATURAL_FREQUENCY
-from ..pendulum.model import Model
-from .campaign import Noise, Swing
+from .campaign import Noise
+from .green import Motion, hats, motions_of, responses
 from .linear import Frame
 
 MAP = ["angle_rad", "speed_rad_per_s", "torque", "band", "known", "seen"]
@@ -33,26 +24,11 @@ SHAPES = {
     "sum": "angle and speed, one added to the other",
     "map": "angle and speed together",
 }
-_FINE = 96  # points a period, at which torques act
 _ANGLES, _SPEEDS = 11, 6  # nodes of the map: angles, and speeds to either side
 _SMOOTH = 0.35  # of the largest angle and speed: how far neighbouring torques hang together
 _IMITATED = 0.02  # of a torque's work: one that leaves less beyond the fit is the fit's own
-_STUCK = 1e-9  # a Wronskian below it: the pendulum is held, and no torque moves it
 _COURSE_POINTS = 24  # a period
 _MEMORY = 1 / 8  # of a period: how long a torque in time hangs together
-
-
-class Motion(NamedTuple):
-    """A fitted swing on a fine grid of times: times (s), angle (rad), speed (rad/s), what a unit of torque adds to the two
-    release coordinates per second (2, time), the slopes of the reading by these at the samples (2, sample), and where on the grid
-    the samples are."""
-
-    times: Floats
-    angle: Floats
-    speed: Floats
-    pull: Floats
-    slopes: Floats
-    at: NDArray[np.intp]
 
 
 @dataclass(frozen=True)
@@ -71,42 +47,10 @@ class Remainder:
 
 def remainder(frame: Frame, noise: Noise) -> Remainder:
     """The ``Remainder`` of a fit to first order: smooth torques, as large as the data ask for (maximum of the evidence)."""
-    motions = [
-        motion(one.model, swing, one.release_angle, one.release_velocity) for swing, one in _pairs(frame)
-    ]
+    motions = motions_of(frame)
     table, shares = _map(frame, motions, noise)
     course, torque, gain = _course(frame, motions, noise)
     return Remainder(table, shares, course, torque, gain)
-
-
-def _pairs(frame: Frame) -> Iterator[tuple[Swing, SwingFit]]:
-    return zip(frame.swings, frame.fit.swings, strict=True)
-
-
-def motion(model: Model, swing: Swing, angle: float, velocity: float) -> Motion:
-    """The ``Motion`` of a swing from its release (rad, rad/s)."""
-    samples = swing.times
-    period = 2 * np.pi / model.values[NATURAL_FREQUENCY.name]
-    interval = (samples[-1] - samples[0]) / (samples.size - 1)
-    each = max(1, int(np.ceil(_FINE * interval / period)))
-    at = np.arange(samples.size) * each
-    times = np.interp(np.arange(at[-1] + 1), at, samples)
-    course, slopes = sensitivities(model.motion, times, angle, velocity, free=RELEASE)
-    speed, rates = np.gradient(course, times), np.gradient(slopes, times, axis=1)
-    wronskian = slopes[0] * rates[1] - slopes[1] * rates[0]
-    moving = np.abs(wronskian) > _STUCK
-    pull = np.where(moving, np.array([-slopes[1], slopes[0]]) / np.where(moving, wronskian, 1.0), 0.0)
-    read = sensitivities(model, samples, angle, velocity, free=RELEASE)[1]
-    return Motion(times, course, speed, pull, read, at)
-
-
-def response(one: Motion, torques: Floats) -> Floats:
-    """What torques (time of the grid, any), in rad/s^2, do to the reading at the samples (sample, any), to first order."""
-    moved = [
-        cumulative_trapezoid(pull[:, np.newaxis] * torques, one.times, axis=0, initial=0.0)[one.at]
-        for pull in one.pull
-    ]
-    return one.slopes[0][:, np.newaxis] * moved[0] + one.slopes[1][:, np.newaxis] * moved[1]
 
 
 def _map(frame: Frame, motions: Sequence[Motion], noise: Noise) -> tuple[pd.DataFrame, dict[str, float]]:
@@ -116,12 +60,12 @@ def _map(frame: Frame, motions: Sequence[Motion], noise: Noise) -> tuple[pd.Data
     angles, speeds = np.linspace(-1, 1, _ANGLES), np.linspace(0, 1, _SPEEDS)
     torques = [
         np.einsum(
-            "ta,ts->tas", _hats(one.angle / largest, angles), _sides(one.speed / fastest, speeds)
+            "ta,ts->tas", hats(one.angle / largest, angles), _sides(one.speed / fastest, speeds)
         ).reshape(one.times.size, -1)
         for one in motions
     ]
     seen = np.concatenate(torques).sum(axis=0)
-    columns = np.concatenate([response(*pair) for pair in zip(motions, torques, strict=True)])
+    columns = responses(motions, torques)
     basis, triangle = np.linalg.qr(frame.outside(columns))
     size = np.linalg.qr(columns, mode="r")
     residual = frame.outside(frame.residual)
@@ -148,15 +92,10 @@ def _map(frame: Frame, motions: Sequence[Motion], noise: Noise) -> tuple[pd.Data
     return pd.DataFrame(dict(zip(MAP, shown, strict=True))), shares
 
 
-def _hats(x: Floats, nodes: Floats) -> Floats:
-    """Linear interpolation between nodes as columns (place, node)."""
-    return np.column_stack([np.interp(x, nodes, unit) for unit in np.eye(nodes.size)])
-
-
 def _sides(x: Floats, nodes: Floats) -> Floats:
     """The same over a speed's size, for either direction its own: a friction jumps where the motion turns."""
-    hats = _hats(np.abs(x), nodes)
-    return np.hstack([hats * (x >= 0)[:, np.newaxis], hats * (x < 0)[:, np.newaxis]])
+    either = hats(np.abs(x), nodes)
+    return np.hstack([either * (x >= 0)[:, np.newaxis], either * (x < 0)[:, np.newaxis]])
 
 
 def _near(nodes: Floats) -> Floats:

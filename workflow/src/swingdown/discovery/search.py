@@ -10,7 +10,7 @@ from ..pendulum.model import Model, as_model
 from .budget import Budget
 from .campaign import Campaign
 from .choice import held_out
-from .established import established, rivalled, unneeded
+from .established import AT_FIRST, Finding, changing, established, rivals, unneeded
 from .folds import in_turn
 from .linear import frame
 from .next_swing import NextSwing, next_swing
@@ -60,7 +60,9 @@ def discover(
     states = _told(search, states) if states[-1].missing else _leaner(search, states)
     if states[-1].established is None and len(states[-1].found) >= _MANY:
         sure, number = _established(search, states)
-        states = [*states[:-1], replace(states[-1], established=sure, established_in=number)]
+        # where nothing is left, what would do as well was told by the evidence: many together must each stand alone
+        alone = {name: one.alone for name, one in sure.items()}
+        states = [*states[:-1], replace(states[-1], established=alone, established_in=number)]
     told = weighed([*search.looked, *states], campaign)
     likely = probabilities(told, states[0].fit.model.names)
     last = replace(states[-1], spent=search.budget.spent, probabilities=likely)
@@ -207,30 +209,35 @@ def _told(search: _Search, states: list[Round]) -> list[Round]:
     return states
 
 
-def _established(search: _Search, states: list[Round]) -> tuple[dict[str, str], int]:
+def _established(search: _Search, states: list[Round]) -> tuple[dict[str, Finding], int]:
     """What is established of the effects that the last round has, and the round that tells it.
 
     Many terms that share out what has no name leave none of them determined: then what is established before they came is
     asked for. What was no better than another when it was chosen is not: all that came later was chosen to go with it.
     """
     last = states[-1]
-    sure = _since_chosen(search, states)
+    found = _since_chosen(search, states)
     for k in range(len(states) - 1, 0, -1):
-        if "" in sure.values() or not states[k - 1].found or search.budget.spent:
+        if any(one.sure for one in found.values()) or not states[k - 1].found or search.budget.spent:
             break
         before = _since_chosen(search, states[:k])
-        if any(before.get(name) == "" for name in last.found):
-            late = "what came before it is established without it"
+        if any(name in before and before[name].sure for name in last.found):
+            late = Finding("what came before it is established without it")
             return {name: before.get(name, late) for name in last.found}, states[k - 1].number
-    return sure, last.number
+    return found, last.number
 
 
-def _since_chosen(search: _Search, states: list[Round]) -> dict[str, str]:
-    """What is established in the last of these rounds, and was told from its rivals in the one that it was first in, too."""
+def _since_chosen(search: _Search, states: list[Round]) -> dict[str, Finding]:
+    """What is established in the last of these rounds, and in the one that it was first in was told from its rivals and much the
+    same everywhere: what came later was chosen to go with it."""
     last, base = states[-1], states[0].fit.model.names
-    sure = established(last, search.campaign, search.allowed, search.budget, base)
-    for name, doubt in sure.items():
+    found = established(last, search.campaign, search.allowed, search.budget, base)
+    for name, one in found.items():
         first = next(state for state in states if name in state.found)
-        if not doubt and first is not last and not search.budget.spent:
-            sure[name] = rivalled(first, search.campaign, search.allowed, name, base)
-    return sure
+        if one.sure and first is not last and not search.budget.spent:
+            if why := changing(first, search.campaign, name, AT_FIRST):
+                found[name] = replace(one, doubt=f"{why}, as it was found", ties=())
+                continue
+            near = rivals(first, search.campaign, search.allowed, name, base)
+            found[name] = one.beside(near, name, last.fit.model.catalogue)
+    return found

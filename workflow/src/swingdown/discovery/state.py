@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pandas as pd
@@ -14,6 +14,9 @@ from .locate import Group
 from .next_swing import NextSwing
 from .ranking import Candidate, evidence
 from .verdict import GUARD
+
+if TYPE_CHECKING:
+    from .established import Finding
 
 
 @dataclass(frozen=True)
@@ -45,8 +48,8 @@ class Round:
     reason: str = ""  # why there is none
     out_of_sample: dict[str, float] = field(default_factory=dict)
     others: tuple[Candidate, ...] = ()
-    established: dict[str, str] | None = None
-    """By effect found, why it is not established, or empty; None where nothing more is missing and few effects were found."""
+    established: "Mapping[str, Finding] | None" = None
+    """By effect found, whether it is established; None where nothing more is missing and few effects were found."""
     established_in: int | None = None  # the number of the round that tells it
     probabilities: Mapping[str, float] = field(
         default_factory=dict

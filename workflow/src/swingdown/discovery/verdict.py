@@ -40,7 +40,9 @@ def verdict(rounds: Sequence[Mapping[str, Any]], catalogue: Catalogue = SHIPPED)
         sure = judged and name not in unnamed and doubts.get(name) == ""
         # beside terms that are not established an established one's values mean as little
         told = rounds[last["established_in"]] if sure else last if name in unnamed else sound
-        one = _effect(catalogue[name], rounds, told)
+        one = _effect(
+            catalogue[name], rounds, told, remains, last.get("jackknife", {}) if sure and remains else {}
+        )
         if judged and (name in unnamed or doubts.get(name, "not looked into")):
             doubt = "it has no name" if name in unnamed else doubts.get(name, "it was not looked into")
             stand_ins.append(one | {"doubt": doubt})
@@ -118,8 +120,17 @@ def _explained(first: Mapping[str, Any], last: Mapping[str, Any]) -> float | Non
     return float(1 - max(after, 0.0) / before) if before > 0 else None
 
 
-def _effect(effect: Effect, rounds: Sequence[Mapping[str, Any]], fitted: Mapping[str, Any]) -> dict[str, Any]:
-    """What is told of one effect: its round, values as ``fitted``, evidence, and what the data do not tell it from."""
+def _effect(
+    effect: Effect,
+    rounds: Sequence[Mapping[str, Any]],
+    fitted: Mapping[str, Any],
+    remains: bool,
+    jackknife: Mapping[str, float],
+) -> dict[str, Any]:
+    """What is told of one effect: its round, values as ``fitted``, evidence, and what the data do not tell it from.
+
+    Where something ``remains`` standard errors do not know of it; those of the ``jackknife`` do, and the larger is told.
+    """
     last, name = rounds[-1], effect.name
     state = next(state for state in reversed(rounds) if state["chosen"] and name in _names(state["chosen"]))
     rows, move = [row for row in state["ranking"] if row["tied"]], state["chosen"]["move"]
@@ -128,19 +139,18 @@ def _effect(effect: Effect, rounds: Sequence[Mapping[str, Any]], fitted: Mapping
     ties = {other: row for row in near for other in _names(row) if other not in _names(state["chosen"])}
     tied: list[str]
     alike: dict[str, float]
-    if isinstance(effect, FreeForm) or (
-        last["established"] is not None and last["missing"]
-    ):  # rivals were looked for in another way
+    if isinstance(effect, FreeForm):
         tied, alike = [], {}
-    elif name in last["rivals"]:
-        tied, alike = last["rivals"][name], {}
+    elif name in last["rivals"] or remains:  # they were looked for in another way than by evidence
+        tied, alike = last["rivals"].get(name, []), {}
     else:
         tied, alike = list(ties), {other: row["correlation"] for other, row in ties.items()}
     known = fitted["parameters"]
     return {
         "name": name,
         "round": state["round"] + 1,
-        "parameters": {p.name: known.get(p.name, {"value": None, "standard_error": None, "unit": p.unit}) for p in effect.parameters},
+        "parameters": {p.name: _with_error(known.get(p.name, {"value": None, "standard_error": None, "unit": p.unit}), jackknife.get(p.name))
+                       for p in effect.parameters},
         "probability": last.get("probabilities", {}).get(name),
         "delta_bic": state["chosen"]["gain_bic"],
         "tied_with": tied,
@@ -148,6 +158,12 @@ def _effect(effect: Effect, rounds: Sequence[Mapping[str, Any]], fitted: Mapping
         "replaces": state["chosen"]["dropped"],
         "within_calibration": _within_calibration(effect, fitted),
     }  # fmt: skip
+
+
+def _with_error(entry: Mapping[str, Any], error: float | None) -> dict[str, Any]:
+    """A value with the larger of its standard error and another one, where both are known."""
+    own = entry["standard_error"]
+    return dict(entry) if own is None or error is None else {**entry, "standard_error": max(own, error)}
 
 
 def _names(move: Mapping[str, Any]) -> list[str]:

@@ -200,7 +200,8 @@ def trajectory(
     true = stamped + (values["clock_drift"] * stamped**2 / duration if "clock_drift" in effects else 0.0)
     pendulum = Pendulum(effects, values, duration, restoring, form, twins)
     lag = values.get("lag_time", 0.0)
-    y = np.array([release_angle, release_velocity, 0.0, 0.0, release_angle - lag * release_velocity])
+    first = _first_reading(lag, release_angle, release_velocity, values["natural_frequency"])
+    y = np.array([release_angle, release_velocity, 0.0, 0.0, first])
     pendulum.th_start = release_angle
     kinks = {}
     for name, function in pendulum.kinks().items():
@@ -249,6 +250,15 @@ def trajectory(
     if not isfinite(motion.reading.sum()):
         raise Runaway("not finite")
     return motion
+
+
+def _first_reading(lag, angle, velocity, frequency):
+    """What a slow sensor reads at first (rad): the angle where the pendulum was held, what a steady swing leaves of it where it
+    swings; a fifth of a swing's own velocity tells half and half."""
+    swinging = velocity**2 / (velocity**2 + (0.2 * frequency * angle) ** 2 + 1e-12)
+    phasor = complex(angle, -velocity / frequency) / complex(1, lag * frequency)
+    late = -lag * velocity / abs(complex(1, lag * frequency)) ** 2
+    return swinging * phasor.real + (1 - swinging) * (angle + late)
 
 
 def _read(effects, values, angle, lagging, pieces, release_angle):

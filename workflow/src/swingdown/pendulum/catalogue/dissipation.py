@@ -136,6 +136,9 @@ DISSIPATION = (
         "Material that is bent loses the same share of its energy each cycle, however slow the cycle.",
         "Crandall, J. Sound Vib. 11, 3 (1970)",
         damping="loss*omega_n**2/amplitude",
+        told_apart={
+            "viscous": "Repeat with a larger inertia on the same spring or length: bent material takes the same share a swing, drag less of it.",
+        },
     ),
     Effect(
         "added_mass",

@@ -6,6 +6,13 @@ from math import inf, pi
 from ..effect import Contained, Effect, Parameter, State
 from .sources import METROLOGY
 
+# A pendulum that is let go was held, and the reading had come to the angle; one that swings already is followed steadily, at its
+# natural frequency. Which of the two a recording begins with is told by its velocity.
+_SETTLED = (
+    "theta - (tau_l*thetadot + theta*tau_l**2*omega_n**2*thetadot**2/(thetadot**2 + 0.04*omega_n**2*theta**2 + 1e-12))"
+    "/(1 + tau_l**2*omega_n**2)"
+)
+
 SENSOR = (
     Effect(
         "backlash",
@@ -22,11 +29,7 @@ SENSOR = (
         "The sensor answers late, as through a filter.",
         METROLOGY,
         acts_on="sensor",
-        states=(
-            State(
-                "y_l", "rad", "theta - tau_l*thetadot", "(theta - y_l)/tau_l", "reading of the slow sensor"
-            ),
-        ),
+        states=(State("y_l", "rad", _SETTLED, "(theta - y_l)/tau_l", "reading of the slow sensor"),),
     ),
     Effect(
         "eccentricity",
