@@ -93,7 +93,11 @@ def test_friction_from_place_to_place_is_seen_beside_a_drag_and_nothing_where_no
     here, drag = seen(on_a_patch)
     rest = float(np.sum(here.residual**2)) - here.samples * NOISE**2
     found = {one.over: one for one in forms(here, drag)}
-    assert set(found) == {"the speed", "the place, as friction", "the place, as drag"}  # it depends on the speed
+    assert set(found) == {
+        "the speed",
+        "the place, as friction",
+        "the place, as drag",
+    }  # it depends on the speed
     assert found["the place, as friction"].squares > 0.5 * rest
     assert found["the place, as friction"].size > 0.3
     here, drag = seen(both_sides)

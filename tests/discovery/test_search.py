@@ -105,7 +105,9 @@ def test_what_swings_left_out_miss_is_established_and_what_they_do_not_is_not(tw
     sure = established(state, two, allowed, Budget())
     assert sure["quadratic_drag"].sure and sure["quadratic_stiffness"].sure
     assert sure["quadratic_drag"].errors["quadratic_coefficient"] > 0
-    assert "clock_drift" in sure["clock_drift"].doubt  # is as far from nothing as it differs, or is not determined
+    assert (
+        "clock_drift" in sure["clock_drift"].doubt
+    )  # is as far from nothing as it differs, or is not determined
     idle = unneeded(state, two)
     assert idle.dropped == "clock_drift"
     unasked = established(state, two, allowed, Budget(1e-9))

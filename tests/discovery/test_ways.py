@@ -8,7 +8,7 @@ import pytest
 
 from swingdown.discovery.budget import Budget
 from swingdown.discovery.campaign import Swing, campaign
-from swingdown.discovery.established import _leaning, established, rivalled
+from swingdown.discovery.established import _leaning, established, rivals
 from swingdown.discovery.ranking import Candidate, in_place_of
 from swingdown.discovery.rounds import first_fit, look
 from swingdown.discovery.search import _alike, _best, _leaner, _Search, _simplified
@@ -114,21 +114,22 @@ def test_what_leans_on_what_was_found_beside_it_is_not_established(drag):
 
 def test_an_exchange_is_held_against_the_term_that_it_took_the_place_of(drag, monkeypatch):
     """Viscous friction is there and was dropped for structural damping: without any friction much is left, with either little."""
-    monkeypatch.setattr("swingdown.discovery.established._changing", lambda *_: "")
+    monkeypatch.setattr("swingdown.discovery.established.changing", lambda *_: "")
     monkeypatch.setattr("swingdown.discovery.established._leaning", lambda *_: "")
     model = Model("structural_damping+quadratic_drag")
     state = look(2, drag, first_fit(drag, model), ("structural_damping", "quadratic_drag"), last=True)
     alone, beside = (
         established(state, drag, (), Budget(), base)["structural_damping"] for base in ((), ("viscous",))
     )
-    assert "viscous" not in alone
-    assert beside == "viscous does as well in its place"
+    assert "viscous" not in alone.ties
+    assert beside.ties == ("viscous",)
+    assert beside.alone.doubt == "viscous does as well in its place"
 
 
 def test_what_damps_is_held_against_all_that_damps_whatever_it_promises(drag, monkeypatch):
     monkeypatch.setattr("swingdown.discovery.established.in_place_of", partial(in_place_of, few=0))
     state = at(drag, "structural_damping+quadratic_drag", ("structural_damping", "quadratic_drag"))
     others = ("constant_torque", "cubic_stiffness", "viscous")
-    assert rivalled(state, drag, others, "structural_damping") == "viscous does as well in its place"
+    assert "viscous" in rivals(state, drag, others, "structural_damping")
     true = at(drag, "viscous+quadratic_drag", ("viscous", "quadratic_drag"))
-    assert rivalled(true, drag, ("load_coulomb", "constant_torque"), "viscous") == ""
+    assert rivals(true, drag, ("load_coulomb", "constant_torque"), "viscous") == []

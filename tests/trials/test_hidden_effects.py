@@ -55,6 +55,16 @@ def test_nothing_is_found_where_nothing_is_hidden(tmp_path, noise):
     assert [one["status"] for one in rows] == ["consistent"] * 6
 
 
+def test_swings_of_a_pendulum_that_was_taken_down_are_given_their_own_frequencies(tmp_path):
+    one = Planned("own", (), 1.0, "white", 0)
+    ((row,), found) = verdicts(tmp_path, one)
+    verdict = found["c0"]["verdict"]
+    assert row["status"] == "consistent"
+    true = {f"c0-{k}": own["natural_frequency"] for k, own in enumerate(drawn(SEED, one).own, 1)}
+    assert verdict["own_frequency"] == pytest.approx(true, rel=2e-4)
+    assert "differ in natural frequency" in verdict["sentence"]
+
+
 def test_an_effect_that_the_catalogue_lacks_is_unknown_and_named_after_nothing_else(tmp_path):
     ((one,), found) = verdicts(tmp_path, Planned("removed", ("base_vibration",), 2.0, "white", 0), rounds=1)
     verdict = found["c0"]["verdict"]
@@ -115,6 +125,7 @@ def test_every_effect_is_hidden_at_every_size_and_chunks_hold_each_trial_once():
         "pairs": True,
         "foreign": True,
         "nulls": 30,
+        "own_frequencies": 3,
         "chunk": 7,
     }
     trials = planned(settings)

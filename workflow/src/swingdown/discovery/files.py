@@ -23,6 +23,7 @@ from .confirm import gap, per_swing
 from .half_swings import said
 from .linear import frame
 from .locate import kind
+from .own_frequency import frequencies
 from .remainder import COURSE, MAP, Remainder, remainder
 from .state import Round
 from .verdict import in_unit
@@ -154,6 +155,7 @@ def summary(state: Round, campaign: Campaign) -> dict[str, Any]:
         "parameters": _parameters(state.model),
         "nuisance": _nuisance(state.model),
         in_unit("systematic", campaign.reading): campaign.systematic,
+        "own_frequency": frequencies(state.fit, state.holdout, campaign),
         "largest_angle_rad": max(largest_angles(state.fit, [swing.pair for swing in campaign.fit])),
         in_unit("noise_rms", campaign.reading): state.noise.deviation,
         "noise_correlation": state.noise.correlation,

@@ -321,8 +321,9 @@ def told_from_changes(
 
     def told(one: Candidate) -> Candidate:
         shaped = any(catalogue[name].with_role("shape") for name in one.names)
-        if one.refused or not shaped or now - one.bic > reach + TIE:
-            return one
+        richer = one.added and one.dropped in found and one.dropped in catalogue.contained_in(one.added)
+        if one.refused or not shaped or richer or now - one.bic > reach + TIE:
+            return one  # what contains the effect found before is such a change, with a name
         return replace(one, refused="a change of what was added before does as well")
 
     return _sorted(told(one) for one in ranked)

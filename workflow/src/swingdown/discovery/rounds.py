@@ -21,6 +21,7 @@ from .free_form import fit_free_form, kept, missing
 from .half_swings import beside
 from .linear import Frame, frame
 from .locate import groups
+from .own_frequency import with_own_frequencies
 from .ranking import (
     ENDLESS,
     Candidate,
@@ -57,7 +58,8 @@ def look(
     """The ``Round`` at a fit: noise, disagreement, ranking, and the confirmed choice of the next model.
 
     ``found`` names the effects added before; ``allowed`` limits those that may be added; in the ``last`` round nothing
-    more is chosen, nor where the ``budget`` is spent.
+    more is chosen, nor where the ``budget`` is spent. Where recordings differ in natural frequency more than in anything else, the
+    round is that of a fit that gives each its own.
     """
     fit = opened(fit, campaign.fit, campaign.slack, _noise(campaign, fit))
     here = frame(fit, campaign.fit)
@@ -71,6 +73,9 @@ def look(
     for old in found:
         if not budget.spent:
             ranked += in_place_of(here, state.noise, old, allowed)
+    own = None if budget.spent else with_own_frequencies(here, state.noise, campaign, ranked)
+    if own is not None:
+        return look(number, campaign, own, found, allowed, last, budget)
     ranked = told_from_changes(ranked, here, state.noise, found)
     state = ranked_by_evidence(state, here, ranked)
     state = confirmed(state, campaign)

@@ -7,6 +7,7 @@ import numpy as np
 
 from ..fitting.result import Fit
 from ..pendulum.model import Model, as_model
+from .admissible import leaves_noise
 from .budget import Budget
 from .campaign import Campaign
 from .choice import held_out
@@ -15,7 +16,7 @@ from .folds import in_turn
 from .linear import frame
 from .next_swing import NextSwing, next_swing
 from .posterior import Structure, probabilities, weighed
-from .ranking import Candidate, in_place_of
+from .ranking import Candidate, evidence, in_place_of
 from .rounds import after, first_fit, look, look_again, without_a_name
 from .state import Round
 
@@ -35,7 +36,12 @@ class _Search:
     rounds: int
     allowed: Collection[str] | None
     budget: Budget
+    base: tuple[str, ...] = ()  # the effects that the model had at first: none of them is found
     looked: list[Round] = field(default_factory=list)  # all rounds of all ways, in order
+
+    def after(self, found: Sequence[str], chosen: Candidate) -> tuple[str, ...]:
+        """The names of the effects found, after a move."""
+        return tuple(name for name in after(found, chosen) if name not in self.base)
 
 
 def discover(
@@ -51,13 +57,14 @@ def discover(
     that ends best on swings left out in turn. ``allowed`` limits the effects that may be added. After ``budget_s`` CPU
     seconds (None: no end) nothing new is begun, and the last round says so.
     """
-    search = _Search(campaign, rounds, allowed, Budget(budget_s))
-    states = _way(search, first_fit(campaign, as_model(base)), (), 0, set())
+    model = as_model(base)
+    search = _Search(campaign, rounds, allowed, Budget(budget_s), tuple(model.names))
+    states = _way(search, first_fit(campaign, model), (), 0, set())
     if states[-1].missing:
         states = _best(search, _ways(search, states))
     if any(state.out_of_sample for state in states):
         states = _simplified(search, states)
-    states = _told(search, states) if states[-1].missing else _leaner(search, states)
+    states = _told(search, states) if states[-1].missing else _leaner(search, _restored(search, states))
     if states[-1].established is None and len(states[-1].found) >= _MANY:
         sure, number = _established(search, states)
         # where nothing is left, what would do as well was told by the evidence: many together must each stand alone
@@ -92,7 +99,7 @@ def _way(search: _Search, fit: Fit, found: Sequence[str], number: int, seen: set
         if chosen is None or chosen.fit.model.label in seen:
             break
         seen.add(chosen.fit.model.label)
-        fit, found = chosen.fit, after(found, chosen)
+        fit, found = chosen.fit, search.after(found, chosen)
     return states
 
 
@@ -107,7 +114,7 @@ def _ways(search: _Search, first: list[Round]) -> list[list[Round]]:
             continue
         seen.add(other.fit.model.label)
         begun = replace(first[0], chosen=other, reason="")
-        ways.append([begun, *_way(search, other.fit, after((), other), 1, seen)])
+        ways.append([begun, *_way(search, other.fit, search.after((), other), 1, seen)])
         if not ways[-1][-1].missing:
             break
     return ways
@@ -158,9 +165,32 @@ def _simplified(search: _Search, states: list[Round]) -> list[Round]:
                 if one.refused or held is None or np.log(held.rms / last.holdout.rms) > _MINDED:
                     continue
                 chosen = replace(last, chosen=one, reason="")
-                found = after(last.found, one)
+                found = search.after(last.found, one)
                 following = look(last.number + 1, search.campaign, one.fit, found, search.allowed, True)
                 return _simplified(search, [*states[:-1], chosen, following])
+    return states
+
+
+def _restored(search: _Search, states: list[Round]) -> list[Round]:
+    """The rounds of a way that ends with nothing missing, and one that puts an effect of the base back into the place of what was found
+    for it, where the data do not mind: what was expected beforehand takes less to believe."""
+    last = states[-1]
+    if last.number == search.rounds or len(last.found) < 2 or search.budget.spent:
+        return states
+    here, known = frame(last.fit, search.campaign.fit), last.fit.model.catalogue
+    here_bic = evidence(last.fit, last.noise) + 2 * np.log(len(known))
+    for old in (name for name in search.base if name not in last.fit.model.names):
+        for name in last.found:
+            if bool(known[name].damping) != bool(known[old].damping):
+                continue
+            for one in in_place_of(here, last.noise, name, [old], few=1):
+                if one.refused or one.bic > here_bic or not leaves_noise(one.fit, last.noise):
+                    continue
+                found = search.after(last.found, one)
+                following = look(last.number + 1, search.campaign, one.fit, found, search.allowed, True)
+                if not following.missing:
+                    search.looked.append(following)
+                    return [*states[:-1], replace(last, chosen=one, reason=""), following]
     return states
 
 
@@ -174,7 +204,7 @@ def _leaner(search: _Search, states: list[Round]) -> list[Round]:
         chosen = replace(before.chosen, dropped=idle.dropped, fit=idle.fit, bic=idle.bic)
         if idle.dropped in chosen.names:
             break
-        found = after(before.found, chosen)
+        found = search.after(before.found, chosen)
         leaner = look(last.number, search.campaign, idle.fit, found, search.allowed, True)
         if leaner.missing:
             break
@@ -192,7 +222,7 @@ def _told(search: _Search, states: list[Round]) -> list[Round]:
         if idle is None:
             break
         states = [*states[:-1], replace(last, chosen=idle, reason="")]
-        found = after(last.found, idle)
+        found = search.after(last.found, idle)
         last = look(last.number + 1, search.campaign, idle.fit, found, search.allowed, True, search.budget)
         states.append(last)
     if not last.missing:
@@ -203,7 +233,7 @@ def _told(search: _Search, states: list[Round]) -> list[Round]:
         last = without_a_name(last, search.campaign)
     states = [*states[:-1], last]
     while (chosen := states[-1].chosen) is not None:
-        number, found = states[-1].number + 1, after(states[-1].found, chosen)
+        number, found = states[-1].number + 1, search.after(states[-1].found, chosen)
         one = look_again(number, search.campaign, chosen.fit, found, number == search.rounds)
         states.append(replace(one, established=sure, established_in=told))
     return states

@@ -18,7 +18,11 @@ def sentence(found: Mapping[str, Any], catalogue: Catalogue = SHIPPED) -> str:
     """What a person would say of a verdict."""
     fit, holdout, where = found["gap"]["fit"], found["gap"]["holdout"], found["where"]
     dropped = f" Not needed: {_listed(found['removed'])}." if found["removed"] else ""
-    end = _misspecified(found) + (" The search stopped where its time was spent." if found["stopped"] else "")
+    end = (
+        _frequencies(found)
+        + _misspecified(found)
+        + (" The search stopped where its time was spent." if found["stopped"] else "")
+    )
     if found["status"] == "consistent":
         slack = ", once what the calibration leaves open is used" if _used(found.get("nuisance", {})) else ""
         text = f"Nothing is missing{slack}: the model leaves {fit[-1]:.3g} times the noise on fitted and {holdout[-1]:.3g} on held-out swings."
@@ -66,6 +70,15 @@ def _remains(found: Mapping[str, Any], catalogue: Catalogue) -> str:
 def _used(nuisance: Mapping[str, Any]) -> bool:
     """True where a nuisance value is not nothing: the data ask for it."""
     return any(abs(one["value"]) > _ASKED * (one["standard_error"] or np.inf) for one in nuisance.values())
+
+
+def _frequencies(found: Mapping[str, Any]) -> str:
+    own = found.get("own_frequency", {}).values()
+    return (
+        f" The recordings differ in natural frequency, from {min(own):.5g} to {max(own):.5g} rad/s: each was given its own."
+        if own
+        else ""
+    )
 
 
 def _misspecified(found: Mapping[str, Any]) -> str:

@@ -91,6 +91,7 @@ def verdict(rounds: Sequence[Mapping[str, Any]], catalogue: Catalogue = SHIPPED)
         "split": last["split"],
         "moves": [state["chosen"]["move"] for state in rounds if state["chosen"]],
         "model": last["parameters"],
+        "own_frequency": last.get("own_frequency", {}),
         "conclusion": last.get("conclusion"),
         "nuisance": last.get("nuisance", {}),
         "misspecified": _at_their_bounds([catalogue[name] for name in sound["effects"]], sound["parameters"]),

@@ -37,7 +37,8 @@ class Model:
     nor of its ``label``. One that is also among the names is the model's own.
 
     ``record`` (s) is the ``duration`` that formulas speak of, for every recording the same: what drifts, drifts in time, however
-    long one records. None: that of each recording by itself.
+    long one records. None: that of each recording by itself. With ``own_frequency`` each recording has a natural frequency of
+    its own, as of a pendulum that was taken down between them.
     """
 
     names: tuple[str, ...]
@@ -48,6 +49,7 @@ class Model:
     catalogue: Catalogue = field(default=SHIPPED, repr=False, compare=False)
     slack: Slack = field(default_factory=Slack, repr=False, compare=False)
     record: float | None = field(default=None, repr=False, compare=False)
+    own_frequency: bool = False
 
     def __post_init__(self) -> None:
         given: Any = self.names  # a label too
@@ -117,7 +119,8 @@ class Model:
     @property
     def each(self) -> tuple[str, ...]:
         """The names of the parameters that each recording has for itself."""
-        return tuple(name for effect in self.effects for name in effect.each)
+        own = (NATURAL_FREQUENCY.name,) if self.own_frequency else ()
+        return (*own, *(name for effect in self.effects for name in effect.each))
 
     @property
     def drifts(self) -> bool:
@@ -146,6 +149,7 @@ class Model:
             self.catalogue,
             self.slack,
             self.record,
+            self.own_frequency,
         )
 
     def with_slack(self, slack: Slack) -> "Model":
@@ -205,6 +209,7 @@ def write_model(model: Model, path: Path | str) -> Path:
         "form": model.form,
         **({} if model.reading == ANGLE else {"reading": model.reading}),
         **({"record_s": model.record} if model.record and model.drifts else {}),
+        **({"own_frequency": True} if model.own_frequency else {}),
         "parameters": values,
     }
     return write_text(path, yaml.safe_dump(content, sort_keys=False, allow_unicode=True))
@@ -220,7 +225,7 @@ def read_model(path: Path | str, catalogue: Catalogue = SHIPPED) -> Model:
         ) from None
     if not isinstance(content, dict) or "effects" not in content:
         raise InputError(path, "not a model file", "a mapping with the key 'effects'")
-    known = ("effects", "restoring", "form", "reading", "record_s", "parameters")
+    known = ("effects", "restoring", "form", "reading", "record_s", "own_frequency", "parameters")
     if unknown := set(content) - set(known):
         raise InputError(path, f"unknown key {sorted(unknown)[0]!r}", ", ".join(known))
     names, parameters = content["effects"], content.get("parameters") or {}
@@ -240,6 +245,7 @@ def read_model(path: Path | str, catalogue: Catalogue = SHIPPED) -> Model:
             form=content.get("form", "consistent"),
             catalogue=catalogue.of(content.get("reading", ANGLE)),
             record=_record(content.get("record_s")),
+            own_frequency=_yes_or_no("own_frequency", content.get("own_frequency", False)),
         )
         values, errors = {}, {}
         for name, entry in parameters.items():
@@ -263,3 +269,9 @@ def _record(given: Any) -> float | None:
     if not isinstance(given, (int, float)) or not 0 < given < inf:
         raise InputError("key record_s", f"{given!r}", "a length in seconds, more than 0")
     return float(given)
+
+
+def _yes_or_no(key: str, given: Any) -> bool:
+    if not isinstance(given, bool):
+        raise InputError(f"key {key}", f"{given!r}", "true or false")
+    return given

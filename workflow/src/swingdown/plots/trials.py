@@ -46,6 +46,7 @@ def confusion(matrix: pd.DataFrame) -> Figure:
 
 _TRIALS = (  # kind, what is right of it (or an alarm), and in words
     ("null", "alarm", "nothing hidden: false alarms"),
+    ("own", "alarm", "nothing hidden, own frequencies: false alarms"),
     ("removed", "right", "taken out of the catalogue: unknown"),
     ("foreign", "right", "in no catalogue: unknown"),
     ("pair", "inside", "two hidden: both named"),
@@ -57,6 +58,7 @@ _SAID = (
 )
 _KINDS = {
     "null": "nothing hidden",
+    "own": "own frequencies",
     "single": "one effect",
     "pair": "two effects",
     "removed": "taken out",
@@ -103,7 +105,7 @@ def _others(axes: Axes, scores: pd.DataFrame) -> None:
     for place, (kind, flag, words) in enumerate(_TRIALS):
         part = scores.loc[scores["kind"] == kind, flag].astype(bool)
         if len(part):
-            axes.barh(place, 100 * part.mean(), height=0.4, color="#D55E00" if kind == "null" else "#0072B2")
+            axes.barh(place, 100 * part.mean(), height=0.4, color="#D55E00" if flag == "alarm" else "#0072B2")
             axes.annotate(
                 f"{words}, {part.sum()} of {len(part)}",
                 (0, place - 0.22),

@@ -8,7 +8,10 @@ import pandas as pd
 from scipy.stats import binomtest
 
 _EDGES = (0.01, 0.1, 0.3, 0.7, 0.9, 0.99, 1.0)  # probabilities; less is not told
-_KINDS = {"one in the catalogue": ("single", "pair", "null"), "one that it lacks": ("removed", "foreign")}
+_KINDS = {
+    "one in the catalogue": ("single", "pair", "null", "own"),
+    "one that it lacks": ("removed", "foreign"),
+}
 COLUMNS = ["hidden", "from", "to", "told", "n", "there", "low", "high"]
 
 

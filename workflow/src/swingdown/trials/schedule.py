@@ -1,4 +1,5 @@
-"""Which trials are drawn: every effect at every size, pairs, foreign effects, effects taken out of the catalogue, and nulls."""
+"""Which trials are drawn: every effect at every size, pairs, foreign effects, effects taken out of the catalogue, and nulls, also of
+pendulums that were taken down between the swings (``own``)."""
 
 from collections.abc import Mapping
 from typing import Any, NamedTuple
@@ -47,6 +48,8 @@ def planned(settings: Mapping[str, Any], catalogue: Catalogue = SHIPPED) -> list
                 add("foreign", (name,), ratio, number)
     for number in range(settings["nulls"]):
         add("null", (), 1.0, number)
+    for number in range(settings["own_frequencies"]):
+        add("own", (), 1.0, number)
     return found
 
 

@@ -26,6 +26,9 @@ BASE = ("viscous", "load_coulomb")
 NOISES = ("white", "coloured", "steps")
 SWINGS, DURATION, RATE = 6, 20.0, 100.0  # each campaign's; s, samples a second
 _CROSSINGS = 6  # of the middle, that a swing must make at least
+OWN_FREQUENCY = (
+    1e-3  # standard deviation of what swings of a pendulum that was taken down between them differ by
+)
 CORRELATION = 0.5  # of neighbouring samples of coloured noise
 STEP = 2.0  # of noise in steps, in units of its whole standard deviation (an encoder's steps and little else)
 # one that takes energy away, drives or reads wrongly beside one that does not: pairs of which the data can tell both
@@ -41,7 +44,7 @@ PAIRS = (
 class Trial:
     """What is hidden in one campaign: the effects beside ``BASE``, all values, each swing's release and own values, the noise.
 
-    ``kind`` is ``single``, ``pair``, ``null``, ``removed`` (the effect is then taken out of the catalogue) or ``foreign``
+    ``kind`` is ``single``, ``pair``, ``null``, ``own`` (nothing is hidden, but each swing has its own natural frequency), ``removed`` (the effect is then taken out of the catalogue) or ``foreign``
     (it never was in it); ``ratio`` the residual of the base model's fit that was asked for and ``reached`` the one that
     came out, in units of the noise (rad) ``sigma``.
     """
@@ -98,6 +101,9 @@ def draw(
         (float(a * (-1) ** k), float(v)) for k, (a, v) in enumerate(zip(largest, velocities, strict=True))
     )
     own: list[dict[str, float]] = [{} for _ in range(SWINGS)]
+    if kind == "own":
+        shifts = OWN_FREQUENCY * rng.standard_normal(SWINGS)
+        own = [{"natural_frequency": values["natural_frequency"] * (1 + float(shift))} for shift in shifts]
     for name in hidden:
         _draw_shape(rng, name, catalogue, values, own)
     signs = {name: rng.choice((-1.0, 1.0)) if _signed(name, catalogue) else 1.0 for name in hidden}
