@@ -255,7 +255,7 @@ def trajectory(
 def _first_reading(lag, angle, velocity, frequency):
     """What a slow sensor reads at first (rad): the angle where the pendulum was held, what a steady swing leaves of it where it
     swings; a fifth of a swing's own velocity tells half and half."""
-    swinging = velocity**2 / (velocity**2 + (0.2 * frequency * angle) ** 2 + 1e-12)
+    swinging = velocity**2 / (velocity**2 + (0.2 * frequency * angle) ** 2 + (1e-6 * frequency) ** 2)
     phasor = complex(angle, -velocity / frequency) / complex(1, lag * frequency)
     late = -lag * velocity / abs(complex(1, lag * frequency)) ** 2
     return swinging * phasor.real + (1 - swinging) * (angle + late)
