@@ -128,13 +128,15 @@ def swing_trajectory(
 
 class Outcome(NamedTuple):
     """How a search ended: a ``Convergence`` of c/interface.h, its evaluations, the relative reduction that its last full
-    step predicted, whether a swing stops within its record, and whether nothing but white noise is left."""
+    step predicted, whether a swing stops within its record, whether nothing but white noise is left, and whether friction
+    drives a swing."""
 
     converged: int
     evaluations: int
     predicted_reduction: float
     stops: bool
     ends_in_noise: bool
+    driven: bool
 
 
 class Bounds(NamedTuple):
@@ -159,7 +161,8 @@ class Options(NamedTuple):
 
 
 def _outcome(c: Any) -> Outcome:
-    return Outcome(c.converged, c.evaluations, c.predicted_reduction, bool(c.stops), bool(c.ends_in_noise))
+    flags = bool(c.stops), bool(c.ends_in_noise), bool(c.driven)
+    return Outcome(c.converged, c.evaluations, c.predicted_reduction, *flags)
 
 
 def _c_bounds(bounds: Bounds) -> tuple[Any, Any]:
@@ -233,12 +236,14 @@ def fit_swings(
     options: Options,
     evaluate_best: bool,
     until_noise: bool = False,
+    angles: Floats | None = None,
 ) -> tuple[float, Floats, Floats, Floats, Outcome]:
     """The least sum of squares (rad^2) from the starts, the variables there, J'J, the sum from each start, the ``Outcome``.
 
     ``given`` (swing, value): the values that are no variables; ``starts`` (start, variable); ``lengths``: how many
     samples of each swing count. J'J is that of a point close by unless ``evaluate_best``. ``until_noise``: where the first
-    start leads to a minimum that leaves nothing but noise, the others are not tried; their sums are NaN.
+    start leads to a minimum that leaves nothing but noise, the others are not tried; their sums are NaN. ``angles`` (n,) of
+    all swings are filled with those at the best point, where that is evaluated.
     """
     size, count, new = problem.n_variables, len(lengths), ffi().new
     values, best, normal = given.copy(), np.zeros(size), np.zeros((size, size))
@@ -249,9 +254,8 @@ def fit_swings(
         (problem.models, count, n_samples, problem.times, problem.angles, doubles(values), problem.where, size, problem.bounds,
          problem.known),
     )  # fmt: skip
-    result = new(
-        "FitResult *", {"variables": doubles(best), "normal": doubles(normal), "squares": doubles(squares)}
-    )
+    into = ffi().NULL if angles is None else doubles(angles)
+    result = new("FitResult *", (doubles(best), doubles(normal), into, doubles(squares)))
     all_starts = new("Starts *", (len(starts), doubles(starts), bool(evaluate_best), bool(until_noise)))
     rss = library.fit_swings(swings, all_starts, new("SearchOptions *", options), result)
     return rss, best, normal, squares, _outcome(result.outcome)

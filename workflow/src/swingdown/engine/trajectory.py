@@ -103,7 +103,8 @@ def checked_times(times: Any) -> Floats:
     times = np.ascontiguousarray(times, dtype=float)
     if times.ndim != 1 or times.size < 1:
         raise InputError("times", f"an array of shape {times.shape}", "one dimension, at least one time")
-    if not np.all(np.isfinite(times)) or np.any(np.diff(times) <= 0):
+    # of increasing times all are finite where the first and the last one are
+    if not ((times[1:] > times[:-1]).all() and np.isfinite(times[0]) and np.isfinite(times[-1])):
         raise InputError(
             "times", "not finite and increasing", "sample times in seconds, each later than the one before"
         )
@@ -139,7 +140,7 @@ def _run(
         report.panels, report.rejected, report.evaluations, report.reversals, report.error,
         report.stuck_after if report.stuck_after >= 0 else None, bool(report.driven),
     )  # fmt: skip
-    _warn_of_drive(compiled, report, angles)
+    warn_of_drive(compiled, report.driven, angles)
     return angles, slopes, effort
 
 
@@ -164,8 +165,9 @@ def _follow(
     return report
 
 
-def _warn_of_drive(compiled: Compiled, report: Any, angles: Floats) -> None:
-    if not report.driven:
+def warn_of_drive(compiled: Compiled, driven: bool, angles: Floats) -> None:
+    """Warn of ``angles`` (rad) in which friction has ``driven`` the pendulum, where that is wrong."""
+    if not driven:
         return
     # a torque without a name may drive, for it stands for whatever does; and a friction below 0, which is told elsewhere
     model = compiled.model
@@ -182,7 +184,7 @@ def simulate_compiled(compiled: Compiled, times: Floats, values: Floats, release
     """
     angles = np.empty(times.size)
     report = _follow(compiled, np.ascontiguousarray(values), release, times, (), angles, None)
-    _warn_of_drive(compiled, report, angles)
+    warn_of_drive(compiled, report.driven, angles)
     return angles
 
 
