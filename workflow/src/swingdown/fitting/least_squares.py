@@ -10,7 +10,9 @@ import numpy as np
 from ..arrays import Floats
 from ..engine import interface
 from ..engine.trajectory import TrajectoryError, simulate_compiled, warn_of_drive
+from ..engine.uncompiled import Uncompiled
 from ..pendulum.model import Model, as_model
+from . import uncompiled
 from .covariance import covariance_of
 from .problem import Problem, Swings
 from .result import Fit, SwingFit
@@ -59,7 +61,10 @@ def fit_jointly(
     problem = Problem(model, swings, start, bounded, own, fixed)
     starts, from_data = problem.starts(guess, seen)
     first = len(starts) - from_data + 1 if from_data else 0
-    found, agreeing, tried = _from_all(problem, starts, first, most, tolerance, grown)
+    if isinstance(problem.compiled[0].library, Uncompiled):
+        found, agreeing, tried = uncompiled.least_squares(problem, starts, most, tolerance)
+    else:
+        found, agreeing, tried = _from_all(problem, starts, first, most, tolerance, grown)
     rss, best, hessian, _, outcome, angles = found
     if outcome.converged < 0:
         raise TrajectoryError(f"model {model.label}: no start of {tried} gives a trajectory")
