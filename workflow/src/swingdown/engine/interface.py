@@ -123,6 +123,25 @@ def swing_trajectory(
     return status, report
 
 
+def swing_trajectories(library: Any, model: Any, values: Floats, times: Floats, angles: Floats) -> None:
+    """The angles of one model with other values in each row, into the rows of ``angles`` (rows, n); NaN throughout where they
+    cannot be computed.
+
+    ``values`` have in each row the parameters, the release angle (rad) and velocity (rad/s); ``times`` (n,) in s.
+    """
+    new, size = ffi().new, values.shape[1]
+    report, nothing = new("TrajectoryReport *"), ffi().NULL
+    given, into = doubles(values), doubles(angles)
+    problem = new(
+        "InitialValueProblem *", (model, given, 0.0, 0.0, doubles(times), times.size, np.inf, 0, nothing)
+    )
+    for k, (*_, angle, velocity) in enumerate(values.tolist()):
+        problem.parameters = given + k * size
+        problem.release_angle, problem.release_velocity = angle, velocity
+        if library.swing_trajectory(problem, into + k * times.size, nothing, report):
+            angles[k] = np.nan
+
+
 # ---- Least squares ----
 
 

@@ -232,13 +232,17 @@ def simulate_each(model: Model, times: Any, values: Any) -> Floats:
         )
     compiled = Compiled(model, float(times[-1] - times[0]))
     angles = np.full((len(values), times.size), np.nan)
-    for row, series in zip(values, angles, strict=True):
-        if not np.all(np.isfinite(row)):
-            continue
-        try:
-            _follow(compiled, row[:-2], row[-2:], times, (), series, None)
-        except TrajectoryError:
-            series[:] = np.nan
+    finite = np.flatnonzero(np.isfinite(values).all(axis=1))
+    rows, found = values[finite], np.empty((finite.size, times.size))
+    if not isinstance(compiled.library, uncompiled.Uncompiled):
+        interface.swing_trajectories(compiled.library, compiled.c, rows, times, found)
+    else:
+        for row, series in zip(rows, found, strict=True):
+            try:
+                _follow(compiled, row[:-2], row[-2:], times, (), series, None)
+            except TrajectoryError:
+                series[:] = np.nan
+    angles[finite] = found
     return angles
 
 

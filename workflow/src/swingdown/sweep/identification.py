@@ -177,7 +177,7 @@ def _told(cell, label, noisy, values, rss, converged):
     slots[:, :free] = values
     series = simulate_each(model, cell.times, slots)
     return {
-        "norm": [_rms_degrees(fit - cell.truth) for fit in series],
+        "norm": np.degrees(np.sqrt(np.mean(np.square(series - cell.truth), axis=1))),
         "residual_norm": [math.degrees(math.sqrt(one / samples)) for one in rss],
         "bic": [
             samples * math.log(one / samples) + free * math.log(samples) if one > 0 else math.nan
@@ -185,10 +185,6 @@ def _told(cell, label, noisy, values, rss, converged):
         ],
         "converged": converged,
     }
-
-
-def _rms_degrees(series):
-    return math.degrees(math.sqrt(np.mean(np.square(series))))
 
 
 def _size(label):
