@@ -38,6 +38,14 @@ def test_it_sticks_where_the_engine_does(friction):
     assert 0 < report.stuck_after < 9 and np.ptp(found[-50:]) == 0.0
 
 
+def test_it_tells_of_friction_that_drives():
+    model = Model(
+        "viscous+load_coulomb", {"natural_frequency": 7.25, "viscous_ratio": 0.01, "load_friction": 0.01}
+    )
+    times = np.arange(101) / 100
+    assert slowly(model, times, 2.2, 0.0)[1].driven and not slowly(model, times, 1.2, 0.0)[1].driven
+
+
 def test_a_support_that_shakes_frees_it():
     values = {"natural_frequency": 7.0, "constant_friction": 1.0, "vibration_acceleration": 2.0,
               "vibration_frequency": 0.7, "vibration_phase": 1.0}  # fmt: skip
