@@ -1,6 +1,7 @@
 """The study on one page: settings and sheets are checked, then each stage adds its rules and its results."""
 
 import logging
+import os
 from functools import partial
 
 from snakemake.utils import min_version
@@ -18,6 +19,9 @@ min_version("9.0")
 
 # A full disk is told once, by what needs the room, and not by every line that Snakemake's own log cannot keep.
 logging.raiseExceptions = False
+
+# A study without a C compiler would take days: its jobs refuse.
+os.environ.setdefault("SWINGDOWN_ENGINE", "compiled")
 
 # Settings that name recordings are a study of one's own and inherit nothing of the bench from this folder; any others
 # change single settings of the paper's study. `recordings: null` is a study without any.

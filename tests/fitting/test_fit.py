@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from swings import CASES, FULL, TIMES, fit_from, random_start
 
-from swingdown.engine.trajectory import TrajectoryError, simulate
+from swingdown.engine.trajectory import TrajectoryError, TrajectoryWarning, sensitivities, simulate
 from swingdown.errors import InputError
 from swingdown.fitting.batch import fit_batch
 from swingdown.fitting.least_squares import fit_jointly, fit_trajectory
@@ -232,6 +232,8 @@ def test_joint_fits_share_parameters_and_not_releases():
     assert joint.rss >= sum(fit.rss for fit in single) * (1 - 1e-9)
     assert joint.n == sum(at.size for at in times)
     assert [swing.rms for swing in joint.swings] == pytest.approx([0.002] * 3, rel=0.15)
+    for (at, _), one in zip(swings, joint.swings, strict=True):
+        assert np.array_equal(one.angle, simulate(one.model, at, one.release_angle, one.release_velocity))
     with pytest.raises(ValueError):
         joint.only  # noqa: B018
 
@@ -240,6 +242,25 @@ def test_joint_fits_of_one_swing_are_the_single_fit():
     angle, _ = CASES["five"].noisy(10)
     one, joint = fit_trajectory("viscous", TIMES, angle), fit_jointly("viscous", [(TIMES, angle)])
     assert np.array_equal(one.values, joint.values) and joint.only.release_angle == one.only.release_angle
+
+
+def test_a_fit_tells_of_friction_that_drives():
+    model = Model(
+        "viscous+load_coulomb", {"natural_frequency": 7.25, "viscous_ratio": 0.01, "load_friction": 0.01}
+    )
+    with pytest.warns(TrajectoryWarning):
+        angle = simulate(model, SHORT, 2.2)
+    with pytest.warns(TrajectoryWarning, match="it gains energy there"):
+        fit = fit_trajectory(model.label, SHORT, angle)
+    assert fit.values[:3] == pytest.approx(model.vector(), rel=1e-6)
+
+
+def test_covariance_is_that_of_the_slopes_at_the_optimum():
+    angle, _ = CASES["seven"].noisy(21)
+    fit = fit_trajectory(CASES["seven"].model.label, TIMES, angle)
+    _, slopes = sensitivities(fit.model, TIMES, fit.only.release_angle, fit.only.release_velocity)
+    variance = fit.rss / (TIMES.size - len(fit.free))
+    assert fit.covariance == pytest.approx(variance * np.linalg.inv(slopes @ slopes.T), rel=1e-6)
 
 
 def test_a_dense_record_is_fitted_to_its_last_sample():

@@ -14,6 +14,7 @@ from ..discovery.files import reading_of, summary
 from ..discovery.search import discover
 from ..discovery.state import Round
 from ..discovery.verdict import verdict
+from ..engine.trajectory import engine
 from ..errors import InputError
 from ..measurement.slack import of_angles
 from ..pendulum.catalogue import READINGS, catalogue
@@ -94,8 +95,9 @@ def explain(
     """The ``Answer`` of ``fit`` with a verdict: what the model ``base`` lacks, found in at most ``rounds`` moves.
 
     The search takes some seconds for a swing that an effect of the catalogue explains, and up to minutes for one that none
-    does. Other arguments and errors as in ``fit``; a single swing needs nine half-swings, so that some can be held out.
+    does. Other arguments and errors as in ``fit``, and EngineError where there is no C compiler; a single swing needs nine half-swings, so that some can be held out.
     """
+    engine(catalogue(effects))  # without a compiled one even the fits before the search take minutes
     first = fit(times, angles, unit=unit, fitted=fitted, effects=effects, names=names)
     whole = searchable("pendulum", first.swings)
     states = concluded(discover(whole, Model(tuple(base), catalogue=catalogue(effects)), rounds), whole)

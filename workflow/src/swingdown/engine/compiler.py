@@ -14,7 +14,11 @@ from ..errors import EngineError
 FLAGS = ("-O3", "-std=c99", "-fPIC", "-shared", "-ffp-contract=off", "-fno-math-errno", "-fno-trapping-math")
 NATIVE = "-march=native"  # several times faster where the compiler knows the processor
 _NAMES = ("gcc", "cc", "clang")
-_MEND = "install gcc or clang, or set CC to a C compiler; it is needed once, at the first use on a machine"
+MEND = "install gcc or clang, or set CC to a C compiler; it is needed once, at the first use on a machine"
+
+
+class NoCompiler(EngineError):
+    """No C compiler on a machine that has never had one."""
 
 
 class Compiler(NamedTuple):
@@ -36,7 +40,7 @@ def find() -> Compiler | None:
         return None
     if shutil.which(command[0]) is None:
         raise EngineError(
-            f"engine, environment variable CC={asked}", f"there is no program {command[0]!r}", mend=_MEND
+            f"engine, environment variable CC={asked}", f"there is no program {command[0]!r}", mend=MEND
         )
     programs = [Path(found).resolve() for word in command if (found := shutil.which(word))]
     about = [(str(path), path.stat().st_size, path.stat().st_mtime_ns) for path in programs]
@@ -44,10 +48,10 @@ def find() -> Compiler | None:
 
 
 def found() -> Compiler:
-    """As ``find``, but EngineError where there is no compiler."""
+    """As ``find``, but NoCompiler where there is none."""
     compiler = find()
     if compiler is None:
-        raise EngineError("engine", f"there is no C compiler ({', '.join(_NAMES)})", mend=_MEND)
+        raise NoCompiler("engine", f"there is no C compiler ({', '.join(_NAMES)})", mend=MEND)
     return compiler
 
 
@@ -74,7 +78,7 @@ def compile_library(source: str, target: Path, cwd: Path) -> None:
             done = subprocess.run(line, cwd=cwd, capture_output=True, text=True)
         except OSError as problem:
             raise EngineError(
-                "engine", f"the C compiler {command[0]!r} does not start ({problem.strerror})", mend=_MEND
+                "engine", f"the C compiler {command[0]!r} does not start ({problem.strerror})", mend=MEND
             ) from problem
         if not done.returncode:
             return

@@ -123,18 +123,39 @@ def swing_trajectory(
     return status, report
 
 
+def swing_trajectories(library: Any, model: Any, values: Floats, times: Floats, angles: Floats) -> None:
+    """The angles of one model with other values in each row, into the rows of ``angles`` (rows, n); NaN throughout where they
+    cannot be computed.
+
+    ``values`` have in each row the parameters, the release angle (rad) and velocity (rad/s); ``times`` (n,) in s.
+    """
+    new, size = ffi().new, values.shape[1]
+    report, nothing = new("TrajectoryReport *"), ffi().NULL
+    given, into = doubles(values), doubles(angles)
+    problem = new(
+        "InitialValueProblem *", (model, given, 0.0, 0.0, doubles(times), times.size, np.inf, 0, nothing)
+    )
+    for k, (*_, angle, velocity) in enumerate(values.tolist()):
+        problem.parameters = given + k * size
+        problem.release_angle, problem.release_velocity = angle, velocity
+        if library.swing_trajectory(problem, into + k * times.size, nothing, report):
+            angles[k] = np.nan
+
+
 # ---- Least squares ----
 
 
 class Outcome(NamedTuple):
     """How a search ended: a ``Convergence`` of c/interface.h, its evaluations, the relative reduction that its last full
-    step predicted, whether a swing stops within its record, and whether nothing but white noise is left."""
+    step predicted, whether a swing stops within its record, whether nothing but white noise is left, and whether friction
+    drives a swing."""
 
     converged: int
     evaluations: int
     predicted_reduction: float
     stops: bool
     ends_in_noise: bool
+    driven: bool
 
 
 class Bounds(NamedTuple):
@@ -159,7 +180,8 @@ class Options(NamedTuple):
 
 
 def _outcome(c: Any) -> Outcome:
-    return Outcome(c.converged, c.evaluations, c.predicted_reduction, bool(c.stops), bool(c.ends_in_noise))
+    flags = bool(c.stops), bool(c.ends_in_noise), bool(c.driven)
+    return Outcome(c.converged, c.evaluations, c.predicted_reduction, *flags)
 
 
 def _c_bounds(bounds: Bounds) -> tuple[Any, Any]:
@@ -233,12 +255,14 @@ def fit_swings(
     options: Options,
     evaluate_best: bool,
     until_noise: bool = False,
+    angles: Floats | None = None,
 ) -> tuple[float, Floats, Floats, Floats, Outcome]:
     """The least sum of squares (rad^2) from the starts, the variables there, J'J, the sum from each start, the ``Outcome``.
 
     ``given`` (swing, value): the values that are no variables; ``starts`` (start, variable); ``lengths``: how many
     samples of each swing count. J'J is that of a point close by unless ``evaluate_best``. ``until_noise``: where the first
-    start leads to a minimum that leaves nothing but noise, the others are not tried; their sums are NaN.
+    start leads to a minimum that leaves nothing but noise, the others are not tried; their sums are NaN. ``angles`` (n,) of
+    all swings are filled with those at the best point, where that is evaluated.
     """
     size, count, new = problem.n_variables, len(lengths), ffi().new
     values, best, normal = given.copy(), np.zeros(size), np.zeros((size, size))
@@ -249,9 +273,8 @@ def fit_swings(
         (problem.models, count, n_samples, problem.times, problem.angles, doubles(values), problem.where, size, problem.bounds,
          problem.known),
     )  # fmt: skip
-    result = new(
-        "FitResult *", {"variables": doubles(best), "normal": doubles(normal), "squares": doubles(squares)}
-    )
+    into = ffi().NULL if angles is None else doubles(angles)
+    result = new("FitResult *", (doubles(best), doubles(normal), into, doubles(squares)))
     all_starts = new("Starts *", (len(starts), doubles(starts), bool(evaluate_best), bool(until_noise)))
     rss = library.fit_swings(swings, all_starts, new("SearchOptions *", options), result)
     return rss, best, normal, squares, _outcome(result.outcome)

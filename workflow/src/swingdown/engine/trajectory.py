@@ -1,5 +1,6 @@
 """Trajectories of a model: the angle over time, exact at velocity reversals and with sticking, and its sensitivities."""
 
+import os
 import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -12,7 +13,8 @@ from ..arrays import Floats
 from ..errors import InputError
 from ..pendulum.catalogue import RATE, SHIPPED, Catalogue
 from ..pendulum.model import Model
-from . import build, interface
+from . import build, interface, uncompiled
+from .compiler import NoCompiler
 from .rows import entries
 
 _STATUS = {
@@ -32,6 +34,10 @@ _DRIVEN = (
 
 class TrajectoryError(ArithmeticError):
     """A trajectory that cannot be computed to the engine's accuracy; the message says why."""
+
+
+class EngineWarning(UserWarning):
+    """That trajectories are computed slowly, for want of a C compiler; the message tells the mend."""
 
 
 class TrajectoryWarning(UserWarning):
@@ -59,12 +65,21 @@ def _loaded(catalogue: Catalogue) -> tuple[Any, dict[tuple[str, str], int]]:
     """The compiled engine for a catalogue, and the row of each effect and form in its table."""
     effects, gravity = catalogue.known, tuple(catalogue.gravity.values())
     rows = {(e.name, form): k for k, (e, form) in enumerate(entries(effects, gravity))}
-    return build.load(effects, gravity), rows
+    try:
+        return build.load(effects, gravity), rows
+    except NoCompiler:
+        if os.environ.get("SWINGDOWN_ENGINE") == "compiled":
+            raise
+        warnings.warn(uncompiled.SLOWLY, EngineWarning, stacklevel=5)
+        return uncompiled.Uncompiled(), rows
 
 
 def engine(catalogue: Catalogue = SHIPPED) -> Any:
-    """The compiled engine for a catalogue (compiled at the first use on a machine)."""
-    return _loaded(catalogue.whole)[0]
+    """The compiled engine for a catalogue (compiled at the first use on a machine); EngineError where there is no compiler."""
+    library = _loaded(catalogue.whole)[0]
+    if isinstance(library, uncompiled.Uncompiled):
+        raise uncompiled.refusal()
+    return library
 
 
 class Compiled:
@@ -74,7 +89,7 @@ class Compiled:
     """
 
     def __init__(self, model: Model, duration: float) -> None:
-        duration = model.record or duration
+        self.duration = duration = model.record or duration
         self.library, rows = _loaded(model.catalogue.whole)
         parts: dict[str, list[tuple[int, int, int]]] = {
             "motions": [(rows[model.gravity.name, "consistent"], 1, 0)],
@@ -103,7 +118,8 @@ def checked_times(times: Any) -> Floats:
     times = np.ascontiguousarray(times, dtype=float)
     if times.ndim != 1 or times.size < 1:
         raise InputError("times", f"an array of shape {times.shape}", "one dimension, at least one time")
-    if not np.all(np.isfinite(times)) or np.any(np.diff(times) <= 0):
+    # of increasing times all are finite where the first and the last one are
+    if not ((times[1:] > times[:-1]).all() and np.isfinite(times[0]) and np.isfinite(times[-1])):
         raise InputError(
             "times", "not finite and increasing", "sample times in seconds, each later than the one before"
         )
@@ -139,7 +155,7 @@ def _run(
         report.panels, report.rejected, report.evaluations, report.reversals, report.error,
         report.stuck_after if report.stuck_after >= 0 else None, bool(report.driven),
     )  # fmt: skip
-    _warn_of_drive(compiled, report, angles)
+    warn_of_drive(compiled, report.driven, angles)
     return angles, slopes, effort
 
 
@@ -152,20 +168,27 @@ def _follow(
     angles: Floats,
     slopes: Floats | None,
 ) -> Any:
-    status, report = interface.swing_trajectory(
-        compiled.library, compiled.c, values, release, times, chosen, angles, slopes
-    )
-    if status:
-        model = compiled.model
+    model = compiled.model
+    if isinstance(compiled.library, uncompiled.Uncompiled):
+        status, report = uncompiled.swing_trajectory(
+            model, compiled.duration, values, release, times, chosen, angles, slopes
+        )
+    else:
+        code, report = interface.swing_trajectory(
+            compiled.library, compiled.c, values, release, times, chosen, angles, slopes
+        )
+        status = interface.status_name(code)
+    if status != "DONE":
         stated = ", ".join(
             f"{name} {value:.6g}" for name, value in zip(model.parameters, values, strict=True)
         )
-        raise TrajectoryError(f"model {model.label} with {stated}: {_STATUS[interface.status_name(status)]}")
+        raise TrajectoryError(f"model {model.label} with {stated}: {_STATUS[status]}")
     return report
 
 
-def _warn_of_drive(compiled: Compiled, report: Any, angles: Floats) -> None:
-    if not report.driven:
+def warn_of_drive(compiled: Compiled, driven: bool, angles: Floats) -> None:
+    """Warn of ``angles`` (rad) in which friction has ``driven`` the pendulum, where that is wrong."""
+    if not driven:
         return
     # a torque without a name may drive, for it stands for whatever does; and a friction below 0, which is told elsewhere
     model = compiled.model
@@ -182,7 +205,7 @@ def simulate_compiled(compiled: Compiled, times: Floats, values: Floats, release
     """
     angles = np.empty(times.size)
     report = _follow(compiled, np.ascontiguousarray(values), release, times, (), angles, None)
-    _warn_of_drive(compiled, report, angles)
+    warn_of_drive(compiled, report.driven, angles)
     return angles
 
 
@@ -209,14 +232,17 @@ def simulate_each(model: Model, times: Any, values: Any) -> Floats:
         )
     compiled = Compiled(model, float(times[-1] - times[0]))
     angles = np.full((len(values), times.size), np.nan)
-    for row, series in zip(values, angles, strict=True):
-        if not np.all(np.isfinite(row)):
-            continue
-        status, _ = interface.swing_trajectory(
-            compiled.library, compiled.c, row[:-2], row[-2:], times, (), series
-        )
-        if status:
-            series[:] = np.nan
+    finite = np.flatnonzero(np.isfinite(values).all(axis=1))
+    rows, found = values[finite], np.empty((finite.size, times.size))
+    if not isinstance(compiled.library, uncompiled.Uncompiled):
+        interface.swing_trajectories(compiled.library, compiled.c, rows, times, found)
+    else:
+        for row, series in zip(rows, found, strict=True):
+            try:
+                _follow(compiled, row[:-2], row[-2:], times, (), series, None)
+            except TrajectoryError:
+                series[:] = np.nan
+    angles[finite] = found
     return angles
 
 

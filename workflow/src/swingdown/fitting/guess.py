@@ -1,6 +1,7 @@
 """A first guess from the data alone: frequency from zero crossings, decay from successive peaks, release from the start."""
 
 from dataclasses import dataclass
+from math import cos, pi, sqrt
 from typing import Any
 
 import numpy as np
@@ -38,35 +39,36 @@ class Guess:
 
 def amplitude_factor(amplitude: float) -> float:
     """Frequency of undamped swings of that amplitude (rad) over that of small ones: agm(1, cos(amplitude / 2))."""
-    mean, root = 1.0, max(np.cos(min(abs(amplitude), 3.1) / 2), 1e-3)
+    mean, root = 1.0, max(cos(min(abs(amplitude), 3.1) / 2), 1e-3)
     for _ in range(6):
-        mean, root = (mean + root) / 2, np.sqrt(mean * root)
-    return float(mean)
+        mean, root = (mean + root) / 2, sqrt(mean * root)
+    return mean
 
 
 def middle_crossings(times: Floats, angle: Floats) -> tuple[Floats, Floats]:
     """Times of the middle crossings (s), and the extreme between each two (rad); a tenth of the spread is hysteresis against noise."""
-    band = 0.1 * np.sqrt(np.mean(angle**2))
-    side = (angle > band).astype(int) - (angle < -band)
-    marks = np.flatnonzero(side)
-    turns = np.flatnonzero(np.diff(side[marks]))
+    band = 0.1 * np.sqrt(angle @ angle / angle.size)
+    above = angle > band
+    marks = (above | (angle < -band)).nonzero()[0]
+    sides = above[marks]
+    turns = (sides[1:] != sides[:-1]).nonzero()[0]
     first, last = marks[turns], marks[turns + 1]
     if first.size == 0:
         return np.array([]), np.array([])
     # the straight line through the samples from one side to the other, of all crossings at once
     size = last - first + 1
-    begins = np.cumsum(size) - size
-    inside = np.arange(size.sum()) + np.repeat(first - begins, size)
-    after, part = times[inside] - np.repeat(times[first], size), angle[inside]
+    begins, begun = size.cumsum() - size, times[first]
+    inside = np.arange(begins[-1] + size[-1]) + (first - begins).repeat(size)
+    after, part = times[inside] - begun.repeat(size), angle[inside]
     mean_after, mean = np.add.reduceat(after, begins) / size, np.add.reduceat(part, begins) / size
-    centred = after - np.repeat(mean_after, size)
-    slope = np.add.reduceat(centred * part, begins) / np.add.reduceat(centred**2, begins)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        middle = np.where(slope != 0, mean_after - mean / slope, 0.0)
-    crossings = times[first] + np.clip(middle, 0.0, times[last] - times[first])
-    bounds = np.searchsorted(times, crossings)
+    centred = after - mean_after.repeat(size)
+    rise, spread = np.add.reduceat(centred * part, begins), np.add.reduceat(centred * centred, begins)
+    flat = rise == 0
+    middle = np.where(flat, 0.0, mean_after - mean / np.where(flat, 1.0, rise / spread))
+    crossings = begun + np.minimum(np.maximum(middle, 0.0), times[last] - begun)
+    bounds = times.searchsorted(crossings)
     extremes = np.maximum.reduceat(np.abs(angle), bounds)[:-1]
-    extremes[np.diff(bounds) == 0] = 0.0
+    extremes[bounds[1:] == bounds[:-1]] = 0.0
     return crossings, extremes
 
 
@@ -88,18 +90,20 @@ def first_guess(times: Any, angle: Any, restoring: str = "sine", reading: str = 
             "at least one whole half-swing",
             "record longer",
         )
-    halves = np.diff(crossings)
-    used = extremes >= 0.5 * extremes[0]  # the late, small ones are mostly noise or friction
-    half, amplitude = _median(halves[used]), _median(extremes[used])
-    frequency = np.pi / half / (amplitude_factor(amplitude) if restoring == "sine" else 1.0)
-    loss = (extremes[0] - extremes[-1]) / max(1, extremes.size - 1) if extremes.size > 1 else 0.01 * amplitude
+    # the late, small ones are mostly noise or friction
+    seen, reached = crossings.tolist(), extremes.tolist()
+    used = [k for k, one in enumerate(reached) if one >= 0.5 * reached[0]]
+    half = _median([seen[k + 1] - seen[k] for k in used])
+    amplitude = _median([reached[k] for k in used])
+    frequency = pi / half / (amplitude_factor(amplitude) if restoring == "sine" else 1.0)
+    loss = (reached[0] - reached[-1]) / (len(reached) - 1) if len(reached) > 1 else 0.01 * amplitude
     release, velocity = _at_first(times, angle, half)
-    return Guess(float(frequency), release, velocity, amplitude, float(loss))
+    return Guess(frequency, release, velocity, amplitude, loss)
 
 
 def _at_first(times: Floats, series: Floats, half: float) -> tuple[float, float]:
     """Value and slope (a second) at the first sample, of a parabola through an eighth of a half-swing."""
-    few = max(4, min(times.size, int(np.searchsorted(times, times[0] + half / 8))))
+    few = max(4, min(times.size, int(times.searchsorted(times[0] + half / 8))))
     span = times[few - 1] - times[0]
     early = (times[:few] - times[0]) / span
     powers = np.ones((few, 3))
@@ -144,7 +148,7 @@ def _amplitude(speed: float, frequency: float, restoring: str) -> float:
     return float(2 * np.arcsin(min(share / 2, 0.999))) if restoring == "sine" else float(share)
 
 
-def _median(values: Floats) -> float:
+def _median(values: list[float]) -> float:
     """The median of a few values: numpy's own takes longer to look at its arguments than all else does."""
-    ordered, half = np.sort(values), values.size // 2
-    return float(ordered[half] if values.size % 2 else (ordered[half - 1] + ordered[half]) / 2)
+    ordered, half = sorted(values), len(values) // 2
+    return ordered[half] if len(values) % 2 else (ordered[half - 1] + ordered[half]) / 2

@@ -1,15 +1,18 @@
 """Trajectory least squares with exact sensitivities: one model to one swing, or to several at once."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
 
 from ..arrays import Floats
 from ..engine import interface
-from ..engine.trajectory import TrajectoryError, simulate_compiled
+from ..engine.trajectory import TrajectoryError, simulate_compiled, warn_of_drive
+from ..engine.uncompiled import Uncompiled
 from ..pendulum.model import Model, as_model
+from . import uncompiled
 from .covariance import covariance_of
 from .problem import Problem, Swings
 from .result import Fit, SwingFit
@@ -51,25 +54,35 @@ def fit_jointly(
     What drifts over a record drifts over the longest one. Raises InputError for swings that cannot be fitted and
     TrajectoryError where no start gives a trajectory.
     """
-    model = as_model(model)
+    model = _labelled(model) if isinstance(model, str) else model
     if model.record is None and len(swings) > 1:
         model = replace(model, record=max(float(times[-1] - times[0]) for times, _ in swings))
     own = (model.each if len(swings) > 1 else ()) if own is None else tuple(own)
     problem = Problem(model, swings, start, bounded, own, fixed)
     starts, from_data = problem.starts(guess, seen)
     first = len(starts) - from_data + 1 if from_data else 0
-    found, agreeing, tried = _from_all(problem, starts, first, most, tolerance, grown)
-    rss, best, hessian, _, outcome = found
+    if isinstance(problem.compiled[0].library, Uncompiled):
+        found, agreeing, tried = uncompiled.least_squares(problem, starts, most, tolerance)
+    else:
+        found, agreeing, tried = _from_all(problem, starts, first, most, tolerance, grown)
+    rss, best, hessian, _, outcome, angles = found
     if outcome.converged < 0:
         raise TrajectoryError(f"model {model.label}: no start of {tried} gives a trajectory")
     message = f"{agreeing} of {tried} starts reached the best optimum; "
     message += (
         "stationary" if outcome.converged else f"not stationary after {outcome.evaluations} evaluations"
     )
-    covariance = covariance_of(problem, hessian, rss, best)
+    covariance, converged = covariance_of(problem, hessian, rss, best), bool(outcome.converged)
+    for compiled, series in zip(problem.compiled if outcome.driven else (), angles, strict=False):
+        warn_of_drive(compiled, True, series)
     return fit_at(
-        problem, "least squares", best, covariance, rss, bool(outcome.converged), message, outcome.evaluations
+        problem, "least squares", best, covariance, rss, converged, message, outcome.evaluations, angles
     )
+
+
+@lru_cache(maxsize=100)
+def _labelled(label: str) -> Model:
+    return as_model(label)
 
 
 def fit_trajectory(model: Model | str, times: Any, angle: Any, **options: Any) -> Fit:
@@ -86,25 +99,31 @@ def fit_at(
     converged: bool,
     message: str,
     evaluations: int,
+    angles: Sequence[Floats] | None = None,
 ) -> Fit:
-    """The ``Fit`` at the free variables ``best``, however they were found; ``covariance`` and its systematic part."""
+    """The ``Fit`` at the free variables ``best``, however they were found; ``covariance`` and its systematic part.
+
+    ``angles`` (rad) are those of each swing there, where they are known.
+    """
     names, slots = problem.model.parameters, problem.slots(best)
     whole, systematic = covariance
-    errors = dict(zip(problem.free, np.sqrt(np.diag(whole)), strict=True))
+    errors = dict(zip(problem.free, np.sqrt(whole.diagonal()).tolist(), strict=True))
     shared = slots[:, :-2].mean(axis=0) if problem.own else slots[0, :-2]
     model = problem.model.with_values(
-        {name: float(value) for name, value in zip(names, shared, strict=True)},
-        {name: float(errors[name]) for name in problem.shared},
+        dict(zip(names, shared.tolist(), strict=True)), {name: errors[name] for name in problem.shared}
     )
+    if angles is None:
+        angles = [
+            simulate_compiled(compiled, times, row[:-2], row[-2:])
+            for row, compiled, (times, _) in zip(slots, problem.compiled, problem.swings, strict=True)
+        ]
     swings = []
-    for row, compiled, (times, angle) in zip(slots, problem.compiled, problem.swings, strict=True):
-        one = model
-        if problem.own:
-            one = model.with_values(dict(zip(names, map(float, row[:-2]), strict=True)))
-        series = simulate_compiled(compiled, times, row[:-2], row[-2:])
-        rms = float(np.sqrt(np.mean((series - angle) ** 2)))
+    for row, series, (_, angle) in zip(slots.tolist(), angles, problem.swings, strict=True):
+        one = model.with_values(dict(zip(names, row[:-2], strict=True))) if problem.own else model
+        left = series - angle
+        rms = float(np.sqrt(left @ left / left.size))
         own = {name: one.values[name] for name in problem.own}
-        swings.append(SwingFit(one, float(row[-2]), float(row[-1]), series, rms, own))
+        swings.append(SwingFit(one, row[-2], row[-1], series, rms, own))
     return Fit(
         model, method, tuple(problem.free), best, whole, float(rss), problem.n, tuple(swings), converged,
         message, int(evaluations), systematic,
@@ -119,7 +138,8 @@ def _grown(problem: Problem, starts: Floats, most: int, tolerance: float) -> Flo
     grown, left = starts, _ROUGH_EVALUATIONS
     for share in _PARTS:
         tried = np.vstack([grown, starts]) if share == _TELLING else grown
-        *_, outcome = part = _search(problem, tried, min(most, left, 30), max(tolerance, _ROUGH), share)
+        part = _search(problem, tried, min(most, left, 30), max(tolerance, _ROUGH), share)
+        outcome = part[4]
         if outcome.converged < 0:
             break
         grown = part[1][None]
@@ -135,23 +155,28 @@ def _from_all(
     """The least sum of squares over the whole of every swing, how many starts reached it and how many were tried.
 
     The optimum of one part from all starts and the ``first`` so many of them do where they come to one place at which no
-    swing stops: then no start is far off. Where the part's optimum leads to one that leaves nothing but white noise, there is
-    nothing better to be found, and it is not asked for a second time. Else parts are grown into the whole, unless ``grow`` is False, and all starts
-    tried. Of many samples a few tell where to: the search among all ends there.
+    swing stops: then no start is far off. Where one start leads to an optimum that leaves nothing but white noise, of the part
+    and of the whole, there is nothing better to be found, and no other is tried. Else parts are grown into the whole, unless ``grow`` is False,
+    and all starts tried. Of many samples a few tell where to: the search among all ends there.
     """
-    thin = problem.thinned(float(problem.slots(starts[0])[0, 0]))
+    thin = problem.thinned(float(starts[0, 0]) if problem.where[0, 0] == 0 else problem.given[0, 0])
     grown, agreed = starts[:0], False
     if first:
-        part = _search(thin, starts, min(most, 30), max(tolerance, _ROUGH), _TELLING)
-        tried = np.vstack([part[1], starts[:first]])
-        rss, best, _, squares, outcome = found = _search(thin, tried, most, tolerance, until_noise=True)
+        for until_noise in (True, False):
+            part = _search(thin, starts, min(most, 30), max(tolerance, _ROUGH), _TELLING, until_noise)
+            tried = np.concatenate([part[1][None], starts[:first]])
+            rss, best, _, squares, outcome, _ = found = _search(
+                thin, tried, most, tolerance, until_noise=True
+            )
+            if outcome.ends_in_noise or not part[4].ends_in_noise:
+                break
         squares = squares[:1] if outcome.ends_in_noise else squares
-        stationary = part[-1].converged > 0 and outcome.converged > 0
+        stationary = part[4].converged > 0 and outcome.converged > 0
         agreed = stationary and not outcome.stops and bool(np.all(squares <= rss * (1 + _SAME)))
     if not agreed:
         grown = _grown(thin, starts, most, tolerance) if grow else starts[:0]
         tried = np.vstack([grown, starts])
-        rss, best, _, squares, _ = found = _search(thin, tried, most, tolerance)
+        rss, best, _, squares, _, _ = found = _search(thin, tried, most, tolerance)
     if thin is not problem:
         found = _search(problem, np.vstack([best, grown]), most, tolerance)
     return found, int(np.sum(squares <= rss * (1 + _SAME))), squares.size
@@ -165,9 +190,15 @@ def _search(
     share: float = 1.0,
     until_noise: bool = False,
 ) -> Any:
-    """The least sum of squares over a share of every swing: it, where, J'J (near there, for a part), each start's, and how."""
-    lengths = [min(times.size, max(_FEWEST, round(share * times.size))) for times, _ in problem.swings]
+    """The least sum of squares over a share of every swing: it, where, J'J (near there, for a part), each start's, and how;
+    for the whole the angles (rad) of each swing there."""
+    sizes = [times.size for times, _ in problem.swings]
+    lengths = [min(size, max(_FEWEST, round(share * size))) for size in sizes]
     options, library = interface.Options(most, tolerance), problem.compiled[0].library
-    return interface.fit_swings(
-        library, problem.c, problem.given, starts, lengths, options, share == 1, until_noise
+    angles = np.empty(sum(sizes)) if share == 1 else None
+    found = interface.fit_swings(
+        library, problem.c, problem.given, starts, lengths, options, share == 1, until_noise, angles
     )
+    if angles is None or len(sizes) == 1:
+        return *found, [angles]
+    return *found, np.split(angles, np.cumsum(sizes)[:-1])

@@ -2,7 +2,8 @@
 
 from collections.abc import Iterable, Mapping, Sequence
 from copy import copy
-from typing import Any
+from functools import lru_cache
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -10,9 +11,10 @@ from ..arrays import Floats
 from ..engine import interface
 from ..engine.trajectory import Compiled, checked_times
 from ..errors import InputError
-from ..pendulum.catalogue import RATE
+from ..pendulum.catalogue import RATE, Catalogue
 from ..pendulum.effect import NATURAL_FREQUENCY, Parameter
 from ..pendulum.model import Model
+from ..pendulum.slack import Slack
 from .guess import first_guess
 from .result import Begin, Fit
 
@@ -33,7 +35,7 @@ def checked_swing(times: Any, angle: Any) -> tuple[Floats, Floats]:
     times, angle = checked_times(times), np.ascontiguousarray(angle, dtype=float)
     if angle.shape != times.shape:
         raise InputError("swing", f"{angle.size} angles for {times.size} times", "one angle for each time")
-    if not np.all(np.isfinite(angle)):
+    if not np.isfinite(angle).all():
         raise InputError("swing", "an angle is not finite", "numbers only")
     return times, angle
 
@@ -47,6 +49,64 @@ def limits(definition: Parameter, bounded: bool) -> tuple[float, float]:
 
 def _mean(values: list[float]) -> float:
     return values[0] if len(values) == 1 else float(np.mean(values))
+
+
+class _Layout(NamedTuple):
+    """Which values of a fit are variables: names shared and of each swing, all free ones; their bounds, and where each sits
+    in the swings' values (swing, slot)."""
+
+    shared: list[str]
+    own: list[str]
+    free: list[str]
+    lower: Floats
+    upper: Floats
+    where: np.ndarray
+
+
+# Kept, as is a compiled model: of a small fit, to make them anew would take as long as the search.
+@lru_cache(maxsize=500)
+def _layout(
+    entries: Catalogue,
+    parameters: tuple[str, ...],
+    own: tuple[str, ...],
+    fixed: tuple[str, ...],
+    releases: bool,
+    bounded: bool,
+    count: int,
+) -> _Layout:
+    shared = [name for name in parameters if name not in own and name not in fixed]
+    each = [*(name for name in parameters if name in own), *(RELEASE if releases else [])]
+    free = shared + each * count
+    slots = [*parameters, *RELEASE]
+    where = np.full((count, len(slots)), -1, dtype=np.int32)
+    for k in range(count):
+        place = {name: i for i, name in enumerate(shared)}
+        place |= {name: len(shared) + k * len(each) + i for i, name in enumerate(each)}
+        where[k] = [place.get(name, -1) for name in slots]
+    bounds = {name: limits(entries.parameters[name], bounded) for name in parameters}
+    lower, upper = np.array([bounds.get(name, (-np.inf, np.inf)) for name in free]).reshape(-1, 2).T.copy()
+    for array in (lower, upper, where):
+        array.flags.writeable = False
+    return _Layout(shared, [name for name in parameters if name in own], free, lower, upper, where)
+
+
+@lru_cache(maxsize=500)
+def _compiled(
+    entries: Catalogue,
+    names: tuple[str, ...],
+    slack: tuple[str, ...],
+    restoring: str,
+    form: str,
+    duration: float,
+) -> Compiled:
+    known = Slack(slack, contributions=np.zeros((len(slack), 0)))
+    return Compiled(Model(names, {}, {}, restoring, form, entries, known), duration)
+
+
+def compiled(model: Model, duration: float) -> Compiled:
+    """The model as the engine takes it, for a record of this ``duration`` (s)."""
+    duration = model.record or duration
+    return _compiled(model.catalogue, model.names, model.slack.names, model.restoring, model.form, duration)
 
 
 class Problem:
@@ -79,31 +139,23 @@ class Problem:
                 ", ".join(model.parameters),
             )
         self.model, self.swings, self.start = model, [checked_swing(*swing) for swing in swings], start
-        self.shared = [name for name in model.parameters if name not in own and name not in self.fixed]
-        self.own = [name for name in model.parameters if name in own]
-        slots = [*model.parameters, *RELEASE]
-        each = [*self.own, *(RELEASE if start == "free" else [])]
-        count = len(self.swings)
-        self.free = self.shared + each * count
-        self.given = np.tile([self.fixed.get(name, 0.0) for name in slots], (count, 1))
-        if model.reading != RATE:
-            self.given[:, slots.index("release_angle")] = [angle[0] for _, angle in self.swings]
-        self.where = np.full(self.given.shape, -1, dtype=np.int32)
-        for k in range(count):
-            place = {name: i for i, name in enumerate(self.shared)}
-            place |= {name: len(self.shared) + k * len(each) + i for i, name in enumerate(each)}
-            self.where[k] = [place.get(name, -1) for name in slots]
-        self.n = sum(times.size for times, _ in self.swings)
+        count, sizes = len(self.swings), [times.size for times, _ in self.swings]
+        layout = _layout(
+            model.catalogue, model.parameters, tuple(own), tuple(self.fixed), start == "free", bounded, count
+        )
+        self.shared, self.own, self.free, self.lower, self.upper, self.where = layout
+        values = [self.fixed.get(name, 0.0) for name in model.parameters]
+        rate = model.reading == RATE
+        self.given = np.array(
+            [[*values, 0.0 if rate else angle[0], 0.0] for _, angle in self.swings], dtype=float
+        )
+        self.n = sum(sizes)
         if self.n <= len(self.free):
             raise InputError(
                 "fit", f"{self.n} samples for {len(self.free)} free values", "more samples than free values"
             )
-        bounds = {d.name: limits(d, bounded) for d in model.definitions}
-        self.lower, self.upper = np.array(
-            [bounds.get(name, (-np.inf, np.inf)) for name in self.free]
-        ).T.copy()
-        self.known = self._known()
-        self.compiled = [Compiled(model, float(times[-1] - times[0])) for times, _ in self.swings]
+        self.known = self._known() if model.slack.names else None
+        self.compiled = [compiled(model, float(times[-1] - times[0])) for times, _ in self.swings]
         self._point_at_swings()
 
     def _known(self) -> interface.Knowledge | None:
@@ -150,12 +202,12 @@ class Problem:
         ``values`` is one mapping, or one for each swing.
         """
         each = [values] * len(self.swings) if isinstance(values, Mapping) else values
-        slots = np.array([[one.get(name, 0.0) for name in self.model.parameters] + list(release)
-                          for one, release in zip(each, releases, strict=True)])  # fmt: skip
-        x = np.zeros(len(self.free))
-        taken = self.where >= 0
-        x[self.where[taken]] = slots[taken]
-        return np.minimum(np.maximum(x, self.lower), self.upper)
+        last, x = each[-1], []
+        for one, release in zip(each, releases, strict=True):
+            x += [one.get(name, 0.0) for name in self.own]
+            x += release if self.start == "free" else ()
+        x = [last.get(name, 0.0) for name in self.shared] + x
+        return np.minimum(np.maximum(np.array(x, dtype=float), self.lower), self.upper)
 
     def slots(self, x: Floats) -> Floats:
         """Every swing's values at the free variables: parameters, release angle, release velocity; (swing, slot)."""

@@ -1,6 +1,7 @@
 """A pendulum model: the effects it has, their values and standard errors; writing model files."""
 
 from collections.abc import Iterable, Mapping, Sequence
+from copy import copy
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import combinations
@@ -62,7 +63,10 @@ class Model:
         for key, value, known in (("restoring", self.restoring, RESTORING), ("form", self.form, FORMS)):
             if value not in known:
                 raise InputError(f"model {self.label}, {key}", f"unknown {key} {value!r}", " or ".join(known))
-        for name in (*self.values, *self.standard_errors):
+        self._check((*self.values, *self.standard_errors))
+
+    def _check(self, names: Iterable[str]) -> None:
+        for name in names:
             if name not in self.parameters:
                 raise InputError(f"model {self.label}", f"no parameter {name!r}", ", ".join(self.parameters))
 
@@ -136,7 +140,11 @@ class Model:
         self, values: Mapping[str, float], standard_errors: Mapping[str, float] | None = None
     ) -> "Model":
         """The same model with other values and standard errors."""
-        return replace(self, values=dict(values), standard_errors=dict(standard_errors or {}))
+        found = copy(self)  # all else is as it was checked
+        for key, given in (("values", values), ("standard_errors", standard_errors or {})):
+            found._check(given)
+            object.__setattr__(found, key, dict(given))
+        return found
 
     def with_effects(self, names: Sequence[str], values: Mapping[str, float] | None = None) -> "Model":
         """A model of the same catalogue, restoring torque, form and slack with these effects and values."""

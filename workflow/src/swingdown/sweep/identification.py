@@ -16,7 +16,8 @@ from .draws import noise_key, stream, value_of
 from .impossible import IMPOSSIBLE, reason
 
 _BLOCK = 64  # draws held in memory at a time
-_MOST = 300  # trajectories of a fit that is made again
+# trajectories of a fit: side by side with others they cost little, and one that runs out of them is made again, alone
+_MOST, _AGAIN = 300, 100
 # name: unit, meaning
 VARIABLES = {
     "norm": ("degrees", "RMS of fit minus noise-free truth"),
@@ -132,7 +133,7 @@ def _fitted(cell, label, noisy, smaller):
     start = cell.settings["simulation.start"]
     if cell.begin[label] is None:
         return np.full((len(noisy), 0), np.nan), np.full(len(noisy), np.nan), np.zeros(len(noisy), bool)
-    batch = fit_batch(cell.begin[label], cell.times, noisy, cell.release_angle, start=start)
+    batch = fit_batch(cell.begin[label], cell.times, noisy, cell.release_angle, start=start, most=_MOST)
     values, rss, converged = batch.values, batch.rss.copy(), batch.converged.copy()
     inside = {
         other: found for other, found in smaller.items() if contains(label, other) and cell.begin[other]
@@ -142,7 +143,7 @@ def _fitted(cell, label, noisy, smaller):
         for other, found in inside.items():
             if not np.all(np.isfinite(found[0][k])):
                 continue
-            again = fit_batch(*_from(cell, label, other, found[0][k], noisy[k]), start=start, most=_MOST)
+            again = fit_batch(*_from(cell, label, other, found[0][k], noisy[k]), start=start, most=_AGAIN)
             if (
                 again.rss[0] < rss[k]
                 or not np.isfinite(rss[k])
@@ -177,7 +178,7 @@ def _told(cell, label, noisy, values, rss, converged):
     slots[:, :free] = values
     series = simulate_each(model, cell.times, slots)
     return {
-        "norm": [_rms_degrees(fit - cell.truth) for fit in series],
+        "norm": np.degrees(np.sqrt(np.mean(np.square(series - cell.truth), axis=1))),
         "residual_norm": [math.degrees(math.sqrt(one / samples)) for one in rss],
         "bic": [
             samples * math.log(one / samples) + free * math.log(samples) if one > 0 else math.nan
@@ -185,10 +186,6 @@ def _told(cell, label, noisy, values, rss, converged):
         ],
         "converged": converged,
     }
-
-
-def _rms_degrees(series):
-    return math.degrees(math.sqrt(np.mean(np.square(series))))
 
 
 def _size(label):

@@ -82,6 +82,7 @@ typedef struct {
     double predicted_reduction; /* of the last full step, relative to the sum of squares */
     int stops;                  /* a swing sticks within its record, where that was looked at */
     int ends_in_noise;          /* nothing but white noise is left, where that was looked at */
+    int driven;                 /* friction drives a swing (TrajectoryReport), where that was looked at */
 } SearchOutcome;
 
 typedef struct {
@@ -128,6 +129,7 @@ typedef struct {
 typedef struct {
     double *variables; /* at the best of all minima */
     double *normal;    /* J'J there, or of a point close by where it was not asked for */
+    double *angles;    /* the swings' angles there, one after the other, where it was asked for; NULL: not wanted */
     double *squares;   /* the sum of squares that each start came to, rad^2; not a number where it was not tried */
     SearchOutcome outcome;
 } FitResult;

@@ -249,7 +249,7 @@ static size_t search_room(int n) { return 2 * (size_t)n * n + 6 * (size_t)n + 8;
 static void begin_search(Search *s, const LeastSquares *problem, const KnownMinimum *known, int normal_at_end, double *room, double *x,
                          double *normal, SearchOutcome *outcome) {
     const int n = problem->n_variables;
-    *outcome = (SearchOutcome){NOT_COMPUTABLE, 0, INFINITY, 0, 0};
+    *outcome = (SearchOutcome){NOT_COMPUTABLE, 0, INFINITY, 0, 0, 0};
     *s = (Search){.problem = problem, .known = known, .n = n, .x = x, .normal = normal, .outcome = outcome,
                   .damping = 1e-4, .growth = 4.0, .trust_radius = -1.0, .skip_last_slopes = !normal_at_end, .stage = STARTS};
     s->gradient = room;
@@ -267,7 +267,7 @@ static double search(const LeastSquares *problem, const KnownMinimum *known, int
                      SearchOutcome *outcome) {
     const int n = problem->n_variables;
     Search s;
-    *outcome = (SearchOutcome){NOT_COMPUTABLE, 0, INFINITY, 0, 0};
+    *outcome = (SearchOutcome){NOT_COMPUTABLE, 0, INFINITY, 0, 0, 0};
     double *room = n > MAX_VARIABLES ? NULL : malloc(search_room(n) * sizeof(double));
     if (!room) return NAN;
     begin_search(&s, problem, known, normal_at_end, room, x, normal, outcome);

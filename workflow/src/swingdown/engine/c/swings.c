@@ -11,6 +11,16 @@
 #define MOST_WORK 4.0      /* of a trajectory, times the usual */
 #define FEW_RESIDUALS 50.0 /* no fewer tell whether they are white */
 #define SMALL_PART 0.05    /* of a swing's squares about its mean */
+/* Reduction that a last step promised, relative to the sum of squares, below which the slopes from before it are those after:
+ * of 1e4 samples it went by 3e-5 of a standard error. */
+#define SAME_SLOPES 1e-13
+
+/* What the last point was like. */
+typedef struct {
+    double x[MAX_VARIABLES];
+    int with_slopes, stops, driven; /* a swing sticks; friction drives one */
+    double squares, steps;          /* of the residuals, and of those from each to the next: sums over all swings */
+} LastPoint;
 
 /* A fit under way: the cost function's own.
  *
@@ -20,12 +30,11 @@
 typedef struct {
     const FitProblem *problem;
     double *residuals, *slopes; /* room for the longest swing */
+    double *angles;             /* of all swings at the last point; or NULL */
     double seconds;             /* of all swings */
     double least;               /* half the sum of squares, so far */
     double usual, floor, left;  /* panels; usual: before anything is computed by the model; later no less than half of that */
-    int stops;                  /* a swing sticks in one of the last trajectories */
-    int looks;                  /* at the residuals: their squares, and those of the steps from each to the next */
-    double squares, steps;      /* sums over all swings */
+    LastPoint last;
 } Fit;
 
 /* The free values of a swing, and the variable that each is. */
@@ -101,8 +110,8 @@ static double add_knowledge(const FitProblem *problem, const double *x, double *
     return value;
 }
 
-/* The residuals of swing k and, where wanted, their slopes; the panels it took, or -1 where it cannot be computed. */
-static int compute_swing(Fit *fit, int k, const SwingVariables *own, int with_slopes) {
+/* The residuals of swing k and, where wanted, their slopes and the angles; the panels it took, or -1 where it cannot be computed. */
+static int compute_swing(Fit *fit, int k, const SwingVariables *own, int with_slopes, double *computed) {
     const FitProblem *problem = fit->problem;
     const Model *m = &problem->models[k];
     const double *values = values_of(problem, k), *angles = problem->angles[k];
@@ -114,37 +123,43 @@ static int compute_swing(Fit *fit, int k, const SwingVariables *own, int with_sl
     const int panels = report.panels + report.rejected;
     fit->left -= panels;
     if (failed) return -1;
-    fit->stops |= report.stuck_after >= 0.0;
+    fit->last.stops |= report.stuck_after >= 0.0;
+    fit->last.driven |= report.driven;
+    if (computed) memcpy(computed, fit->residuals, n * sizeof(double));
     for (int i = 0; i < n; i++) fit->residuals[i] -= angles[i];
     return panels;
 }
 
-static void look_at_residuals(Fit *fit, int n) {
-    const double *r = fit->residuals;
-    fit->squares += dot(r, r, n);
-    fit->steps += dot(r, r, n - 1) + dot(r + 1, r + 1, n - 1) - 2.0 * dot(r, r + 1, n - 1);
+/* The squares of the steps from each residual to the next. */
+static double steps_of(const double *r, int n) {
+    return dot(r, r, n - 1) + dot(r + 1, r + 1, n - 1) - 2.0 * dot(r, r + 1, n - 1);
 }
 
 /* The Cost of a Fit. */
 static double swings_cost(void *of, const double *x, double *gradient, double *normal) {
     Fit *fit = of;
     const FitProblem *problem = fit->problem;
-    double value = 0.0, work = 0.0;
+    double value = 0.0, work = 0.0, *angles = fit->angles;
     if (fit->left <= 0.0) return NAN;
-    fit->stops = 0;
+    memcpy(fit->last.x, x, problem->n_variables * sizeof(double));
+    fit->last.with_slopes = gradient != NULL;
+    fit->last.stops = fit->last.driven = 0;
+    fit->last.steps = 0.0;
     if (gradient) {
         memset(gradient, 0, problem->n_variables * sizeof(double));
         memset(normal, 0, (size_t)problem->n_variables * problem->n_variables * sizeof(double));
     }
     for (int k = 0; k < problem->n_swings; k++) {
         const SwingVariables own = set_values(problem, k, x);
-        const int panels = compute_swing(fit, k, &own, gradient != NULL), n = problem->n_samples[k];
+        const int n = problem->n_samples[k], panels = compute_swing(fit, k, &own, gradient != NULL, angles);
         if (panels < 0) return INFINITY;
+        if (angles) angles += n;
         work += panels;
         value += 0.5 * dot(fit->residuals, fit->residuals, n);
-        if (fit->looks) look_at_residuals(fit, n);
+        fit->last.steps += steps_of(fit->residuals, n);
         if (gradient) add_normal(fit, &own, n, gradient, normal);
     }
+    fit->last.squares = 2.0 * value;
     value += add_knowledge(problem, x, gradient, normal);
     if (value < fit->least) {
         fit->least = value;
@@ -182,14 +197,25 @@ static void set_budget(Fit *fit, const double *x, int most_evaluations) {
     fit->left = most_evaluations * fit->usual;
 }
 
-/* Slopes at the best point, what its residuals are like, and whether a swing stops there. */
+/* Whether the last point is the best one. */
+static int is_at_best(const Fit *fit, const FitResult *result) {
+    return !memcmp(fit->last.x, result->variables, fit->problem->n_variables * sizeof(double));
+}
+
+/* The best point: its swings and, unless those from before the last step are as good, its slopes. gradient, normal: room. */
 static void evaluate_best(Fit *fit, FitResult *result, double *gradient, double *normal) {
+    const SearchOutcome *outcome = &result->outcome;
+    const size_t n = fit->problem->n_variables;
+    const int same_slopes = outcome->converged == STATIONARY && outcome->predicted_reduction < SAME_SLOPES;
     fit->usual = fit->left = INFINITY;
-    fit->squares = fit->steps = 0.0;
-    fit->looks = 1;
-    swings_cost(fit, result->variables, gradient, normal);
-    fit->looks = 0;
-    result->outcome.stops = fit->stops;
+    if (!is_at_best(fit, result) || !(fit->last.with_slopes || same_slopes)) {
+        swings_cost(fit, result->variables, gradient, normal);
+        memcpy(result->normal, normal, n * n * sizeof(double));
+    }
+    /* computed with slopes, angles differ in their last bits from those that a trajectory without them has */
+    if (fit->angles && fit->last.with_slopes) swings_cost(fit, result->variables, NULL, NULL);
+    result->outcome.stops = fit->last.stops;
+    result->outcome.driven = fit->last.driven;
 }
 
 /* Whether the residuals just computed are white (von Neumann's ratio, Annals of Mathematical Statistics 12, 1941) and a small
@@ -204,7 +230,8 @@ static int leaves_noise(const Fit *fit) {
         for (int i = 0; i < problem->n_samples[k]; i++) swing += (problem->angles[k][i] - mean) * (problem->angles[k][i] - mean);
         n += problem->n_samples[k];
     }
-    return n >= FEW_RESIDUALS && fit->squares < SMALL_PART * swing && fit->steps > 2.0 * (1.0 - 4.0 / sqrt(n)) * fit->squares;
+    return n >= FEW_RESIDUALS && fit->last.squares < SMALL_PART * swing
+        && fit->last.steps > 2.0 * (1.0 - 4.0 / sqrt(n)) * fit->last.squares;
 }
 
 /* Half the least sum of squares over all starts; x, normal: room for one of them. */
@@ -231,9 +258,8 @@ static double search_all(Fit *fit, const Starts *starts, const SearchOptions *op
             result->outcome = outcome;
         }
         if (k || !starts->until_noise || result->outcome.converged != STATIONARY) continue;
-        evaluate_best(fit, result, x, normal);
-        if (fit->stops || !leaves_noise(fit)) continue;
-        memcpy(result->normal, normal, n * n * sizeof(double));
+        if (!is_at_best(fit, result)) swings_cost(fit, result->variables, NULL, NULL);
+        if (fit->last.stops || !leaves_noise(fit)) continue;
         result->outcome.ends_in_noise = 1;
         while (++k < starts->n_starts) result->squares[k] = NAN;
     }
@@ -245,12 +271,12 @@ double fit_swings(const FitProblem *problem, const Starts *starts, const SearchO
     const size_t n = problem->n_variables;
     Fit fit;
     double least = INFINITY;
-    result->outcome = (SearchOutcome){NOT_COMPUTABLE, 0, INFINITY, 0, 0};
+    result->outcome = (SearchOutcome){NOT_COMPUTABLE, 0, INFINITY, 0, 0, 0};
     double *room = malloc((n * n + n) * sizeof(double)), *x = room + n * n;
     if (open_fit(&fit, problem) && room) {
+        fit.angles = result->angles;
         least = search_all(&fit, starts, options, x, room, result);
-        if (starts->evaluate_best && result->outcome.converged >= 0 && !result->outcome.ends_in_noise)
-            evaluate_best(&fit, result, x, result->normal);
+        if (starts->evaluate_best && result->outcome.converged >= 0) evaluate_best(&fit, result, x, room);
     }
     free(fit.residuals);
     free(room);
