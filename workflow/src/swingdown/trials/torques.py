@@ -65,7 +65,8 @@ def _detent(one, t, th, v, s, kinks):
 
 
 def _magnet(one, t, th, v, s, kinks):
-    return -one.p["magnet_stiffness"] * th * exp(-((th / one.p["magnet_width"]) ** 2))
+    reach = th / one.p["magnet_width"]
+    return -2 * one.p["magnet_depth"] / one.p["magnet_width"] * reach * exp(-reach * reach)
 
 
 def _eddy(one, t, th, v, s, kinks):
