@@ -153,6 +153,21 @@ def test_a_third_of_the_links_gap_is_explained(jensen):
 
 
 @pytest.mark.slow
+def test_a_magnet_below_a_rig_is_found_first(shared_data):
+    """The rig's makers tell of a repelling magnet at its bottom; read off a figure, from 177° to rest on one side of it."""
+    table = pd.read_csv(shared_data / "real/khasawneh_rig/fig13_digitised.csv", comment="#")
+    rig = campaign("rig", [Swing("drop", table["t_s"].to_numpy(), table["theta_rad"].to_numpy())])
+    first, second = discover(rig, "quadratic_drag+load_coulomb", rounds=1, budget_s=BUDGET)
+    assert first.chosen.move == "add magnet"
+    values = second.fit.model.values
+    push = -2 * values["magnet_depth"] / values["magnet_width"] ** 2
+    assert push > values["natural_frequency"] ** 2  # it does not come to rest at the bottom
+    assert 0.05 < values["magnet_width"] < 0.2
+    assert second.holdout.rms < 0.5 * first.holdout.rms
+    assert second.fit.rms < 0.25 * first.fit.rms
+
+
+@pytest.mark.slow
 def test_the_whole_workflow_runs_on_real_recordings(shared_data, snakemake, tmp_path):
     (tmp_path / "sheet.csv").write_text(SHEET.format(folder=shared_data.resolve()))
     (tmp_path / "mine.yaml").write_text(

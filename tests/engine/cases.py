@@ -31,6 +31,8 @@ RANGES = {
     "detent_torque": (1e-2, 2.0),
     "detent_order": (4.0, 40.0),
     "detent_phase": (-3.0, 3.0),
+    "magnet_depth": (-1.0, 1.0),
+    "magnet_width": (0.03, 1.0),
     "pivot_mass_ratio": (1e-3, 0.5),
     "pivot_frequency": (5.0, 100.0),
     "pivot_damping_ratio": (1e-3, 0.5),

@@ -64,6 +64,11 @@ def _detent(one, t, th, v, s, kinks):
     return one.p["detent_torque"] * sin(one.p["detent_order"] * th + one.p["detent_phase"])
 
 
+def _magnet(one, t, th, v, s, kinks):
+    reach = th / one.p["magnet_width"]
+    return -2 * one.p["magnet_depth"] / one.p["magnet_width"] * reach * exp(-reach * reach)
+
+
 def _eddy(one, t, th, v, s, kinks):
     return -one.p["eddy_coefficient"] * exp(-((th / one.p["eddy_width"]) ** 2)) * v
 
@@ -103,6 +108,7 @@ TORQUES = {
     ),
     "cubic_stiffness": lambda one, t, th, v, s, kinks: -one.p["cubic_stiffness"] * th * th * th,
     "detent": _detent,
+    "magnet": _magnet,
     "base_vibration": _vibration,
     "damping_drift": _drift,
     "steady_wind": _wind,

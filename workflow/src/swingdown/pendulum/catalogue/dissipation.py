@@ -90,8 +90,8 @@ DISSIPATION = (
             ),
         ),
         "Dry friction that first bends like a spring: near each turning point the bearing winds up before it slides, "
-        "so small swings run early.",
-        "Dahl, Aerospace Corporation TOR-0158 (1968)",
+        "so small swings run early. A cable that bends does the same over tenths of a radian (Bouc and Wen's hysteresis at its simplest).",
+        "Dahl, Aerospace Corporation TOR-0158 (1968); Wen, J. Eng. Mech. Div. ASCE 102, 249 (1976)",
         states=(State("F", "rad/s^2", "0", "(F_c - F*sign(thetadot))*thetadot/x_c", "friction torque over inertia"),),
         contains=(Contained("constant_coulomb", {"presliding_angle": 0.0}, unseen="presliding_angle"),),
         replaces=(

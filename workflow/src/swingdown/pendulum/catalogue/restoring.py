@@ -20,7 +20,8 @@ RESTORING = (
         "constant_torque",
         "tau_0",
         (Parameter("constant_torque", "tau_0", "rad/s^2", -inf, inf, "steady torque over inertia", 0.3),),
-        "A steady push to one side: the swing's middle is not where the pendulum would hang.",
+        "A steady push to one side: the swing's middle is not where the pendulum would hang. Dry friction that is larger one way "
+        "than the other is this torque beside the mean of both.",
         MECHANICS,
         told_apart={
             "sensor_zero": "Read the angle at rest, turn the pendulum's mount end for end, and read it again: a torque stays, a wrong zero turns.",
@@ -80,6 +81,29 @@ RESTORING = (
             Contained("torsion_spring", {"detent_phase": pi}),
         ),
         headline=("detent_torque", "detent_order"),
+    ),
+    Effect(
+        "magnet",
+        # by its depth: swings that rush past feel this alone, and leave pull and width open
+        "-2*u_m*theta/w_m**2*exp(-(theta/w_m)**2)",
+        (
+            Parameter("magnet_depth", "u_m", "1/s^2", -inf, inf, "energy it holds the bob with over inertia; below 0 it repels", 0.1),
+            Parameter(
+                "magnet_width", "w_m", "rad", 0.02, inf, "angle over which the magnet reaches", 0.15,
+                role="shape", starts=(0.05, 0.1, 0.2, 0.4), drawn=(0.06, 0.3),
+            ),
+        ),
+        "A magnet near the bottom pulls the bob toward it, or pushes it away, and only there: small swings run early, or late, "
+        "and a strong one that repels leaves the bob at rest on one side.",
+        "Moon and Holmes, J. Sound Vib. 65, 275 (1979)",
+        contains=(Contained("torsion_spring", {"magnet_width": inf}),),
+        told_apart={
+            "torsion_spring": "Release from below 5° and from as far as the apparatus allows: a spring shifts the period of both, a magnet only that of the small swing.",
+            "cubic_stiffness": "Release from below 5° and from as far as the apparatus allows: a magnet shifts the period of the small swing, a cubic spring that of the large one.",
+            "quadratic_stiffness": "Release from a quarter, from half and from the whole of the largest angle: beyond a magnet's reach the period comes back to that of the weight alone.",
+            "detent": "Turn the pendulum by a right angle at its mount: a magnet below stays at the bottom, poles and teeth turn along.",
+        },
+        headline=("magnet_depth", "magnet_width"),
     ),
     Effect(
         "finite_amplitude",
