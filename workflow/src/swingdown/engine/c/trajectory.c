@@ -61,6 +61,7 @@ static void start_at_release(Trajectory *r, const InitialValueProblem *problem) 
     System *s = &r->s;
     PhasePoint *here = &r->here;
     r->panel.has_inverse = 0;
+    s->coarseness = problem->coarseness;
     r->d.n = r->record.free.n_free;
     r->d.by = r->record.free.free_values;
     *here = (PhasePoint){r->record.times[0], problem->release_angle, problem->release_velocity, {0.0}};
@@ -173,10 +174,11 @@ static int open_parts(Trajectory *r) {
 static void guess_unknowns(Trajectory *r, const double *start) {
     const System *s = &r->s;
     Panel *panel = &r->panel;
-    const double omega = r->omega;
+    const double by_cosine = s->stuck ? 0.0 : start[0], by_sine = s->stuck ? 0.0 : -r->omega * r->here.v;
     for (int i = 0; i < N; i++) {
-        const double phase = omega * panel->h * T_nodes[i];
-        panel->u[i] = s->stuck ? 0.0 : start[0] * cos(phase) - omega * r->here.v * sin(phase);
+        double sn, cs;
+        sine_cosine(r->omega * panel->h * T_nodes[i], &sn, &cs);
+        panel->u[i] = by_cosine * cs + by_sine * sn;
     }
     for (int i = N; i < s->blocks * N; i++) panel->u[i] = start[s->row[i / N]];
     panel->has_inverse = 0;
