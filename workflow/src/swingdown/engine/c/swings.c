@@ -11,7 +11,7 @@
 #define MOST_WORK 4.0      /* of a trajectory, times the usual */
 #define FEW_RESIDUALS 50.0 /* no fewer tell whether they are white */
 #define SMALL_PART 0.05    /* of a swing's squares about its mean */
-#define COARSE 100.0       /* errors in a rough search, over the usual limits */
+#define COARSE 100.0       /* errors in a rough search with many panels, over the usual limits */
 
 /* A fit under way: the cost function's own.
  *
@@ -250,7 +250,7 @@ double fit_swings(const FitProblem *problem, const Starts *starts, const SearchO
     result->outcome = (SearchOutcome){NOT_COMPUTABLE, 0, INFINITY, 0, 0};
     double *room = malloc((n * n + n) * sizeof(double)), *x = room + n * n;
     if (open_fit(&fit, problem) && room) {
-        fit.coarseness = starts->rough ? COARSE : 1.0;
+        fit.coarseness = starts->rough && takes_many_panels(problem->models) ? COARSE : 1.0;
         least = search_all(&fit, starts, options, x, room, result);
         if (starts->evaluate_best && result->outcome.converged >= 0 && !result->outcome.ends_in_noise)
             evaluate_best(&fit, result, x, result->normal);

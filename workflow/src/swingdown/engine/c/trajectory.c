@@ -42,6 +42,7 @@ typedef struct {
     double expected;                /* s from the panel's start to the next reversal, by omega */
     double longest, refused;        /* panel that the last error estimates allow, and that they do not, s */
     Part parts[PARTS];              /* of this half-swing, and beyond where it is those of the last one */
+    int in_parts;                   /* a half-swing may have many panels */
     int n_parts, part;              /* of the last half-swing; where this one is */
     double *memory;                 /* of the parts */
     double budget, budget_a_second; /* panels in advance, and for each second of the motion */
@@ -53,6 +54,14 @@ static double usual_panels(const Model *m) {
     for (int k = 0; k < m->n_motions; k++)
         if (EFFECTS[m->motions[k].row].fractional_power) return 20.0;
     return 5.0;
+}
+
+static int takes_many_panels(const Model *m) {
+    for (int k = 0; k < m->n_motions; k++) {
+        const Effect *e = &EFFECTS[m->motions[k].row];
+        if (e->fractional_power || e->localised || e->n_switches || e->n_states) return 1;
+    }
+    return 0;
 }
 
 static inline double sign_of(double x) { return x > 0.0 ? 1.0 : (x < 0.0 ? -1.0 : 0.0); }
@@ -75,6 +84,7 @@ static void start_at_release(Trajectory *r, const InitialValueProblem *problem) 
     s->largest_angle = hypot(here->th, here->v / r->omega);
     r->last_reversal = -1.0;
     r->longest = INFINITY;
+    r->in_parts = takes_many_panels(problem->model);
     r->n_parts = r->part = 0;
     r->budget = isfinite(problem->most_panels) ? 50.0 : 1000.0;
     r->budget_a_second = fmin(problem->most_panels, MOST_PANELS * r->omega / PI);
@@ -119,12 +129,13 @@ static int leave_or_stick(Trajectory *r) {
     return DONE;
 }
 
-/* ---- Panels like those of the last half-swing ---- */
+/* ---- Panels like those of the last half-swing ----
+ *
+ * Where a half-swing has no more than a panel or two, what is remembered is the last panel, if it began at rest. */
 
-/* Whether the last half-swing tells of the next panel. */
 static int is_known(const Trajectory *r) { return r->part < r->n_parts && !r->s.stuck; }
 
-/* The last half-swing's panel that the next one is like, were it as long; or NULL. */
+/* The panel that the next one is like, were it as long; or NULL. */
 static const Part *part_alike(const Trajectory *r, double h) {
     const Part *part = &r->parts[r->part];
     return is_known(r) && fabs(h - part->h) < ALIKE * h && (part->v == 0.0) == (r->here.v == 0.0) ? part : NULL;
@@ -134,8 +145,10 @@ static const Part *part_alike(const Trajectory *r, double h) {
 static void begin_from(Trajectory *r, const Part *part, double acceleration) {
     const size_t size = (size_t)r->s.blocks * N;
     const double omega = r->omega * r->omega, v = r->here.v;
-    const double ratio = (acceleration * part->a + omega * v * part->v) / (part->a * part->a + omega * part->v * part->v);
+    const double ratio = v == 0.0 ? acceleration / part->a
+                                  : (acceleration * part->a + omega * v * part->v) / (part->a * part->a + omega * part->v * part->v);
     for (size_t i = 0; i < size; i++) r->panel.u[i] = ratio * part->u[i];
+    if (!r->in_parts) return; /* the inverse is still there */
     r->panel.has_inverse = part->has_inverse;
     if (part->has_inverse) memcpy(r->panel.inverse, part->inverse, size * size * sizeof(double));
 }
@@ -144,16 +157,19 @@ static void begin_from(Trajectory *r, const Part *part, double acceleration) {
 static void remember(Trajectory *r, double acceleration) {
     const size_t size = (size_t)r->s.blocks * N;
     const Panel *panel = &r->panel;
+    if (!r->in_parts) r->n_parts = panel->from.v == 0.0 && !r->s.stuck;
     if (r->part >= PARTS || r->s.stuck) return;
-    Part *part = &r->parts[r->part++];
+    Part *part = &r->parts[r->part];
     part->h = panel->h;
     part->longest = r->longest;
-    part->refused = r->refused;
+    part->refused = r->in_parts ? r->refused : INFINITY;
     part->v = panel->from.v;
     part->a = acceleration;
     part->has_inverse = panel->has_inverse;
     memcpy(part->u, panel->u, size * sizeof(double));
+    if (!r->in_parts) return;
     if (panel->has_inverse) memcpy(part->inverse, panel->inverse, size * size * sizeof(double));
+    r->part++;
 }
 
 /* Room for the parts; 0 where there is none. */
@@ -174,11 +190,10 @@ static int open_parts(Trajectory *r) {
 static void guess_unknowns(Trajectory *r, const double *start) {
     const System *s = &r->s;
     Panel *panel = &r->panel;
-    const double by_cosine = s->stuck ? 0.0 : start[0], by_sine = s->stuck ? 0.0 : -r->omega * r->here.v;
+    const double omega = r->omega;
     for (int i = 0; i < N; i++) {
-        double sn, cs;
-        sine_cosine(r->omega * panel->h * T_nodes[i], &sn, &cs);
-        panel->u[i] = by_cosine * cs + by_sine * sn;
+        const double phase = omega * panel->h * T_nodes[i];
+        panel->u[i] = s->stuck ? 0.0 : start[0] * cos(phase) - omega * r->here.v * sin(phase);
     }
     for (int i = N; i < s->blocks * N; i++) panel->u[i] = start[s->row[i / N]];
     panel->has_inverse = 0;
@@ -249,6 +264,7 @@ static void reverse(Trajectory *r) {
     r->report->reversals++;
     if (r->last_reversal >= 0.0) r->omega = PI / (r->here.t - r->last_reversal);
     r->last_reversal = r->here.t;
+    if (!r->in_parts) return;
     r->n_parts = r->part;
     r->part = 0;
 }
