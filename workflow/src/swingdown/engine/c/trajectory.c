@@ -84,7 +84,6 @@ static void start_at_release(Trajectory *r, const InitialValueProblem *problem) 
     s->largest_angle = hypot(here->th, here->v / r->omega);
     r->last_reversal = -1.0;
     r->longest = INFINITY;
-    r->in_parts = takes_many_panels(problem->model);
     r->n_parts = r->part = 0;
     r->budget = isfinite(problem->most_panels) ? 50.0 : 1000.0;
     r->budget_a_second = fmin(problem->most_panels, MOST_PANELS * r->omega / PI);
@@ -174,12 +173,13 @@ static void remember(Trajectory *r, double acceleration) {
 
 /* Room for the parts; 0 where there is none. */
 static int open_parts(Trajectory *r) {
-    const size_t size = (size_t)r->s.blocks * N;
-    double *room = r->memory = malloc(PARTS * (size + size * size) * sizeof(double));
-    for (int k = 0; k < PARTS && room; k++) {
+    const size_t size = (size_t)r->s.blocks * N, squared = r->in_parts ? size * size : 0;
+    const int n = r->in_parts ? PARTS : 1;
+    double *room = r->memory = malloc(n * (size + squared) * sizeof(double));
+    for (int k = 0; k < n && room; k++) {
         r->parts[k].u = room;
         r->parts[k].inverse = room + size;
-        room += size + size * size;
+        room += size + squared;
     }
     return room != NULL;
 }
@@ -322,6 +322,7 @@ int swing_trajectory(const InitialValueProblem *problem, double *angles, double 
         return report->status = TOO_LARGE;
     report->status = open_record(&r.record, problem, angles, slopes);
     if (report->status == NO_MEMORY) return NO_MEMORY;
+    r.in_parts = takes_many_panels(problem->model);
     if (!open_parts(&r)) report->status = NO_MEMORY;
     start_at_release(&r, problem);
     while (r.record.next < problem->n_times && report->status == DONE) report->status = advance(&r);
