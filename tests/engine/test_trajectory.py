@@ -243,6 +243,20 @@ def test_friction_that_winds_up_beside_friction_that_holds(label, friction, rele
     assert np.abs(simulate(model, TIMES, 0.3) - seen.reading).max() < 1e-8
 
 
+@pytest.mark.parametrize(
+    ("name", "own", "share"),
+    [
+        ("presliding", {"presliding_friction": 0.2, "presliding_angle": 0.01}, 0.1),
+        ("power_law_drag", {"power_law_coefficient": 0.1, "power_law_exponent": 1.5}, 0.2),
+    ],
+)
+def test_a_half_swing_knows_the_panels_of_the_last(name, own, share):
+    """Where many panels make a half-swing, few are tried in vain: as long as those of the last one they do."""
+    values = {"natural_frequency": 7.0, "viscous_ratio": 0.008} | own
+    spent = effort(Model(f"viscous+{name}", values), np.arange(2001) / 100, 0.8)
+    assert spent.panels > 2 * spent.reversals and spent.rejected < share * spent.panels
+
+
 def test_friction_that_drives_is_told():
     """Beyond 90 degrees the rod is pushed, so friction in proportion to its pull feeds the swing; at the top it throws it."""
     values = {"natural_frequency": 5.0, "load_friction": 0.05}

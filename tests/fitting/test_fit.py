@@ -7,11 +7,13 @@ import numpy as np
 import pytest
 from swings import CASES, FULL, TIMES, fit_from, random_start
 
+from swingdown.engine import interface
 from swingdown.engine.trajectory import TrajectoryError, TrajectoryWarning, sensitivities, simulate
 from swingdown.errors import InputError
 from swingdown.fitting.batch import fit_batch
 from swingdown.fitting.least_squares import fit_jointly, fit_trajectory
 from swingdown.fitting.nelder_mead import fit_nelder_mead
+from swingdown.fitting.problem import Problem
 from swingdown.fitting.result import Begin, SwingStart
 from swingdown.pendulum.model import PAPER_MODELS, Model
 
@@ -436,3 +438,26 @@ def test_what_drifts_does_so_in_time_however_long_a_swing_was_recorded(effect, v
     assert abs(fit.model.values[effect] - value) < 4 * error
     # and goes on to do so where the fit is asked about another recording
     assert fit.model.record == 20.0
+
+
+@pytest.mark.parametrize("name", ["power_law_drag", "presliding"])
+def test_a_rough_search_ends_beside_the_optimum(name):
+    """Trajectories are coarser where no more is asked for than a start; by far less than would lead astray."""
+    own = {"power_law_coefficient": 0.1, "power_law_exponent": 1.5, "presliding_friction": 0.2, "presliding_angle": 0.01}  # fmt: skip
+    model = Model(f"viscous+{name}")
+    values = {"natural_frequency": 7.0, "viscous_ratio": 0.01} | own
+    true, times = model.with_values({key: values[key] for key in model.parameters}), np.arange(1001) / 100
+    angle = simulate(true, times, 0.6) + 2e-3 * np.random.default_rng(4).standard_normal(times.size)
+    problem = Problem(model, [(times, angle)], "free", True)
+    start = problem.variables(true.values, [(0.6, 0.0)])[None]
+    (_, near, *_), (least, *_) = (
+        interface.fit_swings(
+            problem.compiled[0].library, problem.c, problem.given, start, [times.size], interface.Options(100, tolerance), exact
+        )
+        for tolerance, exact in ((1e-6, False), (1e-12, True))
+    )  # fmt: skip
+    *found, release, velocity = problem.slots(near)[0]
+    there = simulate(
+        model.with_values(dict(zip(model.parameters, found, strict=True))), times, release, velocity
+    )
+    assert np.sum((there - angle) ** 2) == pytest.approx(least, rel=1e-5)

@@ -27,6 +27,16 @@ def test_a_minimum_that_is_not_reached_is_not_called_one():
     assert not least_squares(both, [-1.2, 1.0], most=3).converged
 
 
+def test_a_search_at_its_roundings_end_stops_there():
+    start = 1.01
+
+    def rough(x):  # every other point is worse by more than the slopes promise
+        return np.array([1.0 + 1e-9 * (x[0] != start), 1e-4 * (x[0] - 1.0)]), np.array([[0.0], [1e-4]])
+
+    found = least_squares(rough, [start])
+    assert found.converged and found.x[0] == start and found.evaluations < 50
+
+
 def test_a_point_that_cannot_be_computed_is_stepped_back_from():
     def narrow(x):
         with np.errstate(invalid="ignore"):

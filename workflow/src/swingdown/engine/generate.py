@@ -24,7 +24,7 @@ _PARTIALS = "(const Points *q, const double *p, const double *sign, const Partia
 
 
 class _Printer(C99CodePrinter):
-    """C that vectorises: the engine's own sine and cosine, and products for whole powers."""
+    """C that vectorises: the engine's own functions (c/elementary.h), and products for whole powers."""
 
     def _print_Symbol(self, name):
         return f"s_{name.name}"  # whatever a formula calls its symbols, they collide with nothing in C
@@ -38,7 +38,16 @@ class _Printer(C99CodePrinter):
     def _print_cos(self, call):
         return f"cosine({self._print(call.args[0])})"
 
+    def _print_exp(self, call):
+        return f"exponential({self._print(call.args[0])})"
+
+    def _print_log(self, call):
+        own = call.args[0] == _SPEED  # which is above zero
+        return f"logarithm({self._print(_SPEED)})" if own else super()._print_Function(call)
+
     def _print_Pow(self, power):
+        if power.base == _SPEED and not power.exp.is_Integer:
+            return f"power_of({self._print(_SPEED)}, {self._print(power.exp)})"
         if power.exp.is_Integer and 2 <= abs(power.exp) <= 8:
             product = "*".join([f"({self._print(power.base)})"] * abs(int(power.exp)))
             return f"({product})" if power.exp > 0 else f"(1.0/({product}))"
@@ -109,9 +118,12 @@ def _function(name, signature, effect, assignments):
         list=True,
     )
     used = set().union(*(e.free_symbols for e in reduced), *(e.free_symbols for _, e in shared))
+    if _SPEED in used:
+        used |= {_DIRECTION, _VELOCITY}
     arrays, numbers = _inputs(effect)
     arrays = {key: (f"in{k}", array) for k, (key, array) in enumerate(arrays.items()) if key in used}
-    speed = {_SPEED: "fmax(q->direction * q->v[i], 1e-300)"} if _SPEED in used else {}
+    forwards = _printer.doprint(_DIRECTION * _VELOCITY)
+    speed = {_SPEED: f"{forwards} < 1e-300 ? 1e-300 : {forwards}"} if _SPEED in used else {}
     return [
         *head,
         *(_declare(key, value) for key, value in numbers.items() if key in used),

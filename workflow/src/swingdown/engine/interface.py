@@ -115,7 +115,7 @@ def swing_trajectory(
     free_values = new("int[]", free)
     problem = new(
         "InitialValueProblem *",
-        (model, doubles(values), *release, doubles(times), times.size, np.inf, len(free), free_values),
+        (model, doubles(values), *release, doubles(times), times.size, np.inf, 1.0, len(free), free_values),
     )
     status = library.swing_trajectory(
         problem, doubles(angles), ffi().NULL if slopes is None else doubles(slopes), report
@@ -260,9 +260,10 @@ def fit_swings(
     """The least sum of squares (rad^2) from the starts, the variables there, J'J, the sum from each start, the ``Outcome``.
 
     ``given`` (swing, value): the values that are no variables; ``starts`` (start, variable); ``lengths``: how many
-    samples of each swing count. J'J is that of a point close by unless ``evaluate_best``. ``until_noise``: where the first
-    start leads to a minimum that leaves nothing but noise, the others are not tried; their sums are NaN. ``angles`` (n,) of
-    all swings are filled with those at the best point, where that is evaluated.
+    samples of each swing count. Without ``evaluate_best`` no more is asked for than where another search starts: trajectories
+    are coarser, and J'J is that of a point close by. ``until_noise``: where the first start leads to a minimum that leaves
+    nothing but noise, the others are not tried; their sums are NaN. ``angles`` (n,) of all swings are filled with those at the
+    best point, where that is evaluated.
     """
     size, count, new = problem.n_variables, len(lengths), ffi().new
     values, best, normal = given.copy(), np.zeros(size), np.zeros((size, size))
@@ -274,8 +275,12 @@ def fit_swings(
          problem.known),
     )  # fmt: skip
     into = ffi().NULL if angles is None else doubles(angles)
-    result = new("FitResult *", (doubles(best), doubles(normal), into, doubles(squares)))
-    all_starts = new("Starts *", (len(starts), doubles(starts), bool(evaluate_best), bool(until_noise)))
+    result = new(
+        "FitResult *",
+        {"variables": doubles(best), "normal": doubles(normal), "angles": into, "squares": doubles(squares)},
+    )
+    asked = bool(evaluate_best), bool(until_noise), not evaluate_best
+    all_starts = new("Starts *", (len(starts), doubles(starts), *asked))
     rss = library.fit_swings(swings, all_starts, new("SearchOptions *", options), result)
     return rss, best, normal, squares, _outcome(result.outcome)
 

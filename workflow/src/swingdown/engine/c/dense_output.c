@@ -126,9 +126,9 @@ static double defect(const System *s, const Panel *panel) {
 
 static double error_ratio(const System *s, const Panel *panel, double omega) {
     const double part = fmin(1.0, panel->h * omega / PI); /* a short panel adds little, however far it is off */
-    double ratio = truncation(s, panel) / TRUNCATION;
+    double ratio = truncation(s, panel) / (s->coarseness * TRUNCATION);
     if (s->fractional_power) ratio *= BROKEN_POWER_TRUNCATION * part;
     if (s->localised && ratio <= 1.0)
-        ratio = fmax(ratio, defect(s, panel) / DEFECT * (s->fractional_power ? BROKEN_POWER_DEFECT : 1.0) * part);
+        ratio = fmax(ratio, defect(s, panel) / (s->coarseness * DEFECT) * (s->fractional_power ? BROKEN_POWER_DEFECT : 1.0) * part);
     return ratio;
 }

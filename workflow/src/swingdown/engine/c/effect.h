@@ -1,9 +1,9 @@
 /* An effect of the catalogue as compiled code: what the functions generated from its formulas (engine/generate.py) read
- * and write, and the sine and cosine they call. */
+ * and write. */
 #ifndef EFFECT_H
 #define EFFECT_H
+#include "elementary.h"
 #include "interface.h"
-#include "lane_types.h"
 
 /* Points of a motion: arrays of n; z has a row of `stride` for each state, counted from the effect's own first. */
 typedef struct {
@@ -66,30 +66,4 @@ typedef struct {
     LockstepPartials lockstep_partials;
     int directed, affine; /* the motion has the velocity's sign; the reading is affine in the angle, and in nothing else */
 } Effect;
-
-/* Sine and cosine that compilers vectorise and that give the same bits on every machine: reduce by whole turns,
- * take a quarter of the angle (Cephes polynomials on +-pi/4), double twice. Adding `big`, 1.5 * 2^52, rounds to whole
- * numbers. */
-#define DEFINE_SINE_COSINE(name, Real) \
-static inline __attribute__((always_inline)) void name(Real x, Real *s, Real *c) {                                              \
-    const double big = 6755399441055744.0;                                                                                      \
-    Real turns = x * 0.15915494309189535 + big;                                                                                 \
-    turns -= big;                                                                                                               \
-    Real z = ((x - turns * 6.28318530717958623) - turns * 2.44929359829470635e-16) * 0.25;                                      \
-    Real zz = z * z;                                                                                                            \
-    Real ps = ((((1.58962301576546568060e-10 * zz - 2.50507477628578072866e-8) * zz + 2.75573136213857245213e-6) * zz           \
-                  - 1.98412698295895385996e-4) * zz + 8.33333333332211858878e-3) * zz - 1.66666666666666307295e-1;              \
-    Real pc = ((((-1.13585365213876817300e-11 * zz + 2.08757008419747316778e-9) * zz - 2.75573141792967388112e-7) * zz          \
-                  + 2.48015872888517045348e-5) * zz - 1.38888888888730564116e-3) * zz + 4.16666666666665929218e-2;              \
-    Real s0 = z + z * zz * ps, c0 = 1.0 - 0.5 * zz + zz * zz * pc;                                                              \
-    Real s1 = 2.0 * s0 * c0, c1 = 1.0 - 2.0 * s0 * s0;                                                                          \
-    *s = 2.0 * s1 * c1;                                                                                                         \
-    *c = 1.0 - 2.0 * s1 * s1;                                                                                                   \
-}
-DEFINE_SINE_COSINE(sine_cosine, double)
-DEFINE_SINE_COSINE(sines_cosines, Each)
-static inline double sine(double x) { double s, c; sine_cosine(x, &s, &c); return s; }
-static inline double cosine(double x) { double s, c; sine_cosine(x, &s, &c); return c; }
-static inline Each sines(Each x) { Each s, c; sines_cosines(x, &s, &c); return s; }
-static inline Each cosines(Each x) { Each s, c; sines_cosines(x, &s, &c); return c; }
 #endif

@@ -40,6 +40,7 @@ typedef struct {
     const double *times; /* increasing; the release is at the first */
     int n_times;
     double most_panels; /* a second: more (and some more) are a failure; infinite where it may take as long as it needs */
+    double coarseness;  /* errors may be so many times as large as usual, at least 1 */
     int n_free;
     const int *free_values; /* index of a parameter, RELEASE_ANGLE or RELEASE_VELOCITY */
 } InitialValueProblem;
@@ -119,11 +120,12 @@ typedef struct {
 } FitProblem;
 
 /* The starts of a fit, row by row. evaluate_best: whether J'J and `stops` are wanted at the best point itself. until_noise: the
- * others are not tried where the first leads to a minimum that leaves nothing but white noise, far smaller than the swing. */
+ * others are not tried where the first leads to a minimum that leaves nothing but white noise, far smaller than the swing. rough:
+ * the best point is no more than where another search starts, so trajectories may be coarse. */
 typedef struct {
     int n_starts;
     const double *variables;
-    int evaluate_best, until_noise;
+    int evaluate_best, until_noise, rough;
 } Starts;
 
 typedef struct {

@@ -211,6 +211,9 @@ static void propose_next(Search *s) {
     else {
         for (int i = 0; i < s->n; i++) s->trial[i] = fmin(fmax(s->x[i] + s->step[i], bounds->lower[i]), bounds->upper[i]);
         s->stage = TRIES;
+        if (memcmp(s->trial, s->x, s->n * sizeof(double))) return;
+        judge_no_gain(s); /* damped until it is below the values' rounding: it would be taken again and again */
+        s->stage = OVER;
     }
 }
 

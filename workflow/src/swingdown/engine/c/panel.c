@@ -65,7 +65,7 @@ static int solve_panel(const System *s, Panel *panel, TrajectoryReport *report) 
         report->evaluations++;
         if (error < 0.0) return 0;
         /* the step about to be taken leaves an error smaller by the factor that the last one gained */
-        const int solved = error * fmin(1.0, error / last) <= SOLVED;
+        const int solved = error * fmin(1.0, error / last) <= SOLVED * s->coarseness;
         const int slow = !solved && sweep && error > 0.2 * last && !fresh;
         if (!panel->has_inverse || slow) {
             if (!linearise(s, panel)) return 0;

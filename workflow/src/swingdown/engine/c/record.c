@@ -56,7 +56,8 @@ static void read_play(Record *r, int last) {
     }
 }
 
-static void read_panel(Record *r, const System *s, const Panel *panel, const Sensitivities *d, double t_end) {
+/* once a panel, so a call of its own shows in a fit's time */
+ALWAYS_INLINE void read_panel(Record *r, const System *s, const Panel *panel, const Sensitivities *d, double t_end) {
     int last = r->next;
     while (last < r->problem->n_times && r->times[last] <= t_end) last++;
     const int next = r->next, size = last - next, rate = r->problem->model->reads_rate;

@@ -25,7 +25,7 @@ static inline double equilibrium(const System *s, int k) { return s->drive[k] / 
 /* What is left, at an angle, of a rate-independent state's distance from its equilibrium at the start of a panel: also
  * its derivative by its value there. */
 static inline double remainder_at(const System *s, const PhasePoint *start, int k, double th) {
-    return exp(-s->relaxation[k] * (th - start->th));
+    return exponential(-s->relaxation[k] * (th - start->th));
 }
 
 static inline double rate_independent_at(const System *s, const PhasePoint *start, int k, double remaining) {

@@ -11,6 +11,7 @@
 #define MOST_WORK 4.0      /* of a trajectory, times the usual */
 #define FEW_RESIDUALS 50.0 /* no fewer tell whether they are white */
 #define SMALL_PART 0.05    /* of a swing's squares about its mean */
+#define COARSE 100.0       /* errors in a rough search with many panels, over the usual limits */
 /* Reduction that a last step promised, relative to the sum of squares, below which the slopes from before it are those after:
  * of 1e4 samples it went by 3e-5 of a standard error. */
 #define SAME_SLOPES 1e-13
@@ -35,6 +36,7 @@ typedef struct {
     double least;               /* half the sum of squares, so far */
     double usual, floor, left;  /* panels; usual: before anything is computed by the model; later no less than half of that */
     LastPoint last;
+    double coarseness;          /* of trajectories */
 } Fit;
 
 /* The free values of a swing, and the variable that each is. */
@@ -117,7 +119,7 @@ static int compute_swing(Fit *fit, int k, const SwingVariables *own, int with_sl
     const double *values = values_of(problem, k), *angles = problem->angles[k];
     const int n = problem->n_samples[k];
     const InitialValueProblem swing = {m, values, values[m->n_parameters], values[m->n_parameters + 1], problem->times[k], n,
-                                       MOST_WORK * fit->usual / fit->seconds, own->n, own->free_value};
+                                       MOST_WORK * fit->usual / fit->seconds, fit->coarseness, own->n, own->free_value};
     TrajectoryReport report;
     const int failed = swing_trajectory(&swing, fit->residuals, with_slopes ? fit->slopes : NULL, &report);
     const int panels = report.panels + report.rejected;
@@ -275,6 +277,7 @@ double fit_swings(const FitProblem *problem, const Starts *starts, const SearchO
     double *room = malloc((n * n + n) * sizeof(double)), *x = room + n * n;
     if (open_fit(&fit, problem) && room) {
         fit.angles = result->angles;
+        fit.coarseness = starts->rough && takes_many_panels(problem->models) ? COARSE : 1.0;
         least = search_all(&fit, starts, options, x, room, result);
         if (starts->evaluate_best && result->outcome.converged >= 0) evaluate_best(&fit, result, x, room);
     }
@@ -292,7 +295,7 @@ static void fit_series(const Batch *batch, const SearchOptions *options, int k, 
         if (batch->variable_of[i] >= 0) start[batch->variable_of[i]] = values[i];
     const FitProblem one = {batch->model, 1, &batch->n_samples, &batch->times, &series, values, batch->variable_of, n, batch->bounds,
                             {NULL, NULL}};
-    const Starts starts = {1, start, 0, 0};
+    const Starts starts = {1, start, 0, 0, 0};
     FitResult fitted = {.variables = result->variables + (size_t)k * n, .normal = normal, .squares = &squares};
     result->squares[k] = fit_swings(&one, &starts, options, &fitted);
     result->converged[k] = fitted.outcome.converged;

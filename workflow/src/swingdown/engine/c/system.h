@@ -12,6 +12,7 @@ typedef struct {
     const double *p;           /* the model's parameters */
     double direction;          /* of the velocity, frozen: 1 or -1; 0 before the first motion from rest */
     double largest_angle;      /* so far, rad */
+    double coarseness;         /* of errors, over the usual limits */
     double sign[MAX_SWITCHES]; /* frozen, of every other argument of an abs() or sign() in the model */
     int first_sign[MAX_EFFECTS], n_switches;
     int timed, inertial, fractional_power, localised; /* any effect is (effect.h) */

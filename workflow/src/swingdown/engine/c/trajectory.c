@@ -1,10 +1,13 @@
-/* The driver: from reversal to reversal, a panel each where the motion is smooth enough (panel.h).
+/* The driver: from reversal to reversal, a panel each where the motion is smooth enough (panel.h). Where it is not, the panels
+ * of a half-swing begin with the lengths, the motion and the inverses that did for those of the last one.
  *
  * Between the nodes the equations are checked where an effect may be too narrow for them (dense_output.h). The reversal is
  * the root of the velocity polynomial (events.h); the next panel starts there with the other sign, or the pendulum sticks:
  * then its panels have no acceleration until a torque frees it. Sensitivities go along (sensitivities.h), and the samples
  * are read from the dense output (record.h). */
 #include "trajectory.h"
+
+#include <stdlib.h>
 
 #include "events.h"
 #include "record.h"
@@ -14,6 +17,18 @@
 #define ATTEMPTS 60     /* at a panel */
 #define DRIVES 1e-4     /* of the acceleration: less drive by friction at rest is nothing that a swing would show */
 #define ORDER 14.0      /* of the error in the panel's length */
+#define PARTS 24        /* panels of a half-swing that are remembered */
+#define ALIKE 0.1       /* of a panel's length: so nearly of one length are panels whose motions are alike */
+#define SAFE 0.95       /* of the length that an error estimate allows */
+#define FORGETS 1.03    /* of a length that was refused, each half-swing: swings die down */
+
+/* A panel of the last half-swing, which the one that comes as late in the next is much like: its length, the longest that its
+ * error estimate allows and the shortest that was refused (s), velocity, acceleration and unknowns, and the inverse of its
+ * equations. */
+typedef struct {
+    double h, longest, refused, v, a, *u, *inverse;
+    int has_inverse;
+} Part;
 
 typedef struct {
     System s;
@@ -25,9 +40,11 @@ typedef struct {
     double omega, omega_at_release; /* rad/s, of the present swing, and of an undamped one from the release */
     double last_reversal;           /* s, or -1 where the pendulum has stuck since */
     double expected;                /* s from the panel's start to the next reversal, by omega */
-    double longest;                 /* panel that the last error estimates allow, s */
-    /* of the last panel, if it began at rest: its length and its first acceleration */
-    double rest_h, rest_acceleration;
+    double longest, refused;        /* panel that the last error estimates allow, and that they do not, s */
+    Part parts[PARTS];              /* of this half-swing, and beyond where it is those of the last one */
+    int in_parts;                   /* a half-swing may have many panels */
+    int n_parts, part;              /* of the last half-swing; where this one is */
+    double *memory;                 /* of the parts */
     double budget, budget_a_second; /* panels in advance, and for each second of the motion */
 } Trajectory;
 
@@ -39,12 +56,21 @@ static double usual_panels(const Model *m) {
     return 5.0;
 }
 
+static int takes_many_panels(const Model *m) {
+    for (int k = 0; k < m->n_motions; k++) {
+        const Effect *e = &EFFECTS[m->motions[k].row];
+        if (e->fractional_power || e->localised || e->n_switches || e->n_states) return 1;
+    }
+    return 0;
+}
+
 static inline double sign_of(double x) { return x > 0.0 ? 1.0 : (x < 0.0 ? -1.0 : 0.0); }
 
 static void start_at_release(Trajectory *r, const InitialValueProblem *problem) {
     System *s = &r->s;
     PhasePoint *here = &r->here;
     r->panel.has_inverse = 0;
+    s->coarseness = problem->coarseness;
     r->d.n = r->record.free.n_free;
     r->d.by = r->record.free.free_values;
     *here = (PhasePoint){r->record.times[0], problem->release_angle, problem->release_velocity, {0.0}};
@@ -58,7 +84,7 @@ static void start_at_release(Trajectory *r, const InitialValueProblem *problem) 
     s->largest_angle = hypot(here->th, here->v / r->omega);
     r->last_reversal = -1.0;
     r->longest = INFINITY;
-    r->rest_h = r->rest_acceleration = 0.0;
+    r->n_parts = r->part = 0;
     r->budget = isfinite(problem->most_panels) ? 50.0 : 1000.0;
     r->budget_a_second = fmin(problem->most_panels, MOST_PANELS * r->omega / PI);
 }
@@ -102,18 +128,75 @@ static int leave_or_stick(Trajectory *r) {
     return DONE;
 }
 
-/* A first guess of the unknowns: the last panel's shape where this is its mirror image, else a harmonic. */
-static void guess_unknowns(Trajectory *r, const double *start, const double *shape) {
+/* ---- Panels like those of the last half-swing ----
+ *
+ * Where a half-swing has no more than a panel or two, what is remembered is the last panel, if it began at rest. */
+
+static int is_known(const Trajectory *r) { return r->part < r->n_parts && !r->s.stuck; }
+
+/* The panel that the next one is like, were it as long; or NULL. */
+static const Part *part_alike(const Trajectory *r, double h) {
+    const Part *part = &r->parts[r->part];
+    return is_known(r) && fabs(h - part->h) < ALIKE * h && (part->v == 0.0) == (r->here.v == 0.0) ? part : NULL;
+}
+
+/* Its motion, larger or smaller, and its inverse, to begin with. */
+static void begin_from(Trajectory *r, const Part *part, double acceleration) {
+    const size_t size = (size_t)r->s.blocks * N;
+    const double omega = r->omega * r->omega, v = r->here.v;
+    const double ratio = v == 0.0 ? acceleration / part->a
+                                  : (acceleration * part->a + omega * v * part->v) / (part->a * part->a + omega * part->v * part->v);
+    for (size_t i = 0; i < size; i++) r->panel.u[i] = ratio * part->u[i];
+    if (!r->in_parts) return; /* the inverse is still there */
+    r->panel.has_inverse = part->has_inverse;
+    if (part->has_inverse) memcpy(r->panel.inverse, part->inverse, size * size * sizeof(double));
+}
+
+/* Remember the panel just followed. */
+static void remember(Trajectory *r, double acceleration) {
+    const size_t size = (size_t)r->s.blocks * N;
+    const Panel *panel = &r->panel;
+    if (!r->in_parts) r->n_parts = panel->from.v == 0.0 && !r->s.stuck;
+    if (r->part >= PARTS || r->s.stuck) return;
+    Part *part = &r->parts[r->part];
+    part->h = panel->h;
+    part->longest = r->longest;
+    part->refused = r->in_parts ? r->refused : INFINITY;
+    part->v = panel->from.v;
+    part->a = acceleration;
+    part->has_inverse = panel->has_inverse;
+    memcpy(part->u, panel->u, size * sizeof(double));
+    if (!r->in_parts) return;
+    if (panel->has_inverse) memcpy(part->inverse, panel->inverse, size * size * sizeof(double));
+    r->part++;
+}
+
+/* Room for the parts; 0 where there is none. */
+static int open_parts(Trajectory *r) {
+    const size_t size = (size_t)r->s.blocks * N, squared = r->in_parts ? size * size : 0;
+    const int n = r->in_parts ? PARTS : 1;
+    double *room = r->memory = malloc(n * (size + squared) * sizeof(double));
+    for (int k = 0; k < n && room; k++) {
+        r->parts[k].u = room;
+        r->parts[k].inverse = room + size;
+        room += size + squared;
+    }
+    return room != NULL;
+}
+
+/* ---- Panels ---- */
+
+/* A first guess of the unknowns, where no panel was alike: a harmonic. */
+static void guess_unknowns(Trajectory *r, const double *start) {
     const System *s = &r->s;
     Panel *panel = &r->panel;
     const double omega = r->omega;
     for (int i = 0; i < N; i++) {
         const double phase = omega * panel->h * T_nodes[i];
-        panel->u[i] = shape      ? shape[i] * (start[0] / r->rest_acceleration)
-                      : s->stuck ? 0.0
-                                 : start[0] * cos(phase) - omega * r->here.v * sin(phase);
+        panel->u[i] = s->stuck ? 0.0 : start[0] * cos(phase) - omega * r->here.v * sin(phase);
     }
     for (int i = N; i < s->blocks * N; i++) panel->u[i] = start[s->row[i / N]];
+    panel->has_inverse = 0;
 }
 
 /* How much shorter the panel is to be tried again; 0 where it is solved to the accuracy. */
@@ -134,35 +217,36 @@ static double first_length(Trajectory *r, double acceleration) {
     return h > 1e-12 ? h : 1e-12;
 }
 
-/* The next panel, as long as the accuracy allows; its error ratio, or -1 where there is none. */
-static double next_panel(Trajectory *r) {
-    double start[BLOCKS], shape[N], ratio = 0.0;
-    System *s = &r->s;
+/* The next panel, as long as the accuracy allows; its error ratio, or -1 where there is none. start: the rates there. */
+static double next_panel(Trajectory *r, const double *start) {
+    double ratio = 0.0;
     Panel *panel = &r->panel;
-    const int moves_from_rest = r->here.v == 0.0 && !s->stuck;
-    rates_at(s, &r->here, s->direction, start);
+    r->refused = INFINITY;
+    if (is_known(r)) {
+        r->refused = FORGETS * r->parts[r->part].refused;
+        r->longest = fmin(r->parts[r->part].longest, r->refused);
+    }
     double h = first_length(r, start[0]);
-    const int mirrored = moves_from_rest && r->rest_h > 0.0 && fabs(h - r->rest_h) < 0.1 * h;
-    memcpy(shape, panel->u, sizeof shape);
+    const Part *alike = part_alike(r, h);
     panel->from = r->here;
     for (int attempt = 0; attempt < ATTEMPTS; attempt++) {
-        const int mirror = mirrored && attempt == 0;
         panel->h = h;
-        guess_unknowns(r, start, mirror ? shape : NULL);
-        if (!mirror) panel->has_inverse = 0;
+        if (alike) begin_from(r, alike, start[0]);
+        else guess_unknowns(r, start);
+        ratio = 0.0;
         const double shorter = attempt_panel(r, &ratio);
         if (shorter == 0.0) {
             /* a short last panel says little about how long the next one may be */
-            const double allowed = h * 0.95 * pow(fmax(ratio, 1e-12), -1.0 / ORDER);
+            const double allowed = h * SAFE * pow(fmax(ratio, 1e-12), -1.0 / ORDER);
             if (ratio > 0.05 || allowed > r->longest) r->longest = allowed;
-            r->rest_h = moves_from_rest ? h : 0.0;
-            r->rest_acceleration = start[0];
             r->report->panels++;
             return ratio;
         }
+        r->refused = ratio > 1.0 ? h * SAFE * pow(ratio, -1.0 / ORDER) : h * shorter;
         h *= shorter;
         r->longest = h;
         r->report->rejected++;
+        alike = NULL;
     }
     return -1.0;
 }
@@ -180,6 +264,9 @@ static void reverse(Trajectory *r) {
     r->report->reversals++;
     if (r->last_reversal >= 0.0) r->omega = PI / (r->here.t - r->last_reversal);
     r->last_reversal = r->here.t;
+    if (!r->in_parts) return;
+    r->n_parts = r->part;
+    r->part = 0;
 }
 
 /* The status at the end of a panel. */
@@ -202,7 +289,9 @@ static int advance(Trajectory *r) {
         return DONE;
     }
     if (s->model->n_states) set_linear_states(s);
-    const double ratio = next_panel(r), h = panel->h;
+    double start[BLOCKS];
+    rates_at(s, &r->here, s->direction, start);
+    const double ratio = next_panel(r, start), h = panel->h;
     if (ratio < 0.0) return LOST_ACCURACY;
     const Event event = first_event(s, panel);
     const double x_end = fmin(event.position, 1.0);
@@ -212,6 +301,7 @@ static int advance(Trajectory *r) {
         if (!linearise(s, panel)) return LOST_ACCURACY;
         propagate(s, panel, &r->d, x_end);
     }
+    remember(r, start[0]);
     read_panel(&r->record, s, panel, &r->d, t_end);
     r->here = point_at(s, panel, x_end);
     r->here.t = t_end;
@@ -232,9 +322,12 @@ int swing_trajectory(const InitialValueProblem *problem, double *angles, double 
         return report->status = TOO_LARGE;
     report->status = open_record(&r.record, problem, angles, slopes);
     if (report->status == NO_MEMORY) return NO_MEMORY;
+    r.in_parts = takes_many_panels(problem->model);
+    if (!open_parts(&r)) report->status = NO_MEMORY;
     start_at_release(&r, problem);
     while (r.record.next < problem->n_times && report->status == DONE) report->status = advance(&r);
     finish_record(&r.record, report->status);
     close_record(&r.record);
+    free(r.memory);
     return report->status;
 }

@@ -5,4 +5,7 @@
 
 /* Panels that a half-swing of this model usually takes, at most. */
 static double usual_panels(const Model *m);
+
+/* Whether a half-swing of this model may take many panels. */
+static int takes_many_panels(const Model *m);
 #endif
