@@ -133,7 +133,7 @@ def swing_trajectories(library: Any, model: Any, values: Floats, times: Floats, 
     report, nothing = new("TrajectoryReport *"), ffi().NULL
     given, into = doubles(values), doubles(angles)
     problem = new(
-        "InitialValueProblem *", (model, given, 0.0, 0.0, doubles(times), times.size, np.inf, 0, nothing)
+        "InitialValueProblem *", (model, given, 0.0, 0.0, doubles(times), times.size, np.inf, 1.0, 0, nothing)
     )
     for k, (*_, angle, velocity) in enumerate(values.tolist()):
         problem.parameters = given + k * size
