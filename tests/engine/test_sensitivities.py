@@ -46,7 +46,7 @@ def test_a_slow_sensor_on_a_linear_pendulum_is_known_exactly(lag):
     pole = w * complex(-ratio, np.sqrt(1 - ratio**2))
     amplitude = complex(release, (release * pole.real - velocity) / pole.imag)
     steady, steady_slope = amplitude / (1 + lag * pole), -amplitude * pole / (1 + lag * pole) ** 2
-    moving = velocity**2 / (velocity**2 + (0.2 * w * release) ** 2)
+    moving = velocity**4 / (velocity**4 + (w * release / 4) ** 4)
     slow = (lag * w) ** 2
     first = release - (lag * velocity + moving * release * slow) / (1 + slow)
     first_slope = -(velocity * (1 - slow) + 2 * moving * release * lag * w**2) / (1 + slow) ** 2

@@ -254,8 +254,8 @@ def trajectory(
 
 def _first_reading(lag, angle, velocity, frequency):
     """What a slow sensor reads at first (rad): the angle where the pendulum was held, what a steady swing leaves of it where it
-    swings; a fifth of a swing's own velocity tells half and half."""
-    swinging = velocity**2 / (velocity**2 + (0.2 * frequency * angle) ** 2 + (1e-6 * frequency) ** 2)
+    swings; a quarter of a swing's own velocity tells half and half."""
+    swinging = velocity**4 / (velocity**4 + (frequency * angle / 4) ** 4 + (1e-6 * frequency) ** 4)
     phasor = complex(angle, -velocity / frequency) / complex(1, lag * frequency)
     late = -lag * velocity / abs(complex(1, lag * frequency)) ** 2
     return swinging * phasor.real + (1 - swinging) * (angle + late)

@@ -9,7 +9,7 @@ from .sources import METROLOGY
 # A pendulum that is let go was held, and the reading had come to the angle; one that swings already is followed steadily, at its
 # natural frequency. Which of the two a recording begins with is told by its velocity.
 _SETTLED = (
-    "theta - (tau_l*thetadot + theta*tau_l**2*omega_n**2*thetadot**2/(thetadot**2 + 0.04*omega_n**2*theta**2 + 1e-12*omega_n**2))"
+    "theta - (tau_l*thetadot + theta*tau_l**2*omega_n**2*thetadot**4/(thetadot**4 + (omega_n*theta/4)**4 + 1e-24*omega_n**4))"
     "/(1 + tau_l**2*omega_n**2)"
 )
 
