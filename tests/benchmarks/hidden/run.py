@@ -18,7 +18,7 @@ from swingdown import console
 from swingdown.errors import InputError
 
 OURS = "this package"
-KINDS = ("single", "pair", "null", "removed", "foreign")
+KINDS = ("single", "pair", "null", "own", "removed", "foreign")
 SAID = ("named", "consistent", "unknown", "failed")
 PAUSE = 15  # s between two lines of progress
 
@@ -132,6 +132,7 @@ def summarise(table):
                 "the same or inside a tie of at most four": _count(kind["single"]["inside"]),
                 "wrong name, single": _count(kind["single"]["wrong"]),
                 "false alarm, null": _count(kind["null"]["alarm"]),
+                "false alarm, own frequencies": _count(kind["own"]["alarm"]),
                 "unknown, removed or foreign": _count(outside["said"] == "unknown"),
                 "wrong name, removed or foreign": _count(outside["wrong"]),
                 "both of a pair": _count(kind["pair"]["exact"]),
@@ -158,8 +159,12 @@ def main():
     )
     reader.add_argument("--results", type=Path, default=Path("results/benchmarks"))
     reader.add_argument("--answers", type=Path, action="append", default=[], help="a method's answers, a CSV")
+    reader.add_argument("--most", type=int, help="of each kind, for a quicker look; by default all")
     given = reader.parse_args()
     trials = campaigns(given.hidden)
+    if given.most:
+        kinds = [one.truth["kind"] for one in trials]
+        trials = [one for k, one in enumerate(trials) if kinds[:k].count(kinds[k]) < given.most]
     found, missing = methods()
     for reason in missing:
         print(f"NOT MEASURED: {reason}")
