@@ -61,6 +61,9 @@ onstart:
         act()
     if workflow.local_exec and workflow.is_main_process:  # how jobs are executed is known only now
         prefork.start()
+        # Snakemake's limit to 100 jobs a second looks at all jobs anew once a second for each job that has ended; on one
+        # machine there is nothing to limit.
+        workflow.scheduler.job_rate_limiter = None
 
 
 wildcard_constraints:
