@@ -7,11 +7,12 @@ import numpy as np
 import pytest
 
 from swingdown.discovery.budget import Budget
-from swingdown.discovery.campaign import Swing, campaign
+from swingdown.discovery.campaign import Noise, Swing, campaign
 from swingdown.discovery.established import _leaning, established, rivals
-from swingdown.discovery.ranking import Candidate, in_place_of
+from swingdown.discovery.linear import frame
+from swingdown.discovery.ranking import Candidate, _no_worse, evidence, in_place_of
 from swingdown.discovery.rounds import first_fit, look
-from swingdown.discovery.search import _alike, _best, _leaner, _Search, _simplified
+from swingdown.discovery.search import _alike, _best, _leaner, _restored, _Search, _simplified
 from swingdown.engine.trajectory import simulate
 from swingdown.fitting.least_squares import fit_jointly
 from swingdown.pendulum.model import Model
@@ -133,3 +134,30 @@ def test_what_damps_is_held_against_all_that_damps_whatever_it_promises(drag, mo
     assert "viscous" in rivals(state, drag, others, "structural_damping")
     true = at(drag, "viscous+quadratic_drag", ("viscous", "quadratic_drag"))
     assert rivals(true, drag, ("load_coulomb", "constant_torque"), "viscous") == []
+
+
+def test_an_effect_of_the_base_comes_back_into_the_place_of_what_was_found_for_it(drag):
+    """Structural damping took viscous drag's place, and quadratic drag was found after it; viscous drag was there all the time."""
+    search = _Search(drag, 4, None, Budget(), ("viscous",))
+    ended = at(drag, "structural_damping+quadratic_drag", ("structural_damping", "quadratic_drag"))
+    states = _restored(search, [ended])
+    assert states[-1].fit.model.label == "viscous+quadratic_drag"
+    assert states[-1].found == ("quadratic_drag",)  # what the base had is not found
+    assert states[-2].chosen.dropped == "structural_damping"
+
+
+def test_what_is_there_is_not_exchanged_for_what_the_base_had(drag):
+    search = _Search(drag, 4, None, Budget(), ("structural_damping",))
+    ended = at(drag, "viscous+quadratic_drag", ("viscous", "quadratic_drag"))
+    assert _restored(search, [ended])[-1] is ended
+
+
+def test_an_effect_more_does_no_worse_than_the_exchange_that_beat_it(drag):
+    begun, alone = (first_fit(drag, Model(label)) for label in ("viscous", "quadratic_drag"))
+    here, noise = frame(begun, drag.fit), Noise(NOISE)
+    assert alone.rss < begun.rss
+    exchange = Candidate("quadratic_drag", "viscous", alone, evidence(alone, noise))
+    stuck = Candidate("quadratic_drag", None, begun, evidence(begun, noise))  # in a false minimum, say
+    best = _no_worse([exchange, stuck], here, noise)[0]
+    assert best.dropped is None
+    assert best.fit.rms == pytest.approx(NOISE, rel=0.05)
