@@ -74,6 +74,19 @@ def test_an_effect_that_the_catalogue_lacks_is_unknown_and_named_after_nothing_e
     assert "base_vibration" not in verdict["sentence"]
 
 
+def test_a_recording_that_the_import_refuses_is_left_out_and_told(tmp_path):
+    rows, _ = write_trial(drawn(SEED, Planned("null", (), 1.0, "white", 0)), SEED, "c0", tmp_path)
+    sheet = pd.DataFrame(rows).drop(columns="sha256")
+    cut = pd.read_csv(sheet["file"][1])
+    cut["theta_rad"] = cut["theta_rad"].clip(-0.2, 0.2)  # at a rail
+    cut.to_csv(sheet["file"][1], index=False)
+    sheet.to_csv(tmp_path / "sheet.csv", index=False)
+    found = find(tmp_path / "sheet.csv", Model(BASE), 4)["c0"]
+    assert found["verdict"]["status"] == "consistent"
+    assert "saturated" in found["refused"]["c0-2"]
+    assert len(found["refused"]) == 1
+
+
 def test_the_truth_is_not_in_what_the_search_sees(tmp_path):
     trial = drawn(SEED, Planned("single", ("quadratic_drag",), 2.0, "white", 0))
     rows, truth = write_trial(trial, SEED, "c1", tmp_path)

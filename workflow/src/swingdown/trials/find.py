@@ -9,6 +9,7 @@ from ..discovery.campaign import Swing, campaign
 from ..discovery.files import summary
 from ..discovery.search import discover
 from ..discovery.verdict import verdict
+from ..errors import InputError
 from ..measurement.angle import to_angle
 from ..measurement.recording import ingest
 from ..measurement.sheet import read_sheet
@@ -19,16 +20,22 @@ def find(
     sheet: Path | str, base: Model, rounds: int, excluded: Mapping[str, Iterable[str]] | None = None
 ) -> dict[str, Any]:
     """A dict by campaign of the sample sheet: ``verdict``, ``seconds`` of CPU time, and of the first round the swings that
-    were fitted and the residual (rad) that each effect leaves of them that could be added, by name.
+    were fitted and the residual (rad) that each effect leaves of them that could be added, by name; ``refused`` are the recordings
+    that the import does not take, which are left out.
 
-    ``excluded`` names for a campaign the effects that its catalogue lacks.
+    ``excluded`` names for a campaign the effects that its catalogue lacks. InputError where the import takes none of a campaign's
+    recordings.
     """
     table, found = read_sheet(sheet), {}
     for name, rows in table.groupby("campaign", sort=False):
         started = time.process_time()
-        swings = []
+        swings, refused = [], {}
         for recording, row in rows.iterrows():
-            data = to_angle(ingest(row, str(sheet)))
+            try:
+                data = to_angle(ingest(row, str(sheet)))
+            except InputError as problem:
+                refused[str(recording)] = problem.problem
+                continue
             swings.append(Swing(str(recording), data["time"].values, data["angle"].values))
         one = campaign(str(name), swings)
         lacks = set((excluded or {}).get(name, ()))
@@ -42,6 +49,7 @@ def find(
             "verdict": verdict(told, base.catalogue),
             "seconds": time.process_time() - started,
             "fitted": [swing.name for swing in one.fit],
+            "refused": refused,
             "rms_rad": {
                 row["added"]: row["rms_rad"] for row in sorted(ranked, key=lambda row: -row["rms_rad"])
             },
