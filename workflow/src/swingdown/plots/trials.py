@@ -46,7 +46,7 @@ def confusion(matrix: pd.DataFrame) -> Figure:
 
 _TRIALS = (  # kind, what is right of it (or an alarm), and in words
     ("null", "alarm", "nothing hidden: false alarms"),
-    ("own", "alarm", "nothing hidden, own frequencies: false alarms"),
+    ("own", "alarm", "own frequencies: false alarms"),
     ("removed", "right", "taken out of the catalogue: unknown"),
     ("foreign", "right", "in no catalogue: unknown"),
     ("pair", "inside", "two hidden: both named"),
