@@ -6,12 +6,14 @@ from scipy.integrate import solve_ivp
 
 from swingdown.discovery.campaign import Noise, Swing, campaign
 from swingdown.discovery.constancy import by_changing, changes, forms, torques_along
+from swingdown.discovery.established import changing
 from swingdown.discovery.green import motions_of, responses
 from swingdown.discovery.linear import frame
 from swingdown.discovery.ranking import ranking, told_from_changes
-from swingdown.discovery.rounds import first_fit
+from swingdown.discovery.rounds import first_fit, look
 from swingdown.discovery.search import discover
 from swingdown.discovery.verdict import GUARD
+from swingdown.engine.trajectory import TrajectoryError
 from swingdown.pendulum.model import Model
 
 TIMES = np.arange(801) / 50  # s
@@ -132,3 +134,19 @@ def test_nothing_is_asserted_of_a_drag_that_no_effect_is(drag):
     assert states[0].chosen.added == "quadratic_drag"  # the nearest to it
     assert last.established
     assert not any(one.sure for one in last.established.values())
+
+
+def test_a_motion_that_cannot_be_followed_more_finely_ends_no_search_and_establishes_nothing(monkeypatch):
+    def lost(frame):
+        raise TrajectoryError("it cannot be followed")
+
+    monkeypatch.setattr("swingdown.discovery.constancy.motions_of", lost)
+    one = swings(both_sides)
+    fit = first_fit(one, Model("viscous+quadratic_drag"))
+    state = look(1, one, fit, ("quadratic_drag",), last=True)
+    assert "could not be seen" in changing(state, one, "quadratic_drag")
+    here = frame(fit, one.fit)
+    ranked = ranking(here, Noise(NOISE), ("eddy_brake",))
+    assert [c.added for c in told_from_changes(ranked, here, Noise(NOISE), ["quadratic_drag"])] == [
+        c.added for c in ranked
+    ]

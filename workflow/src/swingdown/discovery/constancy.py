@@ -168,9 +168,10 @@ def _pushed(frame: Frame, motions: Sequence[Motion]) -> Floats:
     """What a constant torque and a sensor's zero do beyond the fit, orthonormal: all that moves the middle imitates in part a drag that
     is stronger one way than the other."""
     torque = responses(motions, [np.ones((one.times.size, 1)) for one in motions])
-    both = frame.outside(np.hstack([torque, np.ones_like(torque)]))
+    whole = np.hstack([torque, np.ones_like(torque)])
+    both = frame.outside(whole)
     work = np.linalg.norm(both, axis=0)
-    kept = work > _DETERMINED * np.linalg.norm(np.hstack([torque, np.ones_like(torque)]), axis=0)
+    kept = work > _DETERMINED * np.linalg.norm(whole, axis=0)
     return orthonormal(both[:, kept] / work[kept]) if kept.any() else np.zeros((both.shape[0], 0))
 
 

@@ -82,12 +82,16 @@ def changing(state: Round, campaign: Campaign, name: str, most: float = _CONSTAN
     here = frame(state.fit, campaign.fit)
     effect = state.fit.model.catalogue[name]
     excess = state.fit.rss - state.fit.n * state.noise.deviation**2
-    for one in changes(here, effect, state.noise):
+    try:
+        changed, beside = changes(here, effect, state.noise), forms(here, effect)
+    except TrajectoryError:  # the motion cannot be followed on a finer grid
+        return "whether it is the same everywhere could not be seen"
+    for one in changed:
         if one.squares < _EXPLAINED * excess or one.change < _CLEAR * one.error:
             continue
         if one.change > most or (most == _CONSTANT and one.squares > _SHARE * excess):
             return f"its size changes with {one.of}"
-    for form in forms(here, effect):
+    for form in beside:
         if form.squares >= _FORM * excess and form.size > max(_BESIDE, most):
             return f"a torque of another form, over {form.over}, remains beside it"
     return ""

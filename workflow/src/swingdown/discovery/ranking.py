@@ -316,7 +316,9 @@ def told_from_changes(
     ranked = list(ranked)
     if not found or not ranked:
         return ranked
-    now, reach = evidence(here.fit, noise), by_changing(here, noise, found)
+    now, reach = evidence(here.fit, noise), 0.0
+    with suppress(TrajectoryError):  # a motion that cannot be followed on a finer grid ends no search
+        reach = by_changing(here, noise, found)
     catalogue = here.fit.model.catalogue
 
     def told(one: Candidate) -> Candidate:
