@@ -12,7 +12,7 @@ from swingdown.paths import find, is_url, remove_leftovers
 from swingdown.sealed import remove_orphans
 from swingdown.study.plan import plan
 from swingdown.study.settings import complete
-from swingdown.study.sources import sources
+from swingdown.study.sources import fingerprint
 from swingdown.sweep.table import sweeps
 
 min_version("9.0")

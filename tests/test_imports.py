@@ -81,3 +81,25 @@ def test_what_verdicts_are_judged_by_counts_as_a_source(root):
         assert any(
             path.endswith("guard.yaml") for path in sources.sources(root / f"workflow/scripts/{script}.py")
         )
+
+
+def test_what_a_rule_knows_of_its_code_changes_with_any_file_that_its_script_rests_on(tmp_path, monkeypatch):
+    package = tmp_path / "swingdown"
+    package.mkdir()
+    for name, text in {"__init__": "", "near": "from . import far", "far": "a = 1", "other": "b = 1"}.items():
+        (package / f"{name}.py").write_text(text)
+    (tmp_path / "script.py").write_text("from swingdown import near\n")
+    monkeypatch.setattr(sources, "PACKAGE", package)
+
+    def known():
+        for kept in (sources.imported, sources.fingerprint, sources._content):
+            kept.cache_clear()
+        return sources.fingerprint(tmp_path / "script.py")
+
+    before = known()
+    (package / "other.py").write_text("b = 2")
+    assert known() == before
+    (package / "far.py").write_text("a = 2")
+    assert known() != before
+    (package / "far.py").write_text("a = 1")
+    assert known() == before

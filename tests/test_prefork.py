@@ -140,3 +140,25 @@ def test_every_script_asks_before_it_imports(root):
         first = next(node for node in tree.body if isinstance(node, ast.Import | ast.ImportFrom))
         asks = isinstance(first, ast.Import) and first.names[0].name == "swingdown.prefork"
         assert asks != (path.stem == "capture"), path
+
+
+def test_what_snakemake_puts_before_a_script_is_not_run_first(tmp_path, environment, starter):
+    """But in the forks alone; and a sitecustomize of the user's own is read as ever."""
+    folder = tmp_path / ".snakemake" / "scripts"
+    folder.mkdir(parents=True)
+    (folder / "script.py").write_text(
+        "import slow\nsnakemake = None\nimport swingdown.prefork\nimport os\nprint(os.environ['PYTHONPATH'])\n"
+    )
+    early = os.pathsep.join([prefork._EARLY, str(tmp_path)])
+    command = [sys.executable, ".snakemake/scripts/script.py"]
+    here = environment | {prefork.ADDRESS: starter.address, "PYTHONPATH": early}
+    for _ in range(2):
+        told = subprocess.run(command, cwd=tmp_path, env=here, capture_output=True, text=True, check=True)
+        assert told.stdout == f"{tmp_path}\n"
+    assert (tmp_path / "imported").read_text() == "once "
+
+    (tmp_path / "sitecustomize.py").write_text("open('own', 'a').write('read ')\n")
+    alone = here | {prefork.ADDRESS: "/nowhere"}
+    subprocess.run(command, cwd=tmp_path, env=alone, capture_output=True, check=True)
+    assert (tmp_path / "imported").read_text() == "once once "
+    assert (tmp_path / "own").read_text().split() == ["read"]

@@ -10,13 +10,13 @@ CERTIFIED = f"{workflow.basedir}/resources/certified"
 rule certified_cases:
     input:
         known=lambda wildcards: here(sorted(map(str, Path(CERTIFIED).rglob("*.*")))),
-        code=code("certified"),
     output:
         "results/trust/certified.csv",
     log:
         "results/logs/trust/certified.log",
     params:
         folder=CERTIFIED,
+        code=code("certified"),
     message:
         "Computing the published cases"
     script:

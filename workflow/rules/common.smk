@@ -7,8 +7,8 @@ from swingdown.pendulum.catalogue import catalogue
 
 
 def code(script):
-    """The package's files that a script rests on; as inputs they make its rule run again when one is edited."""
-    return here(sources(f"{workflow.basedir}/workflow/scripts/{script}.py"))
+    """What the package's files that a script rests on are known by; as a parameter it makes a rule run again when one is edited."""
+    return fingerprint(f"{workflow.basedir}/workflow/scripts/{script}.py")
 
 
 def here(paths):

@@ -8,7 +8,6 @@ COVERAGE = config["coverage"]
 rule coverage_case:
     input:
         apparatus=f"{workflow.basedir}/config/apparatus.yaml",
-        code=code("coverage_case"),
     output:
         "results/coverage/cases/{case}.csv",
     log:
@@ -16,6 +15,7 @@ rule coverage_case:
     params:
         measurements=lambda wildcards: COVERAGE.get(wildcards.case, COVERAGE["swings"]),
         seed=COVERAGE["seed"],
+        code=code("coverage_case"),
     message:
         "Coverage of stated intervals: {wildcards.case}, {params.measurements} measurements"
     script:
@@ -28,11 +28,12 @@ rule coverage_table:
             "results/coverage/cases/{case}.csv",
             case=["calibrations", "white", "ar5", "ar9", "steps", "together"],
         ),
-        code=code("coverage"),
     output:
         "results/coverage/coverage.csv",
     log:
         "results/logs/coverage.log",
+    params:
+        code=code("coverage"),
     message:
         "Coverage of stated intervals"
     script:

@@ -36,7 +36,6 @@ rule discover_search:
         angles=lambda wildcards: expand(
             "results/angles/{recording}.nc", recording=MEMBERS[wildcards.campaign]
         ),
-        code=code("discover_search"),
     output:
         expand("results/discovery/{{campaign}}/round-{n}/{file}", n=range(ROUNDS + 1), file=ROUND_FILES),
     log:
@@ -48,6 +47,7 @@ rule discover_search:
         budget_s=config["discovery"]["budget_s"],
         model=config["model"],
         effects=config["effects"],
+        code=code("discover_search"),
     message:
         "Looking for what the model of {wildcards.campaign} lacks"
     script:
@@ -57,13 +57,13 @@ rule discover_search:
 rule discover_verdict:
     input:
         rounds=expand("results/discovery/{{campaign}}/round-{n}/round.json", n=range(ROUNDS + 1)),
-        code=code("discover_verdict"),
     output:
         "results/discovery/{campaign}/verdict.json",
     log:
         "results/logs/discover/{campaign}/verdict.log",
     params:
         effects=config["effects"],
+        code=code("discover_verdict"),
     message:
         "The verdict on {wildcards.campaign}"
     script:
@@ -74,11 +74,12 @@ rule discover_figures:
     input:
         verdict="results/discovery/{campaign}/verdict.json",
         rounds=expand("results/discovery/{{campaign}}/round-{n}/round.json", n=range(ROUNDS + 1)),
-        code=code("discover_figures"),
     output:
         expand("results/discovery/{{campaign}}/figures/{name}.{ending}", name=SEEN, ending=["svg", "png"]),
     log:
         "results/logs/discover/{campaign}/figures.log",
+    params:
+        code=code("discover_figures"),
     message:
         "Drawing what was found in {wildcards.campaign}"
     script:

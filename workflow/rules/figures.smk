@@ -36,7 +36,6 @@ for name, needed in DRAWN.items():
             name
         input:
             **needed,
-            code=code("figure"),
         output:
             svg=report(
                 f"results/figures/{name}.svg",
@@ -49,6 +48,7 @@ for name, needed in DRAWN.items():
             f"results/logs/figures/{name}.log",
         params:
             data=needed,
+            code=code("figure"),
         message:
             f"Drawing Figure {int(name.removeprefix('fig'))}"
         script:
@@ -60,12 +60,13 @@ if PLAN.campaigns:
     rule used_part:
         input:
             recording="results/recordings/{recording}.nc",
-            code=code("used_part"),
         output:
             svg="results/figures/recordings/{recording}.svg",
             png="results/figures/recordings/{recording}.png",
         log:
             "results/logs/figures/recordings/{recording}.log",
+        params:
+            code=code("used_part"),
         message:
             "Drawing what is used of {wildcards.recording}"
         script:

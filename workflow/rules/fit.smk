@@ -15,7 +15,6 @@ TABLES += expand(
 rule fit_swing:
     input:
         angle="results/angles/{recording}.nc",
-        code=code("fit_swing"),
     output:
         "results/experiment/fits/{recording}.nc",
     log:
@@ -25,6 +24,7 @@ rule fit_swing:
         start=config["experiment"]["start"],
         model=config["model"],
         effects=config["effects"],
+        code=code("fit_swing"),
     message:
         "Fitting the models to {wildcards.recording}"
     script:
@@ -36,7 +36,6 @@ rule fit_campaign:
         angles=lambda wildcards: expand(
             "results/angles/{recording}.nc", recording=PLAN.swings(wildcards.campaign)
         ),
-        code=code("fit_campaign"),
     output:
         "results/experiment/joint/{campaign}.nc",
     log:
@@ -46,6 +45,7 @@ rule fit_campaign:
         start=config["experiment"]["start"],
         model=config["model"],
         effects=config["effects"],
+        code=code("fit_campaign"),
     message:
         "Fitting the models to all swings of {wildcards.campaign} together"
     script:
@@ -57,7 +57,6 @@ rule table3:
         fits=expand("results/experiment/fits/{recording}.nc", recording=PLAN.swings()),
         joint=JOINT,
         published=find("resources/paper/table3.csv"),
-        code=code("table3"),
     output:
         norms="results/experiment/norms.nc",
         table3=report("results/tables/table3.csv", category="Tables", labels={"table": "3"}),
@@ -72,6 +71,8 @@ rule table3:
         ),
     log:
         "results/logs/table3.log",
+    params:
+        code=code("table3"),
     message:
         "Collecting and comparing the fits of the experiment (Table 3)"
     script:

@@ -6,8 +6,6 @@ HIDDEN = config["hidden_effects"]
 
 
 rule hidden_make:
-    input:
-        code=code("hidden_make"),
     output:
         sheet="results/hidden_effects/campaigns/{chunk}/sheet.csv",
         excluded="results/hidden_effects/campaigns/{chunk}/excluded.json",
@@ -18,6 +16,7 @@ rule hidden_make:
         trials=lambda wildcards: [list(one) for one in trials()[wildcards.chunk]],
         seed=HIDDEN["seed"],
         effects=config["effects"],
+        code=code("hidden_make"),
     message:
         "Hiding effects in campaigns {wildcards.chunk}"
     script:
@@ -28,7 +27,6 @@ rule hidden_find:
     input:
         sheet=rules.hidden_make.output.sheet,
         excluded=rules.hidden_make.output.excluded,
-        code=code("hidden_find"),
     output:
         "results/hidden_effects/verdicts/{chunk}.json",
     log:
@@ -36,6 +34,7 @@ rule hidden_find:
     params:
         rounds=HIDDEN["rounds"],
         effects=config["effects"],
+        code=code("hidden_find"),
     message:
         "Looking for what is hidden in campaigns {wildcards.chunk}"
     script:
@@ -46,7 +45,6 @@ rule hidden_score:
     input:
         truths=lambda wildcards: expand("results/hidden_effects/truth/{chunk}.json", chunk=trials()),
         verdicts=lambda wildcards: expand("results/hidden_effects/verdicts/{chunk}.json", chunk=trials()),
-        code=code("hidden_score"),
     output:
         scores="results/hidden_effects/scores.csv",
         summary="results/hidden_effects/summary.csv",
@@ -57,6 +55,7 @@ rule hidden_score:
         "results/logs/hidden_effects/score.log",
     params:
         effects=config["effects"],
+        code=code("hidden_score"),
     message:
         "Holding the verdicts against the truth"
     script:
@@ -67,7 +66,6 @@ rule hidden_figures:
     input:
         scores=rules.hidden_score.output.scores,
         confusion=rules.hidden_score.output.confusion,
-        code=code("hidden_figures"),
     output:
         expand(
             "results/hidden_effects/figures/{name}.{ending}",
@@ -76,6 +74,8 @@ rule hidden_figures:
         ),
     log:
         "results/logs/hidden_effects/figures.log",
+    params:
+        code=code("hidden_figures"),
     message:
         "Drawing the scores"
     script:

@@ -22,7 +22,6 @@ MADE = {
 rule manifest:
     input:
         made=[*TABLES, *FIGURES, *MADE["discovery"], "results/report.html"],
-        code=code("manifest"),
     output:
         "results/manifest.json",
     log:
@@ -31,6 +30,7 @@ rule manifest:
     params:
         parts=["."],
         without=[*PARTS["sweeps"], *PARTS["hidden_effects"], *PARTS["trust"], *PARTS["coverage"]],
+        code=code("manifest"),
     message:
         "Listing what was made"
     script:
@@ -40,7 +40,6 @@ rule manifest:
 rule part_manifest:
     input:
         made=lambda wildcards: MADE[wildcards.part],
-        code=code("manifest"),
     output:
         "results/{part}/manifest.json",
     log:
@@ -51,6 +50,7 @@ rule part_manifest:
     params:
         parts=lambda wildcards: PARTS[wildcards.part],
         without=[],
+        code=code("manifest"),
     message:
         "Listing what was made of {wildcards.part}"
     script:

@@ -8,7 +8,6 @@ from swingdown.measurement.apparatus import read_apparatus
 rule record:
     input:
         file=lambda wildcards: raw(wildcards.recording),
-        code=code("record"),
     output:
         "results/recordings/{recording}.nc",
     log:
@@ -16,6 +15,7 @@ rule record:
     params:
         row=lambda wildcards: PLAN.rows[wildcards.recording],
         sheet=config.get("recordings"),
+        code=code("record"),
     message:
         "Reading {wildcards.recording}"
     script:
@@ -28,13 +28,13 @@ rule angle:
         calibration=lambda wildcards: (
             "results/calibration/calibration.nc" if wildcards.recording in PLAN.in_volts else []
         ),
-        code=code("angle"),
     output:
         "results/angles/{recording}.nc",
     log:
         "results/logs/angle/{recording}.log",
     params:
         mode=config["calibration"]["mode"],
+        code=code("angle"),
     message:
         "From signal to angle: {wildcards.recording}"
     script:
@@ -54,7 +54,6 @@ if PLAN.in_volts:
                 if not is_url(point["file"])
             ],
             rest=[f"results/recordings/{name}.nc" for name in PLAN.statics() if name in PLAN.in_volts][:1],
-            code=code("calibrate"),
         output:
             line="results/calibration/calibration.nc",
             budget=report(
@@ -66,6 +65,7 @@ if PLAN.in_volts:
             mode=config["calibration"]["mode"],
             draws=config["calibration"]["draws"],
             seed=config["seed"],
+            code=code("calibrate"),
         message:
             "Calibrating: heights to angles, angles and voltages to a line"
         script:

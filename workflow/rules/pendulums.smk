@@ -13,13 +13,13 @@ rule pendulums:
         joint=JOINT,
         verdicts=VERDICTS,
         left_out=str(find(config["left_out"])) if config.get("left_out") else [],
-        code=code("pendulums"),
     output:
         report("results/tables/pendulums.csv", category="Tables", labels={"table": "pendulums"}),
     log:
         "results/logs/pendulums.log",
     params:
         effects=config["effects"],
+        code=code("pendulums"),
     message:
         "Period, quality and decay of each pendulum"
     script:
@@ -29,12 +29,13 @@ rule pendulums:
 rule pendulums_figure:
     input:
         table=rules.pendulums.output[0],
-        code=code("pendulums_figure"),
     output:
         svg="results/figures/pendulums.svg",
         png="results/figures/pendulums.png",
     log:
         "results/logs/figures/pendulums.log",
+    params:
+        code=code("pendulums_figure"),
     message:
         "Drawing the pendulums side by side"
     script:

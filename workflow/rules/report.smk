@@ -29,7 +29,6 @@ rule page:
         sweep_captions=SWEEP_CAPTIONS,
         told=told(),
         template=f"{workflow.basedir}/workflow/src/swingdown/report/report.html.j2",
-        code=code("report"),
     output:
         "results/report.html",
     log:
@@ -37,6 +36,7 @@ rule page:
     params:
         settings=config,
         sweeps=swept(),
+        code=code("report"),
     message:
         "Writing the report"
     script:

@@ -6,8 +6,6 @@ TABLES += ["results/tables/table2.csv"]
 
 
 rule simulate:
-    input:
-        code=code("simulate"),
     output:
         "results/simulation/realizations.nc",
     log:
@@ -16,6 +14,7 @@ rule simulate:
         simulation=config["simulation"],
         model=config["model"],
         seed=config["seed"],
+        code=code("simulate"),
     message:
         "Simulating swings and drawing their noise"
     script:
@@ -25,7 +24,6 @@ rule simulate:
 rule fit_simulated:
     input:
         realizations=rules.simulate.output[0],
-        code=code("fit_simulated"),
     output:
         "results/simulation/norms_{simulated}.nc",
     log:
@@ -34,6 +32,7 @@ rule fit_simulated:
         fitted=config["simulation"]["fitted"],
         start=config["simulation"]["start"],
         effects=config["effects"],
+        code=code("fit_simulated"),
     message:
         "Fitting the noisy swings simulated with {wildcards.simulated}"
     script:
@@ -44,12 +43,13 @@ rule table2:
     input:
         norms=expand("results/simulation/norms_{simulated}.nc", simulated=config["simulation"]["simulated"]),
         published=find("resources/paper/table2.csv"),
-        code=code("table2"),
     output:
         norms="results/simulation/norms.nc",
         table=report("results/tables/table2.csv", category="Tables", labels={"table": "2"}),
     log:
         "results/logs/table2.log",
+    params:
+        code=code("table2"),
     message:
         "Collecting the norms of the simulation study (Table 2)"
     script:

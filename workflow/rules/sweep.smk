@@ -57,7 +57,6 @@ if STORED:
 rule sweep_combine:
     input:
         made=results_of,
-        code=code("sweep_combine"),
     output:
         data="results/sweeps/{sweep}/sweep.nc",
         table="results/sweeps/{sweep}/summary.csv",
@@ -66,6 +65,7 @@ rule sweep_combine:
     params:
         sweep=lambda wildcards: asdict(SWEEPS[wildcards.sweep]),  # another table is combined again
         chunks=lambda wildcards, input: chunk_files(wildcards.sweep, input.made),
+        code=code("sweep_combine"),
     message:
         "Sweep {wildcards.sweep}: one dataset and a table of all chunks"
     script:
@@ -75,12 +75,13 @@ rule sweep_combine:
 rule sweep_maps:
     input:
         data="results/sweeps/{sweep}/sweep.nc",
-        code=code("sweep_maps"),
     output:
         svg="results/sweeps/{sweep}/figures/{map}.svg",
         png="results/sweeps/{sweep}/figures/{map}.png",
     log:
         "results/logs/sweep/{sweep}/{map}.log",
+    params:
+        code=code("sweep_maps"),
     message:
         "Sweep {wildcards.sweep}: drawing {wildcards.map}"
     script:
@@ -97,13 +98,13 @@ rule sweep_page:
         ],
         captions=here(SWEEP_CAPTIONS),
         template=here(f"{workflow.basedir}/workflow/src/swingdown/report/report.html.j2"),
-        code=code("sweep_page"),
     output:
         "results/sweeps.html",
     log:
         "results/logs/sweep/page.log",
     params:
         names=list(SWEEPS),
+        code=code("sweep_page"),
     message:
         "Writing the page of the sweeps"
     script:

@@ -4,14 +4,18 @@ numpy, pandas and xarray take longer to import than most jobs take to work. Whil
 keeps such a process (``start``). A script that imports this module before all else hands itself over: a fork of the process,
 which has by then imported what the script imports, runs it from its beginning with the script's own streams, folder and
 environment, and the script ends as that does. A script that finds no such process (on a cluster's node, or by hand) does
-its own imports and works as any other.
+its own imports and works as any other. So that not even the lines which Snakemake puts before a script are run twice, Python is
+shown a ``sitecustomize`` (folder ``early``) that hands over before them.
 """
 
 import os
 import sys
+from functools import cache
 from typing import Any, NoReturn
 
+_EARLY = os.path.join(os.path.dirname(__file__), "early")
 ADDRESS = "SWINGDOWN_PREFORK"  # the environment variable with the path of the process's socket
+_PATH = "PYTHONPATH"
 # Linear algebra decides when it is imported how many threads it takes; jobs that ask for more do their own imports.
 _THREADS = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
 
@@ -37,9 +41,11 @@ def start() -> None:
             command, stdin=subprocess.PIPE, pass_fds=[listening.fileno()], env=os.environ | _THREADS
         )
     os.environ[ADDRESS] = path
+    os.environ[_PATH] = os.pathsep.join([_EARLY, *filter(None, [os.environ.get(_PATH)])])
 
     def stop() -> None:
         os.environ.pop(ADDRESS, None)
+        _forget_early()
         if process.stdin:
             process.stdin.close()
         process.wait()
@@ -48,10 +54,16 @@ def start() -> None:
     atexit.register(stop)
 
 
-def _hand_over() -> None:
-    """Does not return where this process is a script of the workflow and its job has been done elsewhere."""
-    script = hasattr(sys.modules["__main__"], "snakemake")  # Snakemake puts it before a script
-    if not script or ADDRESS not in os.environ or any(os.environ.get(k) != v for k, v in _THREADS.items()):
+def _forget_early() -> None:
+    """The folder is taken out of the places where Python looks."""
+    others = [folder for folder in os.environ.pop(_PATH, "").split(os.pathsep) if folder not in ("", _EARLY)]
+    if others:
+        os.environ[_PATH] = os.pathsep.join(others)
+
+
+def hand_over() -> None:
+    """Does not return if the job of this process, which is a script of the workflow, has been done elsewhere."""
+    if ADDRESS not in os.environ or any(os.environ.get(k) != v for k, v in _THREADS.items()):
         return
     import json
     import signal
@@ -172,10 +184,27 @@ def _import_what_is_imported_by(script: str) -> None:
             names += [alias.name for alias in node.names]
         elif isinstance(node, ast.ImportFrom) and node.module:
             names += [node.module, *(f"{node.module}.{alias.name}" for alias in node.names)]
-    for name in names:
+    for name in [*names, "snakemake.io"]:  # the last for what Snakemake hands to a script
         with suppress(Exception):
             importlib.import_module(name)
+    if "xarray" in sys.modules:
+        with suppress(Exception):
+            _use_xarray()
     gc.freeze()  # forks share the memory until they write to it, as a collection would
+
+
+@cache
+def _use_xarray() -> None:
+    """A first dataset is written and read, for which xarray imports and looks up much: a tenth of a second, here once for all jobs."""
+    import tempfile
+
+    import xarray as xr
+
+    with tempfile.TemporaryDirectory(prefix="swingdown-") as folder:
+        path = os.path.join(folder, "first.nc")
+        first = xr.Dataset({"first": ("time", [0.0, 1.0])}, coords={"time": [0.0, 1.0]})
+        first.to_netcdf(path, engine="netcdf4")
+        xr.load_dataset(path, engine="netcdf4").min()
 
 
 def _work(job: dict[str, Any], streams: list[int]) -> NoReturn:
@@ -196,6 +225,7 @@ def _work(job: dict[str, Any], streams: list[int]) -> NoReturn:
         os.environ.clear()
         os.environ.update(job["environment"])
         del os.environ[ADDRESS]
+        _forget_early()
         tempfile.tempdir = None
         sys.argv = [job["script"]]
         runpy.run_path(job["script"], run_name="__main__")
@@ -216,5 +246,5 @@ if __name__ == "__main__":
     import socket
 
     _Server(socket.socket(fileno=int(sys.argv[1]))).run()
-else:
-    _hand_over()
+elif hasattr(sys.modules["__main__"], "snakemake"):  # Snakemake puts it before a script
+    hand_over()

@@ -1,5 +1,6 @@
 """Paired comparison of models over recordings: which is closer to the data, and by more than runs differ?"""
 
+from collections.abc import Mapping
 from itertools import combinations
 from typing import Any
 
@@ -15,7 +16,10 @@ from .norms import as_text
 
 _FEW = 5  # swings below which a scatter is hardly known
 LEVEL = 0.05  # of the p-values after Holm's correction
+_BY_MODEL = ("norm", "bic", "variance_inflation")
 WORTH = 6.0  # "strong" evidence on the scale of Kass and Raftery, J. Am. Stat. Assoc. 90, 773 (1995)
+
+_Model = tuple[str, Mapping[str, Floats]]  # a model's name, and its arrays over recordings
 
 
 def comparison(norms: xr.Dataset) -> pd.DataFrame:
@@ -33,7 +37,15 @@ def comparison(norms: xr.Dataset) -> pd.DataFrame:
 
 
 def _campaign(campaign: str, norms: xr.Dataset) -> pd.DataFrame:
-    rows = [_pair(norms, a, b) for a, b in combinations(as_text(norms["fitted"]), 2)]
+    # arrays once, and not a selection by name for each pair, which of many pendulums takes most of a minute
+    by_model = {key: norms[key].transpose("fitted", "recording").values for key in _BY_MODEL}
+    by_model["terms"] = _terms(norms)
+    samples = norms["samples"].values
+    models = [
+        (label, {key: all[k] for key, all in by_model.items()})
+        for k, label in enumerate(as_text(norms["fitted"]))
+    ]
+    rows = [_pair(a, b, samples) for a, b in combinations(models, 2)]
     table = pd.DataFrame(rows, columns=["model_a", "model_b", "mean_difference", "standard_error", "t", "p", "wilcoxon_p",
                                         "delta_bic", "delta_bic_effective", "n"])  # fmt: skip
     table.insert(6, "p_holm", holm(table["p"].to_numpy(float)))
@@ -43,24 +55,25 @@ def _campaign(campaign: str, norms: xr.Dataset) -> pd.DataFrame:
     return table
 
 
-def _pair(norms: xr.Dataset, a: str, b: str) -> dict[str, Any]:
+def _pair(a: _Model, b: _Model, samples: Floats) -> dict[str, Any]:
     from scipy import stats  # takes a second to load, which jobs that only write a table need not wait for
 
-    first, second = norms.sel(fitted=a), norms.sel(fitted=b)
-    difference = first["norm"].values - second["norm"].values
+    first, second = a[1], b[1]
+    difference = first["norm"] - second["norm"]
     n = difference.size
-    row = {"model_a": a, "model_b": b, "mean_difference": float(difference.mean()), "n": n}
+    mean = float(difference.mean())
+    row = {"model_a": a[0], "model_b": b[0], "mean_difference": mean, "n": n}
     if n > 1 and np.ptp(difference) > 0:
         error = float(difference.std(ddof=1) / np.sqrt(n))
-        t = row["mean_difference"] / error
+        t = mean / error
         row |= {
             "standard_error": error,
             "t": t,
             "p": float(2 * stats.t.sf(abs(t), n - 1)),
             "wilcoxon_p": float(stats.wilcoxon(difference).pvalue),
         }
-    row["delta_bic"] = float(np.sum(first["bic"].values - second["bic"].values))
-    row["delta_bic_effective"] = float(np.sum(_effective(first, second)))
+    row["delta_bic"] = float(np.sum(first["bic"] - second["bic"]))
+    row["delta_bic_effective"] = float(np.sum(_effective(first, second, samples)))
     return row
 
 
@@ -73,21 +86,26 @@ def bic_effective(norms: xr.Dataset) -> Floats:
     inflations = norms["variance_inflation"].transpose(*norm.dims).values
     inflation = np.take_along_axis(inflations, norm.values.argmin(axis=0)[np.newaxis], axis=0)
     independent = np.maximum(norms["samples"].values / inflation, 2.0)
-    terms = np.isfinite(norms["value"].transpose(*norm.dims, "parameter").values).sum(axis=-1)
-    return np.sum(2 * independent * np.log(np.radians(norm.values)) + terms * np.log(independent), axis=1)
+    return np.sum(
+        2 * independent * np.log(np.radians(norm.values)) + _terms(norms) * np.log(independent), axis=1
+    )
 
 
-def _effective(first: xr.Dataset, second: xr.Dataset) -> Floats:
+def _terms(norms: xr.Dataset) -> Floats:
+    """How many values each model was fitted with, by model and recording."""
+    return np.isfinite(norms["value"].transpose("fitted", "recording", "parameter").values).sum(axis=-1)
+
+
+def _effective(first: Mapping[str, Floats], second: Mapping[str, Floats], samples: Floats) -> Floats:
     """BIC of the first minus that of the second model by recording, for as many samples as count as independent.
 
     The residual of the better model decides how many those are: the other's is all the more correlated for being wrong.
     """
-    better = first["norm"].values < second["norm"].values
-    inflation = np.where(better, first["variance_inflation"].values, second["variance_inflation"].values)
-    independent = np.maximum(first["samples"].values / inflation, 2.0)
-    terms = [np.sum(np.isfinite(model["value"].values), axis=-1) for model in (first, second)]
-    return 2 * independent * np.log(first["norm"].values / second["norm"].values) + (
-        terms[0] - terms[1]
+    better = first["norm"] < second["norm"]
+    inflation = np.where(better, first["variance_inflation"], second["variance_inflation"])
+    independent = np.maximum(samples / inflation, 2.0)
+    return 2 * independent * np.log(first["norm"] / second["norm"]) + (
+        first["terms"] - second["terms"]
     ) * np.log(independent)
 
 

@@ -3,7 +3,7 @@
 Norms are in degrees. The paper's printed numbers stand beside the computed ones (``resources/paper``).
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -83,19 +83,25 @@ def table3(norms: xr.Dataset, published: pd.DataFrame) -> pd.DataFrame:
             f"uncertainty of the angle: {', '.join(sorted(set(as_text(chosen['uncertainty']))))}",
             OTHER_APPARATUS,
         ]
-        bic = chosen["bic"].sum("recording", skipna=False)
+        by_model = {
+            key: chosen[key].transpose("fitted", "recording").values
+            for key in ("norm", "reduced_chi2", "bic", "variance_inflation")
+        }
+        bic = by_model["bic"].sum(axis=1)
         bound = dict(zip(("mean", "std", "n"), statistics(chosen["error_bound_norm"].values), strict=True))
         rows.append({"campaign": campaign, "fitted": "error_bounds", **bound, "note": "; ".join(about)})
         effective = bic_effective(chosen)
+        values = chosen["value"].transpose("fitted", "parameter", "recording").values
+        parameter = as_text(chosen["parameter"])
         for k, label in enumerate(as_text(chosen["fitted"])):
-            one = chosen.sel(fitted=label)
-            mean, std, n = statistics(one["norm"].values)
+            one = {key: all[k] for key, all in by_model.items()}
+            mean, std, n = statistics(one["norm"])
             rows.append({
                 "campaign": campaign, "fitted": label, "mean": mean, "std": std, "n": n,
-                "reduced_chi2": float(one["reduced_chi2"].mean(skipna=False)), "bic": float(bic.sel(fitted=label)),
-                "delta_bic": float(bic.sel(fitted=label) - bic.min()),
+                "reduced_chi2": float(one["reduced_chi2"].mean()), "bic": float(bic[k]), "delta_bic": float(bic[k] - bic.min()),
                 "delta_bic_effective": float(effective[k] - effective.min()),
-                "variance_inflation": float(one["variance_inflation"].mean()), "note": "; ".join([*_negative(one), *about]),
+                "variance_inflation": float(np.nanmean(one["variance_inflation"])),
+                "note": "; ".join([*_negative(parameter, values[k]), *about]),
             })  # fmt: skip
     table = pd.DataFrame(rows)
     table["published_mean"] = [printed["mean_degrees"].get(label, np.nan) for label in table["fitted"]]
@@ -106,12 +112,11 @@ def table3(norms: xr.Dataset, published: pd.DataFrame) -> pd.DataFrame:
     return table.reindex(columns=list(order))
 
 
-def _negative(one: xr.Dataset) -> Iterator[str]:
+def _negative(parameters: Sequence[str], values: Floats) -> Iterator[str]:
     """A remark for each damping coefficient that came out negative: no such damper exists, it stands in for another."""
-    for name in as_text(one["parameter"]):
-        values = one["value"].sel(parameter=name).values
-        if name != "natural_frequency" and (count := int(np.sum(values < 0))):
-            yield f"{name} below 0 in {count} of {values.size}: it stands in for something the model lacks"
+    for name, over in zip(parameters, values, strict=True):
+        if name != "natural_frequency" and (count := int(np.sum(over < 0))):
+            yield f"{name} below 0 in {count} of {over.size}: it stands in for something the model lacks"
 
 
 def write_table(table: pd.DataFrame, path: str | Path) -> Path:

@@ -1,9 +1,11 @@
 """Which of the package's files a script rests on, so that editing one of them runs its rules again.
 
-Snakemake reruns a rule when its script changes, but knows nothing of what the script imports.
+Snakemake reruns a rule when its script changes, but knows nothing of what the script imports. It is told by a parameter of the rule: as
+inputs of every job, some sixty files, they cost Snakemake more than many a job.
 """
 
 import ast
+import hashlib
 from collections.abc import Iterator, Sequence
 from functools import cache
 from pathlib import Path
@@ -28,6 +30,20 @@ def sources(script: str | Path) -> list[str]:
                     data for ending in ("c", "h", "yaml") for data in file.parent.rglob(f"*.{ending}")
                 )
     return sorted(map(str, seen))
+
+
+@cache
+def fingerprint(script: str | Path) -> str:
+    """16 hexadecimal digits that change when a file of the package that ``script`` rests on is edited, added or taken away."""
+    digest = hashlib.sha256()
+    for file in sources(script):
+        digest.update(f"{Path(file).relative_to(PACKAGE).as_posix()} {_content(file)}\n".encode())
+    return digest.hexdigest()[:16]
+
+
+@cache
+def _content(file: str) -> str:
+    return hashlib.sha256(Path(file).read_bytes()).hexdigest()
 
 
 @cache

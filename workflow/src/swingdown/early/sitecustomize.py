@@ -1,0 +1,32 @@
+"""Read by Python itself before any script that a run starts: the workflow's own are handed over here (``swingdown.prefork``).
+
+That is before the lines that Snakemake puts at their head, whose imports take longer than many a job.
+"""
+
+import os
+import sys
+
+
+def _asks(script: str) -> bool:
+    """Whether it is a script of Snakemake's that would ask to be handed over itself, a little later."""
+    if os.path.join(".snakemake", "scripts", "") not in script:
+        return False
+    with open(script, "rb") as file:
+        return b"\nimport swingdown.prefork" in file.read()
+
+
+def _read_own() -> None:
+    """The file of this name that Python would have read without this one, if there is any."""
+    import importlib.util
+
+    sys.path[:] = [folder for folder in sys.path if folder != os.path.dirname(__file__)]
+    del sys.modules["sitecustomize"]
+    if importlib.util.find_spec("sitecustomize"):
+        importlib.import_module("sitecustomize")
+
+
+if sys.argv and _asks(sys.argv[0]):
+    from swingdown import prefork
+
+    prefork.hand_over()
+_read_own()
