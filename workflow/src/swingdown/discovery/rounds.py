@@ -36,6 +36,7 @@ from .refit import nudged, opened
 from .state import Round
 from .verdict import GUARD
 
+_NEAR = 1.5  # times the noise: what is missing there may be that a fit stopped in the minimum beside the best
 _UNNEEDED = 4.0  # chi-square that a held-out swing may lose with a term that is dropped
 
 
@@ -64,6 +65,10 @@ def look(
     fit = opened(fit, campaign.fit, campaign.slack, _noise(campaign, fit))
     here = frame(fit, campaign.fit)
     state = _seen(number, campaign, here, tuple(found))
+    if state.missing and found and not budget.spent and fit.rms < _NEAR * state.noise.deviation:
+        better = nudged(fit, campaign.fit)
+        if better is not fit:
+            return look(number, campaign, better, found, allowed, last, budget)
     if not state.missing:
         return _finished(state, here, campaign, allowed, last)
     if last or budget.spent:
