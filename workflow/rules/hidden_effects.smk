@@ -1,5 +1,5 @@
 # How far verdicts can be trusted: campaigns in which the truth is hidden, and the score of the verdicts on them.
-# needs: nothing but the settings
+# needs: the settings, and config/apparatus.yaml of this project for what is in volts
 # makes: results/hidden_effects/scores.csv, summary.csv, confusion.csv, reliability.csv, guard.yaml and their figure; on request only
 
 HIDDEN = config["hidden_effects"]
@@ -7,6 +7,7 @@ HIDDEN = config["hidden_effects"]
 
 rule hidden_make:
     input:
+        apparatus=f"{workflow.basedir}/config/apparatus.yaml",
         code=code("hidden_make"),
     output:
         sheet="results/hidden_effects/campaigns/{chunk}/sheet.csv",
