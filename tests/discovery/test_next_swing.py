@@ -1,12 +1,18 @@
 """The next experiment: it tells a tie apart where one does, and says so where none does; on swings that the second pendulum makes."""
 
+import json
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from swingdown.discovery.campaign import Noise, Swing, campaign
 from swingdown.discovery.duel import Duel, misfit
 from swingdown.discovery.experiments import PROTRACTOR, Held, LetGo, menu
+from swingdown.discovery.files import summary
 from swingdown.discovery.next_swing import APART, next_swing
+from swingdown.discovery.search import discover
+from swingdown.discovery.verdict import verdict
 from swingdown.engine.trajectory import simulate
 from swingdown.fitting.least_squares import fit_jointly
 from swingdown.pendulum.model import Model
@@ -136,6 +142,25 @@ def test_a_weak_tie_asks_for_the_swing_as_often_as_is_needed():
     assert f", {asked.times} times: " in str(asked)
     duel = Duel(*fits, LetGo(asked.release_angle, 0.0, asked.duration, 0.02), NOISE)
     assert duel.close() < APART <= duel.close(asked.times)
+
+
+def test_what_both_fits_leave_beyond_the_noise_counts_as_noise(springs):
+    one, fits = springs
+    misfit = [replace(fit, rss=fit.rss * 36) for fit in fits]
+    loud, quiet = next_swing(*misfit, one, NOISE), next_swing(*misfit, one, Noise(6 * fits[0].rms))
+    assert loud == quiet
+
+
+def test_a_search_tells_the_experiment_and_what_either_structure_says_of_it(gain):
+    one, _ = gain
+    states = discover(one, "viscous+load_coulomb", rounds=1, allowed=("sensor_gain", "cubic_stiffness"))
+    found = verdict(json.loads(json.dumps([summary(state, one) for state in states])))
+    asked = found["next_swing"]
+    assert asked["kind"] == "held"
+    assert found["next_measurement"] == asked["text"]
+    assert asked["text"].startswith(asked["do"])
+    assert len(asked["angles"]) == len(asked["predicted"][0]) == 5
+    assert asked["release_angle"] == max(asked["angles"])
 
 
 def test_a_push_swings_out_as_far_as_is_said(springs):

@@ -18,7 +18,7 @@ from ..pendulum.catalogue import ANGLE
 from .campaign import Noise
 from .experiments import Experiment, Held
 
-REFUSED = (TrajectoryError, TrajectoryWarning, InputError)
+REFUSED = (TrajectoryError, TrajectoryWarning, InputError, np.linalg.LinAlgError)
 """What an experiment raises of which a model can say nothing, where a TrajectoryWarning is an error."""
 _KNOWN = 1e-9  # of a value's size, its least standard error
 _STEPS = 8  # towards each other, at most

@@ -75,13 +75,14 @@ def next_swing(one: Fit, other: Fit, campaign: Campaign, noise: Noise) -> NextSw
     """The ``NextSwing`` that best tells two fits of a campaign apart, of all on the menu; None where neither can be asked.
 
     The least trouble that is ample, or worth nine tenths of the best; where none is plain, the best done as often as needed.
-    One of ``separation`` below ``APART`` says that nothing tells them apart.
+    One of ``separation`` below ``APART`` says that nothing tells them apart. Where both fits leave more than the noise, what the better
+    one leaves counts as noise.
     """
+    left = replace(noise, deviation=max(noise.deviation, min(one.rms, other.rms)))
     with warnings.catch_warnings():
-        warnings.simplefilter(
-            "error", TrajectoryWarning
-        )  # friction that drives the pendulum is no prediction
-        return _next_swing(one, other, campaign, noise)
+        # friction that drives the pendulum is no prediction
+        warnings.simplefilter("error", TrajectoryWarning)
+        return _next_swing(one, other, campaign, left)
 
 
 def _next_swing(one: Fit, other: Fit, campaign: Campaign, noise: Noise) -> NextSwing | None:
