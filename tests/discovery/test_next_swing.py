@@ -166,23 +166,27 @@ def test_a_search_tells_the_experiment_and_what_either_structure_says_of_it(gain
 def test_a_push_swings_out_as_far_as_is_said(springs):
     one, fits = springs
     model = fits[0].model
+    largest = np.degrees(max(abs(each.angle) for each in menu(one, model) if each.kind == "release"))
     pushes = [each for each in menu(one, model) if each.kind == "push"]
     assert {np.sign(each.velocity) for each in pushes} == {1, -1}
+    free = Model("viscous", {"natural_frequency": 7.0, "viscous_ratio": 0.0})
     for push in pushes:
-        out = np.degrees(
-            np.max(
-                np.abs(
-                    simulate(
-                        Model("viscous", {"natural_frequency": 7.0, "viscous_ratio": 0.0}),
-                        TIMES,
-                        0.0,
-                        push.velocity,
-                    )
-                )
-            )
-        )
+        out = np.degrees(np.max(np.abs(simulate(free, TIMES, 0.0, push.velocity))))
         told = float(push.words(1, model).split("about ")[1].split("°")[0])
         assert told == pytest.approx(out, rel=0.06)
+        assert told == pytest.approx(largest, rel=0.06)
+
+
+def test_no_swing_is_asked_for_that_takes_long_to_follow(springs):
+    _, fits = springs
+    times = np.arange(0, 200, 0.05)
+    long = campaign(
+        "long", [Swing("a", times, 0.3 * np.cos(7 * times)), Swing("b", times, 0.2 * np.cos(7 * times))]
+    )
+    swings = [each for each in menu(long, fits[0].model) if each.kind == "release"]
+    (duration,) = {each.duration for each in swings}
+    assert duration == pytest.approx(100 * 2 * np.pi / 7.0, rel=1e-3)
+    assert len({(each.angle, each.duration) for each in swings}) == len(swings)
 
 
 def test_a_gyroscope_is_only_read_at_rest(springs):

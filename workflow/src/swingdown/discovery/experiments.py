@@ -18,6 +18,9 @@ from .campaign import Campaign, Noise
 
 _REACHES = (1.0, 0.5, 0.25, 0.1, 1.5, 2.0, 3.0, 4.5)  # of the largest angle so far
 _LASTING = (1.0, 3.0)  # of the longest swing so far
+_PERIODS = (
+    100  # that a swing is asked for at most: to follow longer ones for every experiment would take seconds
+)
 _FARTHEST = np.radians(85.0)  # of a pendulum: beyond, a rod is pushed and not pulled
 _MOST = 3000  # samples that are computed of a swing; its noise is weighed as if all were
 _READ = 10.0  # s, that a reading at rest is the mean of
@@ -158,7 +161,7 @@ Experiment = LetGo | Held
 
 def menu(campaign: Campaign, model: Model) -> Iterator[Experiment]:
     """Every ``Experiment`` that is thought of, the least trouble first: swings from a tenth to 4.5 times the largest angle so far
-    (of a pendulum at most 85°, of another twice), from both sides, as long as the longest so far or three times that; readings at known angles; pushes.
+    (of a pendulum at most 85°, of another twice), from both sides, as long as the longest so far or three times that, and at most a hundred periods; readings at known angles; pushes.
 
     ``model`` tells the kind of pendulum and of sensor.
     """
@@ -172,16 +175,18 @@ def menu(campaign: Campaign, model: Model) -> Iterator[Experiment]:
         largest = _reached(largest / frequency, model)
     farthest = max(largest, float(_FARTHEST)) if model.restoring == "sine" else 2 * largest
     angles = list(dict.fromkeys(min(reach * largest, farthest) for reach in _REACHES))
-    for lasting in _LASTING:
+    most = _PERIODS * 2 * pi / frequency
+    durations = list(dict.fromkeys(min(lasting * longest, most) for lasting in _LASTING))
+    for duration in durations:
         for angle in angles:
             for side in (1.0, -1.0):
-                yield LetGo(angle * side, 0.0, lasting * longest, interval)
+                yield LetGo(angle * side, 0.0, duration, interval)
     samples, step = max(round(_READ / interval), 2), max(quantisation_step(swing.angle) for swing in swings)
     held = (0.0,) if rate else (0.0, largest / 2, -largest / 2, largest, -largest)
     for means, limit in (("", 0.0),) if rate else (PROTRACTOR, TOWER):
         yield Held(held, means, float(limit), samples, interval, step)
     for side in (1.0, -1.0):
-        yield LetGo(0.0, _push(angles[-1], model) * side, longest, interval)
+        yield LetGo(0.0, _push(angles[-1], model) * side, durations[0], interval)
 
 
 def _push(angle: float, model: Model) -> float:
