@@ -118,6 +118,17 @@ def test_readings_at_known_angles_are_worth_what_tells_the_angles_allows(gain):
     assert worth(1e-4) > 2 * worth(1e-4, step=0.02)  # steps are not averaged
 
 
+def test_a_sensor_with_play_may_read_anywhere_in_it(gain):
+    one, fits = gain
+    model = Model((*BASE, "backlash"), VALUES | {"backlash_width": 0.02})
+
+    def best(other):
+        held = [each for each in menu(one, fits[0].model, other) if each.kind == "held"]
+        return max(Duel(*fits, each, NOISE).separation() for each in held)
+
+    assert best(model) < 0.5 * best(fits[1].model)
+
+
 def test_readings_at_known_angles_decide(gain):
     _, fits = gain
     known = Held((0.0, 0.6, -0.6, 1.2, -1.2), "", 1e-3, 500, 0.02)

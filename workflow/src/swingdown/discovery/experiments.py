@@ -18,13 +18,11 @@ from .campaign import Campaign, Noise
 
 _REACHES = (1.0, 0.5, 0.25, 0.1, 1.5, 2.0, 3.0, 4.5)  # of the largest angle so far
 _LASTING = (1.0, 3.0)  # of the longest swing so far
-_PERIODS = (
-    100  # that a swing is asked for at most: to follow longer ones for every experiment would take seconds
-)
+_PERIODS = 100  # that a swing lasts at most: to follow longer ones for every experiment would take seconds
 _FARTHEST = np.radians(85.0)  # of a pendulum: beyond, a rod is pushed and not pulled
 _MOST = 3000  # samples that are computed of a swing; its noise is weighed as if all were
 _READ = 10.0  # s, that a reading at rest is the mean of
-_TIMES = 9  # that a swing is asked for at most
+_TIMES = 9  # as often is a swing asked for at most
 PROTRACTOR = ("a digital level or a protractor", np.radians(0.1))
 TOWER = ("a tower or a gauge block under the bob, measured to 0.04 mm at an arm of 0.2 m", 4e-4)
 """What a held pendulum's angle is told by, and its limit of error (rad). The tower is the one that a calibration rests on
@@ -98,7 +96,8 @@ class LetGo:
 @dataclass(frozen=True)
 class Held:
     """Readings of the pendulum held still at known ``angles`` (rad), each told by ``means`` to a ``limit`` of error (rad), the vertical
-    that they are counted from as well; the mean of ``samples`` samples every ``interval`` s, which come in steps of ``step`` (rad)."""
+    that they are counted from as well; the mean of ``samples`` samples every ``interval`` s, which come in steps of ``step`` (rad), by a sensor with a
+    ``play`` of that width (rad), in which it may stand anywhere."""
 
     angles: tuple[float, ...]
     means: str
@@ -106,6 +105,7 @@ class Held:
     samples: int
     interval: float
     step: float = 0.0
+    play: float = 0.0
     most: int = 1  # what tells the angles errs the same way again
     kind: str = "held"
 
@@ -138,9 +138,9 @@ class Held:
         return Predicted(np.array(readings), np.array(slopes), np.zeros((len(readings), 0)))
 
     def covariance(self, noise: Noise) -> Floats:
-        """That of the readings' errors, (reading, reading), rad^2: noise, steps, what tells each angle, and the vertical of all."""
+        """That of the readings' errors, (reading, reading), rad^2: noise, steps, play, what tells each angle, and the vertical of all."""
         known = self.limit**2 / 3
-        each = noise.slow_variance / self.samples + self.step**2 / 12 + known
+        each = noise.slow_variance / self.samples + (self.step**2 + self.play**2) / 12 + known
         return each * np.eye(len(self.angles)) + known
 
     def weighed(self, columns: Floats, noise: Noise) -> Floats:
@@ -159,11 +159,11 @@ class Held:
 Experiment = LetGo | Held
 
 
-def menu(campaign: Campaign, model: Model) -> Iterator[Experiment]:
+def menu(campaign: Campaign, model: Model, other: Model | None = None) -> Iterator[Experiment]:
     """Every ``Experiment`` that is thought of, the least trouble first: swings from a tenth to 4.5 times the largest angle so far
     (of a pendulum at most 85°, of another twice), from both sides, as long as the longest so far or three times that, and at most a hundred periods; readings at known angles; pushes.
 
-    ``model`` tells the kind of pendulum and of sensor.
+    ``model`` tells the kind of pendulum and of sensor, and with the ``other`` that it is told from how much play there may be.
     """
     swings = (*campaign.fit, *campaign.holdout)
     longest = max(float(swing.times[-1] - swing.times[0]) for swing in swings)
@@ -182,11 +182,18 @@ def menu(campaign: Campaign, model: Model) -> Iterator[Experiment]:
             for side in (1.0, -1.0):
                 yield LetGo(angle * side, 0.0, duration, interval)
     samples, step = max(round(_READ / interval), 2), max(quantisation_step(swing.angle) for swing in swings)
+    play = max(_play(model), _play(other or model))
     held = (0.0,) if rate else (0.0, largest / 2, -largest / 2, largest, -largest)
     for means, limit in (("", 0.0),) if rate else (PROTRACTOR, TOWER):
-        yield Held(held, means, float(limit), samples, interval, step)
+        yield Held(held, means, float(limit), samples, interval, step, play)
     for side in (1.0, -1.0):
         yield LetGo(0.0, _push(angles[-1], model) * side, durations[0], interval)
+
+
+def _play(model: Model) -> float:
+    """The width (rad) of the sensor's dead band."""
+    sizes = [effect.size for effect in model.acting if effect.acts_on == "play"]
+    return max((model.values[size.name] for size in sizes if size), default=0.0)
 
 
 def _push(angle: float, model: Model) -> float:

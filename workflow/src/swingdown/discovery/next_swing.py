@@ -88,7 +88,7 @@ def next_swing(one: Fit, other: Fit, campaign: Campaign, noise: Noise) -> NextSw
 def _next_swing(one: Fit, other: Fit, campaign: Campaign, noise: Noise) -> NextSwing | None:
     duels: list[Duel] = []
     looks = _LOOKS
-    for experiment in menu(campaign, one.model):
+    for experiment in menu(campaign, one.model, other.model):
         try:
             duels.append(Duel(one, other, experiment, noise))
         except REFUSED:
