@@ -129,7 +129,7 @@ def test_certified_cases_are_asked_for_by_name_and_need_no_recordings(rules):
 
 def test_hidden_effects_are_asked_for_by_name_and_need_no_recordings(rules):
     found = rules(
-        "recordings: null\nhidden_effects: {nulls: 12, own_frequencies: 0, effects: [quadratic_drag], sizes: [2], removed: false, pairs: false, foreign: false}\n",
+        "recordings: null\nhidden_effects: {nulls: 12, own_frequencies: 0, calibrated: 0, effects: [quadratic_drag], sizes: [2], removed: false, pairs: false, foreign: false}\n",
         "hidden_effects",
     )
     assert found == {

@@ -95,7 +95,7 @@ def test_it_is_discovered_and_told(states, tmp_path):
 
 def test_it_is_hidden_found_and_scored(tmp_path):
     assert "rolling_resistance" in hideable(CATALOGUE)
-    settings = {"effects": [], "sizes": [2], "repeats": 1, "removed": False, "pairs": False, "foreign": False, "nulls": 0, "own_frequencies": 0, "chunk": 5}  # fmt: skip
+    settings = {"effects": [], "sizes": [2], "repeats": 1, "removed": False, "pairs": False, "foreign": False, "nulls": 0, "own_frequencies": 0, "calibrated": 0, "chunk": 5}  # fmt: skip
     one = next(p for p in planned(settings, CATALOGUE) if p.hidden == ("rolling_resistance",))
     trial = drawn_trial(99, one, CATALOGUE)
     rows, truth = write_trial(trial, 99, "c1", tmp_path, CATALOGUE)
@@ -112,7 +112,7 @@ def test_it_is_hidden_found_and_scored(tmp_path):
 def test_trials_refuse_what_the_second_pendulum_does_not_know():
     """Left out in silence it would be looked for in vain, and count against the search."""
     mute = SHIPPED.with_effects(Effect("mute", TOY.term, TOY.parameters, "A.", "a toy"))
-    settings = {"effects": ["mute"], "sizes": [2], "repeats": 1, "removed": False, "pairs": False, "foreign": False, "nulls": 0, "own_frequencies": 0, "chunk": 5}  # fmt: skip
+    settings = {"effects": ["mute"], "sizes": [2], "repeats": 1, "removed": False, "pairs": False, "foreign": False, "nulls": 0, "own_frequencies": 0, "calibrated": 0, "chunk": 5}  # fmt: skip
     with pytest.raises(InputError, match="second pendulum.*does not know"):
         chunks(settings, mute)
     with pytest.raises(InputError, match="second pendulum.*does not know"):

@@ -1,4 +1,4 @@
-"""How sure a verdict is of each effect, and which swing it asks for: on swings that the second pendulum makes."""
+"""How sure a verdict is of each effect: on swings that the second pendulum makes."""
 
 from dataclasses import replace
 
@@ -8,7 +8,6 @@ import pytest
 
 from swingdown.discovery.campaign import Noise, Swing, campaign
 from swingdown.discovery.files import summary
-from swingdown.discovery.next_swing import next_swing, separation
 from swingdown.discovery.posterior import Structure, probabilities, structures, weights
 from swingdown.discovery.rounds import look
 from swingdown.discovery.search import discover
@@ -79,25 +78,6 @@ def test_a_verdict_tells_how_sure_it_is_of_each_effect():
     assert found["probabilities"]["cubic_stiffness"] == spring["probability"]
     assert found["next_swing"] is None  # nothing is left to ask
     assert found["next_measurement"] is None
-
-
-def test_the_swing_that_is_asked_for_tells_the_tie_apart(tied):
-    one, fits = tied
-    asked = next_swing(*fits, one, NOISE)
-    assert abs(asked.release_angle) > 0.3  # springs differ where swings are large
-    assert asked.separation > 5
-    assert asked.separation > 3 * separation(*fits, 0.2, TIMES[-1], 0.02, NOISE)
-    assert f"{np.degrees(abs(asked.release_angle)):.2g}°" in str(asked)
-    times = np.arange(0, asked.duration, 0.02)
-    more = swings((asked.release_angle, 0.1), seed=2, times=times, cubic_stiffness=1.5)
-    pairs = [swing.pair for swing in (*one.fit, *more.fit, *more.holdout)]
-    true, other = (fit_jointly(Model(fit.model.names), pairs, bounded=True) for fit in fits)
-    assert (other.rss - true.rss) / NOISE.deviation**2 > 0.5 * asked.separation**2
-
-
-def test_fits_of_one_model_are_told_apart_by_no_swing(tied):
-    one, fits = tied
-    assert separation(fits[0], fits[0], 0.6, 12.0, 0.02, NOISE) < 1e-6
 
 
 def test_the_reliability_table_counts_what_was_told_and_what_was_there():

@@ -160,6 +160,18 @@ def test_a_swing_that_tells_a_tie_apart_is_asked_for_where_one_does(separation, 
     assert found["probabilities"] == {"constant_torque": 0.6, "sensor_zero": 0.4}
 
 
+def test_a_tie_that_nothing_at_hand_tells_apart_is_told_as_such():
+    told = "None of the swings and readings that were computed tells them apart."
+    first = state(0, missing=True, chosen="constant_torque", ranking=[row("constant_torque"), row("detent")])
+    values = {"constant_torque": {"value": 0.31, "standard_error": 0.02, "unit": "rad/s^2"}}
+    last = state(
+        1, missing=False, found=["constant_torque"], effects=("viscous", "constant_torque"), parameters=values
+    )
+    found = verdict([first, last | {"next_swing": {"separation": 0.4, "text": told}}])
+    assert found["effects"][0]["tied_with"] == ["detent"]
+    assert found["next_measurement"] == told
+
+
 def test_what_is_established_is_asserted_although_something_remains():
     found = named("sensor_zero", missing_at_the_end=True, established={"constant_torque": ""})
     assert found["status"] == "partial"

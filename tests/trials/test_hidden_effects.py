@@ -6,8 +6,11 @@ from dataclasses import replace
 import pandas as pd
 import pytest
 
+from swingdown.errors import InputError
+from swingdown.measurement.apparatus import read_apparatus
 from swingdown.pendulum.catalogue import SHIPPED
 from swingdown.pendulum.model import Model
+from swingdown.pendulum.slack import Slack
 from swingdown.plots.trials import detection
 from swingdown.trials.find import find
 from swingdown.trials.schedule import Planned, chunks, drawn, planned
@@ -18,12 +21,12 @@ from swingdown.trials.trial import BASE, hideable, left_by_base, write_trial
 SEED = 99  # not the seed of the scores in the README
 
 
-def verdicts(folder, *trials, rounds=4, seed=SEED):
+def verdicts(folder, *trials, rounds=4, seed=SEED, apparatus=None):
     """The scorer's rows for trials written to files, found from the sheet, and held against the truth kept here."""
     rows, truths, lacks = [], {}, {}
     for number, one in enumerate(trials):
         trial, name = drawn(seed, one), f"c{number}"
-        more, truths[name] = write_trial(trial, seed, name, folder)
+        more, truths[name] = write_trial(trial, seed, name, folder, apparatus=apparatus)
         rows += more
         lacks |= {name: trial.hidden} if trial.kind == "removed" else {}
     pd.DataFrame(rows).to_csv(folder / "sheet.csv", index=False)
@@ -71,6 +74,26 @@ def test_swings_of_a_pendulum_that_was_taken_down_are_given_their_own_frequencie
     true = {f"c0-{k}": own["natural_frequency"] for k, own in enumerate(drawn(SEED, one).own, 1)}
     assert verdict["own_frequency"] == pytest.approx(true, rel=2e-4)
     assert "differ in natural frequency" in verdict["sentence"]
+
+
+def test_a_calibration_that_is_as_wrong_as_it_says_is_no_missing_effect(tmp_path, root, monkeypatch):
+    sheet = read_apparatus(root / "config/apparatus.yaml", check_files=False)
+    one = Planned("calibrated", (), 1.0, "white", 12)
+    ((row,), found) = verdicts(tmp_path, one, apparatus=sheet)
+    assert row["status"] == "consistent"
+    gain = found["c0"]["verdict"]["nuisance"]["sensor_gain"]
+    assert abs(gain["value"]) < 2 * gain["before"]
+    assert row["holdout_sigma"] < 1.06
+    assert pd.read_csv(tmp_path / "c0-1.csv").columns.tolist() == ["t_s", "encoder_V"]
+    # the same readings, taken for what they say
+    monkeypatch.setattr("swingdown.trials.find.of_angles", lambda angles: Slack())
+    ((row,), _) = verdicts(tmp_path, one, rounds=1, apparatus=sheet)
+    assert row["alarm"]
+
+
+def test_a_trial_in_volts_needs_an_apparatus(tmp_path):
+    with pytest.raises(InputError, match="an apparatus sheet"):
+        verdicts(tmp_path, Planned("calibrated", (), 1.0, "white", 0))
 
 
 def test_an_effect_that_the_catalogue_lacks_is_unknown_and_named_after_nothing_else(tmp_path):
@@ -147,6 +170,7 @@ def test_every_effect_is_hidden_at_every_size_and_chunks_hold_each_trial_once():
         "foreign": True,
         "nulls": 30,
         "own_frequencies": 3,
+        "calibrated": 2,
         "chunk": 7,
     }
     trials = planned(settings)

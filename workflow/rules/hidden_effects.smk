@@ -1,11 +1,13 @@
 # How far verdicts can be trusted: campaigns in which the truth is hidden, and the score of the verdicts on them.
-# needs: nothing but the settings
+# needs: the settings, and config/apparatus.yaml of this project for what is in volts
 # makes: results/hidden_effects/scores.csv, summary.csv, confusion.csv, reliability.csv, guard.yaml and their figure; on request only
 
 HIDDEN = config["hidden_effects"]
 
 
 rule hidden_make:
+    input:
+        apparatus=here(f"{workflow.basedir}/config/apparatus.yaml"),
     output:
         sheet="results/hidden_effects/campaigns/{chunk}/sheet.csv",
         excluded="results/hidden_effects/campaigns/{chunk}/excluded.json",

@@ -7,7 +7,9 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
+from swingdown import dataset
 from swingdown.errors import InputError
+from swingdown.trials.trial import calibration_of
 
 
 @dataclass(frozen=True)
@@ -30,7 +32,11 @@ def swing(path):
         raise InputError(path, "the recording is not there", mend="run snakemake hidden_effects again")
     table = pd.read_csv(path)
     times = table["t_s"].to_numpy()
-    return times - times[0], table["theta_rad"].to_numpy()
+    if "encoder_V" not in table:
+        return times - times[0], table["theta_rad"].to_numpy()
+    known = dataset.read(calibration_of(Path(path).parent, Path(path).stem.rsplit("-", 1)[0])).sel(mode="gum")
+    slope, zero = float(known["line"].sel(coefficient="slope")), float(known["rest_voltage"])
+    return times - times[0], slope * (table["encoder_V"].to_numpy() - zero)
 
 
 def campaigns(folder):

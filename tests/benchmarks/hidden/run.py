@@ -18,7 +18,7 @@ from swingdown import console
 from swingdown.errors import InputError
 
 OURS = "this package"
-KINDS = ("single", "pair", "null", "own", "removed", "foreign")
+KINDS = ("single", "pair", "null", "own", "calibrated", "removed", "foreign")
 SAID = ("named", "consistent", "unknown", "failed")
 PAUSE = 15  # s between two lines of progress
 
@@ -133,6 +133,7 @@ def summarise(table):
                 "wrong name, single": _count(kind["single"]["wrong"]),
                 "false alarm, null": _count(kind["null"]["alarm"]),
                 "false alarm, own frequencies": _count(kind["own"]["alarm"]),
+                "false alarm, volts with a calibration": _count(kind["calibrated"]["alarm"]),
                 "unknown, removed or foreign": _count(outside["said"] == "unknown"),
                 "wrong name, removed or foreign": _count(outside["wrong"]),
                 "both of a pair": _count(kind["pair"]["exact"]),

@@ -8,9 +8,10 @@ import pandas as pd
 import pytest
 import run
 import weak_form
-from campaigns import Campaign, campaigns, row
+from campaigns import Campaign, campaigns, row, swing
 
 from swingdown.errors import InputError
+from swingdown.measurement.apparatus import read_apparatus
 from swingdown.trials.schedule import Planned, drawn
 from swingdown.trials.trial import swings, write_trial
 
@@ -76,6 +77,16 @@ def test_campaigns_are_read_measured_and_summarised_and_one_that_cannot_be_read_
     assert figures["exact, single"] == "1 of 1"
     assert figures["false alarm, null"] == "0 of 1"
     assert figures["failed"] == "1 of 2"
+
+
+def test_swings_in_volts_are_read_in_radians(tmp_path, root):
+    trial = drawn(SEED, Planned("calibrated", (), 1.0, "white", 0))
+    sheet = read_apparatus(root / "config/apparatus.yaml", check_files=False)
+    rows, _ = write_trial(trial, SEED, "c0", tmp_path, apparatus=sheet)
+    for one, (angle, _) in zip(rows, trial.releases, strict=True):
+        times, read = swing(one["file"])
+        assert times[0] == 0
+        assert read[0] == pytest.approx(angle, abs=0.01 * abs(angle) + 5 * trial.sigma)
 
 
 def test_without_campaigns_it_says_what_makes_them(tmp_path):

@@ -1,119 +1,151 @@
-"""The next swing to record: that on which the leading structures of a campaign differ most, beyond what they could still give way.
+"""The next experiment: that on which the leading structures of a campaign differ most, beyond what they could still give way.
 
-Both fitted models are let go from the same releases. What remains of their difference where the release and every value of
-either model may move, the values as far as the fits leave them open, is told in standard deviations of the noise: twice that
-is how much the sum of squares will speak for one of them (the T-optimum of Atkinson and Fedorov, Biometrika 62, 57 (1975)).
+Both fitted models are asked what they say of every experiment of the menu (``duel``). The least trouble that tells them apart is asked
+for, as often as needed; where none does, that is told.
 """
 
+import warnings
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..arrays import Floats
-from ..engine.trajectory import TrajectoryError, sensitivities, simulate
-from ..errors import InputError
-from ..fitting.problem import RELEASE
+from ..engine.trajectory import TrajectoryWarning
 from ..fitting.result import Fit
 from .campaign import Campaign, Noise
+from .duel import REFUSED, Duel
+from .experiments import LetGo, menu
 
-_REACHES = (0.25, 0.5, 1.0, 1.5, 2.0)  # of the largest angle so far
-_LASTING = (1.0, 3.0)  # of the longest swing so far
-_FARTHEST = np.radians(85.0)  # of a pendulum: beyond, a rod is pushed and not pulled
+APART = 5.0  # standard deviations that an experiment must be worth to be asked for
+_PLAIN = 7.0  # that repeated swings are to be worth: a tie may stand 10 the wrong way round before
+_AMPLE = 10.0  # more than that is worth no trouble
 _NEARLY = 0.9  # of the best separation: less trouble is worth more
-_MOST = 3000  # samples that are computed of a swing; its noise is weighed as if all were
-_KNOWN = 1e-9  # of a value's size, its least standard error
+_LOOKS = 8  # experiments that are looked at closely
 
 
 @dataclass(frozen=True)
 class NextSwing:
-    """A swing to record: release angle (rad, with its side), how long (s), and by how many standard deviations of the noise the two
-    structures (labels) will differ."""
+    """An experiment to do: release angle (rad, with its side), how long (s), and by how many standard deviations of the noise the two
+    structures (labels) will differ.
+
+    ``kind`` is ``release``, ``push`` (with that release velocity, rad/s) or ``held``: readings at rest at known ``angles`` (rad, known to
+    ``limit``), of which ``predicted`` holds what either structure says (rad, of a rate rad/s), each lasting ``duration``; ``release_angle``
+    is then the largest. A swing is recorded so many ``times``. ``do`` says it in words.
+    """
 
     release_angle: float
     duration: float
     separation: float
     between: tuple[str, str]
+    kind: str = "release"
+    release_velocity: float = 0.0
+    times: int = 1
+    angles: tuple[float, ...] = ()
+    limit: float | None = None
+    predicted: tuple[tuple[float, ...], ...] = ()
+    do: str = ""
+
+    @property
+    def told(self) -> tuple[str, str]:
+        """What either structure has that the other lacks, as words."""
+        one, other = (label.split("+") for label in self.between)
+        return _beside(one, other), _beside(other, one)
 
     def __str__(self) -> str:
-        side = "positive" if self.release_angle > 0 else "negative"
-        one, other = (label.replace("_", " ").replace("+", " + ") for label in self.between)
-        return (
-            f"Release from {np.degrees(abs(self.release_angle)):.2g}° on the {side} side and record {self.duration:.3g} s: "
-            f"{one} and {other} then differ by {self.separation:.2g} standard deviations."
-        )
+        one, other = self.told
+        if self.separation < APART:
+            often = f", done {self.times} times," if self.times > 1 else ""
+            return (
+                f"None of the swings and readings that were computed tells {one} from {other}: the best{often} would differ by "
+                f"{self.separation:.2g} standard deviations."
+            )
+        text = f"{self.do}: {one} and {other} then differ by {self.separation:.2g} standard deviations"
+        return text + (f" ({self._readings()})." if self.predicted else ".")
+
+    def _readings(self) -> str:
+        """What either structure says of the reading at which they differ most."""
+        first, second = map(np.array, self.predicted)
+        at = int(np.argmax(np.abs(first - second)))
+        unit = "°/s" if len(self.angles) == 1 else "°"
+        one, other = (f"{np.degrees(each[at]):.4g}{unit}" for each in (first, second))
+        return f"at {np.degrees(self.angles[at]):.3g}° the reading is {one} or {other}"
 
 
 def next_swing(one: Fit, other: Fit, campaign: Campaign, noise: Noise) -> NextSwing | None:
-    """The ``NextSwing`` that best tells two fits of a campaign apart, of releases from a quarter to twice the largest angle so far,
-    from both sides, as long as the longest swing so far or three times that; None where neither model can be let go."""
-    swings = (*campaign.fit, *campaign.holdout)
-    largest = max(float(np.max(np.abs(swing.angle))) for swing in swings)
-    longest = max(float(swing.times[-1] - swing.times[0]) for swing in swings)
-    interval = min(float(np.median(np.diff(swing.times))) for swing in swings)
-    farthest = max(largest, _FARTHEST) if one.model.restoring == "sine" else np.inf
-    found: list[NextSwing] = []
-    labels = (one.model.label, other.model.label)
-    # the least trouble first
-    for lasting in _LASTING:
-        for reach in _REACHES:
-            for side in (1.0, -1.0):
-                angle = min(reach * largest, farthest) * side
-                try:
-                    apart = separation(one, other, angle, lasting * longest, interval, noise)
-                except (TrajectoryError, InputError):
-                    continue
-                found.append(NextSwing(angle, lasting * longest, apart, labels))
-    if not found:
+    """The ``NextSwing`` that best tells two fits of a campaign apart, of all on the menu; None where neither can be asked.
+
+    The least trouble that is ample, or worth nine tenths of the best; where none is plain, the best done as often as needed.
+    One of ``separation`` below ``APART`` says that nothing tells them apart. Where both fits leave more than the noise, what the better
+    one leaves counts as noise.
+    """
+    left = replace(noise, deviation=max(noise.deviation, min(one.rms, other.rms)))
+    with warnings.catch_warnings():
+        # friction that drives the pendulum is no prediction
+        warnings.simplefilter("error", TrajectoryWarning)
+        return _next_swing(one, other, campaign, left)
+
+
+def _next_swing(one: Fit, other: Fit, campaign: Campaign, noise: Noise) -> NextSwing | None:
+    duels: list[Duel] = []
+    looks = _LOOKS
+    for experiment in menu(campaign, one.model, other.model):
+        try:
+            duels.append(Duel(one, other, experiment, noise))
+        except REFUSED:
+            continue
+        if looks and duels[-1].separation() >= _AMPLE:
+            looks -= 1
+            if duels[-1].close() >= _AMPLE:
+                return _asked(duels[-1], 1)
+    if not duels:
         return None
-    best = max(swing.separation for swing in found)
-    return next(swing for swing in found if swing.separation >= _NEARLY * best)
+    best = _least_trouble(duels, often=False)
+    if best.close() >= _PLAIN:
+        return _asked(best, 1)
+    best = _least_trouble(duels, often=True)
+    most = best.experiment.most
+    if best.close(most) < APART:
+        return _asked(best, most)
+    nearer = best.close(most) / best.separation(most)
+    return _asked(best, next((k for k in range(1, most) if nearer * best.separation(k) >= _PLAIN), most))
 
 
-def separation(
-    one: Fit, other: Fit, release_angle: float, duration: float, interval: float, noise: Noise
-) -> float:
-    """By how many standard deviations of the noise two fits differ on a swing from rest at ``release_angle`` (rad) of so many
-    seconds, sampled every ``interval`` seconds, beyond what their values and the release could do about it."""
-    samples = max(int(duration / interval), 2)
-    every = -(-samples // _MOST)
-    times = np.arange(0, samples, every) * interval
-    difference = simulate(one.model, times, release_angle) - simulate(other.model, times, release_angle)
-    scale = np.sqrt(noise.slow_variance / every)
-    columns, known = [], []
-    for fit in (one, other):
-        slopes, error = _leeway(fit, times, release_angle, noise)
-        columns.append(slopes.T / scale)
-        known.append(error)
-    # what is known of the values stands below the samples; of releases and of what each swing has for itself nothing is known
-    whole = np.vstack([np.hstack(columns), _beneath(known)])
-    aim = np.concatenate([difference / scale, np.zeros(whole.shape[0] - difference.size)])
-    size = np.linalg.norm(whole, axis=0)
-    size[size == 0] = 1.0
-    step = np.linalg.lstsq(whole / size, aim, rcond=1e-12)[0]
-    return float(np.linalg.norm(aim - (whole / size) @ step))
+def _least_trouble(duels: Sequence[Duel], often: bool) -> Duel:
+    """The first of these that is worth nine tenths of the best, done once or as ``often`` as it can be."""
+    times = [duel.experiment.most if often else 1 for duel in duels]
+    worth = [duel.separation(k) for duel, k in zip(duels, times, strict=True)]
+    close: set[int] = set()
+
+    def looked(k: int) -> float:
+        if k not in close:
+            close.add(k)
+            worth[k] = duels[k].close(times[k])
+        return worth[k]
+
+    best = int(np.argmax(worth))
+    while best not in close and len(close) < _LOOKS:
+        looked(best)
+        best = int(np.argmax(worth))
+    if best not in close:  # the rest is known to first order only, which promised too much so often
+        best = max(close, key=lambda k: worth[k])
+    least = _NEARLY * worth[best]
+    first = (k for k in range(best) if worth[k] >= least and (k in close or len(close) < 2 * _LOOKS))
+    return duels[next((k for k in first if looked(k) >= least), best)]
 
 
-def _leeway(fit: Fit, times: Floats, release_angle: float, noise: Noise) -> tuple[Floats, Floats]:
-    """The slopes of a swing by every free value, and rows that tell how well each is known (of those that are)."""
-    model = fit.model
-    shared = [name for name in model.parameters if name in fit.free and name not in model.each]
-    each = [*model.each, *RELEASE]
-    slopes = sensitivities(model, times, release_angle, free=[*shared, *each])[1]
-    at = [fit.free.index(name) for name in shared]
-    covariance = fit.covariance[np.ix_(at, at)] * noise.inflation
-    sure = np.isfinite(np.diag(covariance))
-    slopes[: len(shared)][~sure] = 0.0  # at a bound
-    rows = np.zeros((int(sure.sum()), len(shared) + len(each)))
-    if sure.any():
-        inside = covariance[np.ix_(sure, sure)]
-        root = np.sqrt(np.maximum(np.diag(inside), (_KNOWN * np.abs(fit.values[at][sure])) ** 2 + 1e-300))
-        correlation = inside / np.outer(root, root) + 1e-9 * np.eye(root.size)
-        rows[:, np.flatnonzero(sure)] = np.linalg.inv(np.linalg.cholesky(correlation)) / root
-    return slopes, rows
+def _asked(duel: Duel, times: int) -> NextSwing:
+    experiment, (one, other) = duel.experiment, duel.models
+    asked = NextSwing(
+        experiment.angle, experiment.duration, duel.close(times), (one.label, other.label), experiment.kind, experiment.velocity,
+        times, do=experiment.words(times, one),
+    )  # fmt: skip
+    if isinstance(experiment, LetGo):
+        return asked
+    said = tuple(tuple(map(float, each)) for each in duel.predicted)
+    return replace(asked, angles=experiment.angles, limit=experiment.limit, predicted=said)
 
 
-def _beneath(known: Sequence[Floats]) -> Floats:
-    """Rows of both models, each over its own columns."""
-    return np.block([[rows if i == k else np.zeros((rows.shape[0], other.shape[1])) for k, other in enumerate(known)]
-                     for i, rows in enumerate(known)])  # fmt: skip
+def _beside(names: Sequence[str], others: Sequence[str]) -> str:
+    """What these names have that the others lack, as words."""
+    own = [name.replace("_", " ") for name in names if name not in others]
+    return " + ".join(own) or "the model without it"

@@ -12,10 +12,10 @@ from ..pendulum.effect import Effect
 from ..pendulum.formula import evaluate
 from ..pendulum.free_form import FreeForm
 from .locate import KINDS
+from .next_swing import APART
 from .sentence import sentence
 
 _TOLD = 0.001  # probability of an effect, below which it is not listed
-_APART = 5.0  # standard deviations that a further swing must be worth
 GUARD = yaml.safe_load(resources.files(__package__).joinpath("guard.yaml").read_text())
 
 
@@ -201,17 +201,19 @@ def _next_measurement(
     catalogue: Catalogue,
     swing: Mapping[str, Any] | None,
 ) -> str | None:
-    """The measurement that would tell more, as a sentence, or None: the swing that tells the leading structures apart where one
-    does; else of tied effects what the catalogue says of two of them."""
+    """The measurement that would tell more, as a sentence, or None: the experiment that tells the leading structures apart where one
+    does; else of tied effects what the catalogue says of two of them, or that nothing at hand does."""
     tied = any(one["tied_with"] for one in added)
     if not tied and status not in ("unknown", "partial"):
         return None
-    if swing is not None and swing["separation"] >= _APART:
+    if swing is not None and swing["separation"] >= APART:
         return str(swing["text"])
     for one in added:
         for pair in combinations(catalogue.ordered({one["name"], *one["tied_with"]}), 2):
             if text := catalogue.measurement(*pair):
                 return text
+    if tied and swing is not None:
+        return str(swing["text"])
     if tied:
         return "Release from angles spread as far as the apparatus allows, and from both sides."
     return (

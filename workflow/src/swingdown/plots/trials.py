@@ -47,6 +47,7 @@ def confusion(matrix: pd.DataFrame) -> Figure:
 _TRIALS = (  # kind, what is right of it (or an alarm), and in words
     ("null", "alarm", "nothing hidden: false alarms"),
     ("own", "alarm", "own frequencies: false alarms"),
+    ("calibrated", "alarm", "volts with a calibration: false alarms"),
     ("removed", "right", "taken out of the catalogue: unknown"),
     ("foreign", "right", "in no catalogue: unknown"),
     ("pair", "inside", "two hidden: both named"),
@@ -59,6 +60,7 @@ _SAID = (
 _KINDS = {
     "null": "nothing hidden",
     "own": "own frequencies",
+    "calibrated": "calibrated",
     "single": "one effect",
     "pair": "two effects",
     "removed": "taken out",

@@ -2,9 +2,11 @@
 
 import time
 from collections.abc import Iterable, Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+from .. import dataset
 from ..discovery.campaign import Swing, campaign
 from ..discovery.files import summary
 from ..discovery.search import discover
@@ -13,7 +15,9 @@ from ..errors import InputError
 from ..measurement.angle import to_angle
 from ..measurement.recording import ingest
 from ..measurement.sheet import read_sheet
+from ..measurement.slack import of_angles
 from ..pendulum.model import Model
+from .trial import calibration_of
 
 
 def find(
@@ -29,15 +33,21 @@ def find(
     table, found = read_sheet(sheet), {}
     for name, rows in table.groupby("campaign", sort=False):
         started = time.process_time()
-        swings, refused = [], {}
+        swings, read, refused = [], [], {}
+        beside = calibration_of(Path(rows["file"].iloc[0]).parent, str(name))
+        calibration = dataset.read(beside) if beside.is_file() else None
         for recording, row in rows.iterrows():
             try:
-                data = to_angle(ingest(row, str(sheet)))
+                data = to_angle(ingest(row, str(sheet)), calibration)
             except InputError as problem:
                 refused[str(recording)] = problem.problem
                 continue
             swings.append(Swing(str(recording), data["time"].values, data["angle"].values))
+            read.append(data)
         one = campaign(str(name), swings)
+        if calibration is not None:
+            systematic = max(float(data["angle_systematic_uncertainty"].max()) for data in read)
+            one = replace(one, systematic=systematic, slack=of_angles(read))
         lacks = set((excluded or {}).get(name, ()))
         allowed = [name for name in base.catalogue.names if name not in lacks]
         states = discover(one, base, rounds, allowed)

@@ -9,7 +9,7 @@ from scipy.stats import binomtest
 
 _EDGES = (0.01, 0.1, 0.3, 0.7, 0.9, 0.99, 1.0)  # probabilities; less is not told
 _KINDS = {
-    "one in the catalogue": ("single", "pair", "null", "own"),
+    "one in the catalogue": ("single", "pair", "null", "own", "calibrated"),
     "one that it lacks": ("removed", "foreign"),
 }
 COLUMNS = ["hidden", "from", "to", "told", "n", "there", "low", "high"]

@@ -1,5 +1,5 @@
 """Which trials are drawn: every effect at every size, pairs, foreign effects, effects taken out of the catalogue, and nulls, also of
-pendulums that were taken down between the swings (``own``)."""
+pendulums that were taken down between the swings (``own``) or whose sensor was calibrated (``calibrated``)."""
 
 from collections.abc import Mapping
 from typing import Any, NamedTuple
@@ -50,6 +50,8 @@ def planned(settings: Mapping[str, Any], catalogue: Catalogue = SHIPPED) -> list
         add("null", (), 1.0, number)
     for number in range(settings["own_frequencies"]):
         add("own", (), 1.0, number)
+    for number in range(settings["calibrated"]):
+        add("calibrated", (), 1.0, number)
     return found
 
 

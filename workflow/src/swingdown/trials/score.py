@@ -57,6 +57,7 @@ def row(
     separation = _excess(truth, found, rivals)
     right = {
         "single": inside, "pair": inside, "null": verdict["status"] == "consistent", "own": verdict["status"] == "consistent",
+        "calibrated": verdict["status"] == "consistent",
         "removed": not told and verdict["status"] == "unknown", "foreign": not told and verdict["status"] == "unknown",
     }  # fmt: skip
     return {
@@ -138,7 +139,7 @@ def summarise(scores):
     """
     kind = {
         name: scores[scores["kind"] == name]
-        for name in ("single", "pair", "null", "own", "removed", "foreign")
+        for name in ("single", "pair", "null", "own", "calibrated", "removed", "foreign")
     }
     plain = pd.concat([kind["removed"], kind["foreign"]])
     plain = plain[plain["excess"] > _EXCESS]
@@ -158,6 +159,7 @@ def summarise(scores):
         ("false alarms where nothing is hidden", *_share(kind["null"]["alarm"]), "≤ 2 %"),
         *((f"the same, {noise} noise", *_share(part["alarm"]), "≤ 2 %") for noise, part in kind["null"].groupby("noise")),
         ("the same, each swing its own natural frequency", *_share(kind["own"]["alarm"]), "≤ 2 %"),
+        ("the same, volts with a calibration", *_share(kind["calibrated"]["alarm"]), "≤ 2 %"),
         ("unknown, effects not in the catalogue that leave more than 100", *_share(plain["right"]), "≥ 85 %"),
         ("unknown, all effects not in the catalogue", *_share(pd.concat([kind["removed"], kind["foreign"]])["right"]), ""),
         ("both of two hidden effects", *_share(kind["pair"]["inside"]), "≥ 70 %"),
@@ -192,7 +194,7 @@ def _proportion(count, n):
 
 def guard(scores):
     """The contents of guard.yaml with the false alarms of these scores: what verdicts then tell of themselves."""
-    nulls = scores[scores["kind"].isin(["null", "own"])]
+    nulls = scores[scores["kind"].isin(["null", "own", "calibrated"])]
     return GUARD | {"nulls": len(nulls), "false_alarms": int(nulls["alarm"].sum())}
 
 

@@ -9,22 +9,26 @@ import numpy as np
 import pandas as pd
 from scipy.signal import lfilter
 
+from .. import dataset
 from ..arrays import Floats
 from ..engine.trajectory import TrajectoryError
 from ..errors import InputError
 from ..fitting.guess import middle_crossings
 from ..fitting.least_squares import fit_jointly
 from ..manifest import checksum
+from ..measurement.apparatus import Apparatus
 from ..paths import write_csv
 from ..pendulum.catalogue import SHIPPED, Catalogue
 from ..pendulum.effect import Effect, Parameter
 from ..pendulum.model import Model
+from .coverage import SLOPE, Bench, bench
 from .second_pendulum import Runaway, trajectory
 from .torques import FOREIGN, KNOWN
 
 BASE = ("viscous", "load_coulomb")
 NOISES = ("white", "coloured", "steps")
 SWINGS, DURATION, RATE = 6, 20.0, 100.0  # each campaign's; s, samples a second
+_WITHIN = 0.58  # rad, that swings stay within of which a calibrated sensor reads 72 degrees in all
 _CROSSINGS = 6  # of the middle, that a swing must make at least
 OWN_FREQUENCY = (
     1e-3  # standard deviation of what swings of a pendulum that was taken down between them differ by
@@ -44,7 +48,8 @@ PAIRS = (
 class Trial:
     """What is hidden in one campaign: the effects beside ``BASE``, all values, each swing's release and own values, the noise.
 
-    ``kind`` is ``single``, ``pair``, ``null``, ``own`` (nothing is hidden, but each swing has its own natural frequency), ``removed`` (the effect is then taken out of the catalogue) or ``foreign``
+    ``kind`` is ``single``, ``pair``, ``null``, ``own`` (nothing is hidden, but each swing has its own natural frequency),
+    ``calibrated`` (nothing is hidden, but the recordings are in volts, and their calibration is as wrong as it says it may be), ``removed`` (the effect is then taken out of the catalogue) or ``foreign``
     (it never was in it); ``ratio`` the residual of the base model's fit that was asked for and ``reached`` the one that
     came out, in units of the noise (rad) ``sigma``.
     """
@@ -96,7 +101,9 @@ def draw(
     }
     sigma = rng.uniform(1e-3, 3e-3)
     largest = np.linspace(0.3, rng.uniform(0.8, 1.05), SWINGS) * rng.uniform(0.95, 1.05, SWINGS)
-    velocities = rng.normal(0, 0.05, SWINGS)
+    if kind == "calibrated":
+        largest *= _WITHIN / np.max(largest)
+    velocities = rng.normal(0, 0.05, SWINGS) * (0 if kind == "calibrated" else 1)
     releases = tuple(
         (float(a * (-1) ** k), float(v)) for k, (a, v) in enumerate(zip(largest, velocities, strict=True))
     )
@@ -223,19 +230,27 @@ def _swing(trial: Trial, hidden: Sequence[str], k: int, times: Floats, catalogue
     return trajectory((*BASE, *hidden), values, times, *trial.releases[k], twins=twins).reading
 
 
-def swings(trial: Trial, seed: int, catalogue: Catalogue = SHIPPED) -> list[tuple[Floats, Floats]]:
-    """The trial's swings with noise: a list of (times in s, angles in rad)."""
+def bench_of(trial: Trial, seed: int, apparatus: Apparatus) -> Bench:
+    """The sensor of a ``calibrated`` trial with its calibration."""
+    return bench(apparatus, [seed, *map(ord, trial.name)])
+
+
+def swings(
+    trial: Trial, seed: int, catalogue: Catalogue = SHIPPED, sensor: Bench | None = None
+) -> list[tuple[Floats, Floats]]:
+    """The trial's swings with noise: a list of (times in s, angles in rad; of a calibrated ``sensor`` V)."""
     times = np.arange(round(DURATION * RATE) + 1) / RATE
     rng = np.random.default_rng(np.random.SeedSequence(seed, spawn_key=[*map(ord, trial.name), 1]))
+    sigma = trial.sigma / (SLOPE if sensor else 1.0)
     found: list[tuple[Floats, Floats]] = []
     for k in range(SWINGS):
-        clean = _swing(trial, trial.hidden, k, times, catalogue)
+        clean = _read(_swing(trial, trial.hidden, k, times, catalogue), sensor)
         white = rng.standard_normal(times.size + 100)
         if trial.noise == "coloured":
             white = lfilter([np.sqrt(1 - CORRELATION**2)], [1, -CORRELATION], white)
-        noise = trial.sigma * white[100:]
+        noise = sigma * white[100:]
         if trial.noise == "steps":  # rounding adds step / sqrt 12 to what the sensor itself has
-            step = STEP * trial.sigma
+            step = STEP * sigma
             read = clean + noise * np.sqrt(1 - STEP**2 / 12)
             found.append((times, step * np.round(read / step)))
         else:
@@ -243,26 +258,52 @@ def swings(trial: Trial, seed: int, catalogue: Catalogue = SHIPPED) -> list[tupl
     return found
 
 
+def _read(angle: Floats, sensor: Bench | None) -> Floats:
+    return angle if sensor is None else sensor.volts(angle)
+
+
 def write_trial(
-    trial: Trial, seed: int, name: str, folder: Path | str, catalogue: Catalogue = SHIPPED
+    trial: Trial,
+    seed: int,
+    name: str,
+    folder: Path | str,
+    catalogue: Catalogue = SHIPPED,
+    apparatus: Apparatus | None = None,
 ) -> tuple[list[dict[str, str]], dict[str, Any]]:
     """(rows of a sample sheet, truth): the trial's CSV files written to ``folder`` under a name that tells nothing of it.
 
-    The truth is the ``Trial`` as a dict, with the noise's RMS in each swing (rad) and the samples of each.
+    The truth is the ``Trial`` as a dict, with the noise's RMS in each swing (rad) and the samples of each. A ``calibrated`` one needs
+    the ``apparatus`` that its sensor is calibrated with, and has its calibration written beside the swings (``calibration_of``).
     """
-    rows, noise = [], []
-    for k, (times, angle) in enumerate(swings(trial, seed, catalogue), 1):
+    rows, noise, sensor = [], [], None
+    if trial.kind == "calibrated":
+        if apparatus is None:
+            raise InputError(
+                f"trial {trial.name}",
+                "its sensor has no apparatus to be calibrated with",
+                "an apparatus sheet",
+            )
+        sensor = bench_of(trial, seed, apparatus)
+        sensor.calibration.attrs["campaigns"] = name
+        dataset.write(sensor.calibration, calibration_of(folder, name))
+    column = "encoder_V" if sensor else "theta_rad"
+    for k, (times, reading) in enumerate(swings(trial, seed, catalogue, sensor), 1):
         path = Path(folder) / f"{name}-{k}.csv"
-        write_csv(pd.DataFrame({"t_s": times, "theta_rad": angle}), path, float_format="%.7g")
+        write_csv(pd.DataFrame({"t_s": times, column: reading}), path, float_format="%.7g")
         rows.append(
             {
                 "recording": f"{name}-{k}",
                 "campaign": name,
                 "file": str(path.resolve()),
                 "sha256": checksum(path),
+                **({"signal_unit": "V"} if sensor else {}),
             }
         )
-        noise.append(
-            float(np.sqrt(np.mean((angle - _swing(trial, trial.hidden, k - 1, times, catalogue)) ** 2)))
-        )
+        away = reading - _read(_swing(trial, trial.hidden, k - 1, times, catalogue), sensor)
+        noise.append(float(np.sqrt(np.mean(away**2))) * (SLOPE if sensor else 1.0))
     return rows, asdict(trial) | {"noise_rms_rad": noise, "samples": times.size}
+
+
+def calibration_of(folder: Path | str, name: str) -> Path:
+    """Where the calibration of a campaign in volts lies, beside its swings."""
+    return Path(folder) / f"{name}-calibration.nc"
