@@ -59,12 +59,15 @@ def fit_jointly(
         model = replace(model, record=max(float(times[-1] - times[0]) for times, _ in swings))
     own = (model.each if len(swings) > 1 else ()) if own is None else tuple(own)
     problem = Problem(model, swings, start, bounded, own, fixed)
-    starts, from_data = problem.starts(guess, seen)
-    first = len(starts) - from_data + 1 if from_data else 0
-    if isinstance(problem.compiled[0].library, Uncompiled):
-        found, agreeing, tried = uncompiled.least_squares(problem, starts, most, tolerance)
-    else:
-        found, agreeing, tried = _from_all(problem, starts, first, most, tolerance, grown)
+    slowly = isinstance(problem.compiled[0].library, Uncompiled)
+    found, agreeing, tried = None if slowly or guess is not None else _in_segments(problem, most), 1, 1
+    if found is None:
+        starts, from_data = problem.starts(guess, seen)
+        first = len(starts) - from_data + 1 if from_data else 0
+        if slowly:
+            found, agreeing, tried = uncompiled.least_squares(problem, starts, most, tolerance)
+        else:
+            found, agreeing, tried = _from_all(problem, starts, first, most, tolerance, grown)
     rss, best, hessian, _, outcome, angles = found
     if outcome.converged < 0:
         raise TrajectoryError(f"model {model.label}: no start of {tried} gives a trajectory")
@@ -180,6 +183,20 @@ def _from_all(
     if thin is not problem:
         found = _search(problem, np.vstack([best, grown]), most, tolerance)
     return found, int(np.sum(squares <= rss * (1 + _SAME))), squares.size
+
+
+def _in_segments(problem: Problem, most: int) -> Any:
+    """What ``_search`` gives, of one smooth swing that its model explains down to white noise: there is nothing better to be found.
+
+    None of all others.
+    """
+    if len(problem.swings) > 1:
+        return None
+    library, angles = problem.compiled[0].library, np.empty(problem.n)
+    *found, outcome = interface.fit_in_segments(library, problem.c, problem.given, [problem.n], angles)
+    return (
+        (*found, None, outcome, [angles]) if outcome.converged > 0 and outcome.evaluations <= most else None
+    )
 
 
 def _search(

@@ -17,4 +17,5 @@
 #include "lockstep_point.c"
 #include "lockstep_swings.c"
 #include "lockstep.c"
+#include "segments.c"
 #include "swings.c"

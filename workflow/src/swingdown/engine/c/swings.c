@@ -6,6 +6,7 @@
 
 #include "least_squares.h"
 #include "lockstep.h"
+#include "segments.h"
 #include "trajectory.h"
 
 #define MOST_WORK 4.0      /* of a trajectory, times the usual */
@@ -284,6 +285,25 @@ double fit_swings(const FitProblem *problem, const Starts *starts, const SearchO
     free(fit.residuals);
     free(room);
     return 2.0 * least;
+}
+
+/* The trajectory at the minimum is that of every other fit, and its sum of squares has the last word. */
+double fit_in_segments(const FitProblem *problem, FitResult *result) {
+    Fit fit;
+    double squares = INFINITY;
+    result->outcome = (SearchOutcome){NOT_COMPUTABLE, 0, INFINITY, 0, 0, 0};
+    const int evaluations = search_in_segments(problem, result->variables, result->normal);
+    if (!evaluations) return INFINITY;
+    if (open_fit(&fit, problem)) {
+        fit.angles = result->angles;
+        fit.coarseness = 1.0;
+        set_budget(&fit, result->variables, 1);
+        squares = 2.0 * swings_cost(&fit, result->variables, NULL, NULL);
+        if (squares < INFINITY && !fit.last.stops && leaves_noise(&fit))
+            result->outcome = (SearchOutcome){STATIONARY, evaluations + 1, 0.0, 0, 1, fit.last.driven};
+    }
+    free(fit.residuals);
+    return squares;
 }
 
 /* One series of a batch by itself. normal: room for a matrix. */
