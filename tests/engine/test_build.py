@@ -35,6 +35,19 @@ def angles(path):
     return read
 
 
+def fitted(path, angle):
+    """How a fit in the lanes of the engine in a shared library ends, and what it finds of a pendulum with both effects."""
+    library, motions = interface.ffi().dlopen(str(path)), [(0, 1, 0), (2, 1, 0), (3, 2, 0)]
+    model = interface.model(motions, (), (), n_parameters=3, n_states=0, play=-1, duration=3.0)
+    where, given = np.arange(5, dtype=np.int32)[None], np.zeros((1, 5))
+    bounds = interface.Bounds(np.full(5, -np.inf), np.full(5, np.inf))
+    problem = interface.FitProblem([model], [(TIMES, angle)], where, bounds)
+    rss, values, normal, outcome = interface.fit_in_segments(
+        library, problem, given, [TIMES.size], np.empty(TIMES.size)
+    )
+    return outcome.converged, [rss, *values, *normal.flat]
+
+
 @pytest.fixture(scope="module")
 def usual():
     """The same angles by the engine of this machine."""
@@ -282,9 +295,12 @@ def test_what_a_wheel_carries_needs_no_compiler_and_no_cache(wheel, usual, tmp_p
 
 def test_every_level_of_processors_gives_the_same_bits(wheel, usual, tmp_path):
     found = {level: next((tmp_path / "carried").glob(f"*-{level}.so")) for level in prebuilt.levels()}
-    assert "x86-64" in found
+    noisy = usual + 3e-4 * np.random.default_rng(2).standard_normal(usual.size)
+    converged, values = fitted(found["x86-64"], noisy)
+    assert converged == 1 and values[1:4] == pytest.approx([*VALUES.values()], rel=0.1)
     for level, path in found.items():
         assert np.array_equal(angles(path), usual), level
+        assert fitted(path, noisy) == (converged, values), level
 
 
 @pytest.mark.parametrize("level", FLAGS)
