@@ -1,7 +1,7 @@
 """Building the engine once and loading it: a shared library kept under the hash of all that went into it."""
 
 import os
-from functools import lru_cache
+from functools import lru_cache, partial
 from pathlib import Path
 from typing import Any
 
@@ -35,7 +35,7 @@ def library(catalogue: Effects, gravity: Effects) -> Path:
                 return path
         by = compiler.found()
 
-    return cache.kept(f"engine-{content}-{cache.key(by.identity)}.so", lambda path: _compile(parts, path))
+    return cache.kept(f"engine-{content}-{cache.key(by.identity)}.so", partial(_compile, parts, ()))
 
 
 def carry(folder: Path, catalogue: Effects, gravity: Effects) -> None:
@@ -48,7 +48,7 @@ def carry(folder: Path, catalogue: Effects, gravity: Effects) -> None:
     cache.put(folder / _header_name(catalogue, gravity), lambda path: path.write_text(parts["catalogue.h"]))
     for level in prebuilt.LEVELS:
         path = folder / prebuilt.file_name(_content(parts), level)
-        cache.put(path, lambda draft, level=level: _compile(parts, draft, f"-march={level}"))
+        cache.put(path, partial(_compile, parts, (f"-march={level}",)))
 
 
 def _parts(catalogue: Effects, gravity: Effects) -> dict[str, str]:
@@ -59,10 +59,10 @@ def _content(parts: dict[str, str], processor: str = "") -> str:
     return cache.key(*parts, *parts.values(), *compiler.FLAGS, processor)
 
 
-def _compile(parts: dict[str, str], path: Path, *levels: str) -> None:
+def _compile(parts: dict[str, str], processors: tuple[str, ...], path: Path) -> None:
     for name, text in parts.items():
         (path.parent / name).write_text(text)
-    compiler.compile_library("engine.c", path, path.parent, *levels)
+    compiler.compile_library("engine.c", path, path.parent, *processors)
 
 
 def header(catalogue: Effects, gravity: Effects) -> str:

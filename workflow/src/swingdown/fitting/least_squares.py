@@ -3,6 +3,7 @@
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from functools import lru_cache
+from math import sqrt
 from typing import Any
 
 import numpy as np
@@ -124,7 +125,7 @@ def fit_at(
     for row, series, (_, angle) in zip(slots.tolist(), angles, problem.swings, strict=True):
         one = model.with_values(dict(zip(names, row[:-2], strict=True))) if problem.own else model
         left = series - angle
-        rms = float(np.sqrt(left @ left / left.size))
+        rms = sqrt(float(left @ left) / left.size)
         own = {name: one.values[name] for name in problem.own}
         swings.append(SwingFit(one, row[-2], row[-1], series, rms, own))
     return Fit(
@@ -186,9 +187,9 @@ def _from_all(
 
 
 def _in_segments(problem: Problem, most: int) -> Any:
-    """What ``_search`` gives, of one smooth swing that its model explains down to white noise: there is nothing better to be found.
+    """What ``_search`` gives, of one swing that its model explains down to white noise: there is nothing better to be found.
 
-    None of all others.
+    None of all others, and where the swing cannot be followed in segments (c/segments.h).
     """
     if len(problem.swings) > 1:
         return None

@@ -10,12 +10,13 @@
 #define MOST_SEGMENT_NUMBERS 4e5 /* of the solutions kept, for each segment */
 #define MOST_STEPS 8             /* Gauss's and Newton's, none of them shortened */
 
-/* Of the sum of squares: a step is the last that gains less and after which another, were steps to shrink on as they did, would
- * gain less than `rest`. J'J from before it is that after it: standard errors differed by less than 1e-7 of themselves. */
+/* Of the sum of squares: a step is the last that gains less than `last` and after which another, were steps to shrink on as they
+ * did, would gain less than `rest`. J'J from before it is that after it: of smooth motions standard errors differed by less than
+ * 1e-7 of themselves. After the last of a directed motion comes one by whole trajectories. */
 typedef struct {
     double last, rest;
 } Settled;
-static const Settled SMOOTH_SETTLED = {1e-9, 1e-16}, DIRECTED_SETTLED = {1e-6, 1e-11}; /* one more step follows the latter */
+static const Settled SMOOTH_SETTLED = {1e-9, 1e-16}, DIRECTED_SETTLED = {1e-6, 1e-11};
 
 /* ---- Memory ---- */
 
@@ -114,7 +115,7 @@ typedef struct {
 static void condense(const Segments *s, int l, Chain chain, Condensed *to) {
     const int n = s->n, all = s->n_all, lane = l % WIDTH;
     const Lockstep *group = s->group[l / WIDTH];
-    double weighed[MOST_FREE][MOST_FREE + 1]; /* its own J'J times the chain, less in the last column J'r */
+    double weighed[MOST_FREE][MOST_FREE + 1]; /* its own J'J times the chain */
     for (int f = 0; f < all; f++)
         for (int c = 0; c <= n; c++) {
             double sum = 0.0;
