@@ -7,6 +7,7 @@
 # make benchmark-discovery  hold the search for hidden effects against what one would otherwise use (after snakemake hidden_effects;
 #                 sets up .venv/discovery for that; some minutes)
 # make docs       the site of docs/, with catalogue, settings and API: site/index.html (sets up .venv/docs for that)
+# make wheel      the package as a wheel that carries the compiled engine (Linux on x86-64), so that no compiler is needed: dist/
 # make lock       resolve the versions again after a change of pyproject.toml; UPGRADE=--upgrade takes newer ones
 # make clean      remove what was computed; make distclean removes .venv as well
 #
@@ -25,7 +26,7 @@ BIN := .venv/bin
 # Named after the locks' contents and this folder, so that the environment is laid anew when, and only when, they change.
 READY := .venv/ready-$(shell (pwd; cat requirements.lock requirements-uv.lock pyproject.toml) | cksum | cut -d' ' -f1)
 
-.PHONY: run start venv test test-all certified coverage benchmark benchmark-discovery docs lock clean distclean
+.PHONY: run start venv test test-all certified coverage benchmark benchmark-discovery docs wheel lock clean distclean
 .DELETE_ON_ERROR:
 
 run: $(READY)
@@ -97,6 +98,10 @@ docs: $(READY)
 	@PYTHONPATH=workflow/src $(DOCS)/bin/python docs/generate.py docs/generated
 	@$(DOCS)/bin/python -m sphinx -q -W --keep-going -c docs . site
 	@echo "site/index.html"
+
+wheel: $(READY)
+	@PYTHON=$(BIN)/python tools/build-wheel dist
+	@ls dist/*.whl
 
 lock:
 	@$(PYTHON) -m venv --clear .venv

@@ -10,6 +10,8 @@ from pathlib import Path
 
 import pytest
 
+from swingdown.engine import prebuilt
+
 SOURCES = ("pyproject.toml", "README.md", "LICENSE", "workflow/src")
 USE = """
 from pathlib import Path
@@ -100,11 +102,11 @@ def test_the_wheel_holds_every_file_of_the_package(root, wheel):
     assert wanted <= set(zipfile.ZipFile(wheel).namelist())
 
 
-@pytest.mark.slow
-def test_the_wheel_works_where_no_project_is_around_it(wheel, tmp_path):
-    """Its dependencies are those of the present environment, so that no network is asked; the package is its own."""
-    environment, elsewhere = tmp_path / "environment", tmp_path / "elsewhere"
-    elsewhere.mkdir()
+def installed(wheel, environment):
+    """The Python of a new environment with the wheel in it, and where that is.
+
+    Its dependencies are those of the present environment, so that no network is asked; the package is its own.
+    """
     subprocess.run([sys.executable, "-m", "venv", "--without-pip", str(environment)], check=True)
     python = environment / "bin/python"
     pip = [sys.executable, "-m", "pip", "--disable-pip-version-check", "--python", python]
@@ -114,9 +116,21 @@ def test_the_wheel_works_where_no_project_is_around_it(wheel, tmp_path):
     (site / "dependencies.pth").write_text(
         f"{sysconfig.get_paths()['purelib']}\n{sysconfig.get_paths()['platlib']}\n"
     )
+    return str(python), site
+
+
+def without_python(tmp_path):
+    """The environment's variables less Python's own, with a cache of the test's own."""
     clean = {key: value for key, value in os.environ.items() if not key.startswith("PYTHON")}
-    clean["SWINGDOWN_CACHE"] = str(tmp_path / "cache")
-    done = subprocess.run([str(python), "-c", USE], cwd=elsewhere, env=clean, text=True, capture_output=True)
+    return clean | {"SWINGDOWN_CACHE": str(tmp_path / "cache")}
+
+
+@pytest.mark.slow
+def test_the_wheel_works_where_no_project_is_around_it(wheel, tmp_path):
+    (python, site), clean = installed(wheel, tmp_path / "environment"), without_python(tmp_path)
+    elsewhere = tmp_path / "elsewhere"
+    elsewhere.mkdir()
+    done = subprocess.run([python, "-c", USE], cwd=elsewhere, env=clean, text=True, capture_output=True)
     assert done.returncode == 0, done.stdout + done.stderr
     said = [line.split(maxsplit=1) for line in done.stdout.splitlines()]
     assert ["package", str(site / "swingdown")] in said
@@ -126,3 +140,38 @@ def test_the_wheel_works_where_no_project_is_around_it(wheel, tmp_path):
     report = (elsewhere / "report.html").read_text(encoding="utf-8")
     assert "0.13 ± 0.10" in report and "sheet.csv" in report
     assert list((tmp_path / "cache").glob("engine-*.so"))
+
+
+FIT = """
+import warnings
+
+import numpy as np
+
+warnings.simplefilter("error")
+from swingdown.engine.trajectory import simulate
+from swingdown.fitting.least_squares import fit_jointly
+from swingdown.pendulum.model import Model
+
+times = np.arange(501) / 100
+values = {"natural_frequency": 7.25, "viscous_ratio": 0.03, "load_friction": 0.012}
+angle = simulate(Model("viscous+load_coulomb", values), times, 0.35)
+print("angle", angle.tobytes().hex())
+print("fitted", fit_jointly("viscous+load_coulomb", [(times, angle)] * 2).converged)
+"""
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not prebuilt.levels(), reason="engines are carried for Linux on x86-64 alone")
+def test_a_wheel_that_carries_the_engine_needs_no_compiler(root, tmp_path):
+    build = [str(root / "tools/build-wheel"), str(tmp_path / "dist")]
+    done = subprocess.run(build, env=os.environ | {"PYTHON": sys.executable}, text=True, capture_output=True)
+    assert done.returncode == 0, done.stdout + done.stderr
+    (wheel,) = (tmp_path / "dist").iterdir()
+    assert wheel.name.endswith("-py3-none-linux_x86_64.whl")
+    (python, _), clean = installed(wheel, tmp_path / "environment"), without_python(tmp_path)
+    clean = {key: value for key, value in clean.items() if key != "CC"} | {"PATH": str(tmp_path)}
+    done = subprocess.run([python, "-c", FIT], cwd=tmp_path, env=clean, text=True, capture_output=True)
+    assert done.returncode == 0, done.stdout + done.stderr
+    here = subprocess.run([sys.executable, "-c", FIT], text=True, capture_output=True)
+    assert done.stdout == here.stdout and done.stdout.endswith("fitted True\n")
+    assert not list((tmp_path / "cache").glob("engine-*"))

@@ -78,7 +78,7 @@ ours_at_once.fits = compiled_peers.BATCH
 
 
 def ours_alone(work):
-    """This engine as a user calls it: starts from the data, in growing windows."""
+    """This engine as a user calls it: from the data alone."""
     fit = fit_trajectory(CASES[work.name].model.label, work.times, work.angle)
     return peers.Found(fit.values, fit.evaluations)
 

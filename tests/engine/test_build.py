@@ -8,7 +8,7 @@ import warnings
 import numpy as np
 import pytest
 
-from swingdown.engine import build, cache, interface
+from swingdown.engine import build, cache, interface, prebuilt
 from swingdown.engine.trajectory import simulate
 from swingdown.errors import EngineError
 from swingdown.pendulum.catalogue import SHIPPED
@@ -33,6 +33,19 @@ def angles(path):
     )
     assert status == library.DONE
     return read
+
+
+def fitted(path, angle):
+    """How a fit in the lanes of the engine in a shared library ends, and what it finds of a pendulum with both effects."""
+    library, motions = interface.ffi().dlopen(str(path)), [(0, 1, 0), (2, 1, 0), (3, 2, 0)]
+    model = interface.model(motions, (), (), n_parameters=3, n_states=0, play=-1, duration=3.0)
+    where, given = np.arange(5, dtype=np.int32)[None], np.zeros((1, 5))
+    bounds = interface.Bounds(np.full(5, -np.inf), np.full(5, np.inf))
+    problem = interface.FitProblem([model], [(TIMES, angle)], where, bounds)
+    rss, values, normal, outcome = interface.fit_in_segments(
+        library, problem, given, [TIMES.size], np.empty(TIMES.size)
+    )
+    return outcome.converged, [rss, *values, *normal.flat]
 
 
 @pytest.fixture(scope="module")
@@ -237,3 +250,80 @@ def test_a_compiler_that_does_not_start(library, monkeypatch, tmp_path):
     monkeypatch.setenv("CC", str(program))
     with pytest.raises(EngineError, match="does not start"):
         library()
+
+
+FLAGS = {
+    "x86-64": "fpu sse sse2",
+    "x86-64-v3": "sse2 avx2 bmi1 bmi2 f16c fma abm movbe avx512f",
+    "x86-64-v4": "sse2 avx2 bmi1 bmi2 f16c fma abm movbe avx512f avx512bw avx512cd avx512dq avx512vl",
+}
+
+
+@pytest.fixture(scope="module")
+def carried(tmp_path_factory):
+    """The folder of what a wheel carries, of a few effects and compiled without optimisation."""
+    if not prebuilt.levels():
+        pytest.skip("engines are carried for Linux on x86-64 alone")
+    folder, told = tmp_path_factory.mktemp("carried"), pytest.MonkeyPatch()
+    program = folder / "compiler"
+    real = next(filter(None, map(shutil.which, ("gcc", "cc", "clang"))))
+    program.write_text(f'#!/bin/sh\nexec {real} "$@" -O0\n')
+    program.chmod(0o755)
+    told.setenv("CC", str(program))
+    build.carry(folder / "files", EFFECTS, GRAVITIES)
+    told.undo()
+    return folder / "files"
+
+
+@pytest.fixture
+def wheel(library, carried, tmp_path, monkeypatch):
+    """A function like ``library`` where a wheel carries the engine and there is no compiler; its folder, to do harm in."""
+    folder = tmp_path / "carried"
+    shutil.copytree(carried, folder)
+    monkeypatch.setattr(prebuilt, "FOLDER", folder)
+    monkeypatch.delenv("CC", raising=False)
+    monkeypatch.setenv("PATH", str(tmp_path))
+    return library
+
+
+def test_what_a_wheel_carries_needs_no_compiler_and_no_cache(wheel, usual, tmp_path):
+    path = wheel()
+    assert path.parent == tmp_path / "carried" and path.stem.endswith(prebuilt.levels()[0])
+    assert np.array_equal(angles(path), usual)
+    assert not (tmp_path / "cache").exists()
+
+
+def test_every_level_of_processors_gives_the_same_bits(wheel, usual, tmp_path):
+    found = {level: next((tmp_path / "carried").glob(f"*-{level}.so")) for level in prebuilt.levels()}
+    noisy = usual + 3e-4 * np.random.default_rng(2).standard_normal(usual.size)
+    converged, values = fitted(found["x86-64"], noisy)
+    assert converged == 1 and values[1:4] == pytest.approx([*VALUES.values()], rel=0.1)
+    for level, path in found.items():
+        assert np.array_equal(angles(path), usual), level
+        assert fitted(path, noisy) == (converged, values), level
+
+
+@pytest.mark.parametrize("level", FLAGS)
+def test_a_processor_gets_the_best_that_it_runs(wheel, monkeypatch, level):
+    monkeypatch.setattr("swingdown.engine.compiler.processor", lambda: f"x86_64 flags : {FLAGS[level]}")
+    assert wheel().stem.endswith(f"-{level}")
+
+
+def test_a_damaged_one_is_passed_over(wheel, usual):
+    wheel().write_bytes(b"damaged")
+    assert np.array_equal(angles(wheel()), usual)
+    for _ in prebuilt.levels()[1:]:
+        wheel().write_bytes(b"damaged")
+    with pytest.raises(EngineError, match="there is no C compiler"):
+        wheel()
+
+
+def test_an_own_effect_takes_a_compiler_all_the_same(wheel):
+    with pytest.raises(EngineError, match="there is no C compiler.*Mend: install gcc or clang"):
+        build.library((*EFFECTS, SHIPPED["quadratic_drag"]), GRAVITIES)
+
+
+def test_a_compiler_that_is_asked_for_is_used(carried, library, compiler, monkeypatch):
+    monkeypatch.setattr(prebuilt, "FOLDER", carried)
+    calls = compiler()
+    assert library().parent != carried and "engine.c" in calls.read_text()

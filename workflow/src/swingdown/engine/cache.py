@@ -32,8 +32,7 @@ def kept(name: str, make: Callable[[Path], None]) -> Path:
     if not is_whole(path):
         try:
             path.parent.mkdir(parents=True, exist_ok=True)
-            with tempfile.TemporaryDirectory(dir=path.parent, prefix="making-") as work:
-                _make(Path(work) / name, path, make)
+            put(path, make)
         except OSError as problem:
             raise EngineError(
                 f"engine, folder {path.parent}",
@@ -52,12 +51,15 @@ def is_whole(path: Path) -> bool:
         return False
 
 
-def _make(draft, path, make):
-    make(draft)
-    _checksum_file(draft).write_text(_checksum(draft))
-    # between the two the file does not match: whoever looks then makes it again, to the same content
-    os.replace(draft, path)
-    os.replace(_checksum_file(draft), _checksum_file(path))
+def put(path: Path, make: Callable[[Path], object]) -> None:
+    """Have a file made by ``make(draft)`` beside its place, in a folder that is there, and put it there with its checksum."""
+    with tempfile.TemporaryDirectory(dir=path.parent, prefix="making-") as work:
+        draft = Path(work) / path.name
+        make(draft)
+        _checksum_file(draft).write_text(_checksum(draft))
+        # between the two the file does not match: whoever looks then makes it again, to the same content
+        os.replace(draft, path)
+        os.replace(_checksum_file(draft), _checksum_file(path))
 
 
 def _checksum_file(path):

@@ -68,11 +68,15 @@ def processor() -> str:
     return f"{platform.machine()} {flags}"
 
 
-def compile_library(source: str, target: Path, cwd: Path) -> None:
-    """Compile one C file of the folder ``cwd`` to the shared library ``target``: for this very processor where the
-    compiler can, else for any of its kind. EngineError with the compiler's words where it fails."""
+def compile_library(source: str, target: Path, cwd: Path, *processors: str) -> None:
+    """Compile one C file of the folder ``cwd`` to the shared library ``target``.
+
+    ``processors``: the flags to try for whom it is, the first that the compiler knows; by default this very processor, else any
+    of its kind. EngineError with the compiler's words where it fails.
+    """
     command = found().command
-    for flags in ((*FLAGS, NATIVE), FLAGS):
+    for processor in processors or (NATIVE, ""):
+        flags = (*FLAGS, processor) if processor else FLAGS
         line = [*command, *flags, "-o", str(target), source, "-lm"]
         try:
             done = subprocess.run(line, cwd=cwd, capture_output=True, text=True)

@@ -285,6 +285,28 @@ def fit_swings(
     return rss, best, normal, squares, _outcome(result.outcome)
 
 
+def fit_in_segments(
+    library: Any, problem: FitProblem, given: Floats, lengths: Sequence[int], angles: Floats
+) -> tuple[float, Floats, Floats, Outcome]:
+    """The least sum of squares (rad^2) of one swing, the variables there, J'J and the ``Outcome``, where the swing
+    can be followed in segments side by side and leaves nothing but noise; else it has not converged.
+
+    What is given is as in ``fit_swings``.
+    """
+    size, count, new = problem.n_variables, len(lengths), ffi().new
+    best, normal = np.zeros(size), np.zeros((size, size))
+    swings = new(
+        "FitProblem *",
+        (problem.models, count, new("int[]", lengths), problem.times, problem.angles, doubles(given.copy()), problem.where, size,
+         problem.bounds, problem.known),
+    )  # fmt: skip
+    result = new(
+        "FitResult *", {"variables": doubles(best), "normal": doubles(normal), "angles": doubles(angles)}
+    )
+    rss = library.fit_in_segments(swings, result)
+    return rss, best, normal, _outcome(result.outcome)
+
+
 class BatchResult(NamedTuple):
     """Arrays for a batch's results by series: variables (series, variable), rss (rad^2), and as int32 converged, evaluations
     and whether it was fitted alone."""

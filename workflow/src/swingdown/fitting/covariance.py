@@ -19,13 +19,16 @@ def covariance_of(problem: Problem, hessian: Floats, rss: float, best: Floats) -
     values that a bound holds or that are undetermined.
     """
     inverse = inverse_of(problem, hessian, best)
+    noise, slack = rss / (problem.n - len(problem.free)), problem.model.slack
+    if problem.known is None and not slack.clock:  # the usual fit: there is nothing systematic
+        inverse *= noise
+        return inverse, np.zeros((len(problem.free), len(slack.sources) + 1))
     systematic = systematic_of(problem, inverse, best)
-    noise = rss / (problem.n - len(problem.free))
     if problem.known is not None:
         return noise * (
             inverse @ (hessian - problem.known.precision) @ inverse
         ) + systematic @ systematic.T, systematic
-    return noise * inverse + (systematic @ systematic.T if systematic.any() else 0.0), systematic
+    return noise * inverse + systematic @ systematic.T, systematic
 
 
 def inverse_of(problem: Problem, hessian: Floats, best: Floats) -> Floats:
@@ -55,7 +58,8 @@ def _inverse(matrix: Floats, scale: Floats) -> Floats | None:
         or np.linalg.cond(scaled) < _SINGULAR
     ):
         return None
-    return inverse / size
+    inverse /= size
+    return inverse
 
 
 def systematic_of(problem: Problem, inverse: Floats, best: Floats) -> Floats:

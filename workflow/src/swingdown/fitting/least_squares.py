@@ -3,6 +3,7 @@
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from functools import lru_cache
+from math import sqrt
 from typing import Any
 
 import numpy as np
@@ -59,12 +60,15 @@ def fit_jointly(
         model = replace(model, record=max(float(times[-1] - times[0]) for times, _ in swings))
     own = (model.each if len(swings) > 1 else ()) if own is None else tuple(own)
     problem = Problem(model, swings, start, bounded, own, fixed)
-    starts, from_data = problem.starts(guess, seen)
-    first = len(starts) - from_data + 1 if from_data else 0
-    if isinstance(problem.compiled[0].library, Uncompiled):
-        found, agreeing, tried = uncompiled.least_squares(problem, starts, most, tolerance)
-    else:
-        found, agreeing, tried = _from_all(problem, starts, first, most, tolerance, grown)
+    slowly = isinstance(problem.compiled[0].library, Uncompiled)
+    found, agreeing, tried = None if slowly or guess is not None else _in_segments(problem, most), 1, 1
+    if found is None:
+        starts, from_data = problem.starts(guess, seen)
+        first = len(starts) - from_data + 1 if from_data else 0
+        if slowly:
+            found, agreeing, tried = uncompiled.least_squares(problem, starts, most, tolerance)
+        else:
+            found, agreeing, tried = _from_all(problem, starts, first, most, tolerance, grown)
     rss, best, hessian, _, outcome, angles = found
     if outcome.converged < 0:
         raise TrajectoryError(f"model {model.label}: no start of {tried} gives a trajectory")
@@ -121,7 +125,7 @@ def fit_at(
     for row, series, (_, angle) in zip(slots.tolist(), angles, problem.swings, strict=True):
         one = model.with_values(dict(zip(names, row[:-2], strict=True))) if problem.own else model
         left = series - angle
-        rms = float(np.sqrt(left @ left / left.size))
+        rms = sqrt(float(left @ left) / left.size)
         own = {name: one.values[name] for name in problem.own}
         swings.append(SwingFit(one, row[-2], row[-1], series, rms, own))
     return Fit(
@@ -180,6 +184,20 @@ def _from_all(
     if thin is not problem:
         found = _search(problem, np.vstack([best, grown]), most, tolerance)
     return found, int(np.sum(squares <= rss * (1 + _SAME))), squares.size
+
+
+def _in_segments(problem: Problem, most: int) -> Any:
+    """What ``_search`` gives, of one swing that its model explains down to white noise: there is nothing better to be found.
+
+    None of all others, and where the swing cannot be followed in segments (c/segments.h).
+    """
+    if len(problem.swings) > 1:
+        return None
+    library, angles = problem.compiled[0].library, np.empty(problem.n)
+    *found, outcome = interface.fit_in_segments(library, problem.c, problem.given, [problem.n], angles)
+    return (
+        (*found, None, outcome, [angles]) if outcome.converged > 0 and outcome.evaluations <= most else None
+    )
 
 
 def _search(

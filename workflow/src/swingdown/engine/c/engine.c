@@ -17,4 +17,8 @@
 #include "lockstep_point.c"
 #include "lockstep_swings.c"
 #include "lockstep.c"
+#include "segments_start.c"
+#include "segments_smooth.c"
+#include "segments_directed.c"
+#include "segments.c"
 #include "swings.c"

@@ -139,6 +139,10 @@ typedef struct {
 /* The least sum of squares (rad^2) over all starts. */
 double fit_swings(const FitProblem *problem, const Starts *starts, const SearchOptions *options, FitResult *result);
 
+/* The same without a start where a single swing can be followed in segments, side by side in the processor's vector lanes
+ * (segments.h), and ends in nothing but white noise: then converged is STATIONARY. Else it is NOT_COMPUTABLE and nothing is known. */
+double fit_in_segments(const FitProblem *problem, FitResult *result);
+
 /* Many series of angles over the same times, each fitted alone. values: by series, the row it starts from. */
 typedef struct {
     const Model *model;
