@@ -7,7 +7,8 @@ import pytest
 from swings import TIMES
 
 from swingdown.engine import build, interface
-from swingdown.engine.trajectory import simulate
+from swingdown.engine.trajectory import sensitivities, simulate
+from swingdown.errors import InputError
 from swingdown.fitting.batch import fit_batch
 from swingdown.fitting.least_squares import fit_trajectory
 from swingdown.fitting.result import Begin, SwingStart
@@ -91,14 +92,123 @@ def test_pushed_at_the_release(label, velocity):
     assert not fit.alone[0] and np.sqrt(fit.rss[0] / TIMES.size) < 5e-9 * 0.5
 
 
-def test_a_pendulum_that_friction_stops_is_fitted_alone():
-    true = Model("constant_coulomb", {"natural_frequency": 7.25, "constant_friction": 2.0})
-    series = simulate(true, TIMES, *RELEASE) + 1e-3 * np.random.default_rng(1).standard_normal(
-        (3, TIMES.size)
+STOPPED = [
+    Model("constant_coulomb", {"natural_frequency": 7.25, "constant_friction": 2.0}),
+    Model("viscous+load_coulomb", {"natural_frequency": 7.25, "viscous_ratio": 0.03, "load_friction": 0.01}),
+]
+
+
+@pytest.mark.parametrize("start", ["free", "rest"])
+@pytest.mark.parametrize("true", STOPPED, ids=lambda true: true.label)
+def test_a_pendulum_that_friction_stops_has_the_optimum_of_a_fit_by_itself(true, start):
+    release = (0.5, 0.2) if start == "free" else (0.5, 0.0)
+    clean = simulate(true, TIMES, *release)
+    assert np.ptp(clean[-100:]) == 0.0
+    series = clean + 1e-3 * np.random.default_rng(1).standard_normal((9, TIMES.size))
+    fit = fit_batch(true, TIMES, series, *release, start=start, tolerance=1e-13)
+    assert not fit.alone.any() and fit.converged.all()
+    begin = Begin(true, (SwingStart(true.values, *release),))
+    for angle, rss in zip(series, fit.rss, strict=True):
+        alone = fit_trajectory(true, TIMES, angle, start=start, guess=begin, seen=False, grown=False)
+        assert rss == pytest.approx(alone.rss, rel=1e-6)
+
+
+@pytest.mark.parametrize("release", [RELEASE, (0.5, 0.0)])
+@pytest.mark.parametrize("label", ["viscous+sensor_zero", FULL, "load_coulomb", "eccentricity"])
+def test_how_far_fits_are_from_a_reference(label, release):
+    values = (
+        {"load_friction": 0.02}
+        if label == "load_coulomb"
+        else {"eccentricity": 0.01, "eccentricity_phase": 0.8}
     )
-    fit = fit_batch(true, TIMES, series, *RELEASE)
-    assert fit.alone.all() and fit.converged.all()
-    assert fit.values[:, 1] == pytest.approx(2.0, abs=0.01)
+    true = model(label) if label in BOTH else Model(label, {"natural_frequency": 7.25} | values)
+    truth = simulate(true, TIMES, *release)
+    series = truth + 3e-3 * np.random.default_rng(4).standard_normal((5, TIMES.size))
+    for foretells in (False, True):
+        fit = fit_batch(true, TIMES, series, *release, reference=truth, tolerance=1e-7, foretells=foretells)
+        assert fit.alone.all() == (label == "eccentricity")
+        for values, off in zip(fit.values, fit.off, strict=True):
+            found = simulate(
+                true.with_values(dict(zip(true.parameters, map(float, values), strict=False))),
+                TIMES,
+                *map(float, values[-2:]),
+            )
+            assert off == pytest.approx(
+                np.sqrt(np.mean((found - truth) ** 2)), rel=1e-3 if foretells else 1e-9, abs=1e-9
+            )
+    assert fit_batch(true, TIMES, series, *release).off is None
+
+
+@pytest.mark.parametrize("label", ["viscous+sensor_zero", FULL, "constant_coulomb"])
+def test_a_last_step_that_is_foretold_ends_at_the_same_optimum_sooner(label):
+    series, guess = noisy(label), model(label)
+    exact = fit_batch(guess, TIMES, series, *RELEASE, tolerance=1e-13)
+    sooner = fit_batch(
+        guess, TIMES, series, *RELEASE, tolerance=1e-4 / TIMES.size, foretells=True, coarseness=100
+    )
+    assert sooner.converged.all() and not sooner.alone.any()
+    assert sooner.evaluations.mean() <= exact.evaluations.mean() - 1
+    errors = np.std(exact.values, axis=0)  # of 20 draws: the standard errors, nearly
+    assert np.abs((sooner.values - exact.values) / errors).max() < 0.02
+    assert np.abs(sooner.rss / exact.rss - 1).max() < 1e-3 / TIMES.size
+
+
+def test_each_fit_may_start_elsewhere():
+    label = FULL
+    series, guess = noisy(label), model(label)
+    near = [*guess.vector(), *RELEASE]
+    starts = np.tile(near, (len(series), 1)) * np.linspace(0.97, 1.03, len(series))[:, np.newaxis]
+    one = fit_batch(guess, TIMES, series, *RELEASE, tolerance=1e-13)
+    other = fit_batch(guess, TIMES, series, *RELEASE, tolerance=1e-13, starts=starts)
+    assert other.converged.all() and not np.array_equal(one.evaluations, other.evaluations)
+    assert other.rss == pytest.approx(one.rss, rel=1e-9)
+    lone = fit_batch(guess, TIMES, series[3:4], *RELEASE, tolerance=1e-13, starts=starts[3:4])
+    assert np.array_equal(lone.values[0], other.values[3])
+
+
+def test_the_curvature_of_a_model_that_does_not_fit_saves_steps():
+    """Quadratic drag for viscous friction: the misfit is far above the noise, and J'J alone creeps towards the minimum."""
+    times = np.arange(0.0, 40.0, 0.02)
+    truth = simulate(Model("viscous", {"natural_frequency": 7.25, "viscous_ratio": 0.03}), times, 0.17)
+    guess = Model("quadratic_drag", {"natural_frequency": 7.25, "quadratic_coefficient": 0.15})
+    best = fit_batch(guess, times, truth[None], 0.2, -0.1, tolerance=1e-13)
+    near = guess.with_values(dict(zip(guess.parameters, map(float, best.values[0]), strict=False)))
+    release = tuple(map(float, best.values[0, 2:]))
+
+    def gradient(values):
+        at = near.with_values(dict(zip(near.parameters, map(float, values), strict=False)))
+        angles, slopes = sensitivities(at, times, *map(float, values[2:]))
+        return slopes @ (angles - truth), slopes @ slopes.T
+
+    at = best.values[0]
+    normal = gradient(at)[1]
+    steps = 1e-3 * np.sqrt(best.rss[0] / times.size / normal.diagonal())
+    whole = np.array([(gradient(at + step)[0] - gradient(at - step)[0]) / (2 * size)
+                      for step, size in zip(np.diag(steps), steps, strict=True)])  # fmt: skip
+    series = truth + 1e-3 * np.random.default_rng(9).standard_normal((16, times.size))
+    plain, informed = (
+        fit_batch(near, times, series, *release, tolerance=1e-8, curvature=curvature)
+        for curvature in (None, (whole + whole.T) / 2 - normal)
+    )
+    assert plain.converged.all() and informed.converged.all()
+    assert informed.rss == pytest.approx(plain.rss, rel=1e-7)
+    assert informed.evaluations.mean() < 0.7 * plain.evaluations.mean()
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [
+        ("starts", np.zeros((2, 4))),
+        ("starts", np.full((3, 5), np.nan)),
+        ("reference", np.zeros(3)),
+        ("reference", np.full(TIMES.size, np.inf)),
+        ("curvature", np.zeros((2, 2))),
+    ],
+)
+def test_arrays_of_other_shapes_or_not_finite_are_refused(name, value):
+    series = noisy("viscous+sensor_zero", count=3)
+    with pytest.raises(InputError, match=name):
+        fit_batch(model("viscous+sensor_zero"), TIMES, series, *RELEASE, **{name: value})
 
 
 @pytest.mark.parametrize("degrees", [5, 20, 60, 100, 140])
@@ -127,11 +237,12 @@ def test_a_hopeless_series_harms_no_other(label):
         assert np.array_equal(lone.values[0], mixed.values[k], equal_nan=True)
 
 
+@pytest.mark.parametrize("label", ["viscous+sensor_zero", FULL, "constant_coulomb"])
 @pytest.mark.parametrize(
-    "options", [{}, {"start": "rest"}, {"bounded": True, "tolerance": 1e-6}, {"most": 3}]
-)
-def test_a_batch_of_one_has_the_same_bits(options):
-    label = "viscous+sensor_zero"
+    "options",
+    [{}, {"start": "rest"}, {"bounded": True, "tolerance": 1e-6}, {"most": 3}, {"tolerance": 1e-6, "foretells": True, "coarseness": 100}],
+)  # fmt: skip
+def test_a_batch_of_one_has_the_same_bits(options, label):
     series = noisy(label, count=11)
     release = 0.48, 0.0 if "start" in options else 0.2
     together = fit_batch(model(label), TIMES, series, *release, **options)

@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 
+from swingdown.fitting.batch import fit_batch
 from swingdown.study.settings import complete
-from swingdown.sweep import detection, identification
+from swingdown.sweep import detection, identification, noise_free
 from swingdown.sweep.cost import seconds
 from swingdown.sweep.summary import DETECTION, IDENTIFICATION
 from swingdown.sweep.table import sweeps
@@ -45,6 +46,38 @@ def test_a_model_that_cannot_be_fitted_has_no_numbers_and_stops_nothing():
     without = np.isnan(found["norm"])
     assert without.any() and not found["converged"][without].any()
     assert not without[:, stuck["simulation.fitted"].index("load_coulomb")].any()
+
+
+WRONG = {"simulation.simulated": "viscous", "simulation.start": "rest", "simulation.duration_s": 20, "simulation.release_angle_deg": 10,
+         "simulation.snr": 100, "simulation.sampling_rate_hz": 50}  # fmt: skip
+
+
+def test_a_model_that_does_not_fit_ends_in_the_best_of_many_minima():
+    """Friction that stops the pendulum, fitted to a swing that never stops: it may stop after any of the half-swings."""
+    wrong = cell("identification", **WRONG)
+    found, _ = identification.results(wrong, 0, 4)
+    made = identification.make(wrong)
+    begin, noisy = made.begin["load_coulomb"], np.array([made.noisy(k) for k in range(4)])
+    best = np.full(4, np.inf)
+    for factor in np.linspace(0.6, 1.6, 21):
+        row = [begin.model.vector()[0], factor * begin.model.vector()[1], float(made.truth[0]), 0.0]
+        fit = fit_batch(begin.model, made.times, noisy, *row[2:], start="rest", starts=np.tile(row, (4, 1)))
+        best = np.fmin(best, np.degrees(np.sqrt(fit.rss / made.times.size)))
+    reached = found["residual_norm"][:, wrong["simulation.fitted"].index("load_coulomb")]
+    assert np.all(reached <= best * (1 + 1e-6))
+
+
+def test_cells_that_share_a_swing_without_noise_have_the_numbers_that_each_has_alone():
+    settings = {"simulation.start": "rest", "simulation.duration_s": 2.5}
+    one, other = (cell("identification", **settings, **{"simulation.snr": snr}) for snr in (20, 200))
+    identification.results(one, 0, 2)
+    after, _ = identification.results(other, 0, 2)
+    for kept in (noise_free._free, noise_free._begun):
+        kept.cache_clear()
+    alone, _ = identification.results(other, 0, 2)
+    assert all(np.array_equal(after[name], alone[name]) for name in alone)
+    both, _ = identification.results(other, 1, 1)
+    assert both["norm"][0] == pytest.approx(after["norm"][1], rel=0, abs=0)
 
 
 @pytest.mark.parametrize(

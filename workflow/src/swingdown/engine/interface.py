@@ -173,10 +173,12 @@ class Knowledge(NamedTuple):
 
 
 class Options(NamedTuple):
-    """The most evaluations of a search, and the relative fall of the sum of squares below which it is stationary."""
+    """The most evaluations of a search, the relative fall of the sum of squares below which it is stationary, and whether a
+    step that promises less is taken as the slopes foretell it, not tried."""
 
     most: int
     tolerance: float
+    foretells: bool = False
 
 
 def _outcome(c: Any) -> Outcome:
@@ -308,14 +310,15 @@ def fit_in_segments(
 
 
 class BatchResult(NamedTuple):
-    """Arrays for a batch's results by series: variables (series, variable), rss (rad^2), and as int32 converged, evaluations
-    and whether it was fitted alone."""
+    """Arrays for a batch's results by series: variables (series, variable), rss (rad^2), as int32 converged, evaluations and
+    whether it was fitted alone, and the sum of squares off the reference (rad^2), of those that were not."""
 
     values: np.ndarray
     rss: np.ndarray
     converged: np.ndarray
     evaluations: np.ndarray
     alone: np.ndarray
+    off: np.ndarray | None = None
 
 
 def fit_batch(
@@ -329,22 +332,28 @@ def fit_batch(
     bounds: Bounds,
     options: Options,
     result: BatchResult,
+    reference: Floats | None = None,
+    curvature: Floats | None = None,
+    coarseness: float = 1.0,
 ) -> None:
     """Fit each row of ``series`` (rad) over the same times (s) from the values in its row, into the ``BatchResult``.
 
-    ``guess``: a row near which all start; what is computed there serves them all.
+    ``guess``: a row near which all start; what is computed there serves them all. ``reference`` (n,) in rad is what fits are
+    compared with, into ``off``; ``curvature`` what J'J lacks of that of half the sum of squares. Errors may be ``coarseness`` times as large as usual, of fits that are not alone.
     """
-    new = ffi().new
+    new, nothing = ffi().new, ffi().NULL
     batch = new(
         "Batch *",
         (model, times.size, doubles(times), len(series), doubles(series), doubles(values), doubles(guess), integers(where),
-         bounds.lower.size, _c_bounds(bounds)),
+         bounds.lower.size, _c_bounds(bounds), nothing if reference is None else doubles(reference),
+         nothing if curvature is None else doubles(curvature), coarseness),
     )  # fmt: skip
     into = new(
         "BatchResult *",
         (
             doubles(result.values),
             doubles(result.rss),
+            nothing if result.off is None else doubles(result.off),
             integers(result.converged),
             integers(result.evaluations),
             integers(result.alone),

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from ..engine import interface
-from ..engine.trajectory import Compiled, checked_times
+from ..engine.trajectory import Compiled, checked_times, simulate_each
 from ..errors import InputError
 from ..pendulum.model import Model
 from .problem import RELEASE, limits
@@ -25,6 +25,11 @@ def fit_batch(
     workers: int = 1,
     most: int = 100,
     tolerance: float = 1e-10,
+    foretells: bool = False,
+    starts: Any = None,
+    reference: Any = None,
+    curvature: Any = None,
+    coarseness: float = 1.0,
 ) -> BatchFit:
     """The ``BatchFit`` of one model to each of many series of angles over the same times.
 
@@ -32,8 +37,15 @@ def fit_batch(
     release to start from; ``series`` in rad, of shape (series, n). ``workers`` threads share the series; the numbers depend
     neither on how many nor on a series' company. Where no effect has states, adds inertia, may be narrow or reads the angle
     but by a gain and a zero, fits go side by side in the processor's vector lanes, in a sixth of the time (a third where
-    the motion depends on the velocity's sign), those apart in which friction stops the pendulum; ``alone`` tells which did
-    not. A single series takes longer so, up to twice as long. Raises InputError for arrays that do not fit together.
+    the motion depends on the velocity's sign); ``alone`` tells which did not, as where friction holds the pendulum at its
+    release. A single series takes longer so, up to twice as long.
+
+    A step that promises to lower the sum of squares by less than ``tolerance`` of it is the last; with ``foretells`` it is
+    taken unseen, and the sum is what the slopes foretell. ``starts`` (series, values) has in each row the parameters, release
+    angle and velocity from which that series' fit starts, if not all from the guess. ``reference`` (n,) in rad: how far each
+    fit is from it is told. ``curvature`` (free, free) is what J'J lacks of the curvature of half the sum of squares, where
+    that is known beforehand, as of a model that does not fit: searches then end sooner. Side by side an angle is off by 2e-10 of the largest, and by at most ``coarseness`` times as much
+    where that does. Raises InputError for arrays that do not fit together.
     """
     times, series = checked_times(times), np.ascontiguousarray(series, dtype=float)
     if series.ndim != 2 or series.shape[1] != times.size or not np.all(np.isfinite(series)):
@@ -43,8 +55,18 @@ def fit_batch(
     size, count = len(guess.parameters), len(series)
     free = guess.parameters + (RELEASE if start == "free" else ())
     first = np.array([*guess.vector(), release_angle, release_velocity], dtype=float)
-    starts = np.tile(first, (count, 1))
-    starts[:, size] = release_angle if start == "free" else series[:, 0]
+    given = np.tile(first, (count, 1)) if starts is None else np.array(starts, dtype=float, order="C")
+    if given.shape != (count, size + 2) or not np.all(np.isfinite(given)):
+        raise InputError(
+            "starts", f"an array of shape {given.shape}", f"finite values of shape {(count, size + 2)}"
+        )
+    if start != "free":
+        given[:, size], given[:, size + 1] = series[:, 0], release_velocity
+    compared = None if reference is None else np.ascontiguousarray(reference, dtype=float)
+    if compared is not None and (compared.shape != times.shape or not np.all(np.isfinite(compared))):
+        raise InputError(
+            "reference", f"an array of shape {compared.shape}", f"finite angles of shape {times.shape}"
+        )
     lower, upper = np.array(
         [limits(d, bounded) for d in guess.definitions] + [(-np.inf, np.inf)] * 2
     ).T.copy()
@@ -52,25 +74,36 @@ def fit_batch(
     where = np.arange(size + 2, dtype=np.int32)
     where[len(free) :] = -1
     values, rss = np.zeros((count, len(free))), np.zeros(count)
+    curved = None if curvature is None else np.ascontiguousarray(curvature, dtype=float)
+    if curved is not None and (curved.shape != (len(free),) * 2 or not np.all(np.isfinite(curved))):
+        raise InputError(
+            "curvature", f"an array of shape {curved.shape}", f"finite, of shape {(len(free),) * 2}"
+        )
     converged, evaluations, alone = np.zeros((3, count), dtype=np.int32)
+    off = np.full(count, np.nan)
     options, bounds = (
-        interface.Options(most, tolerance),
+        interface.Options(most, tolerance, foretells),
         interface.Bounds(lower[: len(free)], upper[: len(free)]),
     )
 
     def work(part: slice) -> None:
-        into = interface.BatchResult(values[part], rss[part], converged[part], evaluations[part], alone[part])
+        into = interface.BatchResult(
+            values[part], rss[part], converged[part], evaluations[part], alone[part], off[part]
+        )
         interface.fit_batch(
             compiled.library,
             compiled.c,
             times,
             series[part],
-            starts[part],
+            given[part],
             first,
             where,
             bounds,
             options,
             into,
+            compared,
+            curved,
+            coarseness,
         )
 
     edges = np.linspace(0, count, min(workers, count) * 8 + 1).astype(int) if workers > 1 else [0, count]
@@ -80,4 +113,10 @@ def fit_batch(
             list(pool.map(work, parts))
     elif parts:
         work(parts[0])
-    return BatchFit(free, values, rss, converged == 1, evaluations, alone == 1)
+    if compared is not None:
+        by_itself = np.flatnonzero(alone == 1)
+        slots = given[by_itself]
+        slots[:, : len(free)] = values[by_itself]
+        off[by_itself] = np.sum(np.square(simulate_each(guess, times, slots) - compared), axis=1)
+    distance = None if compared is None else np.sqrt(off / times.size)
+    return BatchFit(free, values, rss, converged == 1, evaluations, alone == 1, distance)

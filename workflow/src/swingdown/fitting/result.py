@@ -126,7 +126,7 @@ class Fit:
 @dataclass(frozen=True)
 class BatchFit:
     """Many series fitted alike: ``values`` (series, free), and of each series rss (rad^2), converged, evaluations, and
-    whether it was fitted alone, not side by side with others."""
+    whether it was fitted alone, not side by side with others; ``off``: RMS (rad) of the fit less the reference, if there was one."""
 
     free: tuple[str, ...]
     values: Floats
@@ -134,3 +134,4 @@ class BatchFit:
     converged: NDArray[np.bool_]
     evaluations: NDArray[np.int32]
     alone: NDArray[np.bool_]
+    off: Floats | None = None

@@ -15,7 +15,13 @@ from ..study.sources import PACKAGE, sources
 
 # The rooms whose code makes the numbers, and the files beside them; what reads, writes and prints changes no number.
 _ROOMS = ("pendulum", "engine", "fitting", "discovery")
-_FILES = ("studies/noise.py", "sweep/draws.py", "sweep/identification.py", "sweep/detection.py")
+_FILES = (
+    "studies/noise.py",
+    "sweep/draws.py",
+    "sweep/identification.py",
+    "sweep/noise_free.py",
+    "sweep/detection.py",
+)
 _C_COMMENT = re.compile(r'//[^\n]*|/\*.*?\*/|("(?:\\.|[^"\\])*")', re.DOTALL)
 
 

@@ -15,6 +15,7 @@
 #include "lockstep_panel.c"
 #include "lockstep_record.c"
 #include "lockstep_point.c"
+#include "lockstep_reading.c"
 #include "lockstep_swings.c"
 #include "lockstep.c"
 #include "segments_start.c"

@@ -73,6 +73,7 @@ typedef struct {
 typedef struct {
     int most_evaluations;
     double tolerance; /* relative fall of the sum of squares below which it is stationary */
+    int foretells;    /* a step that promises less than that ends the search, taken as the slopes foretell it, not tried */
 } SearchOptions;
 
 enum Convergence { NOT_COMPUTABLE = -1, NOT_STATIONARY = 0, STATIONARY = 1, AT_KNOWN_MINIMUM = 2 };
@@ -155,10 +156,14 @@ typedef struct {
     const int *variable_of;
     int n_variables;
     Bounds bounds;
+    const double *reference; /* a series that the fits are compared with, rad; or NULL */
+    const double *curvature; /* matrix of the variables: what J'J lacks of the curvature of half the sum of squares; or NULL */
+    double coarseness;       /* side by side, errors may be so many times as large as usual, at least 1 */
 } Batch;
 
 typedef struct {
     double *variables, *squares; /* by series: a row of variables; the sum of squares, rad^2 */
+    double *off; /* the sum of squares of the fitted angles less the reference, rad^2: of those that are not alone */
     int *converged, *evaluations, *alone; /* alone: not in lockstep with others, which takes longer */
 } BatchResult;
 

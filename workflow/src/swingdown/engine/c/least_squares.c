@@ -7,6 +7,8 @@
 #define SAME 1e-6 /* of the sum of squares: how near to a known minimum is the same place */
 #define TINY 1e-300
 #define MOST_DAMPING 1e18
+#define PATIENCE 10 /* evaluations */
+#define AT_KINK 100.0 /* times the tolerance: where last steps are foretold, a step that promises less and does not gain is the last */
 
 /* ---- Linear algebra ---- */
 
@@ -124,6 +126,22 @@ static int moves(const Search *s) {
     return 0;
 }
 
+/* What the step without damping promises, relative to the sum of squares, where searches end with a foretold one: in a narrow
+ * valley damped steps promise next to nothing far from the minimum. The step is left in place. */
+static double promise(Search *s) {
+    const double damping = s->damping;
+    s->damping = 1e-12;
+    const int solvable = step_within_bounds(s);
+    s->damping = damping;
+    return solvable ? predicted_reduction(s) / (s->value + TINY) : INFINITY;
+}
+
+/* Whether hardly damped steps promise less than so many times the tolerance: `relative`, and what there is beyond it. */
+static int promises_little(Search *s, double relative, double times) {
+    const double least = times * s->problem->options.tolerance;
+    return relative < least && s->damping < 1.0 && (!s->problem->options.foretells || promise(s) < least);
+}
+
 /* ---- The search ---- */
 
 static int is_at(const Search *s, const KnownMinimum *known) {
@@ -141,8 +159,8 @@ static void arrive(Search *s, double found) {
     const double tolerance = s->problem->options.tolerance, gain = s->gain;
     s->value = found;
     s->outcome->predicted_reduction = step->relative;
-    const int at_end = (step->relative < tolerance && s->fall < tolerance) || step->motionless;
-    if (s->value == 0.0 || (at_end && s->damping < 1.0)) s->outcome->converged = STATIONARY;
+    const int at_end = (s->fall < tolerance && promises_little(s, step->relative, 1.0)) || (step->motionless && s->damping < 1.0);
+    if (s->value == 0.0 || at_end) s->outcome->converged = STATIONARY;
     if (gain > 0.75) s->trust_radius = fmax(s->trust_radius, 2.0 * step->size);
     const double twice = 2.0 * gain - 1.0;
     s->damping = fmax(1e-14, s->damping * fmax(0.05, 1.0 - twice * twice * twice));
@@ -180,9 +198,10 @@ static void judge_no_gain(Search *s) {
 static void reject(Search *s, double found) {
     const Proposal *step = &s->proposal;
     /* the prediction is within the rounding of the sum itself */
-    const int negligible = (step->predicted > 0.0 && step->relative < s->problem->options.tolerance) || step->motionless;
+    const double times = s->problem->options.foretells ? AT_KINK : 1.0;
+    const int negligible = (step->predicted > 0.0 && promises_little(s, step->relative, times)) || (step->motionless && s->damping < 1.0);
     s->stage = PROPOSES;
-    if (step->solvable && negligible && s->damping < 1.0) {
+    if (step->solvable && negligible) {
         s->outcome->converged = STATIONARY;
         s->outcome->predicted_reduction = step->relative;
         s->stage = OVER;
@@ -196,20 +215,47 @@ static void reject(Search *s, double found) {
     s->stage = OVER;
 }
 
+/* Whether the search may end with the step as it is foretold, without damping: next to nothing. */
+static int may_foretell(Search *s) {
+    Proposal *step = &s->proposal;
+    const double tolerance = s->problem->options.tolerance;
+    if (!s->problem->options.foretells || !step->solvable || !(step->predicted > 0.0) || step->relative >= tolerance) return 0;
+    step->relative = promise(s);
+    step->predicted = step->relative * s->value;
+    if (step->relative < tolerance && step->predicted >= 0.0) return 1;
+    s->proposal = propose(s);
+    return 0;
+}
+
+static void move_to_trial(Search *s) {
+    const Bounds *bounds = &s->problem->bounds;
+    for (int i = 0; i < s->n; i++) s->trial[i] = fmin(fmax(s->x[i] + s->step[i], bounds->lower[i]), bounds->upper[i]);
+}
+
+static void foretell(Search *s) {
+    move_to_trial(s);
+    memcpy(s->x, s->trial, s->n * sizeof(double));
+    s->value = fmax(s->value - s->proposal.predicted, 0.0);
+    s->foretold = 1;
+    s->outcome->converged = STATIONARY;
+    s->outcome->predicted_reduction = s->proposal.relative;
+    s->stage = OVER;
+}
+
 /* Propose the next step, to s->trial. */
 static void propose_next(Search *s) {
-    const Bounds *bounds = &s->problem->bounds;
     for (int i = 0; i < s->n; i++) s->scale[i] = fmax(0.5 * s->scale[i], s->normal[i * s->n + i]);
     /* the first steps stay shorter than the way from zero to the start */
     if (s->trust_radius < 0.0) s->trust_radius = 0.5 * length(s, s->x);
     s->proposal = propose(s);
-    if (s->proposal.solvable && !moves(s)) {
+    if (may_foretell(s)) foretell(s);
+    else if (s->proposal.solvable && !moves(s)) {
         s->outcome->converged = STATIONARY;
         s->outcome->predicted_reduction = 0.0;
         s->stage = OVER;
     } else if (!s->proposal.solvable || !(s->proposal.predicted > 0.0)) reject(s, INFINITY); /* there is no step to take */
     else {
-        for (int i = 0; i < s->n; i++) s->trial[i] = fmin(fmax(s->x[i] + s->step[i], bounds->lower[i]), bounds->upper[i]);
+        move_to_trial(s);
         s->stage = TRIES;
         if (memcmp(s->trial, s->x, s->n * sizeof(double))) return;
         judge_no_gain(s); /* damped until it is below the values' rounding: it would be taken again and again */
@@ -217,9 +263,18 @@ static void propose_next(Search *s) {
     }
 }
 
+/* Where last steps are foretold: whether the last steps gained next to nothing together, as at a cusp, whose slopes promise more. */
+static int stalls(Search *s) {
+    if (!s->problem->options.foretells || s->outcome->evaluations < s->looked_at + PATIENCE) return 0;
+    s->stalled = s->looked_at && s->looked_value - s->value < s->problem->options.tolerance * s->value;
+    s->looked_at = s->outcome->evaluations;
+    s->looked_value = s->value;
+    return s->stalled;
+}
+
 static Point next_point(Search *s) {
     while (s->stage == PROPOSES) {
-        if (s->outcome->evaluations < s->problem->options.most_evaluations) propose_next(s);
+        if (s->outcome->evaluations < s->problem->options.most_evaluations && !stalls(s)) propose_next(s);
         else s->stage = OVER;
     }
     if (s->stage == OVER) return (Point){NULL, NULL, NULL};

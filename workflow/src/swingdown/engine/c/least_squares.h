@@ -37,8 +37,11 @@ typedef struct {
     double damping, growth; /* Nielsen's: growth multiplies the damping after a step that does not gain */
     double trust_radius;    /* of a step, in units of the residuals; -1 before the first */
     int skip_last_slopes;   /* a last step may be taken without them */
+    int foretold;           /* the last step was, and x and value are there, all else at the point before */
     enum Stage stage;
     Proposal proposal;
+    double looked_value;    /* and evaluations, when it was last looked whether the search gets on */
+    int looked_at, stalled;
     double gain, fall; /* of the step taken: over what was predicted, and over the sum of squares */
     SearchOutcome *outcome;
 } Search;

@@ -6,8 +6,9 @@
  * evaluations. So a panel's angle is always a polynomial over the same samples, and the data count only by their part in the
  * space of those polynomials (lockstep_record.c): a fit's work does not grow with its samples. Of a directed motion, which does,
  * each lane's panels go from reversal to reversal (lockstep_swings.c). The last point's solution foretells the next one's, so
- * that Newton's iteration has little left to do. Whatever else happens (a panel that is not accurate or does not converge, a
- * pendulum that sticks, a search that does not end at a minimum) is left to the fits one by one. */
+ * that Newton's iteration has little left to do. Fits that come where a panel is not accurate or does not converge are tried
+ * once more with shorter panels; whatever else happens (a pendulum held at its release, a search that does not end at a minimum) is
+ * left to the fits one by one. */
 #ifndef LOCKSTEP_H
 #define LOCKSTEP_H
 #include "least_squares.h"
@@ -52,6 +53,7 @@ typedef struct {
     const Model *model;
     Each p[MAX_PARAMETERS], direction, least; /* least: acceleration, against which errors count */
     double most_error;                        /* of a panel, over its limit */
+    double coarseness;
 } LockstepSystem;
 
 /* Solve the panel for the fits chosen; those for which it is solved, accurately. */
@@ -96,6 +98,8 @@ static double compress(const LockstepRecord *r, const double *series, double *co
 
 /* ---- Fits ---- */
 
+#define PANELS_OF(parts) ((parts) + 2)
+
 /* The free values: parameter, RELEASE_ANGLE or RELEASE_VELOCITY; the variable that each is; whether the motion changes by it. */
 typedef struct {
     int n, value[MOST_FREE], variable[MOST_FREE], moves[MOST_FREE];
@@ -111,6 +115,7 @@ typedef struct {
     int series; /* or -1 */
     Search search;
     SearchOutcome outcome;
+    double off, off_gradient[MOST_FREE]; /* as of Lockstep, where the search is */
     double x[MOST_FREE], normal[MOST_FREE * MOST_FREE], *room;
     Point at;
 } LaneFit;
@@ -131,20 +136,24 @@ typedef struct {
     Each *data, missed;              /* coordinates of each lane's series, and what they leave */
     Each gain, zero, gain_by[MOST_FREE], zero_by[MOST_FREE];
     Each squares, gradient[MOST_FREE], normal[MOST_FREE * MOST_FREE]; /* at the point just computed */
-    /* what the last point foretells: n_kept numbers of each lane, the solution and, of a directed motion, the durations (s) of the
-     * half-swings that began with each panel */
-    int n_kept;
-    Each *kept, *durations;
-    int directed, parts; /* the motion depends on the velocity's sign; panels of a half-swing */
-    double half_swing;   /* s */
+    Each off, off_gradient[MOST_FREE]; /* the same against the reference, if there is one */
+    /* what the last point foretells: n_kept numbers of each lane, the solution and, of a directed motion, where each panel began,
+     * how fast, and the durations (s) of the half-swings; omega_n (rad/s) there. Of a directed motion the panels are numbered by
+     * half-swing, each having room for PANELS_OF(parts) */
+    int n_kept, n_half_swings;
+    Each *kept, *angles_from, *velocities_from, *durations, last_omega;
+    int directed, timed, parts; /* the motion depends on the velocity's sign, and on the time; panels of a half-swing */
+    double half_swing; /* s */
     /* of the point from which the batch starts: it, what it foretells, and its angles and slopes, as coordinates or at the samples */
     int n_rows;
     double first[MOST_FREE], *first_kept, *first_angles, *first_slopes, first_normal[MOST_FREE * MOST_FREE];
-    double *series; /* one, in the same way */
-    const double *series_of[WIDTH];
+    double *series, *reference; /* one, in the same way; NULL where there is no reference */
+    double reference_missed;    /* what its coordinates leave of it */
+    double first_off, first_off_gradient[MOST_FREE];
+    const double *series_of[WIDTH], *reference_of; /* at the samples; where there is none, the first series */
     Each *angles;   /* room for the coordinates of one panel's angles and slopes */
     LaneFit fits[WIDTH];
-    int next;
+    int next, again; /* the series; those left over, with shorter panels */
 } Lockstep;
 
 /* Sums of squares and slopes at s->values, for the fits chosen; those for which they could be computed. */

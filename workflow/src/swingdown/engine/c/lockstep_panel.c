@@ -1,7 +1,8 @@
 #include "lockstep.h"
 
 #define LOCKSTEP_SOLVED 1e-12    /* residual of the collocation equations against their size, after the last sweep */
-#define FORETOLD 1e-4            /* the same before the first sweep, where slopes there are as good as at the solution */
+#define AT_ONCE 1e-7             /* the same before the first sweep, whose error is as its square: one is enough */
+#define FORETOLD 1e-4            /* and where slopes there are as good as at the solution */
 /* last two Legendre coefficients of the acceleration against its size, times the square of the phase that the panel takes: at
  * this limit the angle is off by 2e-10 of the largest between the nodes, and by far less at the panels' ends */
 #define LOCKSTEP_TRUNCATION 7.5e-5
@@ -144,6 +145,7 @@ static Which solve_lockstep(const LockstepSystem *s, LockstepPanel *panel, Which
     LockstepPanel again;
     Which active = which, solved = which & 0;
     const int n_parameters = s->model->n_parameters;
+    const double limit = LOCKSTEP_SOLVED * s->coarseness, near = sqrt(s->coarseness);
     for (int round = 0; round < ROUNDS && any(active); round++) {
         lockstep_motion(panel, th, v);
         lockstep_accelerations(s, th, v, panel, f, round ? &again : panel);
@@ -156,7 +158,7 @@ static Which solve_lockstep(const LockstepSystem *s, LockstepPanel *panel, Which
         const Which good = factorise_lockstep(panel);
         active &= good & (Which)(first < 1e6); /* and a number */
         sweep_lockstep(panel, active, residual);
-        const Which foretold = active & (Which)(first <= FORETOLD), done = foretold & (Which)(first <= LOCKSTEP_SOLVED);
+        const Which foretold = active & (Which)(first <= FORETOLD * near), done = foretold & (Which)(first <= AT_ONCE * near);
         const Which second_sweep = active & ~done;
         solved |= done;
         active = second_sweep;
@@ -165,7 +167,7 @@ static Which solve_lockstep(const LockstepSystem *s, LockstepPanel *panel, Which
         lockstep_accelerations(s, th, v, panel, f, NULL);
         const Each second = lockstep_residual(s, panel, f, residual), gained = second / first;
         sweep_lockstep(panel, second_sweep, residual);
-        const Which close = (Which)(second * choose((Which)(gained < 1.0), gained, each(1.0)) <= LOCKSTEP_SOLVED);
+        const Which close = (Which)(second * choose((Which)(gained < 1.0), gained, each(1.0)) <= limit);
         solved |= second_sweep & foretold & close;
         active = second_sweep & ~(foretold & close) & (Which)(second < 1e6);
     }

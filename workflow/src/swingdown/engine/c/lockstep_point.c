@@ -76,15 +76,19 @@ static void read_lockstep(const Lockstep *s, const SampleBasis *p, Each *angles)
 
 /* Add a panel's part to the sum of squares, J'r and J'J. */
 static void add_lockstep_normal(Lockstep *s, int k) {
-    Each residual[TERMS], squares = s->squares;
+    Each residual[TERMS], from_reference[TERMS], squares = s->squares, off = s->off;
     const Each *data = s->data + k * TERMS;
+    const double *reference = s->reference ? s->reference + k * TERMS : NULL;
     const int n = s->free.n;
     UNROLL
     for (int r = 0; r < TERMS; r++) {
         residual[r] = s->angles[r] - data[r];
         squares += residual[r] * residual[r];
+        from_reference[r] = s->angles[r] - each(reference ? reference[r] : 0.0);
+        off += from_reference[r] * from_reference[r];
     }
     s->squares = squares;
+    s->off = off;
     for (int f = 0; f < n; f++) {
         Each one[TERMS], sum = each(0.0);
         UNROLL
@@ -92,6 +96,10 @@ static void add_lockstep_normal(Lockstep *s, int k) {
         UNROLL
         for (int r = 0; r < TERMS; r++) sum += one[r] * residual[r];
         s->gradient[f] += sum;
+        sum = each(0.0);
+        UNROLL
+        for (int r = 0; r < TERMS; r++) sum += one[r] * from_reference[r];
+        s->off_gradient[f] += sum;
         for (int g = 0; g <= f; g++) {
             const Each *other = s->angles + (1 + g) * TERMS;
             Each product[2] = {each(0.0), each(0.0)};
@@ -102,22 +110,25 @@ static void add_lockstep_normal(Lockstep *s, int k) {
     }
 }
 
+static void guess_harmonic(const Lockstep *s, LockstepPanel *panel) {
+    const Each omega = s->system.p[0];
+    UNROLL
+    for (int i = 0; i < LN; i++) {
+        const Each phase = omega * panel->h * LOCKSTEP_nodes[i];
+        panel->u[i] = -omega * (omega * sines(panel->th) * cosines(phase) + panel->v * sines(phase));
+    }
+}
+
 /* What the last solution foretells of a panel's accelerations; or, where there is none, a harmonic. */
 static void guess_lockstep(const Lockstep *s, int k, int has_last, const Each *step, LockstepPanel *panel) {
     const int n = s->free.n;
     if (!has_last) {
-        const Each omega = s->system.p[0];
-        UNROLL
-        for (int i = 0; i < LN; i++) {
-            const Each phase = omega * panel->h * LOCKSTEP_nodes[i];
-            panel->u[i] = -omega * (omega * sines(panel->th) * cosines(phase) + panel->v * sines(phase));
-        }
+        guess_harmonic(s, panel);
         return;
     }
     const Each *u = s->last.u + k * LN, *changes = s->last.changes + (size_t)k * n * LN;
     UNROLL
     for (int i = 0; i < LN; i++) panel->u[i] = u[i];
-    if (!step) return;
     for (int f = 0; f < n; f++)
         if (s->free.moves[f])
             UNROLL
@@ -134,10 +145,11 @@ static void start_lockstep(Lockstep *s, LockstepPanel *panel, Each *th, Each *v)
     const Each angle = size_of(panel->th) + size_of(panel->v / s->system.p[0]);
     s->system.least = 1e-3 * s->system.p[0] * s->system.p[0] * angle + 1e-12;
     s->squares = s->missed;
+    s->off = each(s->reference_missed);
     for (int f = 0; f < s->free.n; f++) {
         th[f] = each(s->free.value[f] == np);
         v[f] = each(s->free.value[f] == np + 1);
-        s->gradient[f] = each(0.0);
+        s->gradient[f] = s->off_gradient[f] = each(0.0);
         for (int g = 0; g <= f; g++) s->normal[f * s->free.n + g] = each(0.0);
     }
 }

@@ -1,27 +1,51 @@
 /* Fits side by side of models whose motion depends on the velocity's sign: each lane's panels go from reversal to reversal of its
  * own swing, a fixed number of panels to each half-swing, and its samples are read one by one. */
 #include "events.h"
-#include "lockstep.h"
+#include "lockstep_swings.h"
 
 #define PAST_REVERSAL 1.02  /* how far beyond the reversal that is expected the panels of a half-swing reach */
 #define LEAST_PART 0.3      /* of an equal part of a half-swing: the least panel, as of one more where the reversal is yet to come */
 #define ROOT_STEPS 7
 #define ROOT 1e-12          /* of a position */
 
-/* Where each lane's swing is. */
-typedef struct {
-    LockstepPanel panel;
-    Each th[MOST_FREE], v[MOST_FREE]; /* changes of the panel's start */
-    Each duration;                    /* of a half-swing, s: that expected of this one */
-    Each since;                       /* s: the time of the last reversal, or of the release */
-    int part[WIDTH], sample[WIDTH];   /* panel of the half-swing; the next sample */
-    int first_panel[WIDTH];           /* of the half-swing */
-} Swing;
+/* ---- What the last point foretells ---- */
 
-/* A panel's angle and velocity as coefficients of the powers of the position. */
-typedef struct {
-    Each th[LN + 2], v[LN + 1];
-} Course;
+/* Where a lane's panel is kept: as the same part of the same half-swing. */
+static void find_kept(const Lockstep *s, const Swing *w, int *at) {
+    const int most = PANELS_OF(s->parts);
+    for (int l = 0; l < WIDTH; l++) at[l] = w->half[l] * most + (w->part[l] < most ? w->part[l] : most - 1);
+}
+
+static Each read_kept(const Each *kept, const int *at, int row, int i) {
+    Each found;
+    for (int l = 0; l < WIDTH; l++) found[l] = kept[at[l] * row + i][l];
+    return found;
+}
+
+static void write_kept(Each *kept, const int *at, int row, int i, Which which, Each x) {
+    for (int l = 0; l < WIDTH; l++)
+        if (which[l]) kept[at[l] * row + i][l] = x[l];
+}
+
+/* The last solution, as much larger or smaller as the motion at the panel's start now is; where there is none, a harmonic. */
+static void guess_from_last(const Lockstep *s, const int *at, LockstepPanel *panel) {
+    const Each omega = s->system.p[0] * s->system.p[0], faster = s->system.p[0] / s->last_omega;
+    const Each th = read_kept(s->angles_from, at, 1, 0), v = faster * read_kept(s->velocities_from, at, 1, 0);
+    const Each size = omega * th * th + v * v, ratio = (omega * panel->th * th + panel->v * v) / size;
+    const Which alike = (Which)(size > 0.0) & (Which)(ratio > 0.5) & (Which)(ratio < 2.0);
+    const Each factor = ratio * faster * faster;
+    guess_harmonic(s, panel);
+    UNROLL
+    for (int i = 0; i < LN; i++) panel->u[i] = choose(alike, factor * read_kept(s->last.u, at, LN, i), panel->u[i]);
+}
+
+static void keep_panel(Lockstep *s, const int *at, Which which, const LockstepPanel *panel) {
+    for (int i = 0; i < LN; i++) write_kept(s->last.u, at, LN, i, which, panel->u[i]);
+    write_kept(s->angles_from, at, 1, 0, which, panel->th);
+    write_kept(s->velocities_from, at, 1, 0, which, panel->v);
+}
+
+/* ---- Panels ---- */
 
 static void lay_course(Each h, Each th, Each v, const Each *u, Course *out) {
     Each c[LN], sum_v = each(0.0), sum_th = each(0.0);
@@ -46,13 +70,6 @@ static void lay_course(Each h, Each th, Each v, const Each *u, Course *out) {
         sum_th = (k % 2 ? sum_th + out->th[k + 1] : sum_th - out->th[k + 1]);
     }
     out->th[0] = th - sum_th;
-}
-
-static inline __attribute__((always_inline)) Each value_of(const Each *c, int degree, Each x) {
-    Each value = c[degree];
-    UNROLL
-    for (int k = degree - 1; k >= 0; k--) value = value * x + c[k];
-    return value;
 }
 
 /* Where the velocity turns, for the fits of which it does so on the panel (into `turns`); 1 elsewhere. `lost`: it does so more
@@ -105,11 +122,13 @@ static Each acceleration_at_rest(LockstepSystem *s, Each th, Each t, double dire
     return f[0];
 }
 
-/* The way the pendulum leaves rest, having come the other way, or first that of the stronger pull; `held`: none, or either. */
-static Each way_from_rest(LockstepSystem *s, Each th, Each t, Each came, Each *acceleration, Which *held) {
+/* The way the pendulum leaves rest, having come the other way, or first that of the stronger pull; `held`: none, or either;
+ * `stuck`: none, for friction holds it. */
+static Each way_from_rest(LockstepSystem *s, Each th, Each t, Each came, Each *acceleration, Which *held, Which *stuck) {
     const Each up = acceleration_at_rest(s, th, t, 1.0), down = acceleration_at_rest(s, th, t, -1.0);
     const Which rises = (Which)(up > 0.0), falls = (Which)(down < 0.0);
-    *held = (rises & falls) | ~(rises | falls);
+    *stuck = ~(rises | falls);
+    *held = (rises & falls) | *stuck;
     const Each way = choose(rises, each(1.0), each(-1.0));
     *held |= (Which)(way * came > 0.0); /* driven on by friction */
     *acceleration = choose(rises, up, down);
@@ -120,8 +139,8 @@ static void start_swing(Lockstep *s, Swing *w, Which *which) {
     LockstepPanel *panel = &w->panel;
     start_lockstep(s, panel, w->th, w->v);
     panel->t = w->since = each(0.0);
-    Which held;
-    Each acceleration, way = way_from_rest(&s->system, panel->th, panel->t, each(0.0), &acceleration, &held);
+    Which held, stuck;
+    Each acceleration, way = way_from_rest(&s->system, panel->th, panel->t, each(0.0), &acceleration, &held, &stuck);
     const Which moves = (Which)(panel->v != 0.0);
     *which &= moves | ~held;
     s->system.direction = choose(moves, choose((Which)(panel->v < 0.0), each(-1.0), each(1.0)), way);
@@ -132,79 +151,34 @@ static void start_swing(Lockstep *s, Swing *w, Which *which) {
             const Each a = acceleration_at_rest(&s->system, panel->th, panel->t, v < 0.0 ? -1.0 : 1.0);
             w->duration[l] = time_to_reversal(v < 0.0 ? -1.0 : 1.0, v, a[l], omega);
         }
-        w->part[l] = w->sample[l] = w->first_panel[l] = 0;
+        w->part[l] = w->sample[l] = 0;
+        w->half[l] = !(v * panel->th[l] > 0.0); /* pushed outwards it first comes to rest there */
+        w->released[l] = 1;
     }
 }
 
 /* The length of a lane's next panel: what the last point's swing tells, or else the half-swing before. */
-static void choose_lengths(const Lockstep *s, Swing *w, int k, int has_last) {
+static void choose_lengths(const Lockstep *s, Swing *w, int has_last) {
     for (int l = 0; l < WIDTH; l++) {
-        if (w->part[l] == 0) {
-            w->first_panel[l] = k;
-            if (has_last && k && s->durations[k][l] > 0.0) w->duration[l] = s->durations[k][l];
-        }
+        const double last = s->durations[w->half[l]][l];
+        if (w->part[l] == 0 && has_last && !w->released[l] && last > 0.0) w->duration[l] = last * s->last_omega[l] / s->values[0][l];
         const double h = PAST_REVERSAL * w->duration[l] / s->parts, least = LEAST_PART * s->half_swing / s->parts;
         w->panel.h[l] = w->part[l] < s->parts && h > least ? h : least;
     }
 }
 
-/* The next sample's time in each lane and whether it is on its panel; the series' angle there. */
-static Which next_samples(Lockstep *s, const Swing *w, Which which, int i, Each end, Each *t, Each *angle) {
-    const int n = s->batch->n_samples;
-    const double *times = s->batch->times;
-    Which there = {0};
-    for (int l = 0; l < WIDTH; l++) {
-        const int at = w->sample[l] + i;
-        if (!which[l] || at >= n) continue;
-        const double time = times[at] - times[0];
-        if (time > end[l]) continue;
-        there[l] = -1;
-        (*t)[l] = time;
-        (*angle)[l] = s->series_of[l] ? s->series_of[l][at] : 0.0;
-    }
-    return there;
-}
-
-/* Read the samples up to the time `end` and add them to the sum of squares, J'r and J'J. */
-static void read_swings(Lockstep *s, Swing *w, Which which, const Course *course, const Each (*changes)[LN + 2], Each end, int has_last) {
-    const int n = s->free.n, n_samples = s->batch->n_samples;
-    const Each per_second = 2.0 / w->panel.h;
-    Each row[MOST_FREE], gradient[MOST_FREE], squares = s->squares;
-    for (int f = 0; f < n; f++) gradient[f] = s->gradient[f];
-    for (int i = 0;; i++) {
-        Each t = w->panel.t, angle = each(0.0);
-        const Which there = next_samples(s, w, which, i, end, &t, &angle);
-        if (!any(there)) break;
-        const Each x = (t - w->panel.t) * per_second - 1.0, th = value_of(course->th, LN + 1, x);
-        const Each read = s->gain * th + s->zero, residual = choose(there, read - angle, each(0.0));
-        for (int f = 0; f < n; f++) {
-            Each own = s->gain_by[f] * th + s->zero_by[f];
-            if (s->free.moves[f]) own += s->gain * value_of(changes[f], LN + 1, x);
-            row[f] = choose(there, own, each(0.0));
-        }
-        squares += residual * residual;
-        for (int f = 0; f < n; f++) {
-            gradient[f] += row[f] * residual;
-            Each *normal = s->normal + f * n;
-            for (int g = 0; g <= f; g++) normal[g] += row[f] * row[g];
-        }
-        if (has_last || !there[0]) continue;
-        s->first_angles[w->sample[0] + i] = read[0];
-        for (int f = 0; f < n; f++) s->first_slopes[(size_t)f * n_samples + w->sample[0] + i] = row[f][0];
-    }
-    s->squares = squares;
-    for (int f = 0; f < n; f++) s->gradient[f] = gradient[f];
-    for (int l = 0; l < WIDTH; l++)
-        while (which[l] && w->sample[l] < n_samples && s->batch->times[w->sample[l]] - s->batch->times[0] <= end[l]) w->sample[l]++;
-}
-
 /* At the reversals of the fits chosen: the changes of the velocity, and the new direction; the fits that go on. */
-static Which reverse_swings(Lockstep *s, Swing *w, Which turns, Each t, const Course *course, Each x) {
+static Which reverse_swings(Lockstep *s, Swing *w, Which turns, Each t, const Course *course, Each x, int has_last) {
     Each before = each(0.0), after;
-    Which held;
+    Which held, stuck;
     for (int j = LN; j > 0; j--) before = before * x + (double)j * course->v[j];
     before *= 2.0 / w->panel.h;
-    const Each way = way_from_rest(&s->system, w->panel.th, t, s->system.direction, &after, &held);
+    const Each way = way_from_rest(&s->system, w->panel.th, t, s->system.direction, &after, &held, &stuck);
+    for (int l = 0; l < WIDTH && !s->timed; l++)
+        if (turns[l] && stuck[l]) {
+            read_at_rest(s, w, l, has_last);
+            held[l] = 0;
+        }
     const Each ratio = after / before;
     for (int f = 0; f < s->free.n; f++)
         if (s->free.moves[f]) w->v[f] = choose(turns, w->v[f] * ratio, w->v[f]);
@@ -214,19 +188,22 @@ static Which reverse_swings(Lockstep *s, Swing *w, Which turns, Each t, const Co
 }
 
 /* One panel of each lane; the fits that go on. */
-static Which advance_swings(Lockstep *s, Swing *w, Which which, int k, int has_last) {
+static Which advance_swings(Lockstep *s, Swing *w, Which which, int has_last) {
     const int n = s->free.n, np = s->batch->model->n_parameters;
     LockstepPanel *panel = &w->panel;
     Course course, by;
     Each changes[MOST_FREE][LN + 2], change[LN], x, angle_at_end[MOST_FREE], velocity_at_end[MOST_FREE];
     Which turns, lost;
-    choose_lengths(s, w, k, has_last);
-    guess_lockstep(s, k, has_last, NULL, panel);
+    int at[WIDTH];
+    find_kept(s, w, at);
+    choose_lengths(s, w, has_last);
+    if (has_last) guess_from_last(s, at, panel);
+    else guess_harmonic(s, panel);
     Which good = solve_lockstep(&s->system, panel, which);
     lay_course(panel->h, panel->th, panel->v, panel->u, &course);
     x = reversal_of(w, &s->system, &course, &turns, &lost);
     good &= ~lost;
-    for (int i = 0; i < LN; i++) s->last.u[k * LN + i] = choose(which, panel->u[i], s->last.u[k * LN + i]);
+    keep_panel(s, at, good, panel);
     for (int f = 0; f < n; f++) {
         if (!s->free.moves[f]) continue;
         change_lockstep(panel, w->th[f], w->v[f], s->free.value[f] < np ? s->free.value[f] : -1, change);
@@ -244,18 +221,23 @@ static Which advance_swings(Lockstep *s, Swing *w, Which which, int k, int has_l
         }
     panel->th = value_of(course.th, LN + 1, x);
     panel->v = value_of(course.v, LN, x);
-    if (any(turns & good)) good &= reverse_swings(s, w, turns, end, &course, x);
+    if (any(turns & good)) good &= reverse_swings(s, w, turns & good, end, &course, x, has_last);
     panel->t = end;
     for (int l = 0; l < WIDTH; l++) {
         w->part[l]++;
         if (!which[l]) continue;
         if (!turns[l]) continue;
         w->duration[l] = end[l] - w->since[l];
-        s->durations[w->first_panel[l]][l] = w->duration[l];
+        s->durations[w->half[l]][l] = w->duration[l];
         w->since[l] = end[l];
         w->part[l] = 0;
+        if (++w->half[l] >= s->n_half_swings) {
+            w->half[l] = 0;
+            good[l] = 0;
+        }
         /* the first half-swing after a push is no measure of the next */
-        if (!has_last && w->first_panel[l] == 0) w->duration[l] = fmax(w->duration[l], PI / swing_frequency(s->values[0][l], panel->th[l], 0.0));
+        if (w->released[l]) w->duration[l] = fmax(w->duration[l], PI / swing_frequency(s->values[0][l], panel->th[l], 0.0));
+        w->released[l] = 0;
     }
     return good;
 }
@@ -264,13 +246,16 @@ static Which evaluate_swings(Lockstep *s, Which which, int has_last) {
     Swing w;
     Which under_way = which, done = {0};
     start_swing(s, &w, &under_way);
+    const Each omega = s->values[0];
     for (int k = 0; k < s->record.n_panels && any(under_way); k++) {
-        under_way &= advance_swings(s, &w, under_way, k, has_last);
+        under_way &= advance_swings(s, &w, under_way, has_last);
         for (int l = 0; l < WIDTH; l++)
             if (under_way[l] && w.sample[l] >= s->batch->n_samples) {
                 under_way[l] = 0;
                 done[l] = -1;
             }
     }
-    return done & (Which)(s->squares < INFINITY);
+    s->last_omega = choose(which, omega, s->last_omega);
+    if (has_last) done &= (Which)(s->squares < INFINITY); /* at the first point no series is looked at */
+    return done;
 }
