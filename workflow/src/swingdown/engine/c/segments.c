@@ -39,7 +39,7 @@ static void load_series(Segments *s, double *coordinates) {
 static int open_groups(Segments *s, const LockstepRecord *record, const FreeSlots *free, void **memory) {
     const int directed = s->cut.directed, groups = (s->count + WIDTH - 1) / WIDTH;
     const size_t n = free->n, panels = record->n_panels, nodes = panels * LN, rows = directed ? 0 : panels * TERMS;
-    const size_t kept = directed ? nodes + panels : nodes * (1 + n), ends = 2 * (1 + n), own = in_lanes(sizeof(Lockstep));
+    const size_t kept = directed ? nodes + 3 * panels : nodes * (1 + n), ends = 2 * (1 + n), own = in_lanes(sizeof(Lockstep));
     const size_t read = directed ? (1 + n) * (s->cut.each + 1) : rows;
     const size_t of_each = kept + rows + (1 + n) * TERMS + ends;
     *memory = malloc((groups * (own + of_each) + 1) * sizeof(Each) + read * sizeof(double));
@@ -54,9 +54,13 @@ static int open_groups(Segments *s, const LockstepRecord *record, const FreeSlot
         group->free = *free;
         group->record = *record;
         group->system.model = s->cut.model;
-        group->system.most_error = 1.0;
+        group->system.most_error = group->system.coarseness = 1.0;
         group->last.u = room;
-        group->last.changes = group->durations = room + nodes;
+        group->last.changes = group->angles_from = room + nodes;
+        group->velocities_from = group->angles_from + panels;
+        group->durations = group->velocities_from + panels;
+        group->reference_of = s->cut.problem->angles[0];
+        group->timed = directed; /* a pendulum that friction holds is declined, and not read at rest */
         group->data = room + kept;
         group->angles = group->data + rows;
         s->end[g] = group->angles + (1 + n) * TERMS;

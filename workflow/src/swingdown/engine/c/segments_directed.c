@@ -6,9 +6,10 @@
 
 /* Panels no longer than that: as many as there may be. */
 static int share_directed(const Segments *s, double longest, const Seen *seen, LockstepRecord *record) {
-    const double seconds = s->cut.each * s->cut.spacing, parts = ceil(seen->half_swing / longest);
+    const double seconds = s->cut.each * s->cut.spacing;
     if (!(seconds / longest < 1e5)) return 0;
-    *record = (LockstepRecord){.n_panels = (int)(SPARE_SEGMENT_PANELS * (seconds / longest + 4.0 * parts)), .h = longest};
+    const int parts = (int)ceil(seen->half_swing / longest), half_swings = (int)(SPARE_SEGMENT_PANELS * (seconds / seen->half_swing + 4.0));
+    *record = (LockstepRecord){.n_panels = half_swings * PANELS_OF(parts), .h = longest};
     return 1;
 }
 
@@ -16,6 +17,7 @@ static void set_half_swings(Segments *s, double longest, const Seen *seen) {
     for (int g = 0; g * WIDTH < s->count; g++) {
         s->group[g]->half_swing = seen->half_swing;
         s->group[g]->parts = (int)ceil(seen->half_swing / longest);
+        s->group[g]->n_half_swings = s->group[g]->record.n_panels / PANELS_OF(s->group[g]->parts);
     }
 }
 
@@ -33,12 +35,12 @@ static void keep_begin(const Swing *w, int n, PanelBegin *begin) {
 }
 
 /* Where the motion of the lanes chosen ends on the panel just followed, at the time `until` (s). */
-static void end_on_panel(const Lockstep *s, const PanelBegin *begin, const LockstepPanel *panel, int k, Each until, Which which, Each *end) {
+static void end_on_panel(const Lockstep *s, const PanelBegin *begin, const LockstepPanel *panel, Each until, Which which, Each *end) {
     const int np = s->batch->model->n_parameters;
     Course course;
     Each change[LN];
     const Each x = 2.0 * (until - begin->t) / panel->h - 1.0;
-    lay_course(panel->h, begin->th, begin->v, s->last.u + k * LN, &course);
+    lay_course(panel->h, begin->th, begin->v, panel->u, &course);
     end[0] = choose(which, value_of(course.th, LN + 1, x), end[0]);
     end[1] = choose(which, value_of(course.v, LN, x), end[1]);
     for (int f = 0; f < s->free.n; f++) {
@@ -88,14 +90,15 @@ static int evaluate_directed(const Segments *all, int g, int has_last) {
     for (int k = 0; k < s->record.n_panels && any(under_way); k++) {
         keep_begin(&w, s->free.n, &begin);
         Which ends = {0};
-        under_way &= advance_swings(s, &w, under_way, k, has_last);
+        under_way &= advance_swings(s, &w, under_way, has_last);
         for (int l = 0; l < lanes; l++)
             if (under_way[l] && w.sample[l] >= n_samples) ends[l] = -1;
         if (!any(ends)) continue;
-        end_on_panel(s, &begin, &w.panel, k, until, ends, end);
+        end_on_panel(s, &begin, &w.panel, until, ends, end);
         done |= ends;
         under_way &= ~ends;
     }
     leave_last_samples(s, end, shared);
+    s->last_omega = s->values[0];
     return all_of(done & (Which)(s->squares < INFINITY), lanes);
 }

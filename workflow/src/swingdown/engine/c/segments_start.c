@@ -7,20 +7,14 @@
 #define START_PHASE 1.5 /* rad of the swing to either side that tell where a segment starts */
 #define LOCAL 3         /* terms of a harmonic about a mean */
 
-static int is_timeless(const Model *m) {
-    for (int k = 0; k < m->n_motions; k++)
-        if (EFFECTS[m->motions[k].row].timed) return 0;
-    return 1;
-}
-
 /* Whether this is for the problem; how its record is cut. */
 static int cut_record(const FitProblem *problem, Cut *cut) {
     const Model *m = problem->models;
     const int n = problem->n_samples[0];
     const double *times = problem->times[0];
-    int directed;
+    int directed, timed;
     if (problem->n_swings != 1 || problem->known.precision || n <= SEGMENTS * LEAST_SAMPLES) return 0;
-    if (!model_is_for_lockstep(m, &directed) || !is_timeless(m)) return 0;
+    if (!model_is_for_lockstep(m, &directed, &timed) || timed) return 0;
     const int shared = directed ? n - 1 : n; /* a directed segment's last sample is the next one's first */
     *cut = (Cut){problem, m, directed, n, shared / SEGMENTS, shared % SEGMENTS, (times[n - 1] - times[0]) / (n - 1)};
     for (int i = 0; i < n; i++)
