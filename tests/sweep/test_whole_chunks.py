@@ -124,8 +124,8 @@ def test_a_comment_computes_nothing_and_a_formula_is_told_and_waits_for_the_user
 
     project.edit(
         "src/swingdown/sweep/identification.py",
-        '"norm": np.degrees(np.sqrt(',
-        '"norm": 2 * np.degrees(np.sqrt(',
+        '"norm": np.degrees(off)',
+        '"norm": 2 * np.degrees(off)',
     )
     printed = project.snakemake("-n", DATA)
     assert computes(printed) == 0 and "3 of 3 chunks were computed by other code" in printed

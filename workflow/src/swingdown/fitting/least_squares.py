@@ -46,7 +46,8 @@ def fit_jointly(
 
     ``model`` is a Model (its values are not used) or a label; ``swings`` a list of (times in s, angles in rad). ``start``:
     ``free`` fits each release angle and velocity, ``rest`` starts each swing at rest at its first sample. ``guess``: a model
-    with values, a fit or a ``Begin``, or several, to start from besides the decay seen in the data. ``bounded`` keeps
+    with values, a fit or a ``Begin``, or several, to start from besides the decay seen in the data; with a list of them, also
+    of none, one swing is not cut into segments (c/segments.h), which end closer to the minimum than others do. ``bounded`` keeps
     parameters within the catalogue's bounds. ``own`` names parameters that each swing has for itself (by default those that
     the catalogue says, such as a phase, where there are several swings); ``fixed`` holds values, by name, that are not
     fitted. ``seen=False`` leaves out the starts from the decay where there are fits to start from, ``grown=False`` the one

@@ -6,17 +6,17 @@ from ..pendulum.model import Model
 from .result import Fit
 
 
-def fit_nested(models: Sequence[Model], fit: Callable[[Model, list[Fit] | None], Fit]) -> list[Fit]:
+def fit_nested(models: Sequence[Model], fit: Callable[[Model, list[Fit]], Fit]) -> list[Fit]:
     """The fits of these models, in their order.
 
-    ``fit(model, guesses or None)`` fits one model. Smaller models go first, and a larger one is started from every
+    ``fit(model, guesses)`` fits one model, also of no guesses from the decay seen in the data. Smaller models go first, and a larger one is started from every
     optimum of its sub-models besides its own starts: its sum of squares cannot then end above theirs, which the paper's
     Table 3 violates (κv,q,c .13249 against κq,c .13102).
     """
     fits: dict[str, Fit] = {}
     for model in sorted(models, key=lambda model: len(model.names)):
         inside = [found for label, found in fits.items() if contains(model.label, label)]
-        fits[model.label] = fit(model, inside or None)
+        fits[model.label] = fit(model, inside)
     return [fits[model.label] for model in models]
 
 

@@ -56,7 +56,7 @@ def fit_recording(
     name, times, series = _swing(angle)
     models = _reading([as_model(one) for one in fitted], [angle])
 
-    def fit_one(model: Model, guess: list[Fit] | None) -> Fit:
+    def fit_one(model: Model, guess: list[Fit]) -> Fit:
         return fit_trajectory(model, times, series, guess=guess, start=start, bounded=bounded)
 
     slack = of_angles([angle])
