@@ -73,7 +73,9 @@ def test_a_sweep_runs_over_a_storage_and_is_found_there_from_another_machine(roo
     client.download_file("sweeps", "results/sweeps/small/sweep.nc", str(tmp_path / "sweep.nc"))
     data = xr.load_dataset(tmp_path / "sweep.nc")
     assert data["norm"].notnull().all()
-    for model in data["norm"].transpose("fitted", ...).values:  # a larger model may end where a smaller one does
+    for model in (
+        data["norm"].transpose("fitted", ...).values
+    ):  # a larger model may end where a smaller one does
         assert np.unique(model).size == model.size, "two draws alike"
     client.download_file("sweeps", "results/sweeps.html", str(tmp_path / "sweeps.html"))
     assert (tmp_path / "sweeps.html").read_text().count("data:image/svg+xml") == 3
