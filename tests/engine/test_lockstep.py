@@ -2,8 +2,10 @@
 
 import shutil
 
+import in_lanes
 import numpy as np
 import pytest
+from in_lanes import RELEASE
 from swings import TIMES
 
 from swingdown.engine import build, interface
@@ -15,12 +17,7 @@ from swingdown.fitting.result import Begin, SwingStart
 from swingdown.pendulum.catalogue import SHIPPED
 from swingdown.pendulum.model import Model
 
-SMOOTH = {
-    "viscous": {},
-    "viscous+sensor_zero": {"sensor_zero": 0.01},
-    "viscous+sensor_zero+sensor_gain": {"sensor_zero": 0.01, "sensor_gain": 0.02},
-    "viscous+constant_torque": {"constant_torque": 0.3},
-    "viscous+cubic_stiffness": {"cubic_stiffness": 0.4},
+SMOOTH = in_lanes.SMOOTH | {
     "viscous+damping_drift+sensor_zero": {"damping_drift": 0.5, "sensor_zero": 0.01},
     "viscous+base_vibration": {
         "vibration_acceleration": 2.0,
@@ -28,22 +25,11 @@ SMOOTH = {
         "vibration_phase": 0.3,
     },
 }
-DIRECTED = {
-    "constant_coulomb": {"constant_friction": 0.05},
-    "quadratic_drag": {"quadratic_coefficient": 0.02},
-    "viscous+constant_coulomb": {"constant_friction": 0.1},
-    "viscous+quadratic_drag+load_coulomb+sensor_zero": {
-        "quadratic_coefficient": 0.01,
-        "load_friction": 0.001,
-        "sensor_zero": 0.01,
-    },
-    "viscous+quadratic_drag+constant_torque": {"quadratic_coefficient": 0.01, "constant_torque": 0.3},
-}
+DIRECTED = in_lanes.DIRECTED | {"constant_coulomb": {"constant_friction": 0.05}}
 BOTH = SMOOTH | DIRECTED
 FULL = "viscous+quadratic_drag+load_coulomb+sensor_zero"
 IRREGULAR = np.sort(np.random.default_rng(5).uniform(0.0, 10.0, 700))
 SPARSE = np.arange(0.0, 10.0, 0.13)
-RELEASE = 0.5, 0.2
 
 
 def model(label):

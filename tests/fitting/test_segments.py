@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from in_lanes import DIRECTED, RELEASE, SMOOTH
 from swings import TIMES
 
 from swingdown.engine import interface
@@ -11,25 +12,7 @@ from swingdown.fitting.least_squares import fit_jointly, fit_trajectory
 from swingdown.fitting.result import Begin, SwingStart
 from swingdown.pendulum.model import Model
 
-SMOOTH = {
-    "viscous": {},
-    "viscous+sensor_zero": {"sensor_zero": 0.01},
-    "viscous+sensor_zero+sensor_gain": {"sensor_zero": 0.01, "sensor_gain": 0.02},
-    "viscous+constant_torque": {"constant_torque": 0.3},
-    "viscous+cubic_stiffness": {"cubic_stiffness": 0.4},
-}
-DIRECTED = {
-    "quadratic_drag": {"quadratic_coefficient": 0.02},
-    "viscous+constant_coulomb": {"constant_friction": 0.1},
-    "viscous+quadratic_drag+constant_torque": {"quadratic_coefficient": 0.01, "constant_torque": 0.3},
-    "viscous+quadratic_drag+load_coulomb+sensor_zero": {
-        "quadratic_coefficient": 0.01,
-        "load_friction": 0.001,
-        "sensor_zero": 0.01,
-    },
-}
 BOTH = SMOOTH | DIRECTED
-RELEASE = 0.5, 0.2
 
 
 def swing(label, times=TIMES, noise=3e-3, **values):
