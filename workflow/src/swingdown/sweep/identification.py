@@ -14,7 +14,7 @@ from .impossible import IMPOSSIBLE, reason
 from .noise_free import noise_free, simulated
 
 _BLOCK = 256  # draws held in memory at a time
-# trajectories of a fit: side by side with others they cost little, and one that runs out of them is made again, alone
+# trajectories of a fit; one that runs out of them is made again from smaller models' optima
 _MOST, _AGAIN = 300, 100
 # of the variance: what the last step promises to gain; it is taken as foretold (a hundredth of a standard error)
 _NEAR = 1e-4
