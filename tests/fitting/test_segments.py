@@ -86,6 +86,30 @@ def test_few_samples_and_many(rate, searches):
     assert_same(fit, from_truth(model, times, angle), times, angle)
 
 
+def test_what_the_search_is_given_lives_as_long_as_it(searches, monkeypatch):
+    """Whatever else is put into memory meanwhile."""
+    _, angle = swing("viscous")
+    search = interface.fit_in_segments
+
+    class Crowded:
+        """The engine, beside others that write into whatever is free."""
+
+        def __init__(self, library):
+            self.library = library
+
+        def fit_in_segments(self, swings, result):
+            self.others = [(interface.ffi().new("int[]", [7]), np.full(4, 7.0)) for _ in range(10_000)]
+            return self.library.fit_in_segments(swings, result)
+
+    monkeypatch.setattr(
+        interface, "fit_in_segments", lambda library, *given: search(Crowded(library), *given)
+    )
+    fixed = {"viscous_ratio": 0.02}
+    fit = fit_trajectory("viscous", TIMES, angle, fixed=fixed)
+    assert not searches
+    assert fit.rss == pytest.approx(np.sum((fit.angle - angle) ** 2), rel=1e-12)
+
+
 @pytest.mark.parametrize("degrees", [2, 60, 120])
 def test_small_swings_and_large(degrees, searches):
     """Larger ones are slower, and no harmonic."""

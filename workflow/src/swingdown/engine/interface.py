@@ -296,10 +296,11 @@ def fit_in_segments(
     What is given is as in ``fit_swings``.
     """
     size, count, new = problem.n_variables, len(lengths), ffi().new
-    best, normal = np.zeros(size), np.zeros((size, size))
+    values, best, normal = given.copy(), np.zeros(size), np.zeros((size, size))
+    n_samples = new("int[]", lengths)  # it and the values under names, or C is pointed to what is freed
     swings = new(
         "FitProblem *",
-        (problem.models, count, new("int[]", lengths), problem.times, problem.angles, doubles(given.copy()), problem.where, size,
+        (problem.models, count, n_samples, problem.times, problem.angles, doubles(values), problem.where, size,
          problem.bounds, problem.known),
     )  # fmt: skip
     result = new(
