@@ -1,4 +1,4 @@
-"""A second pendulum, to hold the engine against and to hide effects in: scipy's DOP853 at rtol 1e-13, equations by hand.
+"""A second pendulum, to hold the engine against and to hide effects in: scipy's DOP853, equations by hand.
 
 Nothing here is taken from the catalogue's formulas or from the engine: the physics is stated again, differently where
 it can be. The support of the flexible pivot is a two-by-two linear system for both accelerations; presliding friction
@@ -10,6 +10,7 @@ Its torques, one function an effect, stand in ``torques``.
 
 from dataclasses import dataclass, field
 from math import cos, exp, isfinite, pi, sin
+from typing import NamedTuple
 
 import numpy as np
 from scipy.integrate import solve_ivp
@@ -17,9 +18,21 @@ from scipy.integrate import solve_ivp
 from ..errors import InputError
 from .torques import KNOWN, TORQUES, of_twin
 
-RTOL, ATOL = 1e-13, 1e-16
 _OF_ANGLES = {"backlash", "sensor_lag", "eccentricity", "sensor_curvature"}  # errors of an angle sensor alone
 FAR = 60.0  # rad; beyond, the motion has run away
+
+
+class Accuracy(NamedTuple):
+    """DOP853's tolerances, and the longest step in rad of the fastest oscillation: it keeps its tolerances at the ends of the
+    steps, and between them only where these are short."""
+
+    rtol: float
+    atol: float
+    step: float
+
+
+EXACT = Accuracy(1e-13, 1e-16, 0.3)  # to hold the engine against
+BELOW_NOISE = Accuracy(1e-9, 1e-12, 1.0)  # some 1e-8 rad, in half the time
 
 
 @dataclass
@@ -40,7 +53,10 @@ class Runaway(ArithmeticError):
 class Pendulum:
     """Accelerations of a pendulum with the named effects, the parameters given by name."""
 
-    def __init__(self, effects, values, duration, restoring="sine", form="consistent", twins=None):
+    def __init__(
+        self, effects, values, duration, restoring="sine", form="consistent", twins=None, accuracy=EXACT
+    ):
+        self.accuracy = accuracy
         self.on, self.p, self.duration = frozenset(effects), dict(values), duration
         self.torques = [TORQUES[name] for name in TORQUES if name in self.on]
         self.torques += [of_twin(one) for name, one in (twins or {}).items() if name in self.on]
@@ -146,12 +162,11 @@ def _first_event(pendulum, t, y, end, s, kinks, samples):
         p.p["natural_frequency"],
         p.p.get("pivot_frequency", 0.0),
         2 * pi * p.p.get("vibration_frequency", 0.0),
-        0.3 / lag
-        if p.lagging
-        else 0.0,  # DOP853 keeps its tolerance at the steps' ends; between them only short steps do
+        0.3 / lag if p.lagging else 0.0,
     )
+    rtol, atol, step = p.accuracy
     done = solve_ivp(
-        moving if s else held, (t, end), y, method="DOP853", rtol=RTOL, atol=ATOL, max_step=0.3 / frequency,
+        moving if s else held, (t, end), y, method="DOP853", rtol=rtol, atol=atol, max_step=step / frequency,
         events=events, dense_output=True,
     )  # fmt: skip
     if done.status < 0 or not np.all(np.isfinite(done.y[:, -1])) or abs(done.y[0, -1]) > 0.99 * FAR:
@@ -179,12 +194,14 @@ def trajectory(
     most=4000,
     twins=None,
     reading="angle",
+    accuracy=EXACT,
 ):
     """The ``Motion`` of a pendulum with these effects (names) and values (by parameter name), release at times[0].
 
     ``twins`` holds, by name, the torques of effects that are not written here (``Effect.twin``). InputError for an effect
     that is in neither place: what a trial leaves out in silence would be looked for in vain. ``reading`` is ``angle`` or
-    ``rate``: what the sensor reads; one of rates has neither play, lag, eccentricity nor curvature.
+    ``rate``: what the sensor reads; one of rates has neither play, lag, eccentricity nor curvature. ``accuracy`` is ``EXACT`` or
+    ``BELOW_NOISE``.
     """
     effects = tuple(effects)
     if unknown := [name for name in effects if name not in KNOWN and name not in (twins or {})]:
@@ -198,7 +215,7 @@ def trajectory(
     stamped = np.asarray(times, dtype=float) - times[0]
     duration = float(stamped[-1])
     true = stamped + (values["clock_drift"] * stamped**2 / duration if "clock_drift" in effects else 0.0)
-    pendulum = Pendulum(effects, values, duration, restoring, form, twins)
+    pendulum = Pendulum(effects, values, duration, restoring, form, twins, accuracy)
     lag = values.get("lag_time", 0.0)
     first = _first_reading(lag, release_angle, release_velocity, values["natural_frequency"])
     y = np.array([release_angle, release_velocity, 0.0, 0.0, first])

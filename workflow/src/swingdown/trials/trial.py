@@ -1,6 +1,6 @@
 """Campaigns in which effects are hidden: drawn by number, swung by the second pendulum, written as sheet and CSV files."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -22,7 +22,7 @@ from ..pendulum.catalogue import SHIPPED, Catalogue
 from ..pendulum.effect import Effect, Parameter
 from ..pendulum.model import Model
 from .coverage import SLOPE, Bench, bench
-from .second_pendulum import Runaway, trajectory
+from .second_pendulum import BELOW_NOISE, Runaway, trajectory
 from .torques import FOREIGN, KNOWN
 
 BASE = ("viscous", "load_coulomb")
@@ -227,7 +227,9 @@ def left_by_base(trial: Trial, hidden: Sequence[str], catalogue: Catalogue) -> f
 
 def _swing(trial: Trial, hidden: Sequence[str], k: int, times: Floats, catalogue: Catalogue) -> Floats:
     values, twins = trial.values | trial.own[k], {e.name: e.twin for e in catalogue if e.twin}
-    return trajectory((*BASE, *hidden), values, times, *trial.releases[k], twins=twins).reading
+    return trajectory(
+        (*BASE, *hidden), values, times, *trial.releases[k], twins=twins, accuracy=BELOW_NOISE
+    ).reading
 
 
 def bench_of(trial: Trial, seed: int, apparatus: Apparatus) -> Bench:
@@ -239,10 +241,16 @@ def swings(
     trial: Trial, seed: int, catalogue: Catalogue = SHIPPED, sensor: Bench | None = None
 ) -> list[tuple[Floats, Floats]]:
     """The trial's swings with noise: a list of (times in s, angles in rad; of a calibrated ``sensor`` V)."""
+    return [(times, clean + noise) for times, clean, noise in _apart(trial, seed, catalogue, sensor)]
+
+
+def _apart(
+    trial: Trial, seed: int, catalogue: Catalogue, sensor: Bench | None
+) -> Iterator[tuple[Floats, Floats, Floats]]:
+    """The trial's swings, each as its times (s), what the sensor would read without noise, and the noise (rad; of a sensor V)."""
     times = np.arange(round(DURATION * RATE) + 1) / RATE
     rng = np.random.default_rng(np.random.SeedSequence(seed, spawn_key=[*map(ord, trial.name), 1]))
     sigma = trial.sigma / (SLOPE if sensor else 1.0)
-    found: list[tuple[Floats, Floats]] = []
     for k in range(SWINGS):
         clean = _read(_swing(trial, trial.hidden, k, times, catalogue), sensor)
         white = rng.standard_normal(times.size + 100)
@@ -251,11 +259,8 @@ def swings(
         noise = sigma * white[100:]
         if trial.noise == "steps":  # rounding adds step / sqrt 12 to what the sensor itself has
             step = STEP * sigma
-            read = clean + noise * np.sqrt(1 - STEP**2 / 12)
-            found.append((times, step * np.round(read / step)))
-        else:
-            found.append((times, clean + noise))
-    return found
+            noise = step * np.round((clean + noise * np.sqrt(1 - STEP**2 / 12)) / step) - clean
+        yield times, clean, noise
 
 
 def _read(angle: Floats, sensor: Bench | None) -> Floats:
@@ -287,9 +292,9 @@ def write_trial(
         sensor.calibration.attrs["campaigns"] = name
         dataset.write(sensor.calibration, calibration_of(folder, name))
     column = "encoder_V" if sensor else "theta_rad"
-    for k, (times, reading) in enumerate(swings(trial, seed, catalogue, sensor), 1):
+    for k, (times, clean, away) in enumerate(_apart(trial, seed, catalogue, sensor), 1):
         path = Path(folder) / f"{name}-{k}.csv"
-        write_csv(pd.DataFrame({"t_s": times, column: reading}), path, float_format="%.7g")
+        write_csv(pd.DataFrame({"t_s": times, column: clean + away}), path, float_format="%.7g")
         rows.append(
             {
                 "recording": f"{name}-{k}",
@@ -299,7 +304,6 @@ def write_trial(
                 **({"signal_unit": "V"} if sensor else {}),
             }
         )
-        away = reading - _read(_swing(trial, trial.hidden, k - 1, times, catalogue), sensor)
         noise.append(float(np.sqrt(np.mean(away**2))) * (SLOPE if sensor else 1.0))
     return rows, asdict(trial) | {"noise_rms_rad": noise, "samples": times.size}
 
