@@ -38,6 +38,23 @@ def at(one, label, found, number=1):
     return look(number, one, first_fit(one, Model(label)), found, last=True)
 
 
+@pytest.mark.parametrize(("torque", "doubted"), [(0.2, True), (0.5, False)])
+def test_where_next_to_nothing_remains_an_effect_may_be_a_little_other_than_its_name(torque, doubted):
+    """A sensor's zero does nearly all that a constant torque (rad/s^2) does; what it does not may be another effect, if it is much."""
+    values = {"natural_frequency": 7.0, "viscous_ratio": 0.006, "constant_torque": torque}
+    pulled, draws = Model("viscous+constant_torque", values), np.random.default_rng(7)
+    swings = [
+        Swing(f"{a}", TIMES, simulate(pulled, TIMES, a) + NOISE * draws.standard_normal(TIMES.size))
+        for a in (0.9, -0.7, 0.5, 0.3)
+    ]
+    one = campaign("pulled", swings)
+    state = at(one, "viscous+sensor_zero", ("sensor_zero",))
+    assert state.missing
+    doubt = established(state, one, ("viscous", "sensor_zero", "clock_drift"), Budget())["sensor_zero"].doubt
+    assert ("its own failing" in doubt) == doubted
+    assert bool(doubt) == doubted
+
+
 def search(one, rounds=4, allowed=None):
     return _Search(one, rounds, allowed, Budget())
 

@@ -19,7 +19,6 @@ from .verdict import GUARD
 
 # of what is left beyond the noise: many small additions can imitate anything, and name nothing
 _SUBSTANTIAL = 1 / 3
-_TO_THE_END = 200  # evaluations
 _REACHED = 0.9  # of what a shape gains: pairs that promise less to first order are not tried beside it
 _CONTENDERS, _PAIRS = 6, 2  # that held-out swings judge
 _EACH = 0.02  # of the logarithm of what is left: what a parameter more must gain
@@ -62,7 +61,7 @@ def to_the_end(one: Candidate, state: Round, campaign: Campaign) -> Candidate | 
     None where the end is none that the engine can follow.
     """
     try:
-        fit = refit(one.fit.begin, campaign.fit, most=_TO_THE_END)
+        fit = refit(one.fit.begin, campaign.fit, ended=True)
     except TrajectoryError:
         return None
     return replace(one, fit=fit, bic=evidence(fit, state.noise))
@@ -158,7 +157,7 @@ def _exchanged(one: Candidate, state: Round, campaign: Campaign) -> Candidate:
             continue
         if one.fit.model.values[size.name] <= 1e-3 * state.fit.model.values[size.name]:
             try:
-                fit = refit(without(one.fit, effect.name), campaign.fit, most=_TO_THE_END)
+                fit = refit(without(one.fit, effect.name), campaign.fit, ended=True)
             except TrajectoryError:
                 return one
             return replace(one, dropped=effect.name, fit=fit, bic=evidence(fit, state.noise))

@@ -28,7 +28,7 @@ def conclusion(state: Round, campaign: Campaign) -> dict[str, Any] | None:
     """
     whole = campaign.whole
     try:
-        fit = refit(Begin(state.fit.model, _begins(state, campaign)), whole, grown=False)
+        fit = refit(Begin(state.fit.model, _begins(state, campaign)), whole, grown=False, ended=True)
     except TrajectoryError:
         return None
     pairs = [swing.pair for swing in whole]

@@ -37,6 +37,9 @@ _FORM, _BESIDE = (
     0.3,
 )  # of what remains, and of its size, that a torque of its kind and of another form must be to count
 _STEADY = 0.3  # of its size, by which it may be another where nothing else that was found stands beside it
+_LITTLE = (
+    1 / 3
+)  # of the noise, RMS: where something that is less remains, the effect may be a little other than its name
 _IDLE = 0.005  # of the score, below which an effect is not needed
 
 
@@ -202,6 +205,8 @@ def _doubt(state: Round, campaign: Campaign, name: str, whole: Turns, errors: Ma
     with_it, without_it = (turns.excess(state.noise) for turns in (whole, lost[2]))
     if without_it - with_it < _SHARE * without_it:
         return "much remains beside what it explains"
+    if state.missing and with_it < (_LITTLE * state.noise.deviation) ** 2:
+        return "what remains beside it is so little that it may be its own failing"
     return ""
 
 

@@ -39,7 +39,8 @@ def with_own_frequencies(
     if explained(here, columns)[0] < _SUBSTANTIAL * excess:
         return None
     try:
-        own = refit(Begin(replace(fit.model, own_frequency=True), fit.begin.swings), here.swings, grown=False)
+        begin = Begin(replace(fit.model, own_frequency=True), fit.begin.swings)
+        own = refit(begin, here.swings, grown=False, ended=True)
     except TrajectoryError:
         return None
     best = min((one.bic for one in ranked if not one.refused), default=np.inf)

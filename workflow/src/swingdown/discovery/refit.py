@@ -13,21 +13,30 @@ from .campaign import Noise, Swing
 
 _NUDGES = (0.97, 1.03, 0.9, 1.1)
 _BETTER = 1e-4  # of the sum of squares; a smaller gain is the same minimum
+# evaluations, and of the sum of squares what a step promises at the end: to a few hundredths of a standard error, and to the end
+_RANKED, _ENDED = (30, 1e-7), (200, 1e-10)
 
 
 def refit(
-    begin: Begin, swings: Sequence[Swing], grown: bool = True, most: int = 30, seen: bool = False
+    begin: Begin | Sequence[Begin],
+    swings: Sequence[Swing],
+    grown: bool = True,
+    seen: bool = False,
+    ended: bool = False,
 ) -> Fit:
     """The ``Fit`` of the model that ``begin`` has, within the catalogue's bounds, from its values and releases.
 
-    ``grown`` as in ``fit_jointly``; ``seen`` begins from the decay that the swings show, too. What the catalogue calls a range is not fitted. TrajectoryError where the values give
-    no trajectory, or are none that the model can have.
+    Of several beginnings of one model it is the best; those that come to the minimum of an earlier one are not followed to its bottom.
+    ``grown`` as in ``fit_jointly``; ``seen`` begins from the decay that the swings show, too. Unless it is ``ended`` the search stops where candidates can be ranked. What the
+    catalogue calls a range is not fitted. TrajectoryError where the values give no trajectory, or are none that the model can have.
     """
-    model, values = begin.model, begin.swings[0].values
+    begins = [begin] if isinstance(begin, Begin) else list(begin)
+    model, values = begins[0].model, begins[0].swings[0].values
     fixed = {name: values[name] for effect in model.effects for name in effect.ranges}
+    most, tolerance = _ENDED if ended else _RANKED
     try:
-        return fit_jointly(model, [swing.pair for swing in swings], guess=begin, seen=seen, bounded=True, own=model.each,
-                           fixed=fixed, grown=grown, most=most)  # fmt: skip
+        return fit_jointly(model, [swing.pair for swing in swings], guess=begins, seen=seen, bounded=True, own=model.each,
+                           fixed=fixed, grown=grown, most=most, tolerance=tolerance)  # fmt: skip
     except InputError as problem:  # one candidate that cannot be is no reason to end a search
         raise TrajectoryError(str(problem)) from problem
 
@@ -44,7 +53,7 @@ def opened(fit: Fit, swings: Sequence[Swing], slack: Slack, noise: Noise) -> Fit
     nothing = dict.fromkeys(model.slack.parameters, 0.0)
     begin = Begin(model, tuple(one._replace(values=nothing | dict(one.values)) for one in fit.begin.swings))
     try:
-        return refit(begin, swings, grown=False)
+        return refit(begin, swings, grown=False, ended=True)
     except TrajectoryError:
         return fit
 
@@ -74,20 +83,19 @@ def nudged(fit: Fit, swings: Sequence[Swing], rounds: int = 3) -> Fit:
     moved by a few percent in turn, and the search begins anew from there.
     """
     for _ in range(rounds):
-        best = fit
-        for effect in fit.model.effects:
-            if effect.size is None or not effect.one_sided:
-                continue
-            size = effect.size.name
-            for factor in _NUDGES:
-                try:
-                    one = refit(
-                        moved(fit.begin, **{size: fit.model.values[size] * factor}), swings, grown=False
-                    )
-                except TrajectoryError:
-                    continue
-                best = min(best, one, key=lambda fit: fit.rss)
-        if best.rss > (1 - _BETTER) * fit.rss:
-            return best
-        fit = best
+        sizes = [effect.size.name for effect in fit.model.effects if effect.size and effect.one_sided]
+        around = [
+            moved(fit.begin, **{size: fit.model.values[size] * factor})
+            for size in sizes
+            for factor in _NUDGES
+        ]
+        if not around:
+            return fit
+        try:
+            best = refit([fit.begin, *around], swings, grown=False)
+            if best.rss > (1 - _BETTER) * fit.rss:
+                return fit
+            fit = refit(best.begin, swings, grown=False, ended=True)
+        except TrajectoryError:
+            return fit
     return fit

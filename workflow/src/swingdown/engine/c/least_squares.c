@@ -8,6 +8,7 @@
 #define TINY 1e-300
 #define MOST_DAMPING 1e18
 #define PATIENCE 10 /* evaluations */
+#define HOPE 10.0 /* times what a full step promises: what lies further below is another minimum's */
 #define AT_KINK 100.0 /* times the tolerance: where last steps are foretold, a step that promises less and does not gain is the last */
 
 /* ---- Linear algebra ---- */
@@ -144,12 +145,16 @@ static int promises_little(Search *s, double relative, double times) {
 
 /* ---- The search ---- */
 
-static int is_at(const Search *s, const KnownMinimum *known) {
-    if (!(fabs(s->value - known->value) <= SAME * known->value)) return 0;
+/* Where a search that gets on as it promises ends: at the known minimum (1), at one above it (-1), or elsewhere or unknown (0). */
+static int ends_at(Search *s, const KnownMinimum *known) {
+    if (!(s->gain > 0.75 && s->damping < 1.0)) return 0;
+    const double fall = promise(s) * s->value, above = s->value - known->value;
+    if (HOPE * fall < above - SAME * known->value) return -1;
+    if (!(fabs(above - fall) <= SAME * known->value)) return 0;
     double distance = 0.0;
     for (int i = 0; i < s->n; i++)
         for (int j = 0; j < s->n; j++)
-            distance += 0.5 * (s->x[i] - known->x[i]) * known->normal[i * s->n + j] * (s->x[j] - known->x[j]);
+            distance += 0.5 * (s->x[i] + s->step[i] - known->x[i]) * known->normal[i * s->n + j] * (s->x[j] + s->step[j] - known->x[j]);
     return distance <= SAME * known->value;
 }
 
@@ -165,8 +170,9 @@ static void arrive(Search *s, double found) {
     const double twice = 2.0 * gain - 1.0;
     s->damping = fmax(1e-14, s->damping * fmax(0.05, 1.0 - twice * twice * twice));
     s->growth = 4.0;
-    if (s->known && !s->outcome->converged && is_at(s, s->known)) s->outcome->converged = AT_KNOWN_MINIMUM;
-    s->stage = s->outcome->converged == NOT_STATIONARY ? PROPOSES : OVER;
+    const int end = s->known && !s->outcome->converged ? ends_at(s, s->known) : 0;
+    if (end > 0) s->outcome->converged = AT_KNOWN_MINIMUM;
+    s->stage = s->outcome->converged == NOT_STATIONARY && !end ? PROPOSES : OVER;
 }
 
 /* Take the step. */
