@@ -145,17 +145,19 @@ static int promises_little(Search *s, double relative, double times) {
 
 /* ---- The search ---- */
 
-/* Where a search that gets on as it promises ends: at the known minimum (1), at one above it (-1), or elsewhere or unknown (0). */
-static int ends_at(Search *s, const KnownMinimum *known) {
-    if (!(s->gain > 0.75 && s->damping < 1.0)) return 0;
-    const double fall = promise(s) * s->value, above = s->value - known->value;
-    if (HOPE * fall < above - SAME * known->value) return -1;
-    if (!(fabs(above - fall) <= SAME * known->value)) return 0;
+static int is_at(const Search *s, const KnownMinimum *known) {
+    if (!(fabs(s->value - known->value) <= SAME * known->value)) return 0;
     double distance = 0.0;
     for (int i = 0; i < s->n; i++)
         for (int j = 0; j < s->n; j++)
-            distance += 0.5 * (s->x[i] + s->step[i] - known->x[i]) * known->normal[i * s->n + j] * (s->x[j] + s->step[j] - known->x[j]);
+            distance += 0.5 * (s->x[i] - known->x[i]) * known->normal[i * s->n + j] * (s->x[j] - known->x[j]);
     return distance <= SAME * known->value;
+}
+
+/* Whether the search goes straight to a minimum that lies above the known one. */
+static int ends_above(Search *s, const KnownMinimum *known) {
+    const double above = s->value - known->value;
+    return above > SAME * known->value && s->gain > 0.75 && s->damping < 1.0 && HOPE * promise(s) * s->value < above;
 }
 
 /* The step is taken and has the value `found`, lower by `fall`, and slopes where it is not the last. */
@@ -170,9 +172,9 @@ static void arrive(Search *s, double found) {
     const double twice = 2.0 * gain - 1.0;
     s->damping = fmax(1e-14, s->damping * fmax(0.05, 1.0 - twice * twice * twice));
     s->growth = 4.0;
-    const int end = s->known && !s->outcome->converged ? ends_at(s, s->known) : 0;
-    if (end > 0) s->outcome->converged = AT_KNOWN_MINIMUM;
-    s->stage = s->outcome->converged == NOT_STATIONARY && !end ? PROPOSES : OVER;
+    if (s->known && !s->outcome->converged && is_at(s, s->known)) s->outcome->converged = AT_KNOWN_MINIMUM;
+    s->stage = s->outcome->converged == NOT_STATIONARY ? PROPOSES : OVER;
+    if (s->known && s->stage == PROPOSES && ends_above(s, s->known)) s->stage = OVER;
 }
 
 /* Take the step. */
