@@ -154,6 +154,8 @@ def split(line: str, separator: str) -> list[str]:
     """The cells of a line. Between spaces, a unit in brackets belongs to the name before it."""
     if separator == SPACES:
         return re.split(r"\s+(?![(\[])", line.strip())
+    if '"' not in line:
+        return [cell.strip() for cell in line.split(separator)]
     return [
         cell.strip() for cell in next(csv.reader([line], delimiter=separator, skipinitialspace=True), [""])
     ]
@@ -186,6 +188,8 @@ def _rows(lines: list[str], separator: str, decimal: str, every: bool = True) ->
     number = NUMBER[r"\." if decimal == "." else decimal]
     sizes = {}
     for k, line in enumerate(lines):
+        if separator != SPACES and separator not in line:
+            continue
         cells = split(line, separator)
         numbers = sum(bool(number.fullmatch(cell)) for cell in cells)
         gaps = sum(cell.lower() in MISSING for cell in cells)
