@@ -55,13 +55,14 @@ def confirmed(state: Round, campaign: Campaign) -> Round:
     return state
 
 
-def to_the_end(one: Candidate, state: Round, campaign: Campaign) -> Candidate | None:
+def to_the_end(one: Candidate, state: Round, campaign: Campaign, grown: bool = True) -> Candidate | None:
     """The candidate with its fit brought to an end: those that are only ranked stop early, and held-out swings judge the end.
 
-    None where the end is none that the engine can follow.
+    ``grown`` looks for it again in growing parts of the swings, as one whose fit was not grown into them needs. None where the end is none
+    that the engine can follow.
     """
     try:
-        fit = refit(one.fit.begin, campaign.fit, ended=True)
+        fit = refit(one.fit.begin, campaign.fit, grown=grown, ended=True)
     except TrajectoryError:
         return None
     return replace(one, fit=fit, bic=evidence(fit, state.noise))

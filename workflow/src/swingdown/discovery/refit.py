@@ -84,9 +84,11 @@ def nudged(fit: Fit, swings: Sequence[Swing], rounds: int = 3) -> Fit:
     """
     for _ in range(rounds):
         sizes = [effect.size.name for effect in fit.model.effects if effect.size and effect.one_sided]
+        values = {size: fit.model.values[size] for size in sizes}
         around = [
-            moved(fit.begin, **{size: fit.model.values[size] * factor})
-            for size in sizes
+            moved(fit.begin, **{size: value * factor})
+            for size, value in values.items()
+            if value
             for factor in _NUDGES
         ]
         if not around:

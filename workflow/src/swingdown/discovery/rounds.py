@@ -146,7 +146,8 @@ def without_a_name(state: Round, campaign: Campaign) -> Round:
             fit = fit_free_form(here, form)
         except TrajectoryError:
             continue
-        one = to_the_end(Candidate(form.name, None, fit, evidence(fit, state.noise)), state, campaign)
+        grown = Candidate(form.name, None, fit, evidence(fit, state.noise))
+        one = to_the_end(grown, state, campaign, grown=False)
         if one and state.bic - one.bic >= GUARD["worth_bic"] and gained(state, one, campaign) > 0:
             return replace(state, chosen=one)
     return state
