@@ -2,6 +2,7 @@
 
 import pytest
 
+from swingdown.discovery.sentence import NEARLY
 from swingdown.discovery.verdict import verdict
 
 UNIT = {"constant_torque": "rad/s^2", "natural_frequency": "rad/s"}
@@ -107,6 +108,10 @@ def test_what_is_not_established_is_told_as_an_imitation_with_its_size_and_what_
     assert "imitated by constant torque (0.31 ± 0.02 rad/s^2)" in found["sentence"]
     assert "constant torque (0.31 ± 0.02 rad/s^2) is missing" not in found["sentence"]
     assert "1.01 times the noise (1.01 mrad)" in found["sentence"]
+    assert "or something much like it" not in found["sentence"]
+    nearly = named(missing_at_the_end=True, established={"constant_torque": NEARLY})
+    assert (nearly["status"], nearly["effects"]) == ("unknown", [])
+    assert "It is constant torque, or something much like it" in nearly["sentence"]
 
 
 def test_of_many_effects_that_leave_nothing_only_those_established_are_asserted():

@@ -16,6 +16,7 @@ from .folds import Turns, in_turn
 from .linear import frame
 from .ranking import Candidate, evidence, in_place_of
 from .refit import refit
+from .sentence import NEARLY
 from .state import Round
 
 _SIZE = 4.0  # jackknife errors that a size must be from nothing
@@ -206,7 +207,7 @@ def _doubt(state: Round, campaign: Campaign, name: str, whole: Turns, errors: Ma
     if without_it - with_it < _SHARE * without_it:
         return "much remains beside what it explains"
     if state.missing and with_it < (_LITTLE * state.noise.deviation) ** 2:
-        return "what remains beside it is so little that it may be its own failing"
+        return NEARLY
     return ""
 
 

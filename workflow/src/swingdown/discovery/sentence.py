@@ -12,6 +12,8 @@ from ..rounding import plus_minus
 _SMALLER = {"rad": (1e-3, "mrad"), "rad/s": (1e-3, "mrad/s"), "s": (1e-3, "ms")}
 _ASKED = 3.0  # standard errors
 _SMALL = 0.1  # of a unit that has a smaller one beside it
+NEARLY = "what remains beside it is so little that it may be its own failing"
+"""The doubt of an effect that does nearly everything."""
 
 
 def sentence(found: Mapping[str, Any], catalogue: Catalogue = SHIPPED) -> str:
@@ -64,6 +66,8 @@ def _remains(found: Mapping[str, Any], catalogue: Catalogue) -> str:
     if helping:
         joined = " and ".join(_described(one, catalogue[one["name"]]) for one in helping)
         said += f" Part of the excess is imitated by {joined}: not established."
+    if nearly := [_spoken(one["name"]) for one in helping if one.get("doubt") == NEARLY]:
+        said += f" It is {' and '.join(nearly)}, or something much like it: too little remains to tell."
     return said
 
 
