@@ -5,6 +5,7 @@ import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
+from math import isfinite
 from typing import Any
 
 import numpy as np
@@ -119,7 +120,8 @@ def checked_times(times: Any) -> Floats:
     if times.ndim != 1 or times.size < 1:
         raise InputError("times", f"an array of shape {times.shape}", "one dimension, at least one time")
     # of increasing times all are finite where the first and the last one are
-    if not ((times[1:] > times[:-1]).all() and np.isfinite(times[0]) and np.isfinite(times[-1])):
+    later = np.count_nonzero(times[1:] > times[:-1])
+    if not (later == times.size - 1 and isfinite(times[0]) and isfinite(times[-1])):
         raise InputError(
             "times", "not finite and increasing", "sample times in seconds, each later than the one before"
         )

@@ -36,7 +36,9 @@ def covariance_of(problem: Problem, hessian: Floats, rss: float, best: Floats) -
 def inverse_of(problem: Problem, hessian: Floats, best: Floats) -> Floats:
     """The inverse of J'J over the variables that no bound holds; NaN for those held or undetermined."""
     library = problem.compiled[0].library
-    if not isinstance(library, Uncompiled):  # as a rule all are free and determined: C takes a fifth of numpy's time
+    if not isinstance(
+        library, Uncompiled
+    ):  # as a rule all are free and determined: C takes a fifth of numpy's time
         whole = np.empty(hessian.shape)
         if interface.invert_normal(library, best, problem.c.bounds, hessian, whole) < _SINGULAR:
             return whole
