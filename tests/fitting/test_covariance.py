@@ -7,20 +7,17 @@ import pytest
 
 from swingdown.engine import interface
 from swingdown.engine.trajectory import engine
-from swingdown.engine.uncompiled import Uncompiled
 from swingdown.fitting.covariance import inverse_of
 
 FREE = np.inf
 
 
-def problem(size, library=None, upper=FREE):
+def problem(size, upper=FREE, in_python=False):
     """What ``inverse_of`` needs of a fit's problem: so many variables below a bound."""
     bounds = interface.Bounds(np.full(size, -FREE), np.full(size, float(upper)))
-    library = engine() if library is None else library
     c = SimpleNamespace(bounds=tuple(map(interface.doubles, bounds)))
-    return SimpleNamespace(
-        compiled=[SimpleNamespace(library=library)], c=c, lower=bounds.lower, upper=bounds.upper
-    )
+    compiled = SimpleNamespace(library=engine(), in_python=in_python)
+    return SimpleNamespace(compiled=[compiled], c=c, lower=bounds.lower, upper=bounds.upper)
 
 
 def normal(size, spread=1e4):
@@ -46,7 +43,7 @@ def test_the_engine_inverts_as_numpy_does(size):
 def test_with_and_without_the_engine_it_is_the_same():
     matrix, at = normal(5), np.zeros(5)
     assert inverse_of(problem(5), matrix, at) == pytest.approx(
-        inverse_of(problem(5, Uncompiled()), matrix, at), rel=1e-9
+        inverse_of(problem(5, in_python=True), matrix, at), rel=1e-9
     )
 
 

@@ -86,12 +86,13 @@ def engine(catalogue: Catalogue = SHIPPED) -> Any:
 class Compiled:
     """A model as the engine takes it: which effects act where, and where each one's parameters and states begin.
 
-    ``library`` is the engine that knows these effects.
+    ``library`` is the engine that knows these effects; ``in_python``: it is none, for want of a compiler.
     """
 
     def __init__(self, model: Model, duration: float) -> None:
         self.duration = duration = model.record or duration
         self.library, rows = _loaded(model.catalogue.whole)
+        self.in_python = isinstance(self.library, uncompiled.Uncompiled)
         parts: dict[str, list[tuple[int, int, int]]] = {
             "motions": [(rows[model.gravity.name, "consistent"], 1, 0)],
             "sensors": [],
@@ -171,7 +172,7 @@ def _follow(
     slopes: Floats | None,
 ) -> Any:
     model = compiled.model
-    if isinstance(compiled.library, uncompiled.Uncompiled):
+    if compiled.in_python:
         status, report = uncompiled.swing_trajectory(
             model, compiled.duration, values, release, times, chosen, angles, slopes
         )
@@ -236,7 +237,7 @@ def simulate_each(model: Model, times: Any, values: Any) -> Floats:
     angles = np.full((len(values), times.size), np.nan)
     finite = np.flatnonzero(np.isfinite(values).all(axis=1))
     rows, found = values[finite], np.empty((finite.size, times.size))
-    if not isinstance(compiled.library, uncompiled.Uncompiled):
+    if not compiled.in_python:
         interface.swing_trajectories(compiled.library, compiled.c, rows, times, found)
     else:
         for row, series in zip(rows, found, strict=True):

@@ -5,7 +5,6 @@ import numpy as np
 from ..arrays import Floats
 from ..engine import interface
 from ..engine.trajectory import sensitivities
-from ..engine.uncompiled import Uncompiled
 from ..pendulum.slack import time_power
 from .problem import RELEASE, Problem
 
@@ -35,12 +34,10 @@ def covariance_of(problem: Problem, hessian: Floats, rss: float, best: Floats) -
 
 def inverse_of(problem: Problem, hessian: Floats, best: Floats) -> Floats:
     """The inverse of J'J over the variables that no bound holds; NaN for those held or undetermined."""
-    library = problem.compiled[0].library
-    if not isinstance(
-        library, Uncompiled
-    ):  # as a rule all are free and determined: C takes a fifth of numpy's time
+    compiled = problem.compiled[0]
+    if not compiled.in_python:  # as a rule all are free and determined: C takes a fifth of numpy's time
         whole = np.empty(hessian.shape)
-        if interface.invert_normal(library, best, problem.c.bounds, hessian, whole) < _SINGULAR:
+        if interface.invert_normal(compiled.library, best, problem.c.bounds, hessian, whole) < _SINGULAR:
             return whole
     scale = np.sqrt(hessian.diagonal())
     free = (best > problem.lower) & (best < problem.upper) & (scale > 0)

@@ -11,7 +11,6 @@ import numpy as np
 from ..arrays import Floats
 from ..engine import interface
 from ..engine.trajectory import TrajectoryError, simulate_compiled, warn_of_drive
-from ..engine.uncompiled import Uncompiled
 from ..pendulum.model import Model, as_model
 from . import uncompiled
 from .covariance import covariance_of
@@ -61,7 +60,7 @@ def fit_jointly(
         model = replace(model, record=max(float(times[-1] - times[0]) for times, _ in swings))
     own = (model.each if len(swings) > 1 else ()) if own is None else tuple(own)
     problem = Problem(model, swings, start, bounded, own, fixed)
-    slowly = isinstance(problem.compiled[0].library, Uncompiled)
+    slowly = problem.compiled[0].in_python
     found, agreeing, tried = None if slowly or guess is not None else _in_segments(problem, most), 1, 1
     if found is None:
         starts, from_data = problem.starts(guess, seen)
