@@ -13,15 +13,18 @@ _SINGULAR = 1e15
 _RELEASE_UNITS = dict(zip(RELEASE, ("rad", "rad/s"), strict=True))
 
 
-def covariance_of(problem: Problem, hessian: Floats, rss: float, best: Floats) -> tuple[Floats, Floats]:
+def covariance_of(
+    problem: Problem, hessian: Floats, rss: float, best: Floats, quickly: bool = False
+) -> tuple[Floats, Floats]:
     """The covariance of the free values for independent residuals, and its systematic part (free, source).
 
     ``hessian`` is J'J with the precision of what is known beforehand; of variance s^2 = rss / (n - k) is the noise. NaN for
     values that a bound holds or that are undetermined.
     """
-    inverse = inverse_of(problem, hessian, best)
     noise, slack = rss / (problem.n - len(problem.free)), problem.model.slack
-    if problem.known is None and not slack.clock:  # the usual fit: there is nothing systematic
+    usual = problem.known is None and not slack.clock  # then there is nothing systematic
+    inverse = inverse_of(problem, hessian, best, quickly)
+    if usual:
         inverse *= noise
         return inverse, np.zeros((len(problem.free), len(slack.sources) + 1))
     systematic = systematic_of(problem, inverse, best)
@@ -32,10 +35,15 @@ def covariance_of(problem: Problem, hessian: Floats, rss: float, best: Floats) -
     return noise * inverse + systematic @ systematic.T, systematic
 
 
-def inverse_of(problem: Problem, hessian: Floats, best: Floats) -> Floats:
-    """The inverse of J'J over the variables that no bound holds; NaN for those held or undetermined."""
+def inverse_of(problem: Problem, hessian: Floats, best: Floats, quickly: bool = True) -> Floats:
+    """The inverse of J'J over the variables that no bound holds; NaN for those held or undetermined.
+
+    ``quickly``: by the engine where it can; the last digits may be others, from which a study's searches end elsewhere within 1e-5 of a standard error.
+    """
     compiled = problem.compiled[0]
-    if not compiled.in_python:  # as a rule all are free and determined: C takes a fifth of numpy's time
+    if (
+        quickly and not compiled.in_python
+    ):  # as a rule all are free and determined: C takes a fifth of numpy's time
         whole = np.empty(hessian.shape)
         if interface.invert_normal(compiled.library, best, problem.c.bounds, hessian, whole) < _SINGULAR:
             return whole

@@ -62,6 +62,7 @@ def fit_jointly(
     problem = Problem(model, swings, start, bounded, own, fixed)
     slowly = problem.compiled[0].in_python
     found, agreeing, tried = None if slowly or guess is not None else _in_segments(problem, most), 1, 1
+    in_segments = found is not None
     if found is None:
         starts, from_data = problem.starts(guess, seen)
         first = len(starts) - from_data + 1 if from_data else 0
@@ -76,7 +77,7 @@ def fit_jointly(
     message += (
         "stationary" if outcome.converged else f"not stationary after {outcome.evaluations} evaluations"
     )
-    covariance, converged = covariance_of(problem, hessian, rss, best), bool(outcome.converged)
+    covariance, converged = covariance_of(problem, hessian, rss, best, in_segments), bool(outcome.converged)
     if outcome.driven:
         for compiled, series in zip(problem.compiled, angles, strict=False):
             warn_of_drive(compiled, True, series)
