@@ -349,6 +349,13 @@ def test_what_the_data_do_not_tell_has_no_standard_error():
     assert fit.rms == pytest.approx(1e-3, rel=0.1)
 
 
+def with_one(series, place, value):
+    """The series with another value at one place."""
+    found = series.copy()
+    found[place] = value
+    return found
+
+
 @pytest.mark.parametrize(
     ("arguments", "options", "told"),
     [
@@ -356,6 +363,11 @@ def test_what_the_data_do_not_tell_has_no_standard_error():
         (("viscous", TIMES, np.ones(3)), {}, "angles for"),
         (("viscous", TIMES[:4], np.array([1.0, -1.0, 1.0, -1.0])), {}, "samples for"),
         (("viscous", TIMES, np.full(TIMES.size, np.nan)), {}, "not finite"),
+        (("viscous", TIMES, with_one(np.cos(TIMES), 7, np.nan)), {}, "not finite"),
+        (("viscous", TIMES, with_one(np.cos(TIMES), 7, -np.inf)), {}, "not finite"),
+        (("viscous", with_one(TIMES, 7, np.nan), np.cos(TIMES)), {}, "not finite"),
+        (("viscous", with_one(TIMES, -1, np.inf), np.cos(TIMES)), {}, "not finite"),
+        (("viscous", with_one(TIMES, 7, TIMES[6]), np.cos(TIMES)), {}, "increasing"),
         (("viscous", TIMES[::-1], np.cos(TIMES)), {}, "increasing"),
         (("viscosity", TIMES, np.cos(TIMES)), {}, "no such effect"),
         (("viscous", TIMES, np.cos(TIMES)), {"start": "somewhere"}, "free or rest"),

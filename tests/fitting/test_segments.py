@@ -86,6 +86,16 @@ def test_few_samples_and_many(rate, searches):
     assert_same(fit, from_truth(model, times, angle), times, angle)
 
 
+def test_what_lay_in_memory_before_does_not_matter(searches):
+    times = np.arange(1001) / 100
+    model, angle = swing("viscous+sensor_zero", times)
+    for size in np.random.default_rng(5).integers(10, 20_000, 20):
+        left = [np.full(one, np.nan) for one in range(size, size + 20)]
+        del left
+        fit_trajectory(model.label, times, angle)
+    assert not searches
+
+
 def test_what_the_search_is_given_lives_as_long_as_it(searches, monkeypatch):
     """Whatever else is put into memory meanwhile."""
     _, angle = swing("viscous")

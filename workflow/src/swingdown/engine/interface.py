@@ -219,6 +219,16 @@ def minimise(
     return half, normal, _outcome(outcome)
 
 
+def invert_normal(library: Any, x: Floats, bounds: tuple[Any, Any], normal: Floats, inverse: Floats) -> float:
+    """No less than the condition number of J'J with its diagonal scaled to one; ``inverse`` becomes that of J'J at ``x``.
+
+    Infinite, and nothing is known, where a bound holds a variable or J'J is not positive definite. ``bounds`` as a
+    ``FitProblem`` has them.
+    """
+    at, matrix, into = doubles(x), doubles(normal), doubles(inverse)
+    return library.invert_normal(x.size, at, *bounds, matrix, into)
+
+
 # ---- Fits of swings ----
 
 
@@ -240,10 +250,9 @@ class FitProblem:
         new = ffi().new
         self._kept = models, swings, where, bounds, known
         self.n_variables = bounds.lower.size
-        self.models = new("Model[]", [one[0] for one in models])
-        self.times, self.angles = (
-            new("double *[]", [doubles(array) for array in arrays]) for arrays in zip(*swings, strict=True)
-        )
+        self.models = models[0] if len(models) == 1 else new("Model[]", [one[0] for one in models])
+        self.times = new("double *[]", [doubles(times) for times, _ in swings])
+        self.angles = new("double *[]", [doubles(angles) for _, angles in swings])
         self.where, self.bounds = integers(where), _c_bounds(bounds)
         self.known = (ffi().NULL,) * 2 if known is None else (doubles(known.mean), doubles(known.precision))
 
@@ -303,9 +312,7 @@ def fit_in_segments(
         (problem.models, count, n_samples, problem.times, problem.angles, doubles(values), problem.where, size,
          problem.bounds, problem.known),
     )  # fmt: skip
-    result = new(
-        "FitResult *", {"variables": doubles(best), "normal": doubles(normal), "angles": doubles(angles)}
-    )
+    result = new("FitResult *", (doubles(best), doubles(normal), doubles(angles)))
     rss = library.fit_in_segments(swings, result)
     return rss, best, normal, _outcome(result.outcome)
 

@@ -5,6 +5,7 @@ import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
+from math import isfinite
 from typing import Any
 
 import numpy as np
@@ -85,12 +86,13 @@ def engine(catalogue: Catalogue = SHIPPED) -> Any:
 class Compiled:
     """A model as the engine takes it: which effects act where, and where each one's parameters and states begin.
 
-    ``library`` is the engine that knows these effects.
+    ``library`` is the engine that knows these effects; ``in_python``: it is none, for want of a compiler.
     """
 
     def __init__(self, model: Model, duration: float) -> None:
         self.duration = duration = model.record or duration
         self.library, rows = _loaded(model.catalogue.whole)
+        self.in_python = isinstance(self.library, uncompiled.Uncompiled)
         parts: dict[str, list[tuple[int, int, int]]] = {
             "motions": [(rows[model.gravity.name, "consistent"], 1, 0)],
             "sensors": [],
@@ -119,7 +121,8 @@ def checked_times(times: Any) -> Floats:
     if times.ndim != 1 or times.size < 1:
         raise InputError("times", f"an array of shape {times.shape}", "one dimension, at least one time")
     # of increasing times all are finite where the first and the last one are
-    if not ((times[1:] > times[:-1]).all() and np.isfinite(times[0]) and np.isfinite(times[-1])):
+    later = np.count_nonzero(times[1:] > times[:-1])
+    if not (later == times.size - 1 and isfinite(times[0]) and isfinite(times[-1])):
         raise InputError(
             "times", "not finite and increasing", "sample times in seconds, each later than the one before"
         )
@@ -169,7 +172,7 @@ def _follow(
     slopes: Floats | None,
 ) -> Any:
     model = compiled.model
-    if isinstance(compiled.library, uncompiled.Uncompiled):
+    if compiled.in_python:
         status, report = uncompiled.swing_trajectory(
             model, compiled.duration, values, release, times, chosen, angles, slopes
         )
@@ -234,7 +237,7 @@ def simulate_each(model: Model, times: Any, values: Any) -> Floats:
     angles = np.full((len(values), times.size), np.nan)
     finite = np.flatnonzero(np.isfinite(values).all(axis=1))
     rows, found = values[finite], np.empty((finite.size, times.size))
-    if not isinstance(compiled.library, uncompiled.Uncompiled):
+    if not compiled.in_python:
         interface.swing_trajectories(compiled.library, compiled.c, rows, times, found)
     else:
         for row, series in zip(rows, found, strict=True):

@@ -11,7 +11,6 @@ import numpy as np
 from ..arrays import Floats
 from ..engine import interface
 from ..engine.trajectory import TrajectoryError, simulate_compiled, warn_of_drive
-from ..engine.uncompiled import Uncompiled
 from ..pendulum.model import Model, as_model
 from . import uncompiled
 from .covariance import covariance_of
@@ -61,8 +60,9 @@ def fit_jointly(
         model = replace(model, record=max(float(times[-1] - times[0]) for times, _ in swings))
     own = (model.each if len(swings) > 1 else ()) if own is None else tuple(own)
     problem = Problem(model, swings, start, bounded, own, fixed)
-    slowly = isinstance(problem.compiled[0].library, Uncompiled)
+    slowly = problem.compiled[0].in_python
     found, agreeing, tried = None if slowly or guess is not None else _in_segments(problem, most), 1, 1
+    in_segments = found is not None
     if found is None:
         starts, from_data = problem.starts(guess, seen)
         first = len(starts) - from_data + 1 if from_data else 0
@@ -77,9 +77,10 @@ def fit_jointly(
     message += (
         "stationary" if outcome.converged else f"not stationary after {outcome.evaluations} evaluations"
     )
-    covariance, converged = covariance_of(problem, hessian, rss, best), bool(outcome.converged)
-    for compiled, series in zip(problem.compiled if outcome.driven else (), angles, strict=False):
-        warn_of_drive(compiled, True, series)
+    covariance, converged = covariance_of(problem, hessian, rss, best, in_segments), bool(outcome.converged)
+    if outcome.driven:
+        for compiled, series in zip(problem.compiled, angles, strict=False):
+            warn_of_drive(compiled, True, series)
     return fit_at(
         problem, "least squares", best, covariance, rss, converged, message, outcome.evaluations, angles
     )
@@ -113,20 +114,20 @@ def fit_at(
     names, slots = problem.model.parameters, problem.slots(best)
     whole, systematic = covariance
     errors = dict(zip(problem.free, np.sqrt(whole.diagonal()).tolist(), strict=True))
-    shared = slots[:, :-2].mean(axis=0) if problem.own else slots[0, :-2]
+    shared = np.array(slots)[:, :-2].mean(axis=0).tolist() if problem.own else slots[0][:-2]
     model = problem.model.with_values(
-        dict(zip(names, shared.tolist(), strict=True)), {name: errors[name] for name in problem.shared}
+        dict(zip(names, shared, strict=True)), {name: errors[name] for name in problem.shared}
     )
     if angles is None:
         angles = [
-            simulate_compiled(compiled, times, row[:-2], row[-2:])
+            simulate_compiled(compiled, times, np.array(row[:-2]), row[-2:])
             for row, compiled, (times, _) in zip(slots, problem.compiled, problem.swings, strict=True)
         ]
     swings = []
-    for row, series, (_, angle) in zip(slots.tolist(), angles, problem.swings, strict=True):
+    for row, series, (_, angle) in zip(slots, angles, problem.swings, strict=True):
         one = model.with_values(dict(zip(names, row[:-2], strict=True))) if problem.own else model
         left = series - angle
-        rms = sqrt(float(left @ left) / left.size)
+        rms = sqrt(left.dot(left) / left.size)
         own = {name: one.values[name] for name in problem.own}
         swings.append(SwingFit(one, row[-2], row[-1], series, rms, own))
     return Fit(

@@ -3,6 +3,7 @@
 from collections.abc import Iterable, Mapping, Sequence
 from copy import copy
 from functools import lru_cache
+from math import isfinite
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -35,7 +36,8 @@ def checked_swing(times: Any, angle: Any) -> tuple[Floats, Floats]:
     times, angle = checked_times(times), np.ascontiguousarray(angle, dtype=float)
     if angle.shape != times.shape:
         raise InputError("swing", f"{angle.size} angles for {times.size} times", "one angle for each time")
-    if not np.isfinite(angle).all():
+    # the sum of squares is finite only where every angle is, and takes a quarter of the time
+    if not (isfinite(angle.dot(angle)) or np.isfinite(angle).all()):
         raise InputError("swing", "an angle is not finite", "numbers only")
     return times, angle
 
@@ -209,9 +211,13 @@ class Problem:
         x = [last.get(name, 0.0) for name in self.shared] + x
         return np.minimum(np.maximum(np.array(x, dtype=float), self.lower), self.upper)
 
-    def slots(self, x: Floats) -> Floats:
-        """Every swing's values at the free variables: parameters, release angle, release velocity; (swing, slot)."""
-        return np.where(self.where >= 0, np.asarray(x)[self.where], self.given)
+    def slots(self, x: Floats) -> list[list[float]]:
+        """Each swing's values at the free variables: parameters, release angle, release velocity."""
+        found, rows = np.asarray(x).tolist(), zip(self.where.tolist(), self.given.tolist(), strict=True)
+        return [
+            [found[at] if at >= 0 else fixed for at, fixed in zip(places, given, strict=True)]
+            for places, given in rows
+        ]
 
     def starts(self, guess: Any, seen: bool = True) -> tuple[Floats, int]:
         """Starting points (start, variable), and how many of them, at the end, are seen in the data.

@@ -44,7 +44,7 @@ def least_squares(
 
 def _course(problem: Problem, x: Floats, size: int, slopes: bool) -> tuple[Floats, Floats, Any]:
     """The angles (rad) of the swing's first samples at the variables, their derivatives by these, and the report."""
-    compiled, times, row = problem.compiled[0], problem.swings[0][0][:size], problem.slots(x)[0]
+    compiled, times, row = problem.compiled[0], problem.swings[0][0][:size], np.array(problem.slots(x)[0])
     model, duration = compiled.model, compiled.duration
     angles, report = uncompiled.trajectory(model, duration, row[:-2], row[-2:], times)
     if not slopes:

@@ -1,7 +1,6 @@
 """A pendulum model: the effects it has, their values and standard errors; writing model files."""
 
 from collections.abc import Iterable, Mapping, Sequence
-from copy import copy
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import combinations
@@ -66,9 +65,10 @@ class Model:
         self._check((*self.values, *self.standard_errors))
 
     def _check(self, names: Iterable[str]) -> None:
+        known = self.parameters
         for name in names:
-            if name not in self.parameters:
-                raise InputError(f"model {self.label}", f"no parameter {name!r}", ", ".join(self.parameters))
+            if name not in known:
+                raise InputError(f"model {self.label}", f"no parameter {name!r}", ", ".join(known))
 
     @property
     def label(self) -> str:
@@ -140,10 +140,12 @@ class Model:
         self, values: Mapping[str, float], standard_errors: Mapping[str, float] | None = None
     ) -> "Model":
         """The same model with other values and standard errors."""
-        found = copy(self)  # all else is as it was checked
-        for key, given in (("values", values), ("standard_errors", standard_errors or {})):
-            found._check(given)
-            object.__setattr__(found, key, dict(given))
+        errors = dict(standard_errors or {})
+        self._check((*values, *errors))
+        found = object.__new__(type(self))
+        found.__dict__.update(
+            self.__dict__, values=dict(values), standard_errors=errors
+        )  # all else was checked
         return found
 
     def with_effects(self, names: Sequence[str], values: Mapping[str, float] | None = None) -> "Model":

@@ -23,3 +23,4 @@
 #include "segments_directed.c"
 #include "segments.c"
 #include "swings.c"
+#include "covariance.c"

@@ -98,6 +98,10 @@ typedef struct {
 /* Half the least sum of squares within the bounds, from x, which moves to the minimum; normal: J'J there. */
 double minimise(const LeastSquares *problem, double *x, double *normal, SearchOutcome *outcome);
 
+/* The inverse of J'J (n by n) at x; no less than the condition number of J'J with its diagonal scaled to one: the product of
+ * Frobenius' norms of that and of its inverse. Infinite, and no inverse, where a bound holds a variable or J'J is not positive definite. */
+double invert_normal(int n, const double *x, const double *lower, const double *upper, const double *normal, double *inverse);
+
 /* ---- Fits of swings ---- */
 
 /* What is known of the variables before any swing: (x - mean)' precision (x - mean) joins the sum of squares, in rad^2. The

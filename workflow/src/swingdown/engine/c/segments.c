@@ -67,6 +67,7 @@ static int open_groups(Segments *s, const LockstepRecord *record, const FreeSlot
         group->first_angles = shared;
         group->first_slopes = shared + s->cut.each + 1;
         if (directed) memset(group->last.u, 0, kept * sizeof(Each));
+        memset(group->angles, 0, (1 + n) * TERMS * sizeof(Each)); /* slopes of what does not move are read, times zero */
         room += of_each;
     }
     load_series(s, shared);

@@ -1,4 +1,6 @@
 /* What segments are for, how a record is cut into them, and where they start: as the series itself shows. */
+#include <stdlib.h>
+
 #include "events.h"
 #include "segments.h"
 
@@ -67,15 +69,33 @@ static int look_at(const Cut *cut, Seen *seen) {
     return k > 1.0 && middle < PI;
 }
 
-/* Value and slope (a second) of a series at sample `at`, of the harmonic about a mean through those within `reach` samples; 0 where there
- * is none. phase: rad a sample. */
-static int local_harmonic(const Cut *cut, int at, int reach, double phase, double *value, double *slope) {
+/* A harmonic about a mean, through the samples within `reach` of its own: phase (rad) a sample, and its terms at each of them. */
+typedef struct {
+    double phase;
+    int reach;
+    double (*terms)[LOCAL]; /* those at its own in the middle */
+} Harmonic;
+
+/* 0 where there is no memory. */
+static int open_harmonic(const Cut *cut, const Seen *seen, Harmonic *harmonic) {
+    const double phase = PI / seen->half_swing * cut->spacing;
+    const int reach = (int)fmin(cut->each, fmax(3.0, START_PHASE / phase));
+    *harmonic = (Harmonic){phase, reach, malloc((2 * (size_t)reach + 1) * sizeof(double[LOCAL]))};
+    for (int i = -reach; i <= reach && harmonic->terms; i++) {
+        double *term = harmonic->terms[reach + i];
+        term[0] = 1.0;
+        sine_cosine(i * phase, &term[1], &term[2]);
+    }
+    return harmonic->terms != NULL;
+}
+
+/* Value and slope (a second) of the series at sample `at`, of the harmonic about it; 0 where there is none. */
+static int local_harmonic(const Cut *cut, int at, const Harmonic *harmonic, double *value, double *slope) {
     const double *y = cut->problem->angles[0];
-    const int first = at > reach ? at - reach : 0, last = at + reach < cut->n_samples ? at + reach : cut->n_samples - 1;
+    const int reach = harmonic->reach, first = at > reach ? at - reach : 0, last = at + reach < cut->n_samples ? at + reach : cut->n_samples - 1;
     double a[LOCAL * LOCAL] = {0.0}, b[LOCAL] = {0.0};
     for (int i = first; i <= last; i++) {
-        double term[LOCAL] = {1.0};
-        sine_cosine((i - at) * phase, &term[1], &term[2]);
+        const double *term = harmonic->terms[reach + i - at];
         for (int r = 0; r < LOCAL; r++) {
             b[r] += term[r] * y[i];
             for (int c = 0; c <= r; c++) a[r * LOCAL + c] += term[r] * term[c];
@@ -84,32 +104,36 @@ static int local_harmonic(const Cut *cut, int at, int reach, double phase, doubl
     if (last - first < LOCAL || !factorise(LOCAL, a)) return 0;
     substitute(LOCAL, a, b);
     *value = b[0] + b[2];
-    *slope = b[1] * phase / cut->spacing;
+    *slope = b[1] * harmonic->phase / cut->spacing;
+    return 1;
+}
+
+/* Where segment l starts; 0 where the series does not show it. */
+static int set_start(Segments *s, int l, double frequency, const Harmonic *harmonic) {
+    const Cut *cut = &s->cut;
+    const FitProblem *problem = cut->problem;
+    const int np = cut->model->n_parameters, *variable_of = problem->variable_of, lane = l % WIDTH;
+    Lockstep *group = s->group[l / WIDTH];
+    double th, v;
+    for (int i = 0; i < np; i++) {
+        const int at = variable_of[i];
+        const double wanted = i ? 0.0 : frequency;
+        group->values[i][lane] = at < 0 ? problem->values[i] : fmin(fmax(wanted, problem->bounds.lower[at]), problem->bounds.upper[at]);
+    }
+    set_sensors(group, lane);
+    if (!local_harmonic(cut, l * cut->each, harmonic, &th, &v)) return 0;
+    const int given = l == 0 && variable_of[np] < 0, pushed = l == 0 && variable_of[np + 1] < 0;
+    group->values[np][lane] = given ? problem->values[np] : (th - group->zero[lane]) / group->gain[lane];
+    group->values[np + 1][lane] = pushed ? problem->values[np + 1] : v / group->gain[lane];
     return 1;
 }
 
 /* Where the search starts: the frequency and the segments' starts as the series shows them, all other variables as near to zero as
  * they may be. */
 static int set_starts(Segments *s, const Seen *seen) {
-    const Cut *cut = &s->cut;
-    const FitProblem *problem = cut->problem;
-    const int np = cut->model->n_parameters, *variable_of = problem->variable_of;
-    const double phase = PI / seen->half_swing * cut->spacing;
-    const int reach = (int)fmin(cut->each, fmax(3.0, START_PHASE / phase));
-    for (int l = 0; l < s->count; l++) {
-        Lockstep *group = s->group[l / WIDTH];
-        const int lane = l % WIDTH;
-        double th, v;
-        for (int i = 0; i < np; i++) {
-            const int at = variable_of[i];
-            const double wanted = i ? 0.0 : seen->frequency;
-            group->values[i][lane] = at < 0 ? problem->values[i] : fmin(fmax(wanted, problem->bounds.lower[at]), problem->bounds.upper[at]);
-        }
-        set_sensors(group, lane);
-        if (!local_harmonic(cut, l * cut->each, reach, phase, &th, &v)) return 0;
-        const int given = l == 0 && variable_of[np] < 0, pushed = l == 0 && variable_of[np + 1] < 0;
-        group->values[np][lane] = given ? problem->values[np] : (th - group->zero[lane]) / group->gain[lane];
-        group->values[np + 1][lane] = pushed ? problem->values[np + 1] : v / group->gain[lane];
-    }
-    return 1;
+    Harmonic harmonic;
+    int good = open_harmonic(&s->cut, seen, &harmonic);
+    for (int l = 0; l < s->count && good; l++) good = set_start(s, l, seen->frequency, &harmonic);
+    free(harmonic.terms);
+    return good;
 }
