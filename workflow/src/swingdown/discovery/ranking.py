@@ -201,15 +201,18 @@ def _gain(fit: Fit, left: float, noise: Noise) -> float:
 def _moved(
     here: Frame, noise: Noise, moves: Sequence[list[Start]], allowed: Collection[str] | None, budget: Budget
 ) -> list[Candidate]:
+    """The candidates of these moves and of all exchanges, best first.
+
+    An exchange is looked for in growing parts, unless an addition leaves the noise alone: what the model has is then right, and
+    another in its place would have to be found without.
+    """
     exchanges: dict[str, list[Start]] = {}
     for start in starts_to_exchange(here, allowed):
         exchanges.setdefault(start.move, []).append(start)
-    return _sorted(
-        [
-            *(_best(starts, here, noise) for starts in moves if not budget.spent),
-            *(_best(starts, here, noise, grown=True) for starts in exchanges.values() if not budget.spent),
-        ]
-    )
+    found = _sorted(_best(starts, here, noise) for starts in moves if not budget.spent)
+    grown = not (found and not found[0].refused and leaves_noise(found[0].fit, noise))
+    others = (_best(starts, here, noise, grown) for starts in exchanges.values() if not budget.spent)
+    return _sorted([*found, *others])
 
 
 def in_pairs(
