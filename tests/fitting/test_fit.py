@@ -335,6 +335,17 @@ def test_data_of_no_pendulum_do_not_hold_a_fit_up(label):
     assert fit.rms > 0.1 and (fit.converged or "not stationary" in fit.message)
 
 
+def test_no_pendulum_faster_than_its_samples_is_followed():
+    """A fit that ran away to such a one, and every other that began from it, would take for ever."""
+    truth = paper_model("viscous")
+    angle = simulate(truth, SHORT, 0.6) + 1e-3 * np.random.default_rng(1).standard_normal(SHORT.size)
+    far = truth.with_values(truth.values | {"natural_frequency": 1e5})
+    begin = Begin(far, (SwingStart(far.values, 0.6, 0.0),))
+    fit = fit_trajectory("viscous", SHORT, angle, guess=begin, seen=False, grown=False, most=3)
+    assert fit.model.values["natural_frequency"] <= 2 * np.pi * 100
+    assert fit_trajectory("viscous", SHORT, angle, guess=begin, seen=True).rms == pytest.approx(1e-3, rel=0.1)
+
+
 def test_what_the_data_do_not_tell_has_no_standard_error():
     """A constant torque and a linear sensor's zero cannot be told apart with a linear pendulum."""
     model = Model(

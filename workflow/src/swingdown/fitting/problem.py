@@ -26,6 +26,7 @@ _DENSE, _ENOUGH = (
     1000,
 )  # samples a half-swing, and in all, that are as good as any number to tell where to search
 _SMALLEST_FREQUENCY = 1e-3  # rad/s; a pendulum slower than an hour is none
+_FEWEST_A_SWING = 1.0  # samples; of a faster pendulum nothing is seen, and to follow it takes for ever
 
 Swings = Sequence[tuple[Any, Any]]
 """(times in s, angles in rad) of each swing; of a model that reads rates (times in s, angular velocities in rad/s)."""
@@ -43,10 +44,18 @@ def checked_swing(times: Any, angle: Any) -> tuple[Floats, Floats]:
 
 
 def limits(definition: Parameter, bounded: bool) -> tuple[float, float]:
-    """Lower and upper bound of a parameter in a fit; where that is not bounded, only those beyond which there is no such effect."""
+    """Lower and upper bound of a parameter in a fit; where that is not bounded, only those beyond which there is no such effect.
+
+    What a recording's samples say of the natural frequency comes on top.
+    """
     if definition.name == NATURAL_FREQUENCY.name:
         return _SMALLEST_FREQUENCY, np.inf
     return (definition.lower, definition.upper) if bounded else (definition.least, np.inf)
+
+
+def _rate(times: Floats) -> float:
+    """Samples a second."""
+    return float((times.size - 1) / (times[-1] - times[0])) if times.size > 1 else np.inf
 
 
 def _mean(values: list[float]) -> float:
@@ -146,6 +155,9 @@ class Problem:
             model.catalogue, model.parameters, tuple(own), tuple(self.fixed), start == "free", bounded, count
         )
         self.shared, self.own, self.free, self.lower, self.upper, self.where = layout
+        if (natural := self.where[:, 0])[0] >= 0:
+            self.upper = self.upper.copy()
+            self.upper[natural] = 2 * np.pi / _FEWEST_A_SWING * max(_rate(times) for times, _ in self.swings)
         values = [self.fixed.get(name, 0.0) for name in model.parameters]
         rate = model.reading == RATE
         self.given = np.array(
