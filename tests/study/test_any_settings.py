@@ -91,6 +91,7 @@ def test_any_value_anywhere(whole, data):
 
 @FUZZ
 @given(content=st.dictionaries(st.sampled_from(["recordings", "apparatus", "seed", "experiment", "discovery", "effects", "sweeps", "capture"]) | st.text(max_size=5), value, max_size=4))  # fmt: skip
+@example(content={"seed": 10**400})
 @example(content={"recordings": "/"})
 @example(content={"recordings": "a\0b"})
 def test_any_config_of_ones_own(tmp_path, monkeypatch, content):

@@ -3,6 +3,7 @@
 import copy
 import difflib
 import math
+import sys
 from collections.abc import Iterable
 from functools import cache
 from pathlib import Path
@@ -83,13 +84,22 @@ def rules(schema: str) -> dict[str, Any]:
     return yaml.safe_load((SCHEMAS / schema).read_text(encoding="utf-8"))
 
 
+_TYPES = jsonschema.Draft202012Validator.TYPE_CHECKER
+
+
 def _is_number(checker: object, value: object) -> bool:
-    return isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)
+    """A number that a float can hold: neither infinite nor an integer of hundreds of digits."""
+    numeric = isinstance(value, int | float) and not isinstance(value, bool)
+    return numeric and abs(value) <= sys.float_info.max  # type: ignore[arg-type]
+
+
+def _is_integer(checker: object, value: object) -> bool:
+    return _TYPES.is_type(value, "integer") and _is_number(checker, value)
 
 
 _Validator = jsonschema.validators.extend(
     jsonschema.Draft202012Validator,
-    type_checker=jsonschema.Draft202012Validator.TYPE_CHECKER.redefine("number", _is_number),
+    type_checker=_TYPES.redefine_many({"number": _is_number, "integer": _is_integer}),
 )
 
 

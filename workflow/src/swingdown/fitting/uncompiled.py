@@ -82,9 +82,12 @@ def _search(
     def jacobian(x: Floats) -> Floats:
         return np.vstack([_course(problem, x, size, slopes=True)[1].T, root])
 
+    upper = problem.upper.copy()
+    if problem.where[0, 0] >= 0:
+        upper[problem.where[0, 0]] = np.inf  # a frequency's bound, far off as it is, would turn scipy's steps
     try:
         found = minimise(
-            residuals, start, jacobian, (problem.lower, problem.upper), "trf", x_scale="jac", max_nfev=most,
+            residuals, start, jacobian, (problem.lower, upper), "trf", x_scale="jac", max_nfev=most,
             ftol=tolerance, xtol=1e-2 * tolerance, gtol=1e-15,
         )  # fmt: skip
     except (ValueError, uncompiled.Failure):  # what scipy says of a start that cannot be computed
