@@ -11,6 +11,7 @@ from .problem import Problem
 
 _PART = 0.35  # of the record, for a start
 _ROUGH = 1e-4
+_FURTHER = 1e-4  # times the tolerance that is asked for: one step more, and rounding does not tell where the search ends
 
 
 def least_squares(
@@ -88,7 +89,7 @@ def _search(
     try:
         found = minimise(
             residuals, start, jacobian, (problem.lower, upper), "trf", x_scale="jac", max_nfev=most,
-            ftol=tolerance, xtol=1e-2 * tolerance, gtol=1e-15,
+            ftol=tolerance if tolerance == _ROUGH else _FURTHER * tolerance, xtol=1e-2 * tolerance, gtol=1e-15,
         )  # fmt: skip
     except (ValueError, uncompiled.Failure):  # what scipy says of a start that cannot be computed
         return np.inf, start, 1, False
