@@ -76,6 +76,27 @@ class Cluster:
         """The ids of the jobs that run on a node."""
         return self.run("squeue", "-h", "-t", "R", "-w", node, "-o", "%i").split()
 
+    def hold_at_work(self, nodes):
+        """Whether a job is at work on each of the nodes; then none of them goes on or ends until ``go_on``."""
+        for node in nodes:
+            self._signal_jobs(node, signal.SIGSTOP)
+        time.sleep(1)  # what had ended before is told by now
+        if all(self.running(node) for node in nodes):
+            return True
+        self.go_on(nodes)
+        return False
+
+    def go_on(self, nodes):
+        """The jobs of these nodes work on."""
+        for node in nodes:
+            self._signal_jobs(node, signal.SIGCONT)
+
+    def _signal_jobs(self, node, number):
+        for pid in self._of(node):
+            if b"slurmstepd" not in self._command(pid):  # it has to answer Slurm
+                with suppress(ProcessLookupError):
+                    os.kill(pid, number)
+
     def kill(self, node):
         """A node dies at once: its daemon, and all that ran on it."""
         self.daemons[node].kill()

@@ -112,8 +112,9 @@ def misfortune(root, slurm, tmp_path_factory):
         study.held = waiting[-1]
         slurm.run("scontrol", "hold", study.held)
         dying, draining, other = slurm.nodes
+        # a job that is about to end would be no victim
         study.wait(
-            lambda: all(slurm.running(node) for node in slurm.nodes) or first.poll() is not None,
+            lambda: slurm.hold_at_work(slurm.nodes) or first.poll() is not None,
             "a job on every node",
         )
         study.victims, study.cancelled, study.suspended = (
@@ -125,6 +126,7 @@ def misfortune(root, slurm, tmp_path_factory):
         slurm.run("scontrol", "update", f"nodename={draining}", "state=drain", "reason=test")
         slurm.run("scancel", *study.cancelled)
         slurm.kill(dying)
+        slurm.go_on([draining])  # the suspended ones Slurm itself wakes
         time.sleep(3)
         os.kill(first.pid, signal.SIGKILL)
         first.wait()
