@@ -21,9 +21,9 @@ from scipy.signal import lfilter
 
 from swingdown.discovery.campaign import Noise, Swing, campaign
 from swingdown.discovery.duel import misfit
+from swingdown.discovery.evidence import TIE, evidence
 from swingdown.discovery.experiments import Held
 from swingdown.discovery.next_swing import APART, next_swing
-from swingdown.discovery.ranking import TIE, evidence
 from swingdown.engine.trajectory import TrajectoryError
 from swingdown.fitting.least_squares import fit_jointly
 from swingdown.pendulum.model import Model

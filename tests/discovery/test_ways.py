@@ -2,17 +2,21 @@
 
 from dataclasses import replace
 from functools import partial
+from itertools import pairwise
 
 import numpy as np
 import pytest
 
 from swingdown.discovery.budget import Budget
 from swingdown.discovery.campaign import Noise, Swing, campaign
-from swingdown.discovery.established import _leaning, established, rivals
+from swingdown.discovery.established import Finding, _leaning, borrowed, established, rivals, still_so
+from swingdown.discovery.evidence import Candidate, evidence
 from swingdown.discovery.linear import frame
-from swingdown.discovery.ranking import Candidate, _no_worse, evidence, in_place_of
+from swingdown.discovery.ranking import _no_worse, in_place_of
 from swingdown.discovery.rounds import first_fit, look
-from swingdown.discovery.search import _alike, _best, _leaner, _restored, _Search, _simplified
+from swingdown.discovery.search import _alike, _best, discover
+from swingdown.discovery.simpler import _shorter, leaner, restored, simplified
+from swingdown.discovery.state import Search
 from swingdown.engine.trajectory import simulate
 from swingdown.fitting.least_squares import fit_jointly
 from swingdown.pendulum.model import Model
@@ -56,7 +60,7 @@ def test_where_next_to_nothing_remains_an_effect_may_be_a_little_other_than_its_
 
 
 def search(one, rounds=4, allowed=None):
-    return _Search(one, rounds, allowed, Budget())
+    return Search(one, rounds, allowed, Budget())
 
 
 def move(state, added, dropped=None):
@@ -66,7 +70,7 @@ def move(state, added, dropped=None):
 
 def test_a_simpler_effect_takes_the_place_of_one_that_contains_it_where_held_out_swings_do_not_mind(drag):
     rich = at(drag, "viscous+steady_wind", ("steady_wind",))
-    states = _simplified(search(drag), [rich])
+    states = simplified(search(drag), [rich])
     assert [state.fit.model.label for state in states] == ["viscous+steady_wind", "viscous+quadratic_drag"]
     assert states[0].chosen.move == "exchange steady_wind for quadratic_drag"
     assert states[1].found == ("quadratic_drag",)
@@ -74,15 +78,15 @@ def test_a_simpler_effect_takes_the_place_of_one_that_contains_it_where_held_out
 
 def test_it_does_not_where_held_out_swings_mind_where_no_round_is_left_or_where_it_may_not(drag):
     rich = at(drag, "viscous+steady_wind", ("steady_wind",))
-    assert _simplified(search(drag, allowed=("viscous",)), [rich]) == [rich]
-    assert _simplified(search(drag, rounds=1), [rich]) == [rich]
+    assert simplified(search(drag, allowed=("viscous",)), [rich]) == [rich]
+    assert simplified(search(drag, rounds=1), [rich]) == [rich]
     values = {"natural_frequency": 7.0, "viscous_ratio": 0.006, "wind_coefficient": 0.004, "wind_speed": 1.0}
     windy = Model("viscous+steady_wind", values)
     swings = [replace(one, angle=simulate(windy, TIMES, one.angle[0])) for one in (*drag.fit, *drag.holdout)]
     storm = campaign("storm", swings)
     fit = fit_jointly(windy, [one.pair for one in storm.fit], guess=windy, bounded=True)
     rich = look(1, storm, fit, ("steady_wind",), last=True)
-    assert _simplified(search(storm), [rich]) == [rich]
+    assert simplified(search(storm), [rich]) == [rich]
 
 
 def test_of_two_ways_the_one_is_told_that_leaves_less_of_swings_left_out(drag):
@@ -112,7 +116,7 @@ def test_of_many_effects_the_one_that_the_last_move_made_idle_gives_way(drag):
     before = at(drag, "viscous+constant_torque+cubic_stiffness", many[:2], number=1)
     last = at(drag, "viscous+" + "+".join(many), many, number=2)
     assert not last.missing
-    states = _leaner(search(drag), [replace(before, chosen=move(last, "quadratic_drag")), last])
+    states = leaner(search(drag), [replace(before, chosen=move(last, "quadratic_drag")), last])
     assert len(states) == 2
     assert len(states[-1].found) == 2
     assert "quadratic_drag" in states[-1].found
@@ -155,18 +159,18 @@ def test_what_damps_is_held_against_all_that_damps_whatever_it_promises(drag, mo
 
 def test_an_effect_of_the_base_comes_back_into_the_place_of_what_was_found_for_it(drag):
     """Structural damping took viscous drag's place, and quadratic drag was found after it; viscous drag was there all the time."""
-    search = _Search(drag, 4, None, Budget(), ("viscous",))
+    search = Search(drag, 4, None, Budget(), ("viscous",))
     ended = at(drag, "structural_damping+quadratic_drag", ("structural_damping", "quadratic_drag"))
-    states = _restored(search, [ended])
+    states = restored(search, [ended])
     assert states[-1].fit.model.label == "viscous+quadratic_drag"
     assert states[-1].found == ("quadratic_drag",)  # what the base had is not found
     assert states[-2].chosen.dropped == "structural_damping"
 
 
 def test_what_is_there_is_not_exchanged_for_what_the_base_had(drag):
-    search = _Search(drag, 4, None, Budget(), ("structural_damping",))
+    search = Search(drag, 4, None, Budget(), ("structural_damping",))
     ended = at(drag, "viscous+quadratic_drag", ("viscous", "quadratic_drag"))
-    assert _restored(search, [ended])[-1] is ended
+    assert restored(search, [ended])[-1] is ended
 
 
 def test_an_effect_more_does_no_worse_than_the_exchange_that_beat_it(drag):
@@ -178,3 +182,112 @@ def test_an_effect_more_does_no_worse_than_the_exchange_that_beat_it(drag):
     best = _no_worse([exchange, stuck], here, noise)[0]
     assert best.dropped is None
     assert best.fit.rms == pytest.approx(NOISE, rel=0.05)
+
+
+def test_two_large_effects_that_nearly_cancel_are_not_believed():
+    """A bent sensor, without that in the catalogue: a zero and an eccentricity of many times its size do its work."""
+    values = {"natural_frequency": 7.0, "viscous_ratio": 0.006, "sensor_curvature": 0.012}
+    bent, draws = Model("viscous+sensor_curvature", values), np.random.default_rng(7)
+    swings = [
+        Swing(f"{a}", TIMES, simulate(bent, TIMES, a) + NOISE * draws.standard_normal(TIMES.size))
+        for a in (0.9, -0.7, 0.5, 0.3)
+    ]
+    allowed = ("viscous", "constant_torque", "sensor_zero", "eccentricity", "quadratic_stiffness")
+    last = discover(campaign("bent", swings), "viscous", allowed=allowed)[-1]
+    assert not last.missing
+    assert set(last.found) == {"sensor_zero", "eccentricity"}
+    assert not any(one.sure for one in last.established.values())
+
+
+def test_two_effects_of_which_each_does_its_own_work_are_believed(drag):
+    state = at(drag, "viscous+quadratic_drag+constant_torque", ("quadratic_drag", "constant_torque"))
+    assert not borrowed(state, drag)
+
+
+def test_what_has_another_value_in_the_end_than_when_it_was_established_is_doubted(drag):
+    fit = at(drag, "viscous+quadratic_drag", ("quadratic_drag",)).fit
+    effect, sure = fit.model.catalogue["quadratic_drag"], Finding("")
+    values = fit.model.values
+
+    def ended(factor):
+        changed = values | {"quadratic_coefficient": factor * values["quadratic_coefficient"]}
+        return replace(fit, model=fit.model.with_values(changed))
+
+    assert still_so(sure, effect, fit, ended(1.1)).sure
+    for factor in (0.2, 1.5):
+        doubted = still_so(sure, effect, fit, ended(factor))
+        assert doubted.doubt == "quadratic_coefficient depends on what stands beside it"
+    assert still_so(Finding("no reason"), effect, fit, ended(0.2)).doubt == "no reason"
+
+
+def test_another_spring_is_tried_beside_the_friction_that_has_nothing_to_do_without_one():
+    """Without any spring Stribeck friction goes to nothing; beside it the cubic one does better than the torsion spring."""
+    values = {
+        "natural_frequency": 7.5,
+        "viscous_ratio": 0.01,
+        "load_friction": 0.002,
+        "stribeck_velocity": 0.3,
+    }
+    values |= {"stribeck_friction": 0.39, "cubic_stiffness": 1.9}
+    true, draws = Model("viscous+load_coulomb+stribeck+cubic_stiffness", values), np.random.default_rng(3)
+    swings = [
+        Swing(f"{a}", TIMES, simulate(true, TIMES, a) + NOISE * draws.standard_normal(TIMES.size))
+        for a in (0.9, -0.7, 0.6, -0.5, 0.4)
+    ]
+    one = campaign("springs", swings)
+    values = {name: value for name, value in values.items() if name != "cubic_stiffness"}
+    begun = Model(
+        "viscous+load_coulomb+stribeck+torsion_spring",
+        values | {"natural_frequency": 6.7, "torsion_stiffness": 11.6},
+    )
+    fit = fit_jointly(begun, [swing.pair for swing in one.fit], guess=begun, bounded=True)
+    best = in_place_of(frame(fit, one.fit), Noise(NOISE), "torsion_spring", ["cubic_stiffness"])[0]
+    assert best.added == "cubic_stiffness"
+    assert best.fit.model.values["stribeck_friction"] == pytest.approx(0.39, rel=0.1)
+    assert best.fit.rms == pytest.approx(NOISE, rel=0.05)
+
+
+def test_idle_effects_are_left_out_of_rounds_that_are_all_used_up(drag):
+    """Torque, cubic spring, drag; the torque takes the drag's first place, and the last move puts viscous drag back."""
+    found = ("cubic_stiffness", "constant_torque", "quadratic_drag")
+    first = at(drag, "viscous+cubic_stiffness", found[:1], number=1)
+    second = at(drag, "viscous+cubic_stiffness+constant_torque", found[:2], number=2)
+    last = at(drag, "viscous+" + "+".join(found), found, number=3)
+    assert not last.missing
+    states = [
+        replace(first, chosen=move(second, "constant_torque")),
+        replace(second, chosen=move(last, "quadratic_drag")),
+        last,
+    ]
+    states = leaner(search(drag, rounds=3), states)
+    assert len(states[-1].found) == 2
+    assert "quadratic_drag" in states[-1].found
+    assert [state.number for state in states] == list(range(1, len(states) + 1))
+    for before, after in pairwise(states):  # each move leads to the next model
+        assert set(search(drag).after(before.found, before.chosen)) == set(after.found)
+
+
+def test_a_drop_gives_way_to_the_addition_before_it(drag):
+    found = ("constant_torque", "quadratic_drag")
+    first = at(drag, "viscous+constant_torque", found[:1], number=1)
+    second = at(drag, "viscous+constant_torque+quadratic_drag", found, number=2)
+    last = at(drag, "viscous+quadratic_drag", found[1:], number=3)
+    states = [
+        replace(first, chosen=move(second, "quadratic_drag")),
+        replace(second, chosen=move(last, None, "constant_torque")),
+        last,
+    ]
+    short = _shorter(states)
+    assert [state.number for state in short] == [1, 2]
+    assert short[0].chosen.move == "exchange constant_torque for quadratic_drag"
+    assert short[-1].fit is last.fit
+    base = at(drag, "viscous", (), number=0)
+    detour = [
+        replace(base, chosen=move(last, "quadratic_drag")),
+        replace(last, number=1, chosen=move(second, "constant_torque")),
+        replace(second, chosen=move(last, None, "constant_torque")),
+        last,
+    ]
+    short = _shorter(detour)
+    assert [(state.number, state.found) for state in short] == [(0, ()), (1, ("quadratic_drag",))]
+    assert short[0].chosen.move == "add quadratic_drag"

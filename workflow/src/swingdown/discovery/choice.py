@@ -11,8 +11,9 @@ from .budget import Budget
 from .campaign import Campaign
 from .candidates import without
 from .confirm import better, predict
+from .evidence import TIE, Candidate, correlation, evidence, tied
 from .linear import Frame
-from .ranking import TIE, Candidate, beside_the_best, correlation, evidence, in_pairs, tied
+from .ranking import beside_the_best, in_pairs
 from .refit import refit
 from .state import Round
 from .verdict import GUARD

@@ -6,15 +6,18 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from ..engine.trajectory import TrajectoryError
+from ..fitting.result import Fit
 from ..pendulum.catalogue import Catalogue
+from ..pendulum.effect import Effect
 from .admissible import inadmissible
 from .budget import Budget
 from .campaign import Campaign
 from .candidates import without
 from .constancy import changes, forms
+from .evidence import Candidate, evidence
 from .folds import Turns, in_turn
 from .linear import frame
-from .ranking import Candidate, evidence, in_place_of
+from .ranking import in_place_of
 from .refit import refit
 from .sentence import NEARLY
 from .state import Round
@@ -38,6 +41,7 @@ _FORM, _BESIDE = (
     0.3,
 )  # of what remains, and of its size, that a torque of its kind and of another form must be to count
 _STEADY = 0.3  # of its size, by which it may be another where nothing else that was found stands beside it
+_BORROWED = 0.1  # of its size, below which it is another's
 _LITTLE = (
     1 / 3
 )  # of the noise, RMS: where something that is less remains, the effect may be a little other than its name
@@ -56,7 +60,8 @@ def unneeded(state: Round, campaign: Campaign) -> Candidate | None:
     best: tuple[float, Candidate, Turns] | None = None
     for name in names:
         size = state.fit.model.catalogue[name].size
-        if size is not None and size.lower == 0 and state.fit.model.values[size.name] <= 0:
+        nothing = size is not None and size.lower == 0 and state.fit.model.values[size.name] <= 0
+        if nothing and name not in state.found:
             continue  # that it would be negative is told
         lost = _lost(state, campaign, name, whole)
         if lost is None or np.log(lost[1].fit.rms / state.fit.rms) > _IDLE:
@@ -120,6 +125,40 @@ def _leaning(state: Round, campaign: Campaign, name: str) -> str:
     if abs(alone.model.values[size.name] - value) > _STEADY * abs(value):
         return f"{size.name} depends on what stands beside it"
     return ""
+
+
+def borrowed(state: Round, campaign: Campaign) -> bool:
+    """True where of two effects that were found neither has its size without the other: large ones that nearly cancel.
+
+    A zero of 90 mrad and an eccentricity of as much are a bent sensor, and not there.
+    """
+    if len(state.found) != 2:
+        return False
+    for name, other in (state.found, state.found[::-1]):
+        size = state.fit.model.catalogue[name].size
+        if size is None:
+            return False
+        try:
+            alone = refit(without(state.fit, other), campaign.fit, grown=False)
+        except TrajectoryError:
+            return False
+        if abs(alone.model.values[size.name]) > _BORROWED * abs(state.fit.model.values[size.name]):
+            return False
+    return True
+
+
+def still_so(finding: "Finding", effect: Effect, told: Fit, last: Fit) -> "Finding":
+    """The finding on an effect, doubted where its values are others in the ``last`` fit than in the one that established it.
+
+    What remained was then no separate thing: what came to imitate it took over some of the effect's work.
+    """
+    for parameter in effect.parameters:
+        if parameter.each or parameter.role not in ("size", "shape"):
+            continue
+        value, now = (one.model.values.get(parameter.name) for one in (told, last))
+        if finding.sure and value is not None and now is not None and abs(now - value) > _STEADY * abs(value):
+            return replace(finding, doubt=f"{parameter.name} depends on what stands beside it", ties=())
+    return finding
 
 
 @dataclass(frozen=True)

@@ -13,8 +13,8 @@ from ..engine.trajectory import TrajectoryError
 from ..fitting.result import Begin, Fit
 from ..pendulum.effect import NATURAL_FREQUENCY
 from .campaign import Campaign, Noise
+from .evidence import TIE, Candidate, evidence
 from .linear import Frame, explained
-from .ranking import TIE, Candidate, evidence
 from .refit import refit
 
 _SUBSTANTIAL = 1 / 3  # of what is left beyond the noise, that own frequencies must explain to first order

@@ -2,31 +2,30 @@
 
 from collections.abc import Collection, Iterable, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from ..engine.trajectory import TrajectoryError
-from ..fitting.result import Fit
+from ..fitting.result import Begin, Fit
 from .admissible import inadmissible, leaves_noise
 from .budget import Budget
 from .campaign import Noise
 from .candidates import (
     Start,
     additions,
-    describe,
     starts_to_add,
     starts_to_drop,
     starts_to_exchange,
     without,
 )
 from .constancy import by_changing
+from .evidence import TIE, Candidate, best_first, evidence
 from .linear import Frame, frame
 from .pairs import plain, starts_of_pairs
 from .refit import nudged, refit, with_effect
 
 ENDLESS = Budget()
-TIE = 10.0  # difference of BIC below which two candidates are told as tied
 _PROMISING = 0.05  # of the best predicted gain: candidates below are not refitted, a linear step already tells them off
 _HOPEFUL = (
     0.01  # the same, for those tried from more starts where none of the promising ones leaves the noise alone
@@ -38,44 +37,8 @@ _FAR = 2.0  # times the noise
 _FELL_SHORT = 1.02  # of what a linear step leaves: a fit that leaves more may be in a false minimum
 _NUDGED = 2  # candidates looked for in their neighbourhood, too
 _SHARES = (0.05, 0.3)  # of an effect's size: with how much of it a fit begins that was exchanged without it
+_NOTHING = 1e-3  # of an effect's size: no more is none
 _SHAPES = 3  # of an effect, to start from where the first ones did not do
-_SUGGESTED = (
-    4.0  # chi-square by which a richer effect must beat a simpler one that it contains to be tied with it
-)
-
-
-@dataclass(frozen=True)
-class Candidate:
-    """A move and its refit: effect added and dropped (or None), the fit, its BIC, and why it is refused (or empty).
-
-    ``also`` names what is added with the first, and belongs to it.
-    """
-
-    added: str | None
-    dropped: str | None
-    fit: Fit
-    bic: float
-    refused: str = ""
-    also: tuple[str, ...] = ()
-
-    @property
-    def move(self) -> str:
-        """What is done to the model, in words."""
-        return describe(self.added, self.dropped, self.also)
-
-    @property
-    def names(self) -> tuple[str, ...]:
-        """The names of all effects that are added."""
-        return () if self.added is None else (self.added, *self.also)
-
-
-def evidence(fit: Fit, noise: Noise) -> float:
-    """The BIC of a fit whose residuals are correlated as the noise is: n effective ln(rss / n) + k ln(n effective).
-
-    What the measurement leaves open is not counted: it is known as well before the fit, and what it takes is in the rss.
-    """
-    n, free = noise.effective(fit.n), len(fit.free) - len(fit.model.slack.names)
-    return float(n * np.log(fit.rss / fit.n) + free * np.log(n))
 
 
 def ranking(
@@ -105,12 +68,12 @@ def ranking(
         return found
     hopeful = [starts for starts in moves if starts[0].predicted >= _HOPEFUL * most][:_WIDE]
     more = [starts[2:-1] if near[id(starts)] else starts for starts in hopeful]
-    wide = _sorted([_best(starts, here, noise) for starts in more if starts and not budget.spent])
+    wide = best_first([_best(starts, here, noise) for starts in more if starts and not budget.spent])
     best: dict[str, list[Candidate]] = {}
     for one in (*found, *wide):
         best.setdefault(one.move, []).append(one)
-    found = _sorted(min(several, key=lambda one: one.fit.rss) for several in best.values())
-    return _sorted([*(_nudged(one, here, noise) for one in found[:_NUDGED]), *found[_NUDGED:]])
+    found = best_first(min(several, key=lambda one: one.fit.rss) for several in best.values())
+    return best_first([*(_nudged(one, here, noise) for one in found[:_NUDGED]), *found[_NUDGED:]])
 
 
 def _offered(
@@ -169,7 +132,7 @@ def _grown(
         old = known.get(starts[0].move)
         if one and (old is None or one.fit.rss < old.fit.rss):
             known[one.move] = one
-    return _sorted(known.values())
+    return best_first(known.values())
 
 
 def _no_worse(found: list[Candidate], here: Frame, noise: Noise) -> list[Candidate]:
@@ -190,7 +153,7 @@ def _no_worse(found: list[Candidate], here: Frame, noise: Noise) -> list[Candida
             again.append(nudged(fit, here.swings, rounds=1))
     fit = min((alone.fit, *again), key=lambda fit: fit.rss)
     better = replace(alone, fit=fit, bic=evidence(fit, noise), refused=inadmissible(fit, alone.added, noise))
-    return _sorted(better if one is alone else one for one in found)
+    return best_first(better if one is alone else one for one in found)
 
 
 def _gain(fit: Fit, left: float, noise: Noise) -> float:
@@ -209,10 +172,10 @@ def _moved(
     exchanges: dict[str, list[Start]] = {}
     for start in starts_to_exchange(here, allowed):
         exchanges.setdefault(start.move, []).append(start)
-    found = _sorted(_best(starts, here, noise) for starts in moves if not budget.spent)
+    found = best_first(_best(starts, here, noise) for starts in moves if not budget.spent)
     grown = not (found and not found[0].refused and leaves_noise(found[0].fit, noise))
     others = (_best(starts, here, noise, grown) for starts in exchanges.values() if not budget.spent)
-    return _sorted([*found, *others])
+    return best_first([*found, *others])
 
 
 def in_pairs(
@@ -226,7 +189,7 @@ def in_pairs(
     """The ``Candidate``s that add two effects without a shape at once, best first: of those pairs whose linear step takes away
     at least so many squares (rad^2), the ``few`` that promise most."""
     offered = starts_of_pairs(here, allowed, least, few)
-    return _sorted([_best(starts, here, noise) for starts in offered if not budget.spent])
+    return best_first([_best(starts, here, noise) for starts in offered if not budget.spent])
 
 
 def beside_the_best(
@@ -255,7 +218,7 @@ def beside_the_best(
         for starts in moves:
             begun = [replace(start, added=one.added, also=(start.added,)) for start in starts if start.added]
             found.append(_best(begun, there, noise))
-    return _sorted(found)
+    return best_first(found)
 
 
 def in_place_of(
@@ -275,16 +238,37 @@ def in_place_of(
     there = frame(fit, here.swings)
     moves = _offered(there, [name for name in additions(fit.model, allowed) if name != old], old)
     moves.sort(key=lambda starts: -starts[0].predicted)
-    return _sorted([_best(starts, there, noise) for starts in moves[:few]])
+    found = [_best(starts, there, noise) for starts in moves[:few]]
+    if _gone(here.fit, fit):
+        found = [one and _beside_what_was(one, begin, here, noise) for one in found]
+    return best_first(found)
+
+
+def _gone(fit: Fit, without: Fit) -> bool:
+    """True where the fit without one of its effects has nothing left of another."""
+    sizes = [effect.size.name for effect in without.model.effects if effect.size and effect.one_sided]
+    return any(without.model.values[size] <= _NOTHING * fit.model.values[size] for size in sizes)
+
+
+def _beside_what_was(one: Candidate, begin: Begin, here: Frame, noise: Noise) -> Candidate:
+    """The candidate, or a better one of the same effects, looked for in growing parts beside the others as they were.
+
+    What would do an effect's work needs the others beside it, which without either of them have nothing to do.
+    """
+    names, values = one.names, one.fit.model.values
+    for name in names:
+        own = {p.name: values[p.name] for p in one.fit.model.catalogue[name].parameters}
+        begin = with_effect(begin, name, own)
+    with suppress(TrajectoryError):
+        fit = min(one.fit, refit(begin, here.swings), key=lambda fit: fit.rss)
+        why = [inadmissible(fit, name, noise) for name in names]
+        one = replace(one, fit=fit, bic=evidence(fit, noise), refused=next(filter(None, why), ""))
+    return one
 
 
 def drops(here: Frame, noise: Noise) -> list[Candidate]:
     """The ``Candidate``s with one effect less, best first."""
-    return _sorted([_best([start], here, noise) for start in starts_to_drop(here)])
-
-
-def _sorted(found: Iterable[Candidate | None]) -> list[Candidate]:
-    return sorted((one for one in found if one), key=lambda one: (bool(one.refused), one.bic))
+    return best_first([_best([start], here, noise) for start in starts_to_drop(here)])
 
 
 def _best(starts: Sequence[Start], here: Frame, noise: Noise, grown: bool = False) -> Candidate | None:
@@ -331,32 +315,4 @@ def told_from_changes(
             return one  # what contains the effect found before is such a change, with a name
         return replace(one, refused="a change of what was added before does as well")
 
-    return _sorted(told(one) for one in ranked)
-
-
-def tied(ranked: Sequence[Candidate], noise: Noise) -> list[Candidate]:
-    """The admissible candidates that the evidence does not tell from the best: within ``TIE`` of its BIC, additions first.
-
-    Of a richer effect and a simpler one that it contains, the simpler is preferred unless the evidence is for the richer,
-    and the richer stays in the tie only if something suggests it.
-    """
-    admissible = [one for one in ranked if not one.refused]
-    if not admissible:
-        return []
-    near = [one for one in admissible if one.bic - admissible[0].bic < TIE]
-    kept = []
-    for one in near:
-        contained = one.fit.model.catalogue.contained_in(one.added) if one.added else ()
-        simpler = [other for other in near if other.added in contained and other.bic <= one.bic]
-        scale = noise.deviation**2 * noise.inflation
-        if all((other.fit.rss - one.fit.rss) / scale > _SUGGESTED for other in simpler):
-            kept.append(one)
-    # the model that is known stands: what is added to it goes before what takes the place of a part of it
-    return sorted(kept, key=lambda one: one.dropped is not None)
-
-
-def correlation(here: Frame, first: Candidate, second: Candidate) -> float:
-    """How alike two candidates are to the data: the correlation of what each adds to the angles, beyond the current fit."""
-    changes = [here.outside(one.fit.angle - here.fit.angle) for one in (first, second)]
-    size = np.linalg.norm(changes[0]) * np.linalg.norm(changes[1])
-    return float(changes[0] @ changes[1] / size) if size > 0 else np.nan
+    return best_first(told(one) for one in ranked)

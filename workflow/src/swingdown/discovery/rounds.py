@@ -17,6 +17,7 @@ from .campaign import Campaign, Noise, measure_noise
 from .choice import confirmed, gained, ranked_by_evidence, shape_believed, to_the_end, weighed
 from .confirm import predict
 from .differences import coarse_noise
+from .evidence import Candidate, evidence, tied
 from .free_form import fit_free_form, kept, missing
 from .half_swings import beside
 from .linear import Frame, frame
@@ -24,12 +25,9 @@ from .locate import groups
 from .own_frequency import with_own_frequencies
 from .ranking import (
     ENDLESS,
-    Candidate,
     drops,
-    evidence,
     in_place_of,
     ranking,
-    tied,
     told_from_changes,
 )
 from .refit import nudged, opened
@@ -161,8 +159,3 @@ def look_again(number: int, campaign: Campaign, fit: Fit, found: Sequence[str], 
     if last:
         return replace(state, reason="no round is left")
     return without_a_name(replace(state, reason="what remains has no form either"), campaign)
-
-
-def after(found: Sequence[str], chosen: Candidate) -> tuple[str, ...]:
-    """The names of the effects found, after a move."""
-    return tuple(name for name in (*found, *chosen.names) if name != chosen.dropped)

@@ -1,47 +1,25 @@
 """The whole search: from the base model move by move, along other ways where the first does not end well, and what it establishes."""
 
 from collections.abc import Collection, Sequence
-from dataclasses import dataclass, field, replace
-
-import numpy as np
+from dataclasses import replace
 
 from ..fitting.result import Fit
 from ..pendulum.model import Model, as_model
-from .admissible import leaves_noise
 from .budget import Budget
 from .campaign import Campaign
-from .choice import held_out
-from .established import AT_FIRST, Finding, changing, established, rivals, unneeded
+from .established import AT_FIRST, Finding, borrowed, changing, established, rivals, still_so, unneeded
+from .evidence import Candidate
 from .folds import in_turn
-from .linear import frame
 from .next_swing import NextSwing, next_swing
 from .posterior import Structure, probabilities, weighed
-from .ranking import Candidate, evidence, in_place_of
-from .rounds import after, first_fit, look, look_again, without_a_name
-from .state import Round
+from .rounds import first_fit, look, look_again, without_a_name
+from .simpler import MANY, leaner, restored, simplified
+from .state import Round, Search
 
-_MANY = 3  # effects together can leave nothing of what none of them is: each has to be established
 _DOUBTED = 0.01  # probability of the second structure, from which on a swing is looked for that tells it from the first
 _WAYS = 2  # that are gone, the first included
 _PARAMETER = 0.01  # of the score on swings left out: what a model must be better for each parameter more
 _DONE = 0.05  # the same: what an end with nothing missing may be worse
-_MINDED = 0.02  # of the logarithm of what is left of held-out swings: more is minded
-
-
-@dataclass(frozen=True)
-class _Search:
-    """What stays the same throughout a search."""
-
-    campaign: Campaign
-    rounds: int
-    allowed: Collection[str] | None
-    budget: Budget
-    base: tuple[str, ...] = ()  # the effects that the model had at first: none of them is found
-    looked: list[Round] = field(default_factory=list)  # all rounds of all ways, in order
-
-    def after(self, found: Sequence[str], chosen: Candidate) -> tuple[str, ...]:
-        """The names of the effects found, after a move."""
-        return tuple(name for name in after(found, chosen) if name not in self.base)
 
 
 def discover(
@@ -58,18 +36,22 @@ def discover(
     seconds (None: no end) nothing new is begun, and the last round says so.
     """
     model = as_model(base)
-    search = _Search(campaign, rounds, allowed, Budget(budget_s), tuple(model.names))
+    search = Search(campaign, rounds, allowed, Budget(budget_s), tuple(model.names))
     states = _way(search, first_fit(campaign, model), (), 0, set())
     if states[-1].missing:
         states = _best(search, _ways(search, states))
     if any(state.out_of_sample for state in states):
-        states = _simplified(search, states)
-    states = _told(search, states) if states[-1].missing else _leaner(search, _restored(search, states))
-    if states[-1].established is None and len(states[-1].found) >= _MANY:
+        states = simplified(search, states)
+    states = _told(search, states)
+    if not states[-1].missing and not states[-1].nameless:
+        states = leaner(search, restored(search, states))
+    many = len(states[-1].found) >= MANY or borrowed(states[-1], campaign)
+    if states[-1].established is None and many:
         sure, number = _established(search, states)
         # where nothing is left, what would do as well was told by the evidence: many together must each stand alone
         alone = {name: one.alone for name, one in sure.items()}
         states = [*states[:-1], replace(states[-1], established=alone, established_in=number)]
+    states = [*states[:-1], _still_so(states)]
     told = weighed([*search.looked, *states], campaign)
     likely = probabilities(told, states[0].fit.model.names)
     last = replace(states[-1], spent=search.budget.spent, probabilities=likely)
@@ -88,7 +70,7 @@ def _nameless(one: Structure) -> bool:
     return not all(one.fit.model.catalogue.has_name(name) for name in one.names)
 
 
-def _way(search: _Search, fit: Fit, found: Sequence[str], number: int, seen: set[str]) -> list[Round]:
+def _way(search: Search, fit: Fit, found: Sequence[str], number: int, seen: set[str]) -> list[Round]:
     """The rounds from a fit to where nothing more is chosen, or to a model that another way has ``seen``, which it adds to."""
     states: list[Round] = []
     for k in range(number, search.rounds + 1):
@@ -103,7 +85,7 @@ def _way(search: _Search, fit: Fit, found: Sequence[str], number: int, seen: set
     return states
 
 
-def _ways(search: _Search, first: list[Round]) -> list[list[Round]]:
+def _ways(search: Search, first: list[Round]) -> list[list[Round]]:
     """The first way and others, from what else was confirmed at its first choice."""
     ways = [first]
     seen = {state.fit.model.label for state in first}
@@ -130,7 +112,7 @@ def _alike(state: Round, other: Candidate) -> bool:
     )
 
 
-def _best(search: _Search, ways: list[list[Round]]) -> list[Round]:
+def _best(search: Search, ways: list[list[Round]]) -> list[Round]:
     """The way that leaves least of swings left out in turn; a parameter more must earn its place, and an end with nothing
     missing counts for some."""
     if len(ways) == 1:
@@ -150,71 +132,8 @@ def _best(search: _Search, ways: list[list[Round]]) -> list[Round]:
     return [*best[:-1], replace(best[-1], chosen=None, reason="it leads where another way has been")]
 
 
-def _simplified(search: _Search, states: list[Round]) -> list[Round]:
-    """The rounds, and those that put a simpler effect in the place of one that contains it, where held-out swings do not mind."""
-    last = states[-1]
-    for name in last.found:
-        for simpler in last.fit.model.catalogue.contained_in(name):
-            if last.number == search.rounds or search.budget.spent or simpler in last.fit.model.names:
-                continue
-            if search.allowed is not None and simpler not in search.allowed:
-                continue
-            here = frame(last.fit, search.campaign.fit)
-            for one in in_place_of(here, last.noise, name, [simpler], few=1):
-                held = held_out(one, search.campaign)
-                if one.refused or held is None or np.log(held.rms / last.holdout.rms) > _MINDED:
-                    continue
-                chosen = replace(last, chosen=one, reason="")
-                found = search.after(last.found, one)
-                following = look(last.number + 1, search.campaign, one.fit, found, search.allowed, True)
-                return _simplified(search, [*states[:-1], chosen, following])
-    return states
-
-
-def _restored(search: _Search, states: list[Round]) -> list[Round]:
-    """The rounds of a way that ends with nothing missing, and one that puts an effect of the base back into the place of what was found
-    for it, where the data do not mind: what was expected beforehand takes less to believe."""
-    last = states[-1]
-    if last.number == search.rounds or len(last.found) < 2 or search.budget.spent:
-        return states
-    here, known = frame(last.fit, search.campaign.fit), last.fit.model.catalogue
-    here_bic = evidence(last.fit, last.noise) + 2 * np.log(len(known))
-    for old in (name for name in search.base if name not in last.fit.model.names):
-        for name in last.found:
-            if bool(known[name].damping) != bool(known[old].damping):
-                continue
-            for one in in_place_of(here, last.noise, name, [old], few=1):
-                if one.refused or one.bic > here_bic or not leaves_noise(one.fit, last.noise):
-                    continue
-                found = search.after(last.found, one)
-                following = look(last.number + 1, search.campaign, one.fit, found, search.allowed, True)
-                if not following.missing:
-                    search.looked.append(following)
-                    return [*states[:-1], replace(last, chosen=one, reason=""), following]
-    return states
-
-
-def _leaner(search: _Search, states: list[Round]) -> list[Round]:
-    """The rounds of a way that ends with nothing missing; of many effects those that the last move made idle give way to it."""
-    while len(states[-1].found) >= _MANY and not search.budget.spent:
-        before, last = states[-2:]
-        idle = unneeded(last, search.campaign)
-        if idle is None or before.chosen is None or before.chosen.dropped is not None:
-            break
-        chosen = replace(before.chosen, dropped=idle.dropped, fit=idle.fit, bic=idle.bic)
-        if idle.dropped in chosen.names:
-            break
-        found = search.after(before.found, chosen)
-        leaner = look(last.number, search.campaign, idle.fit, found, search.allowed, True)
-        if leaner.missing:
-            break
-        search.looked.append(leaner)
-        states = [*states[:-2], replace(before, chosen=chosen), leaner]
-    return states
-
-
-def _told(search: _Search, states: list[Round]) -> list[Round]:
-    """The rounds of a way that ends with something missing: terms that later ones made idle are dropped, what is established is
+def _told(search: Search, states: list[Round]) -> list[Round]:
+    """The rounds of a way; of one that ends with something missing terms that later ones made idle are dropped, what is established is
     found out, and what remains is kept as a torque without a name."""
     last = states[-1]
     while last.missing and not search.budget.spent and last.number < search.rounds:
@@ -239,7 +158,7 @@ def _told(search: _Search, states: list[Round]) -> list[Round]:
     return states
 
 
-def _established(search: _Search, states: list[Round]) -> tuple[dict[str, Finding], int]:
+def _established(search: Search, states: list[Round]) -> tuple[dict[str, Finding], int]:
     """What is established of the effects that the last round has, and the round that tells it.
 
     Many terms that share out what has no name leave none of them determined: then what is established before they came is
@@ -257,7 +176,17 @@ def _established(search: _Search, states: list[Round]) -> tuple[dict[str, Findin
     return found, last.number
 
 
-def _since_chosen(search: _Search, states: list[Round]) -> dict[str, Finding]:
+def _still_so(states: Sequence[Round]) -> Round:
+    """The last round, whose effects are established only where it has them as the round that tells them has."""
+    last = states[-1]
+    if last.established is None or last.established_in is None:
+        return last
+    known, told = last.fit.model.catalogue, states[last.established_in].fit
+    sure = {name: still_so(one, known[name], told, last.fit) for name, one in last.established.items()}
+    return replace(last, established=sure)
+
+
+def _since_chosen(search: Search, states: list[Round]) -> dict[str, Finding]:
     """What is established in the last of these rounds, and in the one that it was first in was told from its rivals and much the
     same everywhere: what came later was chosen to go with it."""
     last, base = states[-1], states[0].fit.model.names

@@ -1,6 +1,6 @@
 """The state of a search after so many moves: the fit, where it fails, what could mend it, and what was chosen."""
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
@@ -9,10 +9,11 @@ import pandas as pd
 
 from ..fitting.result import Fit
 from ..pendulum.model import Model
-from .campaign import Noise
+from .budget import Budget
+from .campaign import Campaign, Noise
+from .evidence import Candidate, evidence
 from .locate import Group
 from .next_swing import NextSwing
-from .ranking import Candidate, evidence
 from .verdict import GUARD
 
 if TYPE_CHECKING:
@@ -80,3 +81,20 @@ class Round:
     def missing(self) -> bool:
         """True where some group finds more than the noise allows."""
         return any(group.p < GUARD["p_missing"] for group in self.groups)
+
+
+@dataclass(frozen=True)
+class Search:
+    """What stays the same throughout a search."""
+
+    campaign: Campaign
+    rounds: int
+    allowed: Collection[str] | None
+    budget: Budget
+    base: tuple[str, ...] = ()  # the effects that the model had at first: none of them is found
+    looked: list[Round] = field(default_factory=list)  # all rounds of all ways, in order
+
+    def after(self, found: Sequence[str], chosen: Candidate) -> tuple[str, ...]:
+        """The names of the effects found, after a move."""
+        names = (*found, *chosen.names)
+        return tuple(name for name in names if name != chosen.dropped and name not in self.base)
