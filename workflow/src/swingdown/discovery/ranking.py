@@ -8,6 +8,7 @@ import numpy as np
 
 from ..engine.trajectory import TrajectoryError
 from ..fitting.result import Begin, Fit
+from ..pendulum.effect import NATURAL_FREQUENCY
 from .admissible import inadmissible, leaves_noise
 from .budget import Budget
 from .campaign import Noise
@@ -251,17 +252,20 @@ def _gone(fit: Fit, without: Fit) -> bool:
 
 
 def _beside_what_was(one: Candidate, begin: Begin, here: Frame, noise: Noise) -> Candidate:
-    """The candidate, or a better one of the same effects, looked for in growing parts beside the others as they were.
+    """The candidate, or a better one of the same effects, looked for beside the others first held as they were.
 
     What would do an effect's work needs the others beside it, which without either of them have nothing to do.
     """
-    names, values = one.names, one.fit.model.values
-    for name in names:
-        own = {p.name: values[p.name] for p in one.fit.model.catalogue[name].parameters}
-        begin = with_effect(begin, name, own)
+    own = {p.name for name in one.names for p in one.fit.model.catalogue[name].parameters}
+    apart = {*own, *begin.model.each, NATURAL_FREQUENCY.name}
+    others = [name for name in begin.model.parameters if name not in apart]
+    for name in one.names:
+        values = {p.name: one.fit.model.values[p.name] for p in one.fit.model.catalogue[name].parameters}
+        begin = with_effect(begin, name, values)
     with suppress(TrajectoryError):
-        fit = min(one.fit, refit(begin, here.swings), key=lambda fit: fit.rss)
-        why = [inadmissible(fit, name, noise) for name in names]
+        fit = refit(refit(begin, here.swings, held=others).begin, here.swings)
+        fit = min(one.fit, fit, key=lambda fit: fit.rss)
+        why = [inadmissible(fit, name, noise) for name in one.names]
         one = replace(one, fit=fit, bic=evidence(fit, noise), refused=next(filter(None, why), ""))
     return one
 

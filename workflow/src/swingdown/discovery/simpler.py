@@ -87,12 +87,16 @@ def leaner(search: Search, states: list[Round]) -> list[Round]:
 def _rewritten(states: list[Round], idle: Candidate) -> tuple[list[Round], Candidate]:
     """The rounds before the one without an idle effect, and the move of the last of them that leads there."""
     brought, latest = (states[-3].chosen if len(states) > 2 else None), states[-2].chosen
-    fitted = {"fit": idle.fit, "bic": idle.bic}
+
+    def fitted(move: Candidate, dropped: str | None) -> Candidate:
+        return replace(move, dropped=dropped, fit=idle.fit, bic=idle.bic)
+
     if brought is not None and latest is not None and brought.names == (idle.dropped,):
-        if brought.dropped is None or latest.dropped is None:
-            return states[:-2], replace(latest, dropped=latest.dropped or brought.dropped, **fitted)
+        dropped = {brought.dropped, latest.dropped} - {None}
+        if len(dropped) < 2:
+            return states[:-2], fitted(latest, next(iter(dropped), None))
     if latest is not None and latest.dropped is None and idle.dropped not in latest.names:
-        return states[:-1], replace(latest, dropped=idle.dropped, **fitted)
+        return states[:-1], fitted(latest, idle.dropped)
     return states, idle
 
 
@@ -106,7 +110,11 @@ def _shorter(states: list[Round]) -> list[Round]:
         return states
     if dropped.dropped not in added.names:
         chosen = replace(added, dropped=dropped.dropped, fit=dropped.fit, bic=dropped.bic)
-        return [*states[:-3], replace(states[-3], chosen=chosen), replace(states[-1], number=states[-2].number)]
+        return [
+            *states[:-3],
+            replace(states[-3], chosen=chosen),
+            replace(states[-1], number=states[-2].number),
+        ]
     if added.names == (dropped.dropped,) and len(states) > 3:
         return [*states[:-3], replace(states[-1], number=states[-3].number)]
     return states
