@@ -47,9 +47,15 @@ def test_with_and_without_the_engine_it_is_the_same():
     )
 
 
-@pytest.mark.parametrize("given", [np.diag([1.0, 0.0]), np.ones((2, 2)), np.full((2, 2), np.nan)])
-def test_nothing_is_known_of_what_the_data_leave_open(given):
-    found = inverse_of(problem(2), given, np.zeros(2), quickly=True)
+@pytest.mark.parametrize("quickly", [True, False])
+@pytest.mark.parametrize(
+    "given",
+    [np.diag([1.0, 0.0]), np.ones((2, 2)), np.full((2, 2), np.nan), np.array([[1.0, np.nan], [np.nan, 1.0]]), np.diag([1.0, np.inf])],
+)  # fmt: skip
+def test_nothing_is_known_of_what_the_data_leave_open(given, quickly):
+    """Also where a search ran away to where slopes are no numbers any more."""
+    with np.errstate(invalid="ignore"):
+        found = inverse_of(problem(2), given, np.zeros(2), quickly=quickly)
     assert np.isnan(found[1, 1]) and np.isnan(found[0, 1])
 
 

@@ -54,18 +54,18 @@ def inverse_of(problem: Problem, hessian: Floats, best: Floats, quickly: bool = 
 
 
 def _inverse(matrix: Floats, scale: Floats) -> Floats | None:
-    """The inverse of a positive matrix with the roots ``scale`` of its diagonal; None where it is singular."""
+    """The inverse of a positive matrix with the roots ``scale`` of its diagonal; None where it is singular or not of numbers."""
     size = scale[:, None] * scale
     scaled = matrix / size
     try:
         inverse = np.linalg.inv(scaled)
+        # by the product of Frobenius' norms first, which is never smaller than the condition number and takes a tenth of the time
+        if not (
+            np.vdot(scaled, scaled) * np.vdot(inverse, inverse) < _SINGULAR**2
+            or np.linalg.cond(scaled) < _SINGULAR
+        ):
+            return None
     except np.linalg.LinAlgError:
-        return None
-    # by the product of Frobenius' norms first, which is never smaller than the condition number and takes a tenth of the time
-    if not (
-        np.vdot(scaled, scaled) * np.vdot(inverse, inverse) < _SINGULAR**2
-        or np.linalg.cond(scaled) < _SINGULAR
-    ):
         return None
     inverse /= size
     return inverse
