@@ -235,7 +235,9 @@ def test_another_spring_is_tried_beside_the_friction_that_has_nothing_to_do_with
     begun = Model("viscous+load_coulomb+stribeck+torsion_spring", values)
     fit = fit_jointly(begun, [swing.pair for swing in one.fit], guess=begun, bounded=True)
     assert fit.rms < 1.05 * noise
-    best = in_place_of(frame(fit, one.fit), Noise(noise), "torsion_spring", ["cubic_stiffness"])[0]
+    best = in_place_of(frame(fit, one.fit), Noise(noise), "torsion_spring", ["cubic_stiffness"], beside=True)[
+        0
+    ]
     assert best.added == "cubic_stiffness"
     assert best.fit.model.values["stribeck_friction"] == pytest.approx(0.39, rel=0.1)
     assert best.fit.rms < fit.rms

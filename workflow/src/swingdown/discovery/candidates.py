@@ -77,7 +77,7 @@ def starts_to_add(frame: Frame, name: str, best: int = 2, dropped: str | None = 
         values = {p.name: float(value) for p, value in zip(shapes, shape, strict=True)}
         values |= {p.name: 0.0 if p.lower <= 0 else _FIRST * p.typical for p in sizes}
         try:
-            columns = np.hstack([columns_of(frame, effect, values | one, free) for one in sides])
+            columns = np.hstack([columns_of(frame, effect, values | one, free, rough=True) for one in sides])
         except TrajectoryError:
             continue
         if not np.max(np.abs(columns)) < _BEYOND:

@@ -144,11 +144,13 @@ def orthonormal(columns: Floats) -> Floats:
     return basis[:, np.abs(np.diag(triangle)) > _ADDS_NOTHING]
 
 
-def columns_of(frame: Frame, effect: Effect, values: Mapping[str, float], free: Sequence[str]) -> Floats:
+def columns_of(
+    frame: Frame, effect: Effect, values: Mapping[str, float], free: Sequence[str], rough: bool = False
+) -> Floats:
     """What each of the ``free`` parameters of one further effect does to the angles, at the given values of all of them.
 
     An array (samples, len(free)), or where a parameter is each recording's own, (samples, swings * len(free)) with zeros
-    outside the recording.
+    outside the recording; ``rough`` as in ``sensitivities``.
     """
     blocks = []
     for swing, one in zip(frame.swings, frame.fit.swings, strict=True):
@@ -157,7 +159,7 @@ def columns_of(frame: Frame, effect: Effect, values: Mapping[str, float], free: 
             wider = wider.with_effects((*wider.names, effect.name), {**wider.values, **values})
         release = one.release_angle, one.release_velocity
         try:
-            blocks.append(sensitivities(wider, swing.times, *release, free=free)[1].T)
+            blocks.append(sensitivities(wider, swing.times, *release, free=free, rough=rough)[1].T)
         except InputError as problem:  # of one candidate, which is no reason to end a search
             raise TrajectoryError(str(problem)) from problem
     if not effect.each:

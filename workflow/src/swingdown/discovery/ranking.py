@@ -223,11 +223,17 @@ def beside_the_best(
 
 
 def in_place_of(
-    here: Frame, noise: Noise, old: str, allowed: Collection[str] | None = None, few: int = _FEW
+    here: Frame,
+    noise: Noise,
+    old: str,
+    allowed: Collection[str] | None = None,
+    few: int = _FEW,
+    beside: bool = False,
 ) -> list[Candidate]:
     """The ``Candidate``s that have another effect in the place of one of the model's own, best first.
 
-    The model is fitted without it, and the ``few`` effects that then promise most are fitted in its place.
+    The model is fitted without it, and the ``few`` effects that then promise most are fitted in its place; ``beside`` the others as they
+    were, too, where the model without it has nothing left of one of them.
     """
     begin = without(here.fit, old)
     if not begin.model.names:
@@ -240,7 +246,7 @@ def in_place_of(
     moves = _offered(there, [name for name in additions(fit.model, allowed) if name != old], old)
     moves.sort(key=lambda starts: -starts[0].predicted)
     found = [_best(starts, there, noise) for starts in moves[:few]]
-    if _gone(here.fit, fit):
+    if beside and _gone(here.fit, fit):
         found = [one and _beside_what_was(one, begin, here, noise) for one in found]
     return best_first(found)
 

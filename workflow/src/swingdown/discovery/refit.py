@@ -28,7 +28,7 @@ def refit(
     """The ``Fit`` of the model that ``begin`` has, within the catalogue's bounds, from its values and releases.
 
     Of several beginnings of one model it is the best; those that come to the minimum of an earlier one are not followed to its bottom.
-    ``grown`` as in ``fit_jointly``; ``seen`` begins from the decay that the swings show, too. Unless it is ``ended`` the search stops where candidates can be ranked. What the
+    ``grown`` as in ``fit_jointly``; ``seen`` begins from the decay that the swings show, too. Unless it is ``ended`` the search is rough, and stops where candidates can be ranked. What the
     catalogue calls a range is not fitted, nor are the parameters that are ``held`` at where they begin. TrajectoryError where the values give no trajectory, or are none that the model can have.
     """
     begins = [begin] if isinstance(begin, Begin) else list(begin)
@@ -38,7 +38,8 @@ def refit(
     most, tolerance = _ENDED if ended else _RANKED
     try:
         return fit_jointly(model, [swing.pair for swing in swings], guess=begins, seen=seen, bounded=True, own=model.each,
-                           fixed=fixed, grown=grown, most=most, tolerance=tolerance)  # fmt: skip
+                           fixed=fixed, grown=grown, most=most, tolerance=tolerance,
+                           rough=not ended)  # fmt: skip
     except InputError as problem:  # one candidate that cannot be is no reason to end a search
         raise TrajectoryError(str(problem)) from problem
 

@@ -125,7 +125,7 @@ def _finished(
     if len(state.found) > 1:
         own = Candidate(None, None, state.fit, now)
         for name in state.found:
-            others = in_place_of(here, state.noise, name, allowed)
+            others = in_place_of(here, state.noise, name, allowed, beside=True)
             near = tied([replace(own, added=name), *others], state.noise)
             rivals[name] = [one.added for one in near if one.added is not None and one.added != name]
     return replace(state, rivals=rivals)

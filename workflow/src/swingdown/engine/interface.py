@@ -104,18 +104,29 @@ def swing_trajectory(
     free: Sequence[int],
     angles: Floats,
     slopes: Floats | None = None,
+    coarseness: float = 1.0,
 ) -> tuple[int, Any]:
     """The status and the report of a trajectory; ``angles`` (n,) and ``slopes`` (len(free), n) are filled.
 
     ``values`` (parameters,), ``release`` angle and velocity (rad, rad/s), ``times`` (n,) in s; ``free`` are the codes of
-    the free values.
+    the free values. Errors may be ``coarseness`` times as large as usual.
     """
     new = ffi().new
     report = new("TrajectoryReport *")
     free_values = new("int[]", free)
     problem = new(
         "InitialValueProblem *",
-        (model, doubles(values), *release, doubles(times), times.size, np.inf, 1.0, len(free), free_values),
+        (
+            model,
+            doubles(values),
+            *release,
+            doubles(times),
+            times.size,
+            np.inf,
+            coarseness,
+            len(free),
+            free_values,
+        ),
     )
     status = library.swing_trajectory(
         problem, doubles(angles), ffi().NULL if slopes is None else doubles(slopes), report
@@ -267,12 +278,13 @@ def fit_swings(
     evaluate_best: bool,
     until_noise: bool = False,
     angles: Floats | None = None,
+    rough: bool = False,
 ) -> tuple[float, Floats, Floats, Floats, Outcome]:
     """The least sum of squares (rad^2) from the starts, the variables there, J'J, the sum from each start, the ``Outcome``.
 
     ``given`` (swing, value): the values that are no variables; ``starts`` (start, variable); ``lengths``: how many
     samples of each swing count. Without ``evaluate_best`` no more is asked for than where another search starts: trajectories
-    are coarser, and J'J is that of a point close by. ``until_noise``: where the first start leads to a minimum that leaves
+    are coarser, as ``rough`` ones are, and J'J is that of a point close by. ``until_noise``: where the first start leads to a minimum that leaves
     nothing but noise, the others are not tried; their sums are NaN. ``angles`` (n,) of all swings are filled with those at the
     best point, where that is evaluated.
     """
@@ -290,7 +302,7 @@ def fit_swings(
         "FitResult *",
         {"variables": doubles(best), "normal": doubles(normal), "angles": into, "squares": doubles(squares)},
     )
-    asked = bool(evaluate_best), bool(until_noise), not evaluate_best
+    asked = bool(evaluate_best), bool(until_noise), rough or not evaluate_best
     all_starts = new("Starts *", (len(starts), doubles(starts), *asked))
     rss = library.fit_swings(swings, all_starts, new("SearchOptions *", options), result)
     return rss, best, normal, squares, _outcome(result.outcome)

@@ -40,6 +40,7 @@ def fit_jointly(
     grown: bool = True,
     most: int = 200,
     tolerance: float = 1e-10,
+    rough: bool = False,
 ) -> Fit:
     """The ``Fit`` of one model to several swings at once: shared parameters, each swing its own release.
 
@@ -51,7 +52,8 @@ def fit_jointly(
     the catalogue says, such as a phase, where there are several swings); ``fixed`` holds values, by name, that are not
     fitted. ``seen=False`` leaves out the starts from the decay where there are fits to start from, ``grown=False`` the one
     that is found by fitting ever longer parts of the swings. ``most`` evaluations a start are spent, fewer where a
-    trajectory takes far more work than those of a pendulum usually do; ``converged`` tells.
+    trajectory takes far more work than those of a pendulum usually do; ``converged`` tells. ``rough`` trajectories, of effects that take many
+    panels, are off by up to some 1e-7 rad and take half the time: for fits that are only compared.
     What drifts over a record drifts over the longest one. Raises InputError for swings that cannot be fitted and
     TrajectoryError where no start gives a trajectory.
     """
@@ -69,7 +71,7 @@ def fit_jointly(
         if slowly:
             found, agreeing, tried = uncompiled.least_squares(problem, starts, most, tolerance)
         else:
-            found, agreeing, tried = _from_all(problem, starts, first, most, tolerance, grown)
+            found, agreeing, tried = _from_all(problem, starts, first, most, tolerance, grown, rough)
     rss, best, hessian, _, outcome, angles = found
     if outcome.converged < 0:
         raise TrajectoryError(f"model {model.label}: no start of {tried} gives a trajectory")
@@ -156,7 +158,13 @@ def _grown(problem: Problem, starts: Floats, most: int, tolerance: float) -> Flo
 
 
 def _from_all(
-    problem: Problem, starts: Floats, first: int, most: int, tolerance: float, grow: bool = True
+    problem: Problem,
+    starts: Floats,
+    first: int,
+    most: int,
+    tolerance: float,
+    grow: bool = True,
+    rough: bool = False,
 ) -> tuple[Any, int, int]:
     """The least sum of squares over the whole of every swing, how many starts reached it and how many were tried.
 
@@ -172,7 +180,7 @@ def _from_all(
             part = _search(thin, starts, min(most, 30), max(tolerance, _ROUGH), _TELLING, until_noise)
             tried = np.concatenate([part[1][None], starts[:first]])
             rss, best, _, squares, outcome, _ = found = _search(
-                thin, tried, most, tolerance, until_noise=True
+                thin, tried, most, tolerance, until_noise=True, rough=rough
             )
             if outcome.ends_in_noise or not part[4].ends_in_noise:
                 break
@@ -182,9 +190,9 @@ def _from_all(
     if not agreed:
         grown = _grown(thin, starts, most, tolerance) if grow else starts[:0]
         tried = np.vstack([grown, starts])
-        rss, best, _, squares, _, _ = found = _search(thin, tried, most, tolerance)
+        rss, best, _, squares, _, _ = found = _search(thin, tried, most, tolerance, rough=rough)
     if thin is not problem:
-        found = _search(problem, np.vstack([best, grown]), most, tolerance)
+        found = _search(problem, np.vstack([best, grown]), most, tolerance, rough=rough)
     return found, int(np.sum(squares <= rss * (1 + _SAME))), squares.size
 
 
@@ -209,6 +217,7 @@ def _search(
     tolerance: float,
     share: float = 1.0,
     until_noise: bool = False,
+    rough: bool = False,
 ) -> Any:
     """The least sum of squares over a share of every swing: it, where, J'J (near there, for a part), each start's, and how;
     for the whole the angles (rad) of each swing there."""
@@ -217,7 +226,7 @@ def _search(
     options, library = interface.Options(most, tolerance), problem.compiled[0].library
     angles = np.empty(sum(sizes)) if share == 1 else None
     found = interface.fit_swings(
-        library, problem.c, problem.given, starts, lengths, options, share == 1, until_noise, angles
+        library, problem.c, problem.given, starts, lengths, options, share == 1, until_noise, angles, rough
     )
     if angles is None or len(sizes) == 1:
         return *found, [angles]
