@@ -9,13 +9,21 @@ import pytest
 
 from swingdown.discovery.budget import Budget
 from swingdown.discovery.campaign import Noise, Swing, campaign
-from swingdown.discovery.established import Finding, _leaning, borrowed, established, rivals, still_so
+from swingdown.discovery.established import (
+    Finding,
+    _leaning,
+    borrowed,
+    established,
+    rivals,
+    still_so,
+    unneeded,
+)
 from swingdown.discovery.evidence import Candidate, evidence
 from swingdown.discovery.linear import frame
 from swingdown.discovery.ranking import _no_worse, in_place_of
 from swingdown.discovery.rounds import first_fit, look
 from swingdown.discovery.search import _alike, _best, discover
-from swingdown.discovery.simpler import _shorter, leaner, restored, simplified
+from swingdown.discovery.simpler import _moves, leaner, restored, simplified
 from swingdown.discovery.state import Search
 from swingdown.engine.trajectory import simulate
 from swingdown.fitting.least_squares import fit_jointly
@@ -109,18 +117,6 @@ def test_a_richer_form_of_the_first_choice_is_no_other_way(drag):
     assert _alike(state, move(state, "power_law_drag"))
     assert _alike(state, move(state, "steady_wind"))
     assert not _alike(state, move(state, "cubic_stiffness"))
-
-
-def test_of_many_effects_the_one_that_the_last_move_made_idle_gives_way(drag):
-    many = ("constant_torque", "cubic_stiffness", "quadratic_drag")
-    before = at(drag, "viscous+constant_torque+cubic_stiffness", many[:2], number=1)
-    last = at(drag, "viscous+" + "+".join(many), many, number=2)
-    assert not last.missing
-    states = leaner(search(drag), [replace(before, chosen=move(last, "quadratic_drag")), last])
-    assert len(states) == 2
-    assert len(states[-1].found) == 2
-    assert "quadratic_drag" in states[-1].found
-    assert states[0].chosen.dropped in many[:2]
 
 
 def test_what_leans_on_what_was_found_beside_it_is_not_established(drag):
@@ -243,47 +239,60 @@ def test_another_spring_is_tried_beside_the_friction_that_has_nothing_to_do_with
     assert best.fit.rms < fit.rms
 
 
-def test_idle_effects_are_left_out_of_rounds_that_are_all_used_up(drag):
-    """Torque, cubic spring, drag; the torque takes the drag's first place, and the last move puts viscous drag back."""
+def leads_on(one, states):
+    """Whether each round's move leads to the next one's model, and the rounds are counted."""
+    for before, after in pairwise(states):
+        found = search(one).after(before.found, before.chosen)
+        assert found == after.found
+        assert after.number == before.number + 1
+        gone = set(before.fit.model.names) - {before.chosen.dropped}
+        assert set(after.fit.model.names) == gone | set(before.chosen.names)
+    return True
+
+
+def test_idle_effects_are_left_out_though_all_rounds_are_used_up(drag):
     found = ("cubic_stiffness", "constant_torque", "quadratic_drag")
-    first = at(drag, "viscous+cubic_stiffness", found[:1], number=1)
-    second = at(drag, "viscous+cubic_stiffness+constant_torque", found[:2], number=2)
-    last = at(drag, "viscous+" + "+".join(found), found, number=3)
-    assert not last.missing
-    states = [
-        replace(first, chosen=move(second, "constant_torque")),
-        replace(second, chosen=move(last, "quadratic_drag")),
-        last,
-    ]
-    states = leaner(search(drag, rounds=3), states)
-    assert len(states[-1].found) == 2
-    assert "quadratic_drag" in states[-1].found
-    assert [state.number for state in states] == list(range(1, len(states) + 1))
-    for before, after in pairwise(states):  # each move leads to the next model
-        assert set(search(drag).after(before.found, before.chosen)) == set(after.found)
+    states = [at(drag, "viscous", (), number=0)]
+    for k in (1, 2, 3):
+        states.append(at(drag, "+".join(("viscous", *found[:k])), found[:k], number=k))
+        states[-2] = replace(states[-2], chosen=move(states[-1], found[k - 1]))
+    assert not states[-1].missing
+    fewer = leaner(search(drag, rounds=3), states)
+    assert leads_on(drag, fewer)
+    assert len(fewer[-1].found) == 2
+    assert "quadratic_drag" in fewer[-1].found
+    assert fewer[-1].fit.rms == pytest.approx(NOISE, rel=0.05)
 
 
-def test_a_drop_gives_way_to_the_addition_before_it(drag):
-    found = ("constant_torque", "quadratic_drag")
-    first = at(drag, "viscous+constant_torque", found[:1], number=1)
-    second = at(drag, "viscous+constant_torque+quadratic_drag", found, number=2)
-    last = at(drag, "viscous+quadratic_drag", found[1:], number=3)
-    states = [
-        replace(first, chosen=move(second, "quadratic_drag")),
-        replace(second, chosen=move(last, None, "constant_torque")),
-        last,
+def test_one_effect_takes_the_place_of_two_that_did_its_work():
+    """A quadratic spring and a sensor's gain bend into a cubic spring, and neither is idle without it."""
+    values = {
+        "natural_frequency": 7.0,
+        "viscous_ratio": 0.006,
+        "cubic_stiffness": 2.0,
+        "constant_torque": 0.3,
+    }
+    true, draws = Model("viscous+cubic_stiffness+constant_torque", values), np.random.default_rng(8)
+    swings = [
+        Swing(f"{a}", TIMES, simulate(true, TIMES, a) + NOISE * draws.standard_normal(TIMES.size))
+        for a in (0.8, -0.7, 0.6, 0.4)
     ]
-    short = _shorter(states)
-    assert [state.number for state in short] == [1, 2]
-    assert short[0].chosen.move == "exchange constant_torque for quadratic_drag"
-    assert short[-1].fit is last.fit
-    base = at(drag, "viscous", (), number=0)
-    detour = [
-        replace(base, chosen=move(last, "quadratic_drag")),
-        replace(last, number=1, chosen=move(second, "constant_torque")),
-        replace(second, chosen=move(last, None, "constant_torque")),
-        last,
-    ]
-    short = _shorter(detour)
-    assert [(state.number, state.found) for state in short] == [(0, ()), (1, ("quadratic_drag",))]
-    assert short[0].chosen.move == "add quadratic_drag"
+    one = campaign("bent", swings)
+    found = ("constant_torque", "quadratic_stiffness", "sensor_gain")
+    states = [at(one, "viscous", (), number=0)]
+    for k in (1, 2, 3):
+        states.append(at(one, "+".join(("viscous", *found[:k])), found[:k], number=k))
+        states[-2] = replace(states[-2], chosen=move(states[-1], found[k - 1]))
+    assert unneeded(states[-1], one) is None
+    fewer = leaner(search(one, rounds=3, allowed=("viscous", "cubic_stiffness", *found)), states)
+    assert leads_on(one, fewer)
+    assert set(fewer[-1].found) == {"constant_torque", "cubic_stiffness"}
+    assert leaner(search(one, rounds=3, allowed=("viscous", *found)), states) is states
+
+
+def test_what_the_base_had_goes_where_what_damps_comes(drag):
+    last = at(drag, "quadratic_drag+constant_torque", ("quadratic_drag", "constant_torque"), number=2)
+    assert _moves(Model("viscous"), last) == [("quadratic_drag", "viscous"), ("constant_torque", None)]
+    last = at(drag, "constant_torque+quadratic_drag", ("constant_torque",), number=2)
+    base = Model("viscous+quadratic_drag+load_coulomb")
+    assert _moves(base, last) == [("constant_torque", "viscous"), (None, "load_coulomb")]

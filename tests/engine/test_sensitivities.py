@@ -286,3 +286,24 @@ def test_only_what_is_asked_for():
     assert np.abs(angle - simulate(model, times, 0.6, 0.2)).max() < 1e-11
     with pytest.raises(InputError, match="gamma"):
         sensitivities(model, times, 0.6, free=("gamma",))
+
+
+@pytest.mark.parametrize(
+    ("label", "values"),
+    [
+        ("load_coulomb+power_law_drag", {"power_law_coefficient": 0.7, "power_law_exponent": 0.5}),
+        ("load_coulomb+power_law_drag", {"power_law_coefficient": 0.05, "power_law_exponent": 1.4}),
+        ("load_coulomb+presliding", {"presliding_friction": 0.1, "presliding_angle": 0.006}),
+        ("load_coulomb+stribeck", {"stribeck_friction": 0.1, "stribeck_velocity": 0.3}),
+        ("load_coulomb+detent", {"detent_torque": 0.1, "detent_order": 16.0, "detent_phase": 0.3}),
+        ("load_coulomb+magnet", {"magnet_depth": 0.5, "magnet_width": 0.1}),
+    ],
+)
+def test_rough_ones_take_other_panels_and_are_off_by_little(label, values):
+    model = Model(label, {"natural_frequency": 7.2, "load_friction": 0.002, **values})
+    times = np.arange(2001) / 100
+    (angle, slopes), (exact, exact_slopes) = (
+        sensitivities(model, times, 0.7, rough=rough) for rough in (True, False)
+    )
+    assert 0 < np.abs(angle - exact).max() < 2e-6
+    assert max(map(relative, slopes, exact_slopes)) < 2e-3

@@ -77,3 +77,18 @@ def test_what_drifts_does_so_in_time_however_long_a_swing_was_recorded(effect, v
     assert abs(fit.model.values[effect] - value) < 4 * error
     # and goes on to do so where the fit is asked about another recording
     assert fit.model.record == 20.0
+
+
+def test_rough_fits_leave_what_exact_ones_leave():
+    """Fits that are only compared follow their trajectories less closely: what they leave is told to a few millionths."""
+    times, draws = np.arange(1001) / 50, np.random.default_rng(4)
+    values = {"natural_frequency": 7.2, "power_law_coefficient": 0.05, "power_law_exponent": 1.4}
+    model = Model("power_law_drag", values)
+    swings = [
+        (times, simulate(model, times, a) + 1e-3 * draws.standard_normal(times.size)) for a in (0.7, 0.4)
+    ]
+    rough, exact = (fit_jointly(model, swings, guess=model, rough=rough) for rough in (True, False))
+    assert rough.rss != exact.rss
+    assert rough.rss == pytest.approx(exact.rss, rel=3e-6)
+    for name, value in exact.model.values.items():
+        assert abs(rough.model.values[name] - value) < 0.02 * exact.model.standard_errors[name]

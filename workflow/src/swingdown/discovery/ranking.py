@@ -38,7 +38,6 @@ _FAR = 2.0  # times the noise
 _FELL_SHORT = 1.02  # of what a linear step leaves: a fit that leaves more may be in a false minimum
 _NUDGED = 2  # candidates looked for in their neighbourhood, too
 _SHARES = (0.05, 0.3)  # of an effect's size: with how much of it a fit begins that was exchanged without it
-_NOTHING = 1e-3  # of an effect's size: no more is none
 _SHAPES = 3  # of an effect, to start from where the first ones did not do
 
 
@@ -233,7 +232,7 @@ def in_place_of(
     """The ``Candidate``s that have another effect in the place of one of the model's own, best first.
 
     The model is fitted without it, and the ``few`` effects that then promise most are fitted in its place; ``beside`` the others as they
-    were, too, where the model without it has nothing left of one of them.
+    were, too.
     """
     begin = without(here.fit, old)
     if not begin.model.names:
@@ -246,22 +245,20 @@ def in_place_of(
     moves = _offered(there, [name for name in additions(fit.model, allowed) if name != old], old)
     moves.sort(key=lambda starts: -starts[0].predicted)
     found = [_best(starts, there, noise) for starts in moves[:few]]
-    if beside and _gone(here.fit, fit):
+    if beside:
         found = [one and _beside_what_was(one, begin, here, noise) for one in found]
     return best_first(found)
 
 
-def _gone(fit: Fit, without: Fit) -> bool:
-    """True where the fit without one of its effects has nothing left of another."""
-    sizes = [effect.size.name for effect in without.model.effects if effect.size and effect.one_sided]
-    return any(without.model.values[size] <= _NOTHING * fit.model.values[size] for size in sizes)
-
-
 def _beside_what_was(one: Candidate, begin: Begin, here: Frame, noise: Noise) -> Candidate:
-    """The candidate, or a better one of the same effects, looked for beside the others first held as they were.
+    """The candidate, or where it does worse than what it takes the place of and has no shape, a better one looked for beside the
+    others first held as they were.
 
     What would do an effect's work needs the others beside it, which without either of them have nothing to do.
     """
+    catalogue = one.fit.model.catalogue
+    if one.fit.rss < _FELL_SHORT * here.fit.rss or not all(plain(catalogue[name]) for name in one.names):
+        return one
     own = {p.name for name in one.names for p in one.fit.model.catalogue[name].parameters}
     apart = {*own, *begin.model.each, NATURAL_FREQUENCY.name}
     others = [name for name in begin.model.parameters if name not in apart]

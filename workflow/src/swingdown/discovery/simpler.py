@@ -1,15 +1,20 @@
 """When a way has ended: a simpler effect in the place of one that contains it, what was expected put back, what idles left out."""
 
 from dataclasses import replace
+from itertools import combinations
 
 import numpy as np
 
+from ..engine.trajectory import TrajectoryError
+from ..pendulum.model import Model
 from .admissible import leaves_noise
+from .candidates import without
 from .choice import held_out
 from .established import unneeded
 from .evidence import Candidate, evidence
 from .linear import frame
 from .ranking import in_place_of
+from .refit import refit, with_effect
 from .rounds import look
 from .state import Round, Search
 
@@ -42,7 +47,7 @@ def restored(search: Search, states: list[Round]) -> list[Round]:
     """The rounds of a way that ends with nothing missing, and one that puts an effect of the base back into the place of what was found
     for it, where the data do not mind: what was expected beforehand takes less to believe."""
     last = states[-1]
-    if last.number == search.rounds or len(last.found) < 2 or search.budget.spent:
+    if len(last.found) < 2 or search.budget.spent:
         return states
     here, known = frame(last.fit, search.campaign.fit), last.fit.model.catalogue
     here_bic = evidence(last.fit, last.noise) + 2 * np.log(len(known))
@@ -57,64 +62,85 @@ def restored(search: Search, states: list[Round]) -> list[Round]:
                 following = look(last.number + 1, search.campaign, one.fit, found, search.allowed, True)
                 if not following.missing:
                     search.looked.append(following)
+                    if last.number == search.rounds:
+                        return _straight(search, states[0], following) or states
                     return [*states[:-1], replace(last, chosen=one, reason=""), following]
     return states
 
 
 def leaner(search: Search, states: list[Round]) -> list[Round]:
-    """The rounds of a way that ends with nothing missing, of many effects those that later moves made idle left out.
+    """The rounds of a way that ends with nothing missing; where many effects did it and fewer do, those that lead straight there.
 
-    The last move takes the place of the one that brought such an effect, or the effect gives way to what the last move adds;
-    else it is dropped in a round of its own where one is left.
+    Left out is what neither fitted swings nor those left out in turn miss; or one effect takes the place of two.
     """
-    while len(states[-1].found) >= MANY and not search.budget.spent:
-        states = _shorter(states)
-        idle = unneeded(states[-1], search.campaign)
-        if idle is None:
+    last = states[-1]
+    while len(last.found) >= MANY and not search.budget.spent:
+        one = unneeded(last, search.campaign) or _one_for_two(search, last)
+        if one is None:
             break
-        kept, chosen = _rewritten(states, idle)
-        number, found = kept[-1].number + 1, search.after(states[-1].found, idle)
-        if number > search.rounds:
+        kept = (name for name in last.found if name in one.fit.model.names)
+        found = search.after(tuple(kept), one)
+        fewer = look(last.number, search.campaign, one.fit, found, search.allowed, True)
+        if fewer.missing:
             break
-        last = look(number, search.campaign, idle.fit, found, search.allowed, True)
-        if last.missing:
-            break
-        search.looked.append(last)
-        states = [*kept[:-1], replace(kept[-1], chosen=chosen, reason=""), last]
-    return states
+        search.looked.append(fewer)
+        last = fewer
+    return (last is not states[-1] and _straight(search, states[0], last)) or states
 
 
-def _rewritten(states: list[Round], idle: Candidate) -> tuple[list[Round], Candidate]:
-    """The rounds before the one without an idle effect, and the move of the last of them that leads there."""
-    brought, latest = (states[-3].chosen if len(states) > 2 else None), states[-2].chosen
-
-    def fitted(move: Candidate, dropped: str | None) -> Candidate:
-        return replace(move, dropped=dropped, fit=idle.fit, bic=idle.bic)
-
-    if brought is not None and latest is not None and brought.names == (idle.dropped,):
-        dropped = {brought.dropped, latest.dropped} - {None}
-        if len(dropped) < 2:
-            return states[:-2], fitted(latest, next(iter(dropped), None))
-    if latest is not None and latest.dropped is None and idle.dropped not in latest.names:
-        return states[:-1], fitted(latest, idle.dropped)
-    return states, idle
-
-
-def _shorter(states: list[Round]) -> list[Round]:
-    """The rounds with what the last one dropped given way to the addition before it, so that a round is left for more; an
-    addition that was dropped at once was none."""
-    if len(states) < 3:
-        return states
-    added, dropped = states[-3].chosen, states[-2].chosen
-    if added is None or dropped is None or dropped.added is not None or added.dropped is not None:
-        return states
-    if dropped.dropped not in added.names:
-        chosen = replace(added, dropped=dropped.dropped, fit=dropped.fit, bic=dropped.bic)
-        return [
-            *states[:-3],
-            replace(states[-3], chosen=chosen),
-            replace(states[-1], number=states[-2].number),
+def _one_for_two(search: Search, last: Round) -> Candidate | None:
+    """The ``Candidate`` that has one effect in the place of two that were found, where the evidence is for it; None where there is none."""
+    found: list[Candidate] = []
+    for one, other in combinations(last.found, 2):
+        try:
+            fit = refit(without(last.fit, one), search.campaign.fit)
+        except TrajectoryError:
+            continue
+        here = frame(fit, search.campaign.fit)
+        found += [
+            candidate
+            for candidate in in_place_of(here, last.noise, other, search.allowed, beside=True)
+            if not candidate.refused and leaves_noise(candidate.fit, last.noise)
         ]
-    if added.names == (dropped.dropped,) and len(states) > 3:
-        return [*states[:-3], replace(states[-1], number=states[-3].number)]
+    best = min(found, key=lambda one: one.bic, default=None)
+    return best if best is not None and best.bic < last.bic else None
+
+
+def _straight(search: Search, first: Round, last: Round) -> list[Round] | None:
+    """The rounds that lead from the first model to that of the last round, an effect a move; None where there are none."""
+    moves = _moves(first.fit.model, last)
+    if not 0 < len(moves) <= search.rounds:
+        return None
+    fits = [last.fit]
+    try:
+        for added, dropped in moves[:0:-1]:  # from the end, each with one move less
+            begin = fits[0].begin if added is None else without(fits[0], added)
+            if dropped is not None:
+                own = (p.name for p in first.fit.model.catalogue[dropped].parameters)
+                begin = with_effect(begin, dropped, {name: first.fit.model.values[name] for name in own})
+            fits.insert(0, refit(begin, search.campaign.fit, ended=True))
+    except TrajectoryError:
+        return None
+    states = [first]
+    for k, ((added, dropped), fit) in enumerate(zip(moves, fits, strict=True), start=1):
+        chosen = Candidate(added, dropped, fit, evidence(fit, states[-1].noise))
+        states[-1] = replace(states[-1], chosen=chosen, reason="")
+        found = search.after(states[-1].found, chosen)
+        end = fit is last.fit
+        state = last if end else look(k, search.campaign, fit, found, search.allowed, True)
+        states.append(replace(state, number=k, found=found))
     return states
+
+
+def _moves(base: Model, last: Round) -> list[tuple[str | None, str | None]]:
+    """What is added and what is dropped, move by move: of what damps the base's goes where another comes, else what goes goes last."""
+    known = base.catalogue
+    moves: list[tuple[str | None, str | None]] = [(name, None) for name in last.found]
+    for gone in (name for name in base.names if name not in last.fit.model.names):
+        free = [k for k, (added, dropped) in enumerate(moves) if dropped is None and added is not None]
+        alike = [k for k in free if bool(known[moves[k][0] or ""].damping) == bool(known[gone].damping)]
+        if at := (alike or free)[-1:]:
+            moves[at[0]] = (moves[at[0]][0], gone)
+        else:
+            moves.append((None, gone))
+    return moves
