@@ -17,8 +17,8 @@ from ..errors import InputError
 from .columns import ANGLE, COUNTS, RATE, TIME, UNTOLD, VOLTAGE, Meaning, axes_beside, choose, known_unit
 from .continuity import check_alive, check_continuous
 from .gyroscope import TO_RAD_PER_S, check_rate, turning_most
-from .plausibility import check_plausible, half_swings
-from .positions import Circle, fit_circle, to_angles
+from .plausibility import check_plausible, check_shrinks, half_swings, hanging
+from .positions import Circle, check_no_positions, fit_circle, to_angles
 from .quality import check_signal, check_times
 from .release import Window, find_windows, several_releases, within
 from .sheet import TIME_UNITS
@@ -85,7 +85,8 @@ def _recording(table: Table, row: Mapping[str, Any], place: str, digest: str) ->
     names = [one.name for one in found]
     if found[0].kind == RATE and not row["signal_column"]:
         names = axes_beside(table.names, found[0], table.units) or names
-    times, values, lines, total = _series(table, row, clock.name, names, time_unit or "s")
+    unsaid = [] if row["signal_column"] else _unsaid(table, names)
+    times, values, lines, total = _series(table, row, clock.name, names, time_unit or "s", unsaid[:1])
     if len(times) < SHORTEST:
         raise InputError(
             f"{name} ({place})",
@@ -106,6 +107,14 @@ def _recording(table: Table, row: Mapping[str, Any], place: str, digest: str) ->
         more = {f"pivot_{key}": value for key, value in circle._asdict().items()}
         remarks += [_pivot(circle, found[0].written)]
     else:
+        beside = values[len(names) :]
+        values = values[: len(names)]
+        if unsaid:
+            remarks += [
+                f"the file has {len(table.names)} columns and no names of them: `{names[0]}` was taken (signal_column in the sheet says otherwise)"
+            ]
+            if not told_unit and np.isfinite(beside[0]).all():
+                check_no_positions(values[0], beside[0], f"{name}, {names[0]} and {unsaid[0]} ({place})")
         taken, told = turning_most(names, values)
         found, signal, remarks = [replace(found[0], name=names[taken])], values[taken], remarks + told
     where = f"{name}, column {found[0].name} ({place})"
@@ -118,10 +127,16 @@ def _recording(table: Table, row: Mapping[str, Any], place: str, digest: str) ->
             remarks += check_rate(times, signal, signal_unit, where)
         check_alive(times, signal, where)
         spikes = find_spikes(times, signal) if not partial else Spikes(np.zeros(signal.size, bool), signal)
-        used, told, more_told = _by_itself(times, spikes.healed, signal_unit, row, where, partial)
+        scale = _scale(signal_unit, row)
+        hangs, told = hanging(spikes.healed, scale)
+        more, remarks = more | ({"zero_rad": hangs} if hangs else {}), remarks + told
+        used, told, more_told = _by_itself(
+            times, spikes.healed - hangs / (scale or 1.0), signal_unit, row, where, partial
+        )
         more, remarks, marked = more | more_told, remarks + told, as_variable(spikes.where)
         if not partial:
             _check_long_enough(spikes.healed[used], where)
+            remarks += check_shrinks(spikes.healed[used], where)
         remarks += check_continuous(times[used], signal[used], where, spikes.within(used))
 
     counted = {"counts_per_revolution": row["counts_per_revolution"]} if signal_unit == "counts" else {}
@@ -142,12 +157,19 @@ def _recording(table: Table, row: Mapping[str, Any], place: str, digest: str) ->
             "partial": "yes" if partial else "no",
             "expected_samples": len(times),
             "taken": _taken(table, clock, found, time_unit, told_unit, times),
-            **tolerances(row, signal_unit),
+            **tolerances(row, signal_unit, upright=not (positions or "zero_rad" in more)),
             **({"remarks": "; ".join(remarks)} if remarks else {}),
             **more,
             **counted,
         },
     )
+
+
+def _unsaid(table: Table, names: list[str]) -> list[str]:
+    """The columns after the swing's in a file without a header: what they hold nobody says, nor that the swing is not there."""
+    if "no header" not in table.layout:
+        return []
+    return list(table.names[table.names.index(names[-1]) + 1 :])
 
 
 def _by_itself(
@@ -159,8 +181,7 @@ def _by_itself(
     """
     if partial:  # across a gap nothing can be told
         return slice(None), [], {}
-    scale = {"rad": 1.0, "deg": math.pi / 180, "counts": 2 * math.pi / row["counts_per_revolution"]}
-    windows, pushed = find_windows(times, signal, scale.get(unit, 0.0), unit in TO_RAD_PER_S)
+    windows, pushed = find_windows(times, signal, _scale(unit, row), unit in TO_RAD_PER_S)
     first, last = windows[0], windows[-1]
     by_hand = not math.isnan(row["start_s"]), not math.isnan(row["stop_s"])
     told = []
@@ -193,6 +214,12 @@ def _by_itself(
     return within(found, times), told, more
 
 
+def _scale(unit: str, row: Mapping[str, Any]) -> float:
+    """Rad per unit of the signal; 0 where that is not known."""
+    known = {"rad": 1.0, "deg": math.pi / 180, "counts": 2 * math.pi / row["counts_per_revolution"]}
+    return known.get(unit, 0.0)
+
+
 def _check_long_enough(signal: Floats, place: str) -> None:
     """InputError for less than a whole half-swing: no fit can tell a period of it, and it is better said before anything is computed."""
     if (count := len(half_swings(signal).starts)) < 3:
@@ -205,14 +232,20 @@ def _check_long_enough(signal: Floats, place: str) -> None:
 
 
 def _series(
-    table: Table, row: Mapping[str, Any], time_column: str, columns: list[str], time_unit: str
+    table: Table,
+    row: Mapping[str, Any],
+    time_column: str,
+    columns: list[str],
+    time_unit: str,
+    beside: Iterable[str] = (),
 ) -> tuple[Floats, list[Floats], NDArray[np.integer], int]:
     """Times (s) within the window, the columns there, the lines they stand in, and the rows in the file.
 
+    What is ``beside`` follows the columns, and no cell of it needs to be a number.
     Only what lies in the window is held, and the rows that are being read.
     """
     name, spoilt, total, held = row["file"], {key: _Spoilt() for key in (time_column, *columns)}, 0, 0
-    parts: list[list[Any]] = [[] for _ in (time_column, *columns, "lines")]
+    parts: list[list[Any]] = [[] for _ in (time_column, *columns, *beside, "lines")]
     for rows, last in _with_last(table.pieces):
         piece = rows.iloc[:-1] if table.cut and last else rows
         lines = piece.index.to_numpy()
@@ -224,8 +257,8 @@ def _series(
             inside &= times >= row["start_s"]
         if not math.isnan(row["stop_s"]):
             inside &= times <= row["stop_s"]
-        values = [numbers(piece[key][inside], table.decimal) for key in columns]
-        for key, own in zip(columns, values, strict=True):
+        values = [numbers(piece[key][inside], table.decimal) for key in (*columns, *beside)]
+        for key, own in zip(columns, values, strict=False):
             spoilt[key].note(piece[key][inside], own, lines[inside])
         for kept, part in zip(parts, (times[inside], *values, lines[inside].astype(np.int32)), strict=True):
             kept.append(part)
@@ -239,7 +272,7 @@ def _series(
     for key, one in spoilt.items():
         one.check(name, key)
     if not parts[0]:
-        return np.empty(0), [np.empty(0)] * len(columns), np.empty(0, dtype=int), 0
+        return np.empty(0), [np.empty(0)] * (len(parts) - 2), np.empty(0, dtype=int), 0
     joined = []
     for pieces_of_one in parts:
         joined.append(np.concatenate(pieces_of_one))
@@ -379,8 +412,8 @@ def _check_unit(row: Mapping[str, Any], column: str, unit: str, name: str, place
         raise InputError(
             f"{name} ({place}, column signal_unit)",
             f"the column {column!r} seems to be in V and the sheet does not say so",
-            "V in signal_unit: recordings in volts need a calibration",
-            "write the unit of the signal in the cell signal_unit",
+            "an angle, or a calibration: recordings in volts need one",
+            "calibrate it in a study with an apparatus sheet (docs/calibrate.md), or convert it to rad or deg",
         )
     turns = unit in TO_RAD_PER_S
     if (
