@@ -4,6 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
+import numpy as np
 import xarray as xr
 
 from ..arrays import Shown
@@ -22,6 +23,7 @@ from ..pendulum.model import PAPER_MODELS, Model, models
 from ..studies.experiment import fit_campaign, fit_recording
 from ..studies.norms import combine_recordings
 from ..studies.pendulums import described_by, pendulums
+from .doubt import MEND, check_free
 from .given import swings
 from .result import Answer
 
@@ -60,12 +62,19 @@ def of_swings(
     known = models(list(fitted), effects)
     try:
         each = [fit_recording(one, known) for one in given]
-    except ArithmeticError as problem:
-        raise InputError("swing", str(problem), "the motion of a pendulum", "look at the angles") from problem
+    except (ArithmeticError, np.linalg.LinAlgError) as problem:
+        raise InputError(
+            "swing",
+            f"no pendulum moves so: its fit breaks off ({problem})",
+            "the motion of a pendulum that swings by itself",
+            MEND,
+        ) from problem
     together = each[0] if len(given) == 1 else fit_campaign(given, known)
     norms = combine_recordings(each)
     entries = catalogue(effects)
     label = described_by(norms, entries)
+    for one, data in zip(each, given, strict=True):
+        check_free(one, data, label, entries)
     table = pendulums(norms, [] if len(given) == 1 else [together], catalogue=entries)
     shown = [
         Shown(
