@@ -18,9 +18,9 @@ from ..studies.pendulums import by_verdict, in_order
 from ..studies.words import lines, model_words, quantity_rows, said
 from ..study import own
 from . import Answer, of_swings, searchable
+from .options import as_options
 
 FIRST = "first_answer.csv"
-_ONE = ("viscous",)  # a model that tells whether a swing can be fitted at all
 _FEW = 3  # pendulums that are told at length; of more a line each
 
 
@@ -48,19 +48,21 @@ def answer(
             if len(left_out) == 1
             else f"none of {len(left_out)} files can be used; the first, {one.file}"
         )
-        raise InputError(where, one.problem, one.expected, one.mend)
+        raise InputError(where, *map(as_options, (one.problem, one.expected, one.mend)))
     with warnings_once(_say):
         answers, unfit = _first(taken)
     left_out += unfit
     lost = {one.recording for one in unfit}
     kept = [one for one in taken if one.row["recording"] not in lost]
     if not kept:
-        raise InputError(unfit[0].file, unfit[0].problem, unfit[0].expected, unfit[0].mend)
+        raise InputError(
+            unfit[0].file, *map(as_options, (unfit[0].problem, unfit[0].expected, unfit[0].mend))
+        )
     _tell(answers)
     searched, short = _searched(kept)
     left_out += short
     for one in (*unfit, *short):
-        _say(f"{one.recording}: {one.problem}. Mend: {one.mend}.")
+        _say(f"{one.recording}: {one.problem}. Mend: {as_options(one.mend)}.")
     config = own.write(folder, [one.row for one in kept], left_out, searched)
     table = pd.concat([one.table for one in answers.values()], ignore_index=True)
     write_csv(in_order(table), folder / FIRST)
@@ -112,13 +114,14 @@ def _read(
             name = path.name if len(parts) == 1 else f"{path.name}, release {number}"
             if isinstance(found, own.Refused):
                 left_out.append(found)
-                _say(f"{name}: NOT USED: {found.problem}. Expected: {found.expected}. Mend: {found.mend}.")
+                problem, expected, mend = map(as_options, (found.problem, found.expected, found.mend))
+                _say(f"{name}: NOT USED: {problem}. Expected: {expected}. Mend: {mend}.")
                 continue
             taken.append(found)
             about = found.recording.attrs
             _say(f"{name}: {about['taken']}, {found.angle.sizes['time']} samples")
             if about.get("remarks"):
-                _say(f"    {about['remarks']}")
+                _say(f"    {as_options(about['remarks'])}")
     return taken, left_out
 
 
@@ -130,19 +133,27 @@ def _first(taken: Sequence[own.Taken]) -> tuple[dict[str, Answer], list[own.Refu
     for one in taken:
         campaigns.setdefault(one.row["campaign"], []).append(one)
     for campaign, members in campaigns.items():
-        try:
-            found[campaign] = of_swings([one.angle for one in members])
-        except InputError:
-            sound = []
-            for one in members:
-                try:
-                    of_swings([one.angle], _ONE)
-                    sound.append(one)
-                except InputError as problem:
-                    unfit.append(own.refused(one.row, problem))
-            if sound:
-                found[campaign] = of_swings([one.angle for one in sound])
+        answer, lost = _of_one(members)
+        found |= {campaign: answer} if answer else {}
+        unfit += lost
     return found, unfit
+
+
+def _of_one(members: Sequence[own.Taken]) -> tuple[Answer | None, list[own.Refused]]:
+    """The answer on one pendulum, and those of its recordings that cannot be fitted, told by trying each alone."""
+    try:
+        return of_swings([one.angle for one in members]), []
+    except InputError as problem:
+        all_lost = [own.refused(one.row, problem) for one in members]
+    if len(members) == 1:
+        return None, all_lost
+    alone = [_of_one([one]) for one in members]
+    sound = [one for one, (answer, _) in zip(members, alone, strict=True) if answer]
+    lost = [one for _, refused in alone for one in refused]
+    if not lost:  # each is a pendulum's, and all together are not one's
+        return None, all_lost
+    answer, more = _of_one(sound) if sound else (None, [])
+    return answer, lost + more
 
 
 def _searched(kept: Sequence[own.Taken]) -> tuple[list[str], list[own.Refused]]:

@@ -127,7 +127,7 @@ def take(row: Mapping[str, Any], path: Path) -> list[Taken | Refused]:
     except SeveralReleases as found:
         parts = [_release(row, number, cells) for number, cells in enumerate(found.cells, 1)]
     except InputError as problem:
-        return [refused(row, problem)]
+        return [refused(row, problem, path)]
     return [one for part in parts for one in take(part, path)]
 
 
@@ -145,9 +145,12 @@ def _taken(row: Mapping[str, Any], path: Path) -> Taken:
     return Taken(dict(row), recording, to_angle(recording))
 
 
-def refused(row: Mapping[str, Any], problem: InputError) -> Refused:
-    """The ``Refused`` of a row of the sheet."""
-    return Refused(row["recording"], row["file"], problem.problem, problem.expected, problem.mend)
+def refused(row: Mapping[str, Any], problem: InputError, path: Path | None = None) -> Refused:
+    """The ``Refused`` of a row of the sheet; the line and column of the file at ``path`` stand before the problem."""
+    inside = problem.where.removeprefix(str(path)) if path else problem.where
+    inside = re.sub(rf" \(sample sheet, {re.escape(row['recording'])}[^)]*\)", "", inside).strip(", ")
+    at = f"{inside}: " if inside and inside != problem.where else ""
+    return Refused(row["recording"], row["file"], at + problem.problem, problem.expected, problem.mend)
 
 
 def write(
