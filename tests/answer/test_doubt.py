@@ -3,6 +3,7 @@
 import numpy as np
 import pandas as pd
 import pytest
+import yaml
 
 import swingdown
 from swingdown.__main__ import main
@@ -99,6 +100,20 @@ def test_what_no_pendulum_does_gives_no_number(made, words):
     assert caught.value.mend
 
 
+def test_a_wheel_on_a_spring_has_a_linear_restoring_torque(tmp_path, first):
+    times, angle = isochronous()
+    path = written(tmp_path / "wheel.csv", "t_s,angle_rad", times, angle + NOISE * np.cos(997 * times))
+    row = first(path, "--restoring", "linear")
+    truth = np.hypot(4.8, 0.01)
+    assert abs(row["natural_frequency_rad_per_s"] - truth) < 4 * row["natural_frequency_rad_per_s_u"] < 1e-3
+    assert abs(row["viscous_ratio"] - 0.01 / truth) < 4 * row["viscous_ratio_u"]
+    settings = yaml.safe_load((tmp_path / "study" / "study.yaml").read_text())
+    assert settings["model"] == {"restoring": "linear"}
+    assert settings["discovery"] == {"base": ["viscous", "constant_coulomb"]}
+    found = swingdown.fit(times, angle, restoring="linear").row
+    assert found["period_s"] == pytest.approx(2 * np.pi / 4.8, rel=1e-4)
+
+
 def test_a_model_that_lacks_much_is_told():
     """The same for a minute: it is not yet out of step."""
     with pytest.warns(DoubtfulFit, match="leaves 11 % of swing"):
@@ -144,6 +159,7 @@ def test_the_command_names_its_options_and_the_line(tmp_path, monkeypatch, capsy
         ("used until 3 s (stop_s in the sheet says otherwise)", "used until 3 s (--stop says otherwise)"),
         ("leave the end out with stop_s = 3.2", "leave the end out with --stop 3.2"),
         ("write counts in signal_unit", "write counts with --unit"),
+        ("of a wheel say restoring: linear", "of a wheel say --restoring linear"),
         ("state a limit in zero_tolerance_rad_per_s", "state a limit in zero_tolerance_rad_per_s"),
     ],
 )

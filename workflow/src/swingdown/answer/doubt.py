@@ -14,7 +14,10 @@ LEFT = 0.25  # of the swing (RMS of means over a part of a period): what a dampi
 MUCH = 0.08  # of it: a model that leaves so much lacks something, and its values are less sure than they say
 PART = 0.25  # of a period: means over it hold the motion, and little noise
 SURE = 3.0  # standard errors below 0
-MEND = "leave out what a hand or a motor moves (start_s and stop_s), and check that the column is its angle and the unit right"
+MEND = (
+    "leave out what a hand or a motor moves (start_s and stop_s), and check that the column is its angle and the unit right; of a wheel on "
+    "a spring or a torsion pendulum say restoring: linear"
+)
 
 
 class DoubtfulFit(UserWarning):

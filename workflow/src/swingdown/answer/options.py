@@ -10,6 +10,7 @@ CELLS = {
     "start_s": "--start",
     "stop_s": "--stop",
     "counts_per_revolution": "--counts-per-revolution",
+    "restoring: linear": "--restoring linear",  # of the settings' key model
 }
 # A cell ({}) with the words about it, the longest first, and what stands for them.
 _PHRASES = (
