@@ -364,6 +364,18 @@ def test_a_header_with_more_names_than_columns_is_refused(take):
     assert "`theta_rad`" in take("t_s,theta_rad,\n" + rows(TIME, SWING)).attrs["taken"]
 
 
+def test_of_a_graphs_columns_y_is_taken_over_x(take):
+    errors = 0.017 + 0 * TIME, 0.01 + 0 * TIME
+    for header in ("x,y,dx,dy", "X,Y,X',Y'"):
+        made = take(header + "\n" + rows(TIME, SWING, *errors))
+        assert made["signal"].values == pytest.approx(SWING, abs=1e-6)
+
+
+def test_times_with_too_few_digits(take):
+    with pytest.raises(InputError, match="the time repeats.*more digits"):
+        take("t_s,angle_rad\n" + rows(np.round(TIME, 1), SWING))
+
+
 def test_a_header_with_spaces_above_rows_with_tabs(take):
     made = take("t_s theta_deg\n" + rows(TIME, np.degrees(SWING), separator="\t"))
     assert "took `theta_deg` as degrees, `t_s` as s" in made.attrs["taken"]

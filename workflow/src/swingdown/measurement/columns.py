@@ -180,6 +180,8 @@ def _swing(
         return [found]
     if pair := _pair(others):
         return pair
+    if clock.axis == "x" and (drawn := next((one for one in others if one.axis == "y"), None)):
+        return [_checked(drawn, others, place, "", lone=False)]  # a graph's: y over x, its errors may follow
     for wanted in (_names_angle, _plain, _has_signal_unit, _is_rate):
         if found := next((one for one in others if wanted(one)), None):
             return [found]

@@ -7,6 +7,7 @@ from ..arrays import Floats
 from ..errors import InputError
 
 GAP = 1.5  # times the usual interval: a sample is missing
+COARSE = 0.05  # of the samples have the time of the one before: it was rounded
 PART = 0.1  # of the samples without a gap: of less no window is proposed
 PLATEAU = 4  # samples at the highest value of one top before it is looked at
 EDGES = (
@@ -30,7 +31,9 @@ def check_times(times: Floats, lines: NDArray[np.integer], place: str, gaps: boo
             f"{place}, line {lines[k + 1]}",
             f"{problem}: {times[k + 1]:.9g} s after {times[k]:.9g} s ({len(bad)} times in the file)",
             "time strictly increasing",
-            window,
+            "export the time with more digits, and once for each sample: many have the same one"
+            if np.count_nonzero(steps == 0) > COARSE * len(steps)
+            else window,
         )
     if not gaps and len(bad := np.flatnonzero(steps > GAP * usual)):
         k = bad[0]
