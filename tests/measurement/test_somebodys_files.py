@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from swingdown.errors import InputError
-from swingdown.measurement import recording as recordings
+from swingdown.measurement import series
 from swingdown.measurement.columns import meaning
 from swingdown.measurement.recording import ingest
 from swingdown.measurement.sheet import read_sheet
@@ -287,7 +287,7 @@ def test_a_long_file_is_read_in_pieces_and_has_the_same_numbers(take, monkeypatc
     assert made.identical(whole)
     with pytest.raises(InputError, match="line 302.*oops"):
         take(edit(text, 301, lambda cells: [cells[0], "oops"]))
-    monkeypatch.setattr(recordings, "MOST", 300)
+    monkeypatch.setattr(series, "MOST", 300)
     with pytest.raises(InputError, match="more than 300 samples"):
         take(text)
     assert take(text, stop_s=2).sizes["time"] == 121
