@@ -94,6 +94,13 @@ def test_degrees_a_second_called_rad_are_refused(tmp_path):
         read(phyphox(tmp_path / "a.csv", 180 / np.pi * rates()))
 
 
+def test_what_turns_one_way_is_no_pendulum(tmp_path):
+    """A wheel that rolls, and stops at the end."""
+    xyz = rates() + np.outer(np.where(TIMES < 20, 4.0, 0.0), [0, 0, 1])
+    with pytest.raises(InputError, match="it turns one way all the time, at about 4 rad/s"):
+        read(phyphox(tmp_path / "a.csv", xyz))
+
+
 def test_an_axis_askew_is_told(tmp_path):
     xyz = rates()
     xyz[:, 0] += 0.5 * xyz[:, 2]

@@ -6,7 +6,7 @@ from scipy.integrate import solve_ivp
 
 from swingdown.errors import InputError
 from swingdown.measurement.continuity import check_alive, check_continuous
-from swingdown.measurement.plausibility import check_plausible
+from swingdown.measurement.plausibility import check_plausible, check_shrinks, hanging
 from swingdown.measurement.recording import ingest
 from swingdown.measurement.sheet import read_sheet
 
@@ -22,7 +22,8 @@ def swing(time=TIME, amplitude=0.5, noise=0.001, seed=1, decay=0.03):
 def looked_at(signal, time=TIME, unit="rad", time_told=True, unit_told=True):
     told = check_plausible(time, signal, unit, time_told, unit_told, "a.csv")
     check_alive(time, signal, "a.csv")
-    return told + check_continuous(time, signal, "a.csv")
+    told += hanging(signal, {"rad": 1.0, "deg": np.pi / 180}[unit])[1]
+    return told + check_shrinks(signal, "a.csv") + check_continuous(time, signal, "a.csv")
 
 
 def refused(*told, signal, **how):
@@ -86,8 +87,21 @@ def test_a_zero_at_the_top(sign):
 
 
 def test_a_zero_beside_the_vertical():
-    assert looked_at(swing() + 0.3) == ["it swings about 0.3 rad (17.2°), and 0 should be where it hangs"]
+    told = "it swings about 0.3 rad (17.2°), and 0 should be where it hangs: this is taken away"
+    assert looked_at(swing() + 0.3) == [told]
     assert looked_at(swing() + 0.03) == []
+
+
+def test_what_swings_wider_and_wider_is_driven():
+    refused("its swings grow", "1.4", "drives", signal=swing(decay=-0.02))
+    remarks = looked_at(swing(decay=0))
+    assert len(remarks) == 1 and remarks[0].startswith("its swings do not shrink")
+
+
+def test_no_unit_of_angles_is_proposed_that_would_not_do():
+    """A count of 900 back and forth is no angle in degrees either."""
+    refused("turns", "no unit of angles", "counts in signal_unit", signal=450 * swing(amplitude=1.0))
+    refused("taken for deg", "no unit of angles", signal=450 * swing(amplitude=1.0), unit="deg")
 
 
 def test_an_angle_that_wraps():

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from swingdown.errors import InputError
-from swingdown.measurement import recording as recordings
+from swingdown.measurement import series
 from swingdown.measurement.columns import meaning
 from swingdown.measurement.recording import ingest
 from swingdown.measurement.sheet import read_sheet
@@ -164,6 +164,11 @@ def test_what_a_header_says(header, kind, unit):
             ],
         ),
         ("Time (s),Temperature (°C)", ["'°C'", "is no angle"]),
+        (
+            "Time (s),Linear Acceleration x (m/s^2)",
+            ["an acceleration in 'm/s^2' is no angle", "record the gyroscope"],
+        ),
+        ("t (s),U (V)", ["recordings in volts need one", "docs/calibrate.md"]),
         ("t,x", ["column x", "without its partner", "x and y"]),
         ("t (s),x (m)", ["column x (m)", "without its partner", "'m'"]),
         ("t (s),lap (s)", ["lap (s)", "a time in 's' is no angle"]),
@@ -282,7 +287,7 @@ def test_a_long_file_is_read_in_pieces_and_has_the_same_numbers(take, monkeypatc
     assert made.identical(whole)
     with pytest.raises(InputError, match="line 302.*oops"):
         take(edit(text, 301, lambda cells: [cells[0], "oops"]))
-    monkeypatch.setattr(recordings, "MOST", 300)
+    monkeypatch.setattr(series, "MOST", 300)
     with pytest.raises(InputError, match="more than 300 samples"):
         take(text)
     assert take(text, stop_s=2).sizes["time"] == 121
@@ -332,6 +337,58 @@ def test_the_pivots_uncertainty_holds_it(take):
 def test_positions_on_no_arc_are_refused(take, x, y):
     with pytest.raises(InputError, match=r"columns x and y.*Mend"):
         take("t,x,y\n" + rows(TIME, x, y, digits=9))
+
+
+def test_positions_without_names_are_asked_about(take):
+    """Their second column is no angle, and taken for one it would give a number."""
+    noise = 0.002 * np.random.default_rng(4).standard_normal((2, TIME.size))
+    text = rows(TIME, *(np.array(video()) + noise), separator="\t")
+    with pytest.raises(InputError, match=r"column 2 and column 3.*on a circle.*`t x y`"):
+        take(text)
+    assert "as positions" in take("t\tx\ty\n" + text).attrs["taken"]
+    assert "`column 3` as rad" in take(text, signal_column="column 3").attrs["taken"]
+
+
+def test_of_columns_without_names_the_second_is_taken_and_that_told(take):
+    made = take(rows(TIME, SWING, np.gradient(SWING, TIME), np.cos(TIME)))
+    assert "the file has 4 columns and no names of them: `column 2` was taken" in made.attrs["remarks"]
+    assert made["signal"].values == pytest.approx(SWING, abs=1e-6)
+    assert "remarks" not in take(rows(TIME, SWING)).attrs
+
+
+def test_a_header_with_more_names_than_columns_is_refused(take):
+    text = rows(TIME, SWING, separator=" ")
+    with pytest.raises(InputError, match=r"line 1: the header names 4 column\(s\) and the rows have 2 cells"):
+        take("t theta dt dtheta\n" + text)
+    assert "no header" in take("my third swing, the best\n" + text).attrs["taken"]
+    assert "`theta_rad`" in take("t_s,theta_rad,\n" + rows(TIME, SWING)).attrs["taken"]
+
+
+def test_of_a_graphs_columns_y_is_taken_over_x(take):
+    errors = 0.017 + 0 * TIME, 0.01 + 0 * TIME
+    for header in ("x,y,dx,dy", "X,Y,X',Y'"):
+        made = take(header + "\n" + rows(TIME, SWING, *errors))
+        assert made["signal"].values == pytest.approx(SWING, abs=1e-6)
+
+
+def test_times_with_too_few_digits(take):
+    with pytest.raises(InputError, match="the time repeats.*more digits"):
+        take("t_s,angle_rad\n" + rows(np.round(TIME, 1), SWING))
+
+
+def test_a_header_with_spaces_above_rows_with_tabs(take):
+    made = take("t_s theta_deg\n" + rows(TIME, np.degrees(SWING), separator="\t"))
+    assert "took `theta_deg` as degrees, `t_s` as s" in made.attrs["taken"]
+
+
+def test_a_gap_is_told_with_the_longest_part_that_has_none(take):
+    kept = np.flatnonzero((np.arange(TIME.size) != 150) & (np.arange(TIME.size) != 400))
+    with pytest.raises(InputError, match=r"\(2 in the file\).*start_s = 2\.516667, stop_s = 6\.65") as caught:
+        take("t_s,angle_rad\n" + rows(TIME[kept], SWING[kept]))
+    assert "from 2.516667 to 6.65 s there is none" in caught.value.mend
+    seldom = np.sort(np.random.default_rng(2).choice(TIME.size, 300, replace=False))
+    with pytest.raises(InputError, match="export it at even times"):
+        take("t_s,angle_rad\n" + rows(TIME[seldom], SWING[seldom]))
 
 
 def test_pictures_count_y_downwards(take):

@@ -71,3 +71,11 @@ def test_many_half_swings_are_told_by_means(count, bars):
     table = pd.concat([rows, rows.assign(of="modelled", period_ratio=1.0)])
     below = discovery.half_swings(table, table).axes[4]
     assert len(below.containers) == 2 * bars  # of the base model and of the last
+
+
+def test_a_swing_that_is_over_in_three_has_a_figure_without_half_swings(tmp_path):
+    columns = ["time_s", "amplitude_rad", "energy_loss", "period_ratio", "midpoint_rad", "swing", "of"]
+    pd.DataFrame(columns=columns).to_csv(tmp_path / "half_swings.csv", index=False)
+    table = pd.read_csv(tmp_path / "half_swings.csv")
+    shown = discovery.half_swings(table, table)
+    assert [text.get_text() for axes in shown.axes[:3] for text in axes.texts] == ["no half-swing"] * 3

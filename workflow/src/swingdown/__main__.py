@@ -60,6 +60,12 @@ def _parser() -> argparse.ArgumentParser:
     add("--time-unit", choices=["s", "ms", "us"], help="of the time, where the file does not say it")
     add("--time-column", metavar="NAME", help="of the time")
     add(
+        "--restoring",
+        choices=["sine", "linear"],
+        default="sine",
+        help="what pulls it back: sine of the angle, as weight does (default), or linear, as a spring does: of a wheel, a torsion pendulum",
+    )
+    add(
         "--start",
         type=float,
         metavar="S",
@@ -107,7 +113,15 @@ def main(arguments: Sequence[str] | None = None) -> int:
         "counts_per_revolution": options.counts_per_revolution,
     }
     with console.job():
-        return answer(options.given, told, options.into, options.together, options.quick, options.cores)
+        return answer(
+            options.given,
+            told,
+            options.into,
+            options.together,
+            options.quick,
+            options.cores,
+            options.restoring,
+        )
 
 
 if __name__ == "__main__":

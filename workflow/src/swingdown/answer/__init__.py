@@ -4,6 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
+import numpy as np
 import xarray as xr
 
 from ..arrays import Shown
@@ -18,10 +19,12 @@ from ..engine.trajectory import engine
 from ..errors import InputError
 from ..measurement.slack import of_angles
 from ..pendulum.catalogue import READINGS, catalogue
-from ..pendulum.model import PAPER_MODELS, Model, models
+from ..pendulum.model import PAPER_MODELS, models
 from ..studies.experiment import fit_campaign, fit_recording
 from ..studies.norms import combine_recordings
 from ..studies.pendulums import described_by, pendulums
+from ..study.own import SPRUNG, SPRUNG_BASE
+from .doubt import MEND, check_free
 from .given import swings
 from .result import Answer
 
@@ -38,6 +41,7 @@ def fit(
     fitted: Sequence[str] = PAPER_MODELS,
     effects: Mapping[str, Any] | None = None,
     names: Sequence[str] | None = None,
+    restoring: str = "sine",
 ) -> Answer:
     """The ``Answer`` of models of damping fitted to one swing or several of one pendulum: period, quality, decay, the best model.
 
@@ -45,27 +49,38 @@ def fit(
     index is the time), a DataFrame with a column of time and one of the angle, or a DataArray or Dataset of xarray. Lists of
     these are several swings. ``unit`` is ``rad`` or ``deg``, or of angular rates ``rad/s``
     or ``deg/s``; without it a header or the attribute ``units`` decides, else rad.
-    ``fitted`` are labels of models, ``effects`` effects of one's own as the settings' key ``effects`` has them. InputError for
-    what no pendulum does, and for a swing that is too short.
+    ``fitted`` are labels of models, ``effects`` effects of one's own as the settings' key ``effects`` has them.
+    ``restoring`` is ``sine`` of a pendulum, or ``linear`` of a wheel on a spring or a torsion pendulum, whose friction in a bearing is a
+    constant one. InputError for what no pendulum does, and for a swing that is too short.
     """
-    return of_swings(swings(times, angles, unit, names), fitted, effects)
+    return of_swings(swings(times, angles, unit, names), fitted, effects, restoring)
 
 
 def of_swings(
     given: Sequence[xr.Dataset],
     fitted: Sequence[str] = PAPER_MODELS,
     effects: Mapping[str, Any] | None = None,
+    restoring: str = "sine",
 ) -> Answer:
     """The ``Answer`` of ``fit`` on angle datasets (``measurement.angle.to_angle``) of one pendulum."""
-    known = models(list(fitted), effects)
+    if restoring == "linear" and fitted is PAPER_MODELS:
+        fitted = SPRUNG
+    known = models(list(fitted), effects, restoring)
     try:
         each = [fit_recording(one, known) for one in given]
-    except ArithmeticError as problem:
-        raise InputError("swing", str(problem), "the motion of a pendulum", "look at the angles") from problem
+    except (ArithmeticError, np.linalg.LinAlgError) as problem:
+        raise InputError(
+            "swing",
+            f"no pendulum moves so: its fit breaks off ({problem})",
+            "the motion of a pendulum that swings by itself",
+            MEND,
+        ) from problem
     together = each[0] if len(given) == 1 else fit_campaign(given, known)
     norms = combine_recordings(each)
     entries = catalogue(effects)
     label = described_by(norms, entries)
+    for one, data in zip(each, given, strict=True):
+        check_free(one, data, label, entries)
     table = pendulums(norms, [] if len(given) == 1 else [together], catalogue=entries)
     shown = [
         Shown(
@@ -91,6 +106,7 @@ def explain(
     fitted: Sequence[str] = PAPER_MODELS,
     effects: Mapping[str, Any] | None = None,
     names: Sequence[str] | None = None,
+    restoring: str = "sine",
 ) -> Answer:
     """The ``Answer`` of ``fit`` with a verdict: what the model ``base`` lacks, found in at most ``rounds`` moves.
 
@@ -98,9 +114,11 @@ def explain(
     does. Other arguments and errors as in ``fit``, and EngineError where there is no C compiler; a single swing needs nine half-swings, so that some can be held out.
     """
     engine(catalogue(effects))  # without a compiled one even the fits before the search take minutes
-    first = fit(times, angles, unit=unit, fitted=fitted, effects=effects, names=names)
+    first = fit(times, angles, unit=unit, fitted=fitted, effects=effects, names=names, restoring=restoring)
     whole = searchable("pendulum", first.swings)
-    states = concluded(discover(whole, Model(tuple(base), catalogue=catalogue(effects)), rounds), whole)
+    begun = SPRUNG_BASE if restoring == "linear" and base is BASE else base
+    (start,) = models(["+".join(begun)], effects, restoring)
+    states = concluded(discover(whole, start, rounds), whole)
     found = verdict([summary(state, whole) for state in states], catalogue(effects).of(whole.reading))
     return first.with_verdict(found, _shown(states[-1], whole.fit, whole.holdout))
 

@@ -18,9 +18,9 @@ from ..studies.pendulums import by_verdict, in_order
 from ..studies.words import lines, model_words, quantity_rows, said
 from ..study import own
 from . import Answer, of_swings, searchable
+from .options import as_options
 
 FIRST = "first_answer.csv"
-_ONE = ("viscous",)  # a model that tells whether a swing can be fitted at all
 _FEW = 3  # pendulums that are told at length; of more a line each
 
 
@@ -31,10 +31,11 @@ def answer(
     together: bool = False,
     quick: bool = False,
     cores: int = 2,
+    restoring: str = "sine",
 ) -> int:
     """The exit code of the study of these files and folders, which is written into a folder and run; 0 where all went well.
 
-    ``told`` are cells of the sample sheet that hold for every file. A file that cannot be used is told and left out; InputError
+    ``told`` are cells of the sample sheet that hold for every file, ``restoring`` the setting ``model.restoring``. A file that cannot be used is told and left out; InputError
     where none can be used.
     """
     paths = own.files(given)
@@ -48,20 +49,22 @@ def answer(
             if len(left_out) == 1
             else f"none of {len(left_out)} files can be used; the first, {one.file}"
         )
-        raise InputError(where, one.problem, one.expected, one.mend)
+        raise InputError(where, *map(as_options, (one.problem, one.expected, one.mend)))
     with warnings_once(_say):
-        answers, unfit = _first(taken)
+        answers, unfit = _first(taken, restoring)
     left_out += unfit
     lost = {one.recording for one in unfit}
     kept = [one for one in taken if one.row["recording"] not in lost]
     if not kept:
-        raise InputError(unfit[0].file, unfit[0].problem, unfit[0].expected, unfit[0].mend)
+        raise InputError(
+            unfit[0].file, *map(as_options, (unfit[0].problem, unfit[0].expected, unfit[0].mend))
+        )
     _tell(answers)
     searched, short = _searched(kept)
     left_out += short
     for one in (*unfit, *short):
-        _say(f"{one.recording}: {one.problem}. Mend: {one.mend}.")
-    config = own.write(folder, [one.row for one in kept], left_out, searched)
+        _say(f"{one.recording}: {one.problem}. Mend: {as_options(one.mend)}.")
+    config = own.write(folder, [one.row for one in kept], left_out, searched, restoring)
     table = pd.concat([one.table for one in answers.values()], ignore_index=True)
     write_csv(in_order(table), folder / FIRST)
     _say(f"\nwritten: {config}, {own.SHEET} and {FIRST} beside it")
@@ -84,7 +87,7 @@ def answer(
             if one.row["campaign"] in failed
         ]  # fmt: skip
         rest = [name for name in searched if name not in failed]
-        again = own.write(folder, [one.row for one in kept], left_out, rest)
+        again = own.write(folder, [one.row for one in kept], left_out, rest, restoring)
         code = run_workflow(PROJECT, again, folder, cores)
     for campaign in searched:
         path = _verdict(folder, campaign)
@@ -112,17 +115,18 @@ def _read(
             name = path.name if len(parts) == 1 else f"{path.name}, release {number}"
             if isinstance(found, own.Refused):
                 left_out.append(found)
-                _say(f"{name}: NOT USED: {found.problem}. Expected: {found.expected}. Mend: {found.mend}.")
+                problem, expected, mend = map(as_options, (found.problem, found.expected, found.mend))
+                _say(f"{name}: NOT USED: {problem}. Expected: {expected}. Mend: {mend}.")
                 continue
             taken.append(found)
             about = found.recording.attrs
             _say(f"{name}: {about['taken']}, {found.angle.sizes['time']} samples")
             if about.get("remarks"):
-                _say(f"    {about['remarks']}")
+                _say(f"    {as_options(about['remarks'])}")
     return taken, left_out
 
 
-def _first(taken: Sequence[own.Taken]) -> tuple[dict[str, Answer], list[own.Refused]]:
+def _first(taken: Sequence[own.Taken], restoring: str) -> tuple[dict[str, Answer], list[own.Refused]]:
     """The first answer on each pendulum, by campaign, and the files of those that cannot be fitted."""
     found: dict[str, Answer] = {}
     unfit: list[own.Refused] = []
@@ -130,19 +134,27 @@ def _first(taken: Sequence[own.Taken]) -> tuple[dict[str, Answer], list[own.Refu
     for one in taken:
         campaigns.setdefault(one.row["campaign"], []).append(one)
     for campaign, members in campaigns.items():
-        try:
-            found[campaign] = of_swings([one.angle for one in members])
-        except InputError:
-            sound = []
-            for one in members:
-                try:
-                    of_swings([one.angle], _ONE)
-                    sound.append(one)
-                except InputError as problem:
-                    unfit.append(own.refused(one.row, problem))
-            if sound:
-                found[campaign] = of_swings([one.angle for one in sound])
+        answer, lost = _of_one(members, restoring)
+        found |= {campaign: answer} if answer else {}
+        unfit += lost
     return found, unfit
+
+
+def _of_one(members: Sequence[own.Taken], restoring: str) -> tuple[Answer | None, list[own.Refused]]:
+    """The answer on one pendulum, and those of its recordings that cannot be fitted, told by trying each alone."""
+    try:
+        return of_swings([one.angle for one in members], restoring=restoring), []
+    except InputError as problem:
+        all_lost = [own.refused(one.row, problem) for one in members]
+    if len(members) == 1:
+        return None, all_lost
+    alone = [_of_one([one], restoring) for one in members]
+    sound = [one for one, (answer, _) in zip(members, alone, strict=True) if answer]
+    lost = [one for _, refused in alone for one in refused]
+    if not lost:  # each is a pendulum's, and all together are not one's
+        return None, all_lost
+    answer, more = _of_one(sound, restoring) if sound else (None, [])
+    return answer, lost + more
 
 
 def _searched(kept: Sequence[own.Taken]) -> tuple[list[str], list[own.Refused]]:

@@ -13,10 +13,11 @@ from ..measurement.angle import to_angle
 from ..measurement.columns import ANGLE, RATE, choose, meaning
 from ..measurement.continuity import check_continuous
 from ..measurement.gyroscope import TO_RAD_PER_S, check_rate
-from ..measurement.plausibility import check_plausible
+from ..measurement.plausibility import check_plausible, hanging
 from ..measurement.quality import check_signal, check_times
 from ..measurement.recording import SHORTEST
 from ..measurement.release import find_windows, within
+from ..measurement.slack import tolerances
 from ..measurement.spikes import as_variable, find_spikes
 
 UNITS = ("rad", "deg", *TO_RAD_PER_S)
@@ -174,8 +175,12 @@ def _swings_in(
         mend = next((text for key, text in _MENDS.items() if key in problem.mend), problem.mend)
         where = problem.where.replace(", line ", ", sample ")
         raise InputError(where, problem.problem, problem.expected, mend) from None
-    more: dict[str, Any] = {}
-    windows, _ = find_windows(times, spikes.healed, _SCALE.get(taken, 0.0), taken in TO_RAD_PER_S)
+    hangs, told = hanging(spikes.healed, _SCALE.get(taken, 0.0))
+    remarks += told
+    more: dict[str, Any] = {"zero_rad": hangs, **tolerances({}, taken, upright=False)} if hangs else {}
+    windows, _ = find_windows(
+        times, spikes.healed - hangs / _SCALE.get(taken, 1.0), _SCALE.get(taken, 0.0), taken in TO_RAD_PER_S
+    )
     if len(windows) > 1:
         parts = [within(one, times) for one in windows]
         return [

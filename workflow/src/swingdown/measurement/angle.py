@@ -184,4 +184,5 @@ def _from_angle(recording: xr.Dataset, unit: str, healed: Floats) -> tuple[Float
         "systematic": "not known: no calibration; set to 0",
         **colour,
     }
-    return scale * values, np.full(len(values), scale * u), notes
+    hangs = recording.attrs.get("zero_rad", 0.0)
+    return scale * values - hangs, np.full(len(values), scale * u), notes

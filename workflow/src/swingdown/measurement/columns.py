@@ -34,6 +34,7 @@ _WRITTEN = {
     ),
 }  # fmt: skip
 SIGNAL_RATES = ("rad/s", "deg/s")
+_ACCELERATIONS = ("m/s^2", "m/s²", "m/s2", "g", "mg")
 UNITS = {written: meaning for meaning, all_ in _WRITTEN.items() for written in all_}
 
 _TIMES = re.compile(r"(?i)\b(t|time|zeit|temps|tiempo|tempo|timestamp|elapsed|millis|micros)\b")
@@ -179,6 +180,8 @@ def _swing(
         return [found]
     if pair := _pair(others):
         return pair
+    if clock.axis == "x" and (drawn := next((one for one in others if one.axis == "y"), None)):
+        return [_checked(drawn, others, place, "", lone=False)]  # a graph's: y over x, its errors may follow
     for wanted in (_names_angle, _plain, _has_signal_unit, _is_rate):
         if found := next((one for one in others if wanted(one)), None):
             return [found]
@@ -216,7 +219,8 @@ def _pair(columns: list[Meaning]) -> list[Meaning]:
 
 
 def _saying(one: Meaning) -> str:
-    return f"{one.kind or 'a column'}" + (f" in {one.written!r}" if one.written else "")
+    kind = "an acceleration" if one.written.lower() in _ACCELERATIONS else one.kind
+    return f"{kind or 'a column'}" + (f" in {one.written!r}" if one.written else "")
 
 
 def _checked(one: Meaning, others: list[Meaning], place: str, stated: str, lone: bool) -> Meaning:
@@ -239,6 +243,10 @@ def _checked(one: Meaning, others: list[Meaning], place: str, stated: str, lone:
         VOLTAGE: "convert it to V, rad or deg",
         UNTOLD: "export the other coordinate too (x and y): an angle is fitted to both, with the pivot",
     }
+    if one.written.lower() in _ACCELERATIONS:
+        mends[OTHER] = (
+            "record the gyroscope in the same way: an accelerometer that rides on the bob tells no angle"
+        )
     what = "a coordinate without its partner" if one.kind in (LENGTH, UNTOLD) else _saying(one)
     if one.kind == LENGTH:
         what += f", in {one.written!r},"

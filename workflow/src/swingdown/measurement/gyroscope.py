@@ -14,6 +14,7 @@ GAIN_TOLERANCE = 0.03
 ZERO_TOLERANCE = 0.35  # rad/s: 20°/s
 TO_RAD_PER_S = {"rad/s": 1.0, "deg/s": pi / 180}
 ASKEW = 0.1  # of the rate about the axis that turns most: so much about another tells that it lies askew
+ONE_WAY = 0.75  # of the samples; of a pendulum's they are half
 FASTEST = 6.0  # times 2 pi over the period; a pendulum that goes to 175° and back is slower at the bottom
 
 
@@ -47,6 +48,13 @@ def check_rate(times: Floats, signal: Floats, unit: str, place: str) -> list[str
             "write deg/s in the cell signal_unit of the sheet if these are degrees a second, or check the unit of the time",
         )
     zero = swings.centre() * TO_RAD_PER_S[unit]
+    if abs(zero) > ZERO_TOLERANCE and np.mean(rate * zero > 0) > ONE_WAY:
+        raise InputError(
+            place,
+            f"it turns one way all the time, at about {zero:.2g} rad/s",
+            "a pendulum, which turns back after each half-swing",
+            "name the column of the axis that it swings about in the cell signal_column of the sheet",
+        )
     if abs(zero) > ZERO_TOLERANCE:
         return [
             f"it reads about {zero:.2g} rad/s at rest, more than gyroscopes usually do: state a limit in zero_tolerance_rad_per_s"

@@ -12,6 +12,8 @@ LONGEST, SHORTEST = 60.0, 0.02  # s; a pendulum of 900 m, and one of a tenth of 
 CENTRED = 0.1  # rad; friction does not hold a pendulum that far from the vertical
 DRIFTED = 0.05  # rad; what the amplitude does to the middle of an eccentric sensor is less
 TURNED = 2.6  # rad; nearer to half a turn than this the zero is at the top
+GROWS = 1.15  # times: from its first third to its last
+SHRINKS = 0.002  # of the swing: less says nothing of what stops it
 DEAD_ZONE = 0.05  # of the range: crossings of the middle by noise alone do not count
 TO_RAD = {"rad": 1.0, "deg": pi / 180}
 
@@ -88,9 +90,12 @@ def _angle_remarks(
     largest, remarks = float(np.abs(angle).max()), []
     turns = swings.turns * TO_RAD[unit]
     wide = np.abs(np.diff(turns)) > 2 * pi * 1.02
-    if unit == "rad" and wide.sum() > 2:
-        raise _no_rad(
-            f"it swings back and forth by {np.abs(np.diff(turns)).max() / (2 * pi):.3g} turns", place
+    if wide.sum() > 2:
+        raise _no_angle(
+            f"it swings back and forth by {np.abs(np.diff(turns)).max() / (2 * pi):.3g} turns",
+            swings,
+            unit,
+            place,
         )
     wraps = np.flatnonzero(np.abs(np.abs(np.diff(angle)) - 2 * pi) < 0.6)
     if len(wraps):
@@ -109,7 +114,7 @@ def _angle_remarks(
             "mend the file there, or correct signal_unit in the sheet",
         )
     if unit == "rad" and largest > 2 * pi and not told:
-        raise _no_rad(f"it reaches {largest:.4g} rad and no unit is stated", place)
+        raise _no_angle(f"it reaches {largest:.4g} rad and no unit is stated", swings, unit, place)
     if largest > 2 * pi:
         remarks.append(f"it reaches {largest / (2 * pi):.3g} turns, which are taken for counted turns")
     centre = swings.centre() * TO_RAD[unit]
@@ -122,12 +127,47 @@ def _angle_remarks(
                 "0 where the pendulum hangs",
                 "take half a turn away from the angle",
             )
-        if abs(rest) > CENTRED:
-            remarks.append(
-                f"it swings about {rest:.3g} rad ({np.degrees(rest):.3g}°), and 0 should be where it hangs"
-            )
         remarks += _drift(swings.centres() * TO_RAD[unit])
     return remarks
+
+
+def check_shrinks(signal: Floats, place: str) -> list[str]:
+    """A remark on a swing that does not shrink, or none; InputError for one that grows. Of fewer than 12 half-swings nothing is told.
+
+    Whatever the friction, what swings by itself swings less and less; a motor at its resonance, or an unstable computation, makes it grow.
+    """
+    sizes = np.abs(np.diff(half_swings(signal).turns[1:-1]))  # the first and the last may be cut
+    part = len(sizes) // 3
+    if part < 3:
+        return []
+    first, last = float(np.median(sizes[:part])), float(np.median(sizes[-part:]))
+    if last > GROWS * first:
+        raise InputError(
+            place,
+            f"its swings grow: in the last third of the recording they are {last / first:.2f} times as wide as in the first",
+            "a pendulum that nothing drives: it swings less and less",
+            "leave out with start_s and stop_s where something drives it",
+        )
+    if last < (1 - SHRINKS) * first:
+        return []
+    return [
+        f"its swings do not shrink (the last third to {100 * last / first:.1f} % of the first): if a motor drives it, this is the "
+        "motor's period; what stops it cannot be told"
+    ]
+
+
+def hanging(signal: Floats, scale: float) -> tuple[float, list[str]]:
+    """The angle (rad) that a pendulum swings about where that is no zero, and a remark on it; else 0.0 and none.
+
+    ``scale`` is rad per unit of ``signal``. An encoder's zero is where it was switched on, and some programs count from the
+    horizontal: no friction holds a pendulum so far from the vertical. Of counted turns only what is beyond whole ones is told.
+    """
+    centre = half_swings(signal).centre() * scale
+    rest = (centre + pi) % (2 * pi) - pi
+    if not CENTRED < abs(rest) <= TURNED:  # nan too: nearer to the top it is refused
+        return 0.0, []
+    told = f"it swings about {rest:.3g} rad ({np.degrees(rest):.3g}°), and 0 should be where it hangs"
+    return rest, [f"{told}: this is taken away"]
 
 
 def _drift(centres: Floats) -> list[str]:
@@ -143,10 +183,19 @@ def _drift(centres: Floats) -> list[str]:
     ]
 
 
-def _no_rad(problem: str, place: str) -> InputError:
+def _no_angle(problem: str, swings: Swings, unit: str, place: str) -> InputError:
+    """The refusal of what no pendulum's angle does in ``unit``; degrees are proposed where it does not in degrees either."""
+    wide = float(np.median(np.abs(np.diff(swings.turns)))) if len(swings.turns) > 1 else 0.0
+    if unit == "rad" and wide <= 360:
+        return InputError(
+            place,
+            f"taken for rad {problem}",
+            "an angle in rad of a pendulum; these may be degrees",
+            "write deg in the cell signal_unit of the sheet (or rad for counted turns), or the unit in the column's name",
+        )
     return InputError(
         place,
-        f"taken for rad {problem}",
-        "an angle in rad of a pendulum; these may be degrees",
-        "write deg in the cell signal_unit of the sheet (or rad for counted turns), or the unit in the column's name",
+        f"taken for {unit} {problem}",
+        "an angle of a pendulum: so far it swings in no unit of angles",
+        "name the column of the angle in the cell signal_column of the sheet, or write counts in signal_unit, with counts_per_revolution",
     )

@@ -9,6 +9,7 @@ from ..arrays import Floats
 from ..errors import InputError
 
 LEAST_ARC = 0.1  # rad; a shorter arc does not tell the radius
+TIGHT = 0.02  # residual over radius of what is tracked in a video
 LOOSEST = 0.1  # residual over radius, beyond which the points lie on no circle
 
 
@@ -61,6 +62,23 @@ def fit_circle(x: Floats, y: Floats, place: str = "positions") -> Circle:
     values = np.array([a, b, radius, *spread, residual]) * scale
     values[:2] += middle
     return Circle(*map(float, values))
+
+
+def check_no_positions(x: Floats, y: Floats, place: str) -> None:
+    """None for two columns without names unless they are as positions of a bob are: on a circle about a pivot. InputError then."""
+    try:
+        circle = fit_circle(x, y)
+    except InputError:
+        return
+    if circle.residual < TIGHT * circle.radius and np.ptp(to_angles(x, y, circle)) < 2 * np.pi:
+        raise InputError(
+            place,
+            f"they lie on a circle, {circle.residual / circle.radius:.1g} of its radius from it, as positions x and y of a bob do; "
+            "the file does not say what they hold",
+            "names of the columns",
+            "write a first line with names above the numbers, such as `t x y`, or name the column of the angle in the cell "
+            "signal_column of the sheet",
+        )
 
 
 def _slopes(u: Floats, v: Floats) -> Floats:

@@ -1,7 +1,7 @@
 """One recording: a row of the sample sheet becomes a dataset with units, provenance and a checked count."""
 
 import math
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 import pandas as pd
 import xarray as xr
-from numpy.typing import NDArray
 
 from .. import dataset
 from ..arrays import Floats
@@ -17,17 +16,15 @@ from ..errors import InputError
 from .columns import ANGLE, COUNTS, RATE, TIME, UNTOLD, VOLTAGE, Meaning, axes_beside, choose, known_unit
 from .continuity import check_alive, check_continuous
 from .gyroscope import TO_RAD_PER_S, check_rate, turning_most
-from .plausibility import check_plausible, half_swings
-from .positions import Circle, fit_circle, to_angles
+from .plausibility import check_plausible, check_shrinks, half_swings, hanging
+from .positions import Circle, check_no_positions, fit_circle, to_angles
 from .quality import check_signal, check_times
 from .release import Window, find_windows, several_releases, within
-from .sheet import TIME_UNITS
+from .series import series
 from .slack import tolerances
 from .source import Table, check_sha256, opened, table_of
 from .spikes import Spikes, as_variable, find_spikes
-from .table import numbers
 
-MOST = 18_000_000  # samples that are held at once: with all that is asked of them, less than a gigabyte
 UNIT_WORDS = {
     "V": "volts", "rad": "rad", "deg": "degrees", "counts": "counts", "rad/s": "rad/s, an angular rate",
     "deg/s": "degrees a second, an angular rate",
@@ -85,7 +82,8 @@ def _recording(table: Table, row: Mapping[str, Any], place: str, digest: str) ->
     names = [one.name for one in found]
     if found[0].kind == RATE and not row["signal_column"]:
         names = axes_beside(table.names, found[0], table.units) or names
-    times, values, lines, total = _series(table, row, clock.name, names, time_unit or "s")
+    unsaid = [] if row["signal_column"] else _unsaid(table, names)
+    times, values, lines, total = series(table, row, clock.name, names, time_unit or "s", unsaid[:1])
     if len(times) < SHORTEST:
         raise InputError(
             f"{name} ({place})",
@@ -106,6 +104,14 @@ def _recording(table: Table, row: Mapping[str, Any], place: str, digest: str) ->
         more = {f"pivot_{key}": value for key, value in circle._asdict().items()}
         remarks += [_pivot(circle, found[0].written)]
     else:
+        beside = values[len(names) :]
+        values = values[: len(names)]
+        if unsaid:
+            remarks += [
+                f"the file has {len(table.names)} columns and no names of them: `{names[0]}` was taken (signal_column in the sheet says otherwise)"
+            ]
+            if not told_unit and np.isfinite(beside[0]).all():
+                check_no_positions(values[0], beside[0], f"{name}, {names[0]} and {unsaid[0]} ({place})")
         taken, told = turning_most(names, values)
         found, signal, remarks = [replace(found[0], name=names[taken])], values[taken], remarks + told
     where = f"{name}, column {found[0].name} ({place})"
@@ -118,10 +124,16 @@ def _recording(table: Table, row: Mapping[str, Any], place: str, digest: str) ->
             remarks += check_rate(times, signal, signal_unit, where)
         check_alive(times, signal, where)
         spikes = find_spikes(times, signal) if not partial else Spikes(np.zeros(signal.size, bool), signal)
-        used, told, more_told = _by_itself(times, spikes.healed, signal_unit, row, where, partial)
+        scale = _scale(signal_unit, row)
+        hangs, told = hanging(spikes.healed, scale)
+        more, remarks = more | ({"zero_rad": hangs} if hangs else {}), remarks + told
+        hanging_down = spikes.healed - hangs / scale if hangs else spikes.healed
+        used, told, more_told = _by_itself(times, hanging_down, signal_unit, row, where, partial)
+        del hanging_down
         more, remarks, marked = more | more_told, remarks + told, as_variable(spikes.where)
         if not partial:
             _check_long_enough(spikes.healed[used], where)
+            remarks += check_shrinks(spikes.healed[used], where)
         remarks += check_continuous(times[used], signal[used], where, spikes.within(used))
 
     counted = {"counts_per_revolution": row["counts_per_revolution"]} if signal_unit == "counts" else {}
@@ -142,12 +154,19 @@ def _recording(table: Table, row: Mapping[str, Any], place: str, digest: str) ->
             "partial": "yes" if partial else "no",
             "expected_samples": len(times),
             "taken": _taken(table, clock, found, time_unit, told_unit, times),
-            **tolerances(row, signal_unit),
+            **tolerances(row, signal_unit, upright=not (positions or "zero_rad" in more)),
             **({"remarks": "; ".join(remarks)} if remarks else {}),
             **more,
             **counted,
         },
     )
+
+
+def _unsaid(table: Table, names: list[str]) -> list[str]:
+    """The columns after the swing's in a file without a header: what they hold nobody says, nor that the swing is not there."""
+    if "no header" not in table.layout:
+        return []
+    return list(table.names[table.names.index(names[-1]) + 1 :])
 
 
 def _by_itself(
@@ -159,8 +178,7 @@ def _by_itself(
     """
     if partial:  # across a gap nothing can be told
         return slice(None), [], {}
-    scale = {"rad": 1.0, "deg": math.pi / 180, "counts": 2 * math.pi / row["counts_per_revolution"]}
-    windows, pushed = find_windows(times, signal, scale.get(unit, 0.0), unit in TO_RAD_PER_S)
+    windows, pushed = find_windows(times, signal, _scale(unit, row), unit in TO_RAD_PER_S)
     first, last = windows[0], windows[-1]
     by_hand = not math.isnan(row["start_s"]), not math.isnan(row["stop_s"])
     told = []
@@ -193,6 +211,12 @@ def _by_itself(
     return within(found, times), told, more
 
 
+def _scale(unit: str, row: Mapping[str, Any]) -> float:
+    """Rad per unit of the signal; 0 where that is not known."""
+    known = {"rad": 1.0, "deg": math.pi / 180, "counts": 2 * math.pi / row["counts_per_revolution"]}
+    return known.get(unit, 0.0)
+
+
 def _check_long_enough(signal: Floats, place: str) -> None:
     """InputError for less than a whole half-swing: no fit can tell a period of it, and it is better said before anything is computed."""
     if (count := len(half_swings(signal).starts)) < 3:
@@ -202,82 +226,6 @@ def _check_long_enough(signal: Floats, place: str) -> None:
             "three whole half-swings or more for a fit, nine for a search in one recording alone",
             "record longer, or widen start_s and stop_s",
         )
-
-
-def _series(
-    table: Table, row: Mapping[str, Any], time_column: str, columns: list[str], time_unit: str
-) -> tuple[Floats, list[Floats], NDArray[np.integer], int]:
-    """Times (s) within the window, the columns there, the lines they stand in, and the rows in the file.
-
-    Only what lies in the window is held, and the rows that are being read.
-    """
-    name, spoilt, total, held = row["file"], {key: _Spoilt() for key in (time_column, *columns)}, 0, 0
-    parts: list[list[Any]] = [[] for _ in (time_column, *columns, "lines")]
-    for rows, last in _with_last(table.pieces):
-        piece = rows.iloc[:-1] if table.cut and last else rows
-        lines = piece.index.to_numpy()
-        total += len(piece)
-        times = numbers(piece[time_column], table.decimal) * TIME_UNITS[time_unit]
-        spoilt[time_column].note(piece[time_column], times, lines)
-        inside = np.ones(len(times), dtype=bool)
-        if not math.isnan(row["start_s"]):
-            inside &= times >= row["start_s"]
-        if not math.isnan(row["stop_s"]):
-            inside &= times <= row["stop_s"]
-        values = [numbers(piece[key][inside], table.decimal) for key in columns]
-        for key, own in zip(columns, values, strict=True):
-            spoilt[key].note(piece[key][inside], own, lines[inside])
-        for kept, part in zip(parts, (times[inside], *values, lines[inside].astype(np.int32)), strict=True):
-            kept.append(part)
-        if (held := held + int(inside.sum())) > MOST:
-            raise InputError(
-                name,
-                f"more than {MOST} samples",
-                f"at most {MOST} in the window",
-                "choose a part of it with start_s and stop_s",
-            )
-    for key, one in spoilt.items():
-        one.check(name, key)
-    if not parts[0]:
-        return np.empty(0), [np.empty(0)] * len(columns), np.empty(0, dtype=int), 0
-    joined = []
-    for pieces_of_one in parts:
-        joined.append(np.concatenate(pieces_of_one))
-        pieces_of_one.clear()  # only one column is held twice at a time
-    return joined[0], joined[1:-1], joined[-1], total
-
-
-def _with_last(pieces: Iterable[pd.DataFrame]) -> Iterator[tuple[pd.DataFrame, bool]]:
-    """Each piece, and whether it is the last."""
-    before = None
-    for piece in pieces:
-        if before is not None:
-            yield before, False
-        before = piece
-    if before is not None:
-        yield before, True
-
-
-class _Spoilt:
-    """The cells of a column that are no finite numbers: the first of them, and how many."""
-
-    def __init__(self) -> None:
-        self.line, self.cell, self.count = 0, "", 0
-
-    def note(self, cells: pd.Series, values: Floats, lines: NDArray[np.integer]) -> None:
-        bad = np.flatnonzero(~np.isfinite(values))
-        if len(bad) and not self.count:
-            self.line, self.cell = int(lines[bad[0]]), str(cells.iloc[bad[0]])
-        self.count += len(bad)
-
-    def check(self, name: str, key: str) -> None:
-        if self.count:
-            raise InputError(
-                f"{name}, line {self.line}, column {key}",
-                f"{self.cell} is not a finite number ({self.count} such cells)",
-                "a number in every row",
-                "mend the file, or leave the part out with start_s and stop_s",
-            )
 
 
 def _taken(
@@ -379,8 +327,8 @@ def _check_unit(row: Mapping[str, Any], column: str, unit: str, name: str, place
         raise InputError(
             f"{name} ({place}, column signal_unit)",
             f"the column {column!r} seems to be in V and the sheet does not say so",
-            "V in signal_unit: recordings in volts need a calibration",
-            "write the unit of the signal in the cell signal_unit",
+            "an angle, or a calibration: recordings in volts need one",
+            "calibrate it in a study with an apparatus sheet (docs/calibrate.md), or convert it to rad or deg",
         )
     turns = unit in TO_RAD_PER_S
     if (

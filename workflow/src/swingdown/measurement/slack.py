@@ -8,6 +8,7 @@ import xarray as xr
 
 from ..pendulum.slack import Slack, reading_slack
 from .gyroscope import GAIN_TOLERANCE, TO_RAD_PER_S, ZERO_TOLERANCE
+from .plausibility import CENTRED
 
 CLOCK_TOLERANCE = 5e-5
 """The share by which a recorder's seconds may be wrong where the sheet says nothing: that of a quartz. A board with a ceramic
@@ -18,15 +19,16 @@ _OF_RATES = {
 }  # fmt: skip
 
 
-def tolerances(row: Mapping[str, Any], unit: str) -> dict[str, float]:
+def tolerances(row: Mapping[str, Any], unit: str, upright: bool = True) -> dict[str, float]:
     """The tolerances in a row of the sample sheet, with the usual ones where it has none: limits of error, by key.
 
     ``unit`` is that of the signal. Where nothing is said, an angle sensor's gain and zero are taken for right; those of a
-    gyroscope never are.
+    gyroscope never are, nor is the zero where nobody knows which way is down: ``upright`` False, as of a camera's picture.
     """
     usual = _OF_RATES if unit in TO_RAD_PER_S else _OF_ANGLES
     stated = {key: float(row.get(key, float("nan"))) for key in usual}
-    return {key: value if (value := stated[key]) == value else usual[key] for key in usual}
+    known = {key: value if (value := stated[key]) == value else usual[key] for key in usual}
+    return known if upright else known | {"zero_tolerance_rad": max(known["zero_tolerance_rad"], CENTRED)}
 
 
 def of_tolerances(recording: xr.Dataset) -> Slack:

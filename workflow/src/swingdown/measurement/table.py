@@ -14,6 +14,7 @@ import pandas as pd
 
 from ..arrays import Floats
 from ..errors import InputError
+from .columns import UNTOLD, meaning
 
 HEAD = 1 << 16  # bytes from which the layout is told
 PIECE = 100_000  # rows held at a time
@@ -132,22 +133,39 @@ def layout(source: BinaryIO, encoding: str, name: str) -> Layout:
     while above and _broken(split(lines[above[-1]], separator), size, decimal):
         first = above.pop()
     names = _names(lines, above, separator)
+    if above and len(names) != size and len(words := lines[above[-1]].split()) == size:
+        names = words  # a header with spaces above rows with tabs
     named = bool(names)
     if not names and own and len(split(lines[own - 1].lstrip("# "), separator)) == size:
         names, named = split(lines[own - 1].lstrip("# "), separator), True  # as numpy.savetxt writes a header
     if not names:
         names = [f"column {k}" for k in range(1, size + 1)]
+    if any(names[size:]):
+        if any(_tells(one) for one in names):
+            raise _other_count(len(names), size, f"{name}, line {above[-1] + 1}")
+        names, named = [f"column {k}" for k in range(1, size + 1)], False  # a title
+    names = names[:size]
     if len(names) < size:
         surplus = [split(lines[own + k], separator)[len(names) :] for k in rows]
         if any(cell for cells in surplus for cell in cells):
-            raise InputError(
-                f"{name}, line {above[-1] + 1 if above else first}",
-                f"the header names {len(names)} column(s) and the rows have {size} cells",
-                "a name for each column, and a decimal sign that is not the separator",
-                "export it with another separator (`;` or tabs), or mend the header",
-            )
+            raise _other_count(len(names), size, f"{name}, line {above[-1] + 1 if above else first}")
         names = [*names, *[""] * (size - len(names))]
     return Layout(encoding, separator, decimal, _unique(names), named, first, about)
+
+
+def _other_count(names: int, cells: int, place: str) -> InputError:
+    return InputError(
+        place,
+        f"the header names {names} column(s) and the rows have {cells} cells",
+        "a name for each column, and a decimal sign that is not the separator",
+        "export it with another separator (`;` or tabs), or mend the header",
+    )
+
+
+def _tells(name: str) -> bool:
+    """True for a cell that says what a column holds, as none in a title does."""
+    found = meaning(name)
+    return found.kind != UNTOLD or bool(found.axis)
 
 
 def split(line: str, separator: str) -> list[str]:

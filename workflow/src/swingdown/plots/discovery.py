@@ -150,6 +150,8 @@ def half_swings(first: pd.DataFrame, last: pd.DataFrame) -> Figure:
         ("period_ratio", "half-period over ideal", 1.0),
         ("midpoint_rad", "mid-point (°)", 180 / np.pi),
     )
+    kinds = dict.fromkeys(("amplitude_rad", *(column for column, *_ in quantities)), float)
+    first, last = first.astype(kinds), last.astype(kinds)  # a table without rows is read as text
     for axes, below, (column, label, scale) in zip(upper, lower, quantities, strict=True):
         measured = first[first["of"] == "measured"]
         many = len(measured) > _MANY

@@ -18,12 +18,16 @@ from ..measurement.release import SeveralReleases
 from ..measurement.sheet import COLUMNS
 from ..measurement.source import NETCDF
 from ..paths import safe_name, write_csv, write_text
+from ..pendulum.model import PAPER_MODELS
 
 # What of a folder is taken for a recording; sheets of office programs are, so that they are told and not passed over.
 ENDINGS = (".csv", ".tsv", ".txt", ".dat", ".xlsx", ".xls", ".ods", *NETCDF)
 SHEET, CONFIG, LEFT_OUT = "recordings.csv", "study.yaml", "left_out.csv"
 SUFFIX = "-swingdown"  # of a study's folder, after the file that it is of
 TOGETHER = "pendulum"
+# What is fitted and what a search starts from where a spring pulls back: no weight loads the bearing of a wheel.
+SPRUNG = tuple(label.replace("load_coulomb", "constant_coulomb") for label in PAPER_MODELS)
+SPRUNG_BASE = ("viscous", "constant_coulomb")
 _OPENING = """\
 # The study of the recordings in {sheet}, as `swingdown` wrote it. It is yours to change (config/README.md of the project tells every
 # key); then run, in the project's folder:
@@ -127,7 +131,7 @@ def take(row: Mapping[str, Any], path: Path) -> list[Taken | Refused]:
     except SeveralReleases as found:
         parts = [_release(row, number, cells) for number, cells in enumerate(found.cells, 1)]
     except InputError as problem:
-        return [refused(row, problem)]
+        return [refused(row, problem, path)]
     return [one for part in parts for one in take(part, path)]
 
 
@@ -145,13 +149,20 @@ def _taken(row: Mapping[str, Any], path: Path) -> Taken:
     return Taken(dict(row), recording, to_angle(recording))
 
 
-def refused(row: Mapping[str, Any], problem: InputError) -> Refused:
-    """The ``Refused`` of a row of the sheet."""
-    return Refused(row["recording"], row["file"], problem.problem, problem.expected, problem.mend)
+def refused(row: Mapping[str, Any], problem: InputError, path: Path | None = None) -> Refused:
+    """The ``Refused`` of a row of the sheet; the line and column of the file at ``path`` stand before the problem."""
+    inside = problem.where.removeprefix(str(path)) if path else problem.where
+    inside = re.sub(rf" \(sample sheet, {re.escape(row['recording'])}[^)]*\)", "", inside).strip(", ")
+    at = f"{inside}: " if inside and inside != problem.where else ""
+    return Refused(row["recording"], row["file"], at + problem.problem, problem.expected, problem.mend)
 
 
 def write(
-    folder: Path, kept: Sequence[Mapping[str, Any]], left_out: Sequence[Refused], searched: Sequence[str]
+    folder: Path,
+    kept: Sequence[Mapping[str, Any]],
+    left_out: Sequence[Refused],
+    searched: Sequence[str],
+    restoring: str = "sine",
 ) -> Path:
     """The config written, with the sheet and the table of what is left out beside it; its path.
 
@@ -159,24 +170,33 @@ def write(
     config since they were written here, or the folder cannot be written.
     """
     try:
-        return _written(folder, kept, left_out, searched)
+        return _written(folder, kept, left_out, searched, restoring)
     except OSError as error:
         raise InputError(folder, f"it cannot be written ({error.strerror})", "a folder of one's own", "name another with --into") from error  # fmt: skip
 
 
 def _written(
-    folder: Path, kept: Sequence[Mapping[str, Any]], left_out: Sequence[Refused], searched: Sequence[str]
+    folder: Path,
+    kept: Sequence[Mapping[str, Any]],
+    left_out: Sequence[Refused],
+    searched: Sequence[str],
+    restoring: str,
 ) -> Path:
     _check_untouched(folder)
     columns = [name for name in COLUMNS if any(name in row for row in kept)]
     write_csv(pd.DataFrame(kept).reindex(columns=columns), folder / SHEET)
     settings: dict[str, Any] = {"recordings": SHEET, "simulation": {"simulated": []}}
+    search: dict[str, Any] = {}
+    if restoring == "linear":
+        settings |= {"model": {"restoring": restoring}, "experiment": {"fitted": list(SPRUNG)}}
+        search["base"] = list(SPRUNG_BASE)
     if left_out:
         write_csv(pd.DataFrame(left_out), folder / LEFT_OUT)
         settings["left_out"] = LEFT_OUT
     campaigns = dict.fromkeys(row["campaign"] for row in kept)
     if [name for name in campaigns if name not in searched]:
-        settings["discovery"] = {"campaigns": list(searched)}
+        search["campaigns"] = list(searched)
+    settings |= {"discovery": search} if search else {}
     body = yaml.safe_dump(settings, sort_keys=False, allow_unicode=True)
     opening = _OPENING.format(sheet=SHEET, config=folder / CONFIG, folder=folder)
     digest = _digest((folder / SHEET).read_bytes(), body)

@@ -1,0 +1,167 @@
+"""Other people's files that are no free swing, or whose zero is elsewhere: a right number, or a refusal that says what is wrong."""
+
+import numpy as np
+import pandas as pd
+import pytest
+import yaml
+
+import swingdown
+from swingdown.__main__ import main
+from swingdown.answer.doubt import DoubtfulFit
+from swingdown.answer.options import as_options
+from swingdown.engine.trajectory import simulate
+from swingdown.errors import InputError
+from swingdown.pendulum.model import Model
+
+TRUTH = {"natural_frequency": 6.2, "viscous_ratio": 0.006}
+TIMES = np.arange(900) / 60
+NOISE = 0.002  # rad
+
+
+def swing(release=0.25, seed=1):
+    exact = simulate(Model("viscous", TRUTH), TIMES, release)
+    return exact + NOISE * np.random.default_rng(seed).standard_normal(TIMES.size)
+
+
+def written(path, header, *columns, separator=","):
+    rows = [separator.join(f"{cell:.9g}" for cell in row) for row in zip(*columns, strict=True)]
+    path.write_text("\n".join([*([header] if header else []), *rows, ""]))
+    return path
+
+
+@pytest.fixture
+def first(tmp_path, monkeypatch):
+    """A function that asks the command for its first answer on a file, and gives the row of the table."""
+    monkeypatch.chdir(tmp_path)
+
+    def ask(*arguments):
+        assert main([*map(str, arguments), "--quick", "--into", "study"]) == 0
+        return pd.read_csv("study/first_answer.csv").iloc[-1]
+
+    return ask
+
+
+def holds_the_truth(row):
+    for name, unit in (("natural_frequency", "_rad_per_s"), ("viscous_ratio", "")):
+        assert abs(row[name + unit] - TRUTH[name]) < 4 * row[f"{name}{unit}_u"], name
+    assert row["natural_frequency_rad_per_s_u"] < 2e-3 and row["residual_rad"] < 1.2 * NOISE
+
+
+def test_a_camera_that_hangs_askew_spoils_no_answer(tmp_path, first):
+    """Positions tell the pivot and not which way is down."""
+    askew = swing() + 0.045
+    path = written(
+        tmp_path / "video.csv", "t,x,y", TIMES, 380 + 217 * np.sin(askew), 80 + 217 * np.cos(askew)
+    )
+    holds_the_truth(first(path))
+
+
+@pytest.mark.parametrize("about", [90, -90, 7.4])
+def test_a_zero_elsewhere_is_taken_away(tmp_path, first, capsys, about):
+    """As of an angle from the horizontal, or of an encoder that was switched on beside the vertical."""
+    path = written(tmp_path / "a.csv", "time (s),angle (deg)", TIMES, np.degrees(swing()) + about)
+    row = first(path)
+    assert f"({about}" in (told := capsys.readouterr().out) and "this is taken away" in told
+    holds_the_truth(row)
+    holds_the_truth(swingdown.fit(TIMES, swing() + np.radians(about)).row)
+
+
+def test_of_an_encoder_too(tmp_path, first):
+    counts = np.round((swing() + 1.1) * 4096 / (2 * np.pi))
+    path = written(tmp_path / "a.csv", "t_s,counts", TIMES, counts)
+    holds_the_truth(first(path, "--counts-per-revolution", "4096"))
+
+
+def isochronous(decay=0.01, seconds=300):
+    """A swing whose period does not know its amplitude, as no pendulum's: it is soon out of step with any."""
+    times = np.arange(seconds * 20) / 20
+    return times, 0.55 * np.exp(-decay * times) * np.cos(4.8 * times)
+
+
+def creeping():
+    """A computed swing whose step adds a little energy each period."""
+    angle, rate, step, found = 0.3, 0.0, 1 / 60, []
+    for _ in range(400):
+        found.append(angle)
+        angle, rate = angle + step * rate, rate - step * (38 * np.sin(angle) + 0.6 * rate)
+    return TIMES[:400], np.array(found)
+
+
+@pytest.mark.parametrize(
+    ("made", "words"),
+    [
+        (isochronous, "the best model of damping leaves"),
+        (creeping, "it gains energy: a fit needs viscous ratio below 0"),
+    ],
+)
+def test_what_no_pendulum_does_gives_no_number(made, words):
+    with pytest.raises(InputError, match=words) as caught:
+        swingdown.fit(*made())
+    assert caught.value.mend
+
+
+def test_a_wheel_on_a_spring_has_a_linear_restoring_torque(tmp_path, first):
+    times, angle = isochronous()
+    path = written(tmp_path / "wheel.csv", "t_s,angle_rad", times, angle + NOISE * np.cos(997 * times))
+    row = first(path, "--restoring", "linear")
+    truth = np.hypot(4.8, 0.01)
+    assert abs(row["natural_frequency_rad_per_s"] - truth) < 4 * row["natural_frequency_rad_per_s_u"] < 1e-3
+    assert abs(row["viscous_ratio"] - 0.01 / truth) < 4 * row["viscous_ratio_u"]
+    settings = yaml.safe_load((tmp_path / "study" / "study.yaml").read_text())
+    assert settings["model"] == {"restoring": "linear"}
+    assert settings["discovery"] == {"base": ["viscous", "constant_coulomb"]}
+    found = swingdown.fit(times, angle, restoring="linear").row
+    assert found["period_s"] == pytest.approx(2 * np.pi / 4.8, rel=1e-4)
+
+
+def test_a_model_that_lacks_much_is_told():
+    """The same for a minute: it is not yet out of step."""
+    with pytest.warns(DoubtfulFit, match="leaves 11 % of swing"):
+        swingdown.fit(*isochronous(seconds=60))
+
+
+def test_it_spoils_only_its_own_row_of_a_class(tmp_path, first, capsys):
+    (tmp_path / "class").mkdir()
+    written(tmp_path / "class" / "driven.csv", "t_s,angle_rad", *isochronous())
+    written(tmp_path / "class" / "good.csv", "t_s,angle_rad", TIMES, swing())
+    assert first("class")["recording"] == "good"
+    assert "driven: it does not move as a pendulum" in capsys.readouterr().out
+    assert list(pd.read_csv("study/left_out.csv")["recording"]) == ["driven"]
+
+
+@pytest.mark.parametrize("noise", [0.03, 0.05, 0.07])
+def test_a_noisy_swing_gives_a_right_number_or_none(noise):
+    noisy = swing(seed=3) + noise * np.random.default_rng(8).standard_normal(TIMES.size)
+    try:
+        found = swingdown.fit(TIMES, noisy).row
+    except InputError:
+        assert noise > 0.03
+    else:
+        assert abs(found["natural_frequency_rad_per_s"] - 6.2) < 4 * found["natural_frequency_rad_per_s_u"]
+
+
+def test_the_command_names_its_options_and_the_line(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    written(tmp_path / "a.csv", "", TIMES, np.degrees(swing()))
+    written(tmp_path / "b.csv", "t_s,angle_rad", TIMES, swing()).open("a").write("15.1,lots\n")
+    for name, words in (("a.csv", "write deg with --unit"), ("b.csv", "line 902, column angle_rad: lots is")):
+        with pytest.raises(SystemExit):
+            main([name, "--quick"])
+        told = capsys.readouterr()
+        assert words in told.out and words in told.err
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("name it in the cell time_column of the sheet", "name it with --time-column"),
+        ("leave the part out with start_s and stop_s", "leave the part out with --start and --stop"),
+        ("used until 3 s (stop_s in the sheet says otherwise)", "used until 3 s (--stop says otherwise)"),
+        ("leave the end out with stop_s = 3.2", "leave the end out with --stop 3.2"),
+        ("write counts in signal_unit", "write counts with --unit"),
+        ("of a wheel say restoring: linear", "of a wheel say --restoring linear"),
+        ("state a limit in zero_tolerance_rad_per_s", "state a limit in zero_tolerance_rad_per_s"),
+    ],
+)
+def test_cells_of_a_sheet_are_said_as_options(text, said):
+    assert as_options(text) == said
