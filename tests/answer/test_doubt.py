@@ -1,5 +1,7 @@
 """Other people's files that are no free swing, or whose zero is elsewhere: a right number, or a refusal that says what is wrong."""
 
+import warnings
+
 import numpy as np
 import pandas as pd
 import pytest
@@ -7,11 +9,12 @@ import yaml
 
 import swingdown
 from swingdown.__main__ import main
-from swingdown.answer.doubt import DoubtfulFit
+from swingdown.answer.doubt import DoubtfulFit, NotFree
 from swingdown.answer.options import as_options
 from swingdown.engine.trajectory import simulate
 from swingdown.errors import InputError
 from swingdown.pendulum.model import Model
+from swingdown.studies.pendulums import by_verdict
 
 TRUTH = {"natural_frequency": 6.2, "viscous_ratio": 0.006}
 TIMES = np.arange(900) / 60
@@ -165,3 +168,44 @@ def test_the_command_names_its_options_and_the_line(tmp_path, monkeypatch, capsy
 )
 def test_cells_of_a_sheet_are_said_as_options(text, said):
     assert as_options(text) == said
+
+
+def test_what_damping_alone_does_not_follow_is_explained_where_a_name_is_found():
+    """A spring that softens so much that a pendulum's period is wrong by whole swings."""
+    values = {"natural_frequency": 6.2, "viscous_ratio": 0.004, "quadratic_stiffness": -10.0}
+    times = np.arange(2400) / 40
+    exact = simulate(Model("viscous+quadratic_stiffness", values), times, 1.2)
+    angle = exact + NOISE * np.random.default_rng(1).standard_normal(times.size)
+    with pytest.raises(NotFree, match="it does not move as a pendulum"):
+        swingdown.fit(times, angle)
+    with warnings.catch_warnings(record=True) as told:
+        warnings.simplefilter("always")
+        found = swingdown.explain(times, angle)
+    assert [one["name"] for one in found.verdict["effects"]] == ["quadratic_stiffness"]
+    value, error, _ = found.quantities["natural_frequency"]
+    assert abs(value - 6.2) < 4 * error
+    # of the some hundred models that were compared nothing is said, and of the one that is told there is nothing to say
+    assert not [one for one in told if "model viscous and quadratic" in str(one.message)]
+    assert len({str(one.message) for one in told}) <= 1
+
+
+def test_where_nothing_is_established_the_numbers_are_those_of_damping():
+    """What imitates something else has no values, and moves those of the pendulum."""
+    row = {
+        "period_s": 1.01,
+        "period_s_u": 0.001,
+        "period_s_text": "1.0100(10)",
+        "model": "viscous",
+        "model_of": "damping",
+    }
+    row |= {"residual_rad": 0.02}
+    other = {"value": 1.02, "standard_uncertainty": 0.0001, "unit": "s"}
+    concluded = {
+        "model": "viscous+magnet",
+        "amplitude_rad": 0.3,
+        "residual": 0.01,
+        "quantities": {"period": other},
+    }
+    assert by_verdict(row, {"status": "unknown", "conclusion": concluded}) == row
+    found = by_verdict(row, {"status": "partial", "conclusion": concluded})
+    assert (found["period_s"], found["model_of"]) == (1.02, "search")

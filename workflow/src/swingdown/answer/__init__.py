@@ -1,6 +1,8 @@
 """From somebody's arrays to an answer in one call: ``fit`` for the damping, ``explain`` for what is missing as well."""
 
-from collections.abc import Mapping, Sequence
+import warnings
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import replace
 from typing import Any
 
@@ -15,7 +17,7 @@ from ..discovery.files import reading_of, summary
 from ..discovery.search import discover
 from ..discovery.state import Round
 from ..discovery.verdict import verdict
-from ..engine.trajectory import engine
+from ..engine.trajectory import TrajectoryWarning, engine
 from ..errors import InputError
 from ..measurement.slack import of_angles
 from ..pendulum.catalogue import READINGS, catalogue
@@ -61,13 +63,19 @@ def of_swings(
     fitted: Sequence[str] = PAPER_MODELS,
     effects: Mapping[str, Any] | None = None,
     restoring: str = "sine",
+    checked: bool = True,
 ) -> Answer:
-    """The ``Answer`` of ``fit`` on angle datasets (``measurement.angle.to_angle``) of one pendulum."""
+    """The ``Answer`` of ``fit`` on angle datasets (``measurement.angle.to_angle``) of one pendulum.
+
+    NotFree for what no model of damping follows; not where it is not to be ``checked``, as before a search for what is missing.
+    """
     if restoring == "linear" and fitted is PAPER_MODELS:
         fitted = SPRUNG
     known = models(list(fitted), effects, restoring)
     try:
-        each = [fit_recording(one, known) for one in given]
+        with _of_none_compared():
+            each = [fit_recording(one, known) for one in given]
+            together = each[0] if len(given) == 1 else fit_campaign(given, known)
     except (ArithmeticError, np.linalg.LinAlgError) as problem:
         raise InputError(
             "swing",
@@ -75,12 +83,12 @@ def of_swings(
             "the motion of a pendulum that swings by itself",
             MEND,
         ) from problem
-    together = each[0] if len(given) == 1 else fit_campaign(given, known)
     norms = combine_recordings(each)
     entries = catalogue(effects)
     label = described_by(norms, entries)
     for one, data in zip(each, given, strict=True):
-        check_free(one, data, label, entries)
+        if checked:
+            check_free(one, data, label, entries)
     table = pendulums(norms, [] if len(given) == 1 else [together], catalogue=entries)
     shown = [
         Shown(
@@ -111,16 +119,28 @@ def explain(
     """The ``Answer`` of ``fit`` with a verdict: what the model ``base`` lacks, found in at most ``rounds`` moves.
 
     The search takes some seconds for a swing that an effect of the catalogue explains, and up to minutes for one that none
-    does. Other arguments and errors as in ``fit``, and EngineError where there is no C compiler; a single swing needs nine half-swings, so that some can be held out.
+    does. What no model of damping follows is refused only if the search names nothing. Other arguments and errors as in ``fit``, and EngineError where there is no C compiler; a single swing needs nine half-swings, so that some can be held out.
     """
     engine(catalogue(effects))  # without a compiled one even the fits before the search take minutes
-    first = fit(times, angles, unit=unit, fitted=fitted, effects=effects, names=names, restoring=restoring)
+    given = swings(times, angles, unit, names)
+    first = of_swings(given, fitted, effects, restoring, checked=False)
     whole = searchable("pendulum", first.swings)
     begun = SPRUNG_BASE if restoring == "linear" and base is BASE else base
     (start,) = models(["+".join(begun)], effects, restoring)
-    states = concluded(discover(whole, start, rounds), whole)
-    found = verdict([summary(state, whole) for state in states], catalogue(effects).of(whole.reading))
+    with _of_none_compared():
+        states = concluded(discover(whole, start, rounds), whole)
+        found = verdict([summary(state, whole) for state in states], catalogue(effects).of(whole.reading))
+    if found["status"] == "unknown":  # then damping alone has to follow it, as it has in ``fit``
+        of_swings(given, fitted, effects, restoring)
     return first.with_verdict(found, _shown(states[-1], whole.fit, whole.holdout))
+
+
+@contextmanager
+def _of_none_compared() -> Iterator[None]:
+    """No word of what is wrong with the motions of models that are only compared; of the one that is told it is said."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", TrajectoryWarning)
+        yield
 
 
 def searchable(name: str, given: Sequence[xr.Dataset]) -> Campaign:

@@ -24,8 +24,12 @@ class DoubtfulFit(UserWarning):
     """A model that follows a swing badly: its values may be further from the truth than their uncertainties say."""
 
 
+class NotFree(InputError):
+    """No model of damping follows it, or only one that gains energy."""
+
+
 def check_free(fits: xr.Dataset, given: xr.Dataset, label: str, catalogue: Catalogue = SHIPPED) -> None:
-    """None where the model ``label`` follows a recording with friction that takes energy; InputError where it does not, and a warning
+    """None where the model ``label`` follows a recording with friction that takes energy; NotFree where it does not, and a warning
     where it does so badly.
 
     ``fits`` are those of ``studies.experiment.fit_recording`` to the angles ``given``. What is moved by a hand or a motor, or is no
@@ -36,7 +40,7 @@ def check_free(fits: xr.Dataset, given: xr.Dataset, label: str, catalogue: Catal
     each = _samples(series)
     left, swing = (float(np.std(_means(one, each))) for one in (own["residual"].values, series))
     if not left <= LEFT * swing:
-        raise InputError(
+        raise NotFree(
             f"recording {name}",
             f"it does not move as a pendulum that swings by itself: the best model of damping leaves {100 * left / swing:.3g} % of it",
             f"at most {100 * LEFT:.0f} %",
@@ -53,7 +57,7 @@ def check_free(fits: xr.Dataset, given: xr.Dataset, label: str, catalogue: Catal
     for size in [one.size.name for one in effects if one.size and one.one_sided]:
         value, error = (float(own[key].sel(parameter=size)) for key in ("value", "standard_error"))
         if value < -SURE * error:
-            raise InputError(
+            raise NotFree(
                 f"recording {name}",
                 f"it gains energy: a fit needs {size.replace('_', ' ')} below 0, {value:.3g} ± {error:.2g}",
                 "a pendulum that dies away by itself",

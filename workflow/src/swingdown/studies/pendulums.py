@@ -81,7 +81,7 @@ def pendulums(
     Columns: campaign, recording, label (its name as it was written), amplitude_rad, then each quantity with its unit in the name (``period_s``, ``quality``,
     ``decay_time_s``, ``natural_frequency_rad_per_s``, and the parameters of damping where the model has them), each followed by
     its standard uncertainty (``period_s_u``) and both as a text (``period_s_text``); ``model`` the label of ``described_by``, or of a
-    pendulum that was searched of the model that the search ended with (``model_of``: damping or search);
+    pendulum of which a search established something of the model that it ended with (``model_of``: damping or search);
     ``residual_rad`` the RMS that it leaves (of an angular rate ``residual_rad_per_s``); ``verdict`` the status of the campaign's search, ``missing`` what that names;
     ``emulated``, ``remark``. ``left_out`` (recording, file, problem) tells in ``remark`` why a recording was not searched, and adds
     a row with the verdict ``refused`` for each file that could not be used.
@@ -159,9 +159,9 @@ def _row(
 
 def by_verdict(row: Mapping[str, Any], verdict: Mapping[str, Any]) -> dict[str, Any]:
     """The row with the quantities of the model that the search ended with, fitted to the whole of every recording, in place of those
-    of a model of damping; as it is where the search has none."""
+    of a model of damping; as it is where the search has none, or established nothing: what imitates has no values."""
     concluded = verdict.get("conclusion")
-    if not concluded:
+    if not concluded or verdict["status"] == "unknown":
         return dict(row)
     ends = ("", "_u", "_text")
     old = {f"{key}{end}" for key in row if f"{key}_u" in row for end in ends}
