@@ -23,6 +23,7 @@ from .candidates import (
 from .constancy import by_changing
 from .evidence import TIE, Candidate, best_first, evidence
 from .linear import Frame, frame
+from .mimics import mimics
 from .pairs import plain, starts_of_pairs
 from .refit import nudged, refit, with_effect
 
@@ -232,7 +233,7 @@ def in_place_of(
     """The ``Candidate``s that have another effect in the place of one of the model's own, best first.
 
     The model is fitted without it, and the ``few`` effects that then promise most are fitted in its place; ``beside`` the others as they
-    were, too.
+    were, too, those that are nearly its like.
     """
     begin = without(here.fit, old)
     if not begin.model.names:
@@ -246,31 +247,29 @@ def in_place_of(
     moves.sort(key=lambda starts: -starts[0].predicted)
     found = [_best(starts, there, noise) for starts in moves[:few]]
     if beside:
-        found = [one and _beside_what_was(one, begin, here, noise) for one in found]
+        good = {one.added for one in found if one and one.fit.rss < _FELL_SHORT * here.fit.rss}
+        alike = {name: size for name, size in mimics(here, old, allowed).items() if name not in good}
+        found = [one for one in found if one and one.added not in alike]
+        found += [_beside_what_was(begin, old, name, size, here, noise) for name, size in alike.items()]
     return best_first(found)
 
 
-def _beside_what_was(one: Candidate, begin: Begin, here: Frame, noise: Noise) -> Candidate:
-    """The candidate, or where it does worse than what it takes the place of and has no shape, a better one looked for beside the
-    others first held as they were.
+def _beside_what_was(
+    begin: Begin, old: str, name: str, size: float, here: Frame, noise: Noise
+) -> Candidate | None:
+    """The candidate of an effect without a shape in the place of another, looked for beside the others first held as they were.
 
     What would do an effect's work needs the others beside it, which without either of them have nothing to do.
     """
-    catalogue = one.fit.model.catalogue
-    if one.fit.rss < _FELL_SHORT * here.fit.rss or not all(plain(catalogue[name]) for name in one.names):
-        return one
-    own = {p.name for name in one.names for p in one.fit.model.catalogue[name].parameters}
-    apart = {*own, *begin.model.each, NATURAL_FREQUENCY.name}
-    others = [name for name in begin.model.parameters if name not in apart]
-    for name in one.names:
-        values = {p.name: one.fit.model.values[p.name] for p in one.fit.model.catalogue[name].parameters}
-        begin = with_effect(begin, name, values)
-    with suppress(TrajectoryError):
+    (own,) = here.fit.model.catalogue[name].parameters
+    apart = {own.name, *begin.model.each, NATURAL_FREQUENCY.name}
+    begin = with_effect(begin, name, {own.name: size})
+    others = [one for one in begin.model.parameters if one not in apart]
+    try:
         fit = refit(refit(begin, here.swings, held=others).begin, here.swings)
-        fit = min(one.fit, fit, key=lambda fit: fit.rss)
-        why = [inadmissible(fit, name, noise) for name in one.names]
-        one = replace(one, fit=fit, bic=evidence(fit, noise), refused=next(filter(None, why), ""))
-    return one
+    except TrajectoryError:
+        return None
+    return Candidate(name, old, fit, evidence(fit, noise), inadmissible(fit, name, noise))
 
 
 def drops(here: Frame, noise: Noise) -> list[Candidate]:
