@@ -131,7 +131,7 @@ _NOTES = (
 
 _SYMBOLS = (
     "Model: κ with v for viscous, q for quadratic drag, c for dry friction in proportion to the load (load Coulomb); other effects by "
-    "their names. Where a search ended, it is the model that it ended with."
+    "their names. Where a search established something, it is the model that it ended with."
 )
 
 
