@@ -50,6 +50,7 @@ def test_nothing_missing_is_consistent():
     assert found["status"] == "consistent"
     assert found["effects"] == []
     assert found["sentence"].startswith("Nothing is missing")
+    assert f"({1e3 * found['noise_rms_rad']:.3g} mrad) on fitted" in found["sentence"]
 
 
 def named(*ties, missing_at_the_end=False, established=None, spent=False):

@@ -27,7 +27,11 @@ def sentence(found: Mapping[str, Any], catalogue: Catalogue = SHIPPED) -> str:
     )
     if found["status"] == "consistent":
         slack = ", once what the calibration leaves open is used" if _used(found.get("nuisance", {})) else ""
-        text = f"Nothing is missing{slack}: the model leaves {fit[-1]:.3g} times the noise on fitted and {holdout[-1]:.3g} on held-out swings."
+        noise = found.get("noise_rms_rad") or found.get("noise_rms_rad_per_s") or np.nan
+        text = (
+            f"Nothing is missing{slack}: the model leaves {fit[-1]:.3g} times the noise "
+            f"({1e3 * noise:.3g} m{found.get('unit', 'rad')}) on fitted and {holdout[-1]:.3g} on held-out swings."
+        )
         return text + dropped + end
     seen = where["seen"][:1].upper() + where["seen"][1:] + ": " if where["seen"] else ""
     said = []
