@@ -296,3 +296,9 @@ def test_what_the_base_had_goes_where_what_damps_comes(drag):
     last = at(drag, "constant_torque+quadratic_drag", ("constant_torque",), number=2)
     base = Model("viscous+quadratic_drag+load_coulomb")
     assert _moves(base, last) == [("constant_torque", "viscous"), (None, "load_coulomb")]
+
+
+def test_an_effect_that_is_put_back_is_found_once(drag):
+    state = at(drag, "viscous+quadratic_drag", ("quadratic_drag", "constant_torque"))
+    back = move(state, "quadratic_drag", "constant_torque")
+    assert search(drag).after(state.found, back) == ("quadratic_drag",)

@@ -96,5 +96,5 @@ class Search:
 
     def after(self, found: Sequence[str], chosen: Candidate) -> tuple[str, ...]:
         """The names of the effects found, after a move."""
-        names = (*found, *chosen.names)
+        names = dict.fromkeys((*found, *chosen.names))  # what was dropped may be put back
         return tuple(name for name in names if name != chosen.dropped and name not in self.base)

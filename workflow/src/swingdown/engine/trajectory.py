@@ -18,7 +18,6 @@ from . import build, interface, uncompiled
 from .compiler import NoCompiler
 from .rows import entries
 
-_COARSE = 1000.0  # errors of what is rough, over the usual limits, as in c/swings.c
 _STATUS = {
     "LOST_ACCURACY": "the accuracy could not be kept (the motion is not that of a pendulum at these parameters)",
     "RAN_AWAY": "the motion ran away",
@@ -136,7 +135,7 @@ def _run(
     release_angle: float,
     release_velocity: float,
     free: Sequence[str],
-    coarseness: float = 1.0,
+    rough: bool = False,
 ) -> tuple[Floats, Floats, Effort]:
     times = checked_times(times)
     compiled = Compiled(model, float(times[-1] - times[0]))
@@ -159,7 +158,7 @@ def _run(
     angles, slopes = np.empty(times.size), np.empty((len(free), times.size))
     release = release_angle, release_velocity
     chosen = [codes[name] for name in free]
-    report = _follow(compiled, values, release, times, chosen, angles, slopes if free else None, coarseness)
+    report = _follow(compiled, values, release, times, chosen, angles, slopes if free else None, rough)
     effort = Effort(
         report.panels, report.rejected, report.evaluations, report.reversals, report.error,
         report.stuck_after if report.stuck_after >= 0 else None, bool(report.driven),
@@ -176,7 +175,7 @@ def _follow(
     chosen: Sequence[int],
     angles: Floats,
     slopes: Floats | None,
-    coarseness: float = 1.0,
+    rough: bool = False,
 ) -> Any:
     model = compiled.model
     if compiled.in_python:
@@ -184,8 +183,10 @@ def _follow(
             model, compiled.duration, values, release, times, chosen, angles, slopes
         )
     else:
+        library = compiled.library
+        coarseness = float(library.COARSE) if rough else 1.0
         code, report = interface.swing_trajectory(
-            compiled.library, compiled.c, values, release, times, chosen, angles, slopes, coarseness
+            library, compiled.c, values, release, times, chosen, angles, slopes, coarseness
         )
         status = interface.status_name(code)
     if status != "DONE":
@@ -271,10 +272,10 @@ def sensitivities(
 
     Of a release at rest the derivative by ``release_velocity`` is one-sided where there is friction: that of a push the way the
     pendulum leaves anyway; none at all where friction holds it.
-    Where they need only be ``rough``, models that take many panels take half the time, and slopes are off by up to 1e-3 of themselves.
+    Where they need only be ``rough``, models that take many panels take a quarter to nine tenths of the time, and slopes are off by up to some 1e-3 of themselves.
     """
     free = (*model.parameters, "release_angle", "release_velocity") if free is None else tuple(free)
-    return _run(model, times, release_angle, release_velocity, free, _COARSE if rough else 1.0)[:2]
+    return _run(model, times, release_angle, release_velocity, free, rough)[:2]
 
 
 def effort(model: Model, times: Any, release_angle: float, release_velocity: float = 0.0) -> Effort:

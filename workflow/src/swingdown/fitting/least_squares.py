@@ -53,7 +53,7 @@ def fit_jointly(
     fitted. ``seen=False`` leaves out the starts from the decay where there are fits to start from, ``grown=False`` the one
     that is found by fitting ever longer parts of the swings. ``most`` evaluations a start are spent, fewer where a
     trajectory takes far more work than those of a pendulum usually do; ``converged`` tells. ``rough`` trajectories, of effects that take many
-    panels, are off by up to some 1e-7 rad and take half the time: for fits that are only compared.
+    panels, are off by less than 1e-6 rad and take a quarter to nine tenths of the time: for fits that are only compared.
     What drifts over a record drifts over the longest one. Raises InputError for swings that cannot be fitted and
     TrajectoryError where no start gives a trajectory.
     """

@@ -32,6 +32,9 @@ enum Status { DONE = 0, LOST_ACCURACY = 1, RAN_AWAY = 2, CLOCK_RUNS_BACK = 3, TO
 /* Free values that are no parameters. */
 enum Release { RELEASE_ANGLE = -1, RELEASE_VELOCITY = -2 };
 
+/* Errors of a rough trajectory, of a model that takes many panels, over the usual limits: less than 1e-6 rad. */
+enum Rough { COARSE = 1000 };
+
 /* A release and the times at which the angle is read. */
 typedef struct {
     const Model *model;

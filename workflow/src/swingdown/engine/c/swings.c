@@ -12,7 +12,6 @@
 #define MOST_WORK 4.0      /* of a trajectory, times the usual */
 #define FEW_RESIDUALS 50.0 /* no fewer tell whether they are white */
 #define SMALL_PART 0.05    /* of a swing's squares about its mean */
-#define COARSE 1000.0       /* errors in a rough search with many panels, over the usual limits */
 /* Reduction that a last step promised, relative to the sum of squares, below which the slopes from before it are those after:
  * of 1e4 samples it went by 3e-5 of a standard error. */
 #define SAME_SLOPES 1e-13
