@@ -163,6 +163,14 @@ def test_an_effect_of_the_base_comes_back_into_the_place_of_what_was_found_for_i
     assert states[-2].chosen.dropped == "structural_damping"
 
 
+def test_it_comes_back_though_all_rounds_are_used_up(drag):
+    found = ("structural_damping", "quadratic_drag")
+    begun, ended = at(drag, "viscous", (), number=0), at(drag, "+".join(found), found, number=1)
+    states = restored(Search(drag, 1, None, Budget(), ("viscous",)), [begun, ended])
+    assert [state.fit.model.label for state in states] == ["viscous", "viscous+quadratic_drag"]
+    assert leads_on(drag, states)
+
+
 def test_what_is_there_is_not_exchanged_for_what_the_base_had(drag):
     search = Search(drag, 4, None, Budget(), ("structural_damping",))
     ended = at(drag, "viscous+quadratic_drag", ("viscous", "quadratic_drag"))
