@@ -1,9 +1,11 @@
 # make            set up .venv and run the study (the paper's tables, figures and report appear in results/)
 # make start FILE=my-swing.csv   from a recording, or a folder of them, to what damps the pendulum and what a model of it lacks; or FILE=mine.yaml, a study of your own
+# make quick      format, lint, types, imports, units and thirty frozen verdicts: what to run before each commit (some minute)
 # make test       set up .venv and run the tests; make test-all runs the slow ones too
+# make sanitize   run the engine's tests with its C checked for errors of memory and undefined behaviour (ASan, UBSan; some minutes)
 # make certified  compute published cases with known answers (NIST, GUM, York, ISO/TS 28037): results/trust/certified.csv
 # make coverage   how often stated 95 % intervals hold the truth, in simulated measurements: results/coverage/coverage.csv (some half an hour)
-# make benchmark  time the engine against what one would otherwise use (sets up .venv/peers for that; some minutes)
+# make benchmark  time the engine against what one would otherwise use (sets up .venv/peers for that; some ten minutes; ARGS=--quick: one)
 # make benchmark-discovery  hold the search for hidden effects against what one would otherwise use (after snakemake hidden_effects;
 #                 sets up .venv/discovery for that; some minutes)
 # make docs       the site of docs/, with catalogue, settings and API: site/index.html (sets up .venv/docs for that)
@@ -11,7 +13,8 @@
 # make lock       resolve the versions again after a change of pyproject.toml; UPGRADE=--upgrade takes newer ones
 # make clean      remove what was computed; make distclean removes .venv as well
 #
-# TARGET=report, CORES=4 and ARGS="--configfile mine.yaml" are passed on to snakemake; TESTS=tests/test_fit.py to pytest.
+# VERSIONS=highest sets up .venv with the newest versions of what the package needs itself, VERSIONS=lowest-direct with the lowest allowed.
+# TARGET=report, CORES=4 and ARGS="--configfile mine.yaml" are passed on to snakemake; TESTS=tests/test_fit.py to pytest (of quick, too).
 
 PYTHON ?= python3
 CORES ?= 2
@@ -19,23 +22,28 @@ TARGET ?= all
 ARGS ?=
 FILE ?=
 TESTS ?= tests
+VERSIONS ?=
 # A file of tests stays in one process: what its tests share is made once.
-WORKERS := -n $(CORES) --dist loadfile
+WORKERS := -n $(CORES) --dist loadfile --no-loadscope-reorder
 
 BIN := .venv/bin
 # Named after the locks' contents and this folder, so that the environment is laid anew when, and only when, they change.
-READY := .venv/ready-$(shell (pwd; cat requirements.lock requirements-uv.lock pyproject.toml) | cksum | cut -d' ' -f1)
+READY := .venv/ready-$(shell (pwd; $(if $(VERSIONS),echo $(VERSIONS);) cat requirements.lock requirements-uv.lock pyproject.toml) | cksum | cut -d' ' -f1)
 
-.PHONY: run start venv test test-all certified coverage benchmark benchmark-discovery docs wheel lock clean distclean
+.PHONY: run start there venv quick test test-all sanitize certified coverage benchmark benchmark-discovery docs wheel lock clean distclean
 .DELETE_ON_ERROR:
 
 run: $(READY)
 	@$(BIN)/snakemake -c$(CORES) $(TARGET) $(ARGS)
 
 # A file, or a folder of files that are a pendulum each; ARGS="--together --unit deg" is passed on (swingdown --help tells all).
-start: $(READY)
-	@test -n "$(FILE)" || { echo 'Which file? Mend: make start FILE=path/to/my-swing.csv (or a folder of them)' >&2; exit 2; }
+start: there $(READY)
 	@$(BIN)/swingdown "$(FILE)" $(ARGS)
+
+# Asked before anything is set up.
+there:
+	@test -n "$(FILE)" || { echo 'Which file? Mend: make start FILE=path/to/my-swing.csv (or a folder of them)' >&2; exit 2; }
+	@test -e "$(FILE)" || { echo 'There is no file or folder $(FILE). Mend: correct the path' >&2; exit 2; }
 
 venv: $(READY)
 
@@ -48,6 +56,7 @@ $(READY):
 	else echo "uv did not manage; falling back to pip, which is slower ..." \
 	  && $(BIN)/python -m pip install -q --disable-pip-version-check --require-hashes -r requirements.lock; fi
 	@$(BIN)/python -m pip install -q --disable-pip-version-check --no-deps --no-build-isolation -e .
+	@$(if $(VERSIONS),$(BIN)/uv pip install -q --system-certs --python $(BIN)/python --no-build-isolation --upgrade --resolution $(VERSIONS) -e .,:)
 	@unset PYTHONDONTWRITEBYTECODE; ($(BIN)/python -c '$(IMPORT_ALL)'; $(BIN)/snakemake --dry-run --quiet all) > /dev/null 2>&1 || :
 	@touch $@
 
@@ -56,11 +65,29 @@ $(READY):
 IMPORT_ALL := import importlib, pkgutil, swingdown; \
   [importlib.import_module(one.name) for one in pkgutil.walk_packages(swingdown.__path__, "swingdown.")]
 
+# Chosen by what they take: a file is here where all its tests together take some seconds of one core. Both cores take from one heap,
+# whichever file a test is of.
+QUICK := $(addprefix tests/, test_imports.py test_lint.py test_types.py test_dataset.py test_quantisation.py test_rounding.py test_schema.py \
+  discovery/test_frozen.py discovery/test_half_swings.py discovery/test_verdict.py engine/test_elementary.py engine/test_trajectory.py \
+  fitting/test_covariance.py fitting/test_fit.py fitting/test_guess.py fitting/test_optimise.py \
+  measurement/test_angle.py measurement/test_bounds.py measurement/test_line.py measurement/test_recording.py measurement/test_sheet.py \
+  pendulum/test_formula.py pendulum/test_model.py)
+
+quick: $(READY)
+	@$(BIN)/python -m pytest -n $(CORES) --dist worksteal -q --tb short -rfE --disable-warnings $(if $(filter file,$(origin TESTS)),$(QUICK),$(TESTS)) \
+	  || { echo 'NOT IN ORDER: each line FAILED above says which test, and what it found. Mend of format and lint: $(BIN)/ruff format . && $(BIN)/ruff check --fix .' >&2; exit 1; }
+
 test: $(READY)
 	@$(BIN)/python -m pytest $(WORKERS) $(TESTS)
 
 test-all: $(READY)
-	@SWINGDOWN_SLOW=1 $(BIN)/python -m pytest $(WORKERS) $(TESTS)
+	@SWINGDOWN_SLOW=1 $(BIN)/python -m pytest $(WORKERS) --durations 30 $(TESTS)
+
+# The interpreter is not built with the sanitizer, so its library comes first; what Python keeps until its end is no leak.
+sanitize: $(READY)
+	@CC="gcc -g -fno-omit-frame-pointer -fsanitize=address,undefined -fno-sanitize-recover=all" \
+	  LD_PRELOAD="$$(gcc -print-file-name=libasan.so) $$(gcc -print-file-name=libstdc++.so)" ASAN_OPTIONS=detect_leaks=0 \
+	  $(BIN)/python -m pytest $(WORKERS) $(if $(filter file,$(origin TESTS)),tests/engine,$(TESTS))
 
 certified: $(READY)
 	@$(BIN)/snakemake -c1 certified $(ARGS)

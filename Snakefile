@@ -2,6 +2,7 @@
 
 import logging
 import os
+import sys
 from functools import partial
 
 from snakemake.utils import min_version
@@ -10,6 +11,7 @@ from swingdown import console, prefork
 from swingdown.capture import takes
 from swingdown.paths import find, is_url, remove_leftovers
 from swingdown.sealed import remove_orphans
+from swingdown.studies import left_out
 from swingdown.study.plan import plan
 from swingdown.study.settings import complete
 from swingdown.study.sources import fingerprint
@@ -54,16 +56,27 @@ AT_START = [
 # A study of recordings that leaves the paper's simulations out is somebody's own: its results show no trace of the paper.
 OWN = bool(PLAN.campaigns) and not config["simulation"]["simulated"]
 TABLES, FIGURES, VERDICTS = [], [], []  # each stage adds what it makes; the report shows all of it
+DATA = {
+    "study": [],
+    "discovery": [],
+}  # and what these rest on; the manifest lists it, by the part that it belongs to
 
 
 onstart:
-    for act in AT_START:
-        act()
+    with console.job():
+        for act in AT_START:
+            act()
     if workflow.local_exec and workflow.is_main_process:  # how jobs are executed is known only now
         prefork.start()
         # Snakemake's limit to 100 jobs a second looks at all jobs anew once a second for each job that has ended; on one
         # machine there is nothing to limit.
         workflow.scheduler.job_rate_limiter = None
+
+
+onsuccess:
+    # The last words of a run: what its results do not rest on.
+    if PLAN.rows and workflow.is_main_process:
+        print(left_out.last_words("results/tables/left_out.csv"), end="", file=sys.stderr)
 
 
 wildcard_constraints:
@@ -112,9 +125,6 @@ else:
     rule all:
         default_target: True
         input:
-            TABLES,
-            FIGURES,
-            VERDICTS,
-            "results/report.html",
+            rules.manifest.input,
             "results/manifest.json",
         localrule: True

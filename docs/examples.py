@@ -1,7 +1,8 @@
 """The files that the tutorials begin with, computed and not measured: ``python docs/examples.py anna.csv`` or ``… class``.
 
-``anna.csv`` is a swing of 20 s with presliding friction hidden in it. ``class`` is a folder of thirty pendulums, each of another
-length and friction, as a school's sensor exports them, and a file that is none.
+``anna.csv``, which ``resources/example`` holds too, is a swing of 20 s with presliding friction hidden in it. ``class`` is a folder of thirty pendulums, each of another
+length and friction, as a school's sensor exports them, and a file that is none. ``lengths``, ``sails`` and ``groups`` are series: eight
+lengths in the names, sails in a table beside the files, and six groups of which one measured another pendulum.
 """
 
 import sys
@@ -11,11 +12,12 @@ import numpy as np
 import pandas as pd
 
 from swingdown.engine.trajectory import simulate
-from swingdown.paths import write_csv
+from swingdown.paths import write_csv, write_text
 from swingdown.pendulum.model import Model
 
 TIMES = np.arange(2001) / 100  # s
 NOISE = 0.001  # rad
+ABOUT = "# emulated: yes\n# source: docs/examples.py, computed; no pendulum was recorded\n"
 
 
 def export(path: Path, model: Model, release_angle: float, seed: int) -> None:
@@ -35,6 +37,7 @@ def anna(path: Path) -> None:
         "presliding_angle": 0.006,
     }
     export(path, Model("viscous+presliding", values), np.radians(20), seed=1)
+    write_text(path, ABOUT + path.read_text(encoding="utf-8"))
 
 
 def school(folder: Path) -> None:
@@ -55,6 +58,41 @@ def school(folder: Path) -> None:
     (folder / "group 31.csv").write_text("our pendulum broke\n")
 
 
+def viscous(path: Path, length: float, ratio: float, seed: int) -> None:
+    """Writes one swing of a viscous pendulum of that length (m), let go at 20 degrees."""
+    values = {"natural_frequency": np.sqrt(9.81 / length), "viscous_ratio": ratio}
+    export(path, Model("viscous", values), np.radians(20), seed)
+
+
+def lengths(folder: Path) -> None:
+    """Writes pendulums from 20 cm to 1 m, whose lengths were read off a ruler with errors of a millimetre."""
+    draw = np.random.default_rng(26)
+    for seed, name in enumerate((20, 25, 30, 40, 50, 60, 80, 100)):
+        viscous(folder / f"{name}cm.csv", name / 100 + draw.normal(0, 0.001), 0.006, seed)
+
+
+def sails(folder: Path) -> None:
+    """Writes a pendulum with five sails, one of them none, and their areas in a table."""
+    rows = ["file,area (cm²),u_area"]
+    for seed, area in enumerate((0, 20, 40, 60, 80)):
+        viscous(folder / f"sail {seed}.csv", 0.4, 0.002 + 2e-4 * area, seed)
+        rows.append(f"sail {seed}.csv,{area},{0.5 if area else 0}")
+    (folder / "sails.csv").write_text("\n".join(rows) + "\n", encoding="utf-8")
+
+
+def groups(folder: Path) -> None:
+    """Writes six groups with two recordings each of one pendulum; the fourth has measured another."""
+    rows = ["file,group"]
+    for group in range(1, 7):
+        for take in (1, 2):
+            length = 0.4 if group != 4 else 0.396
+            viscous(folder / f"{group}-{take}.csv", length, 0.005, 10 * group + take)
+            rows.append(f"{group}-{take}.csv,group {group}")
+    (folder / "who.csv").write_text("\n".join(rows) + "\n", encoding="utf-8")
+
+
+FOLDERS = {"lengths": lengths, "sails": sails, "groups": groups}
+
 if __name__ == "__main__":
     place = Path(sys.argv[1])
-    anna(place) if place.suffix == ".csv" else school(place)
+    anna(place) if place.suffix == ".csv" else FOLDERS.get(place.name, school)(place)

@@ -6,7 +6,6 @@ import os
 import signal
 import subprocess
 import sys
-import warnings
 from pathlib import Path
 
 import pytest
@@ -15,12 +14,19 @@ ROOT = Path(__file__).resolve().parents[1]
 
 
 def pytest_collection_modifyitems(config, items):
-    """Slow tests are left out unless SWINGDOWN_SLOW is set or they are asked for by mark."""
-    if os.environ.get("SWINGDOWN_SLOW") or "slow" in (config.option.markexpr or ""):
-        return
+    """Slow tests are left out unless SWINGDOWN_SLOW is set or they are asked for by mark; each says what it is that takes long."""
+    wanted = os.environ.get("SWINGDOWN_SLOW") or "slow" in (config.option.markexpr or "")
     for item in items:
-        if "slow" in item.keywords:
-            item.add_marker(pytest.mark.skip(reason="slow; set SWINGDOWN_SLOW=1 (make test-all)"))
+        for mark in item.iter_markers("slow"):
+            if not mark.args:
+                raise pytest.UsageError(
+                    f"{item.nodeid}: slow, but what is it? Mend: @pytest.mark.slow('a search')"
+                )
+            if not wanted:
+                item.add_marker(pytest.mark.skip(reason=f"slow, {mark.args[0]}: make test-all runs it"))
+    if wanted:  # what takes longest begins first, so that no core waits for it at the end
+        long = {item.path for item in items if item.get_closest_marker("slow")}
+        items.sort(key=lambda item: item.path not in long)
 
 
 @pytest.fixture(scope="session")
@@ -28,10 +34,20 @@ def shared_data():
     """The folder of recordings and published cases that come beside the project, not with it."""
     folder = Path(os.environ.get("SWINGDOWN_SHARED", ROOT.parent / "shared" / "data"))
     if not folder.is_dir():
-        reason = f"NOT TESTED: no folder {folder} with recordings and published cases (set SWINGDOWN_SHARED)"
-        warnings.warn(reason, stacklevel=1)
-        pytest.skip(reason)
+        pytest.skip(
+            f"NOT TESTED: no folder {folder} with recordings and published cases (set SWINGDOWN_SHARED)"
+        )
     return folder
+
+
+@pytest.fixture(autouse=True)
+def environment_as_it_was():
+    """A study that is planned in this process sets variables (``SWINGDOWN_ENGINE``): no later test starts its processes with them."""
+    before = dict(os.environ)
+    yield
+    for name in os.environ.keys() - before.keys():
+        del os.environ[name]
+    os.environ.update(before)
 
 
 @pytest.fixture(scope="session")

@@ -1,12 +1,17 @@
 """A job tells the terminal and its log the same: what it found, or why it stopped."""
 
 import errno
+import io
+import logging
 import os
 import warnings
+from types import SimpleNamespace
 
 import pandas as pd
 import pytest
+from snakemake_interface_logger_plugins.common import LogEvent
 
+from snakemake_logger_plugin_swingdown import LogHandler
 from swingdown import console
 from swingdown.errors import EngineError, InputError
 from swingdown.paths import write_csv, write_text
@@ -40,6 +45,17 @@ def test_a_missing_compiler_is_told_as_an_unusable_input_is(tmp_path, capsys):
     for part in ("The engine cannot be built.", "there is no C compiler", "install gcc"):
         assert part in shown and part in (tmp_path / "job.log").read_text()
     assert "Traceback" not in shown
+
+
+def test_one_refusal_of_two_jobs_is_printed_once(tmp_path, capsys, monkeypatch):
+    monkeypatch.setenv("SWINGDOWN_PREFORK", str(tmp_path / "run" / "prefork"))
+    (tmp_path / "run").mkdir()
+    for job, file in (("one", "a.nc"), ("two", "a.nc"), ("three", "b.nc")):
+        with pytest.raises(SystemExit), console.job(tmp_path / f"{job}.log"):
+            raise InputError(file, "it cannot be read", mend="delete it")
+        assert file in (tmp_path / f"{job}.log").read_text()
+    shown = capsys.readouterr().err
+    assert (shown.count("a.nc"), shown.count("b.nc")) == (1, 1)
 
 
 def test_a_fault_of_the_program_keeps_its_traceback(tmp_path):
@@ -81,3 +97,57 @@ def test_a_kind_of_warning_is_told_once(tmp_path, capsys):
     said = (tmp_path / "log").read_text()
     assert said.splitlines() == ["Beware: model 0 gains energy (299 more such)"]
     assert capsys.readouterr().err.count("gains energy") == 1
+
+
+@pytest.fixture
+def shown(tmp_path, monkeypatch):
+    """A function that gives what a run prints of a job of the cluster that failed, whose log holds a text (None: there is none)."""
+    monkeypatch.chdir(tmp_path)
+    handler = LogHandler(SimpleNamespace(stdout=False, dryrun=False, verbose=False), None)
+
+    def line(text):
+        if text is not None:
+            (tmp_path / "job.log").write_text(text)
+        told = logging.makeLogRecord(
+            {"event": LogEvent.JOB_ERROR, "rule_name": "sweep_combine", "rule_msg": "SLURM-job '7' failed", "output": ["sweep.nc"],
+             "log": ["job.log", "slurm.log"], "aux": {"external_jobid": "7"}}
+        )  # fmt: skip
+        printed = io.StringIO()
+        handler.stream = printed
+        handler.emit(told)
+        return printed.getvalue()
+
+    return line
+
+
+def test_what_a_job_of_the_cluster_said_is_told_where_the_run_is_watched(shown):
+    """Its own words reach no terminal."""
+    said = console.block(InputError("chunks/a.nc", "it is damaged", "a whole one", "delete it"))
+    told = shown("so far\n" + said)
+    assert "FAILED: rule sweep_combine for sweep.nc" in told
+    assert all(part in told for part in ("chunks/a.nc", "it is damaged", "mend:      delete it"))
+
+
+def test_one_refusal_of_two_jobs_of_the_cluster_is_told_once(shown):
+    said = console.block(InputError("chunks/a.nc", "it is damaged", "a whole one", "delete it"))
+    assert "it is damaged" in shown("of the first\n" + said)
+    again = shown("of the second\n" + said)
+    assert "FAILED" in again and "it is damaged" not in again
+
+
+@pytest.mark.parametrize("text", [None, "\n"])
+def test_a_job_of_the_cluster_that_said_nothing_is_told_by_what_slurm_says(shown, tmp_path, text):
+    assert "SLURM-job '7' failed" in shown(text) and "Mend: see `scontrol show job 7`" in shown(text)
+    (tmp_path / "slurm.log").write_text("error: Exceeded job memory limit\n")
+    assert "Exceeded job memory limit" in shown(text)
+
+
+def test_control_characters_reach_no_terminal_and_no_log(tmp_path, capsys):
+    with pytest.raises(SystemExit), console.job(tmp_path / "job.log") as say:
+        say("read \x1b[31mred\x1b]0;title\x07.csv\nand\ta tab, \u202e turned")
+        raise InputError("\x9b2J.csv", "it is no file\r")
+    shown = capsys.readouterr().err
+    for text in (shown, (tmp_path / "job.log").read_text()):
+        assert "\\x1b[31mred\\x1b]0;title\\x07.csv" in text and "\\x9b2J.csv" in text
+        assert "and\ta tab, \\u202e turned" in text
+        assert not set(text) & set("\x1b\x07\x9b\r\u202e")

@@ -28,7 +28,7 @@ def test_the_changes_fit_the_files_as_they_are(root, changes):
     git_apply(changes, root, "--check")
 
 
-@pytest.mark.slow
+@pytest.mark.slow("a whole copy is tested")
 def test_with_the_changes_made_the_tests_pass(root, changes, tmp_path):
     """On a copy: formatter and linter find nothing, the figure is drawn, the format is read."""
     copy, ignored = tmp_path / "copy", shutil.ignore_patterns("__pycache__", "*.egg-info")

@@ -16,7 +16,7 @@ from snakemake.settings.types import (
 
 PAPER = {
     "all", "page", "manifest", "simulate", "fit_simulated", "table2", "record", "calibrate", "angle", "fit_swing", "fit_campaign",
-    "table3", "pendulums", "discover_search", "discover_verdict", "discover_figures", *(f"fig{number:02d}" for number in range(1, 16)),
+    "table3", "left_out", "pendulums", "discover_search", "discover_verdict", "discover_figures", *(f"fig{number:02d}" for number in range(1, 16)),
 }  # fmt: skip
 SIMULATION = {"simulate", "fit_simulated", "table2", "fig02", "fig03", "fig04", "fig05"}
 CALIBRATION = {"calibrate", "fig06", "fig07", "fig08"}
@@ -55,16 +55,29 @@ def sheet(tmp_path):
     return "recordings: sheet.csv\n"
 
 
+def test_lengths_in_the_sheet_ask_for_g_and_three_of_them_for_a_series(rules, tmp_path):
+    for name in "abc":
+        (tmp_path / f"{name}.csv").write_text("time_s,angle_rad\n")
+    head, own = "recording,campaign,file,length", "recordings: sheet.csv\nsimulation: {simulated: []}\n"
+    for lengths, made in (
+        (("0.2", "0.3", "0.4"), {"series", "series_figure"}),
+        (("0.2", "0.2", "0.2"), {"series"}),
+    ):
+        rows = [f"{name},{name},{name}.csv,{length}" for name, length in zip("abc", lengths, strict=True)]
+        (tmp_path / "sheet.csv").write_text("\n".join([head, *rows]) + "\n")
+        assert set(rules(own)) & {"series", "series_figure"} == made
+
+
 def test_the_papers_study(rules):
     counts = rules()
     assert set(counts) == PAPER
     assert (
         counts["record"] == counts["angle"] == 19
     )  # both campaigns and the record at rest, which tells the noise
-    assert counts["fit_swing"] == 12  # the paper's models are fitted to one campaign
+    # the tables are of one campaign, and whether a swing is free is asked of both
+    assert (counts["fit_swing"], counts["fit_campaign"]) == (18, 1)
     assert (counts["discover_verdict"], counts["discover_search"]) == (2, 2)
     assert counts["fit_simulated"] == 3
-    assert counts["fit_campaign"] == 1
 
 
 def test_settings_that_name_no_recordings_change_the_papers_study(rules):
@@ -109,7 +122,7 @@ def test_the_report_is_a_target_of_its_own(rules):
     assert set(rules(None, "report")) == PAPER - {"all"} | {"report"}
 
 
-def test_discovery_alone_fits_no_paper_models(rules, sheet):
+def test_discovery_alone_asks_whether_swings_are_free_and_fits_nothing_else(rules, sheet):
     found = rules(sheet + "discovery: {rounds: 1}\n", "discover")
     assert found == {
         "discover": 1,
@@ -119,6 +132,8 @@ def test_discovery_alone_fits_no_paper_models(rules, sheet):
         "discover_figures": 1,
         "record": 2,
         "angle": 2,
+        "fit_swing": 2,
+        "left_out": 1,
     }
 
 

@@ -7,7 +7,6 @@ import signal
 import subprocess
 import sys
 import time
-import warnings
 from contextlib import contextmanager
 
 import pytest
@@ -27,9 +26,7 @@ def disk(tmp_path):
         command = ["mount", "-t", "tmpfs", "-o", f"size={size}", "tmpfs", folder]
         done = subprocess.run(command, capture_output=True, text=True)
         if done.returncode:
-            reason = f"NOT TESTED: no disk can be mounted here ({done.stderr.strip() or 'not root'})"
-            warnings.warn(reason, stacklevel=1)
-            pytest.skip(reason)
+            pytest.skip(f"NOT TESTED: no disk can be mounted here ({done.stderr.strip() or 'not root'})")
         mounted.append(folder)
 
     yield mount
@@ -104,8 +101,8 @@ STAGES = {
         "calibration/calibration.nc": ["tables/uncertainty_budget.csv"],
         "simulation/norms_viscous.nc": [],
     },
-    "fits of swings, table, verdict": {
-        "experiment/fits/swing_01.nc": [],
+    "fits of swings": {"experiment/fits/swing_01.nc": []},
+    "table, verdict": {
         "tables/table2.csv": ["simulation/norms.nc"],
         "discovery/bench/verdict.json": [],
     },
@@ -120,7 +117,7 @@ STAGES = {
 }  # fmt: skip
 
 
-@pytest.mark.slow
+@pytest.mark.slow("a whole study")
 def test_a_disk_that_fills_up_at_any_stage(small_study, snakemake, disk, tmp_path):
     """Each stage says so in one message; what was there stays; with room again, all ends as it would have."""
     folder, results = tmp_path / "study", tmp_path / "study" / "results"
@@ -174,6 +171,7 @@ def running(tmp_path, root):
         process.wait()
 
 
+@pytest.mark.slow("runs of the workflow")
 def test_two_runs_in_one_folder(running, root):
     first, folder, command = running
     second = subprocess.run(command, cwd=root, capture_output=True, text=True)
@@ -187,6 +185,7 @@ def test_two_runs_in_one_folder(running, root):
     assert (folder / "results/simulation/realizations.nc").exists()
 
 
+@pytest.mark.slow("runs of the workflow")
 def test_the_lock_of_a_run_that_was_killed_goes_as_is_told(running, root):
     first, _, command = running
     os.killpg(first.pid, signal.SIGKILL)

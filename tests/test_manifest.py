@@ -2,14 +2,29 @@
 
 import json
 import os
+import shutil
 import subprocess
 import sys
 import time
 from hashlib import sha256
 
+import netCDF4
+import numpy as np
 import pytest
+import xarray as xr
+from snakemake.api import SnakemakeApi
+from snakemake.settings.enums import Quietness
+from snakemake.settings.types import (
+    ConfigSettings,
+    DAGSettings,
+    ExecutionSettings,
+    OutputSettings,
+    ResourceSettings,
+)
 
+from swingdown import dataset, sealed
 from swingdown.__main__ import main
+from swingdown.errors import InputError
 from swingdown.manifest import NAME, write_manifest
 from swingdown.paths import remove_leftovers, write_csv, write_text, written_whole
 
@@ -18,8 +33,9 @@ from swingdown.paths import remove_leftovers, write_csv, write_text, written_who
 def results(tmp_path):
     """A folder of results with its manifest."""
     folder = tmp_path / "results"
-    for name in ("b.nc", "tables/a.csv", "logs/run.log", "sweeps/benchmarks/x.tsv", "sweeps/s.nc"):
+    for name in ("b.txt", "logs/run.log", "sweeps/benchmarks/x.tsv", "sweeps/s.txt"):
         write_text(folder / name, name)
+    sealed.write_text(folder / "tables/a.csv", "a,b\n1,2\n")
     write_manifest(folder, folder / NAME, without=["sweeps"])
     write_manifest(folder, folder / "sweeps" / NAME, parts=["sweeps"])
     return folder
@@ -27,8 +43,8 @@ def results(tmp_path):
 
 def test_a_manifest_lists_what_was_made_and_nothing_of_the_run(results):
     files = json.loads((results / NAME).read_text())["files"]
-    assert [one["path"] for one in files] == ["b.nc", "tables/a.csv"]
-    assert files[0] == {"path": "b.nc", "size": 4, "sha256": sha256(b"b.nc").hexdigest()}
+    assert [one["path"] for one in files] == ["b.txt", "tables/a.csv"]
+    assert files[0] == {"path": "b.txt", "size": 5, "sha256": sha256(b"b.txt").hexdigest()}
 
 
 def test_a_manifest_is_the_same_again(results):
@@ -43,19 +59,74 @@ def test_what_is_as_written_passes(results, capsys):
 
 
 def test_a_flipped_bit_a_lost_file_and_a_stranger_are_told(results, capsys):
-    (results / "b.nc").write_text("b.nd")
+    (results / "b.txt").write_text("b.txu")
     (results / "tables/a.csv").unlink()
     (results / "tables/new.csv").write_text("")
     assert main(["verify", str(results)]) == 1
     told = capsys.readouterr().out.splitlines()
-    assert told[:3] == ["missing: tables/a.csv", "changed: b.nc", "unknown: tables/new.csv"]
+    assert told[:3] == ["missing: tables/a.csv", "changed: b.txt", "unknown: tables/new.csv"]
+
+
+@pytest.mark.parametrize(
+    "damage", [lambda seal: seal[:5] + b"x" + seal[6:], lambda seal: seal[:40], lambda seal: b""]
+)
+def test_a_seal_that_is_flipped_cut_or_emptied_is_told(results, capsys, damage):
+    seal = sealed.seal_of(results / "tables/a.csv")
+    seal.write_bytes(damage(seal.read_bytes()))
+    assert main(["verify", str(results)]) == 1
+    assert capsys.readouterr().out.splitlines()[0] == "changed: tables/.a.csv.sha256"
+    seal.unlink()  # as the mend says
+    assert main(["verify", str(results)]) == 0
+
+
+def edited(path):
+    path.write_text(path.read_text().replace("1", "3"))
+
+
+def seal_edited(path):
+    edited(sealed.seal_of(path))
+
+
+def number_changed(path):
+    with netCDF4.Dataset(path, "a") as file:
+        file["x"][0] = 7
+
+
+def flipped(path):
+    content = bytearray(path.read_bytes())
+    content[len(content) // 2] ^= 1
+    path.write_bytes(content)
+
+
+def cut(path):
+    path.write_bytes(path.read_bytes()[:-200])
+
+
+@pytest.mark.parametrize(
+    "name, damage",
+    [
+        ("tables/a.csv", edited),
+        ("tables/a.csv", seal_edited),
+        ("c.nc", number_changed),
+        ("c.nc", flipped),
+        ("c.nc", cut),
+    ],
+)
+def test_what_is_not_as_it_was_written_becomes_no_truth(results, name, damage):
+    """A manifest that is written anew lists nothing that a seal belies, and says how that is made anew."""
+    dataset.write(xr.Dataset({"x": ("n", np.arange(3))}), results / "c.nc")
+    before = (results / NAME).read_bytes()
+    damage(results / name)
+    with pytest.raises(InputError, match=f"{name}.*Mend: delete it and give the same command again"):
+        write_manifest(results, results / NAME)
+    assert (results / NAME).read_bytes() == before
 
 
 def test_a_part_made_again_by_itself_is_as_it_should_be(results):
     """Its own manifest knows it; that of the whole study is older."""
-    write_text(results / "angles/a.nc", "before")
+    write_text(results / "angles/a.txt", "before")
     write_manifest(results, results / NAME, without=["sweeps"])
-    write_text(results / "angles/a.nc", "after")
+    write_text(results / "angles/a.txt", "after")
     assert main(["verify", str(results)]) == 1
     write_manifest(results, results / "discovery" / NAME, parts=["angles", "discovery"])
     assert main(["verify", str(results)]) == 0
@@ -93,6 +164,52 @@ def test_a_studys_results_are_all_listed_and_verified(small_study, capsys):
     assert not [path for path in listed if path.startswith("logs/") or path.endswith(NAME)]
 
 
+@pytest.mark.slow("a whole study")
+def test_a_value_that_was_changed_is_refused_and_mended_as_told(small_study, snakemake, tmp_path):
+    """No later step reads the file: only the manifest sees it, and it asks for what is deleted."""
+    folder = tmp_path / "study"
+    shutil.copytree(small_study, folder)
+    arguments = ("results/manifest.json", "--configfile", folder / "small.yaml", "--rerun-triggers", "mtime")
+    changed = folder / "results/discovery/bench/round-0/model.yaml"
+    whole = changed.read_text()
+    changed.write_text(whole.replace("viscous", "Viscous", 1))
+    (folder / "results/manifest.json").unlink()
+    done = snakemake(*arguments, directory=folder, check=False)
+    assert done.returncode and not (folder / "results/manifest.json").exists()
+    told = " ".join(done.stdout.split())
+    assert (
+        "results/discovery/bench/round-0/model.yaml" in told
+        and "mend: delete it and give the same command" in told
+    )
+    changed.unlink()
+    snakemake(*arguments, directory=folder)
+    assert changed.read_text() == whole and main(["verify", str(folder / "results")]) == 0
+
+
+@pytest.mark.slow("a whole study")
+def test_every_file_of_a_study_that_is_deleted_is_made_anew(small_study, root, tmp_path):
+    """By the same command: what no later step needs, too. Here it is planned only."""
+    folder = tmp_path / "study"
+    shutil.copytree(small_study, folder)
+
+    def planned():
+        with SnakemakeApi(OutputSettings(quiet={Quietness.ALL})) as api:
+            study = api.workflow(
+                resource_settings=ResourceSettings(cores=1), config_settings=ConfigSettings(configfiles=[folder / "small.yaml"]),
+                snakefile=root / "Snakefile", workdir=folder,
+            )  # fmt: skip
+            jobs = study.dag(dag_settings=DAGSettings(targets={"all"}, rerun_triggers={"mtime"}))
+            jobs.execute_workflow(executor="dryrun", execution_settings=ExecutionSettings(lock=False))
+            return study._workflow.dag.stats()[1]["total"]
+
+    assert planned() == 0
+    for one in json.loads((folder / "results" / NAME).read_text())["files"]:
+        path = folder / "results" / one["path"]
+        aside = path.rename(tmp_path / "aside")
+        assert planned(), one["path"]
+        aside.rename(path)
+
+
 KILLED = """
 import os, signal, sys
 from swingdown.paths import written_whole
@@ -110,7 +227,7 @@ def test_what_a_killed_writer_left_is_removed_and_nothing_else(tmp_path):
     strangers.write_text("")
     elsewhere = tmp_path / ".a.nc.another-machine-1.part"
     elsewhere.write_text("")
-    with written_whole(tmp_path / "b.nc") as running:
+    with written_whole(tmp_path / "b.txt") as running:
         running.write_text("half")
         assert remove_leftovers(tmp_path) == [left]
         assert running.exists() and mine.exists() and strangers.exists() and elsewhere.exists()
@@ -120,7 +237,7 @@ def test_what_a_killed_writer_left_is_removed_and_nothing_else(tmp_path):
 
 
 def test_a_process_number_given_again_protects_no_leftover(tmp_path):
-    with written_whole(tmp_path / "b.nc") as partial:
+    with written_whole(tmp_path / "b.txt") as partial:
         partial.write_text("half")
         os.utime(partial, (0, 0))  # long before this process began
         found = remove_leftovers(tmp_path)
@@ -128,6 +245,7 @@ def test_a_process_number_given_again_protects_no_leftover(tmp_path):
     assert found == [partial]
 
 
+@pytest.mark.slow("runs of the workflow")
 def test_the_next_run_removes_leftovers_and_a_dry_run_does_not(small_study, snakemake, tmp_path):
     left = tmp_path / "results" / "tables" / ".table2.csv.999999999.part"
     write_text(left, "half")

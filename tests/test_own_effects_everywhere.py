@@ -52,7 +52,7 @@ def study(snakemake, tmp_path_factory):
     return folder
 
 
-@pytest.mark.slow
+@pytest.mark.slow("a whole study")
 def test_it_is_fitted_tabled_found_and_told(study):
     results = study / "results"
     with xr.open_dataset(results / "experiment/norms.nc") as norms:
@@ -69,7 +69,7 @@ def test_it_is_fitted_tabled_found_and_told(study):
     assert "five teeth" in (results / "report.html").read_text()
 
 
-@pytest.mark.slow
+@pytest.mark.slow("a whole study")
 def test_another_formula_runs_every_rule_that_rests_on_it_and_no_other(study, snakemake):
     (study / "other.yaml").write_text(CONFIG.replace("sin(5*theta", "sin(6*theta"))
     done = snakemake(
@@ -81,7 +81,7 @@ def test_another_formula_runs_every_rule_that_rests_on_it_and_no_other(study, sn
     assert not {"record", "angle", "simulate", "fig02", "fig09"} & rules
 
 
-@pytest.mark.slow
+@pytest.mark.slow("a whole study")
 def test_trials_do_not_hide_what_they_cannot_make(study, snakemake):
     (study / "trial.yaml").write_text(CONFIG + "hidden_effects: {effects: [five_teeth]}\n")
     done = snakemake(

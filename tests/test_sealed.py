@@ -1,6 +1,7 @@
 """A result that was damaged or edited is refused where a later step reads it: never another number, never a traceback."""
 
 import ast
+import csv
 import json
 import os
 import re
@@ -17,6 +18,21 @@ from swingdown.errors import InputError
 from swingdown.pendulum.model import read_model
 
 TABLE = pd.DataFrame({"a": [1.5, -2.0], "b": ["x", "ü"]})
+
+
+FORMULAS = ["=1+1", "@SUM(A1)", "+1+cmd|' /C calc'!A0", "-2+3", "-x", "\t=1", "=", "'=1", "'"]
+PLAIN = ["-1.5", "+2e-3", "-0.36(12)", "-1.20(5)e-03", "a=b", "", "'quoted'"]
+
+
+def test_a_name_is_no_formula_in_a_spreadsheet_and_the_same_when_read(tmp_path):
+    table = pd.DataFrame({"label": FORMULAS + PLAIN, "x": -1.5, "=head": "-"})
+    path = sealed.write_csv(table, tmp_path / "a.csv")
+    with path.open(newline="") as file:
+        header, *rows = csv.reader(file)
+    assert header == ["label", "x", "'=head"]
+    assert [row[0] for row in rows] == ["'" + one for one in FORMULAS[:-1]] + ["'"] + PLAIN
+    assert {tuple(row[1:]) for row in rows} == {("-1.5", "'-")}
+    pd.testing.assert_frame_equal(sealed.read_csv(path, keep_default_na=False, dtype={"label": str}), table)
 
 
 def flipped(content, draws):
@@ -127,7 +143,7 @@ def test_what_is_carried_to_a_storage_has_no_seal(tmp_path):
 
 # What reads text that is no result: settings, sheets, recordings, code, published values, captions, its own lines with sums.
 READS_OTHERS = {
-    "engine", "measurement", "certified", "capture", "pendulum/catalogue", "discovery/verdict.py", "study", "sweep/code.py", "sweep/chunks.py",
+    "engine", "measurement", "certified", "capture", "pendulum/catalogue", "discovery/judge.py", "study", "sweep/code.py", "sweep/chunks.py",
     "schema.py", "sealed.py", "prefork.py", "manifest.py", "report/provenance.py", "report/page.py", "report/sweeps.py",
 }  # fmt: skip
 READERS = {"read_text", "read_bytes", "read_csv", "open_dataset", "load_dataset", "safe_load", "loads"}
@@ -155,6 +171,7 @@ def test_results_are_read_by_the_one_reader(root):
         "scripts/sweep_book.py: Path(book).read_bytes()",
         "scripts/table2.py: pd.read_csv(published)",
         "scripts/table3.py: pd.read_csv(published)",
+        "src/snakemake_logger_plugin_swingdown/__init__.py: Path(path).read_text(encoding='utf-8', errors='replace')",  # a log
         "sweep/combine.py: xr.open_dataset(output, engine='netcdf4', decode_times=False, decode_timedelta=False)",
         "sweep/combine.py: xr.open_dataset(path, engine='netcdf4', decode_times=False, decode_timedelta=False)",
         "sweep/compute.py: Path(partial).read_bytes()",
@@ -196,13 +213,14 @@ def test_a_byte_flipped_or_cut_in_any_result_is_refused_or_harmless(small_study,
     assert refused > 150 and harmless < 0.02 * refused
 
 
+@pytest.mark.slow("a whole study")
 def test_a_run_on_damaged_results_is_refused_in_our_words(small_study, snakemake, tmp_path):
     """The damage is in what each of three jobs reads; the mend that is told mends it."""
     folder = tmp_path / "study"
     shutil.copytree(small_study, folder)
     damaged = {
         "results/tables/table2.csv": ("results/figures/fig03.svg", "fig03"),
-        "results/angles/swing_01.nc": ("results/experiment/fits/swing_01.nc", "fit_swing"),
+        "results/angles/swing_01.nc": ("results/figures/fig09.svg", "fig09"),
         "results/discovery/bench/round-0/round.json": ("results/discovery/bench/verdict.json", "discover_verdict"),
     }  # fmt: skip
     for name in damaged:
@@ -224,6 +242,7 @@ def test_a_run_on_damaged_results_is_refused_in_our_words(small_study, snakemake
         assert (folder / name).read_bytes() == (small_study / name).read_bytes(), name
 
 
+@pytest.mark.slow("runs of the workflow")
 def test_snakemake_minds_no_seals(snakemake, tmp_path):
     """They are nobody's output: nothing is made again for them, and what deletes results can be followed by a run."""
     made = "results/figures/fig01.svg"

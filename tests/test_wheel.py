@@ -92,7 +92,7 @@ def wheel(root, tmp_path_factory):
     return made
 
 
-@pytest.mark.slow
+@pytest.mark.slow("a wheel is built")
 def test_the_wheel_holds_every_file_of_the_package(root, wheel):
     source = root / "workflow/src"
     packages = ("swingdown", "snakemake_logger_plugin_swingdown")
@@ -125,7 +125,7 @@ def without_python(tmp_path):
     return clean | {"SWINGDOWN_CACHE": str(tmp_path / "cache")}
 
 
-@pytest.mark.slow
+@pytest.mark.slow("a wheel is built")
 def test_the_wheel_works_where_no_project_is_around_it(wheel, tmp_path):
     (python, site), clean = installed(wheel, tmp_path / "environment"), without_python(tmp_path)
     elsewhere = tmp_path / "elsewhere"
@@ -160,7 +160,7 @@ print("fitted", fit_jointly("viscous+load_coulomb", [(times, angle)] * 2).conver
 """
 
 
-@pytest.mark.slow
+@pytest.mark.slow("a wheel is built")
 @pytest.mark.skipif(not prebuilt.levels(), reason="engines are carried for Linux on x86-64 alone")
 def test_a_wheel_that_carries_the_engine_needs_no_compiler(root, tmp_path):
     build = [str(root / "tools/build-wheel"), str(tmp_path / "dist")]

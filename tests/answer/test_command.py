@@ -3,6 +3,7 @@
 import os
 import subprocess
 import sys
+import zipfile
 from pathlib import Path
 
 import numpy as np
@@ -45,8 +46,12 @@ def test_a_file_gives_its_first_answer_and_a_study_beside_it(here, capsys):
     for words in ("period", "natural frequency", "7.25", "quality Q", "decay time (1/e)", "viscous"):
         assert words in told
     folder = here / "anna-swingdown"
-    assert sorted(path.name for path in folder.iterdir()) == [
+    assert sorted(path.name for path in folder.iterdir() if not path.name.startswith(".")) == [
+        "curves.csv",
+        "curves.png",
         "first_answer.csv",
+        "laws.csv",
+        "laws.png",
         "recordings.csv",
         "study.yaml",
     ]
@@ -92,6 +97,64 @@ def test_a_folder_is_a_class_in_which_one_bad_file_spoils_only_its_own_row(here,
     }
 
 
+def test_runs_side_by_side_are_rows_of_their_own(here, capsys):
+    parts = [
+        pd.read_csv(export(here / f"{k}.txt", frequency=5 + k, seed=k, times=TIMES[: 1001 - 200 * k]))
+        for k in range(3)
+    ]
+    table = pd.concat([part.add_suffix(f" Run #{k}") for k, part in enumerate(parts, 1)], axis=1)
+    (here / "class").mkdir()
+    table.to_csv(here / "class" / "capstone.csv", index=False)
+    assert main(["class", "--quick"]) == 0
+    told = capsys.readouterr().out
+    assert (
+        "capstone.csv: 3 runs; all taken" in told and "capstone.csv, Run #3: took `Angle (°) Run #3`" in told
+    )
+    answers = pd.read_csv(here / "class-swingdown" / "first_answer.csv")
+    assert list(answers["recording"]) == ["capstone-Run-1", "capstone-Run-2", "capstone-Run-3"]
+    assert np.all(np.abs(answers["natural_frequency_rad_per_s"] - [5, 6, 7]) < 5e-3)
+    os.chdir(here / "class-swingdown")
+    rows = read_sheet("recordings.csv")
+    assert list(rows["run"]) == ["Run #1", "Run #2", "Run #3"] and rows["campaign"].is_unique
+
+
+@pytest.mark.slow("a search")
+def test_a_folder_is_told_whole(here, snakemake, capsys):
+    """Each file is used, refused, or not looked at and why; names that Snakemake or a sheet cannot hold take nobody else down."""
+    for name in ("group {7}.csv", "<script>.csv", "zip me.txt"):
+        export(here / "class" / name)
+    with zipfile.ZipFile(here / "class" / "phone.zip", "w") as packed:
+        packed.write(here / "class" / "zip me.txt", "Raw Data.csv")
+        packed.writestr("meta/device.csv", "property,value\n")
+    folder = os.fsencode(here / "class")
+    for name in (b"K\xf6nig.csv", b"photo.jpg", b"sketch.ino", b"film.mp4"):
+        with open(os.path.join(folder, name), "wb") as file:
+            file.write(b"\0\0\0\x18ftypisom" if name == b"film.mp4" else b"x,y\n")
+    (here / "class" / "old").mkdir()
+    assert main(["class", "--quick"]) == 0
+    told = capsys.readouterr().out
+    for words in (
+        "photo.jpg: not looked at: a picture",
+        "sketch.ino: not looked at: files that end in .ino",
+        "old: not looked at: a folder",
+    ):
+        assert words in told
+    assert "film.mp4: NOT USED" in told
+    study = here / "class-swingdown"
+    assert set(pd.read_csv(study / "first_answer.csv")["recording"]) == {
+        "group-7",
+        "script",
+        "zip-me",
+        "phone",
+    }
+    out = pd.read_csv(study / "left_out.csv").set_index("recording")["problem"]
+    assert set(out.index) == {"photo.jpg", "sketch.ino", "old", "film", "Konig.csv"}
+    assert "perhaps Latin-1" in out["Konig.csv"]
+    wanted = ["results/recordings/group-7.nc", "results/recordings/script.nc"]
+    snakemake(*wanted, "--configfile", study / "study.yaml", directory=study)
+    assert all((study / one).exists() for one in wanted)
+
+
 def test_together_they_are_one_pendulum(here, capsys):
     for k in range(2):
         export(here / f"{k}.csv", angle=0.2 + 0.1 * k, seed=k)
@@ -103,12 +166,26 @@ def test_together_they_are_one_pendulum(here, capsys):
 
 def test_units_that_the_file_leaves_out_can_be_told(here, capsys):
     export(here / "a.csv", header=("t", "value"))
+    assert main(["a.csv", "--quick"]) == 0
+    assert "TAKEN AS DEGREES (--unit says otherwise)" in capsys.readouterr().out
+    assert main(["a.csv", "--quick", "--unit", "deg"]) == 0
+    assert "TAKEN AS" not in capsys.readouterr().out
+    assert pd.read_csv(here / "a-swingdown" / "recordings.csv")["signal_unit"].item() == "deg"
+
+
+def test_one_number_a_line_asks_for_the_rate_in_the_words_of_the_command(here, capsys):
+    table = pd.read_csv(export(here / "a.csv"))
+    (here / "a.csv").write_text("\n".join(f"{x:.5f}" for x in np.radians(table["Angle (°)"])) + "\n")
     with pytest.raises(SystemExit):
         main(["a.csv", "--quick"])
-    assert "deg" in capsys.readouterr().err
-    assert not (here / "a-swingdown").exists()
-    assert main(["a.csv", "--quick", "--unit", "deg"]) == 0
-    assert pd.read_csv(here / "a-swingdown" / "recordings.csv")["signal_unit"].item() == "deg"
+    told = capsys.readouterr().err
+    assert "--rate" in told and "rate_hz" not in told and "sheet" not in told
+    assert main(["a.csv", "--quick", "--unit", "rad", "--rate", "100"]) == 0
+    row = pd.read_csv(here / "a-swingdown" / "first_answer.csv").iloc[0]
+    assert abs(row["natural_frequency_rad_per_s"] - 7.25) < 0.01
+    with pytest.raises(SystemExit):
+        main([str(export(here / "b.csv")), "--quick", "--rate", "100"])
+    assert "leave --rate empty" not in capsys.readouterr().err
 
 
 def test_a_window_can_be_told(here, capsys):
@@ -176,7 +253,7 @@ def test_a_search_that_fails_of_one_pendulum_leaves_the_others_their_report(here
         export(here / "class" / f"{k}.csv", seed=k)
     asked = []
 
-    def run(command, cwd):
+    def run(command, cwd, **streams):
         """Stands for the workflow: the first time the search of the second pendulum ends in an error."""
         folder = Path(command[command.index("--directory") + 1])
         settings = yaml.safe_load((folder / "study.yaml").read_text())
@@ -184,9 +261,10 @@ def test_a_search_that_fails_of_one_pendulum_leaves_the_others_their_report(here
         path = folder / "results/discovery/0/verdict.json"
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text('{"status": "consistent", "sentence": "Nothing is missing: as it should be."}')
-        return subprocess.CompletedProcess(command, 1 if len(asked) == 1 else 0)
+        return running([sys.executable, "-c", f"raise SystemExit({1 if len(asked) == 1 else 0})"], **streams)
 
-    monkeypatch.setattr("swingdown.answer.command.subprocess.run", run)
+    running = subprocess.Popen
+    monkeypatch.setattr("swingdown.answer.command.subprocess.Popen", run)
     assert main(["class"]) == 0
     assert asked == [None, ["0"]]
     told = capsys.readouterr().out
@@ -202,7 +280,7 @@ def test_names_are_safe_and_each_is_there_once():
     assert all(name[0].isalnum() and name.isascii() and " " not in name for name in found)
 
 
-@pytest.mark.slow
+@pytest.mark.slow("a whole study")
 def test_from_an_empty_folder_to_a_report(here, root):
     """Two files and a broken one, by the command alone: verdicts, the table, and a report without a trace of the paper."""
     for k in range(2):

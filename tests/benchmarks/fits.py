@@ -28,6 +28,7 @@ WANTED = {  # at least, goal, over which of ours
     "odeint + lmfit leastsq": (400, 1_000, "ratio_to_users_call"),
 }
 TIMED = ("five", "seven")
+QUICK = ("numba", "heyoka", "odeint + lmfit")  # the methods of --quick begin with these
 TYPICAL = {
     "natural_frequency": 1.0,
     "viscous_ratio": 0.01,
@@ -167,10 +168,17 @@ def main():
     reader.add_argument(
         "--case", choices=TIMED, action="append", help="by default all; odeint takes minutes for seven"
     )
+    reader.add_argument(
+        "--quick",
+        action="store_true",
+        help="a minute: numba, heyoka and lmfit beside this engine, the case five, 3 rounds",
+    )
     given = reader.parse_args()
+    if given.quick:
+        given.only, given.case, given.rounds = "fits", ["five"], 3
     given.results.mkdir(parents=True, exist_ok=True)
     if given.only != "figures":
-        fitters, missing = peers.available()
+        fitters, missing = peers.available(QUICK if given.quick else "")
         for name in missing:
             print(f"NOT TIMED: {name} is not installed (see requirements-benchmark.lock)")
         print(f"Fits of {TIMES.size} samples, {given.rounds} rounds, first round:")

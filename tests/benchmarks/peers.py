@@ -211,8 +211,8 @@ class Diffrax:
         return Found(np.asarray(value) * task.scale, int(steps))
 
 
-def available():
-    """The fitters by name, and the names of those whose packages are not installed."""
+def available(begin=""):
+    """The fitters by name that begins so, and the names of those whose packages are not installed."""
     fitters = {
         "solve_ivp RK45 + Nelder-Mead": solve_ivp_nelder_mead,
         "odeint + Nelder-Mead": odeint_nelder_mead,
@@ -226,11 +226,13 @@ def available():
         "diffrax + optimistix, warm": Diffrax,
         **FITTERS,
     }.items():
+        if not name.startswith(begin):
+            continue
         try:
             fitters[name] = make()
         except ImportError:
             missing.append(name)
-    return fitters, missing
+    return {name: one for name, one in fitters.items() if name.startswith(begin)}, missing
 
 
 def _lmfit():

@@ -1,18 +1,25 @@
 """How often a recording's questions err: simulated swings as they should be, and each of them spoilt in one way.
 
-``python tests/benchmarks/questions.py [SWINGS]`` prints the table that docs/files.md has.
+``python tests/benchmarks/questions.py [SWINGS]`` prints the tables that docs/files.md has, and with ``--even`` alone those of samples lost
+at even distances and of a gain that drifts.
 """
 
 import re
 import sys
 import tempfile
+from itertools import product
 from pathlib import Path
 
 import numpy as np
+from scipy.signal import lfilter
 
+from swingdown.answer import explain
 from swingdown.engine.trajectory import TrajectoryError, simulate
 from swingdown.errors import InputError
+from swingdown.measurement.even import evenly
+from swingdown.measurement.plausibility import half_swings
 from swingdown.measurement.recording import ingest
+from swingdown.measurement.renumbered import lost_evenly
 from swingdown.measurement.sheet import read_sheet
 from swingdown.measurement.spikes import find_spikes
 from swingdown.pendulum.catalogue import SHIPPED
@@ -93,6 +100,12 @@ def dropped(times, angle, noise, period, draws):
     return times[:-lost], np.delete(angle, np.arange(n, n + lost))
 
 
+def tenth(times, angle, noise, period, draws):
+    """Each tenth sample lost, the time numbered on."""
+    kept = angle[np.arange(len(angle)) % 10 != draws.integers(10)]
+    return times[: len(kept)], kept
+
+
 def stumble(times, angle, noise, period, draws):
     """The clock jumps by half a sample."""
     n = int(draws.uniform(0.2, 0.8) * len(angle))
@@ -157,15 +170,16 @@ SPOILT = {
     lifted: "in a hand",
     released_again: "released",
     dead: "dead|comes to rest|a hand stops",
-    dropped: "jumps|out of step",
-    stumble: "stumbles|a gap of",
+    dropped: "jumps|(?i:out of step)",
+    tenth: "1 of every 10 samples seems to be lost",
+    stumble: "stumbles|the stamps scatter",
     offset: "swings about",
     drift: "drifts|swings about",
     spikes: "a spike",
-    flipped: "jumps|out of step|turns between",
+    flipped: "jumps|(?i:out of step)|turns between",
     degrees: "back and forth|no unit",
     milliseconds: "a period of",
-    at_the_top: "the top|whole turn",
+    at_the_top: "swings about|the top|whole turn",
     wrapped: "whole turn|the top|turns between",
     resting: "comes to rest",
 }
@@ -216,6 +230,87 @@ def left_out(number):
     return f"left out as spikes: {', '.join(counts.values())}"
 
 
+def told_of_lost(times, angle):
+    """What is told of samples lost or repeated at even distances."""
+    even = evenly(times, angle)
+    period = half_swings(angle).period(times)
+    return " ".join(lost_evenly(even, period / even.interval)) if even.kept else ""
+
+
+def sound(number):
+    """How often samples are said to be lost of swings of which none is: with noise that lasts, holes, steps, uneven times."""
+    wrongly: dict[str, int] = {}
+    for k in range(number):
+        times, angle, noise, _, _ = good(k)
+        draws = np.random.default_rng((23, k))
+        lasting = noise * lfilter([np.sqrt(0.19)], [1, -0.9], draws.standard_normal(times.size))
+        here = np.append(draws.random(times.size - 1) > 0.05, True)
+        uneven = np.sort(times + 0.3 * times[1] * draws.uniform(-1, 1, times.size))
+        kinds = {
+            "white noise or an encoder": (times, angle),
+            "and noise that lasts (AR(1), 0.9)": (times, angle + lasting),
+            "and ten times the noise": (times, angle + 10 * noise * draws.standard_normal(times.size)),
+            "and one sample of 20 missing": (times[here], angle[here]),
+            "and uneven times": (uneven, np.interp(uneven, times, angle)),
+        }
+        for steps in (10, 30, 100, 1000):
+            step = np.ptp(angle) / steps
+            kinds[f"in {steps} steps"] = times, np.round(angle / step) * step
+        for kind, swing in kinds.items():
+            wrongly[kind] = wrongly.get(kind, 0) + bool(told_of_lost(*swing))
+    return "\n".join(f"| {kind} | {count} of {number} |" for kind, count in wrongly.items())
+
+
+def faint(number=20):
+    """A row for each noise: how often it is seen that each tenth sample is lost, by samples a period, in 30 periods."""
+    rows = []
+    for noise in (0.003, 0.01, 0.03, 0.1, 0.3):
+        cells = []
+        for rate in (30, 60, 120, 250):
+            count = np.arange(30 * rate)
+            clean = np.exp(-0.02 * count / rate) * np.cos(2 * np.pi * count / rate)
+            seen = 0
+            for k in range(number):
+                draws = np.random.default_rng((24, k))
+                kept = (clean + noise * draws.standard_normal(count.size))[count % 10 != k % 10]
+                seen += "1 of every 10" in told_of_lost(np.arange(kept.size) / rate, kept)
+            cells.append(f"{seen}")
+        rows.append(f"| {100 * noise:g} % | {' | '.join(cells)} |")
+    return "\n".join(rows)
+
+
+def distances():
+    """How often one sample of 3 to 20 lost, or there twice, is told rightly, wrongly or not, in swings of 24 to 80 samples a period."""
+    told = {"rightly": 0, "wrongly": 0, "not": 0}
+    for rate, of, lost in product(range(24, 81, 2), (3, 4, 5, 7, 10, 13, 20), (True, False)):
+        for k in range(0, of, max(1, of // 3)):
+            count = np.arange(30 * rate)
+            taken = count + (count + k) // (of - 1) if lost else count - (count + k) // of
+            period = rate * of / (of - 1) if lost else rate * (of - 1) / of
+            noise = 0.005 * np.random.default_rng((24, k, rate)).standard_normal(count.size)
+            angle = np.exp(-0.02 * taken / period) * np.cos(2 * np.pi * taken / period + 0.3) + noise
+            said = told_of_lost(count / 100, angle)
+            words = f"1 of every {of} samples seems to be {'lost' if lost else 'there twice'}"
+            told["rightly" if words in said else "wrongly" if said else "not"] += 1
+    return ", ".join(f"{count} {how}" for how, count in told.items())
+
+
+def gains():
+    """A row for each release and drift of the gain: the quality that is told, the model that is fitted, and how the search ends."""
+    times, rows = np.arange(3000) / 100, []
+    model = Model(("viscous",), {"natural_frequency": 6.0, "viscous_ratio": 0.005})
+    for amplitude in (0.2, 1.0):
+        angle = simulate(model, times, amplitude, 0.0)
+        for gain in (0.0, 0.3, -0.3):
+            noise = 1e-3 * amplitude * np.random.default_rng(1).standard_normal(times.size)
+            found = explain(times, angle * (1 + gain * times / times[-1]) + noise, unit="rad", rounds=3)
+            status = found.verdict["status"]
+            rows.append(
+                f"| {amplitude} rad | {100 * gain:+.0f} % | {found.row['quality']:.0f} | {found.label} | {status} |"
+            )
+    return "\n".join(rows)
+
+
 def main(number):
     """Prints one row for each question, and what was told of good swings."""
     seen = dict.fromkeys(SPOILT, 0)
@@ -241,4 +336,7 @@ def main(number):
 
 
 if __name__ == "__main__":
-    main(int(sys.argv[1]) if len(sys.argv) > 1 else 300)
+    swings = next((int(one) for one in sys.argv[1:] if one.isdigit()), 300)
+    if "--even" not in sys.argv:
+        main(swings)
+    print(sound(swings), faint(), distances(), gains(), sep="\n\n")

@@ -19,9 +19,10 @@ def line(tmp_path, monkeypatch):
 def record(line):
     """A function that records what ``pieces`` of (pause, bytes) send, and returns what the experimenter is told."""
 
-    def run(pieces=(), unplug=False, stop=None, name="a", **capture):
+    def run(pieces=(), unplug=False, stop=None, name="a", role="", **capture):
         config = {
             "recording": name,
+            "role": role,
             "recordings": "sheet.csv",
             "capture": {**SETTINGS, "port": line.port, **capture},
         }

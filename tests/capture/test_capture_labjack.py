@@ -6,7 +6,6 @@ import re
 import shutil
 import subprocess
 import sys
-import warnings
 from pathlib import Path
 
 import numpy as np
@@ -31,7 +30,6 @@ except InputError as error:
 def library(tmp_path_factory):
     """The folder of the emulated library."""
     if not shutil.which("gcc"):
-        warnings.warn("NOT TESTED: LJM cannot be emulated, gcc is not here", stacklevel=1)
         pytest.skip("NOT TESTED: gcc is not here")
     folder = tmp_path_factory.mktemp("ljm")
     source = Path(__file__).with_name("ljm") / "ljm.c"
@@ -117,7 +115,7 @@ def test_what_cannot_be_opened_is_told_with_its_mend(capture, port, more, told):
     assert "Traceback" not in done.stderr
 
 
-@pytest.mark.slow
+@pytest.mark.slow("a capture by the workflow")
 def test_the_capture_rule_takes_a_labjack(library, snakemake, tmp_path, monkeypatch):
     monkeypatch.setenv("LD_LIBRARY_PATH", str(library))
     (tmp_path / "study.yaml").write_text(

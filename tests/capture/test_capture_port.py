@@ -113,6 +113,13 @@ def test_something_that_is_no_port(plugged, tmp_path):
         ports.connect("nonsense://x", 115200)
 
 
+def test_only_the_schemes_of_the_table_are_opened(tmp_path):
+    """pyserial's spy:// writes what passes through to any file."""
+    with pytest.raises(InputError, match="socket://HOST:PORT or rfc2217://HOST:PORT"):
+        ports.connect(f"spy:///dev/ptmx?file={tmp_path / 'log'}", 115200)
+    assert not (tmp_path / "log").exists()
+
+
 def test_a_pseudo_terminal_is_read(line):
     connection = ports.connect(line.port, 115200)
     line.send(frames(range(10)))

@@ -2,6 +2,7 @@
 
 import os
 import threading
+import time
 from pathlib import Path
 
 import numpy as np
@@ -10,7 +11,7 @@ from one_recording import NC, RAW, SWING, row, swing
 from traffic import frame
 
 from swingdown import dataset
-from swingdown.capture import take
+from swingdown.capture import recording, take
 from swingdown.capture.journal import read_journal
 from swingdown.errors import InputError
 from swingdown.measurement.recording import ingest
@@ -19,10 +20,10 @@ from swingdown.measurement.recording import ingest
 def test_a_recording_lands_in_its_file_and_in_the_sheet(record):
     told = record(swing())
     assert "a: complete: 100 of 100 samples" in told and "0 lost, 0 damaged" in told and "sheet.csv" in told
-    recording = ingest(row(), "sheet.csv")
-    assert recording["signal"].values == pytest.approx(SWING)
-    assert recording["time"].values == pytest.approx(np.arange(100) / 100)
-    assert recording.attrs["emulated"] == "yes" and recording.attrs["campaign"] == "mine"
+    found = ingest(row(), "sheet.csv")
+    assert found["signal"].values == pytest.approx(SWING)
+    assert found["time"].values == pytest.approx(np.arange(100) / 100)
+    assert found.attrs["emulated"] == "yes" and found.attrs["campaign"] == "mine"
     assert not RAW.exists() and [path.name for path in NC.parent.iterdir()] == ["a.nc"]
 
 
@@ -33,12 +34,13 @@ def test_lines_as_an_arduino_prints_them(record):
     pieces = [(0, b"pendulum 1.0\r\n"), *((0.1, b"".join(text[k : k + 10])) for k in range(0, 110, 10))]
     told = record(pieces, format="csv", columns=["time_ms", "angle"], signal_unit="deg")
     assert "a: complete: 100 of 100 samples" in told
-    recording = ingest(row(), "sheet.csv")
-    assert recording["signal"].attrs["units"] == "deg"
-    assert recording["signal"].values == pytest.approx(np.array(SWING) / 10, abs=0.01)
-    assert recording["time"].values == pytest.approx(
-        (np.array(late[:100]) - 1) / 1000
-    )  # the device's own clock
+    found = ingest(row(), "sheet.csv")
+    assert found["signal"].attrs["units"] == "deg"
+    assert found["signal"].values == pytest.approx(np.array(SWING) / 10, abs=0.01)
+    # the swing is smooth over even times, and the device's stamps are up to a millisecond late
+    assert "as of a computer that was late" in found.attrs["remarks"]
+    assert found["time"].values == pytest.approx((np.array(late[:100]) - 1) / 1000, abs=1e-3)
+    assert np.diff(found["time"].values) == pytest.approx(0.01, rel=1e-3)
 
 
 def test_unplugged_in_the_middle_of_a_frame(record):
@@ -59,8 +61,8 @@ def test_partial_recordings_are_refused_unless_the_sheet_allows_them(record):
         ingest(row(), "sheet.csv")
     text = Path("sheet.csv").read_text()
     Path("sheet.csv").write_text(text.rstrip("\n") + "allow\n")
-    recording = ingest(row(), "sheet.csv")
-    assert recording.sizes["time"] == 40 and recording.attrs["partial"] == "yes"
+    found = ingest(row(), "sheet.csv")
+    assert found.sizes["time"] == 40 and found.attrs["partial"] == "yes"
 
 
 def test_a_gap_of_lost_frames_is_partial_and_keeps_its_place_in_time(record):
@@ -68,8 +70,8 @@ def test_a_gap_of_lost_frames_is_partial_and_keeps_its_place_in_time(record):
     with pytest.raises(InputError, match="10 frames lost and 0 damaged of 100"):
         record([*pieces[:4], (0.1, b""), *pieces[5:]])
     Path("sheet.csv").write_text(Path("sheet.csv").read_text().rstrip("\n") + "allow\n")
-    recording = ingest(row(), "sheet.csv")
-    assert recording["time"].values == pytest.approx(np.r_[0:40, 50:100] / 100)
+    found = ingest(row(), "sheet.csv")
+    assert found["time"].values == pytest.approx(np.r_[0:40, 50:100] / 100)
 
 
 def test_silence_from_the_beginning(record, line):
@@ -154,3 +156,63 @@ def test_a_folder_one_may_not_write_is_told_before_the_swing(record, tmp_path):
         if root:
             os.seteuid(0)
         os.chmod(tmp_path, 0o755)
+
+
+def test_a_rate_that_changes_is_told_and_the_times_are_those_of_the_bob(record, line):
+    """110 then 90 samples a second: 100 on average, and each time in between would be wrong by up to 0.27 s."""
+    true = np.concatenate([np.arange(300) / 110, 300 / 110 + np.arange(320) / 90])
+    values = np.round(500 + 300 * np.cos(6 * true)).astype(int)
+    pauses = np.diff(true, prepend=0)
+    pieces = [(pauses[k], frame(k, int(values[k]))) for k in range(len(true))]
+    with pytest.raises(
+        InputError, match="marked partial: the board's rate changes, by the host's clock: 1.* until 2"
+    ):
+        record(pieces, duration_s=6)
+    data = dataset.read(NC)
+    assert np.std(data["time"].values - true[:600]) < 0.02
+    assert data.attrs["status"] == "complete" and "times are corrected" in data.attrs["remarks"]
+
+
+def test_a_board_that_is_ten_times_too_slow_does_not_hold_the_recording_up(record):
+    begun = time.monotonic()
+    pieces = [(0.1, frame(k, SWING[k])) for k in range(60)]
+    with pytest.raises(
+        InputError,
+        match=r"timed out: 2\d samples came in 2.* s, (9|10)\.?\d* a second, where 200 should in 2 s",
+    ):
+        record(pieces, duration_s=2)
+    assert time.monotonic() - begun < 5
+    data = dataset.read(NC)
+    assert data.attrs["status"] == "timed out" and list(data["sent"].values) == SWING[: data.sizes["time"]]
+
+
+def test_a_port_that_answers_nothing_at_all_ends_too(record, monkeypatch):
+    """A driver that hangs in a read: the thread that waits for it says nothing more."""
+    hung = threading.Event()
+
+    class Hung:
+        name, rate = "hung", None
+
+        def read(self):
+            hung.wait(30)
+            return b""
+
+        def close(self):
+            hung.set()
+
+    monkeypatch.setattr(recording.source, "connect", lambda settings: Hung())
+    with pytest.raises(InputError, match="timed out: for 0.* s the port did not answer"):
+        record()
+
+
+def test_a_sensor_at_its_rail_is_told_at_once(record):
+    with pytest.raises(
+        InputError, match="all 100 samples are 1023 V: a sensor at its rail, or not connected"
+    ):
+        record(swing([1023] * 110))
+    assert dataset.read(NC).attrs["partial"] == "yes"
+
+
+def test_a_bob_at_rest_may_be_read_as_one_value(record):
+    told = record(swing([512] * 110), role="static", still_s=1.0)
+    assert "a: complete: 100 of 100 samples" in told

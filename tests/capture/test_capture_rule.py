@@ -145,7 +145,7 @@ def test_a_session_is_led_by_prompts_and_enter(bench, tmp_path):
         assert dataset.read(tmp_path / f"resources/recordings/{name}.nc").sizes["time"] == 50
 
 
-@pytest.mark.slow
+@pytest.mark.slow("a terminal")
 def test_the_monitor_records_nothing_and_ctrl_c_ends_it(bench, tmp_path):
     shown = bench.run(
         "monitor=true", name=None, when=rb"period \d", then=lambda: os.write(bench.terminal, b"\x03")
@@ -155,7 +155,7 @@ def test_the_monitor_records_nothing_and_ctrl_c_ends_it(bench, tmp_path):
     assert not (tmp_path / "resources").exists() and not (tmp_path / "recordings.csv").exists()
 
 
-@pytest.mark.slow
+@pytest.mark.slow("a terminal")
 def test_killed_and_recovered_by_the_rule(bench, tmp_path):
     raw = tmp_path / "resources/recordings/swing-07.raw"
     shown = bench.run(
@@ -169,7 +169,7 @@ def test_killed_and_recovered_by_the_rule(bench, tmp_path):
     assert "swing-07" in (tmp_path / "recordings.csv").read_text()
 
 
-@pytest.mark.slow
+@pytest.mark.slow("a terminal")
 def test_a_missing_port_is_told_in_one_block(bench, tmp_path):
     bench.line.port = "/dev/ttyACM99"
     shown = bench.run()

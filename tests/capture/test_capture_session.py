@@ -96,6 +96,11 @@ def run(made, keyboard=None, stop=None, seconds=0.1):
     return "\n".join(said)
 
 
+def swings(t):
+    """Free, and never held."""
+    return 500 + 200 * np.cos(7.25 * t)
+
+
 def held_and_let_go(t):
     """Held for 0.8 s, then free for 1.2 s; again and again."""
     t %= 2.0
@@ -138,7 +143,7 @@ def test_towers_rest_and_swings_in_one_go(board, monkeypatch):
 
 
 def test_a_session_goes_on_where_it_was_left_and_overwrites_nothing(board):
-    line = board(lambda t: 500)
+    line = board(swings)
     said = run(asked(line, {"recording": "a,b"}))
     assert "2 of 2 recorded" in said
     before = (FOLDER / "a.nc").read_bytes()
@@ -160,15 +165,15 @@ def test_ctrl_c_at_a_prompt_ends_the_session_and_keeps_what_there_is(board):
             return self.pressed == 1
 
     stop = threading.Event()
-    said = run(asked(board(lambda t: 500), {"recording": "a,b,c"}), Reluctant(), stop, seconds=0)
+    said = run(asked(board(swings), {"recording": "a,b,c"}), Reluctant(), stop, seconds=0)
     assert "1 of 3 recorded; not yet: b, c (the same command goes on with them)" in said
     assert [path.name for path in FOLDER.iterdir()] == ["a.nc"]
 
 
 def test_one_that_fails_does_not_stop_the_others_and_is_told_at_the_end(board):
-    """The board is silent for the second."""
+    """Nobody lets go for the first."""
     trigger = {"threshold": 10, "pre_s": 0.2, "wait_s": 0.5}
-    line = board(lambda t: 500 if t < 3 else held_and_let_go(t))
+    line = board(lambda t: 500 + round(20 * t) % 2)
     made = asked(line, {"recording": "a"}, trigger=trigger) + asked(line, {"recording": "b"})
     with pytest.raises(InputError, match="1 of 2 recorded; not whole, or not at all: a"):
         run(made)
@@ -178,7 +183,7 @@ def test_one_that_fails_does_not_stop_the_others_and_is_told_at_the_end(board):
 def test_what_an_earlier_capture_left_unfinished_is_told_before_the_bob_is_lifted(board):
     """The session goes on with the others; the command that is told makes a recording of what there is."""
     trigger = {"threshold": 10, "pre_s": 0.2, "wait_s": 0.5}
-    line = board(lambda t: 500)
+    line = board(swings)
     with pytest.raises(InputError, match="--config recording=a recover=true"):
         recording.capture(*asked(line, {"recording": "a"}, trigger=trigger))
     hand, said = Hand(), []
@@ -192,7 +197,7 @@ def test_what_an_earlier_capture_left_unfinished_is_told_before_the_bob_is_lifte
 
 
 def test_a_board_that_is_unplugged_between_two_recordings_ends_the_session(board):
-    line = board(lambda t: 500)
+    line = board(swings)
 
     class Unplugging(Hand):
         def enter(self):
@@ -269,7 +274,7 @@ def test_the_monitor_tells_noise_above_the_threshold_and_silence(board):
 
 
 def test_the_monitor_is_ended_by_a_board_that_goes_away(board):
-    line = board(lambda t: 500)
+    line = board(swings)
     threading.Timer(0.7, line.close).start()
     with pytest.raises(InputError, match="the port went away.*plug it in"):
         watched(line, 5)

@@ -7,7 +7,9 @@ where the block says so) one after the other in a folder that looks like a fresh
 
 import os
 import re
+import shutil
 import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -81,7 +83,7 @@ def test_what_a_page_tells_to_type_works(page, clone):
     run(page, clone, slow=False)
 
 
-@pytest.mark.slow
+@pytest.mark.slow("a page's commands")
 @pytest.mark.parametrize(
     "page", [page for page, blocks in PAGES.items() if any(b[0] == "run slow" for b in blocks)]
 )
@@ -90,4 +92,29 @@ def test_so_does_what_takes_longer(page, clone):
 
 
 def test_each_kind_of_user_has_a_tutorial_that_is_run():
-    assert {"own-file.md", "class.md", "bench.md", "paper.md", "sweeps.md", "own-effect.md"} <= set(PAGES)
+    assert {
+        "own-file.md",
+        "class.md",
+        "bench.md",
+        "paper.md",
+        "sweeps.md",
+        "own-effect.md",
+        "notebook.md",
+    } <= set(PAGES)
+
+
+def test_the_first_command_of_the_readme_names_a_file_that_the_project_ships(root, tmp_path):
+    command = re.search(r"^make start FILE=(\S+)", (root / "README.md").read_text(), re.M)
+    shipped = root / command[1]
+    subprocess.run([sys.executable, root / "docs/examples.py", tmp_path / "anna.csv"], check=True)
+    assert shipped.read_bytes() == (tmp_path / "anna.csv").read_bytes()
+
+
+def test_a_missing_file_is_told_before_anything_is_set_up(root, tmp_path):
+    shutil.copy(root / "Makefile", tmp_path)
+    for given, told in (("FILE=none.csv", "There is no file or folder none.csv"), ("FILE=", "Which file?")):
+        done = subprocess.run(
+            ["make", "-s", "start", given], cwd=tmp_path, capture_output=True, text=True, check=False
+        )
+        assert done.returncode == 2 and told in done.stderr
+        assert not (tmp_path / ".venv").exists()

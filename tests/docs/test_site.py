@@ -16,7 +16,7 @@ def site(root):
     return root / "site"
 
 
-@pytest.mark.slow
+@pytest.mark.slow("the site is built")
 def test_every_effect_stands_in_the_catalogue_with_equation_sketch_and_source(site):
     text = (site / "docs/generated/catalogue.html").read_text(encoding="utf-8")
     for effect in SHIPPED:
@@ -26,7 +26,7 @@ def test_every_effect_stands_in_the_catalogue_with_equation_sketch_and_source(si
         assert all(f">{parameter.name}<" in entry for parameter in effect.parameters)
 
 
-@pytest.mark.slow
+@pytest.mark.slow("the site is built")
 def test_calls_settings_and_commands_are_there(site):
     page = site / "docs/generated"
     assert 'id="swingdown.explain"' in (page / "api_swingdown.html").read_text(encoding="utf-8")
@@ -42,7 +42,7 @@ def test_calls_settings_and_commands_are_there(site):
     assert "--together" in (page / "commands.html").read_text(encoding="utf-8")
 
 
-@pytest.mark.slow
+@pytest.mark.slow("the site is built")
 def test_nothing_is_fetched_from_outside(site):
     for page in site.rglob("*.html"):
         fetched = re.findall(
@@ -51,7 +51,7 @@ def test_nothing_is_fetched_from_outside(site):
         assert not fetched, (page, fetched)
 
 
-@pytest.mark.slow
+@pytest.mark.slow("the site is built")
 @pytest.mark.parametrize(
     ("link", "ends"), [("alone.md#a-page", False), ("nowhere.md", True), ("alone.md#nothing", True)]
 )

@@ -1,9 +1,11 @@
 """The engine on other machines: other compilers, none, a cache that is broken, shared or not to be written."""
 
+import hashlib
+import os
 import shutil
+import stat
 import subprocess
 import sys
-import warnings
 
 import numpy as np
 import pytest
@@ -92,11 +94,22 @@ def test_a_compiler_that_knows_no_native_processor(library, compiler, usual):
 def test_clang_gives_the_same_bits(library, compiler, usual):
     clang = shutil.which("clang")
     if clang is None:
-        reason = "NOT TESTED: no clang on this machine (tools/install-test-tools)"
-        warnings.warn(reason, stacklevel=1)
-        pytest.skip(reason)
+        pytest.skip("NOT TESTED: no clang on this machine (tools/install-test-tools)")
     compiler(real=clang)
     assert np.array_equal(angles(library()), usual)
+
+
+@pytest.mark.parametrize("name", ["gcc", "clang"])
+def test_the_whole_engine_compiles_without_a_warning(name, tmp_path):
+    """The C that is written by hand, and what is generated from the catalogue."""
+    if shutil.which(name) is None:
+        pytest.skip(f"no {name} on this machine (tools/install-test-tools)")
+    header = build.header(SHIPPED.known, tuple(SHIPPED.gravity.values()))
+    for file, text in (build.sources() | {"catalogue.h": header}).items():
+        (tmp_path / file).write_text(text)
+    strict = [name, "-std=c99", "-Wall", "-Wextra", "-Werror", "-fsyntax-only", "engine.c"]
+    done = subprocess.run(strict, cwd=tmp_path, text=True, capture_output=True)
+    assert done.returncode == 0, done.stderr
 
 
 def test_a_later_start_asks_no_compiler(library, compiler):
@@ -175,7 +188,7 @@ print(simulate(Model("viscous+constant_coulomb", values), np.linspace(0.0, 3.0, 
 """
 
 
-@pytest.mark.slow
+@pytest.mark.slow("the whole engine is compiled")
 def test_processes_that_need_the_whole_engine_at_once_on_a_new_machine(tmp_path, monkeypatch, usual):
     """Nothing is there: header, library and interface of the whole catalogue are made by each that comes, and one stays."""
     monkeypatch.setenv("SWINGDOWN_CACHE", str(tmp_path / "cache"))
@@ -202,6 +215,74 @@ def test_a_cache_that_has_all_need_not_be_written(library, compiler, monkeypatch
     path = library()
     monkeypatch.setattr("tempfile.TemporaryDirectory", None)
     assert library() == path
+
+
+@pytest.fixture
+def given_away(monkeypatch):
+    """A function that makes a path another user's."""
+
+    def give(path):
+        if os.geteuid() == 0:
+            os.chown(path, 65534, -1)
+        else:
+            monkeypatch.setattr(os, "geteuid", lambda: os.getuid() + 1)
+
+    return give
+
+
+def opened_to_others(path):
+    path.chmod(path.stat().st_mode | 0o020)
+
+
+@pytest.mark.parametrize("folder", [True, False])
+@pytest.mark.parametrize("others", [True, False])
+def test_a_cache_that_another_user_could_have_written_is_not_run(
+    library, compiler, given_away, tmp_path, folder, others
+):
+    """Whatever the checksum beside the engine says, for that is written as easily."""
+    compiler()
+    path = library()
+    whose = tmp_path / "cache" if folder else path
+    (given_away if others else opened_to_others)(whose)
+    problem = "it belongs to another user" if others else "others may write"
+    with pytest.raises(EngineError, match=f"{whose}: {problem}.*Mend: .*SWINGDOWN_CACHE"):
+        library()
+
+
+@pytest.mark.parametrize("others", [True, False])
+def test_code_that_another_user_put_into_the_cache_is_not_executed(given_away, tmp_path, others, monkeypatch):
+    """The interface is Python, and was run with the rights of whoever started swingdown."""
+    monkeypatch.setenv("SWINGDOWN_CACHE", str(tmp_path / "cache"))
+    interface.ffi.__wrapped__()
+    (path,) = (tmp_path / "cache").glob("interface-*.py")
+    path.write_text(f"open({str(tmp_path / 'harm')!r}, 'w')\n" + path.read_text())
+    path.with_name(path.name + ".sha256").write_text(hashlib.sha256(path.read_bytes()).hexdigest())
+    (given_away if others else opened_to_others)(tmp_path / "cache")
+    with pytest.raises(EngineError):
+        interface.ffi.__wrapped__()
+    assert not (tmp_path / "harm").exists()
+
+
+def test_without_a_compiler_too_another_users_engine_is_not_run(
+    library, compiler, given_away, monkeypatch, tmp_path
+):
+    compiler()
+    given_away(library())
+    monkeypatch.delenv("CC")
+    monkeypatch.setenv("PATH", str(tmp_path / "empty"))
+    with pytest.raises(EngineError, match="it belongs to another user"):
+        library()
+
+
+def test_a_new_cache_is_its_users_alone_whatever_the_umask(library, compiler, tmp_path):
+    compiler()
+    before = os.umask(0)
+    try:
+        path = library()
+    finally:
+        os.umask(before)
+    assert stat.S_IMODE((tmp_path / "cache").stat().st_mode) == 0o700
+    assert not path.stat().st_mode & 0o022 and library() == path
 
 
 def test_no_compiler(library, monkeypatch, tmp_path):

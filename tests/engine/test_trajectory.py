@@ -1,10 +1,12 @@
 """Trajectories against the oracle: 1e-8 rad for swings up to 60 degrees, 1e-6 up to 170, or a refusal, never silence."""
 
+import re
 import warnings
 
 import cases
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 from scipy.special import ellipj, ellipk
 
 from swingdown.engine.trajectory import (
@@ -84,7 +86,7 @@ def test_a_first_try_that_ends_in_no_number_is_shortened():
     assert seen is not None and not refused and error < 1e-6
 
 
-@pytest.mark.slow
+@pytest.mark.slow("many pendulums")
 @pytest.mark.parametrize("degrees", LIMITS)
 @pytest.mark.parametrize("label", LABELS)
 def test_random_pendulums(label, degrees, capsys):
@@ -119,7 +121,10 @@ def together(index):
 
 @pytest.mark.parametrize(
     "part",
-    [pytest.param(range(30), id="few"), pytest.param(range(30, 400), id="many", marks=pytest.mark.slow)],
+    [
+        pytest.param(range(30), id="few"),
+        pytest.param(range(30, 400), id="many", marks=pytest.mark.slow("many pendulums")),
+    ],
 )
 def test_effects_together(part):
     _, refused, _, wrong = sweep(
@@ -313,9 +318,10 @@ def test_the_end_of_a_long_swing():
 def test_the_undamped_pendulum_is_jacobis_sine(degrees):
     """θ = 2 asin(k sn(K + ωn t, k)), with k the sine of half the amplitude (Nayfeh and Mook 1979)."""
     times, k = np.linspace(0, 60, 3001), np.sin(np.radians(degrees) / 2)
-    read = simulate(
-        Model("viscous", {"natural_frequency": 5.0, "viscous_ratio": 0.0}), times, np.radians(degrees)
-    )
+    model = Model("viscous", {"natural_frequency": 5.0, "viscous_ratio": 0.0})
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")  # what is as exact as promised is told without a word
+        read = simulate(model, times, np.radians(degrees))
     exact = 2 * np.arcsin(k * ellipj(ellipk(k**2) + 5.0 * times, k**2)[0])
     assert np.abs(read - exact).max() < (1e-8 if degrees <= 60 else 1e-6)
 
@@ -419,3 +425,41 @@ def test_what_is_too_narrow_to_be_seen_is_refused():
 def test_missing_values_are_named():
     with pytest.raises(InputError, match="viscous_ratio"):
         simulate(Model("viscous", {"natural_frequency": 7.0}), TIMES, 0.5)
+
+
+def told_error(*arguments):
+    """What ``simulate`` gives, and the error that its one warning tells, in the reading's unit."""
+    with pytest.warns(TrajectoryWarning, match="beyond 150° small errors grow") as told:
+        read = simulate(*arguments)
+    (size,) = re.findall(r"off by some (\S+) rad", str(told[0].message))
+    return read, float(size)
+
+
+@pytest.mark.parametrize("reading", ["angle", "rate"])
+def test_errors_that_grow_near_the_top_are_told_with_their_size(reading):
+    """A strong spring beyond 150 degrees, held against the second pendulum: an estimate from the panels alone is 8 times too low."""
+    values = {"natural_frequency": 11.4, "quadratic_stiffness": -0.8}
+    model, times = Model("quadratic_stiffness", values).of(reading), np.arange(1001) / 100
+    read, told = told_error(model, times, np.radians(175.8))
+    true = oracle.trajectory(model.names, values, times, np.radians(175.8), reading=reading).reading
+    assert told == pytest.approx(np.abs(read - true).max(), rel=0.5)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        simulate(model, times, np.radians(120))
+
+
+def test_errors_that_grow_in_a_chaotic_torque_are_told_with_their_size():
+    """A torque without a name, several turns out, with two wells: a change of the release grows 800 times, off by 2e-4 rad."""
+    pieces = (42.03, 48.65, 16.92, 33.62, 86.86, 0.0, -4.247)
+    values = {"natural_frequency": 7.761, "viscous_ratio": 0.0001416, "unnamed_position_range": 4.033}
+    values |= {f"unnamed_position_{k}": piece for k, piece in enumerate(pieces)}
+    times = np.arange(1001) / 100
+    torque = np.polynomial.Polynomial([pieces[0], 0, *pieces[1:]])
+
+    def motion(_, at):
+        damping = 2 * values["viscous_ratio"] * 7.761
+        return at[1], -(7.761**2) * np.sin(at[0]) - damping * at[1] + torque(at[0] / 4.033)
+
+    true = solve_ivp(motion, (0, 10), (-4.651, 14.78), "DOP853", times, rtol=1e-13, atol=1e-15, max_step=0.02)
+    read, told = told_error(Model("viscous+unnamed_position", values), times, -4.651, 14.78)
+    assert told == pytest.approx(np.abs(read - true.y[0]).max(), rel=0.5)

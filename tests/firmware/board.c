@@ -1,13 +1,15 @@
 /* An emulated ATmega328P board: runs the real firmware in simavr, in real time, behind a pseudo-terminal.
  *
- *   board FIRMWARE.elf VOLTS TRUTH BOOT PORT [analog|encoder [AREF]]
+ *   board FIRMWARE.elf VOLTS TRUTH BOOT PORT [analog|encoder [AREF [HELD_UP]]]
  *
  * VOLTS holds lines "seconds volts", the voltage on A0 since the port was last opened (between the lines it is straight, beyond
- * them constant). TRUTH gets a line "reset sequence volts cycle" for each conversion. BOOT is how long (s) the board is silent
- * after the reset that opening the port causes; below 0 the board is not reset. PORT is the name that the port gets (a link).
+ * them constant). TRUTH gets a line "reset sequence volts cycle host" for each conversion; host is the computer's clock (s), by
+ * which the emulator may be late. BOOT is how long (s) the board is silent after the reset that opening the port causes; below 0
+ * the board is not reset. PORT is the name that the port gets (a link).
  * With `encoder` VOLTS holds counts instead, which a quadrature encoder on D2 and D3 gives, and TRUTH the whole counts. AREF is the
- * voltage on that pin (5). SIGUSR1 reads VOLTS again, and its seconds begin anew. As on a real line, bytes are lost while nobody has
- * the port open or reads it.
+ * voltage on that pin (5). HELD_UP seconds after a reset the emulator goes on as on a busy machine, 10 ms of each 30 ms: it falls
+ * two seconds behind in three. SIGUSR1 reads VOLTS again, and its seconds begin anew. As on a real line, bytes are lost while nobody
+ * has the port open or reads it.
  */
 #define _GNU_SOURCE
 #include <fcntl.h>
@@ -68,6 +70,19 @@ static double moment(void)
     return is_open ? (double)(avr->cycle - opened) / CLOCK : 0;
 }
 
+/* How far (s) the emulator may be at a moment (s) after a reset. */
+static double allowed(double moment, double held_up)
+{
+    return moment < held_up ? moment : held_up + 0.01 * floor((moment - held_up) / 0.03);
+}
+
+static double wall(void)
+{
+    struct timespec now;
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return now.tv_sec + 1e-9 * now.tv_nsec;
+}
+
 static void on_conversion(avr_irq_t *irq, uint32_t value, void *param)
 {
     double now = voltage(moment());
@@ -75,7 +90,7 @@ static void on_conversion(avr_irq_t *irq, uint32_t value, void *param)
     /* simavr takes whole millivolts and sees 1023 steps in the reference, where the chip has 1024 */
     avr_raise_irq(adc + ADC_IRQ_ADC0, (uint32_t)ceil(1000 * now * 1024 / 1023));
     if (begun) /* the first is none of the samples */
-        fprintf(truth, "%u %u %.6f %llu\n", resets, conversions++, now, (unsigned long long)avr->cycle);
+        fprintf(truth, "%u %u %.6f %llu %.6f\n", resets, conversions++, now, (unsigned long long)avr->cycle, wall());
     begun = 1;
 }
 
@@ -99,7 +114,7 @@ static void on_match(avr_irq_t *irq, uint32_t value, void *param)
 {
     (void)irq, (void)param;
     if (value && !flag && encoder)
-        fprintf(truth, "%u %u %ld %llu\n", resets, conversions++, edges - start, (unsigned long long)avr->cycle);
+        fprintf(truth, "%u %u %ld %llu %.6f\n", resets, conversions++, edges - start, (unsigned long long)avr->cycle, wall());
     else if (value && !flag && (avr->data[ADCSRB] & 7) == COMPARE_MATCH_B)
         avr_raise_irq(adc + ADC_IRQ_IN_TRIGGER, 1);
     flag = value;
@@ -130,13 +145,6 @@ static void deliver(void)
 static void no_sleep(avr_t *which, avr_cycle_count_t cycles)
 {
     (void)which, (void)cycles;
-}
-
-static double wall(void)
-{
-    struct timespec now;
-    clock_gettime(CLOCK_MONOTONIC, &now);
-    return now.tv_sec + 1e-9 * now.tv_nsec;
 }
 
 static void read_volts(const char *path)
@@ -186,10 +194,10 @@ int main(int argc, char **argv)
     struct termios raw;
     int slave;
     char name[128];
-    double boot, began, reset_at = -1, silent_until = -1;
+    double boot, began, held_up, reset_at = -1, silent_until = -1, reset_done = 0;
 
-    if (argc < 6 || argc > 8)
-        return fprintf(stderr, "usage: board FIRMWARE.elf VOLTS TRUTH BOOT PORT [analog|encoder [AREF]]\n"), 2;
+    if (argc < 6 || argc > 9)
+        return fprintf(stderr, "usage: board FIRMWARE.elf VOLTS TRUTH BOOT PORT [analog|encoder [AREF [HELD_UP]]]\n"), 2;
     encoder = argc > 6 && !strcmp(argv[6], "encoder");
     read_volts(argv[2]);
     signal(SIGUSR1, on_hands);
@@ -197,6 +205,7 @@ int main(int argc, char **argv)
         return perror(argv[3]), 1;
     boot = atof(argv[4]);
     power_on(argv[1], argc > 7 ? atof(argv[7]) : 5);
+    held_up = argc > 8 ? atof(argv[8]) : INFINITY;
 
     if (openpty(&port, &slave, name, NULL, NULL))
         return perror("openpty"), 1;
@@ -232,7 +241,7 @@ int main(int argc, char **argv)
             avr->cycle = (avr_cycle_count_t)(now * CLOCK);
         } else {
             if (silent_until >= 0) {
-                silent_until = -1;
+                silent_until = -1, reset_done = now;
                 avr_reset(avr);
                 powered = avr->cycle;
                 resets++, conversions = 0;
@@ -244,7 +253,7 @@ int main(int argc, char **argv)
                 }
             }
             /* Held up by a busy machine, it catches up 4 ms at a time: no board sends seconds in one burst. */
-            double until = fmin(now * CLOCK, avr->cycle + 0.004 * CLOCK);
+            double until = fmin((reset_done + allowed(now - reset_done, held_up)) * CLOCK, avr->cycle + 0.004 * CLOCK);
             while (avr->cycle < until) {
                 int is = avr_run(avr);
                 if (is == cpu_Done || is == cpu_Crashed)

@@ -113,11 +113,24 @@ class Hands:
 class Board:
     """A board that runs while the ``with`` block does; ``port`` is its port's path, ``truth()`` what its converter saw.
 
-    With ``counts`` (a revolution) an encoder is on its pins in place of the sensor; ``aref`` (V) is on its pin of that name, and
-    ``defined`` are the sketch's choices.
+    With ``counts`` (a revolution) an encoder is on its pins in place of the sensor; ``aref`` (V) is on its pin of that name,
+    ``held_up`` is how many seconds after its reset it begins to fall behind, by two seconds in three, and ``defined`` are the
+    sketch's choices.
     """
 
-    def __init__(self, folder, times, angles, rate=100, boot=0.5, port=None, counts=None, aref=5, **defined):
+    def __init__(
+        self,
+        folder,
+        times,
+        angles,
+        rate=100,
+        boot=0.5,
+        port=None,
+        counts=None,
+        aref=5,
+        held_up=np.inf,
+        **defined,
+    ):
         self.folder = Path(folder)
         self.port = Path(port or self.folder / "port")
         self._volts, self._truth = self.folder / "volts", self.folder / "truth"
@@ -125,7 +138,17 @@ class Board:
         self._write(times, signal)
         kind = "analog" if counts is None else "encoder"
         host, firmware = build(self.folder, rate, ENCODER=int(kind == "encoder"), **defined)
-        self._command = [host, firmware, self._volts, self._truth, str(boot), self.port, kind, str(aref)]
+        self._command = [
+            host,
+            firmware,
+            self._volts,
+            self._truth,
+            str(boot),
+            self.port,
+            kind,
+            str(aref),
+            str(held_up),
+        ]
 
     def __enter__(self):
         with open(self.folder / "board.log", "w") as log:
@@ -154,10 +177,10 @@ class Board:
         self.port.unlink(missing_ok=True)
 
     def truth(self):
-        """The voltage (V) and the processor's cycle at each conversion since the last reset, by sequence number."""
+        """The voltage (V), the processor's cycle and the host's clock (s) at each conversion since the last reset, by sequence number."""
         rows = np.loadtxt(self._truth.read_text().rpartition("\n")[0].splitlines())
         last = rows[rows[:, 0] == rows[-1, 0]]
-        return last[:, 2], last[:, 3]
+        return last[:, 2], last[:, 3], last[:, 4]
 
 
 def main():

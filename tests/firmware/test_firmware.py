@@ -2,10 +2,10 @@
 
 import subprocess
 import time
-import warnings
 from concurrent.futures import ThreadPoolExecutor
-from contextlib import chdir
+from contextlib import chdir, contextmanager
 from math import radians
+from threading import Event
 
 import board as boards
 import numpy as np
@@ -26,9 +26,9 @@ from swingdown.study.settings import complete
 @pytest.fixture(scope="module", autouse=True)
 def emulator():
     if lacking := boards.lacking():
-        reason = f"NOT TESTED: the firmware cannot be emulated, {', '.join(lacking)} not here (tools/install-test-tools)"
-        warnings.warn(reason, stacklevel=1)
-        pytest.skip(reason)
+        pytest.skip(
+            f"NOT TESTED: the firmware cannot be emulated, {', '.join(lacking)} not here (tools/install-test-tools)"
+        )
 
 
 STUDY = """\
@@ -92,7 +92,7 @@ def made(tmp_path, name, scene, **more):
 
 def check_truth(data, board, rate=100):
     """Every recorded reading is the truth within the converter's step, at the time that its sequence number says."""
-    volts, cycles = board.truth()
+    volts, cycles, host = board.truth()
     at = data["sequence"].values
     assert np.abs(data["voltage"].values - volts[at]).max() <= boards.STEP
     between = (
@@ -100,7 +100,15 @@ def check_truth(data, board, rate=100):
     )  # the emulator sees a match after the instruction it falls into
     assert np.abs(between - 16_000_000 / rate * np.arange(len(between))).max() <= 2
     clock = (cycles[at] - cycles[at[0]]) / 16e6
-    assert data["time"].values - data["time"].values[0] == pytest.approx(clock, abs=2e-7)
+    passed = data["time"].values - data["time"].values[0]
+    if "corrected" not in data["time"].attrs["long_name"]:
+        assert passed == pytest.approx(clock, abs=2e-7)
+        return
+    # On a busy machine the emulator falls behind real time, and the host's clock corrects that. What it catches up looks like a host
+    # that is late, so the promptest sample of each tenth counts. Held up in every way, these agreed within 7 standard uncertainties.
+    late = host[at] - host[at[0]] - passed
+    promptest = [tenth.min() for tenth in np.array_split(late, 10)]
+    assert np.ptp(promptest) <= 10 * data.attrs["time_standard_uncertainty_s"]
 
 
 def test_the_capture_rule_records_the_real_firmware(bench):
@@ -134,7 +142,7 @@ def test_the_capture_rule_records_the_real_firmware(bench):
     assert row.signal_unit == "V" and row.start_s == 0 and row.campaign == "emulated"
 
 
-@pytest.mark.slow
+@pytest.mark.slow("an emulated board")
 def test_unplugging_the_board_keeps_what_arrived(bench, snakemake):
     folder, capture = bench
     with made(folder, "swing", boards.swing(24, 0.5, 20)) as board, ThreadPoolExecutor(1) as pool:
@@ -160,7 +168,9 @@ def test_unplugging_the_board_keeps_what_arrived(bench, snakemake):
     )
     for target in ("results/experiment/fits/swing-07.nc", "discover"):
         refused = snakemake(target, "--configfile", folder / "own.yaml", directory=folder, check=False)
-        assert refused.returncode != 0
+        assert (refused.returncode != 0) is (
+            target == "discover"
+        )  # a fit that is asked for by name says why it is none
         assert "the recording is partial" in refused.stdout and "write `allow`" in refused.stdout
     sheet.write_text(sheet.read_text().replace(",voltage,rad,", ",voltage,V,").rstrip("\n") + "allow\n")
     with chdir(folder):  # where the sheet's files are looked for
@@ -168,7 +178,7 @@ def test_unplugging_the_board_keeps_what_arrived(bench, snakemake):
     assert taken.sizes["time"] > 30
 
 
-@pytest.mark.slow
+@pytest.mark.slow("an emulated board")
 def test_from_an_emulated_capture_through_the_whole_study(bench, snakemake):
     """Tower heights, rest and swings are captured, then calibration, fits and figures follow from them."""
     folder, capture = bench
@@ -264,7 +274,7 @@ def test_a_session_is_followed_at_the_emulated_board(tmp_path, monkeypatch):
     assert len(guide.said) == 3
 
 
-@pytest.mark.slow
+@pytest.mark.slow("an emulated board")
 def test_a_thousand_samples_a_second_for_a_minute_on_a_busy_machine(bench):
     """Two cores are kept busy by others; nothing is lost. The emulated board is held up too, so its silence is given more time."""
     folder, capture = bench
@@ -297,6 +307,43 @@ def recorded(tmp_path, monkeypatch, scene, settings=None, **more):
         return dataset.read(jobs.FOLDER / "a.nc"), board, board.truth()
 
 
+@contextmanager
+def lateness():
+    """A list that holds by how much (s) the machine itself was late, at worst, in what the block did."""
+    over, done = [0.0], Event()
+
+    def watch():
+        while not done.is_set():
+            began = time.perf_counter()
+            time.sleep(0.005)
+            over[0] = max(over[0], time.perf_counter() - began - 0.005)
+
+    with ThreadPoolExecutor(1) as pool:
+        pool.submit(watch)
+        try:
+            yield over
+        finally:
+            done.set()
+
+
+@pytest.mark.slow("a recording in real time")
+def test_times_of_a_board_that_falls_seconds_behind_are_the_hosts(tmp_path, monkeypatch):
+    """It gets through a third of the time, in jerks, from the middle of the recording on: it is seconds late at the end."""
+    scene, settings = boards.swing(24, 0, 60), {"duration_s": 8, "scale": boards.STEP}
+    for attempt in range(3):
+        (folder := tmp_path / str(attempt)).mkdir()
+        with lateness() as late:
+            data, board, (_, cycles, host) = recorded(folder, monkeypatch, scene, settings, held_up=4)
+        if late[0] < 0.01:
+            break
+    else:
+        pytest.skip(f"NOT TESTED: this machine does other work, and is {1e3 * late[0]:.0f} ms late of itself")
+    at = data["sequence"].values[[0, -1]]
+    assert np.diff(host[at])[0] - np.diff(cycles[at])[0] / 16e6 > 2
+    assert data.attrs["partial"] == "yes"
+    check_truth(data, board)
+
+
 COUNTS = {"signal_unit": "counts", "counts_per_revolution": 4096}
 
 
@@ -318,7 +365,7 @@ def test_five_thousand_samples_a_second_without_loss(tmp_path, monkeypatch):
 
 def test_oversampling_sends_the_sum_of_readings_that_are_evenly_spread(tmp_path, monkeypatch):
     settings = {"scale": boards.STEP / 16, "range": [0, 4.99]}
-    data, _, (volts, cycles) = recorded(
+    data, _, (volts, cycles, *_) = recorded(
         tmp_path, monkeypatch, boards.swing(24, 0, 20), settings, OVERSAMPLE=16
     )
     assert data.attrs["partial"] == "no", data.attrs["problems"]
@@ -337,7 +384,7 @@ def test_oversampling_sends_the_sum_of_readings_that_are_evenly_spread(tmp_path,
 def test_what_lies_beyond_the_converters_range_is_told(tmp_path, monkeypatch, oversample):
     """Above 5 V: also where only one of the readings of a sample is."""
     settings = {"scale": boards.STEP / oversample, "range": [0, 1023 * boards.STEP], "duration_s": 2}
-    data, _, (volts, _) = recorded(
+    data, _, (volts, *_) = recorded(
         tmp_path, monkeypatch, boards.swing(60, 0, 20), settings, OVERSAMPLE=oversample
     )
     samples = volts[: len(volts) // oversample * oversample].reshape(-1, oversample)[data["sequence"].values]
@@ -348,7 +395,7 @@ def test_what_lies_beyond_the_converters_range_is_told(tmp_path, monkeypatch, ov
 
 def test_another_reference_is_taken_from_its_pin(tmp_path, monkeypatch):
     step = 3.3 / 1024
-    data, _, (volts, _) = recorded(
+    data, _, (volts, *_) = recorded(
         tmp_path,
         monkeypatch,
         ([0.0], [-0.1]),
@@ -363,7 +410,7 @@ def test_an_encoder_is_counted_with_its_sign_over_more_than_sixteen_bits(tmp_pat
     """A swing, then twenty turns backwards: -81 920 counts."""
     times, angles = boards.swing(24, 0, 3)
     scene = np.append(times, [3.5, 8.5]), np.append(angles, [0, -20 * 2 * np.pi])
-    data, _, (counts, cycles) = recorded(
+    data, _, (counts, cycles, *_) = recorded(
         tmp_path, monkeypatch, scene, {**COUNTS, "duration_s": 9}, counts=4096
     )
     assert data.attrs["partial"] == "no", data.attrs["problems"]
@@ -375,7 +422,7 @@ def test_an_encoder_is_counted_with_its_sign_over_more_than_sixteen_bits(tmp_pat
 
 def test_forty_thousand_counts_a_second_are_all_counted(tmp_path, monkeypatch):
     scene = np.array([0, 2.5, 2.9, 4]), np.array([0, 0.01, 1, 1]) * 2 * np.pi * 4
-    data, _, (true, _) = recorded(tmp_path, monkeypatch, scene, {**COUNTS, "duration_s": 2}, counts=4096)
+    data, _, (true, *_) = recorded(tmp_path, monkeypatch, scene, {**COUNTS, "duration_s": 2}, counts=4096)
     counted = data["counts"].values
     assert np.diff(counted).max() > 380
     true = true[data["sequence"].values]

@@ -64,6 +64,7 @@ def test_from_rest_the_first_sample_is_the_release():
     assert fit.free == ("natural_frequency", "viscous_ratio")
 
 
+@pytest.mark.filterwarnings("ignore:.*gains energy")  # of some of the models: what each leaves is asked alone
 @pytest.mark.parametrize("start", ["free", "rest"])
 def test_a_term_more_never_makes_a_fit_worse(start):
     """The paper's κv,q,c is worse than its κq,c: a global minimum cannot be."""
@@ -107,7 +108,7 @@ def test_from_a_few_random_starts(name, alone):
     assert found["best"] == found["of"]
 
 
-@pytest.mark.slow
+@pytest.mark.slow("many draws")
 @pytest.mark.parametrize("alone", [False, True], ids=["besides what is seen", "alone"])
 @pytest.mark.parametrize("name", CASES)
 def test_from_many_random_starts(name, alone, capsys):
@@ -151,7 +152,9 @@ def stopped(seeds):
 
 
 @pytest.mark.parametrize(
-    "seeds", [range(10), pytest.param(range(FRESH, FRESH + 100), marks=pytest.mark.slow)], ids=["few", "many"]
+    "seeds",
+    [range(10), pytest.param(range(FRESH, FRESH + 100), marks=pytest.mark.slow("many draws"))],
+    ids=["few", "many"],
 )
 def test_swings_that_friction_stops_without_a_guess(seeds, capsys):
     reached, count = stopped(seeds)
@@ -296,6 +299,7 @@ def test_nothing_is_asked_twice_where_only_noise_is_left():
     assert found.rss == pytest.approx(right.rss, rel=1e-8)
 
 
+@pytest.mark.filterwarnings("ignore:.*gains energy")  # after two steps, or 200 samples
 def test_convergence_is_told_honestly():
     angle, _ = CASES["seven"].noisy(14)
     stopped = fit_trajectory(FULL, TIMES, angle, most=2)

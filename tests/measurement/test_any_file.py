@@ -89,7 +89,7 @@ LINES = [f"{t:.2f};{x:.5f}".replace(".", ",") for t, x in zip(TIME, SWING, stric
     end=st.sampled_from(["\n", "\r\n", "\r"]),
 )
 def test_a_recording_that_was_edited(tmp_path, monkeypatch, changes, end):
-    """What is read of a spoilt file is what stands in it: every sample is a line of it, and no line is passed over."""
+    """What is read of a spoilt file is what stands in it: every sample is a line of it, and of a line that is passed over it is told."""
     monkeypatch.chdir(tmp_path)
     lines = ["Zeit (s);Winkel (rad)", *LINES]
     for at, what, text in changes:
@@ -122,4 +122,5 @@ def test_a_recording_that_was_edited(tmp_path, monkeypatch, changes, end):
             continue
     samples = set(zip(found["time"].values.tolist(), found["signal"].values.tolist(), strict=True))
     assert samples <= stand
-    assert len(samples) >= len(stand) - 1  # a last line that was cut is left out
+    if len(samples) < len(stand) - 1:  # a last line that was cut is left out
+        assert "missing samples" in found.attrs["remarks"] or "left out" in found.attrs["remarks"]

@@ -46,7 +46,7 @@ def test_a_library_that_crashes_or_hangs_is_told(read, tmp_path, monkeypatch):
         read(whole)
 
 
-@pytest.mark.slow
+@pytest.mark.slow("many damages")
 def test_bytes_that_are_flipped_or_cut(read, tmp_path):
     write(tmp_path / "b.nc")
     whole = (tmp_path / "b.nc").read_bytes()

@@ -13,7 +13,7 @@ PIECE = 25e6  # bytes: a piece of the file while it is read
 SAMPLE = 16  # bytes: a time and an angle
 
 
-@pytest.mark.slow
+@pytest.mark.slow("a large file")
 @pytest.mark.parametrize(("start", "stop", "held"), [("", "", ROWS), (40, 44, ROWS / 25)])
 def test_at_most_three_times_the_window_is_held(tmp_path, monkeypatch, start, stop, held):
     monkeypatch.chdir(tmp_path)

@@ -69,32 +69,32 @@ jumping = TIME + 0.4 / RATE * (TIME > 12)
 
 # what is wrong: times, signal, header, cells of the sheet, what becomes of it, words of the message
 ODD = {
-    "degrees in `angle`": (TIME, np.degrees(angle()), "t_s,angle", {}, "refused", "back and forth"),
-    "degrees in `angle_rad`": (TIME, np.degrees(angle()), "t_s,angle_rad", {}, "refused", "back and forth"),
+    "degrees in `angle`": (TIME, np.degrees(angle()), "t_s,angle", {}, "mended", "TAKEN AS DEGREES"),
+    "degrees in `angle_rad`": (TIME, np.degrees(angle()), "t_s,angle_rad", {}, "refused", "as stated, it swings back and forth"),
     "degrees in `angle (deg)`": (TIME, np.degrees(angle()), "t_s,angle (deg)", {}, "mended", "as degrees"),
-    "ms in `time`": (1000 * TIME, angle(), "time,angle_rad", {}, "refused", "no unit of the time"),
+    "ms in `time`": (1000 * TIME, angle(), "time,angle_rad", {}, "mended", "TAKEN AS ms"),
     "ms in `t_s`": (1000 * TIME, angle(), "t_s,angle_rad", {}, "told", "unit of the time right?"),
-    "hanging at pi": (TIME, angle() + np.pi, "t_s,angle_rad", {}, "refused", "the top"),
-    "hanging at -pi": (TIME, angle() - np.pi, "t_s,angle_rad", {}, "refused", "the top"),
-    "hanging at 180°": (TIME, np.degrees(angle()) + 180, "t_s,angle_deg", {}, "refused", "the top"),
+    "hanging at pi": (TIME, angle() + np.pi, "t_s,angle_rad", {}, "mended", "this is taken away"),
+    "hanging at -pi": (TIME, angle() - np.pi, "t_s,angle_rad", {}, "mended", "this is taken away"),
+    "hanging at 180°": (TIME, np.degrees(angle()) + 180, "t_s,angle_deg", {}, "mended", "this is taken away"),
     "hanging at pi in two halves": (
-        TIME, (angle() + 2 * np.pi) % (2 * np.pi), "t_s,angle_rad", {}, "refused", "a whole turn",
+        TIME, (angle() + 2 * np.pi) % (2 * np.pi), "t_s,angle_rad", {}, "mended", "a whole turn",
     ),
     "an offset of 0.3 rad": (TIME, angle() + 0.3, "t_s,angle_rad", {}, "told", "it swings about 0.3 rad"),
     "held for 3 s before the release": (TIME, held(), "t_s,angle_rad", {}, "mended", "released at about 3.0"),
     "a hand that lifts": (TIME, lifted(), "t_s,angle_rad", {}, "mended", "in a hand and was released at about"),
     "a sensor that is dead after 10 s": (TIME, stuck(), "t_s,angle_rad", {}, "refused", "dead"),
     "dropped samples, time renumbered": (
-        TIME[:-5], np.delete(angle(), range(1010, 1015)), "t_s,angle_rad", {}, "told", "jumps|out of step",
+        TIME[:-5], np.delete(angle(), range(1010, 1015)), "t_s,angle_rad", {}, "told", "OUT OF STEP from",
     ),
     "dropped samples at a turning point": (
         TIME, at_a_turning_point(8), "t_s,angle_rad", {}, "told", "where samples are lost",
     ),
     "a clock that jumps by 0.4 of a sample": (jumping, angle(), "t_s,angle_rad", {}, "told", "clock stumbles"),
     "a clock that jumps by half a sample": (
-        TIME + 0.55 / RATE * (TIME > 12), angle(), "t_s,angle_rad", {}, "refused", "a gap of",
+        TIME + 0.55 / RATE * (TIME > 12), angle(), "t_s,angle_rad", {}, "told", "samples are missing|stumbles",
     ),
-    "a sign that flips": (TIME, flipped(), "t_s,angle_rad", {}, "told", "jumps"),
+    "a sign that flips": (TIME, flipped(), "t_s,angle_rad", {}, "told", "OUT OF STEP from"),
     "an offset that drifts": (TIME, angle() + 0.01 * TIME, "t_s,angle_rad", {}, "told", "drifts by"),
     "three spikes": (TIME, spoilt([700, 1500, 2222], 0.2), "t_s,angle_rad", {}, "mended", "a spike at 7 s and 2"),
     "less than a swing": (TIME[:35], angle()[:35], "t_s,angle_rad", {}, "refused", "the recording is too short"),

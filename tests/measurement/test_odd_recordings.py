@@ -5,10 +5,10 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from swingdown.errors import InputError
-from swingdown.measurement.continuity import check_alive, check_continuous
-from swingdown.measurement.plausibility import check_plausible, check_shrinks, hanging
+from swingdown.measurement.judge import Reading, check_used, judge
 from swingdown.measurement.recording import ingest
 from swingdown.measurement.sheet import read_sheet
+from swingdown.measurement.units import in_rad, time_factor
 
 RATE = 100
 TIME = np.arange(30 * RATE) / RATE
@@ -19,11 +19,10 @@ def swing(time=TIME, amplitude=0.5, noise=0.001, seed=1, decay=0.03):
     return clean + noise * np.random.default_rng(seed).standard_normal(time.size)
 
 
-def looked_at(signal, time=TIME, unit="rad", time_told=True, unit_told=True):
-    told = check_plausible(time, signal, unit, time_told, unit_told, "a.csv")
-    check_alive(time, signal, "a.csv")
-    told += hanging(signal, {"rad": 1.0, "deg": np.pi / 180}[unit])[1]
-    return told + check_shrinks(signal, "a.csv") + check_continuous(time, signal, "a.csv")
+def looked_at(signal, time=TIME, unit="rad", time_told=True, unit_told=True, restoring="sine"):
+    factor, told = time_factor(time, signal, time_told, "a.csv")
+    judged = judge(time * factor, signal, Reading(unit, unit_told, in_rad(unit), restoring), "a.csv")
+    return told + judged.remarks + check_used(time * factor, judged, slice(None), "a.csv")
 
 
 def refused(*told, signal, **how):
@@ -41,16 +40,32 @@ def test_nothing_is_told_of_a_good_swing():
         assert looked_at(swing(seed=seed, decay=1.0)) == []
 
 
-@pytest.mark.parametrize("told", [True, False])
-def test_degrees_taken_for_rad(told):
+def test_degrees_that_somebody_calls_rad_are_asked_about():
     refused(
+        "in rad, as stated",
         "back and forth by",
-        "turns",
+        "restoring: linear",
         "deg in the cell signal_unit",
         signal=np.degrees(swing()),
-        unit_told=told,
     )
-    refused("back and forth", signal=np.degrees(swing(amplitude=0.15)), unit_told=told)
+
+
+@pytest.mark.parametrize("amplitude", [0.15, 0.5, 2.5])
+def test_degrees_without_a_word_are_taken_for_degrees(amplitude):
+    (told,) = looked_at(np.degrees(swing(amplitude=amplitude)), unit_told=False)
+    assert (
+        told.startswith("no unit is stated, and in rad it would swing back and forth by")
+        and "TAKEN AS DEGREES" in told
+    )
+
+
+def test_a_disc_on_a_spring_swings_by_any_number_of_turns():
+    for turns in (1.4, 5.0):
+        angle = swing(amplitude=2 * np.pi * turns)
+        assert looked_at(angle, restoring="linear") == []
+        assert looked_at(np.degrees(angle), unit="deg", restoring="linear") == []
+        refused("back and forth by", "restoring: linear", signal=angle)
+        refused("in deg, as stated", "restoring: linear", signal=np.degrees(angle), unit="deg")
 
 
 def rotating():
@@ -68,11 +83,17 @@ def test_counted_turns_are_told_where_somebody_states_rad():
     time, angle = rotating()
     remarks = looked_at(angle, time)
     assert len(remarks) == 1 and "counted turns" in remarks[0]
-    refused("no unit is stated", signal=angle, time=time, unit_told=False)
 
 
-def test_milliseconds_taken_for_seconds():
-    refused("a period of 86", "time_unit", signal=swing(), time=1000 * TIME, time_told=False)
+def test_a_torsion_balance_in_seconds_is_not_taken_for_a_pendulum_in_milliseconds():
+    """Read by hand each ten seconds, its period is some 200: as many ms would be a pendulum's."""
+    refused("a torsion balance takes so many s", signal=swing(), time=250 * TIME, time_told=False)
+    assert looked_at(swing(), 250 * TIME)  # stated to be s, it is
+
+
+def test_milliseconds_without_a_word():
+    (told,) = looked_at(swing(), 1000 * TIME, time_told=False)
+    assert "TAKEN AS ms" in told and "a period of 0.86" in told
     refused("a period of 0.0008", signal=swing(), time=TIME / 1000, time_told=False)
     remarks = looked_at(swing(), 1000 * TIME)
     assert len(remarks) == 1 and "a period of 86" in remarks[0]
@@ -81,9 +102,10 @@ def test_milliseconds_taken_for_seconds():
 
 
 @pytest.mark.parametrize("sign", [1, -1])
-def test_a_zero_at_the_top(sign):
-    refused("about", "the top", signal=swing() + sign * np.pi)
-    refused("about", "the top", signal=np.degrees(swing()) + sign * 180, unit="deg")
+def test_a_zero_at_the_top_is_taken_away(sign):
+    for signal, unit in ((swing() + sign * np.pi, "rad"), (np.degrees(swing()) + sign * 180, "deg")):
+        (told,) = looked_at(signal, unit=unit)
+        assert "3.14 rad (180°)" in told.replace("-", "") and "taken away" in told
 
 
 def test_a_zero_beside_the_vertical():
@@ -98,22 +120,25 @@ def test_what_swings_wider_and_wider_is_driven():
     assert len(remarks) == 1 and remarks[0].startswith("its swings do not shrink")
 
 
-def test_no_unit_of_angles_is_proposed_that_would_not_do():
-    """A count of 900 back and forth is no angle in degrees either."""
-    refused("turns", "no unit of angles", "counts in signal_unit", signal=450 * swing(amplitude=1.0))
-    refused("taken for deg", "no unit of angles", signal=450 * swing(amplitude=1.0), unit="deg")
+def test_readings_that_are_no_angle_have_no_scale():
+    """A count of 900 back and forth is no angle in degrees either; period and decay need no scale."""
+    (told,) = looked_at(450 * swing(amplitude=1.0), unit_told=False)
+    assert "TAKEN AS A READING OF UNKNOWN SCALE" in told and "cell scale" in told
+    refused("in deg, as stated", "turns", signal=450 * swing(amplitude=1.0), unit="deg")
 
 
-def test_an_angle_that_wraps():
+@pytest.mark.parametrize("told", [True, False])
+def test_an_angle_that_wraps_runs_on(told):
     wrapped = (swing(amplitude=2.9) + 0.4 + np.pi) % (2 * np.pi) - np.pi
-    refused("jumps by a whole turn", "unwrap", signal=wrapped)
-    refused("jumps by a whole turn", signal=np.degrees(wrapped), unit="deg")
+    for signal, unit in ((wrapped, "rad"), (np.degrees(wrapped), "deg")):
+        remarks = looked_at(signal, unit=unit if told else "rad", unit_told=told)
+        assert "jumps by a whole turn" in remarks[0] and "it swings about 0.4 rad" in remarks[-1]
 
 
 def test_a_number_that_is_wrong_by_far():
     signal = swing()
     signal[700] = 3.28e4
-    refused("7 s", "turns between two samples", signal=signal)
+    assert looked_at(signal) == ["a spike at 7 s, left out as missing: 1 of 3000 samples"]
 
 
 @pytest.mark.parametrize("size", [0.05, -0.3, 2.5])
@@ -128,6 +153,58 @@ def test_samples_lost_with_the_time_renumbered():
     lost = np.delete(swing(long), [1010, 1011, 1012, 1013, 1014])  # on its way through the middle
     remarks = looked_at(lost)
     assert len(remarks) == 1 and remarks[0].startswith("the signal jumps") and "at 10.1 s" in remarks[0]
+
+
+@pytest.mark.parametrize(
+    ("of", "lost", "percent"), [(3, 1, "33.3"), (10, 1, "10"), (10, 2, "20"), (40, 1, "2.5")]
+)
+def test_samples_lost_at_even_distances_with_the_time_renumbered(of, lost, percent):
+    long = np.arange(33 * RATE) / RATE
+    signal = swing(long)[(np.arange(long.size) + 1) % of >= lost]
+    told = looked_at(signal, np.arange(signal.size) / RATE)[0]
+    assert told.startswith(f"{lost} of every {of} samples seem")
+    assert f"lost, and the time numbered on: period and decay time are too short by {percent} %" in told
+
+
+def test_samples_lost_at_even_distances_beside_a_long_hole():
+    long = np.arange(33 * RATE) / RATE
+    signal = swing(long)[np.arange(long.size) % 10 > 0]
+    times = np.arange(signal.size) / RATE
+    here = (times < 10) | (times > 10.3)
+    assert any(
+        one.startswith("1 of every 10 samples seems to be lost")
+        for one in looked_at(signal[here], times[here])
+    )
+
+
+def test_samples_written_twice_at_even_distances():
+    count = np.arange(30 * RATE)
+    (told,) = looked_at(swing()[count - count // 5])
+    assert told.startswith("1 of every 5 samples seems to be there twice")
+    assert "period and decay time are too long by 25 %" in told
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_of_even_distances_nothing_is_told_where_nothing_is_lost_at_them(seed):
+    """Noise that lasts or is strong, random holes, samples lost with their times kept, coarse steps, and a reading that is held."""
+    draws = np.random.default_rng(seed)
+    clean = swing(noise=0, decay=0.01 + 0.01 * seed)
+    lasting = np.zeros(TIME.size)
+    for k in range(1, TIME.size):
+        lasting[k] = 0.9 * lasting[k - 1] + 0.01 * draws.standard_normal()
+    slow = np.arange(6000) / 300
+    here = draws.random(TIME.size) > 0.1
+    tenth = np.arange(TIME.size) % 10 != 3
+    held = np.repeat(swing(seed=seed)[::3], 3)
+    seen = [
+        looked_at(clean + lasting),
+        looked_at(swing(slow, noise=0.05, seed=seed), slow),
+        looked_at(swing(seed=seed)[here], TIME[here]),
+        looked_at(swing(seed=seed)[tenth], TIME[tenth]),
+        looked_at(np.round(swing(slow, noise=0, decay=0.01) / 0.1) * 0.1, slow),
+        looked_at(held, TIME[: held.size]),
+    ]
+    assert not [remark for remarks in seen for remark in remarks if "of every" in remark]
 
 
 def test_a_sign_that_flips():
@@ -191,7 +268,7 @@ def test_samples_lost_about_a_turning_point_leave_the_swing_out_of_step():
     signal = swing(long, noise=0.01)
     top = 1000 + int(np.argmax(swing(long, noise=0)[1000:1087]))
     lost = np.delete(signal, range(top - 6, top + 6))
-    remarks = looked_at(lost, TIME[: lost.size])
+    remarks = looked_at(lost, np.arange(lost.size) / RATE)
     assert len(remarks) == 1 and "out of step with the clock" in remarks[0]
     told = float(remarks[0].partition(" at ")[2].partition(" s")[0])
     assert told == pytest.approx(top / RATE, abs=0.45)

@@ -6,7 +6,7 @@ import sys
 import pytest
 
 
-@pytest.mark.slow
+@pytest.mark.slow("many draws")
 def test_the_questions_err_as_seldom_as_is_told(root, tmp_path, capsys, monkeypatch):
     monkeypatch.setattr(sys, "path", [*sys.path, str(root / "tests/benchmarks")])
     import questions

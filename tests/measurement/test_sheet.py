@@ -77,10 +77,6 @@ def test_files_are_found_in_the_working_directory_first_then_in_the_project(shee
         ("recording,file\na,a.csv,1\n", ["line 2", "3 cells in a row of 2 columns"]),
         ("recording,file,signal_unit\na,a.csv,volt\n", ["line 2, column signal_unit", "'volt'"]),
         ("recording,file,role\na,a.csv,hold-out\n", ["line 2, column role", "write 'holdout'"]),
-        (
-            "recording,file,signal_unit\na,a.csv,counts\n",
-            ["line 2, column counts_per_revolution", "in counts"],
-        ),
         ("recording,file,counts_per_revolution\na,a.csv,0\n", ["column counts_per_revolution", "> 0"]),
         ("recording,file,start_s\na,a.csv,soon\n", ["line 2, column start_s", "'soon' is not a number"]),
         ("recording,file,start_s\na,a.csv,inf\n", ["line 2, column start_s", "finite"]),
@@ -147,3 +143,32 @@ def test_a_sheet_as_other_programs_save_it(tmp_path, monkeypatch, encoding, sepa
     (tmp_path / "sheet.csv").write_bytes(text.encode(encoding))
     row = read_sheet("sheet.csv").iloc[0]
     assert (row["label"], row["file"], row["start_s"]) == ("Jürgen", "data/a.csv", 0.35)
+
+
+LONG = "x" * 5000
+
+
+@pytest.mark.parametrize(
+    ("row", "column"),
+    [
+        (f"{LONG},a.csv,p", "column recording"),
+        (f"a,a.csv,{LONG}", "column campaign"),
+        (f"a,{LONG},p", "column file"),
+        (f"a,{'y' * 300},p", "y{20}"),
+    ],
+)
+def test_a_name_that_no_file_can_have_is_refused_in_few_words(sheet, row, column):
+    with pytest.raises(InputError, match=column) as caught:
+        sheet(f"recording,file,campaign\n{row}\n")
+    assert caught.value.mend and len(str(caught.value)) < 500
+
+
+def test_a_sheet_whose_name_is_too_long_is_refused():
+    with pytest.raises(InputError, match="long"):
+        read_sheet(LONG)
+
+
+def test_a_name_is_told_without_its_control_characters(sheet):
+    """They would colour a terminal, and make a figure no SVG."""
+    row = sheet("recording,file,campaign\na\x1b[31mred\x07,a.csv,p\x01\n").iloc[0]
+    assert (row.label, row.campaign) == ("a\\x1b[31mred\\x07", safe_name("p\x01"))

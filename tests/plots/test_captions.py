@@ -9,7 +9,9 @@ from swingdown.plots import FIGURES
 from swingdown.plots.sweep import MAPS
 
 
-@pytest.mark.parametrize("name", ["pendulums", *sorted(FIGURES), *(f"sweep_{name}" for name in MAPS)])
+@pytest.mark.parametrize(
+    "name", ["pendulums", "series", "groups", *sorted(FIGURES), *(f"sweep_{name}" for name in MAPS)]
+)
 def test_a_caption_is_a_few_sentences_without_results_in_numbers(root, name):
     text = (root / "workflow/report" / f"{name}.rst").read_text(encoding="utf-8")
     tree = publish_doctree(text, settings_overrides={"report_level": 2, "halt_level": 2})

@@ -4,7 +4,6 @@ import os
 import shutil
 import subprocess
 import sys
-import warnings
 
 import pytest
 
@@ -37,9 +36,7 @@ def watch(**environment):
 def screen():
     """The name of a screen that nobody looks at."""
     if not shutil.which("Xvfb"):
-        reason = "NOT TESTED: no Xvfb for a window while recording (tools/install-test-tools)"
-        warnings.warn(reason, stacklevel=1)
-        pytest.skip(reason)
+        pytest.skip("NOT TESTED: no Xvfb for a window while recording (tools/install-test-tools)")
     read, write = os.pipe()
     server = subprocess.Popen(
         ["Xvfb", "-displayfd", str(write), "-screen", "0", "1200x700x24"],

@@ -73,6 +73,7 @@ def test_plots_rest_on_datasets_symbols_rounding_and_the_way_files_are_written_a
         "xarray",
         "collections",
         "functools",
+        "io",
         "os",
         "pathlib",
         "textwrap",

@@ -6,7 +6,6 @@ import json
 import os
 import re
 import shutil
-import warnings
 from pathlib import Path
 
 import numpy as np
@@ -54,10 +53,9 @@ def made(tmp_path_factory):
                 if not path.exists():
                     save(found.plot(), path)
                 seen.append(str(path))
-        norms = pd.DataFrame(
-            {"file": ["../broken.csv"], "recording": ["broken"], "problem": ["lots is no number"]}
-        )
-        refused = pendulums(answers[0][0].fits, left_out=norms).iloc[1:]
+        why = {"problem": "lots is no number", "mend": "mend the file", "left_out_of": "everything"}
+        out = pd.DataFrame([{"file": "../broken.csv", "campaign": "broken", "recording": "broken"} | why])
+        refused = pendulums(answers[0][0].fits, left_out=out).iloc[1:]
         table = in_order(pd.concat([*(table for _, table, _ in chosen), refused], ignore_index=True))
         table.loc[table["verdict"] != "refused", "emulated"] = emulated
         recordings = [
@@ -68,7 +66,7 @@ def made(tmp_path_factory):
         settings = complete({"recordings": "recordings.csv", "simulation": {"simulated": []}})
         figures = {"pendulums": (seen[0], CAPTION)}
         return contents.Material(
-            {"pendulums": table}, figures, recordings, settings, verdicts=[v for *_, v in chosen], seen=seen,
+            {"pendulums": table, "left_out": out}, figures, recordings, settings, verdicts=[v for *_, v in chosen], seen=seen,
             swings={v["campaign"]: list(found.shown) for found, _, v in chosen},
         )  # fmt: skip
 
@@ -94,15 +92,37 @@ def plain(path):
 def test_it_opens_with_the_sentence_then_recording_quantities_torque_evidence_settings(made):
     material, folder = made
     text = plain(written(material(1), folder))
-    order = ["What stops this pendulum?", "Nothing is missing.", "How sure.", "Recording and fit, swing-1.", "Quantities, swing-1.",
-             "decay time (1/e)", "Missing torque, swing-1.", "What this run rests on", "Versions."]  # fmt: skip
+    order = ["What stops this pendulum?", "Air drag (viscous) stops it: T = ", "Nothing else is needed.", "Nothing is missing.", "How sure.",
+             "Recording and fit, swing-1.", "Quantities, swing-1.", "decay time (1/e)", "What this run rests on", "Versions."]  # fmt: skip
     places = [text.rindex(words) for words in order]
     assert places == sorted(places)
-    assert "broken was not used: ../broken.csv: lots is no number." in text
+    assert "1 recording was left out: broken." in text
+    assert "broken broken ../broken.csv everything lots is no number mend the file" in text
     subtitle = contents.head(material(1))["subtitle"]
     assert subtitle == Markup("swing 1.csv (took <code>a</code> as degrees)") and isinstance(subtitle, Markup)
     shown = material(1).tables["pendulums"].iloc[0]
-    assert shown["period_s_text"] in text and shown["quality_text"] in text
+    assert f"T = {shown['period_s_text']} s, Q = {shown['quality_text']}." in text
+    assert text.count(shown["period_s_text"]) == 2, "in the sentence, and in the table"
+
+
+def test_figures_that_have_nothing_to_say_are_left_out(made):
+    """Where nothing was missing, and no move was made, there is no torque that is missing and no before and after."""
+    material, folder = made
+    found = material(1)
+    assert {Path(path).stem for path in found.seen} == {"answer", "map", "gap"}
+    labels = [
+        item.label for section in contents.sections(found) for item in section.items if item.kind == "figure"
+    ]
+    assert labels == ["Recording and fit, swing-1"]
+    groups = {"velocity": {"share": 0.5, "chi_square": 90.0, "freedom": 3, "p": 0.0}}
+    (verdict,) = found.verdicts
+    verdict = verdict | {"status": "unknown", "where": verdict["where"] | {"groups": groups}}
+    gap = verdict["gap"] | {"fit": [2.0, 1.5], "holdout": [2.0, 1.6]}
+    more = dataclasses.replace(found, verdicts=[verdict | {"gap": gap}])
+    labels = [
+        item.label for section in contents.sections(more) for item in section.items if item.kind == "figure"
+    ]
+    assert labels == ["Recording and fit, swing-1", "Missing torque, swing-1", "Gap, swing-1"]
 
 
 @pytest.mark.parametrize("count", [1, 4])
@@ -141,7 +161,8 @@ def test_what_is_emulated_says_so_at_every_table_and_figure(made):
     material, folder = made
     for emulated, expected in (("yes", True), ("no", False)):
         found = material(1, emulated)
-        items = [item for section in contents.sections(found)[:-2] for item in section.items]
+        sections = [one for one in contents.sections(found)[:-2] if one.title != "Recordings left out"]
+        items = [item for section in sections for item in section.items]
         told = [getattr(item, "caption", "") for item in items if item.kind in ("table", "figure")]
         assert told and all((contents.LABEL in text) is expected for text in told)
         assert ("emulated" in plain(written(found, folder))) is expected
@@ -168,15 +189,16 @@ def test_the_papers_study_keeps_its_own(made):
     material, _ = made
     own = material(1)
     paper = dataclasses.replace(own, settings=complete({"recordings": "recordings.csv"}))
-    assert [section.title for section in contents.sections(paper)][:2] == ["Findings", "What is missing"]
+    titles = [section.title for section in contents.sections(paper)]
+    assert titles[:3] == ["Findings", "Recordings left out", "What is missing"]
 
 
 @pytest.fixture(scope="module")
 def browser():
     if not Path(CHROMIUM).exists():
-        reason = f"NOT TESTED: no browser at {CHROMIUM} (tools/install-test-tools, or set SWINGDOWN_CHROMIUM)"
-        warnings.warn(reason, stacklevel=1)
-        pytest.skip(reason)
+        pytest.skip(
+            f"NOT TESTED: no browser at {CHROMIUM} (tools/install-test-tools, or set SWINGDOWN_CHROMIUM)"
+        )
     from playwright.sync_api import sync_playwright
 
     with sync_playwright() as playwright:

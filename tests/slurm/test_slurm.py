@@ -10,14 +10,13 @@ import signal
 import subprocess
 import sys
 import time
-import warnings
 from pathlib import Path
 
 import pytest
 import xarray as xr
 from cluster import cluster, lacking
 
-pytestmark = pytest.mark.slow
+pytestmark = pytest.mark.slow("a cluster")
 LIMIT = (
     420  # seconds for both runs of the sweep; they took 150 to 200 on two cores with other programs running
 )
@@ -42,9 +41,7 @@ DATA_TARGET = f"{FOLDER}/sweep.nc"
 def slurm(tmp_path_factory):
     """A cluster of three nodes with one core each."""
     if reason := lacking():
-        reason = f"NOT TESTED: no Slurm: {reason}"
-        warnings.warn(reason, stacklevel=1)
-        pytest.skip(reason)
+        pytest.skip(f"NOT TESTED: no Slurm: {reason}")
     folder = tmp_path_factory.mktemp("slurm")
     for one in (folder, *folder.parents[:3]):
         one.chmod(0o755)  # munged runs as a user of its own

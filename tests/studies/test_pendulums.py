@@ -9,7 +9,7 @@ from swingdown.engine.trajectory import simulate
 from swingdown.pendulum.model import Model
 from swingdown.studies.experiment import fit_campaign, fit_recording
 from swingdown.studies.norms import combine_recordings
-from swingdown.studies.pendulums import described_by, pendulums, quantities_of
+from swingdown.studies.pendulums import described_by, pendulums, quantities_of, rivals
 from swingdown.studies.quantities import quantities
 
 FITTED = ["viscous", "load_coulomb", "viscous+load_coulomb"]
@@ -68,6 +68,14 @@ def test_a_model_with_a_damper_that_gives_energy_describes_nothing_where_another
     assert described_by(one) != "viscous"
 
 
+def test_a_model_that_fits_as_well_is_a_rival_and_a_worse_one_is_none(study):
+    norms, _ = study
+    one = norms.sel(recording=["a1"]).copy(deep=True)
+    assert rivals(one, "viscous") == []
+    one["norm"].loc[{"fitted": "load_coulomb"}] = one["norm"].sel(fitted="viscous")
+    assert rivals(one, "viscous") == ["load_coulomb"]
+
+
 def test_a_spring_that_softens_is_a_model_like_another():
     truth = Model(
         "viscous+cubic_stiffness", {"natural_frequency": 7.0, "viscous_ratio": 0.01, "cubic_stiffness": -8.0}
@@ -87,7 +95,12 @@ def test_the_verdict_and_what_is_left_out_stand_in_the_table(study):
     ]
     verdicts = [{"campaign": "z", "status": "ambiguous", "effects": effects}]
     out = pd.DataFrame(
-        {"recording": ["a1", "b"], "file": ["a.csv", "b.csv"], "problem": ["5 half-swings", "no number"]}
+        {
+            "campaign": ["a1", "b"],
+            "recording": ["a1", "b"],
+            "file": ["a.csv", "b.csv"],
+            "problem": ["5 half-swings", "no number"],
+        }
     )
     table = pendulums(norms, [joint], verdicts, out).set_index("recording")
     assert list(table["verdict"]) == ["ambiguous"] * 3 + ["", "refused"]

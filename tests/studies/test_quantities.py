@@ -89,3 +89,25 @@ def test_what_a_sensor_makes_of_it_is_no_part_of_a_pendulum():
 def test_what_changes_over_a_record_is_left_out():
     drifting = pendulum("viscous+damping_drift", viscous_ratio=0.01, damping_drift=0.01)
     assert steady(drifting) == pendulum("viscous", viscous_ratio=0.01)
+
+
+@pytest.mark.parametrize(
+    ("label", "values", "unsure"),
+    [
+        ("viscous", {"viscous_ratio": 0.01}, "natural_frequency"),
+        (
+            "viscous+magnet",
+            {"viscous_ratio": 0.01, "magnet_depth": 0.1, "magnet_width": 0.15},
+            "magnet_width",
+        ),
+    ],
+)
+def test_a_value_that_is_hardly_known_ends_no_answer(label, values, unsure):
+    """A tenth of its error leads to a frequency below nothing, or to a magnet of no width."""
+    model = pendulum(label, restoring="sine", **values)
+    covariance = np.diag([1e-8] * len(model.parameters))
+    at = model.parameters.index(unsure)
+    covariance[at, at] = (30 * model.values[unsure]) ** 2
+    found = quantities(model, 0.3, covariance)
+    assert np.isfinite(found["period"].value) and np.isnan(found["period"].uncertainty)
+    assert found[unsure].uncertainty == pytest.approx(30 * model.values[unsure])

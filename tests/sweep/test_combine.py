@@ -222,7 +222,7 @@ else:
 """
 
 
-@pytest.mark.slow
+@pytest.mark.slow("a sweep")
 def test_ten_million_draws_of_one_cell_are_combined_within_300_mb(tmp_path):
     draws = 10_000_000
     script = BIG.format(tests=str(Path(__file__).parent), folder=str(tmp_path), draws=draws)

@@ -41,7 +41,7 @@ def bucket(monkeypatch):
     server.stop()
 
 
-@pytest.mark.slow
+@pytest.mark.slow("a sweep")
 def test_a_sweep_runs_over_a_storage_and_is_found_there_from_another_machine(root, bucket, tmp_path):
     client, address = bucket
 

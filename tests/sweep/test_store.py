@@ -1,7 +1,9 @@
 """A sweep in one Zarr store: every job writes its own part, and what is read lazily is what a netCDF file would hold."""
 
 import json
+import shutil
 from multiprocessing import get_context
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -137,35 +139,74 @@ def test_what_the_store_has_no_room_for_is_refused(tmp_path, older):
         combine(sweep(), sorted((tmp_path / "chunks").iterdir()), tmp_path / "sweep.nc")
 
 
-def test_draws_that_are_damaged_are_refused(tmp_path):
-    """Whatever byte of a chunk's draws is flipped or cut, in the arrays or in what describes them."""
+DAMAGES = {
+    "emptied": lambda content, at: b"",
+    "cut": lambda content, at: content[:at],
+    "flipped": lambda content, at: content[:at] + bytes([content[at] ^ 16]) + content[at + 1 :],
+}
+
+
+def test_a_store_that_is_damaged_is_refused_by_a_run_that_opens_it_and_by_the_manifest(tmp_path):
+    """Whatever file of it: draws, coordinates, units and all else that describes them, the group of cells."""
     run(sweep(), tmp_path)
     chunks = sorted((tmp_path / "chunks").iterdir())
-    combine(sweep(), chunks, tmp_path / "sweep.nc")
-    good = (tmp_path / "sweep.nc").read_bytes()
     draws = np.random.default_rng(2)
-    files = [
-        path
-        for path in sorted((tmp_path / store.STORE).rglob("*"))
-        if path.is_file() and "cells" not in path.parts
-    ]
-    refused = 0
-    some = [files[k] for k in draws.choice(len(files), 12, replace=False)]
-    for path in [*some, tmp_path / store.SLOTS]:
+    files = [path for path in sorted((tmp_path / store.STORE).rglob("*")) if path.is_file()]
+    names = {path.relative_to(tmp_path / store.STORE).as_posix() for path in files}
+    assert {"fitted/0", "fitted/.zarray", ".zmetadata", "norm/.zattrs", "norm/0.0", "cells/snr/0"} <= names
+    for k, path in enumerate([*files, tmp_path / store.SUMS]):
         whole = path.read_bytes()
-        at = int(draws.integers(len(whole)))
-        for damaged in (whole[:at], whole[:at] + bytes([whole[at] ^ 16]) + whole[at + 1 :]):
-            path.write_bytes(damaged)
-            try:
-                combine(sweep(), chunks, tmp_path / "again.nc")
-                if path.name in (".zattrs", ".zarray", ".zgroup", ".zmetadata", store.SLOTS):
-                    continue  # words that describe, and what only jobs to come read
-                assert (tmp_path / "again.nc").read_bytes() == good, path
-            except InputError as error:
-                assert error.mend, path
-                refused += 1
+        damage = list(DAMAGES.values())[k % 3]
+        path.write_bytes(damage(whole, int(draws.integers(len(whole)))))
+        with pytest.raises(InputError, match="Mend: .*delete"):
+            jobs(sweep(), tmp_path)  # before the first job
+            combine(sweep(), chunks, tmp_path / "again.nc")
+        with pytest.raises(InputError, match="Mend: .*delete"):
+            store.check(tmp_path)
+            store.check_draws(tmp_path)
         path.write_bytes(whole)
-    assert refused >= 8
+    jobs(sweep(), tmp_path)
+    store.check(tmp_path)
+    store.check_draws(tmp_path)
+
+
+@pytest.mark.parametrize("damage", DAMAGES.values(), ids=DAMAGES)
+def test_damaged_draws_are_mended_as_told(tmp_path, damage):
+    """The mark of their chunk is deleted, and it is computed anew, into the same place: the last one, too, that fills no slot."""
+    whole = xr.load_dataset(run(sweep(), tmp_path))
+    for path in sorted((tmp_path / store.STORE / "norm").glob("[0-9]*")):
+        before = path.read_bytes()
+        path.write_bytes(damage(before, len(before) // 2))
+        with pytest.raises(InputError, match="Mend: delete it and give the same command again") as caught:
+            store.check_draws(tmp_path)
+        Path(caught.value.where).unlink()
+        xr.testing.assert_identical(xr.load_dataset(run(sweep(), tmp_path)), whole)
+        assert path.read_bytes() == before
+
+
+def test_a_damaged_group_of_cells_is_mended_as_told(tmp_path):
+    run(sweep(), tmp_path)
+    group = tmp_path / store.STORE / "cells"
+    before = (group / "snr/0").read_bytes()
+    (group / "snr/0").write_bytes(b"")
+    with pytest.raises(InputError, match=r"cells/snr/0.*Mend: delete \S+/draws.zarr/cells and \S+/sweep.nc"):
+        jobs(sweep(), tmp_path)
+    shutil.rmtree(group)
+    (tmp_path / "sweep.nc").unlink()
+    run(sweep(), tmp_path)
+    assert (group / "snr/0").read_bytes() == before
+
+
+def test_a_run_killed_while_it_changes_the_store_is_not_taken_for_damage(tmp_path, monkeypatch):
+    run(sweep(), tmp_path)
+    with monkeypatch.context() as dies, pytest.raises(KeyboardInterrupt):
+        dies.setattr("swingdown.sweep.store._add_sums", lambda *_: (_ for _ in ()).throw(KeyboardInterrupt()))
+        jobs(sweep(realizations=30), tmp_path)
+    run(sweep(realizations=30), tmp_path)
+    fresh = xr.load_dataset(run(sweep("netcdf", realizations=30), tmp_path / "fresh"))
+    rows = xr.load_dataset(tmp_path / "sweep.nc")["row"]
+    found = xr.open_zarr(tmp_path / store.STORE, chunks=None)["norm"].isel(draw=rows)
+    assert np.array_equal(found.values, fresh["norm"].values)
 
 
 def test_chunks_that_are_damaged_are_refused(tmp_path):

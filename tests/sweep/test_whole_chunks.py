@@ -88,7 +88,7 @@ def computes(printed):
     return int(rows[0][1]) if rows else 0
 
 
-@pytest.mark.slow
+@pytest.mark.slow("a sweep")
 def test_a_job_of_a_dead_run_that_is_started_late_leaves_a_whole_chunk_as_it_is(project):
     """As the Slurm plugin starts a job: forced, in a process of its own, with no knowledge of what was done since."""
     before = project.chunks()
@@ -103,18 +103,18 @@ def test_a_job_of_a_dead_run_that_is_started_late_leaves_a_whole_chunk_as_it_is(
     assert computes(project.snakemake("-n", DATA)) == 0
 
 
-@pytest.mark.slow
+@pytest.mark.slow("a sweep")
 def test_what_the_books_of_snakemake_lost_or_doubt_is_not_computed_again(project):
     """After kill -9 a finished chunk may have no record, or Snakemake may hold it for unfinished."""
     before = project.chunks()
-    records = sorted((project.folder / FOLDER / "jobs").iterdir())
+    records = sorted((project.folder / FOLDER / "jobs").glob("[!.]*"))
     records[0].unlink()
     shutil.rmtree(project.folder / ".snakemake")
     assert "computing chunk" not in project.snakemake(DATA, "--rerun-incomplete")
     assert project.chunks() == before and records[0].exists()
 
 
-@pytest.mark.slow
+@pytest.mark.slow("a sweep")
 def test_a_comment_computes_nothing_and_a_formula_is_told_and_waits_for_the_user(project):
     before = project.chunks()
     project.edit("src/swingdown/fitting/least_squares.py", "\nimport", "\n# a remark\nimport")
@@ -144,7 +144,7 @@ def test_a_comment_computes_nothing_and_a_formula_is_told_and_waits_for_the_user
     assert computes(project.snakemake("-n", DATA)) == 0
 
 
-@pytest.mark.slow
+@pytest.mark.slow("a sweep")
 def test_a_wider_table_leaves_every_whole_chunk(project):
     before = project.chunks()
     project.write(snr="[20, 35, 50]")

@@ -82,7 +82,7 @@ def planned(root):
     return counts
 
 
-@pytest.mark.slow
+@pytest.mark.slow("a sweep")
 def test_a_dry_run_tells_fits_chunks_and_hours_and_writes_nothing(snakemake, root, tmp_path):
     told = snakemake(
         "-n", "sweep", "--configfile", root / "config/sweeps-full.yaml", directory=tmp_path
@@ -104,7 +104,30 @@ def test_every_draw_is_told_to_be_there(swept):
     assert "80 draws, all there, from 3 chunks" in swept[1]
 
 
-@pytest.mark.slow
+@pytest.mark.slow("a sweep")
+def test_a_damaged_chunk_is_told_and_mended_as_told(snakemake, swept):
+    """It is deleted, as the message says, and the same command makes it anew; the rest of the chunks stay."""
+    folder, _ = swept
+    before, old = chunks(folder), (folder / DATA).read_bytes()
+    damaged = folder / "results/sweeps/small/chunks" / sorted(before)[0]
+    whole = damaged.read_bytes()
+    damaged.write_bytes(whole[:5000] + bytes([whole[5000] ^ 4]) + whole[5001:])
+    (folder / DATA).unlink()
+    done = snakemake(DATA, *write(folder)[1:], directory=folder, check=False)
+    assert done.returncode
+    told = " ".join(done.stdout.split())
+    assert (
+        str(damaged.relative_to(folder)) in told and "mend: delete it and give the same command again" in told
+    )
+    damaged.unlink()
+    done = snakemake(DATA, *write(folder)[1:], directory=folder)
+    after = chunks(folder)
+    assert done.stdout.count("computing chunk") == 1
+    assert {name for name, stamp in after.items() if stamp != before[name]} == {damaged.name}
+    assert (folder / DATA).read_bytes() == old
+
+
+@pytest.mark.slow("a sweep")
 def test_the_maps_are_on_a_page_with_the_papers_claim(mapped):
     folder, printed = mapped
     page = (folder / "results/sweeps.html").read_text()
@@ -113,7 +136,7 @@ def test_the_maps_are_on_a_page_with_the_papers_claim(mapped):
     assert "small: averaged over all cells the true model has the lowest norm in" in printed
 
 
-@pytest.mark.slow
+@pytest.mark.slow("a sweep")
 def test_the_report_shows_the_maps_of_sweeps_that_were_made(mapped, root):
     captions = sorted((root / "workflow/report").glob("sweep_*.rst"))
     found = sweeps.made(["small", "not_made"], captions, mapped[0] / "results/sweeps")
@@ -137,7 +160,7 @@ def test_nothing_is_left_to_do_and_what_is_new_is_all_that_would_run(planned, sw
     write(folder)
 
 
-@pytest.mark.slow
+@pytest.mark.slow("a sweep")
 def test_more_draws_and_another_value_run_only_what_is_new(snakemake, mapped):
     folder, _ = mapped
     before, old = chunks(folder), xr.load_dataset(folder / DATA)
@@ -151,7 +174,7 @@ def test_more_draws_and_another_value_run_only_what_is_new(snakemake, mapped):
     write(folder)
 
 
-@pytest.mark.slow
+@pytest.mark.slow("a sweep")
 def test_kill_9_and_the_resume_command_of_the_docs_computes_only_what_is_missing(snakemake, root, tmp_path):
     docs = (root / "docs/cluster.md").read_text()
     resume = [
@@ -189,6 +212,20 @@ def test_kill_9_and_the_resume_command_of_the_docs_computes_only_what_is_missing
     xr.testing.assert_identical(xr.load_dataset(killed / DATA), xr.load_dataset(whole / DATA))
 
 
+@pytest.mark.slow("a sweep")
+def test_a_store_with_an_emptied_coordinate_stops_the_run_that_opens_it(snakemake, tmp_path):
+    write(tmp_path, realizations=8)
+    config = tmp_path / "sweep.yaml"
+    config.write_text(config.read_text().replace("chunk:", "format: zarr\n    chunk:"))
+    snakemake(DATA, "--configfile", config, directory=tmp_path)
+    coordinate = tmp_path / "results/sweeps/small/draws.zarr/fitted/0"
+    coordinate.write_bytes(b"")
+    config.write_text(config.read_text().replace("[20, 50]", "[20, 35, 50]"))
+    done = snakemake(DATA, "--configfile", config, directory=tmp_path, check=False)
+    assert done.returncode and "draws.zarr/fitted/0" in done.stdout and "mend:" in done.stdout
+    assert "File " not in done.stdout
+
+
 IMPOSSIBLE = """\
 recordings: null
 simulation: {simulated: []}
@@ -204,7 +241,7 @@ sweeps:
 """
 
 
-@pytest.mark.slow
+@pytest.mark.slow("a sweep")
 def test_a_cell_that_cannot_be_made_is_foreseen_and_told_and_the_run_ends(snakemake, tmp_path):
     (tmp_path / "hard.yaml").write_text(IMPOSSIBLE)
     foreseen = snakemake("-n", "sweep", "--configfile", tmp_path / "hard.yaml", directory=tmp_path).stdout

@@ -22,7 +22,7 @@ def test_each_draw_is_another_bench_and_the_same_again(apparatus):
     assert slopes == pytest.approx([coverage.SLOPE] * 3, rel=0.03)
 
 
-@pytest.mark.slow
+@pytest.mark.slow("many draws")
 def test_stated_intervals_of_a_swing_hold_the_truth(apparatus):
     found = swings(apparatus, CASES["ar5"], 150, 7).set_index("quantity")
     assert {"natural frequency", "period", "quality", "decay time", "held-out end"} <= set(found.index)
@@ -35,7 +35,7 @@ def test_intervals_that_leave_the_calibration_out_do_not(apparatus, monkeypatch)
     assert found.loc["natural frequency", "high"] < 0.5
 
 
-@pytest.mark.slow
+@pytest.mark.slow("many draws")
 def test_calibrations_hold_their_truth(apparatus):
     found = calibrations(apparatus, 100, 7).set_index("quantity")
     honest = found.drop("angle of a sample, mode paper")

@@ -1,6 +1,8 @@
 # The few functions that rules of several stages use.
 
+import re
 from functools import cache
+from hashlib import sha256
 
 from swingdown.errors import InputError
 from swingdown.pendulum.catalogue import catalogue
@@ -19,14 +21,25 @@ def here(paths):
 def raw(name):
     """The input file of a recording, or nothing where a URL is read."""
     file = PLAN.rows[name]["file"]
-    return [] if is_url(file) else str(find(file))
+    return [] if is_url(file) else nameable([str(find(file))])
+
+
+def nameable(paths):
+    """Those of the paths that can be inputs: Snakemake takes `{7}` in a name for a wildcard and `<a>` for a variable, always."""
+    return [path for path in paths if not re.search(r"\{[^{}]+\}|<[^<>]+>", path)]
+
+
+def unnamed(name):
+    """What a recording's file that cannot be an input is known by, so that its rule runs again when it changes."""
+    file = PLAN.rows[name]["file"]
+    return "" if is_url(file) or raw(name) else sha256(find(file).read_bytes()).hexdigest()
 
 
 def told():
     """The files, beside the recordings, whose checksums the report tells."""
     sheets = [config.get("recordings"), config.get("left_out"), PLAN.apparatus]
     names = [*(workflow.configfiles[:1] if OWN else workflow.configfiles), *sheets]
-    return [str(find(name)) for name in names if name]
+    return nameable(str(find(name)) for name in names if name)
 
 
 @cache
@@ -36,6 +49,19 @@ def trials():
 
     with console.job():
         return chunks(config["hidden_effects"], catalogue(config["effects"]))
+
+
+def made(part):
+    """What a part makes; of hidden effects what each chunk of campaigns does, too."""
+    if part != "hidden_effects":
+        return MADE[part]
+    files = [
+        "truth/{chunk}.json",
+        "verdicts/{chunk}.json",
+        "campaigns/{chunk}/sheet.csv",
+        "campaigns/{chunk}/excluded.json",
+    ]
+    return MADE[part] + expand("results/hidden_effects/{file}", file=expand(files, chunk=trials()))
 
 
 def only_capture(wildcards):

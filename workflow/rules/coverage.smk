@@ -42,6 +42,6 @@ rule coverage_table:
 
 rule coverage:
     input:
-        rules.coverage_table.output,
+        lambda wildcards: made("coverage"),
         "results/coverage/manifest.json",
     localrule: True

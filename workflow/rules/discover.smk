@@ -1,5 +1,5 @@
 # Which effect is missing: rounds of fit, disagreement, naming and confirmation, a folder each, made by one search.
-# needs: results/angles/
+# needs: results/angles/, results/experiment/fits/ (whether a swing is free)
 # makes: results/discovery/{campaign}/: round-{n}/, verdict.json and figures/
 
 ROUNDS = config["discovery"]["rounds"]
@@ -10,13 +10,13 @@ ROUND_FILES = [
     "groups.csv",
     "ranking.csv",
     "map.csv",
-    "unnamed.csv",
     "half_swings.csv",
     "remainder.csv",
     "course.csv",
 ]
 SEEN = [
     "answer",
+    *(["curves", "laws"] if OWN else []),
     "remainder",
     "residuals",
     "map",
@@ -26,6 +26,15 @@ SEEN = [
 ]  # the figures: functions of swingdown.plots
 VERDICTS += expand("results/discovery/{campaign}/verdict.json", campaign=PLAN.searched)
 SEEN_FIGURES = expand("results/discovery/{campaign}/figures/{name}.svg", campaign=PLAN.searched, name=SEEN)
+DATA["discovery"] += expand(
+    "results/discovery/{campaign}/round-{n}/{file}",
+    campaign=PLAN.searched,
+    n=range(ROUNDS + 1),
+    file=ROUND_FILES,
+)
+DATA["discovery"] += expand(
+    "results/discovery/{campaign}/figures/{name}.png", campaign=PLAN.searched, name=SEEN
+)
 
 # the recordings of each campaign as discovery takes them: static ones tell the noise
 MEMBERS = {campaign: PLAN.swings(campaign) + PLAN.statics(campaign) for campaign in PLAN.searched}
@@ -35,6 +44,9 @@ rule discover_search:
     input:
         angles=lambda wildcards: expand(
             "results/angles/{recording}.nc", recording=MEMBERS[wildcards.campaign]
+        ),
+        fits=lambda wildcards: expand(
+            "results/experiment/fits/{recording}.nc", recording=PLAN.swings(wildcards.campaign)
         ),
     output:
         expand("results/discovery/{{campaign}}/round-{n}/{file}", n=range(ROUNDS + 1), file=ROUND_FILES),
@@ -74,11 +86,16 @@ rule discover_figures:
     input:
         verdict="results/discovery/{campaign}/verdict.json",
         rounds=expand("results/discovery/{{campaign}}/round-{n}/round.json", n=range(ROUNDS + 1)),
+        angles=lambda wildcards: expand(
+            "results/angles/{recording}.nc", recording=PLAN.swings(wildcards.campaign)
+        ),
     output:
         expand("results/discovery/{{campaign}}/figures/{name}.{ending}", name=SEEN, ending=["svg", "png"]),
     log:
         "results/logs/discover/{campaign}/figures.log",
     params:
+        model=config["model"],
+        effects=config["effects"],
         code=code("discover_figures"),
     message:
         "Drawing what was found in {wildcards.campaign}"
@@ -88,7 +105,6 @@ rule discover_figures:
 
 rule discover:
     input:
-        VERDICTS,
-        SEEN_FIGURES,
+        lambda wildcards: made("discovery"),
         "results/discovery/manifest.json",
     localrule: True

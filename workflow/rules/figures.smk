@@ -16,8 +16,11 @@ if PLAN.in_volts:
     DRAWN["fig08"] = {"calibration": "results/calibration/calibration.nc"}
 
 if PLAN.campaigns:
-    shown = PLAN.swings()[0]  # the paper shows one swing; the fits of all are in results/experiment/fits/
-    swing = {"fits": f"results/experiment/fits/{shown}.nc", "angles": f"results/angles/{shown}.nc"}
+    # the paper shows one swing, here the first that can be used; the fits of all are in results/experiment/fits/
+    swing = {
+        "fits": expand("results/experiment/fits/{recording}.nc", recording=PLAN.swings()),
+        "angles": expand("results/angles/{recording}.nc", recording=PLAN.swings()),
+    }
     norms = {"norms": "results/experiment/norms.nc"}
     DRAWN["fig09"] = {"angles": swing["angles"]}
     DRAWN |= {"fig10": swing, "fig11": swing, "fig12": swing, "fig13": swing | norms, "fig14": swing | norms}

@@ -7,6 +7,9 @@ JOINT = expand(
     "results/experiment/joint/{campaign}.nc",
     campaign=[name for name in PLAN.campaigns if len(PLAN.swings(name)) > 1],
 )
+DATA["study"] += [*JOINT, "results/experiment/norms.nc"]
+# Of campaigns that are only searched, too: they tell whether a swing is free.
+DATA["discovery"] += expand("results/experiment/fits/{recording}.nc", recording=PLAN.moving)
 TABLES += expand(
     "results/tables/{table}.csv", table=["table3", "comparison", "parameters", "parameter_budget"]
 )
@@ -36,6 +39,9 @@ rule fit_campaign:
         angles=lambda wildcards: expand(
             "results/angles/{recording}.nc", recording=PLAN.swings(wildcards.campaign)
         ),
+        fits=lambda wildcards: expand(
+            "results/experiment/fits/{recording}.nc", recording=PLAN.swings(wildcards.campaign)
+        ),
     output:
         "results/experiment/joint/{campaign}.nc",
     log:
@@ -56,6 +62,7 @@ rule table3:
     input:
         fits=expand("results/experiment/fits/{recording}.nc", recording=PLAN.swings()),
         joint=JOINT,
+        verdicts=lambda wildcards: VERDICTS,  # what damping alone does not follow counts where they explain it
         published=find("resources/paper/table3.csv"),
     output:
         norms="results/experiment/norms.nc",

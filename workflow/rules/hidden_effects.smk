@@ -86,7 +86,6 @@ rule hidden_figures:
 
 rule hidden_effects:
     input:
-        rules.hidden_score.output,
-        rules.hidden_figures.output,
+        lambda wildcards: made("hidden_effects"),
         "results/hidden_effects/manifest.json",
     localrule: True

@@ -4,24 +4,37 @@
 
 # Parts of results/ by the folder of their manifest. A part is asked for by itself and knows nothing of the others.
 PARTS = {
-    "discovery": ["recordings", "angles", "calibration", "tables/uncertainty_budget.csv", "discovery"],
+    "discovery": [
+        "recordings",
+        "angles",
+        "calibration",
+        "experiment/fits",
+        "tables/uncertainty_budget.csv",
+        "tables/left_out.csv",
+        "discovery",
+    ],
     "sweeps": ["sweeps", "sweeps.html"],
     "hidden_effects": ["hidden_effects"],
     "trust": ["trust"],
     "coverage": ["coverage"],
 }
+# All that is made, and not its last files alone: what is deleted, as the mend of a damaged file says, is made anew.
 MADE = {
-    "discovery": VERDICTS + (SEEN_FIGURES if VERDICTS else []),
-    "sweeps": ["results/sweeps.html"],
+    "discovery": (
+        [*DATA["discovery"], *VERDICTS, *SEEN_FIGURES, "results/tables/left_out.csv"] if VERDICTS else []
+    ),
+    "sweeps": ["results/sweeps.html"]
+    + expand("results/sweeps/{sweep}/{file}", sweep=SWEEPS, file=["sweep.nc", "summary.csv"])
+    + [f"{path}.png" for path in MAPPED],
     "hidden_effects": [*rules.hidden_score.output, *rules.hidden_figures.output],
     "trust": rules.certified_cases.output,
-    "coverage": rules.coverage_table.output,
+    "coverage": [*rules.coverage_table.input.cases, *rules.coverage_table.output],
 }
 
 
 rule manifest:
     input:
-        made=[*TABLES, *FIGURES, *MADE["discovery"], "results/report.html"],
+        made=[*TABLES, *FIGURES, *DATA["study"], *MADE["discovery"], "results/report.html"],
     output:
         "results/manifest.json",
     log:
@@ -39,7 +52,7 @@ rule manifest:
 
 rule part_manifest:
     input:
-        made=lambda wildcards: MADE[wildcards.part],
+        made=lambda wildcards: made(wildcards.part),
     output:
         "results/{part}/manifest.json",
     log:

@@ -1,8 +1,13 @@
 # From files to angles.
 # needs: the recordings' files; for recordings in volts the apparatus sheet and the tower records it names
 # makes: results/recordings/, results/angles/, results/calibration/, results/tables/uncertainty_budget.csv
+# A recording that cannot be used stops no other: its file says why, and the steps that follow leave it out.
 
 from swingdown.measurement.apparatus import read_apparatus
+
+DATA["discovery"] += expand(
+    "results/{kind}/{recording}.nc", kind=["recordings", "angles"], recording=PLAN.measured
+)
 
 
 rule record:
@@ -15,6 +20,8 @@ rule record:
     params:
         row=lambda wildcards: PLAN.rows[wildcards.recording],
         sheet=config.get("recordings"),
+        unnamed=lambda wildcards: unnamed(wildcards.recording),
+        restoring=config["model"]["restoring"],
         code=code("record"),
     message:
         "Reading {wildcards.recording}"
@@ -44,16 +51,17 @@ rule angle:
 if PLAN.in_volts:
 
     TABLES += ["results/tables/uncertainty_budget.csv"]
+    DATA["discovery"] += ["results/calibration/calibration.nc"]
 
     rule calibrate:
         input:
             apparatus=str(find(PLAN.apparatus)),
-            towers=[
+            towers=nameable(
                 str(find(point["file"]))
                 for point in read_apparatus(PLAN.apparatus)["points"]
                 if not is_url(point["file"])
-            ],
-            rest=[f"results/recordings/{name}.nc" for name in PLAN.statics() if name in PLAN.in_volts][:1],
+            ),
+            rest=[f"results/recordings/{name}.nc" for name in PLAN.statics() if name in PLAN.in_volts],
         output:
             line="results/calibration/calibration.nc",
             budget=report(

@@ -1,10 +1,45 @@
 # The pendulums of the study side by side: period, quality, decay, the model of damping and the verdict of each.
 # needs: results/experiment/, results/discovery/*/verdict.json
-# makes: results/tables/pendulums.csv, and where there are several recordings results/figures/pendulums.svg and .png
+# makes: results/tables/left_out.csv and pendulums.csv, and where there are several recordings results/figures/pendulums.svg and .png;
+#        where the sheet states lengths or what was varied results/tables/g_budget.csv, series.csv, laws.csv, results/figures/series and groups
 
-TABLES += ["results/tables/pendulums.csv"]
+from swingdown.study.varied import CELLS as SERIES_CELLS
+from swingdown.study.varied import varied_in
+
+TABLES += ["results/tables/left_out.csv", "results/tables/pendulums.csv"]
 SIDE_BY_SIDE = ["results/figures/pendulums.svg"] if OWN and len(PLAN.swings()) > 1 else []
 FIGURES += [path.replace(".svg", ending) for path in SIDE_BY_SIDE for ending in (".svg", ".png")]
+# Lengths, and what was varied between recordings, as the sample sheet states them.
+STATED = {
+    name: cells
+    for name in PLAN.moving
+    if (cells := {cell: PLAN.rows[name][cell] for cell in SERIES_CELLS if PLAN.rows[name][cell]})
+}
+VARIED = varied_in(STATED) if OWN else ()
+if OWN and STATED:
+    TABLES += expand("results/tables/{name}.csv", name=("g_budget", "series", "laws"))
+    FIGURES += expand("results/figures/{name}.{ending}", name=VARIED, ending=("svg", "png"))
+
+
+rule left_out:
+    input:
+        swings=expand(
+            "results/experiment/fits/{recording}.nc",
+            recording=PLAN.moving,
+        ),
+        statics=expand("results/angles/{recording}.nc", recording=PLAN.still),
+        verdicts=VERDICTS,
+        before=str(find(config["left_out"])) if config.get("left_out") else [],
+    output:
+        report("results/tables/left_out.csv", category="Tables", labels={"table": "left out"}),
+    log:
+        "results/logs/left_out.log",
+    params:
+        code=code("left_out"),
+    message:
+        "Listing the recordings that were left out"
+    script:
+        "../scripts/left_out.py"
 
 
 rule pendulums:
@@ -12,13 +47,15 @@ rule pendulums:
         norms="results/experiment/norms.nc",
         joint=JOINT,
         verdicts=VERDICTS,
-        left_out=str(find(config["left_out"])) if config.get("left_out") else [],
+        left_out=rules.left_out.output[0],
     output:
         report("results/tables/pendulums.csv", category="Tables", labels={"table": "pendulums"}),
     log:
         "results/logs/pendulums.log",
     params:
         effects=config["effects"],
+        stated=STATED,
+        restoring=config["model"]["restoring"],
         code=code("pendulums"),
     message:
         "Period, quality and decay of each pendulum"
@@ -40,3 +77,41 @@ rule pendulums_figure:
         "Drawing the pendulums side by side"
     script:
         "../scripts/pendulums_figure.py"
+
+
+rule series:
+    input:
+        table=rules.pendulums.output[0],
+    output:
+        budget=report("results/tables/g_budget.csv", category="Tables", labels={"table": "g"}),
+        series=report("results/tables/series.csv", category="Tables", labels={"table": "series"}),
+        laws=report("results/tables/laws.csv", category="Tables", labels={"table": "laws"}),
+    log:
+        "results/logs/series.log",
+    params:
+        stated=STATED,
+        restoring=config["model"]["restoring"],
+        code=code("series"),
+    message:
+        "g of the pendulums, and how their quantities go with what was varied"
+    script:
+        "../scripts/series.py"
+
+
+rule series_figure:
+    input:
+        table=rules.pendulums.output[0],
+    output:
+        svg="results/figures/{kind}.svg",
+        png="results/figures/{kind}.png",
+    log:
+        "results/logs/figures/{kind}.log",
+    wildcard_constraints:
+        kind="series|groups",
+    params:
+        stated=STATED,
+        code=code("series_figure"),
+    message:
+        "Drawing the {wildcards.kind}"
+    script:
+        "../scripts/series_figure.py"

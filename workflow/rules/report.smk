@@ -45,6 +45,6 @@ rule page:
 
 rule report:
     input:
-        "results/report.html",
+        lambda wildcards: rules.manifest.input,
         "results/manifest.json",
     localrule: True

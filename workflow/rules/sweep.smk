@@ -5,6 +5,9 @@
 from dataclasses import asdict
 
 MAPS = {"identification": ["by_norm", "by_bic", "by_ten"], "detection": ["detection"]}
+MAPPED = [
+    f"results/sweeps/{name}/figures/{map}" for name, sweep in SWEEPS.items() for map in MAPS[sweep.computes]
+]
 SWEEP_CAPTIONS = [
     f"{workflow.basedir}/workflow/report/sweep_{name}.rst" for maps in MAPS.values() for name in maps
 ]
@@ -91,11 +94,7 @@ rule sweep_maps:
 rule sweep_page:
     input:
         tables=expand("results/sweeps/{sweep}/summary.csv", sweep=SWEEPS),
-        maps=[
-            f"results/sweeps/{name}/figures/{map}.svg"
-            for name, sweep in SWEEPS.items()
-            for map in MAPS[sweep.computes]
-        ],
+        maps=[f"{path}.svg" for path in MAPPED],
         captions=here(SWEEP_CAPTIONS),
         template=here(f"{workflow.basedir}/workflow/src/swingdown/report/report.html.j2"),
     output:
@@ -113,6 +112,6 @@ rule sweep_page:
 
 rule sweep:
     input:
-        "results/sweeps.html",
+        lambda wildcards: made("sweeps"),
         "results/sweeps/manifest.json",
     localrule: True

@@ -55,7 +55,9 @@ def open_chunks(kind):
 
 
 def planned(name):
-    """The plan of a sweep, made once; where chunks are whole that a killed run did not record, they are recorded."""
+    """The plan of a sweep, made once, and the records of chunks as the chunks are: one lacks where a run was killed before it wrote
+    it, and one outlives a chunk that was deleted.
+    """
     if name not in PLANS:
         with console.job():
             if STORED and SWEEPS[name].format == "zarr":
@@ -68,7 +70,9 @@ def planned(name):
             else:
                 missing = set(PLANS[name].missing)
                 for chunk, stem in PLANS[name].files.items():
-                    if chunk not in missing and not os.path.exists(result(name, stem)):
+                    if chunk in missing:
+                        Path(result(name, stem)).unlink(missing_ok=True)
+                    elif not os.path.exists(result(name, stem)):
                         from swingdown.sweep.job import (
                             record,
                         )  # takes a while to import, and is rarely needed

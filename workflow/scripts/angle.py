@@ -5,22 +5,30 @@ import swingdown.prefork  # noqa: F401  # first of all: it may take the job over
 import numpy as np
 
 from swingdown import console, dataset
+from swingdown.errors import InputError
 from swingdown.measurement.angle import to_angle
+from swingdown.measurement.points_recording import are_points
 from swingdown.measurement.recording import read_recording
+from swingdown.measurement.refused import problem_in, refuse
 
 
 def angle(recording, calibration, mode, output):
-    calibration = dataset.read(calibration) if calibration else None
-    result = to_angle(read_recording(recording), calibration, mode=mode)
+    if (problem := problem_in(recording)) is not None:
+        return refuse(problem, dataset.attributes(recording), output, known=True)
+    calibration, read = dataset.read(calibration) if calibration else None, read_recording(recording)
+    try:
+        result = to_angle(read, calibration, mode=mode)
+    except InputError as problem:
+        return refuse(problem, read.attrs, output)
     dataset.write(result, output)
-    read = dataset.series_of(result)
-    unit = "°" if read.name == "angle" else "°/s"
-    degrees = np.degrees(read.values)
+    series = dataset.series_of(result)
+    unit = "°" if series.name == "angle" else "°/s"
+    degrees = np.degrees(series.values)
+    span = f"{result.attrs['recording']}: {degrees.min():.2f}{unit} to {degrees.max():.2f}{unit}"
+    if are_points(result):
+        return f"{span} at {series.size} turning points; how they scatter the fit tells"
     uncertainty = np.degrees(float(np.sqrt((dataset.series_of(result, "standard_uncertainty") ** 2).mean())))
-    return (
-        f"{result.attrs['recording']}: {degrees.min():.2f}{unit} to {degrees.max():.2f}{unit}, "
-        f"standard uncertainty {uncertainty:.2g}{unit} ({result.attrs['mode']})"
-    )
+    return f"{span}, standard uncertainty {uncertainty:.2g}{unit} ({result.attrs['mode']})"
 
 
 if __name__ == "__main__":

@@ -7,11 +7,13 @@ import numpy as np
 from swingdown import calibration, console, dataset
 from swingdown.measurement.apparatus import read_apparatus
 from swingdown.measurement.recording import read_recording
+from swingdown.measurement.refused import problem_in
 from swingdown.studies.paper_tables import write_table
 
 
 def calibrate(apparatus, rest, draws, seed, mode, line_output, budget_output):
-    still = read_recording(rest[0]) if rest else None  # at most one record of the pendulum at rest
+    usable = [path for path in rest if problem_in(path) is None]
+    still = read_recording(usable[0]) if usable else None
     line, budget = calibration.calibrate(read_apparatus(apparatus), still, draws=draws, seed=seed, mode=mode)
     dataset.write(line, line_output)
     write_table(budget, budget_output)

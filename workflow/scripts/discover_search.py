@@ -8,15 +8,40 @@ from swingdown import console
 from swingdown.discovery import files
 from swingdown.discovery.conclusion import concluded
 from swingdown.discovery.search import discover
+from swingdown.errors import InputError
+from swingdown.measurement.refused import doubt_in, left_out, none_left, taking_part
 from swingdown.pendulum.catalogue import catalogue
 from swingdown.pendulum.model import Model
 
 
-def discover_search(campaign, angles, roles, base, rounds, budget_s, folders):
-    """The rounds' folders written, and what was found in a sentence."""
-    swings, emulated = files.read_campaign(campaign, angles, roles)
+def discover_search(campaign, angles, fits, roles, base, rounds, budget_s, outputs):
+    """The rounds' folders written, and what was found in a sentence.
+
+    ``angles`` and ``roles`` are of all members, first the swings, whose ``fits`` say whether they are free, then the static ones. Where
+    none is free, what moves them may have a name, and is looked for.
+    """
+    free, lost = taking_part(fits, [campaign])
+    rows = {path: left_out(path) for path in angles[len(fits) :]}
+    lost += [row for row in rows.values() if row]
+    told = [*fits, *rows]
+    kept = [k for k, path in enumerate(told) if path in free or (path in rows and not rows[path])]
+    members = {
+        "recordings": [Path(angles[k]).stem for k in kept],
+        "left_out": [{key: row[key] for key in ("recording", "file", "problem")} for row in lost],
+        "doubt": doubt_in(free[0]) if free else {},
+    }
+    try:
+        if not free:
+            raise none_left(lost)
+        swings, emulated = files.read_campaign(campaign, [angles[k] for k in kept], [roles[k] for k in kept])
+    except InputError as problem:
+        if problem.where in angles:  # a damaged file
+            raise
+        files.write_no_verdict(campaign, problem, members, outputs)
+        return f"{campaign}: NOT SEARCHED: {problem}"
     states = concluded(discover(swings, base, rounds, budget_s=budget_s), swings)
-    files.write_rounds(states, swings, folders, emulated)
+    folders = sorted({Path(path).parent for path in outputs}, key=lambda one: int(one.name[6:]))
+    files.write_rounds(states, swings, folders, emulated, members)
     last = states[-1]
     gap = last.fit.rms / last.noise.deviation
     return f"{campaign}: {last.fit.model.label} leaves {gap:.3g} times the noise; {last.reason}"
@@ -24,11 +49,11 @@ def discover_search(campaign, angles, roles, base, rounds, budget_s, folders):
 
 if __name__ == "__main__":
     with console.job(snakemake.log[0]) as say:
-        params, wildcards = snakemake.params, snakemake.wildcards
+        params, given = snakemake.params, snakemake.input
         base = Model(tuple(params.base), **params.model, catalogue=catalogue(params.effects))
-        folders = sorted({Path(path).parent for path in snakemake.output}, key=lambda one: int(one.name[6:]))
         say(
             discover_search(
-                wildcards.campaign, list(snakemake.input.angles), params.roles, base, params.rounds, params.budget_s, folders
+                snakemake.wildcards.campaign, list(given.angles), list(given.fits), params.roles, base, params.rounds,
+                params.budget_s, list(snakemake.output),
             )
         )  # fmt: skip

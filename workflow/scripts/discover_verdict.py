@@ -6,7 +6,7 @@ from pathlib import Path
 
 from swingdown import console
 from swingdown.discovery.files import read_rounds
-from swingdown.discovery.verdict import verdict
+from swingdown.discovery.verdict import no_verdict, verdict
 from swingdown.pendulum.catalogue import catalogue
 from swingdown.sealed import write_json
 
@@ -14,8 +14,16 @@ from swingdown.sealed import write_json
 def discover_verdict(folders, known, output):
     """The verdict written, and its sentence."""
     rounds = read_rounds(folders)
-    last = next((k for k, state in enumerate(rounds) if state["chosen"] is None), len(rounds) - 1)
-    found = verdict(rounds[: last + 1], known.of(rounds[0].get("reading", "angle")))
+    if "no_verdict" in rounds[0]:
+        found = no_verdict(rounds[0])
+    else:
+        last = next((k for k, state in enumerate(rounds) if state["chosen"] is None), len(rounds) - 1)
+        found = verdict(rounds[: last + 1], known.of(rounds[0].get("reading", "angle")))
+        doubt = rounds[0].get("doubt")
+        if doubt and found["status"] == "unknown":  # then it is as little a pendulum's as damping alone says
+            out = [{"recording": name, "problem": doubt["problem"]} for name in found["recordings"]]
+            members = {"recordings": [], "left_out": [*found["left_out"], *out]}
+            found = no_verdict({"campaign": found["campaign"], "no_verdict": doubt} | members)
     write_json(output, found)
     return f"{found['campaign']}: {found['status']}. {found['sentence']}"
 

@@ -4,14 +4,24 @@ import swingdown.prefork  # noqa: F401  # first of all: it may take the job over
 
 from swingdown import console, dataset
 from swingdown.measurement.apparatus import read_apparatus
+from swingdown.measurement.refused import left_out, none_left
 from swingdown.plots import FIGURES, save
 from swingdown.sealed import read_csv
 
 
 def figure(name, data, outputs):
-    drawn = FIGURES[name](**{key: opened(path) for key, path in data.items()})
+    drawn = FIGURES[name](**{key: opened(path) for key, path in of_one_swing(data).items()})
     for path in outputs:
         save(drawn, path)
+
+
+def of_one_swing(data):
+    """The same paths, where they are lists over all swings those of the first swing that can be used."""
+    lists = {key: paths for key, paths in data.items() if not isinstance(paths, str)}
+    rows = [[row for path in paths if (row := left_out(path))] for paths in zip(*lists.values(), strict=True)]
+    if rows and all(rows):
+        raise none_left([lost[0] for lost in rows])
+    return data | {key: paths[rows.index([])] for key, paths in lists.items()}
 
 
 def opened(path):

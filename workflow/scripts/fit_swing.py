@@ -1,21 +1,36 @@
-"""All models fitted to one swing."""
+"""All models fitted to one swing; or why it is no swing of a pendulum that swings by itself."""
 
 import swingdown.prefork  # noqa: F401  # first of all: it may take the job over
 
 from swingdown import console, dataset
+from swingdown.errors import InputError
+from swingdown.measurement.refused import doubted, problem_in, refuse
 from swingdown.pendulum.model import models, symbol
-from swingdown.studies.experiment import fit_recording
+from swingdown.studies.doubt import NotFree, ask_free, fit_any
 
 
 def fit_swing(angle, fitted, start, output):
-    fits = fit_recording(dataset.read(angle), fitted, start=start)
+    if (problem := problem_in(angle)) is not None:
+        return refuse(problem, dataset.attributes(angle), output, known=True)
+    swing = dataset.read(angle)
+    try:
+        fits = fit_any(swing, fitted, start)
+    except InputError as problem:
+        return refuse(problem, swing.attrs, output)
+    doubt = None
+    try:
+        ask_free(fits, swing, fitted, start)
+    except NotFree as problem:
+        doubt = problem
+    fits = doubted(fits, swing.attrs, doubt)
     dataset.write(fits, output)
     order = fits["norm"].sortby(fits["norm"])
     told = ", ".join(
         f"{symbol(str(label))} {float(norm):.4f}°"
         for label, norm in zip(order["fitted"].values, order.values, strict=True)
     )
-    return f"{fits['recording'].item()}: RMS of data less fit: {told}"
+    name = fits["recording"].item()
+    return f"{name}: RMS of data less fit: {told}" + (f"\n{name}: NO FREE SWING: {doubt}" if doubt else "")
 
 
 if __name__ == "__main__":

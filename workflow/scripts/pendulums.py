@@ -3,21 +3,25 @@
 import swingdown.prefork  # noqa: F401  # first of all: it may take the job over
 
 from swingdown import console, dataset
+from swingdown.measurement.refused import used
 from swingdown.pendulum.catalogue import catalogue
 from swingdown.sealed import read_csv, read_json
+from swingdown.studies.gravity import with_gravity
+from swingdown.studies.left_out import NO_VERDICT
 from swingdown.studies.paper_tables import write_table
 from swingdown.studies.pendulums import pendulums
 
 
-def collect(norms, joint, verdicts, left_out, known, output):
+def collect(norms, joint, verdicts, left_out, known, stated, restoring, output):
     """The table written, and a line on each of its rows."""
     table = pendulums(
         dataset.read(norms),
-        [dataset.read(path) for path in joint],
-        [read_json(path) for path in verdicts],
-        read_csv(left_out) if left_out else None,
+        used(joint)[0],
+        [found for path in verdicts if (found := read_json(path))["status"] != NO_VERDICT],
+        read_csv(left_out),
         known,
     )
+    table, _ = with_gravity(table, stated, restoring)
     write_table(table, output)
     return "\n".join(
         f"{row.recording} ({row.campaign}): period {row.period_s_text} s, Q {row.quality_text}"
@@ -32,7 +36,7 @@ if __name__ == "__main__":
         files = snakemake.input
         say(
             collect(
-                files.norms, list(files.joint), list(files.verdicts), files.get("left_out"),
-                catalogue(snakemake.params.effects), snakemake.output[0],
+                files.norms, list(files.joint), list(files.verdicts), files.left_out,
+                catalogue(snakemake.params.effects), snakemake.params.stated, snakemake.params.restoring, snakemake.output[0],
             )
         )  # fmt: skip

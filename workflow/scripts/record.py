@@ -1,15 +1,24 @@
-"""One recording of the sample sheet as a dataset: signal as recorded, time in s, provenance."""
+"""One recording of the sample sheet as a dataset: signal as recorded, time in s, provenance; or why it cannot be used."""
 
 import swingdown.prefork  # noqa: F401  # first of all: it may take the job over
 
 import pandas as pd
 
 from swingdown import console, dataset
+from swingdown.errors import InputError
+from swingdown.measurement.points_recording import check_said
 from swingdown.measurement.recording import ingest
+from swingdown.measurement.refused import may_pass, refuse
 
 
-def record(row, sheet, output):
-    recording = ingest(pd.Series(row, name=row["recording"]), sheet)
+def record(row, sheet, restoring, output):
+    try:
+        recording = ingest(pd.Series(row, name=row["recording"]), sheet, restoring)
+        check_said(recording, row, sheet)
+    except InputError as problem:
+        if may_pass(problem, row):
+            raise
+        return refuse(problem, row, output)
     dataset.write(recording, output)
     signal, time = recording["signal"], recording["time"].values
     return (
@@ -22,4 +31,8 @@ def record(row, sheet, output):
 
 if __name__ == "__main__":
     with console.job(snakemake.log[0]) as say:
-        say(record(snakemake.params.row, snakemake.params.sheet, snakemake.output[0]))
+        say(
+            record(
+                snakemake.params.row, snakemake.params.sheet, snakemake.params.restoring, snakemake.output[0]
+            )
+        )

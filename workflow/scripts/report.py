@@ -8,23 +8,27 @@ from swingdown import console, dataset
 from swingdown.plots.answer import shown_in
 from swingdown.report import contents, page, sweeps
 from swingdown.sealed import read_json
+from swingdown.studies.left_out import NO_VERDICT, OF_ALL
 
 
 def report(
     tables, figures, captions, recordings, verdicts, seen, told, settings, sweep_captions, fits, output
 ):
-    fitted = [dataset.read(path) for path in fits]
+    made = contents.read_tables(tables)
+    found = [one for path in verdicts if (one := read_json(path))["status"] != NO_VERDICT]
+    searched = {one["campaign"] for one in found}
+    fitted = [dataset.read(path) for path in fits if Path(path).parents[1].name in searched]
     material = contents.Material(
-        tables=contents.read_tables(tables),
+        tables=made,
         figures={
             Path(path).stem: (path, Path(caption).read_text(encoding="utf-8"))
             for path, caption in zip(figures, captions, strict=True)
         },
-        recordings=[dataset.read(path).attrs for path in recordings],
+        recordings=[dataset.read(path).attrs for path in used(recordings, made)],
         settings=settings,
         inputs=told,
-        verdicts=[read_json(path) for path in verdicts],
-        seen=list(seen),
+        verdicts=found,
+        seen=[path for path in seen if Path(path).parents[1].name in searched],
         sweeps=sweeps.made(settings["sweeps"], sweep_captions),
         swings={one.attrs["campaign"]: shown_in(one) for one in fitted},
     )
@@ -32,6 +36,13 @@ def report(
     page.write(output, sections, **contents.head(material))
     size = Path(output).stat().st_size / 1e6
     return "\n".join([*contents.plain_findings(material), f"all of it: {output} ({size:.1f} MB)"])
+
+
+def used(recordings, tables):
+    """The paths of those recordings that results rest on."""
+    table = tables.get("left_out")
+    lost = set() if table is None else set(table.loc[table["left_out_of"] == OF_ALL, "recording"].astype(str))
+    return [path for path in recordings if Path(path).stem not in lost]
 
 
 if __name__ == "__main__":

@@ -5,19 +5,26 @@ import swingdown.prefork  # noqa: F401  # first of all: it may take the job over
 import pandas as pd
 
 from swingdown import console, dataset
+from swingdown.measurement.refused import none_left, taking_part, used
+from swingdown.sealed import read_json
+from swingdown.studies.left_out import explained
 from swingdown.studies.norms import combine_recordings
 from swingdown.studies.paper_tables import comparison, table3, write_table
 from swingdown.studies.parameters import parameter_budget, parameters
 
 
-def collect(fits, joint, published, outputs):
-    single = [dataset.read(path) for path in fits]
+def collect(fits, joint, verdicts, published, outputs):
+    kept, lost = taking_part(fits, explained([read_json(path) for path in verdicts]))
+    if not kept:
+        raise none_left(lost)
+    single = [dataset.read(path) for path in kept]
+    campaigns = {str(one["campaign"].item()) for one in single}
     norms = combine_recordings(single)
     dataset.write(norms, outputs.norms)
     pairs = comparison(norms)
     write_table(table3(norms, pd.read_csv(published)), outputs.table3)
     write_table(pairs, outputs.comparison)
-    together = [dataset.read(path) for path in joint]
+    together = [one for one in used(joint)[0] if one.attrs["campaign"] in campaigns]
     write_table(parameters(norms, together), outputs.parameters)
     alone = [
         one
@@ -36,4 +43,4 @@ def collect(fits, joint, published, outputs):
 if __name__ == "__main__":
     with console.job(snakemake.log[0]) as say:
         files = snakemake.input
-        say(collect(files.fits, files.joint, files.published, snakemake.output))
+        say(collect(files.fits, files.joint, files.verdicts, files.published, snakemake.output))

@@ -9,17 +9,19 @@ import os
 import re
 import sys
 import time
+from contextlib import suppress
 from pathlib import Path
 
 from snakemake_interface_logger_plugins.base import LogHandlerBase
 from snakemake_interface_logger_plugins.common import LogEvent
 
-from swingdown.console import UNWRITTEN, block, framed
+from swingdown.console import RULE, UNWRITTEN, block, framed
 from swingdown.errors import InputError
 from swingdown.paths import in_words
 
 _ERRNO = re.compile(r"\[Errno (\d+)\]")
 _OF_FILES = ("OSError", "PermissionError", "RuleException", "WorkflowError")
+_LINES = 40  # of the log of a job on another machine
 _QUIET = 5.0  # seconds between two lines that say how far the run is
 # What asks nothing of the user, or is told in other words; the Slurm plugin (2.8) asks Slurm for an account even where it is told not to.
 _KNOWN = (
@@ -32,7 +34,7 @@ _KNOWN = (
 
 def _of_config():
     """What is wrong with a config file that the command line names; empty where nothing is."""
-    from swingdown.answer.study import check_config  # it takes a second to load, and a run seldom asks
+    from swingdown.study.settings import check_config  # which the Snakefile imports, too
 
     for path in _after(sys.argv, ("--configfile", "--configfiles")):
         try:
@@ -55,6 +57,18 @@ def _after(words, options):
             yield word
 
 
+def _from_afar(record):
+    """What a job that failed on another machine has said, of which nothing was printed here: the end of its log, or else of Slurm's."""
+    for path in record.log:
+        with suppress(OSError):
+            if text := Path(path).read_text(encoding="utf-8", errors="replace").strip():
+                return "\n".join(text.splitlines()[-_LINES:])
+    return (
+        f"Its logs hold nothing. {record.rule_msg or ''}\n"
+        f"Mend: see `scontrol show job {record.aux['external_jobid']}`; a job that needs more takes --default-resources mem_mb=… runtime=…"
+    )
+
+
 class LogHandler(LogHandlerBase):
     """Snakemake's records, shortened; a dry run and ``--verbose`` are shown in full."""
 
@@ -70,6 +84,11 @@ class LogHandler(LogHandlerBase):
         self.stream = sys.stdout if self.common_settings.stdout else sys.stderr
         self.done, self.total = 0, 0
         self.unwritten, self.failed = "", False
+        self.said: set[str] = set()  # by jobs that failed on other machines
+        # Before Snakemake reads it, which takes the last of two keys, and does not end with aliases of aliases.
+        if told := _of_config():
+            print(told, file=self.stream, flush=True)
+            sys.exit(1)
         self.told = 0.0  # when a line last said how far the run is
 
     def emit(self, record):
@@ -95,7 +114,15 @@ class LogHandler(LogHandlerBase):
             self.failed = True
             logs = f" (log: {', '.join(record.log)})" if record.log else ""
             made = ", ".join(record.output).replace(" (update)", "")
-            return f"FAILED: rule {record.rule_name} for {made}{logs}"
+            told = f"FAILED: rule {record.rule_name} for {made}{logs}"
+            if "external_jobid" not in record.aux:
+                return told
+            said = _from_afar(record)
+            refusal = said.partition(RULE)[2]
+            if refusal and refusal in self.said:
+                return told
+            self.said.add(refusal)
+            return f"{told}\n{said}"
         if event == LogEvent.ERROR:
             return self._error(text, getattr(record, "exception", ""))
         if text.startswith("Exiting because a job execution failed"):
@@ -115,8 +142,6 @@ class LogHandler(LogHandlerBase):
         return f"{self.done} of {self.total} jobs done"
 
     def _error(self, text, exception):
-        if not self.total and (told := _of_config()):
-            return told
         if exception == "LockException":
             return framed(
                 "Another run is at work in this folder, and two would write the same files.",

@@ -1,12 +1,19 @@
 """What is asked of the package at the command line: ``swingdown FILE…``, ``swingdown verify RESULTS``."""
 
 import argparse
+import difflib
 import sys
 from collections.abc import Sequence
+from importlib.metadata import version
 from pathlib import Path
+from typing import Any, NoReturn
 
 from . import console
+from .errors import InputError
 from .manifest import verify
+from .paths import printable
+
+COMMANDS = ("verify",)
 
 
 def verify_results(results: str) -> int:
@@ -15,19 +22,51 @@ def verify_results(results: str) -> int:
         differences, count = verify(results)
     for kind, paths in differences.items():
         for path in paths:
-            print(f"{kind}: {path}")
+            print(printable(f"{kind}: {path}"))
     if any(differences.values()):
         print(
             ", ".join(f"{len(paths)} {kind}" for kind, paths in differences.items() if paths)
             + f"; {count} files are listed"
         )
+        if differences["missing"] or differences["changed"]:
+            print("Mend: delete what was changed, and give the study's command again, which makes it anew")
         return 1
     print(f"{count} files, all as they were written")
     return 0
 
 
+STOPPED = 130  # the exit code of a process that Ctrl-C ended
+
+
+class _Parser(argparse.ArgumentParser):
+    """A parser that asks after what a mistyped option may have meant."""
+
+    def parse_known_args(self, args: Any = None, namespace: Any = None) -> Any:
+        found, more = super().parse_known_args(args, namespace)
+        if more:
+            self.error(f"unrecognized arguments: {' '.join(more)}{self._meant(more)}")
+        return found, more
+
+    def _meant(self, given: Sequence[str]) -> str:
+        known = list(self._option_string_actions)
+        near = [difflib.get_close_matches(one.split("=")[0], known, 1) for one in given]
+        meant = [name for names in near for name in names]
+        return f"; did you mean {', '.join(meant)}?" if meant else ""
+
+    def error(self, message: str) -> NoReturn:
+        self.exit(2, f"{self.prog}: {message}\n(swingdown --help tells all options)\n")
+
+
+class _Version(argparse.Action):
+    """The version is asked for when it is wanted: the site is built where the package is not installed."""
+
+    def __call__(self, parser: argparse.ArgumentParser, *_: object) -> None:
+        print(f"swingdown {version('swingdown')}")
+        parser.exit()
+
+
 def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(
+    parser = _Parser(
         "swingdown",
         usage="swingdown FILE… [FOLDER…] [options]\n       swingdown CONFIG.yaml [TARGET…] [--directory FOLDER]\n"
         "       swingdown verify RESULTS",
@@ -35,6 +74,8 @@ def _parser() -> argparse.ArgumentParser:
         "A config file is a study of one's own, which is run; `verify` holds a study's files against its manifest.",
     )
     add = parser.add_argument
+    add("--version", action=_Version, nargs=0, help="show program's version number and exit")
+    add("--json", action="store_true", help="the answers as JSON on stdout, and all other lines on stderr")
     add(
         "given",
         nargs="+",
@@ -56,9 +97,56 @@ def _parser() -> argparse.ArgumentParser:
         help="of the angle or the angular rate, where the file does not say it",
     )
     add("--counts-per-revolution", type=float, metavar="N", help="of an encoder in counts")
+    add(
+        "--scale",
+        metavar="DEG",
+        help="degrees that one unit of the signal is worth, of raw readings or volts; or two readings at known angles, as 512=0,700=30",
+    )
+    add(
+        "--length",
+        metavar="L",
+        help="from the pivot to the middle of the bob: 0.583±0.001 (m), 58.3(1)cm. It gives g, and the angle where one coordinate of the bob was recorded (350px)",
+    )
+    add("--bob-diameter", metavar="D", help="of a ball, for its inertia in g: 30.0(1)mm")
+    add("--bob-density", metavar="RHO", help="of the bob, for the air's part in g: 7800 (kg/m^3), 7.8g/cm3")
+    add(
+        "--kater",
+        nargs=2,
+        metavar=("H1", "H2"),
+        help="g from two recordings of one rigid body about two pivots: the distance from each pivot to its centre of mass",
+    )
+    add(
+        "--by",
+        metavar="COLUMN",
+        help="a series by length, mass, area, current, group or a column of one's own: in the sheet, in a CSV file beside the recordings with a column `file`, "
+        "or in their names (l=0.40, 500g); length±1mm gives each value that uncertainty",
+    )
+    add(
+        "--values",
+        metavar="FILE",
+        help="the CSV file of a series, with a column `file`, where it lies elsewhere",
+    )
+    add(
+        "--drive",
+        nargs="+",
+        type=float,
+        default=[],
+        metavar="A",
+        help="the resonance curve under torques of this amplitude over the inertia, in rad/s^2, as the ring-down foretells it",
+    )
     add("--column", metavar="NAME", help="of the angle, where the file has several")
+    add(
+        "--kind",
+        choices=["swing", "turning_points", "half_swings", "passages", "periods"],
+        help="what the values are: samples of the motion, its turning points of one side (one a period), or of both (each half-swing); "
+        "passages through a light gate (two a period), or periods (one a period); "
+        "by default as the values tell",
+    )
     add("--time-unit", choices=["s", "ms", "us"], help="of the time, where the file does not say it")
     add("--time-column", metavar="NAME", help="of the time")
+    add(
+        "--rate", type=float, metavar="HZ", help="samples a second of a file without times: one number a line"
+    )
     add(
         "--restoring",
         choices=["sine", "linear"],
@@ -85,8 +173,15 @@ def _parser() -> argparse.ArgumentParser:
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """The exit code of what is asked: 0 where all went well, 1 where something could not be used or differs, 2 for a wrong call."""
-    given = list(sys.argv[1:] if arguments is None else arguments)
+    """The exit code of what is asked: 0 where all went well, 1 where something could not be used or differs, 2 for a wrong call, 130 after Ctrl-C."""
+    try:
+        return _main(list(sys.argv[1:] if arguments is None else arguments))
+    except KeyboardInterrupt:
+        print("\nstopped; the same command goes on with what is finished", file=sys.stderr, flush=True)
+        return STOPPED
+
+
+def _main(given: Sequence[str]) -> int:
     if given[:1] == ["verify"]:
         if len(given) != 2:
             print("swingdown verify RESULTS", file=sys.stderr)
@@ -96,31 +191,56 @@ def main(arguments: Sequence[str] | None = None) -> int:
         _parser().print_usage(sys.stderr)
         return 2
     options = _parser().parse_args(given)
+    with console.job():
+        _check_command(options.given)
     if Path(options.given[0]).suffix.lower() in (".yaml", ".yml"):
         from .answer.study import study
 
         with console.job():
             return study(options.given[0], options.given[1:], options.directory, options.cores)
-    from .answer.command import answer  # some seconds of imports, which `verify` need not wait for
+    from .answer.command import Wishes, answer  # some seconds of imports, which `verify` need not wait for
 
     told = {
         "time_column": options.time_column,
         "time_unit": options.time_unit,
+        "rate_hz": options.rate,
         "signal_column": options.column,
         "signal_unit": options.unit,
+        "signal_kind": options.kind,
         "start_s": options.start,
         "stop_s": options.stop,
         "counts_per_revolution": options.counts_per_revolution,
+        "scale": options.scale,
+        "length": options.length,
+        "bob_diameter": options.bob_diameter,
+        "bob_density": options.bob_density,
+        "pivot_distances": options.kater,
     }
     with console.job():
         return answer(
             options.given,
             told,
-            options.into,
-            options.together,
-            options.quick,
-            options.cores,
-            options.restoring,
+            Wishes(
+                options.into,
+                options.together,
+                options.quick,
+                options.cores,
+                options.restoring,
+                options.json,
+                options.by or "",
+                options.values or "",
+                tuple(options.drive),
+            ),
+        )
+
+
+def _check_command(given: Sequence[str]) -> None:
+    """None, or InputError for a word that is no file, and nearly a command."""
+    first = given[0]
+    if difflib.get_close_matches(first, COMMANDS, 1) and not Path(first).exists():
+        meant = difflib.get_close_matches(first, COMMANDS, 1)[0]
+        raise InputError(
+            first, "there is no such file", "a file or a folder of files", f"did you mean swingdown {meant}?"
         )
 
 

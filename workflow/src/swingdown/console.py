@@ -1,17 +1,21 @@
 """What a job says to the person watching: what it found, or which input cannot be used and how to mend it."""
 
+import os
 import sys
 import traceback
 import warnings
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
+from hashlib import sha256
 from pathlib import Path
 from typing import NoReturn
 
 from .errors import EngineError, InputError
-from .paths import write_text
+from .paths import printable, write_text
 
+RULE = "-" * 78
 UNWRITTEN = "The results cannot be written."
+_SHARED = "SWINGDOWN_PREFORK"  # the environment variable with a path in a folder that the jobs of a run on one machine share
 _INDENT = "        "  # under the "[ 3/48] " that starts a job's line
 
 
@@ -25,8 +29,9 @@ def job(log: str | Path | None = None) -> Iterator[Callable[[object], None]]:
     told = []
 
     def say(text: object) -> None:
-        told.append(str(text))
-        for line in str(text).splitlines():
+        text = printable(str(text))
+        told.append(text)
+        for line in text.splitlines():
             print(_INDENT + line, file=sys.stderr, flush=True)
         _keep(log, told)
 
@@ -72,14 +77,29 @@ def block(error: InputError | EngineError) -> str:
 
 def framed(*lines: str) -> str:
     """Lines between two rules, as what stops a run is told."""
-    rule = "-" * 78
-    return "\n".join(["", rule, *(f"  {line}" for line in lines), rule, ""])
+    return "\n".join(["", RULE, *(f"  {printable(line)}" for line in lines), RULE, ""])
 
 
 def _stop(text: str, log: str | Path | None, told: list[str]) -> NoReturn:
-    print(text, file=sys.stderr, flush=True)
+    if _is_news(text):
+        print(text, file=sys.stderr, flush=True)
     _keep(log, [*told, text])
     sys.exit(1)
+
+
+def _is_news(text: str) -> bool:
+    """Whether no other job of this run has printed the text: two jobs side by side may stumble over one damaged file."""
+    shared = os.environ.get(_SHARED)
+    if not shared:
+        return True
+    mark = Path(shared).parent / sha256(text.encode("utf-8", "replace")).hexdigest()
+    try:
+        mark.touch(exist_ok=False)
+    except FileExistsError:
+        return False
+    except OSError:  # a full disk, or a folder that is gone: rather twice than never
+        pass
+    return True
 
 
 def _keep(log: str | Path | None, lines: list[str]) -> None:

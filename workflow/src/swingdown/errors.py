@@ -1,5 +1,7 @@
 """What is raised when an input cannot be used."""
 
+MAKE_ANEW = "delete it and give the same command again, which makes it anew"  # the mend of a damaged result
+
 
 class InputError(ValueError):
     """An input that cannot be used, told as: where, what is wrong, what was expected, the mend.

@@ -5,9 +5,9 @@ import json
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 
-from .errors import InputError
+from .errors import MAKE_ANEW, InputError
 from .paths import write_text
-from .sealed import is_seal
+from .sealed import agrees, is_seal, is_whole, seal_of
 
 NAME = "manifest.json"
 _LEFT_OUT = {"logs", "benchmarks"}  # they tell of the run, and differ from one to the next
@@ -21,6 +21,7 @@ def write_manifest(
 
     Parts are files or folders relative to ``results``; one that is not there has no files. An entry is path (relative to
     ``results``), size in bytes and SHA-256, sorted by path. Manifests, seals, logs, benchmarks and unfinished files are not listed.
+    Raises InputError where a file is not what its seal was taken of; nothing is written then.
     """
     results = Path(results)
     outside = [results / part for part in without]
@@ -29,9 +30,18 @@ def write_manifest(
         for path in _files(results, parts)
         if not any(path == one or one in path.parents for one in outside)
     ]
+    digests = {path: checksum(path) for path in files}
+    if broken := [str(path) for path, digest in digests.items() if not is_whole(path, digest)]:
+        more = f" (and so are {', '.join(broken[1:])})" if broken[1:] else ""
+        raise InputError(
+            broken[0],
+            f"it, or its seal, is damaged, or was edited{more}",
+            "results as they were written, which a manifest tells",
+            MAKE_ANEW,
+        )
     entries = [
-        {"path": path.relative_to(results).as_posix(), "size": path.stat().st_size, "sha256": checksum(path)}
-        for path in files
+        {"path": path.relative_to(results).as_posix(), "size": path.stat().st_size, "sha256": digest}
+        for path, digest in digests.items()
     ]
     write_text(output, json.dumps({"files": entries}, indent=1, ensure_ascii=False) + "\n")
     return len(entries)
@@ -47,7 +57,7 @@ def verify(results: str | Path) -> tuple[dict[str, list[str]], int]:
     """(differences, count): the paths that are missing, changed or unknown, and how many files the manifests list.
 
     All manifests below ``results`` count. Each target writes its own, so a file that two of them list is as it should be
-    when one of them agrees. Raises InputError where there is no manifest, or one cannot be read.
+    when one of them agrees. A seal that does not belong to what is listed counts as changed. Raises InputError where there is no manifest, or one cannot be read.
     """
     results = Path(results)
     manifests = sorted(results.rglob(NAME)) if results.is_dir() else []
@@ -59,9 +69,15 @@ def verify(results: str | Path) -> tuple[dict[str, list[str]], int]:
             listed.setdefault(path, set()).add((size, digest))
     there = {path.relative_to(results).as_posix(): path for path in _files(results, ["."])}
     both = sorted(listed.keys() & there.keys())
+    changed = [there[name] for name in both if not _agrees(there[name], listed[name])]
+    changed += [
+        seal_of(there[name])
+        for name in both
+        if not any(agrees(there[name], digest) for _, digest in listed[name])
+    ]
     return {
         "missing": sorted(listed.keys() - there.keys()),
-        "changed": [name for name in both if not _agrees(there[name], listed[name])],
+        "changed": sorted(path.relative_to(results).as_posix() for path in changed),
         "unknown": sorted(there.keys() - listed.keys()),
     }, len(listed)
 

@@ -7,10 +7,12 @@ import re
 import socket
 import time
 import unicodedata
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
+
+from .errors import InputError
 
 
 def _checkout() -> Path | None:
@@ -40,9 +42,29 @@ def find(name: str | Path) -> Path:
     found in neither place comes back unchanged, so that the caller's message shows what was written.
     """
     path = Path(name)
+    try:
+        path.stat()
+    except ValueError:  # a character that no name can hold
+        return path
+    except OSError as error:
+        if error.errno == errno.ENAMETOOLONG:
+            raise InputError(
+                f"{str(name)[:40]}…",
+                f"no file can have so long a name ({len(str(name))} characters)",
+                "a path",
+                "correct the path",
+            ) from None
     if PROJECT and not path.is_absolute() and not path.exists() and (PROJECT / path).exists():
         return PROJECT / path
     return path
+
+
+def printable(text: str) -> str:
+    """The text with every character that commands a terminal, turns the direction of writing or is none as ``\\x1b``; lines and tabs stay."""
+    return _COMMANDS.sub(lambda found: found[0].encode("unicode_escape").decode(), text)
+
+
+_COMMANDS = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\u2028-\u202e\u2066-\u2069\ud800-\udfff\ufffe\uffff]")
 
 
 def safe_name(label: str) -> str:
@@ -130,6 +152,33 @@ def write_text(path: str | Path, text: str) -> Path:
     with written_whole(path) as partial:
         partial.write_text(text, encoding="utf-8")
     return path
+
+
+def for_spreadsheets(table: Any) -> Any:
+    """A table (pandas) whose texts are text in a spreadsheet, too: what begins as a formula does gets an apostrophe before it.
+
+    Numbers, and those with their uncertainty in parentheses, stay. ``from_spreadsheets`` takes the apostrophes away.
+    """
+    return _texts(
+        table, lambda text: f"'{text}" if _FORMULA.match(text) and not _NUMBER.fullmatch(text) else text
+    )
+
+
+def from_spreadsheets(table: Any) -> Any:
+    """The table that was given to ``for_spreadsheets``."""
+    return _texts(table, lambda text: text[1:] if text[:1] == "'" and _FORMULA.match(text[1:]) else text)
+
+
+def _texts(table: Any, change: Callable[[str], str]) -> Any:
+    def one(value: Any) -> Any:
+        return change(value) if isinstance(value, str) else value
+
+    texts = {name: column.map(one) for name, column in table.items() if column.dtype.kind not in "fiubcmM"}
+    return table.assign(**texts).rename(columns=one)
+
+
+_FORMULA = re.compile(r"'*[=@+\-\t\r]")
+_NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)(\([\d.]+\))?([eE][+-]?\d+)?")
 
 
 def write_csv(table: Any, path: str | Path, **told: Any) -> Path:

@@ -26,6 +26,90 @@ _KINDS = {
 _BOUNDS = {"minimum": "≥", "exclusiveMinimum": ">", "maximum": "≤", "exclusiveMaximum": "<"}
 
 
+_DEEPEST = 50  # levels; the deepest of our own files has six
+_MOST = 100_000  # entries that aliases may make of a file, which is all that a report could print
+
+
+class _Loader(yaml.SafeLoader):
+    """YAML's own safe loader, which also refuses a key that is there twice, and what holds itself, is deep or grows without end."""
+
+    _depth = 0
+
+    def compose_node(self, parent: Any, index: Any) -> Any:
+        self._depth += 1
+        if self._depth > _DEEPEST:
+            raise _fault(f"it is nested more than {_DEEPEST} deep", self.peek_event().start_mark)
+        node = super().compose_node(parent, index)
+        self._depth -= 1
+        return node
+
+    def construct_document(self, node: Any) -> Any:
+        _weighed(node, {})
+        return super().construct_document(node)
+
+
+def _weighed(node: yaml.Node, known: dict[yaml.Node, tuple[int, int] | None]) -> tuple[int, int]:
+    """(entries, levels) below a node when every alias is written out; each node is looked at once."""
+    if node in known:
+        if (found := known[node]) is None:
+            raise _fault("it holds itself, by an alias", node.start_mark)
+        return found
+    known[node] = None
+    below = list(node.value) if isinstance(node, yaml.SequenceNode) else []
+    if isinstance(node, yaml.MappingNode):
+        seen = set()
+        for key, value in node.value:
+            if (key.tag, str(key.value)) in seen:
+                raise _fault(f"the key {key.value!r} is there twice", key.start_mark)
+            seen.add((key.tag, str(key.value)))
+            below += [key, value]
+    weights = [_weighed(one, known) for one in below]
+    size, depth = 1 + sum(size for size, _ in weights), 1 + max((depth for _, depth in weights), default=0)
+    if size > max(_MOST, len(known)) or depth > _DEEPEST:
+        raise _fault(
+            f"its aliases make more than {_MOST} entries of it, or more than {_DEEPEST} levels",
+            node.start_mark,
+        )
+    known[node] = size, depth
+    return size, depth
+
+
+def _fault(problem: str, mark: Any) -> yaml.MarkedYAMLError:
+    return yaml.composer.ComposerError(None, None, problem, mark)
+
+
+def parse_yaml(text: str, where: object) -> Any:
+    """What a text in YAML holds. InputError with the line where it is none, or cannot be taken as it stands."""
+    try:
+        return yaml.load(text, Loader=_Loader)
+    except (yaml.YAMLError, ValueError) as problem:
+        mark, context = getattr(problem, "problem_mark", None), getattr(problem, "context_mark", None)
+        at = f"{where}, line {mark.line + 1}, column {mark.column + 1}" if mark else str(where)
+        said = (
+            str(getattr(problem, "problem", None) or problem).replace("\t", "a tab").replace("'\\t'", "a tab")
+        )
+        since = (
+            f", in what begins in line {context.line + 1}"
+            if mark and context and context.line != mark.line
+            else ""
+        )
+        raise InputError(
+            at, f"it cannot be read as YAML: {said}{since}", "keys with a colon, each once, indented by spaces, brackets and quotes closed",
+            "mend that line, or the one before it",
+        ) from problem  # fmt: skip
+
+
+def read_yaml(path: Path, where: object) -> Any:
+    """What a file in YAML holds; InputError as ``parse_yaml``, or where it is no text in UTF-8."""
+    try:
+        text = path.read_text(encoding="utf-8-sig")
+    except UnicodeDecodeError as problem:
+        raise InputError(
+            where, "it is not text in UTF-8", "a YAML file in UTF-8", "save it in UTF-8"
+        ) from problem
+    return parse_yaml(text, where)
+
+
 def check(content: Any, schema: str, where: object, part: str = "key") -> dict[str, Any]:
     """A copy of ``content`` (a mapping read from YAML) with the defaults of ``schemas/<schema>`` filled in.
 
@@ -73,8 +157,8 @@ def _said(value: Any, rule: dict[str, Any]) -> Any:
     if not isinstance(value, str) or rule.get("type") == "string":
         return value
     try:
-        return yaml.safe_load(value)
-    except yaml.YAMLError:
+        return yaml.load(value, Loader=_Loader)
+    except (yaml.YAMLError, ValueError):
         return value
 
 
@@ -146,6 +230,13 @@ def _refusal(
     if fault.validator == "pattern":
         problem = f"{value!r} {rule.get('refused', 'is no name')}"
         return InputError(place, problem, rule.get("description", ""), rule.get("mend", "rename it"))
+    if fault.validator == "maxLength":
+        return InputError(
+            place,
+            f"it has {len(value)} characters ({value[:40]}…)",
+            f"at most {fault.validator_value}",
+            "shorten it",
+        )
     if fault.validator == "minItems":
         return InputError(place, "the list is too short", f"at least {fault.validator_value}", "add an entry")
     if fault.validator == "type" and rule.get("type") in ("number", "integer"):

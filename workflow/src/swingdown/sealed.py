@@ -2,23 +2,24 @@
 
 The seal of ``table2.csv`` is the file ``.table2.csv.sha256`` beside it, in the form of the command ``sha256sum``; the result itself
 is plain. A file without a seal is taken as it is: it is older than seals are, or was copied alone. netCDF has a seal of its own
-(``dataset``).
+(``seal_behind``).
 """
 
 import io
 import json
+import os
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from hashlib import file_digest, sha256
 from pathlib import Path
 from typing import Any
 
-from .errors import InputError
-from .paths import written_whole
+from .errors import MAKE_ANEW, InputError
+from .paths import for_spreadsheets, from_spreadsheets, written_whole
 
 ENDING = ".sha256"
+_BEHIND = b"\nswingdown sha256 "
 _CARRIED = ".snakemake"  # where Snakemake keeps what it carries to a storage and back; a seal would stay here and grow old
-_MEND = "delete it and give the same command again, which makes it anew"
 
 
 def seal_of(path: str | Path) -> Path:
@@ -60,7 +61,31 @@ def writing(path: str | Path) -> Iterator[Path]:
             digest = file_digest(file, "sha256").hexdigest()
         seal.unlink(missing_ok=True)
     with written_whole(seal) as partial:
-        partial.write_text(f"{digest}  {path.name}\n", encoding="utf-8")
+        partial.write_bytes(_seal(path, digest))
+
+
+def _seal(path: Path, digest: str) -> bytes:
+    return f"{digest}  {path.name}\n".encode()
+
+
+def agrees(path: Path, digest: str) -> bool:
+    """Whether the seal beside a result is that of the SHA-256 ``digest``, or there is none."""
+    try:
+        return seal_of(path).read_bytes() == _seal(path, digest)
+    except FileNotFoundError:
+        return True
+    except OSError:
+        return False
+
+
+def is_whole(path: Path, digest: str) -> bool:
+    """Whether a result, whose SHA-256 is ``digest``, is what was written: by its seal, which a netCDF file must have."""
+    if path.suffix != ".nc":
+        return agrees(path, digest)
+    try:
+        return check_behind(path)
+    except InputError:
+        return False
 
 
 def write_text(path: str | Path, text: str) -> Path:
@@ -78,7 +103,7 @@ def write_json(path: str | Path, content: Any) -> Path:
 def write_csv(table: Any, path: str | Path, **told: Any) -> Path:
     """The path written, whole and sealed: a table (pandas) as CSV without its index, unless ``told`` to ``to_csv`` otherwise."""
     with writing(path) as partial:
-        table.to_csv(partial, **({"index": False, "lineterminator": "\n"} | told))
+        for_spreadsheets(table).to_csv(partial, **({"index": False, "lineterminator": "\n"} | told))
     return Path(path)
 
 
@@ -89,21 +114,54 @@ def read_bytes(path: str | Path) -> bytes:
         content = path.read_bytes()
     except FileNotFoundError:
         raise InputError(
-            path, "there is no such file", "a result of an earlier step", "run that step again"
+            path, "there is no such file", "a result of an earlier step", "give the same command again"
         ) from None
     except OSError as error:
-        raise InputError(path, f"it cannot be read ({error.strerror})", "a file", _MEND) from error
-    seal = b""
-    with suppress(OSError):
-        seal = seal_of(path).read_bytes()
-        if seal.partition(b" ")[0] != sha256(content).hexdigest().encode():
-            raise InputError(
-                path,
-                "it is damaged, or was edited: its bytes are not those that were written",
-                f"what its seal {seal_of(path).name} was taken of",
-                _MEND,
-            )
+        raise InputError(path, f"it cannot be read ({error.strerror})", "a file", MAKE_ANEW) from error
+    if not agrees(path, sha256(content).hexdigest()):
+        raise InputError(
+            path,
+            f"it, or its seal {seal_of(path).name}, is damaged, or was edited: they do not agree",
+            "the bytes that the seal was taken of",
+            MAKE_ANEW,
+        )
     return content
+
+
+def seal_behind(path: Path) -> None:
+    """The netCDF file with the SHA-256 of its bytes behind its end, where readers of netCDF do not look.
+
+    A damaged book of the format can make its library crash rather than complain, so damage must show before that is asked.
+    A file that is carried or copied takes this seal along. A program that changes the file cuts it off.
+    """
+    with path.open("r+b") as file:
+        digest = file_digest(file, "sha256").hexdigest()
+        file.seek(0, os.SEEK_END)
+        file.write(_BEHIND + digest.encode())
+
+
+def check_behind(path: Path) -> bool:
+    """Whether a netCDF file has a seal; InputError where its bytes are not those that this was taken of."""
+    with path.open("rb") as file:
+        size = file.seek(0, os.SEEK_END) - len(_BEHIND) - 64
+        file.seek(max(size, 0))
+        tail = file.read()
+        if size <= 0 or not tail.startswith(_BEHIND):
+            return False
+        found, left = sha256(), size
+        file.seek(0)
+        while left:
+            piece = file.read(min(left, 1 << 20))
+            found.update(piece)
+            left -= len(piece)
+    if tail[len(_BEHIND) :] != found.hexdigest().encode():
+        raise InputError(
+            path,
+            "it cannot be read (its bytes are not those that were written)",
+            "an undamaged netCDF file",
+            MAKE_ANEW,
+        )
+    return True
 
 
 def read_text(path: str | Path) -> str:
@@ -129,10 +187,10 @@ def read_csv(path: str | Path, **told: Any) -> Any:
 
     text = read_text(path)
     try:
-        return pd.read_csv(io.StringIO(text), **told)
+        return from_spreadsheets(pd.read_csv(io.StringIO(text), **told))
     except (ValueError, pd.errors.ParserError) as error:
         raise _unreadable(path, "a table in CSV", error) from error
 
 
 def _unreadable(path: str | Path, expected: str, error: Exception) -> InputError:
-    return InputError(path, f"it cannot be read ({' '.join(str(error).split())})", expected, _MEND)
+    return InputError(path, f"it cannot be read ({' '.join(str(error).split())})", expected, MAKE_ANEW)

@@ -4,16 +4,19 @@ import warnings
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
-from typing import Any
+from os import PathLike
+from typing import Any, Literal, TypeAlias
 
 import numpy as np
+import pandas as pd
 import xarray as xr
+from numpy.typing import ArrayLike
 
 from ..arrays import Shown
 from ..dataset import series_of
 from ..discovery.campaign import Campaign, Swing, campaign
 from ..discovery.conclusion import concluded
-from ..discovery.files import reading_of, summary
+from ..discovery.files import check_sampled, reading_of, summary
 from ..discovery.search import discover
 from ..discovery.state import Round
 from ..discovery.verdict import verdict
@@ -21,41 +24,75 @@ from ..engine.trajectory import TrajectoryWarning, engine
 from ..errors import InputError
 from ..measurement.slack import of_angles
 from ..pendulum.catalogue import READINGS, catalogue
-from ..pendulum.model import PAPER_MODELS, models
-from ..studies.experiment import fit_campaign, fit_recording
+from ..pendulum.model import PAPER_MODELS, SPRUNG, Model, models
+from ..studies.doubt import NotFree, breaks_off, fit_any, fit_free, unit_in_doubt
+from ..studies.experiment import fit_campaign
 from ..studies.norms import combine_recordings
-from ..studies.pendulums import described_by, pendulums
-from ..study.own import SPRUNG, SPRUNG_BASE
-from .doubt import MEND, check_free
+from ..studies.pendulums import described_by, joined, pendulums, values_of
+from ..studies.pendulums import reading_of as reading_in
+from ..studies.quantities import Quantity
+from ..study.own import SPRUNG_BASE
 from .given import swings
-from .result import Answer
+from .recorded import Recording, Restoring, Told, read
+from .result import Answer, Begin
+from .simulation import simulate
 
-__all__ = ["Answer", "explain", "fit"]
+__all__ = ["Answer", "Quantity", "Recording", "explain", "fit", "read", "simulate"]
 
+Swings: TypeAlias = (
+    ArrayLike | pd.Series | pd.DataFrame | xr.DataArray | xr.Dataset | Recording | PathLike[str]
+)
+"""What holds times, angles, or both: arrays (masked ones too, and quantities of pint), tables and labelled arrays; a recording; a path."""
+Unit = Literal["rad", "deg", "rad/s", "deg/s"]
+Kind = Literal["", "swing", "turning_points", "half_swings", "passages", "periods"]
 BASE = ("viscous", "load_coulomb")  # what the search starts from, as `discovery.base` of the settings
 
 
 def fit(
-    times: Any,
-    angles: Any = None,
+    times: Swings | Sequence[Swings],
+    angles: Swings | Sequence[Swings] | None = None,
     *,
-    unit: str | None = None,
+    unit: Unit | None = None,
     fitted: Sequence[str] = PAPER_MODELS,
     effects: Mapping[str, Any] | None = None,
     names: Sequence[str] | None = None,
-    restoring: str = "sine",
+    restoring: Restoring = "sine",
+    kind: Kind = "",
 ) -> Answer:
     """The ``Answer`` of models of damping fitted to one swing or several of one pendulum: period, quality, decay, the best model.
 
     ``times`` (s) and ``angles`` are arrays, lists or pandas Series; or ``angles`` is left out and ``times`` is a Series (its
-    index is the time), a DataFrame with a column of time and one of the angle, or a DataArray or Dataset of xarray. Lists of
-    these are several swings. ``unit`` is ``rad`` or ``deg``, or of angular rates ``rad/s``
-    or ``deg/s``; without it a header or the attribute ``units`` decides, else rad.
+    index is the time), a DataFrame with a column of time and one of the angle, a DataArray or Dataset of xarray, a ``Recording``, or
+    the path of a file. Lists of arrays are several swings. ``unit`` is ``rad`` or ``deg``, or of angular rates ``rad/s``
+    or ``deg/s``; without it a header, the attribute ``units`` or a quantity of pint decides, else rad; times are taken in their stated unit too,
+    else in s. Masked samples are missing ones.
     ``fitted`` are labels of models, ``effects`` effects of one's own as the settings' key ``effects`` has them.
+    ``kind`` is ``swing``, or of turning points alone ``turning_points`` (one a period) or ``half_swings``; without it the values tell.
+    Passages through a light gate are ``passages`` (two a period) or ``periods`` (one): ``times`` alone, or with speeds for ``angles``.
     ``restoring`` is ``sine`` of a pendulum, or ``linear`` of a wheel on a spring or a torsion pendulum, whose friction in a bearing is a
     constant one. InputError for what no pendulum does, and for a swing that is too short.
     """
-    return of_swings(swings(times, angles, unit, names), fitted, effects, restoring)
+    if (recorded := _recorded(times, angles, unit, kind, restoring)) is not None:
+        return recorded.fit(fitted=fitted, effects=effects)
+    return of_swings(swings(times, angles, unit, names, kind, restoring), fitted, effects, restoring)
+
+
+def _recorded(
+    times: Any, angles: Any, unit: Unit | None, kind: Kind, restoring: Restoring
+) -> Recording | None:
+    """The recording that stands for the times of a call, or that the file has whose path does; None where they are numbers."""
+    if angles is not None or not isinstance(times, str | PathLike | Recording):
+        return None
+    if not isinstance(times, Recording):
+        told = Told()
+        if unit:
+            told["unit"] = unit
+        if kind:
+            told["kind"] = kind
+        return read(times, restoring=restoring, **told)
+    if unit or kind:
+        raise InputError("arguments", "unit and kind are those of the recording", "a recording alone", "say them to swingdown.read")  # fmt: skip
+    return times
 
 
 def of_swings(
@@ -72,24 +109,22 @@ def of_swings(
     if restoring == "linear" and fitted is PAPER_MODELS:
         fitted = SPRUNG
     known = models(list(fitted), effects, restoring)
+    unit = unit_in_doubt(given, restoring)
     try:
         with _of_none_compared():
-            each = [fit_recording(one, known) for one in given]
+            each = [(fit_free if checked else fit_any)(one, known) for one in given]
             together = each[0] if len(given) == 1 else fit_campaign(given, known)
-    except (ArithmeticError, np.linalg.LinAlgError) as problem:
-        raise InputError(
-            "swing",
-            f"no pendulum moves so: its fit breaks off ({problem})",
-            "the motion of a pendulum that swings by itself",
-            MEND,
+    except NotFree as problem:
+        raise NotFree(
+            problem.where, joined(problem.problem, unit), problem.expected, problem.mend
         ) from problem
+    except (ArithmeticError, np.linalg.LinAlgError) as problem:
+        raise breaks_off("swing", problem) from problem
     norms = combine_recordings(each)
     entries = catalogue(effects)
     label = described_by(norms, entries)
-    for one, data in zip(each, given, strict=True):
-        if checked:
-            check_free(one, data, label, entries)
     table = pendulums(norms, [] if len(given) == 1 else [together], catalogue=entries)
+    table["remark"] = [joined(unit, remark) for remark in table["remark"]]
     shown = [
         Shown(
             str(one["recording"].item()),
@@ -100,29 +135,79 @@ def of_swings(
             unit=str(series_of(data).attrs["units"]),
         )
         for one, data in zip(each, given, strict=True)
+        if np.isfinite(series_of(data).values).any()  # passages without speeds have nothing to show
     ]
-    return Answer(tuple(given), norms, table, tuple(shown))
+    model, begins = _fitted(together, each, next(one for one in known if one.label == label))
+    return Answer(
+        tuple(given),
+        norms,
+        table,
+        tuple(shown),
+        catalogue=entries,
+        fitted_model=model,
+        begins=begins,
+        fitted=values_of(together, label, entries),
+    )
+
+
+def _fitted(
+    together: xr.Dataset, each: Sequence[xr.Dataset], model: Model
+) -> tuple[Model | None, dict[str, Begin]]:
+    """The model with the values of its fit to all swings together, and how each begins; None of passages, which hold no angle."""
+    own = together.sel(fitted=model.label)
+    model = model.of(reading_in(own))
+    at = {"parameter": list(model.parameters)}
+    values, errors = (
+        dict(zip(model.parameters, map(float, own[key].sel(at).values), strict=True))
+        for key in ("value", "standard_error")
+    )
+    if not np.isfinite(list(values.values())).all():
+        return None, {}
+    return model.with_values(values, errors), {
+        str(one["recording"].item()): Begin(
+            float(one["time"].values[0]),
+            float(one["release_angle"].sel(fitted=model.label)),
+            float(one["release_velocity"].sel(fitted=model.label)),
+            float(one["time"].values[-1] - one["time"].values[0]),
+        )
+        for one in each
+    }
 
 
 def explain(
-    times: Any,
-    angles: Any = None,
+    times: Swings | Sequence[Swings],
+    angles: Swings | Sequence[Swings] | None = None,
     *,
-    unit: str | None = None,
+    unit: Unit | None = None,
     base: Sequence[str] = BASE,
     rounds: int = 4,
     fitted: Sequence[str] = PAPER_MODELS,
     effects: Mapping[str, Any] | None = None,
     names: Sequence[str] | None = None,
-    restoring: str = "sine",
+    restoring: Restoring = "sine",
 ) -> Answer:
     """The ``Answer`` of ``fit`` with a verdict: what the model ``base`` lacks, found in at most ``rounds`` moves.
 
     The search takes some seconds for a swing that an effect of the catalogue explains, and up to minutes for one that none
     does. What no model of damping follows is refused only if the search names nothing. Other arguments and errors as in ``fit``, and EngineError where there is no C compiler; a single swing needs nine half-swings, so that some can be held out.
     """
+    if (recorded := _recorded(times, angles, unit, "", restoring)) is not None:
+        return recorded.explain(base=base, rounds=rounds, fitted=fitted, effects=effects)
+    return explained(
+        swings(times, angles, unit, names, restoring=restoring), base, rounds, fitted, effects, restoring
+    )
+
+
+def explained(
+    given: Sequence[xr.Dataset],
+    base: Sequence[str] = BASE,
+    rounds: int = 4,
+    fitted: Sequence[str] = PAPER_MODELS,
+    effects: Mapping[str, Any] | None = None,
+    restoring: str = "sine",
+) -> Answer:
+    """The ``Answer`` of ``explain`` on angle datasets (``measurement.angle.to_angle``) of one pendulum."""
     engine(catalogue(effects))  # without a compiled one even the fits before the search take minutes
-    given = swings(times, angles, unit, names)
     first = of_swings(given, fitted, effects, restoring, checked=False)
     whole = searchable("pendulum", first.swings)
     begun = SPRUNG_BASE if restoring == "linear" and base is BASE else base
@@ -130,9 +215,37 @@ def explain(
     with _of_none_compared():
         states = concluded(discover(whole, start, rounds), whole)
         found = verdict([summary(state, whole) for state in states], catalogue(effects).of(whole.reading))
-    if found["status"] == "unknown":  # then damping alone has to follow it, as it has in ``fit``
+    if (
+        found["status"] == "unknown" and not found["unit_doubt"]
+    ):  # then damping alone has to follow it, as it has in ``fit``
         of_swings(given, fitted, effects, restoring)
-    return first.with_verdict(found, _shown(states[-1], whole.fit, whole.holdout))
+    answer = first.with_verdict(found, _shown(states[-1], whole.fit, whole.holdout))
+    if found["status"] == "unknown" or not found["conclusion"]:  # the quantities are those of damping, too
+        return answer
+    return replace(answer, **_ended(states[-1], whole, found["conclusion"], first.begins))
+
+
+def _ended(
+    state: Round, whole: Campaign, conclusion: Mapping[str, Any], first: Mapping[str, Begin]
+) -> dict[str, Any]:
+    """The model that a search ended with, with the values that are told of it, and how each swing begins in it."""
+    model, told = state.fit.model, conclusion["quantities"]
+    values, errors = dict(model.values), dict(model.standard_errors)
+    for name in set(told) & set(model.parameters):
+        values[name] = told[name]["value"]
+        if told[name]["standard_uncertainty"] is not None:
+            errors[name] = told[name]["standard_uncertainty"]
+    parts = [
+        *zip(whole.fit, state.fit.swings, strict=True),
+        *zip(whole.holdout, state.holdout.swings, strict=True),
+    ]
+    begins = {}
+    for name, begin in first.items():
+        one = next(
+            one for part, one in parts if Shown.named(part.name)[0] == name and part.times[0] == begin.time
+        )
+        begins[name] = begin._replace(angle=one.release_angle, velocity=one.release_velocity)
+    return {"fitted_model": model.with_values(values, errors), "begins": begins}
 
 
 @contextmanager
@@ -145,6 +258,7 @@ def _of_none_compared() -> Iterator[None]:
 
 def searchable(name: str, given: Sequence[xr.Dataset]) -> Campaign:
     """The ``Campaign`` of these angle datasets; InputError where they are too little to hold any out."""
+    check_sampled(name, given)
     made = [Swing(str(one.attrs["recording"]), one["time"].values, series_of(one).values) for one in given]
     return replace(campaign(name, made), slack=of_angles(given), reading=reading_of(name, given))
 

@@ -1,83 +1,162 @@
 """From files to an answer in one command: each is read, a first answer is told, and the workflow is run for the verdict."""
 
+import json
+import os
+import signal
 import subprocess
 import sys
+import warnings
 from collections.abc import Mapping, Sequence
+from contextlib import redirect_stdout
+from importlib.metadata import version
 from math import degrees
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import pandas as pd
 
 from ..console import warnings_once
+from ..engine.trajectory import TrajectoryWarning
 from ..errors import InputError
-from ..paths import PROJECT, write_csv
+from ..measurement.points_recording import NOT_IN_IT, are_points
+from ..measurement.programs import FILMS
+from ..paths import PROJECT, for_spreadsheets, printable, write_csv, written_whole
 from ..rounding import value_with_uncertainty
 from ..sealed import read_json
-from ..studies.pendulums import by_verdict, in_order
-from ..studies.words import lines, model_words, quantity_rows, said
+from ..series import Series
+from ..studies.doubt import DoubtfulFit
+from ..studies.gravity import Gravity
+from ..studies.pendulums import in_order
+from ..studies.words import damping_words, details, lines, quantity_rows, said
 from ..study import own
 from . import Answer, of_swings, searchable
+from .beside import write_beside
+from .lengths import PIVOTS, of_length, with_g, with_lengths, written
 from .options import as_options
+from .series import as_cells, series, varied, without_table
+from .series import written as write_series
 
 FIRST = "first_answer.csv"
 _FEW = 3  # pendulums that are told at length; of more a line each
 
 
-def answer(
-    given: Sequence[str],
-    told: Mapping[str, Any],
-    into: str | None = None,
-    together: bool = False,
-    quick: bool = False,
-    cores: int = 2,
-    restoring: str = "sine",
-) -> int:
+class Wishes(NamedTuple):
+    """What is wished of a study: its folder, all files as one pendulum, the first answer alone, processes at a time, the setting
+    ``model.restoring``, the answers as JSON on stdout, what a series goes by, the table of its values, and drives (rad/s²) whose resonance curves are foretold."""
+
+    into: str | None = None
+    together: bool = False
+    quick: bool = False
+    cores: int = 2
+    restoring: str = "sine"
+    json: bool = False
+    by: str = ""
+    values: str = ""
+    drives: tuple[float, ...] = ()
+
+
+class Found(NamedTuple):
+    """What a study gave: its exit code, the answer on each pendulum by campaign, what was left out, its folder, what was read, g, the series."""
+
+    code: int
+    answers: Mapping[str, Answer]
+    left_out: Sequence[own.Refused]
+    folder: Path
+    read: Sequence[own.Taken]
+    g: Mapping[str, Gravity]
+    series: Sequence[Series]
+
+
+def answer(given: Sequence[str], told: Mapping[str, Any], wishes: Wishes) -> int:
     """The exit code of the study of these files and folders, which is written into a folder and run; 0 where all went well.
 
-    ``told`` are cells of the sample sheet that hold for every file, ``restoring`` the setting ``model.restoring``. A file that cannot be used is told and left out; InputError
+    ``told`` are cells of the sample sheet that hold for every file. A file that cannot be used is told and left out; InputError
     where none can be used.
     """
-    paths = own.files(given)
-    folder = Path(into) if into else own.place(given)
-    rows = own.rows(paths, folder, together, told)
-    taken, left_out = _read(paths, rows)
+    if not wishes.json:
+        return _study(given, told, wishes).code
+    with redirect_stdout(sys.stderr):
+        found = _study(given, told, wishes)
+    print(json.dumps(_as_json(found), indent=1, ensure_ascii=False, allow_nan=False), flush=True)
+    return found.code
+
+
+def _as_json(found: Found) -> dict[str, Any]:
+    """What a study found as plain numbers, texts and lists."""
+    report = found.folder / "results" / "report.html"
+    return {
+        "version": version("swingdown"),
+        "pendulums": [{"pendulum": name, **one.to_dict()} for name, one in found.answers.items()],
+        "read": [
+            {"recording": one.row["recording"], "file": one.row["file"], **{key: one.recording.attrs.get(key, "") for key in ("taken", "remarks")}}
+            for one in found.read
+        ],
+        "left_out": [
+            {"recording": one.recording, "file": one.file, "problem": one.problem, "expected": one.expected, "mend": as_options(one.mend)}
+            for one in found.left_out
+        ],
+        "g": {name: one.to_dict() for name, one in found.g.items()},
+        "series": [one.to_dict() for one in found.series],
+        "folder": str(found.folder),
+        "report": str(report) if found.code == 0 and report.exists() else None,
+    }  # fmt: skip
+
+
+def _study(given: Sequence[str], told: Mapping[str, Any], wishes: Wishes) -> Found:
+    """What the study of these files gives; errors as of ``answer``."""
+    restoring = wishes.restoring
+    paths, passed = own.files(given)
+    paths, beside = without_table(paths, wishes.values)
+    folder = Path(wishes.into) if wishes.into else own.place(given)
+    about_one = {key: cell for key, cell in told.items() if key != PIVOTS}
+    rows = own.rows(paths, folder, wishes.together, about_one)
+    with_lengths(rows, about_one, told.get(PIVOTS))
+    _tell_passed(passed)
+    taken, left_out = _read(paths, rows, restoring)
+    left_out += passed
     if not taken:
-        one = left_out[0]
-        where = (
-            one.file
-            if len(left_out) == 1
-            else f"none of {len(left_out)} files can be used; the first, {one.file}"
-        )
-        raise InputError(where, *map(as_options, (one.problem, one.expected, one.mend)))
+        raise _none_of(left_out)
     with warnings_once(_say):
+        for kind in (DoubtfulFit, TrajectoryWarning):  # in the row of each pendulum
+            warnings.simplefilter("ignore", kind)
         answers, unfit = _first(taken, restoring)
     left_out += unfit
     lost = {one.recording for one in unfit}
     kept = [one for one in taken if one.row["recording"] not in lost]
     if not kept:
-        raise InputError(
-            unfit[0].file, *map(as_options, (unfit[0].problem, unfit[0].expected, unfit[0].mend))
-        )
+        raise _refusal(unfit[0])
+    of_all, how = series(answers, varied(kept, beside, wishes.by))
+    as_cells(kept, of_all)
+    answers, of_g = with_g(answers, kept, restoring)
     _tell(answers)
     searched, short = _searched(kept)
     left_out += short
-    for one in (*unfit, *short):
+    for one in (*unfit, *(one for one in short if one.problem != NOT_IN_IT)):  # that is told already
         _say(f"{one.recording}: {one.problem}. Mend: {as_options(one.mend)}.")
     config = own.write(folder, [one.row for one in kept], left_out, searched, restoring)
     table = pd.concat([one.table for one in answers.values()], ignore_index=True)
-    write_csv(in_order(table), folder / FIRST)
+    write_csv(for_spreadsheets(in_order(table)), folder / FIRST)
     _say(f"\nwritten: {config}, {own.SHEET} and {FIRST} beside it")
-    if quick:
-        return 0
-    if not searched:
+    emulated = "yes" if (table["emulated"] == "yes").any() else "no"
+    for line in (
+        *written(of_g, folder),
+        *how,
+        *write_series(of_all, folder, emulated),
+        *write_beside(answers, folder, wishes.drives),
+    ):
+        _say(line)
+    _draw_tracks(kept, folder)
+    found = Found(0, answers, left_out, folder, kept, of_g, of_all)
+    if wishes.quick:
+        return found
+    if not searched and not all(are_points(one.angle) for one in kept):
         _say("nothing here is long enough to be searched for what is missing; the first answer stands")
-        return 0
+        return found
     if PROJECT is None:
         _say("the search and the report need the project's folder (a clone of it); the first answer stands")
-        return 0
-    _say("now looking for what is missing ...\n")
-    code = run_workflow(PROJECT, config, folder, cores)
+        return found
+    _say("now looking for what is missing ...\n" if searched else "now writing the report ...\n")
+    code = run_workflow(PROJECT, config, folder, wishes.cores)
     failed = [name for name in searched if not _verdict(folder, name).exists()]
     if code and failed and len(failed) < len(searched):
         _say(f"\nthe search did not end of {', '.join(failed)}; once more without")
@@ -88,33 +167,58 @@ def answer(
         ]  # fmt: skip
         rest = [name for name in searched if name not in failed]
         again = own.write(folder, [one.row for one in kept], left_out, rest, restoring)
-        code = run_workflow(PROJECT, again, folder, cores)
+        code = run_workflow(PROJECT, again, folder, wishes.cores)
     for campaign in searched:
         path = _verdict(folder, campaign)
-        found = read_json(path) if path.exists() else None
-        _say(f"{campaign}: {'. '.join(said(found)) if found else 'no verdict; results/logs tells why'}")
-        if found and found.get("conclusion") and len(searched) <= _FEW:
-            row = by_verdict(answers[campaign].row, found)
-            _say("\n".join(f"  {line}" for line in lines(row)))
+        verdict = read_json(path) if path.exists() else None
+        _say(f"{campaign}: {'. '.join(said(verdict)) if verdict else 'no verdict; results/logs tells why'}")
+        if not verdict:
+            continue
+        answers[campaign] = told_of = of_length(answers[campaign].with_verdict(verdict), kept, restoring)[0]
+        if verdict.get("conclusion") and len(searched) <= _FEW:
+            now = [told_of.sentence, *details(told_of.row)]
+            _say("\n".join(f"  {line}" for line in now))
+    of_g = with_g(answers, kept, restoring)[1]
+    written(of_g, folder)
     if code == 0:
         _say(f"the report: {folder / 'results' / 'report.html'}")
-    return 1 if code else 0
+    return Found(1 if code else 0, answers, left_out, folder, kept, of_g, of_all)
+
+
+def _none_of(refused: Sequence[own.Refused]) -> InputError:
+    """The refusal of files of which none can be used: of several each was told, and here only how many."""
+    if len(refused) == 1:
+        return _refusal(refused[0])
+    return InputError(
+        refused[0].file,
+        f"none of {len(refused)} files can be used; why is told above, file by file",
+        "a recording of a swinging pendulum",
+        "mend one of them",
+    )
+
+
+def _refusal(one: own.Refused) -> InputError:
+    return InputError(one.file, *map(as_options, (one.problem, one.expected, one.mend)))
 
 
 def _read(
-    paths: Sequence[Path], rows: Sequence[Mapping[str, Any]]
+    paths: Sequence[Path], rows: Sequence[Mapping[str, Any]], restoring: str
 ) -> tuple[list[own.Taken], list[own.Refused]]:
     """What each file gives, told in a line each."""
     taken: list[own.Taken] = []
     left_out: list[own.Refused] = []
+    alone = len(paths) == 1
     for path, row in zip(paths, rows, strict=True):
-        parts = own.take(row, path)
+        parts = own.take(row, path, restoring)
         if len(parts) > 1:
-            _say(f"{path.name}: the pendulum is released {len(parts)} times in it; each is a recording")
-        for number, found in enumerate(parts, 1):
-            name = path.name if len(parts) == 1 else f"{path.name}, release {number}"
+            _say(f"{path.name}: {_several(parts)}")
+        for found in parts:
+            label = found.label if isinstance(found, own.Refused) else found.row.get("label", "")
+            name = path.name + (label.removeprefix(row.get("label", row["recording"])) if label else "")
             if isinstance(found, own.Refused):
                 left_out.append(found)
+                if alone and len(parts) == 1:  # it ends the command, and is told there
+                    continue
                 problem, expected, mend = map(as_options, (found.problem, found.expected, found.mend))
                 _say(f"{name}: NOT USED: {problem}. Expected: {expected}. Mend: {mend}.")
                 continue
@@ -124,6 +228,34 @@ def _read(
             if about.get("remarks"):
                 _say(f"    {as_options(about['remarks'])}")
     return taken, left_out
+
+
+def _draw_tracks(kept: Sequence[own.Taken], folder: Path) -> None:
+    """Writes, for each film, the track of the bob over its first frame."""
+    for one in kept:
+        film = folder / one.row["file"]
+        if film.suffix.lower() in FILMS:
+            from ..measurement.video import tracked  # what else is read needs nothing of it
+
+            drawn = folder / f"{one.row['recording']}-track.png"
+            with written_whole(drawn) as partial:
+                partial.write_bytes(tracked(film).picture)
+            _say(f"the track of the bob: {drawn}; look whether it is the bob's")
+
+
+def _tell_passed(passed: Sequence[own.Refused]) -> None:
+    """What of a folder is not looked at, in a line for each reason."""
+    for problem in dict.fromkeys(one.problem for one in passed):
+        _say(f"{', '.join(one.label for one in passed if one.problem == problem)}: {problem}")
+
+
+def _several(parts: Sequence[own.Taken | own.Refused]) -> str:
+    """What is said of a file that holds several recordings."""
+    runs = {found.row["run"] for found in parts if isinstance(found, own.Taken) and "run" in found.row}
+    if not runs and any(isinstance(found, own.Taken) for found in parts):
+        return f"the pendulum is released {len(parts)} times in it; each is a recording"
+    refused = sum(isinstance(found, own.Refused) for found in parts)
+    return f"{len(parts)} runs; {'all' if not refused else len(parts) - refused} taken"
 
 
 def _first(taken: Sequence[own.Taken], restoring: str) -> tuple[dict[str, Answer], list[own.Refused]]:
@@ -183,8 +315,11 @@ def _tell(answers: Mapping[str, Answer]) -> None:
         }
         _say(
             f"{campaign:20} T {told.get('period', '–')} s   Q {told.get('quality', '–')}   decay {told.get('decay_time', '–')} s"
-            f"   at {degrees(one.row['amplitude_rad']):.3g}°   {model_words(one.model)}"
+            f"   at {degrees(one.row['amplitude_rad']):.3g}°   {damping_words(one.row)}"
+            + (f"   g {told['g']} m/s²" if "g" in told else "")
         )
+        if one.row["remark"]:
+            _say(f"    Beware: {one.row['remark']}")
 
 
 def _verdict(folder: Path, campaign: str) -> Path:
@@ -198,8 +333,19 @@ def run_workflow(project: Path, config: Path, folder: Path, cores: int, targets:
         "--configfile", str(config.resolve()), "--directory", str(folder.resolve()), "--", *targets,
     ]  # fmt: skip
     sys.stdout.flush()
-    return subprocess.run(command, cwd=project).returncode
+    # in a group of its own: what Ctrl-C makes of it is told in one line here, and not in its own many
+    with subprocess.Popen(
+        command, cwd=project, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, errors="replace", process_group=0,
+    ) as running:  # fmt: skip
+        try:
+            for line in running.stdout or ():
+                print(line, end="", file=sys.stderr, flush=True)
+        except KeyboardInterrupt:
+            os.killpg(running.pid, signal.SIGINT)  # it ends by itself, and leaves no lock behind
+            running.communicate()
+            raise
+    return running.returncode
 
 
 def _say(text: object) -> None:
-    print(text, flush=True)
+    print(printable(str(text)), flush=True)

@@ -1,7 +1,7 @@
 """Arrays, tables of pandas and arrays of xarray as swings in radians, checked as a file's are."""
 
 from collections.abc import Iterator, Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -10,39 +10,65 @@ import xarray as xr
 from ..arrays import Floats
 from ..errors import InputError
 from ..measurement.angle import to_angle
+from ..measurement.clock import in_order, parts
 from ..measurement.columns import ANGLE, RATE, choose, meaning
-from ..measurement.continuity import check_continuous
-from ..measurement.gyroscope import TO_RAD_PER_S, check_rate
-from ..measurement.plausibility import check_plausible, hanging
-from ..measurement.quality import check_signal, check_times
-from ..measurement.recording import SHORTEST
-from ..measurement.release import find_windows, within
-from ..measurement.slack import tolerances
-from ..measurement.spikes import as_variable, find_spikes
+from ..measurement.gyroscope import TO_RAD_PER_S
+from ..measurement.interpret import SHORTEST
+from ..measurement.judge import Judged, Reading, check_used, judge, used_part
+from ..measurement.passages import Gate, as_passages, counted
+from ..measurement.points_recording import as_recording
+from ..measurement.points_recording import to_angle as points_to_angle
+from ..measurement.points_table import unit_of
+from ..measurement.release import within
+from ..measurement.series import MOST_EMPTY
+from ..measurement.slack import tolerances, with_rate
+from ..measurement.spikes import as_variable
+from ..measurement.turning_points import KINDS, PASSAGES, PERIODS, SWING, points_in
+from ..measurement.units import NO_SCALE, in_rad
+from .labelled import ANGLES, numbers
+from .labelled import angles as in_one_unit
+from .labelled import times as seconds
 
-UNITS = ("rad", "deg", *TO_RAD_PER_S)
-_SCALE = {"rad": 1.0, "deg": np.pi / 180}  # of angles: a hand is told in another way from rates
 # What a file's owner mends in the sample sheet, the caller of a function mends in the call.
 _MENDS = {
-    "signal_unit": "say unit='deg' (or unit='rad' for counted turns)",
+    "restoring: linear": "if a spring pulls it back say restoring='linear'; if these are degrees say unit='deg'",
+    "signal_unit": "say unit='deg' or unit='rad'",
     "time_unit": "give the times in s",
     "start_s": "leave that part out of the arrays",
     "role": "look at what was recorded",
 }
 
 
+class Series(NamedTuple):
+    """A swing as given: times (s), values, the unit that they state ("" for none) and attributes."""
+
+    times: Floats
+    values: Floats
+    stated: str
+    about: dict[str, Any]
+
+
 def swings(
-    times: Any, angles: Any = None, unit: str | None = None, names: Sequence[str] | None = None
+    times: Any,
+    angles: Any = None,
+    unit: str | None = None,
+    names: Sequence[str] | None = None,
+    kind: str = "",
+    restoring: str = "sine",
 ) -> list[xr.Dataset]:
     """Datasets of the angle in rad over the time in s, as ``measurement.angle.to_angle`` gives them: one a swing, and of a series
     with several releases one a release.
 
     What the arguments may be: ``answer.fit``. InputError names the swing and what is wrong with it.
     """
-    if unit not in (None, *UNITS):
+    if unit not in (None, *ANGLES):
         raise InputError(
-            "argument unit", f"unknown unit {unit!r}", " or ".join(UNITS), "convert the angles before"
+            "argument unit", f"unknown unit {unit!r}", " or ".join(ANGLES), "convert the angles before"
         )
+    if kind not in ("", *KINDS):
+        raise InputError("argument kind", f"unknown kind {kind!r}", " or ".join(KINDS), "leave it out")
+    if kind in (PASSAGES, PERIODS):
+        return [_passages(times, angles, names, kind)]
     found = list(_each(times, angles))
     if not found:
         raise InputError("argument times", "no swing is given", "at least one")
@@ -51,11 +77,31 @@ def swings(
         raise InputError(
             "argument names", f"{len(set(names))} names for {len(found)} swings", "one name each"
         )
-    return [swing for name, one in zip(names, found, strict=True) for swing in _swings_in(name, *one, unit)]
+    return [
+        swing
+        for name, one in zip(names, found, strict=True)
+        for swing in _swings_in(name, *one, unit, kind, restoring)
+    ]
 
 
-def _each(times: Any, angles: Any) -> Iterator[tuple[Any, Any, str, dict[str, Any]]]:
-    """Times, values, the unit that they state ("" for none) and attributes of each swing."""
+def _passages(times: Any, speeds: Any, names: Sequence[str] | None, kind: str) -> xr.Dataset:
+    """The dataset of passages through a light gate, with their speeds where these are given."""
+    name = list(names or ["swing"])[0]
+    clock = seconds(times)
+    read = np.full(clock.shape, np.nan) if speeds is None else numbers(speeds, "the speeds")
+    if clock.ndim != 1 or read.shape != clock.shape or not np.all(np.diff(clock) > 0):
+        raise InputError(
+            name,
+            f"{clock.size} times and {read.size} speeds",
+            "increasing times (s), and a speed for each or none",
+        )
+    points, kind = counted(Gate(clock, read, "", kind, "", []), kind, name)
+    unit = "" if speeds is None else "as given"
+    return points_to_angle(as_passages(points, kind, unit, _attributes(name, {})))
+
+
+def _each(times: Any, angles: Any) -> Iterator[Series]:
+    """Each swing."""
     if angles is None and _several(times):
         for one in times:
             yield _alone(one)
@@ -68,9 +114,9 @@ def _each(times: Any, angles: Any) -> Iterator[tuple[Any, Any, str, dict[str, An
                 "arguments", f"{len(clocks)} series of times for {len(angles)} of angles", "one each"
             )
         for clock, values in zip(clocks, angles, strict=True):
-            yield _clock(clock), values, _stated(values), _about(values)
+            yield _series(clock, values)
     else:
-        yield _clock(times), angles, _stated(angles), _about(angles)
+        yield _series(times, angles)
 
 
 def _several(given: Any) -> bool:
@@ -83,10 +129,15 @@ def _several(given: Any) -> bool:
     )
 
 
-def _alone(given: Any) -> tuple[Any, Any, str, dict[str, Any]]:
+def _series(times: Any, angles: Any) -> Series:
+    about = dict(angles.attrs) if isinstance(angles, xr.DataArray) else {}
+    return Series(seconds(times), *in_one_unit(angles), about)
+
+
+def _alone(given: Any) -> Series:
     """A swing that brings its time along."""
     if isinstance(given, tuple) and len(given) == 2:
-        return _clock(given[0]), given[1], _stated(given[1]), _about(given[1])
+        return _series(*given)
     if isinstance(given, xr.Dataset):
         found = [str(name) for name in given.data_vars if meaning(str(name)).kind == ANGLE]
         name = "angle" if "angle" in found else next(iter(found), None)
@@ -100,113 +151,124 @@ def _alone(given: Any) -> tuple[Any, Any, str, dict[str, Any]]:
             raise InputError(
                 "DataArray", f"its dimensions are {given.dims}", "one, with the times as its coordinate"
             )
-        return _clock(given[given.dims[0]]), given.values, _stated(given), _about(given)
+        return _series(given[given.dims[0]], given)
     if isinstance(given, pd.DataFrame) and given.shape[1] > 1:
-        clock, chosen = choose(tuple(map(str, given.columns)), "", "", "DataFrame")
-        if len(chosen) > 1 or chosen[0].kind not in (ANGLE, RATE, ""):
-            raise InputError(
-                "DataFrame", f"column {chosen[0].name!r} holds no angle", "a column of the angle"
-            )
-        columns = dict(zip(map(str, given.columns), given.columns, strict=True))
-        scale = {"ms": 1e-3, "us": 1e-6}.get(clock.unit, 1.0)
-        return scale * _clock(given[columns[clock.name]]), given[columns[chosen[0].name]], chosen[0].unit, {}
+        return _of_columns(given)
     if isinstance(given, pd.DataFrame):
         given = given.iloc[:, 0]
     if isinstance(given, pd.Series):
-        return _clock(given.index), given.to_numpy(), _stated(given), {}
-    array = np.asarray(given, dtype=float)
+        return _series(given.index, given)
+    array = numbers(given, "argument times")
     if array.ndim != 2 or 2 not in array.shape:
         raise InputError(
             "argument angles", "it is left out, and the times bring no angle along", "times and angles"
         )
     pair = array.T if array.shape[1] == 2 else array
-    return pair[0], pair[1], "", {}
+    return Series(pair[0], pair[1], "", {})
 
 
-def _clock(times: Any) -> Floats:
-    """Times in s; of dates and durations those since the first."""
-    values = np.asarray(getattr(times, "values", times))
-    if values.dtype.kind in "mM":
-        return (values - values[0]) / np.timedelta64(1, "ns") * 1e-9
-    return np.array(values, dtype=float)
-
-
-def _stated(values: Any) -> str:
-    """The unit that a series states: its attribute ``units``, or the end of its name."""
-    if isinstance(values, xr.DataArray) and "units" in values.attrs:
-        written = meaning("angle", str(values.attrs["units"]))
-    else:
-        written = meaning(str(getattr(values, "name", "") or ""))
-    if written.written and written.unit not in UNITS:
-        raise InputError(
-            "angles", f"their unit is {written.written!r}", " or ".join(UNITS), "convert them before"
-        )
-    return written.unit
-
-
-def _about(values: Any) -> dict[str, Any]:
-    return dict(values.attrs) if isinstance(values, xr.DataArray) else {}
+def _of_columns(table: pd.DataFrame) -> Series:
+    """The swing in a table with a column of the time and one of the angle."""
+    clock, chosen = choose(tuple(map(str, table.columns)), "", "", "DataFrame")
+    if len(chosen) > 1 or chosen[0].kind not in (ANGLE, RATE, ""):
+        raise InputError("DataFrame", f"column {chosen[0].name!r} holds no angle", "a column of the angle")
+    columns = dict(zip(map(str, table.columns), table.columns, strict=True))
+    return _series(table[columns[clock.name]], table[columns[chosen[0].name]])
 
 
 def _swings_in(
-    name: str, times: Any, values: Any, stated: str, about: dict[str, Any], unit: str | None
+    name: str,
+    times: Floats,
+    values: Floats,
+    stated: str,
+    about: dict[str, Any],
+    unit: str | None,
+    kind: str,
+    restoring: str,
 ) -> list[xr.Dataset]:
-    values = np.array(values, dtype=float)
     if times.ndim != 1 or values.shape != times.shape:
         raise InputError(name, f"{values.size} angles for {times.size} times", "one angle for each time")
+    if points := _points(name, times, values, unit or stated, about, kind):
+        return points
+    missing = ~(np.isfinite(times) & np.isfinite(values))
+    if missing.mean() > MOST_EMPTY if missing.size else True:
+        raise InputError(f"{name}, sample {np.argmax(missing)}" if missing.size else name, f"not a finite number ({missing.sum()} of {times.size} samples)", "numbers, but for a few samples that are missing")  # fmt: skip
+    times, values = times[~missing], values[~missing]
     if times.size < SHORTEST:
         raise InputError(name, f"{times.size} samples", f"at least {SHORTEST}", "record longer")
-    if len(bad := np.flatnonzero(~(np.isfinite(times) & np.isfinite(values)))):
-        raise InputError(f"{name}, sample {bad[0]}", f"not a finite number ({bad.size} such samples)", "numbers only", "leave them out at the ends")  # fmt: skip
     if unit and stated and unit != stated:
         raise InputError(
             name, f"unit={unit!r}, and the angles say that they are in {stated}", "one unit", "leave unit out"
         )
+    remarks = [f"{missing.sum()} of {missing.size} samples hold no number: missing"] if missing.any() else []
     taken = unit or stated or "rad"
-    try:
-        check_times(times, np.arange(times.size), name)
-        check_signal(times, values, name)
-        remarks = check_plausible(times, values, taken, True, bool(unit or stated), name)
-        if taken in TO_RAD_PER_S:
-            remarks += check_rate(times, values, taken, name)
-        spikes = find_spikes(times, values)
-        remarks += check_continuous(times, values, name, spikes)
-    except InputError as problem:
-        mend = next((text for key, text in _MENDS.items() if key in problem.mend), problem.mend)
-        where = problem.where.replace(", line ", ", sample ")
-        raise InputError(where, problem.problem, problem.expected, mend) from None
-    hangs, told = hanging(spikes.healed, _SCALE.get(taken, 0.0))
-    remarks += told
-    more: dict[str, Any] = {"zero_rad": hangs, **tolerances({}, taken, upright=False)} if hangs else {}
-    windows, _ = find_windows(
-        times, spikes.healed - hangs / _SCALE.get(taken, 1.0), _SCALE.get(taken, 0.0), taken in TO_RAD_PER_S
-    )
-    if len(windows) > 1:
-        parts = [within(one, times) for one in windows]
+    reading = Reading(taken, bool(unit or stated), in_rad(taken), restoring)
+    pieces = parts(times)
+    if len(pieces) > 1:
+        found = [(times[piece], values[piece], f"{name}, part {k}") for k, piece in enumerate(pieces, 1)]
+    else:
+        try:
+            ordered = in_order(times, values, name)
+            times, values = ordered.times, values[ordered.kept]
+            judged = judge(times, values, reading, name)
+            found = _releases(name, times, values, judged)
+            if not found:
+                window, told, kept = used_part(judged.windows)
+                told += check_used(times, judged, within(window, times), name)
+        except InputError as problem:
+            mend = next((text for key, text in _MENDS.items() if key in problem.mend), problem.mend)
+            raise InputError(problem.where, problem.problem, problem.expected, mend) from None
+    if found:
         return [
             swing
-            for number, part in enumerate(parts, 1)
-            for swing in _swings_in(
-                f"{name}, release {number}", times[part], values[part], stated, about, unit
-            )
+            for when, what, called in found
+            for swing in _swings_in(called, when, what, stated, about, unit, kind, restoring)
         ]
-    (window,) = windows
-    if np.isfinite(window.begins):
-        more |= {"released_s": window.released, "begins_s": window.begins}
-        remarks.append(
-            f"it begins in a hand and was released at about {window.released:.2f} s: used from {window.begins:.3f} s on"
-        )
-    if np.isfinite(window.ends):
-        more |= {"ends_s": window.ends}
-        remarks.append(
-            f"used until {window.ends:.3f} s: {'then it rests' if window.rests else 'a hand stops it'}"
-        )
+    remarks += ordered.remarks + judged.remarks + told
     recording = xr.Dataset(
-        {"signal": ("time", values, {"units": taken}), **as_variable(spikes.where)},
+        {"signal": ("time", judged.signal, {"units": judged.reading.unit}), **as_variable(judged.spikes.where)},
         {"time": ("time", times, {"units": "s", "long_name": "time as given"})},
         {
             "recording": name, "campaign": "pendulum", "role": "fit", "file": "", "sha256": "", "source": "given as arrays",
-            "emulated": str(about.get("emulated", "no")), **more,
+            "emulated": str(about.get("emulated", "no")), "unit_told": judged.reading.told, **kept,
+            **({"zero_rad": judged.zero} if judged.zero else {}),
+            **({} if not (judged.zero or ordered.rate) else with_rate(tolerances({}, taken, upright=not judged.zero), ordered.rate)),
+            **({"rad_per_unit": judged.reading.scale, "scale": "unknown"} if judged.reading.unit == NO_SCALE else {}),
         },
     )  # fmt: skip
-    return [to_angle(recording).assign_attrs(remarks="; ".join(remarks))]
+    return [
+        to_angle(recording).assign_attrs(remarks="; ".join(remarks).replace(" in the sheet says", " says"))
+    ]
+
+
+def _releases(name: str, times: Floats, values: Floats, judged: Judged) -> list[tuple[Floats, Floats, str]]:
+    """The times, values and names of several releases in one series; none of a single one."""
+    if len(judged.windows) < 2:
+        return []
+    used = [within(one, times) for one in judged.windows]
+    return [(times[one], values[one], f"{name}, release {k}") for k, one in enumerate(used, 1)]
+
+
+def _points(
+    name: str, times: Floats, values: Floats, unit: str, about: dict[str, Any], kind: str
+) -> list[xr.Dataset]:
+    """The dataset of a series of turning points; none where it is one of samples."""
+    if kind == SWING or unit in TO_RAD_PER_S or not (np.isfinite(times) & np.isfinite(values)).all():
+        return []
+    unit, told = unit_of(values, unit)
+    try:
+        points = points_in(times, values, name, kind, in_rad=in_rad(unit))
+    except InputError as problem:
+        mend = problem.mend.replace("in the cell signal_kind of the sheet", "as the argument kind")
+        raise InputError(problem.where, problem.problem, problem.expected, mend) from None
+    if points is None:
+        return []
+    points = points._replace(remarks=[f"taken as turning points, {points.each}", *told, *points.remarks])
+    return [points_to_angle(as_recording(points, unit, _attributes(name, about)))]
+
+
+def _attributes(name: str, about: dict[str, Any]) -> dict[str, str]:
+    return {
+        "recording": name, "campaign": "pendulum", "role": "fit", "file": "", "sha256": "", "source": "given as arrays",
+        "emulated": str(about.get("emulated", "no")),
+    }  # fmt: skip

@@ -4,14 +4,10 @@ import tempfile
 from collections.abc import Sequence
 from pathlib import Path
 
-import yaml
-
 from ..errors import InputError
 from ..paths import PROJECT
-from ..schema import near
+from ..study.settings import check_config
 from .command import run_workflow
-
-CONFIGS = (".yaml", ".yml")
 
 
 def study(config: str, targets: Sequence[str] = (), directory: str | None = None, cores: int = 2) -> int:
@@ -27,43 +23,6 @@ def study(config: str, targets: Sequence[str] = (), directory: str | None = None
     if PROJECT is None:
         raise InputError(config, "the project's folder, which has the rules, is not around the package", "a clone of the project", "run it there")  # fmt: skip
     return run_workflow(PROJECT, path, folder, cores, targets)
-
-
-def check_config(path: Path) -> None:
-    """None for a config file that holds settings; InputError with the line for one that cannot be read as YAML."""
-    if not path.is_file():
-        there = (
-            [one.name for one in path.parent.glob("*") if one.suffix in CONFIGS]
-            if path.parent.is_dir()
-            else []
-        )
-        raise InputError(
-            path, "there is no such config file", f"a YAML file, in {Path.cwd()} or given by its whole path",
-            near(path.name, there) if there else "correct the path",
-        )  # fmt: skip
-    try:
-        content = yaml.safe_load(path.read_text(encoding="utf-8"))
-    except UnicodeDecodeError as problem:
-        raise InputError(
-            path, "it is not text in UTF-8", "a YAML file in UTF-8", "save it in UTF-8"
-        ) from problem
-    except yaml.YAMLError as problem:
-        mark, context = getattr(problem, "problem_mark", None), getattr(problem, "context_mark", None)
-        where = f"{path}, line {mark.line + 1}, column {mark.column + 1}" if mark else str(path)
-        said = (
-            str(getattr(problem, "problem", None) or problem).replace("\t", "a tab").replace("'\\t'", "a tab")
-        )
-        since = (
-            f", in what begins in line {context.line + 1}"
-            if mark and context and context.line != mark.line
-            else ""
-        )
-        raise InputError(
-            where, f"it cannot be read as YAML: {said}{since}", "keys with a colon, indented by spaces, brackets and quotes closed",
-            "mend that line, or the one before it",
-        ) from problem  # fmt: skip
-    if not isinstance(content, dict):
-        raise InputError(path, "it holds no settings", "keys such as `recordings: sheet.csv`", "name the config, not another file")  # fmt: skip
 
 
 def check_writable(folder: Path) -> None:

@@ -42,7 +42,7 @@ def job(config: dict, again: bool = False) -> Job:
     name, settings, height = config["recording"], dict(config["capture"]), config.get("height")
     still = height is not None or config.get("role") == "static"
     if still:
-        settings["trigger"], settings["duration_s"] = None, settings["still_s"]
+        settings |= {"trigger": None, "duration_s": settings["still_s"], "still": True}
     settings["format"] = source.format_of(settings)
     format = parser(settings)
     if format.sequence_modulus and settings["timeout_s"] * settings["rate_hz"] > format.sequence_modulus / 4:

@@ -17,6 +17,7 @@ GONE = (serial.SerialException, OSError, termios.error, TypeError)  # what readi
 _WAIT = 0.05  # s that a read waits for the first byte
 _GATHER = 0.002  # s for what comes with it: a board sends byte by byte
 _PIECE = 65536  # bytes, the most in one read
+_SCHEMES = ("socket", "rfc2217")  # of pyserial's; its spy:// writes files
 _USB = re.compile(r"([0-9a-fA-F]{4}):([0-9a-fA-F]{4})(?::(.+))?")
 
 
@@ -51,6 +52,11 @@ def find(name):
         )
     name = str(name)
     if "://" in name:
+        if name.partition("://")[0] not in _SCHEMES:
+            raise _error(
+                f"{name} is no port that can be opened",
+                f"name a path, VID:PID, or {' or '.join(f'{one}://HOST:PORT' for one in _SCHEMES)}",
+            )
         return name
     if usb := _USB.fullmatch(name):
         vid, pid, number = int(usb[1], 16), int(usb[2], 16), usb[3]

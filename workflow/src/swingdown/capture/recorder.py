@@ -4,7 +4,7 @@ It knows neither port nor clock: it is fed bytes with the time they came, live o
 of them is the same.
 """
 
-from . import verdict
+from . import clocks, verdict
 from .formats import parser
 from .order import ANEW, Order
 from .trigger import SPREAD, Watch, noise, release
@@ -30,6 +30,8 @@ class Recorder:
         self.state, self.status, self.reason = "opening", None, ""
         self.bytes = 0
         self._now, self._listened, self._heard = opened, 0.0, 0.0
+        self._since = None  # how long had been listened when the recording began
+        self._compared = (None, None)
         self._begin()
 
     def _begin(self):
@@ -121,14 +123,16 @@ class Recorder:
         """Seconds since the last sample, or since the port was opened."""
         return self._listened - (0.0 if self.state == "opening" else self._heard)
 
+    @property
+    def patience(self):
+        """Seconds of silence that end the recording; a board that starts, after the reset that opening causes, has more."""
+        return self.settings["timeout_s"] + (self.settings["settle_s"] if self.state == "opening" else 0)
+
     def _check(self, now):
         """End where the board has been silent too long, or a release never comes."""
         if self.state == "ended":
             return
-        opening = (
-            self.state == "opening"
-        )  # the board may be starting, and silent, after having sent something before its reset
-        if self.silent > self.settings["timeout_s"] + (self.settings["settle_s"] if opening else 0):
+        if self.silent > self.patience:
             damaged, _ = self.parser.pending
             heard = "bytes came, and no whole frame in them" if damaged else "nothing came"
             self.end(TIMED_OUT, f"for {self.silent:.1f} s {heard}")
@@ -137,6 +141,15 @@ class Recorder:
             and now - self.opened > self.settings["settle_s"] + self.trigger["wait_s"]
         ):
             self.end(TIMED_OUT, f"no release within {self.trigger['wait_s']:g} s{self._never()}")
+        elif self._since is not None and self.duration is not None:
+            passed = self._listened - self._since
+            if passed > self.duration + self.settings["timeout_s"]:
+                rate = self.measured_rate()
+                came = f", {rate:.4g} a second" if rate else ""
+                self.end(
+                    TIMED_OUT,
+                    f"{len(self.rows)} samples came in {passed:.1f} s{came}, where {self.expected} should in {self.duration:g} s",
+                )
 
     def end(self, status, reason=""):
         """Close the recording with one of the four statuses; the first end stands."""
@@ -148,6 +161,8 @@ class Recorder:
             self._await(row)
         elif self.first is None:
             self.first, self.zero = row.position, row.time
+        if self.first is not None and self._since is None:
+            self._since = self._listened
         if self.first is not None and self.duration is not None:
             self._end_in_time(row)
 
@@ -226,6 +241,14 @@ class Recorder:
         if len(rows) < 2 or (passed := rows[-1].arrival - rows[0].arrival) < 1:
             return None
         return (rows[-1].position - rows[0].position) / passed
+
+    def compared(self):
+        """The ``clocks.Comparison`` of the recording's times with their arrivals, or None where there are too few."""
+        rows = self.rows
+        if self._compared[0] != len(rows):
+            found = clocks.compare([row.time for row in rows], [row.arrival for row in rows])
+            self._compared = len(rows), found
+        return self._compared[1]
 
     def problems(self):
         """Why the recording is not whole, as sentences; empty if nothing that should be there is missing."""

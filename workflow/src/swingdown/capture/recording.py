@@ -8,8 +8,8 @@ from ..errors import InputError
 from . import sheets, source, take
 from .job import Job, check_room, enter_whole
 from .journal import Journal, read_journal, recovery
-from .listener import Listener
-from .recorder import DISCONNECTED, STOPPED, Recorder
+from .listener import LOOK, Listener
+from .recorder import DISCONNECTED, STOPPED, TIMED_OUT, Recorder
 
 _SHOW = 0.2  # s between pictures
 _MANY = 100  # pieces that wait; with more there is no time for pictures
@@ -105,9 +105,12 @@ def _replay(settings, opened, pieces):
 
 def _run(recorder, listener, journal, views, stop):
     """Feed the recorder from the listener until it ends."""
-    shown = 0.0
+    shown, mute = 0.0, 0
     while recorder.state != "ended":
         arrival, data = listener.take() or (None, None)  # a thread that is late gives no word on what came
+        mute = mute + 1 if arrival is None else 0
+        if mute * LOOK > recorder.patience:
+            recorder.end(TIMED_OUT, f"for {mute * LOOK:.1f} s the port did not answer")
         if isinstance(data, Exception):
             recorder.end(DISCONNECTED, f"the port went away ({data or type(data).__name__})")
         elif data:
@@ -175,8 +178,7 @@ def told(job, data):
         f"{job.name}: {attrs['status']}{', PARTIAL' if attrs['partial'] == 'yes' else ''}: {attrs['received']} of "
         f"{attrs['expected']} samples, {time[0]:.2f} s to {time[-1]:.2f} s; {attrs['lost']} lost, {attrs['damaged']} damaged"
     ]
-    if attrs["problems"]:
-        lines.append(attrs["problems"])
+    lines += filter(None, (attrs["problems"], attrs["remarks"]))
     lines.append(
         f"{job.path}, entered in {job.sheet}" + (" (emulated)" if attrs["emulated"] == "yes" else "")
     )

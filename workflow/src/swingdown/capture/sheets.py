@@ -17,6 +17,7 @@ import yaml
 from ..errors import InputError
 from ..measurement.sheet import read_sheet
 from ..paths import PROJECT, find
+from ..schema import parse_yaml
 
 HEADER = (
     "recording", "campaign", "file", "time_column", "time_unit", "signal_column", "signal_unit", "start_s", "role", "sha256",
@@ -151,8 +152,8 @@ def with_point(text, point, path="apparatus sheet"):
     new = "\n".join(lines) + "\n"
     wanted = dict(before, points=[*(before.get("points") or []), point])
     try:
-        fine = yaml.safe_load(new) == wanted
-    except yaml.YAMLError:
+        fine = parse_yaml(new, path) == wanted
+    except InputError:
         fine = False
     if not fine:
         raise InputError(
@@ -165,10 +166,7 @@ def with_point(text, point, path="apparatus sheet"):
 
 
 def _yaml(text, path):
-    try:
-        content = yaml.safe_load(text)
-    except yaml.YAMLError as error:
-        raise InputError(path, f"it is not YAML ({error})", "keys and values", "correct the file") from error
+    content = parse_yaml(text, path)
     if not isinstance(content, dict):
         raise InputError(
             path, "it is no mapping of keys to values", "an apparatus sheet", "write the lengths first"

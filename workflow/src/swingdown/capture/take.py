@@ -10,6 +10,7 @@ import xarray as xr
 
 from .. import dataset
 from ..errors import InputError
+from . import verdict
 
 SIGNALS = {  # unit: variable, what it is
     "V": ("voltage", "voltage of the angle sensor"),
@@ -22,7 +23,7 @@ SIGNALS = {  # unit: variable, what it is
 def to_dataset(recorder, about):
     """The dataset of a Recorder that has ended, with at least one sample.
 
-    Along ``time`` (s on the device's clock; 0 is the release, or the first sample): the value as sent, the signal in its unit,
+    Along ``time`` (s, ``_times``; 0 is the release, or the first sample): the value as sent, the signal in its unit,
     the device's sequence number (unwrapped) and the host's arrival time (s since 1970, UTC). Along ``gap``: the sequence
     numbers that are missing, and whether they came damaged. ``about`` (name: text) joins the attributes.
     """
@@ -57,17 +58,14 @@ def to_dataset(recorder, about):
             {"long_name": "1 where the frame came damaged, 0 where it never came"},
         ),
     }
-    times = np.array([row.time - recorder.zero for row in rows])
-    clock = {
-        "units": "s",
-        "long_name": "time on the device's clock since the release or the first sample",
-    }
+    times, clock, about_times = _times(recorder)
     damaged = sum(flag for _, flag in missing)
     problems = recorder.problems() + list(about.pop("problems", ()))
     attrs = {
         "status": recorder.status,
         "partial": "yes" if problems else "no",
         "problems": "; ".join(problems),
+        "remarks": "; ".join(verdict.remarks(recorder)),
         "expected": recorder.expected,
         "received": len(rows),
         "lost": len(missing) - damaged,
@@ -81,9 +79,35 @@ def to_dataset(recorder, about):
         **{key: settings[key] for key in ("format", "operator", "apparatus", "notes")},
         "emulated": "yes" if settings["emulated"] else "no",
         "captured": "yes",
+        **about_times,
         **about,
     }
     return xr.Dataset(variables, {"time": ("time", times, clock)}, attrs)
+
+
+def _times(recorder):
+    """The times (s) of a recording, their attributes, and the recording's that tell how well they are known.
+
+    They are the device's, corrected where the host's clock establishes a difference (``clocks``). ``clock_ratio`` is seconds by
+    the host for one by the device.
+    """
+    device, zero = np.array([row.time for row in recorder.rows]), recorder.zero
+    attrs = {"units": "s", "long_name": "time on the device's clock since the release or the first sample"}
+    compared = recorder.compared()
+    if compared is None:
+        return device - zero, attrs, {}
+    known = {
+        "clock_ratio": compared.ratio,
+        "clock_ratio_uncertainty": compared.u_ratio,
+        "time_standard_uncertainty_s": compared.uncertainty,
+    }
+    times = compared.corrected(device)
+    if times is device:
+        return device - zero, attrs, known
+    attrs["long_name"] = (
+        "time since the release or the first sample: the device's, corrected by the host's clock"
+    )
+    return times - np.interp(zero, device, times), attrs, known
 
 
 def write_new(data, path):

@@ -1,6 +1,6 @@
 """Where a model and the recordings disagree, which effect is missing, and whether swings it never saw confirm it.
 
-Data flow: ``campaign`` (swings, split, noise) -> ``locate`` (where the residual lies) -> ``candidates``, ``pairs`` and ``ranking``
-(which effects explain it) -> ``confirm`` (held-out swings) -> ``rounds`` (one move) -> ``search`` (again, and other ways) ->
-``folds`` and ``established`` (what may be asserted although something remains) -> ``verdict``.
+Data flow: ``campaign`` (swings, split, noise) -> ``ranking`` (``candidates`` and ``pairs``: what could be added, and the fits) ->
+``discrepancy`` (what each fit lacks, and its evidence) -> ``structures`` (the probability of each) -> ``search`` (the algorithm) ->
+``judge`` (three numbers) -> ``rounds`` (what was seen on the way) -> ``verdict`` and ``sentence``.
 """

@@ -6,19 +6,18 @@ from typing import Any
 
 import numpy as np
 
-from ..engine.trajectory import TrajectoryError
 from ..fitting.colour import uncertainty
 from ..fitting.result import Begin, Fit, SwingStart
 from ..pendulum.free_form import FreeForm
 from ..studies.experiment import largest_angles
 from ..studies.quantities import quantities, steady
 from .campaign import Campaign
-from .refit import refit
+from .refit import FAILURES, refit
 from .state import Round
 
 
 def conclusion(state: Round, campaign: Campaign) -> dict[str, Any] | None:
-    """What the last model of a search says of its pendulum, as verdict.json has it; None where it cannot be fitted to the whole.
+    """What the last model of a search says of its pendulum, as verdict.json has it; TrajectoryError where it cannot be fitted to the whole.
 
     ``model`` its label; ``amplitude_rad`` the largest fitted angle, at which ``quantities`` (value, standard_uncertainty, unit)
     hold; ``residual`` (rad, of a rate rad/s) the RMS that it leaves; ``covariance`` that of the ``parameters`` of its motion, in
@@ -27,10 +26,7 @@ def conclusion(state: Round, campaign: Campaign) -> dict[str, Any] | None:
     quantity: a pendulum has none of these once for all.
     """
     whole = campaign.whole
-    try:
-        fit = refit(Begin(state.fit.model, _begins(state, campaign)), whole, grown=False, ended=True)
-    except TrajectoryError:
-        return None
+    fit = refit(Begin(state.fit.model, _begins(state, campaign)), whole, grown=False, ended=True)
     pairs = [swing.pair for swing in whole]
     known = uncertainty(fit, pairs).covariance
     motion = steady(fit.model.motion)
@@ -64,8 +60,12 @@ def conclusion(state: Round, campaign: Campaign) -> dict[str, Any] | None:
 
 
 def concluded(states: Sequence[Round], campaign: Campaign) -> list[Round]:
-    """The rounds of a search, the last with what its model says of the pendulum."""
-    return [*states[:-1], replace(states[-1], concluded=conclusion(states[-1], campaign))]
+    """The rounds of a search, the last with what its model says of the pendulum, where that can be computed."""
+    try:
+        found = conclusion(states[-1], campaign)
+    except FAILURES:  # its values mean nothing, and what the search found stands without them
+        found = None
+    return [*states[:-1], replace(states[-1], concluded=found)]
 
 
 def _begins(state: Round, campaign: Campaign) -> tuple[SwingStart, ...]:

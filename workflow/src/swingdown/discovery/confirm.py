@@ -8,15 +8,17 @@ from ..arrays import Floats
 from ..fitting.least_squares import fit_jointly
 from ..fitting.result import Fit
 from .campaign import Noise, Swing
+from .refit import as_candidate
 
 
 def predict(fit: Fit, swings: Sequence[Swing]) -> Fit:
-    """The ``Fit`` of a model's fixed parameters to further swings, each with its own release."""
+    """The ``Fit`` of a model's fixed parameters to further swings, each with its own release; TrajectoryError where there is none."""
     model = fit.model
     fixed = {name: value for name, value in model.values.items() if name not in model.each}
-    return fit_jointly(
-        model, [swing.pair for swing in swings], guess=model, bounded=True, own=model.each, fixed=fixed
-    )
+    with as_candidate():
+        return fit_jointly(
+            model, [swing.pair for swing in swings], guess=model, bounded=True, own=model.each, fixed=fixed
+        )
 
 
 def gap(fit: Fit, noise: Noise) -> float:

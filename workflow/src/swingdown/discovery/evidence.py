@@ -1,6 +1,6 @@
-"""What a move and its refit are worth: the evidence, which candidates it does not tell apart, and how alike they are."""
+"""A move and its refit, and what that is worth by the evidence (BIC), by which candidates are ranked."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -8,12 +8,8 @@ import numpy as np
 from ..fitting.result import Fit
 from .campaign import Noise
 from .candidates import describe
-from .linear import Frame
 
-TIE = 10.0  # difference of BIC below which two candidates are told as tied
-_SUGGESTED = (
-    4.0  # chi-square by which a richer effect must beat a simpler one that it contains to be tied with it
-)
+TIE = 10.0  # difference of BIC, below which a candidate may still turn out to be the better one
 
 
 @dataclass(frozen=True)
@@ -53,31 +49,3 @@ def evidence(fit: Fit, noise: Noise) -> float:
 def best_first(found: Iterable[Candidate | None]) -> list[Candidate]:
     """Those of the candidates that are any, the admissible before the others, each by their evidence."""
     return sorted((one for one in found if one), key=lambda one: (bool(one.refused), one.bic))
-
-
-def tied(ranked: Sequence[Candidate], noise: Noise) -> list[Candidate]:
-    """The admissible candidates that the evidence does not tell from the best: within ``TIE`` of its BIC, additions first.
-
-    Of a richer effect and a simpler one that it contains, the simpler is preferred unless the evidence is for the richer,
-    and the richer stays in the tie only if something suggests it.
-    """
-    admissible = [one for one in ranked if not one.refused]
-    if not admissible:
-        return []
-    near = [one for one in admissible if one.bic - admissible[0].bic < TIE]
-    kept = []
-    for one in near:
-        contained = one.fit.model.catalogue.contained_in(one.added) if one.added else ()
-        simpler = [other for other in near if other.added in contained and other.bic <= one.bic]
-        scale = noise.deviation**2 * noise.inflation
-        if all((other.fit.rss - one.fit.rss) / scale > _SUGGESTED for other in simpler):
-            kept.append(one)
-    # the model that is known stands: what is added to it goes before what takes the place of a part of it
-    return sorted(kept, key=lambda one: one.dropped is not None)
-
-
-def correlation(here: Frame, first: Candidate, second: Candidate) -> float:
-    """How alike two candidates are to the data: the correlation of what each adds to the angles, beyond the current fit."""
-    changes = [here.outside(one.fit.angle - here.fit.angle) for one in (first, second)]
-    size = np.linalg.norm(changes[0]) * np.linalg.norm(changes[1])
-    return float(changes[0] @ changes[1] / size) if size > 0 else np.nan

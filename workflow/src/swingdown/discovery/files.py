@@ -1,6 +1,6 @@
 """A round of discovery as files: what a search writes, and what verdict, figures and report read."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import asdict, replace
 from pathlib import Path
@@ -13,14 +13,18 @@ import xarray as xr
 from .. import dataset
 from ..engine.trajectory import TrajectoryError
 from ..errors import InputError
+from ..measurement.angle import UNSCALED
+from ..measurement.points_recording import NOT_IN_IT, are_points
+from ..measurement.refused import refuse
 from ..measurement.slack import of_angles
 from ..pendulum.catalogue import READINGS
 from ..pendulum.model import Model, write_model
-from ..sealed import read_json, write_csv, write_json
+from ..sealed import read_json, write_csv, write_json, write_text
 from ..studies.experiment import largest_angles
 from .campaign import Campaign, Swing, campaign
 from .confirm import gap, per_swing
 from .half_swings import said
+from .judge import Finding
 from .linear import frame
 from .locate import kind
 from .own_frequency import frequencies
@@ -28,7 +32,7 @@ from .remainder import COURSE, MAP, Remainder, remainder
 from .state import Round
 from .verdict import in_unit
 
-_RANKING = ["move", "added", "also", "dropped", "delta_bic", "gain_bic", "rms_rad", "tied", "correlation", "out_of_sample", "refused", "effects"]  # fmt: skip
+_RANKING = ["move", "added", "also", "dropped", "delta_bic", "gain_bic", "rms_rad", "tied", "refused", "effects"]  # fmt: skip
 
 
 _NOTHING = Remainder(pd.DataFrame(columns=MAP), {}, pd.DataFrame(columns=COURSE), 0.0, 0.0)
@@ -43,6 +47,7 @@ def read_campaign(name: str, paths: Sequence[Path | str], roles: Sequence[str]) 
     read: list[xr.Dataset] = []
     for path, role in zip(paths, roles, strict=True):
         data = dataset.read(path)
+        check_sampled(name, [data])
         swing = Swing(str(data.attrs["recording"]), data["time"].values, dataset.series_of(data).values)
         systematic = max(systematic, float(dataset.series_of(data, "systematic_uncertainty").max()))
         emulated |= str(data.attrs.get("emulated", "no")) == "yes"
@@ -54,8 +59,22 @@ def read_campaign(name: str, paths: Sequence[Path | str], roles: Sequence[str]) 
     return known, emulated
 
 
+def check_sampled(name: str, angles: Sequence[xr.Dataset]) -> None:
+    """None where these are samples of the motion; InputError where some are turning points alone, which no search can use."""
+    if any(map(are_points, angles)):
+        raise InputError(
+            f"campaign {name}", NOT_IN_IT, "samples of the motion itself",
+            "record the motion itself",
+        )  # fmt: skip
+
+
 def reading_of(name: str, angles: Sequence[xr.Dataset]) -> str:
-    """What the sensor of a campaign reads, ``angle`` or ``rate``; InputError where its recordings differ."""
+    """What the sensor of a campaign reads, ``angle`` or ``rate``; InputError where its recordings differ, or one has no scale."""
+    if any(one.attrs.get("mode") == UNSCALED for one in angles):
+        raise InputError(
+            f"campaign {name}", "its readings have no scale: what acts on it cannot be searched, period and decay alone are told",
+            "angles", "state the degrees that one unit is worth in the cell scale of the sheet",
+        )  # fmt: skip
     kinds = {str(dataset.series_of(one).name) for one in angles}
     if len(kinds) > 1:
         raise InputError(
@@ -65,34 +84,58 @@ def reading_of(name: str, angles: Sequence[xr.Dataset]) -> str:
     return kinds.pop()
 
 
-def write_rounds(
-    states: Sequence[Round], campaign: Campaign, folders: Sequence[Path | str], emulated: bool
+def write_no_verdict(
+    name: str, problem: InputError, members: Mapping[str, Any], outputs: Sequence[Path | str]
 ) -> None:
-    """The folders written, one for each ``Round``; those beyond the last one repeat it."""
+    """The rounds' files written of a campaign in which nothing can be looked for: each says why, and none holds a number."""
+    why = {key: getattr(problem, key) for key in ("where", "problem", "expected", "mend")}
+    for path in map(Path, outputs):
+        if path.suffix == ".json":
+            write_json(path, {"campaign": name, "no_verdict": why} | dict(members))
+        elif path.suffix == ".nc":
+            refuse(problem, {"campaign": name}, path)
+        else:
+            write_text(path, f"# no verdict: {problem.problem}\n")
+
+
+def write_rounds(
+    states: Sequence[Round],
+    campaign: Campaign,
+    folders: Sequence[Path | str],
+    emulated: bool,
+    members: Mapping[str, Any] | None = None,
+) -> None:
+    """The folders written, one for each ``Round``; those beyond the last one repeat it. ``members`` says which recordings take part
+    (``recordings``) and which were ``left_out``."""
     for number, state in enumerate(states):
         lacks = _NOTHING
         if state.missing:  # a motion that cannot be followed more finely is no reason to lose the verdict
             with suppress(TrajectoryError, np.linalg.LinAlgError):
                 lacks = remainder(frame(state.fit, campaign.fit), state.noise)
         for folder in folders[number:] if state is states[-1] else folders[number : number + 1]:
-            write_round(state, campaign, folder, emulated, lacks)
+            write_round(state, campaign, folder, emulated, lacks, members)
 
 
 def write_round(
-    state: Round, campaign: Campaign, folder: Path | str, emulated: bool, lacks: Remainder = _NOTHING
+    state: Round,
+    campaign: Campaign,
+    folder: Path | str,
+    emulated: bool,
+    lacks: Remainder = _NOTHING,
+    members: Mapping[str, Any] | None = None,
 ) -> Path:
-    """The folder written: round.json, model.yaml, fit.nc and the tables of one ``Round`` (groups, ranking, map, unnamed, half-swings,
+    """The folder written: round.json, model.yaml, fit.nc and the tables of one ``Round`` (groups, ranking, map, half-swings,
     and of what the model still ``lacks`` remainder and course)."""
     folder = Path(folder)
     folder.mkdir(parents=True, exist_ok=True)
     told = summary(state, campaign) | {
-        "remainder": {"shares": lacks.shares, "torque": lacks.torque, "gain": lacks.gain}
+        "remainder": {"shares": lacks.shares, "torque": lacks.torque, "gain": lacks.gain},
+        **(members or {}),
     }
     write_model(state.model, folder / "model.yaml")
     write_csv(pd.DataFrame(told["groups"]), folder / "groups.csv")
     write_csv(pd.DataFrame(told["ranking"], columns=_RANKING), folder / "ranking.csv")
     write_csv(state.curves, folder / "map.csv", float_format="%.6g")
-    write_csv(state.kept, folder / "unnamed.csv", float_format="%.6g")
     write_csv(state.half_swings, folder / "half_swings.csv", float_format="%.6g")
     write_csv(lacks.map, folder / "remainder.csv", float_format="%.6g")
     write_csv(lacks.course, folder / "course.csv", float_format="%.6g")
@@ -143,8 +186,6 @@ def summary(state: Round, campaign: Campaign) -> dict[str, Any]:
     ratios = [*per_swing(state.fit, state.noise), *per_swing(state.holdout, state.noise)]
     best = state.ranked[0].bic if state.ranked else 0.0
     at = kind(state.groups) if state.missing else None
-    judged = state.established or {}
-    remains = state.missing or bool(state.nameless)  # else what would do as well was told by the evidence
     return {
         "round": state.number,
         "campaign": campaign.name,
@@ -152,7 +193,9 @@ def summary(state: Round, campaign: Campaign) -> dict[str, Any]:
         "split": campaign.how,
         "effects": list(state.fit.model.names),
         "found": list(state.found),
+        "duration_s": max((float(np.ptp(swing.times)) for swing in campaign.whole), default=None),
         "parameters": _parameters(state.model),
+        "widened": {name: factor for name, factor in state.widened.items() if name in state.model.values},
         "nuisance": _nuisance(state.model),
         in_unit("systematic", campaign.reading): campaign.systematic,
         "own_frequency": frequencies(state.fit, state.holdout, campaign),
@@ -162,23 +205,23 @@ def summary(state: Round, campaign: Campaign) -> dict[str, Any]:
         "gap": {"fit": gap(state.fit, state.noise), "holdout": gap(state.holdout, state.noise)},
         "gap_by_swing": dict(zip(swings, map(float, ratios), strict=True)),
         "missing": state.missing,
+        in_unit("unnamed", campaign.reading): state.unnamed,
         "kind": at,
         "seen": said(state.half_swings, at),
         "groups": [vars(group) for group in state.groups],
         "ranking": [
             {"move": one.move, "added": one.added, "also": list(one.also), "dropped": one.dropped, "delta_bic": one.bic - best, "gain_bic": state.bic - one.bic,
-             "rms_rad": one.fit.rms, "tied": any(one is tie for tie in state.ties), "correlation": state.alike.get(one.move),
-             "out_of_sample": state.out_of_sample.get(one.move), "refused": one.refused, "effects": one.fit.model.label}
+             "rms_rad": one.fit.rms, "tied": any(one is tie for tie in state.ties), "refused": one.refused, "effects": one.fit.model.label}
             for one in state.ranked
         ],
-        "rivals": state.rivals | {name: list(one.ties) for name, one in judged.items() if one.sure and remains},
         "reason": state.reason,
-        "established": None if state.established is None else {name: one.doubt for name, one in judged.items()},
-        "jackknife": {p: error for one in judged.values() if one.sure for p, error in one.errors.items()},
-        "established_in": state.established_in,
+        "findings": {name: _finding(one) for name, one in state.findings.items()},
         "probabilities": dict(state.probabilities),
+        "nothing": state.nothing,
         "next_swing": None if state.next_swing is None else asdict(state.next_swing) | {"text": str(state.next_swing)},
         "spent": state.spent,
+        "unit_doubt": state.unit_doubt,
+        "failed": state.failed,
         "conclusion": state.concluded,
         "chosen": None if chosen is None else {"move": chosen.move, "added": chosen.added, "also": list(chosen.also),
                                                "dropped": chosen.dropped, "gain_bic": state.bic - chosen.bic},
@@ -204,6 +247,12 @@ def _nuisance(model: Model) -> dict[str, dict[str, Any]]:
                "before": before}
         for name, before in model.slack.deviations.items()
     }  # fmt: skip
+
+
+def _finding(one: Finding) -> dict[str, Any]:
+    """A ``Finding`` for a file: a number that is none is null there."""
+    told = {key: _finite(value) if isinstance(value, float) else value for key, value in asdict(one).items()}
+    return told | {"ties": list(one.ties)}
 
 
 def _finite(value: float | None) -> float | None:

@@ -1,4 +1,4 @@
-"""Torques without a name: smooth curves over angle, speed and time, as columns to test with, as fits, and as tables to draw."""
+"""Torques without a name: smooth curves over angle, speed and time, as columns to test with, and as tables to draw."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -7,13 +7,11 @@ import numpy as np
 import pandas as pd
 
 from ..arrays import Floats
-from ..fitting.result import Fit
 from ..pendulum.effect import NATURAL_FREQUENCY
 from ..pendulum.formula import evaluate
 from ..pendulum.free_form import FreeForm
 from .campaign import Noise
 from .linear import Frame, columns_of, motion
-from .refit import refit, with_effect
 
 _POINTS = 41  # of a curve
 _IMITATED = 0.05  # of the best determined curve: one whose share beyond the fit is smaller is the fit's own
@@ -38,12 +36,6 @@ def free_columns(frame: Frame, form: FreeForm) -> Floats:
     return columns_of(frame, form, dict.fromkeys(free, 0.0) | _range(frame, form), free)
 
 
-def fit_free_form(frame: Frame, form: FreeForm) -> Fit:
-    """The ``Fit`` with a free form beside the effects that the model has; TrajectoryError where there is none."""
-    added = dict.fromkeys(form.coefficients, 0.0) | _range(frame, form)
-    return refit(with_effect(frame.fit.begin, form.name, added), frame.swings)
-
-
 def missing(frame: Frame, noise: Noise) -> pd.DataFrame:
     """The missing torque over angle, speed and time, each as if it alone were missing: a table.
 
@@ -54,20 +46,6 @@ def missing(frame: Frame, noise: Noise) -> pd.DataFrame:
     forms = frame.fit.model.catalogue.free_forms
     tables = [_curve(frame, form, *_estimate(frame, free_columns(frame, form), noise)) for form in forms]
     return pd.concat(tables, ignore_index=True)
-
-
-def kept(frame: Frame, noise: Noise) -> pd.DataFrame:
-    """The torques without a name that the model has, as it has them: a table as ``missing`` gives it, empty where there are none.
-
-    The band knows how closely the fit holds each curve, the noise's colour, and not what else may be missing.
-    """
-    fit, tables = frame.fit, []
-    for form in fit.model.catalogue.free_forms:
-        if form.name in fit.model.names:
-            at = [fit.free.index(one) for one in form.coefficients]
-            covariance = fit.covariance[np.ix_(at, at)] * noise.inflation
-            tables.append(_curve(frame, form, fit.values[at], covariance))
-    return pd.concat(tables, ignore_index=True) if tables else pd.DataFrame(columns=COLUMNS)
 
 
 def _curve(frame: Frame, form: FreeForm, estimate: Floats, covariance: Floats) -> pd.DataFrame:

@@ -8,7 +8,7 @@ import pandas as pd
 from ..arrays import Floats, Swing
 from ..pendulum.catalogue import ANGLE, RATE
 
-_COLUMNS = ["time_s", "amplitude_rad", "energy_loss", "period_ratio", "midpoint_rad"]
+COLUMNS = ["time_s", "amplitude_rad", "energy_loss", "period_ratio", "midpoint_rad"]
 _QUANTITIES = ("energy_loss", "period_ratio", "midpoint_rad")
 _ABOVE_NOISE = 8.0  # standard deviations that a turning point must be from the middle
 _NEAR = 0.12  # of a half-swing on each side of a turning point, where the angle is a parabola to the noise
@@ -56,7 +56,7 @@ def half_swings(
         first = int(np.max(np.flatnonzero(np.abs(where) >= np.pi), initial=-1)) + 1
         when, where = when[first:], where[first:]
     if when.size < 4:
-        return pd.DataFrame(columns=_COLUMNS, dtype=float)
+        return pd.DataFrame(columns=COLUMNS, dtype=float)
     if reading == RATE:
         where = where - np.median((where[:-2] + 2 * where[1:-1] + where[2:]) / 4)  # a gyroscope's zero
         where = where / natural_frequency

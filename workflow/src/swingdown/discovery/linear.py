@@ -9,8 +9,7 @@ from scipy.linalg import qr
 from scipy.optimize import lsq_linear
 
 from ..arrays import Floats
-from ..engine.trajectory import TrajectoryError, sensitivities, simulate
-from ..errors import InputError
+from ..engine.trajectory import sensitivities, simulate
 from ..fitting.problem import RELEASE
 from ..fitting.result import Fit
 from ..pendulum.catalogue import ANGLE, RATE
@@ -150,7 +149,7 @@ def columns_of(
     """What each of the ``free`` parameters of one further effect does to the angles, at the given values of all of them.
 
     An array (samples, len(free)), or where a parameter is each recording's own, (samples, swings * len(free)) with zeros
-    outside the recording; ``rough`` as in ``sensitivities``.
+    outside the recording; ``rough`` as in ``sensitivities``. TrajectoryError where the engine cannot follow it.
     """
     blocks = []
     for swing, one in zip(frame.swings, frame.fit.swings, strict=True):
@@ -158,10 +157,7 @@ def columns_of(
         if effect.name not in wider.names:
             wider = wider.with_effects((*wider.names, effect.name), {**wider.values, **values})
         release = one.release_angle, one.release_velocity
-        try:
-            blocks.append(sensitivities(wider, swing.times, *release, free=free, rough=rough)[1].T)
-        except InputError as problem:  # of one candidate, which is no reason to end a search
-            raise TrajectoryError(str(problem)) from problem
+        blocks.append(sensitivities(wider, swing.times, *release, free=free, rough=rough)[1].T)
     if not effect.each:
         return np.concatenate(blocks)
     wide = np.zeros((frame.samples, len(blocks) * len(free)))

@@ -20,7 +20,6 @@ from .candidates import (
     starts_to_exchange,
     without,
 )
-from .constancy import by_changing
 from .evidence import TIE, Candidate, best_first, evidence
 from .linear import Frame, frame
 from .mimics import mimics
@@ -124,7 +123,7 @@ def _grown(
         if fit.rss > _FELL_SHORT * left and evidence(fit, noise) + _gain(fit, left, noise) < reach:
             again.append(starts)
     if not found or found[0].fit.rms > _FAR * noise.deviation:
-        damping = [starts for starts in moves if here.fit.model.catalogue[starts[0].added or ""].damping]
+        damping = [starts for starts in moves if here.fit.model.catalogue.damps(starts[0].added or "")]
     else:
         damping = []
     others = [starts for starts in again if not any(starts is one for one in damping)]
@@ -213,7 +212,10 @@ def beside_the_best(
     for one in alone[:_FIRST]:
         if one.added is None or budget.spent:
             break
-        there = frame(one.fit, here.swings)
+        try:
+            there = frame(one.fit, here.swings)
+        except TrajectoryError:
+            continue
         names = [name for name in additions(one.fit.model, allowed) if plain(catalogue[name])]
         moves = sorted(_offered(there, names), key=lambda starts: -starts[0].predicted)[:few]
         for starts in moves:
@@ -240,9 +242,9 @@ def in_place_of(
         return []
     try:
         fit = refit(begin, here.swings)
+        there = frame(fit, here.swings)
     except TrajectoryError:
         return []
-    there = frame(fit, here.swings)
     moves = _offered(there, [name for name in additions(fit.model, allowed) if name != old], old)
     moves.sort(key=lambda starts: -starts[0].predicted)
     found = [_best(starts, there, noise) for starts in moves[:few]]
@@ -280,7 +282,7 @@ def drops(here: Frame, noise: Noise) -> list[Candidate]:
 def _best(starts: Sequence[Start], here: Frame, noise: Noise, grown: bool = False) -> Candidate | None:
     # friction that does the work of what is missing is far too large: what damps is given its share of the decay, too
     seen = grown and any(
-        here.fit.model.catalogue[name].damping for name in (starts[0].added, *starts[0].also) if name
+        here.fit.model.catalogue.damps(name) for name in (starts[0].added, *starts[0].also) if name
     )
     fits = []
     for start in starts:
@@ -296,29 +298,3 @@ def _best(starts: Sequence[Start], here: Frame, noise: Noise, grown: bool = Fals
     one = Candidate(start.added, start.dropped, fit, evidence(fit, noise), also=start.also)
     why = [inadmissible(fit, name, noise) for name in one.names]
     return replace(one, refused=next(filter(None, why), ""))
-
-
-def told_from_changes(
-    ranked: Iterable[Candidate], here: Frame, noise: Noise, found: Sequence[str]
-) -> list[Candidate]:
-    """The candidates, best first; refused are those with a shape that do no better beside effects found before than a change of
-    these would: then it is their shape that is wrong, and nothing is known of what is added.
-
-    ``found`` names the effects added before.
-    """
-    ranked = list(ranked)
-    if not found or not ranked:
-        return ranked
-    now, reach = evidence(here.fit, noise), 0.0
-    with suppress(TrajectoryError):  # a motion that cannot be followed on a finer grid ends no search
-        reach = by_changing(here, noise, found)
-    catalogue = here.fit.model.catalogue
-
-    def told(one: Candidate) -> Candidate:
-        shaped = any(catalogue[name].with_role("shape") for name in one.names)
-        richer = one.added and one.dropped in found and one.dropped in catalogue.contained_in(one.added)
-        if one.refused or not shaped or richer or now - one.bic > reach + TIE:
-            return one  # what contains the effect found before is such a change, with a name
-        return replace(one, refused="a change of what was added before does as well")
-
-    return best_first(told(one) for one in ranked)

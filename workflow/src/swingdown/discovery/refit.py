@@ -1,11 +1,11 @@
 """Joint fits that begin from another fit: its values moved, widened by an effect, or nudged out of a false minimum."""
 
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 
 import numpy as np
 
 from ..engine.trajectory import TrajectoryError
-from ..errors import InputError
 from ..fitting.least_squares import fit_jointly
 from ..fitting.result import Begin, Fit
 from ..pendulum.slack import Slack
@@ -15,6 +15,20 @@ _NUDGES = (0.97, 1.03, 0.9, 1.1)
 _BETTER = 1e-4  # of the sum of squares; a smaller gain is the same minimum
 # evaluations, and of the sum of squares what a step promises at the end: to a few hundredths of a standard error, and to the end
 _RANKED, _ENDED = (30, 1e-7), (200, 1e-10)
+
+FAILURES = (ArithmeticError, ValueError)
+"""How arithmetic ends that goes wrong: trajectories, divisions, singular matrices, values that a model cannot have."""
+
+
+@contextmanager
+def as_candidate() -> Iterator[None]:
+    """A block on one model of many, whatever goes wrong in which is a TrajectoryError: the search passes that model over."""
+    try:
+        yield
+    except TrajectoryError:
+        raise
+    except FAILURES as problem:
+        raise TrajectoryError(str(problem)) from problem
 
 
 def refit(
@@ -36,12 +50,10 @@ def refit(
     fixed = {name: values[name] for effect in model.effects for name in effect.ranges}
     fixed |= {name: values[name] for name in held}
     most, tolerance = _ENDED if ended else _RANKED
-    try:
+    with as_candidate():
         return fit_jointly(model, [swing.pair for swing in swings], guess=begins, seen=seen, bounded=True, own=model.each,
                            fixed=fixed, grown=grown, most=most, tolerance=tolerance,
                            rough=not ended)  # fmt: skip
-    except InputError as problem:  # one candidate that cannot be is no reason to end a search
-        raise TrajectoryError(str(problem)) from problem
 
 
 def opened(fit: Fit, swings: Sequence[Swing], slack: Slack, noise: Noise) -> Fit:

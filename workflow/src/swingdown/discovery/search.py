@@ -1,25 +1,42 @@
-"""The whole search: from the base model move by move, along other ways where the first does not end well, and what it establishes."""
+"""The search for what is missing.
 
-from collections.abc import Collection, Sequence
+1. Fit the base model, and look at it: its evidence as it is, and with a discrepancy (``discrepancy``).
+2. Fit each effect of the catalogue in addition, and in the place of what it can stand in for (``ranking``); two at a time where no one
+   leaves nothing.
+3. Look at each of these structures in the same way, and go on from the most probable, until that is one that was gone on from.
+4. Fit the most probable structure without each of its effects, and with others in the place of each: what else would do.
+5. Judge each effect that it adds by three numbers (``judge``). Swings that are held out are asked here, and nowhere before. Effects
+   that take away too little of what is missing are left out one by one, where any is left that takes away enough.
+
+The discrepancy in every structure is that of Kennedy and O'Hagan, J. R. Stat. Soc. B 63, 425 (2001).
+"""
+
+from collections.abc import Collection
+from contextlib import suppress
 from dataclasses import replace
 
+from threadpoolctl import threadpool_limits
+
+from ..engine.trajectory import TrajectoryError
 from ..fitting.result import Fit
+from ..pendulum.catalogue import READINGS
 from ..pendulum.model import Model, as_model
+from ..studies.scale import scale_of
 from .budget import Budget
 from .campaign import Campaign
-from .established import AT_FIRST, Finding, borrowed, changing, established, rivals, still_so, unneeded
+from .candidates import without
 from .evidence import Candidate
-from .folds import in_turn
+from .judge import POSSIBLE, told_of
 from .next_swing import NextSwing, next_swing
-from .posterior import Structure, probabilities, weighed
-from .rounds import first_fit, look, look_again, without_a_name
-from .simpler import MANY, leaner, restored, simplified
-from .state import Round, Search
+from .own_frequency import with_own_frequencies
+from .ranking import beside_the_best, drops, in_pairs, in_place_of, ranking
+from .refit import FAILURES, opened, refit, with_effect
+from .rounds import first_fit, noise_of, round_of, unseen
+from .state import Round
+from .structures import Key, Pool, Structure
 
-_DOUBTED = 0.01  # probability of the second structure, from which on a swing is looked for that tells it from the first
-_WAYS = 2  # that are gone, the first included
-_PARAMETER = 0.01  # of the score on swings left out: what a model must be better for each parameter more
-_DONE = 0.05  # the same: what an end with nothing missing may be worse
+_QUIETER = 0.97  # times the noise: less of a difference is its own uncertainty
+_AGAIN = 2  # times that what else would do may turn out to be more probable
 
 
 def discover(
@@ -29,174 +46,158 @@ def discover(
     allowed: Collection[str] | None = None,
     budget_s: float | None = None,
 ) -> list[Round]:
-    """The list of ``Round``s from the base model until nothing is missing, nothing helps, or ``rounds`` moves were made.
+    """The list of ``Round``s from the base model to the most probable structure, in at most ``rounds`` moves; the last one is judged.
 
-    Where the first way does not end with nothing missing, other ways are gone from its first choice, and the one is told
-    that ends best on swings left out in turn. ``allowed`` limits the effects that may be added. After ``budget_s`` CPU
-    seconds (None: no end) nothing new is begun, and the last round says so.
+    ``allowed`` limits the effects that may be added. After ``budget_s`` CPU seconds (None: no end) nothing new is begun, and the last
+    round says so. Where the search itself breaks off, one round is all, and says why (``failed``). TrajectoryError or InputError where
+    the base model itself cannot be fitted.
     """
-    model = as_model(base)
-    search = Search(campaign, rounds, allowed, Budget(budget_s), tuple(model.names))
-    states = _way(search, first_fit(campaign, model), (), 0, set())
-    if states[-1].missing:
-        states = _best(search, _ways(search, states))
-    if any(state.out_of_sample for state in states):
-        states = simplified(search, states)
-    states = _told(search, states)
-    if not states[-1].missing and not states[-1].nameless:
-        states = leaner(search, restored(search, states))
-    many = len(states[-1].found) >= MANY or borrowed(states[-1], campaign)
-    if states[-1].established is None and many:
-        sure, number = _established(search, states)
-        # where nothing is left, what would do as well was told by the evidence: many together must each stand alone
-        alone = {name: one.alone for name, one in sure.items()}
-        states = [*states[:-1], replace(states[-1], established=alone, established_in=number)]
-    states = [*states[:-1], _still_so(states)]
-    told = weighed([*search.looked, *states], campaign)
-    likely = probabilities(told, states[0].fit.model.names)
-    last = replace(states[-1], spent=search.budget.spent, probabilities=likely)
-    return [*states[:-1], replace(last, next_swing=_next(last, told, campaign))]
+    begun = first_fit(campaign, as_model(base))
+    try:
+        with threadpool_limits(1, "blas"):  # matrices so small that threads only wait for one another
+            search = _Search(campaign, allowed, Budget(budget_s), begun)
+            return search.told(search.searched(rounds))
+    except FAILURES as problem:
+        return [replace(unseen(campaign, begun), reason="the search broke off", failed=str(problem))]
 
 
-def _next(last: Round, told: Sequence[tuple[float, Structure]], campaign: Campaign) -> NextSwing | None:
-    """The swing that tells the two most probable structures apart; None where nothing is missing and one of them is sure."""
-    named = [one for one in told if not _nameless(one[1])][:2]
-    if len(named) < 2 or not (last.missing or named[1][0] > _DOUBTED):
-        return None
-    return next_swing(named[0][1].fit, named[1][1].fit, campaign, last.noise)
+class _Search:
+    """A search on its way."""
 
+    def __init__(self, campaign: Campaign, allowed: Collection[str] | None, budget: Budget, begun: Fit):
+        self.campaign, self.allowed, self.budget = campaign, allowed, budget
+        base = opened(begun, campaign.fit, campaign.slack, noise_of(campaign, begun))
+        self.pool = Pool(campaign, noise_of(campaign, base), base)
+        self.ranked: dict[Key, list[Candidate]] = {}  # by structure, what was tried there
 
-def _nameless(one: Structure) -> bool:
-    return not all(one.fit.model.catalogue.has_name(name) for name in one.names)
+    def searched(self, rounds: int) -> list[Structure]:
+        """The way to the most probable structure."""
+        way = [self.pool.first]
+        while len(way) <= rounds and not self._ended(way[-1]):
+            self._look_around(way[-1])
+            self._heard(self._settled())
+            if self.pool.best.whole < 0.5 and self.pool.nothing() <= POSSIBLE and not self.budget.spent:
+                self._look_at_pairs(way[-1])
+            best = self._settled()
+            if best.key in [one.key for one in way]:
+                break
+            way.append(best)
+        for _ in range(_AGAIN if len(way) > 1 else 0):
+            self._doubt(way[-1])
+            best = self._settled()
+            if best.key == way[-1].key:
+                break
+            way = [*(one for one in way if one.key != best.key), best]
+        if self.pool.nothing() > POSSIBLE:
+            way = [self.pool.first, *(one for one in self.pool.bases[:1] if one.key != self.pool.first.key)]
+        way = [self.pool.known[one.key] for one in way]
+        return [way[0], *way[1:][-rounds:]] if rounds else way[:1]
 
+    def told(self, way: list[Structure]) -> list[Round]:
+        """The rounds of the way, the last with what is judged."""
+        pool = self.pool
+        last, found = told_of(pool, way[-1])
+        way = way if last.key == way[-1].key else [*way[:-1], last] if len(way) > 1 else way
+        goes_on = [*way[1:], None]
+        states = [
+            round_of(k, pool, one, self.ranked.get(one.key, ()), to)
+            for k, (one, to) in enumerate(zip(way, goes_on, strict=True))
+        ]
+        state = replace(
+            states[-1], reason=self._reason(last), findings=found, probabilities=pool.effects(), nothing=pool.nothing(),
+            spent=self.budget.spent,
+        )  # fmt: skip
+        if state.missing or state.found:
+            pairs = [
+                swing.pair for swing in self.campaign.whole or (*self.campaign.fit, *self.campaign.holdout)
+            ]
+            scale = scale_of(pairs, state.fit.model.restoring, self.campaign.reading)
+            state = replace(
+                state, unit_doubt=scale.doubt(READINGS[self.campaign.reading]), next_swing=self._next(state)
+            )
+        return [*states[:-1], state]
 
-def _way(search: Search, fit: Fit, found: Sequence[str], number: int, seen: set[str]) -> list[Round]:
-    """The rounds from a fit to where nothing more is chosen, or to a model that another way has ``seen``, which it adds to."""
-    states: list[Round] = []
-    for k in range(number, search.rounds + 1):
-        last = k == search.rounds
-        states.append(look(k, search.campaign, fit, found, search.allowed, last, search.budget))
-        search.looked.append(states[-1])
-        chosen = states[-1].chosen
-        if chosen is None or chosen.fit.model.label in seen:
-            break
-        seen.add(chosen.fit.model.label)
-        fit, found = chosen.fit, search.after(found, chosen)
-    return states
+    def _reason(self, last: Structure) -> str:
+        """Why nothing more was chosen."""
+        if not self.pool.lacks(last):
+            return "nothing is missing"
+        return "the search's time is spent" if self.budget.spent else "nothing more is as probable"
 
+    def _next(self, state: Round) -> NextSwing | None:
+        """The experiment that tells the two most probable structures apart; None where the first is sure."""
+        shares = self.pool.probabilities()
+        known = sorted(self.pool.known.values(), key=lambda one: -shares[one.key])[:2]
+        if len(known) < 2 or not (state.missing or shares[known[1].key] > POSSIBLE):
+            return None
+        return next_swing(known[0].fit, known[1].fit, self.campaign, self.pool.noise)
 
-def _ways(search: Search, first: list[Round]) -> list[list[Round]]:
-    """The first way and others, from what else was confirmed at its first choice."""
-    ways = [first]
-    seen = {state.fit.model.label for state in first}
-    for other in first[0].others:
-        if len(ways) == _WAYS or search.budget.spent:
-            break
-        if other.fit.model.label in seen or _alike(first[0], other):
-            continue
-        seen.add(other.fit.model.label)
-        begun = replace(first[0], chosen=other, reason="")
-        ways.append([begun, *_way(search, other.fit, search.after((), other), 1, seen)])
-        if not ways[-1][-1].missing:
-            break
-    return ways
+    def _ended(self, here: Structure) -> bool:
+        """True where nothing more is asked: time is spent, or what is there leaves nothing that a discrepancy would explain."""
+        return self.budget.spent or (here.key != self.pool.base and here.whole > 0.5)
 
+    def _look_around(self, here: Structure) -> None:
+        """Each effect in addition and in the place of others, the structure without each, and a natural frequency for each recording."""
+        ranked = ranking(here.frame, self.pool.noise, self.allowed, self.budget)
+        for old in self.pool.added(here.key):
+            if not self.budget.spent:
+                ranked += in_place_of(here.frame, self.pool.noise, old, self.allowed)
+        if not self.budget.spent:
+            own = with_own_frequencies(here.frame, self.pool.noise, self.campaign, ranked)
+            if own is not None:
+                self.pool.look(own)
+        if not self.budget.spent and here.key == self.pool.base:
+            ranked += drops(here.frame, self.pool.noise)
+        self._keep(here, ranked)
 
-def _alike(state: Round, other: Candidate) -> bool:
-    """True where another choice is a richer or a simpler form of the one that was made, which is no other way."""
-    known, chosen = state.fit.model.catalogue, state.chosen
-    return chosen is not None and any(
-        mine in known.contained_in(name) or name in known.contained_in(mine)
-        for name in other.names
-        for mine in chosen.names
-    )
+    def _look_at_pairs(self, here: Structure) -> None:
+        """Two effects at a time."""
+        pairs = in_pairs(here.frame, self.pool.noise, self.allowed, budget=self.budget)
+        ranked = self.ranked.get(here.key, [])
+        pairs += beside_the_best(here.frame, self.pool.noise, ranked, self.allowed, budget=self.budget)
+        self._keep(here, [*ranked, *pairs])
 
+    def _keep(self, here: Structure, ranked: list[Candidate]) -> None:
+        self.ranked[here.key] = sorted(ranked, key=lambda one: (bool(one.refused), one.bic))
+        for one in ranked:
+            if not one.refused:
+                self.pool.look(one.fit)
 
-def _best(search: Search, ways: list[list[Round]]) -> list[Round]:
-    """The way that leaves least of swings left out in turn; a parameter more must earn its place, and an end with nothing
-    missing counts for some."""
-    if len(ways) == 1:
-        return ways[0]
+    def _settled(self) -> Structure:
+        """The most probable structure, its fit brought to the end."""
+        while True:
+            best = self.pool.best
+            try:
+                fit = refit(best.fit.begin, self.campaign.fit, grown=False, ended=True)
+            except TrajectoryError:
+                return best
+            if not fit.rss < best.fit.rss * (1 - 1e-9):
+                return best
+            self.pool.look(fit)
 
-    def cost(states: list[Round]) -> float:
-        last = states[-1]
-        turns = in_turn(last.fit, search.campaign, last.holdout)
-        if turns is None:
-            return float("inf")
-        parameters = len(last.fit.model.parameters)
-        return turns.score + _PARAMETER * parameters - (0.0 if last.missing else _DONE)
+    def _heard(self, best: Structure) -> None:
+        """What the best structure leaves in the band of the noise is the noise: what a worse one leaves there may be its misfit."""
+        noise = noise_of(self.campaign, best.fit)
+        if noise.deviation < _QUIETER * self.pool.noise.deviation:
+            self.pool = self.pool.under(noise, self.pool.first.fit)
 
-    best = min(ways, key=cost)
-    if best[-1].chosen is None:
-        return best
-    return [*best[:-1], replace(best[-1], chosen=None, reason="it leads where another way has been")]
+    def _doubt(self, last: Structure) -> None:
+        """What else would do: the structure without each of its effects, those of the base too, and with another in the place of each."""
+        for name in self.pool.base & last.key if len(last.key) > 1 else ():
+            if not self.budget.spent:
+                self.pool.lacking(last, [name])
+        for name in self.pool.added(last.key):
+            if self.budget.spent:
+                return
+            self.pool.lacking(last, [name])
+            for one in in_place_of(last.frame, self.pool.noise, name, self.allowed, beside=True):
+                if not one.refused:
+                    self.pool.look(one.fit)
+            for old in self.pool.base - last.key:
+                with suppress(TrajectoryError):
+                    self.pool.look(self._restored(last.fit, name, old))
 
-
-def _told(search: Search, states: list[Round]) -> list[Round]:
-    """The rounds of a way; of one that ends with something missing terms that later ones made idle are dropped, what is established is
-    found out, and what remains is kept as a torque without a name."""
-    last = states[-1]
-    while last.missing and not search.budget.spent and last.number < search.rounds:
-        idle = unneeded(last, search.campaign)
-        if idle is None:
-            break
-        states = [*states[:-1], replace(last, chosen=idle, reason="")]
-        found = search.after(last.found, idle)
-        last = look(last.number + 1, search.campaign, idle.fit, found, search.allowed, True, search.budget)
-        states.append(last)
-    if not last.missing:
-        return states
-    sure, told = _established(search, states)
-    last = replace(last, established=sure, established_in=told)
-    if last.number < search.rounds and not search.budget.spent:
-        last = without_a_name(last, search.campaign)
-    states = [*states[:-1], last]
-    while (chosen := states[-1].chosen) is not None:
-        number, found = states[-1].number + 1, search.after(states[-1].found, chosen)
-        one = look_again(number, search.campaign, chosen.fit, found, number == search.rounds)
-        states.append(replace(one, established=sure, established_in=told))
-    return states
-
-
-def _established(search: Search, states: list[Round]) -> tuple[dict[str, Finding], int]:
-    """What is established of the effects that the last round has, and the round that tells it.
-
-    Many terms that share out what has no name leave none of them determined: then what is established before they came is
-    asked for. What was no better than another when it was chosen is not: all that came later was chosen to go with it.
-    """
-    last = states[-1]
-    found = _since_chosen(search, states)
-    for k in range(len(states) - 1, 0, -1):
-        if any(one.sure for one in found.values()) or not states[k - 1].found or search.budget.spent:
-            break
-        before = _since_chosen(search, states[:k])
-        if any(name in before and before[name].sure for name in last.found):
-            late = Finding("what came before it is established without it")
-            return {name: before.get(name, late) for name in last.found}, states[k - 1].number
-    return found, last.number
-
-
-def _still_so(states: Sequence[Round]) -> Round:
-    """The last round, whose effects are established only where it has them as the round that tells them has."""
-    last = states[-1]
-    if last.established is None or last.established_in is None:
-        return last
-    known, told = last.fit.model.catalogue, states[last.established_in].fit
-    sure = {name: still_so(one, known[name], told, last.fit) for name, one in last.established.items()}
-    return replace(last, established=sure)
-
-
-def _since_chosen(search: Search, states: list[Round]) -> dict[str, Finding]:
-    """What is established in the last of these rounds, and in the one that it was first in was told from its rivals and much the
-    same everywhere: what came later was chosen to go with it."""
-    last, base = states[-1], states[0].fit.model.names
-    found = established(last, search.campaign, search.allowed, search.budget, base)
-    for name, one in found.items():
-        first = next(state for state in states if name in state.found)
-        if one.sure and first is not last and not search.budget.spent:
-            if why := changing(first, search.campaign, name, AT_FIRST):
-                found[name] = replace(one, doubt=f"{why}, as it was found", ties=())
-                continue
-            near = rivals(first, search.campaign, search.allowed, name, base)
-            found[name] = one.beside(near, name, last.fit.model.catalogue)
-    return found
+    def _restored(self, fit: Fit, name: str, old: str) -> Fit:
+        """The fit with an effect of the base again in the place of another one."""
+        first = self.pool.first.fit.model
+        values = {p.name: first.values[p.name] for p in first.catalogue[old].parameters}
+        return refit(with_effect(without(fit, name), old, values), self.campaign.fit, ended=True)

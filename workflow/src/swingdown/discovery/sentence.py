@@ -11,9 +11,8 @@ from ..rounding import plus_minus
 
 _SMALLER = {"rad": (1e-3, "mrad"), "rad/s": (1e-3, "mrad/s"), "s": (1e-3, "ms")}
 _ASKED = 3.0  # standard errors
+_PLAIN = 0.999  # probability above which one says no more
 _SMALL = 0.1  # of a unit that has a smaller one beside it
-NEARLY = "what remains beside it is so little that it may be its own failing"
-"""The doubt of an effect that does nearly everything."""
 
 
 def sentence(found: Mapping[str, Any], catalogue: Catalogue = SHIPPED) -> str:
@@ -33,16 +32,22 @@ def sentence(found: Mapping[str, Any], catalogue: Catalogue = SHIPPED) -> str:
             f"({1e3 * noise:.3g} m{found.get('unit', 'rad')}) on fitted and {holdout[-1]:.3g} on held-out swings."
         )
         return text + dropped + end
+    if doubt := found.get("unit_doubt"):
+        return f"{doubt[:1].upper()}{doubt[1:]}. No effect is named: another unit would do its work."
     seen = where["seen"][:1].upper() + where["seen"][1:] + ": " if where["seen"] else ""
     said = []
     if found["effects"]:
         joined = " and ".join(_described(one, catalogue[one["name"]]) for one in found["effects"])
-        said.append(f"{seen}{joined} {'is' if len(found['effects']) == 1 else 'are'} missing.")
+        said.append(
+            f"{seen}{joined} {'is' if len(found['effects']) == 1 else 'are'} missing{_without(found)}."
+        )
     elif seen:
         said.append(f"{seen.removesuffix(': ')}.")
-    if len(fit) > 1:
+    if len(fit) > 1 and (len(found["effects"]) != 1 or found["effects"][0].get("gap_without") is None):
         said.append(f"Held-out residual {holdout[0]:.3g} → {holdout[-1]:.3g} times the noise{_share(found)}.")
-    if found["status"] in ("partial", "unknown"):
+    if found.get("failed"):
+        said.append(f"What is missing is not known: the search broke off ({found['failed']}).")
+    elif found["status"] in ("partial", "unknown"):
         said.append(_remains(found, catalogue))
     text = " ".join(said)
     return text[:1].upper() + text[1:] + dropped + end
@@ -54,25 +59,39 @@ def _share(found: Mapping[str, Any]) -> str:
     return f", {100 * share:.0f} % of the excess explained" if share is not None and share > 0 else ""
 
 
+def _without(found: Mapping[str, Any]) -> str:
+    """How sure each effect is, and what held-out swings leave without it and with it."""
+    with_it = f"{found['gap']['holdout'][-1]:.3g}"
+    if len(found["effects"]) == 1:
+        (one,) = found["effects"]
+        if one.get("gap_without") is None:
+            return f" (P {_sure(one)})"
+        return f" (P {_sure(one)}): without it {one['gap_without']:.3g} times the noise remains, with it {with_it}"
+    each = [f"without {_spoken(one['name'])} {one['gap_without']:.3g} (P {_sure(one)})"
+            for one in found["effects"] if one.get("gap_without") is not None]  # fmt: skip
+    return f": with them {with_it} times the noise remains, {', '.join(each)}" if each else ""
+
+
+def _sure(one: Mapping[str, Any]) -> str:
+    """A probability as one says it."""
+    chance = one.get("probability")
+    if chance is None:
+        return "unknown"
+    return "> 0.999" if chance > _PLAIN else f"{chance:.3f}"
+
+
 def _remains(found: Mapping[str, Any], catalogue: Catalogue) -> str:
-    """What remains, how large it is, and what imitates it without being established."""
-    kind = f", mostly {found['where']['remaining_kind']}" if found["where"]["remaining_kind"] else ""
-    nameless = [one["name"] for one in found["stand_ins"] if not catalogue.has_name(one["name"])]
-    helping = [one for one in found["stand_ins"] if catalogue.has_name(one["name"])]
+    """What remains, how large it is, and what may be there and is not sure enough to be named."""
+    kind = f", mostly {found['where']['remaining_kind']}," if found["where"]["remaining_kind"] else ""
+    joined = " and ".join(_described(one, catalogue[one["name"]]) for one in found["stand_ins"]).rstrip(",")
+    doubts = "; ".join(dict.fromkeys(one["doubt"] for one in found["stand_ins"] if one.get("doubt")))
+    may_be = f"It may be {joined}: not sure enough to be named ({doubts})." if joined else ""
+    if not found["where"]["remaining"]:
+        return f"{may_be} Nothing more is missing." if not found["effects"] else may_be
     left = found["gap"]["left"]
-    if not found["where"]["remaining"] and not nameless:
-        joined = " and ".join(_described(one, catalogue[one["name"]]) for one in helping)
-        return f"Nothing more is missing, but what is was imitated by {joined}: not established."
-    said = (
-        f"What remains, {left['noise']:.3g} times the noise ({1e3 * left.get('rad', left.get('rad_per_s')):.3g} m{found.get('unit', 'rad')}){kind}, has no name in the catalogue"
-        + (f"; it is kept as {' and '.join(nameless)}." if nameless else ".")
-    )
-    if helping:
-        joined = " and ".join(_described(one, catalogue[one["name"]]) for one in helping)
-        said += f" Part of the excess is imitated by {joined}: not established."
-    if nearly := [_spoken(one["name"]) for one in helping if one.get("doubt") == NEARLY]:
-        said += f" It is {' and '.join(nearly)}, or something much like it: too little remains to tell."
-    return said
+    size = f"{1e3 * left.get('rad', left.get('rad_per_s')):.3g} m{found.get('unit', 'rad')}"
+    rest = f"{'The rest' if found['effects'] else 'What remains'}, {left['noise']:.3g} times the noise ({size}){kind} has no name in the catalogue."
+    return " ".join(filter(None, (rest, may_be.replace("It may be", "Part of it may be"))))
 
 
 def _used(nuisance: Mapping[str, Any]) -> bool:

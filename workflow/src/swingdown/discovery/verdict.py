@@ -1,63 +1,50 @@
 """The verdict of a campaign: status, what is asserted and what merely helps, with values and ties, the gap by round, a sentence."""
 
 from collections.abc import Iterable, Mapping, Sequence
-from importlib import resources
 from itertools import combinations
 from typing import Any
 
-import yaml
+import numpy as np
 
 from ..pendulum.catalogue import ANGLE, READINGS, SHIPPED, Catalogue
-from ..pendulum.effect import Effect
+from ..pendulum.effect import NATURAL_FREQUENCY, Effect
 from ..pendulum.formula import evaluate
-from ..pendulum.free_form import FreeForm
+from ..studies.left_out import NO_VERDICT
+from .judge import GUARD
 from .locate import KINDS
 from .next_swing import APART
 from .sentence import sentence
 
+_SURE = 2.0  # standard errors that a value must be from nothing to be one
 _TOLD = 0.001  # probability of an effect, below which it is not listed
-GUARD = yaml.safe_load(resources.files(__package__).joinpath("guard.yaml").read_text())
 
 
 def verdict(rounds: Sequence[Mapping[str, Any]], catalogue: Catalogue = SHIPPED) -> dict[str, Any]:
     """The contents of verdict.json as a dict, from the contents of the rounds' round.json, in order.
 
-    ``status``: ``consistent`` nothing was missing, ``named`` what was added stands alone and nothing significant remains,
-    ``ambiguous`` the same with a tie, ``partial`` something is established and something significant remains, ``unknown``
-    where something significant remains, or none of many effects that leave nothing is established. ``effects`` holds what is asserted, ``stand_ins`` what
+    ``status``: ``consistent`` nothing was missing, ``named`` what was added stands alone and nothing above the noise remains,
+    ``ambiguous`` the same with a tie, ``partial`` something is asserted and more than the noise remains, or more was found that is not
+    asserted, ``unknown`` where something is missing and nothing is asserted. ``effects`` holds what is asserted, ``stand_ins`` what
     merely helps.
     """
     first, last = rounds[0], rounds[-1]
     reading = last.get("reading", ANGLE)
-    unnamed = [form.name for form in catalogue.free_forms]
-    # beside a torque without a name the values of the named ones mean little: it can do their work
-    sound = [state for state in rounds if not any(name in unnamed for name in state["found"])][-1]
-    remains = last["missing"] or any(name in unnamed for name in last["found"])
-    judged = remains or last["established"] is not None  # of many that leave nothing, each is judged, too
-    doubts = last["established"] or {}
     asserted, stand_ins = [], []
     for name in last["found"]:
-        sure = judged and name not in unnamed and doubts.get(name) == ""
-        # beside terms that are not established an established one's values mean as little
-        told = rounds[last["established_in"]] if sure else last if name in unnamed else sound
-        one = _effect(
-            catalogue[name], rounds, told, remains, last.get("jackknife", {}) if sure and remains else {}
-        )
-        if judged and (name in unnamed or doubts.get(name, "not looked into")):
-            doubt = "it has no name" if name in unnamed else doubts.get(name, "it was not looked into")
+        one = _effect(catalogue[name], rounds)
+        doubt = last["findings"][name]["doubt"]
+        if last.get("unit_doubt"):  # whatever was found does the work of another unit
+            doubt = "another unit would do its work"
+        if doubt := doubt or _no_finding(catalogue[name], one["parameters"], last):
             stand_ins.append(one | {"doubt": doubt})
         else:
             asserted.append(one)
-    if remains or stand_ins:
+    if last["missing"] or stand_ins or last.get("failed"):
         status = "partial" if asserted else "unknown"
     elif not asserted:
         status = "consistent"
     else:
         status = "ambiguous" if any(one["tied_with"] for one in asserted) else "named"
-    # the rounds before a torque without a name was added tell what has none
-    remaining = next(
-        (state for state in rounds if state["chosen"] and state["chosen"]["added"] in unnamed), last
-    )
     found = {
         "campaign": last["campaign"],
         "reading": reading,
@@ -66,42 +53,94 @@ def verdict(rounds: Sequence[Mapping[str, Any]], catalogue: Catalogue = SHIPPED)
         "effects": asserted,
         "stand_ins": stand_ins,
         "probabilities": {name: p for name, p in last.get("probabilities", {}).items() if p >= _TOLD},
+        "nothing": last.get("nothing"),
         "removed": [name for name in first["effects"] if name not in last["effects"]],
         "where": {
             "kind": KINDS.get(first["kind"]),
             "seen": first["seen"],
             "groups": _groups(first) if first["missing"] else {},
-            "remaining": _groups(remaining) if remaining["missing"] else {},
-            "remaining_kind": KINDS.get(remaining["kind"]),
+            "remaining": _groups(last) if last["missing"] else {},
+            "remaining_kind": KINDS.get(last["kind"]),
         },
         "gap": {
             "unit": "noise standard deviations",
             "fit": [state["gap"]["fit"] for state in rounds],
             "holdout": [state["gap"]["holdout"] for state in rounds],
             in_unit("holdout", reading): [state["gap"]["holdout"] * noise_rms(state) for state in rounds],
-            "explained": _explained(first, sound),
+            "explained": _explained(first, last),
             "left": {
-                "noise": sound["gap"]["holdout"],
-                "rad" if reading == ANGLE else "rad_per_s": sound["gap"]["holdout"] * noise_rms(sound),
+                "noise": last["gap"]["holdout"],
+                "rad" if reading == ANGLE else "rad_per_s": last["gap"]["holdout"] * noise_rms(last),
             },
         },
         "noise_rms_rad": None,  # of a rate there is none in rad
         in_unit("noise_rms", reading): noise_rms(last),
         "noise_correlation": last["noise_correlation"],
         "split": last["split"],
+        "recordings": last.get("recordings", []),
+        "left_out": last.get("left_out", []),
         "moves": [state["chosen"]["move"] for state in rounds if state["chosen"]],
         "model": last["parameters"],
         "own_frequency": last.get("own_frequency", {}),
         "conclusion": last.get("conclusion"),
         "nuisance": last.get("nuisance", {}),
-        "misspecified": _at_their_bounds([catalogue[name] for name in sound["effects"]], sound["parameters"]),
+        "misspecified": _at_their_bounds([catalogue[name] for name in last["effects"]], last["parameters"]),
         "next_measurement": _next_measurement(asserted, status, catalogue, last.get("next_swing")),
         "next_swing": last.get("next_swing"),
         "stopped": bool(last["spent"]),
+        "unit_doubt": last.get("unit_doubt", ""),
+        "failed": last.get("failed", ""),
         "guard": GUARD,
     }
     found["sentence"] = sentence(found, catalogue)
     return found
+
+
+def _no_finding(effect: Effect, values: Mapping[str, Any], told: Mapping[str, Any]) -> str:
+    """In words why these values are none: one that nothing is as likely as, or a frequency that the recordings are too short for;
+    empty where there is no reason.
+
+    ``told`` is the round that they are of.
+    """
+    frequency = NATURAL_FREQUENCY.name
+    known = {frequency: told["parameters"].get(frequency, {})} | dict(values)
+    for parameter in (NATURAL_FREQUENCY, *effect.parameters):
+        one = known[parameter.name]
+        value, error = one.get("value"), one.get("standard_error")
+        # what may be nothing beside the rest of its effect, as a damping of the pivot may, is as well where it is
+        beside = parameter.role == "shape" and parameter.lower == 0 and not parameter.at_line
+        free = beside or parameter.role in ("phase", "range") or parameter.each
+        if free or value is None:
+            continue
+        # of what may do the same work without a name the evidence has said whether it is there
+        if error is not None and abs(value) < _SURE * error / told.get("widened", {}).get(
+            parameter.name, 1.0
+        ):
+            return f"{parameter.name} is no more than {_SURE:g} standard errors from nothing"
+        if parameter.at_line and value * (told.get("duration_s") or np.inf) < 1:
+            return f"{parameter.name} is less than one in the longest recording"
+    return ""
+
+
+def no_verdict(state: Mapping[str, Any]) -> dict[str, Any]:
+    """The contents of verdict.json of a campaign in which nothing could be looked for, from its round.json: ``no_verdict`` holds
+    why (where, problem, expected, mend)."""
+    why = state["no_verdict"]
+    return {
+        "campaign": state["campaign"],
+        "status": NO_VERDICT,
+        "effects": [],
+        "stand_ins": [],
+        "removed": [],
+        "where": {},
+        "gap": {"unit": "noise standard deviations", "fit": [], "holdout": []},
+        "noise_rms_rad": None,
+        "recordings": state["recordings"],
+        "left_out": state["left_out"],
+        "no_verdict": why,
+        "next_measurement": why["mend"] or None,
+        "sentence": f"No verdict: {why['where']}: {why['problem']}.",
+    }
 
 
 def in_unit(key: str, reading: str) -> str:
@@ -121,50 +160,25 @@ def _explained(first: Mapping[str, Any], last: Mapping[str, Any]) -> float | Non
     return float(1 - max(after, 0.0) / before) if before > 0 else None
 
 
-def _effect(
-    effect: Effect,
-    rounds: Sequence[Mapping[str, Any]],
-    fitted: Mapping[str, Any],
-    remains: bool,
-    jackknife: Mapping[str, float],
-) -> dict[str, Any]:
-    """What is told of one effect: its round, values as ``fitted``, evidence, and what the data do not tell it from.
-
-    Where something ``remains`` standard errors do not know of it; those of the ``jackknife`` do, and the larger is told.
-    """
+def _effect(effect: Effect, rounds: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
+    """What is told of one effect: its round, values, evidence, what is judged of it, and what the data do not tell it from."""
     last, name = rounds[-1], effect.name
     state = next(state for state in reversed(rounds) if state["chosen"] and name in _names(state["chosen"]))
-    rows, move = [row for row in state["ranking"] if row["tied"]], state["chosen"]["move"]
-    # of one that was chosen for what held-out swings say, the evidence of the fitted ones ties nothing
-    near = [row for row in rows if row["move"] != move] if any(row["move"] == move for row in rows) else []
-    ties = {other: row for row in near for other in _names(row) if other not in _names(state["chosen"])}
-    tied: list[str]
-    alike: dict[str, float]
-    if isinstance(effect, FreeForm):
-        tied, alike = [], {}
-    elif name in last["rivals"] or remains:  # they were looked for in another way than by evidence
-        tied, alike = last["rivals"].get(name, []), {}
-    else:
-        tied, alike = list(ties), {other: row["correlation"] for other, row in ties.items()}
-    known = fitted["parameters"]
+    known, judged = last["parameters"], last["findings"][name]
+    nothing = {"value": None, "standard_error": None}
     return {
         "name": name,
         "round": state["round"] + 1,
-        "parameters": {p.name: _with_error(known.get(p.name, {"value": None, "standard_error": None, "unit": p.unit}), jackknife.get(p.name))
-                       for p in effect.parameters},
-        "probability": last.get("probabilities", {}).get(name),
+        "parameters": {p.name: known.get(p.name, nothing | {"unit": p.unit}) for p in effect.parameters},
+        "probability": judged["probability"],
+        "share_left": judged["share"],
+        "held_out_left": judged["held_out"],
+        "gap_without": judged["without"],
         "delta_bic": state["chosen"]["gain_bic"],
-        "tied_with": tied,
-        "correlation": alike,
+        "tied_with": judged["ties"],
         "replaces": state["chosen"]["dropped"],
-        "within_calibration": _within_calibration(effect, fitted),
-    }  # fmt: skip
-
-
-def _with_error(entry: Mapping[str, Any], error: float | None) -> dict[str, Any]:
-    """A value with the larger of its standard error and another one, where both are known."""
-    own = entry["standard_error"]
-    return dict(entry) if own is None or error is None else {**entry, "standard_error": max(own, error)}
+        "within_calibration": _within_calibration(effect, last),
+    }
 
 
 def _names(move: Mapping[str, Any]) -> list[str]:

@@ -30,9 +30,8 @@ def library(catalogue: Effects, gravity: Effects) -> Path:
     content = _content(parts, compiler.processor())
     by = compiler.find()
     if by is None:  # then an engine that any compiler has made of the same is as good
-        for path in sorted(cache.folder().glob(f"engine-{content}-*.so")):
-            if cache.is_whole(path):
-                return path
+        for path in cache.found(f"engine-{content}-*.so"):
+            return path
         by = compiler.found()
 
     return cache.kept(f"engine-{content}-{cache.key(by.identity)}.so", partial(_compile, parts, ()))

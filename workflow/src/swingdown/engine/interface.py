@@ -109,7 +109,7 @@ def swing_trajectory(
     """The status and the report of a trajectory; ``angles`` (n,) and ``slopes`` (len(free), n) are filled.
 
     ``values`` (parameters,), ``release`` angle and velocity (rad, rad/s), ``times`` (n,) in s; ``free`` are the codes of
-    the free values. Errors may be ``coarseness`` times as large as usual.
+    the free values. Errors may be ``coarseness`` times as large as usual; below 1 they are smaller.
     """
     new = ffi().new
     report = new("TrajectoryReport *")

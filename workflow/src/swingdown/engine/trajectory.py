@@ -12,7 +12,7 @@ import numpy as np
 
 from ..arrays import Floats
 from ..errors import InputError
-from ..pendulum.catalogue import RATE, SHIPPED, Catalogue
+from ..pendulum.catalogue import RATE, READINGS, SHIPPED, Catalogue
 from ..pendulum.model import Model
 from . import build, interface, uncompiled
 from .compiler import NoCompiler
@@ -33,8 +33,17 @@ _DRIVEN = (
 )
 
 
+_FAR_UP = 5 * np.pi / 6  # rad
+_PROMISED = 1e-6  # rad or rad/s
+_FINER = 0.01  # of panels' errors, over the usual limits: what two trajectories differ by is then the usual one's error
+
+
 class TrajectoryError(ArithmeticError):
     """A trajectory that cannot be computed to the engine's accuracy; the message says why."""
+
+
+class ImpossibleValue(InputError, TrajectoryError):
+    """A model with a value that it cannot have: an input to mend, and to a search one more model without a trajectory."""
 
 
 class EngineWarning(UserWarning):
@@ -49,7 +58,7 @@ class TrajectoryWarning(UserWarning):
 class Effort:
     """What a trajectory took and how good it is: panels, right-hand sides, reversals, estimated error (rad), sticking (s).
 
-    ``driven``: at some turning point friction pushed the pendulum on instead of holding it back.
+    ``largest_angle`` (rad) is that of the motion. ``driven``: at some turning point friction pushed the pendulum on instead of holding it back.
     """
 
     panels: int
@@ -59,6 +68,7 @@ class Effort:
     error: float
     stuck_after: float | None
     driven: bool
+    largest_angle: float
 
 
 @lru_cache(maxsize=20)
@@ -141,10 +151,12 @@ def _run(
     compiled = Compiled(model, float(times[-1] - times[0]))
     values = np.array(model.vector())
     if not (np.all(np.isfinite(values)) and np.isfinite(release_angle) and np.isfinite(release_velocity)):
-        raise InputError(f"model {model.label}", "a value is not finite", "finite parameters and release")
+        raise ImpossibleValue(
+            f"model {model.label}", "a value is not finite", "finite parameters and release"
+        )
     for definition, value in zip(model.definitions, values, strict=True):
         if value < definition.least:
-            raise InputError(
+            raise ImpossibleValue(
                 f"model {model.label}, {definition.name}",
                 f"{value:g} {definition.unit}",
                 f"{definition.least:g} or more",
@@ -155,16 +167,20 @@ def _run(
     }
     if unknown := [name for name in free if name not in codes]:
         raise InputError(f"model {model.label}", f"no value {unknown[0]!r} to vary", ", ".join(codes))
-    angles, slopes = np.empty(times.size), np.empty((len(free), times.size))
     release = release_angle, release_velocity
     chosen = [codes[name] for name in free]
-    report = _follow(compiled, values, release, times, chosen, angles, slopes if free else None, rough)
+    if rough and chosen and library.RELEASE_ANGLE not in chosen:  # how errors grow is told by its slope
+        chosen.append(library.RELEASE_ANGLE)
+    angles, slopes = np.empty(times.size), np.empty((len(chosen), times.size))
+    coarseness = float(library.COARSE) if rough and not compiled.in_python else 1.0
+    report = _follow(compiled, values, release, times, chosen, angles, slopes if free else None, coarseness)
     effort = Effort(
         report.panels, report.rejected, report.evaluations, report.reversals, report.error,
         report.stuck_after if report.stuck_after >= 0 else None, bool(report.driven),
+        report.largest_angle,
     )  # fmt: skip
     warn_of_drive(compiled, report.driven, angles)
-    return angles, slopes, effort
+    return angles, slopes[: len(free)], effort
 
 
 def _follow(
@@ -175,7 +191,7 @@ def _follow(
     chosen: Sequence[int],
     angles: Floats,
     slopes: Floats | None,
-    rough: bool = False,
+    coarseness: float = 1.0,
 ) -> Any:
     model = compiled.model
     if compiled.in_python:
@@ -183,10 +199,8 @@ def _follow(
             model, compiled.duration, values, release, times, chosen, angles, slopes
         )
     else:
-        library = compiled.library
-        coarseness = float(library.COARSE) if rough else 1.0
         code, report = interface.swing_trajectory(
-            library, compiled.c, values, release, times, chosen, angles, slopes, coarseness
+            compiled.library, compiled.c, values, release, times, chosen, angles, slopes, coarseness
         )
         status = interface.status_name(code)
     if status != "DONE":
@@ -225,9 +239,32 @@ def simulate(model: Model, times: Any, release_angle: float, release_velocity: f
 
     ``times`` in s, increasing, the release at the first; ``release_angle`` in rad, ``release_velocity`` in rad/s.
     Raises InputError for bad times or a model without values, TrajectoryError where the accuracy cannot be kept or the
-    motion from rest is not unique. A TrajectoryWarning tells of friction that drives the pendulum.
+    motion from rest is not unique. A TrajectoryWarning tells of friction that drives the pendulum, and of motions beyond 150° on whose way
+    errors grow to more than 1e-6 of the unit, with their size: by how much a finer trajectory differs.
     """
-    return _run(model, times, release_angle, release_velocity, ())[0]
+    angles, _, effort = _run(model, times, release_angle, release_velocity, ())
+    if effort.largest_angle > _FAR_UP:
+        _warn_of_growth(model, checked_times(times), (release_angle, release_velocity), angles)
+    return angles
+
+
+def _warn_of_growth(model: Model, times: Floats, release: Sequence[float], angles: Floats) -> None:
+    """Warn of ``angles`` on whose way small errors become large ones, by a finer trajectory of the same motion."""
+    compiled, finer = Compiled(model, float(times[-1] - times[0])), np.empty(times.size)
+    try:
+        _follow(compiled, np.array(model.vector()), release, times, (), finer, None, _FINER)
+    except TrajectoryError:
+        off = "an amount that is not known"
+    else:
+        difference = float(np.abs(finer - angles).max())
+        if difference <= _PROMISED:
+            return
+        off = f"{difference:.0e} {READINGS[model.reading]}"
+    warnings.warn(
+        f"model {model.label}: beyond 150° small errors grow; what is read is off by some {off}, as a finer computation shows",
+        TrajectoryWarning,
+        stacklevel=3,
+    )
 
 
 def simulate_each(model: Model, times: Any, values: Any) -> Floats:
@@ -272,7 +309,7 @@ def sensitivities(
 
     Of a release at rest the derivative by ``release_velocity`` is one-sided where there is friction: that of a push the way the
     pendulum leaves anyway; none at all where friction holds it.
-    Where they need only be ``rough``, models that take many panels take a quarter to nine tenths of the time, and slopes are off by up to some 1e-3 of themselves.
+    Where they need only be ``rough``, models that take many panels take less time, and angles are off by up to a micro-radian.
     """
     free = (*model.parameters, "release_angle", "release_velocity") if free is None else tuple(free)
     return _run(model, times, release_angle, release_velocity, free, rough)[:2]

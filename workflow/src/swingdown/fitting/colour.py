@@ -3,8 +3,11 @@
 Residuals are rarely independent: noise has a spectrum, and an incomplete model leaves swings of its own. What counts is
 their spectrum where the fitted values act, at the pendulum's frequency and its first harmonics. There it is taken from an
 autoregressive model of the residuals, averaged to so many a period (Burg's recursion; the order by BIC), which is a flat
-spectrum for white noise and a peak for a model that misses something. Least squares keep their optimum: where the noise's
-spectrum is smooth about one frequency, weights by it would gain next to nothing (Grenander, Ann. Math. Stat. 25, 252 (1954)).
+spectrum for white noise and a peak for a model that misses something. The means lie at their times: where samples are missing a
+mean has fewer or none, and what lies on either side is as far apart as it was. A line beyond what the means hold, as of the mains, would be
+folded to among the pendulum's harmonics: it is taken off before, and what a wave of its size and of any phase does to the values is
+added. Least squares keep their optimum: where the noise's spectrum is smooth about one frequency, weights by it would gain next to
+nothing (Grenander, Ann. Math. Stat. 25, 252 (1954)).
 """
 
 from collections.abc import Iterator, Sequence
@@ -12,7 +15,10 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from scipy.special import stdtrit
+from numpy.typing import NDArray
+from scipy.ndimage import uniform_filter1d
+from scipy.optimize import brentq, minimize_scalar
+from scipy.special import ndtr, stdtrit
 
 from ..arrays import Floats
 from ..engine.trajectory import sensitivities
@@ -22,9 +28,15 @@ from .problem import RELEASE, Swings
 from .result import Fit
 
 _A_PERIOD = 24  # means of residuals, a period: the pendulum's third harmonic is still there
+_LONGER = 3  # times as long pieces, eight a period, where samples are missing
 _HIGHEST = 12  # order of the autoregressive model
+_EVEN = 1e-3  # of a step: times that are off by less are even
+_SEEN = 2.0  # standard errors
 _LEAST_DOF = 3.0
 _FEWEST = 20  # means for each order
+_MOST_LINES = 4  # the mains and its harmonics
+_CHANCE = 1e-3  # of a line in white noise
+_NORMAL = 1.959963984540054  # standard deviations to either side that hold 95 % of normal errors
 
 
 class Colour(NamedTuple):
@@ -45,8 +57,9 @@ class Uncertainty:
     ``random`` is their covariance by noise and by what the model misses, ``systematic`` (free, source) what the fit's
     ``sources`` do, ``covariance`` both together. ``inflation``: the random variance over that of independent residuals,
     geometric mean; n over this is the number of samples that count as independent. ``noise`` (rad): the standard deviation of
-    white noise with this spectrum at the pendulum's frequencies; ``dof``: degrees of freedom that its size is known to. NaN for
-    values that a bound holds.
+    white noise with this spectrum at the pendulum's frequencies; ``dof``: degrees of freedom that its size is known to. ``limited``: the share of the clock's
+    part of ``systematic``, its last column, that is of an error within limits. NaN for
+    values that a bound holds, or that the swings leave open.
     """
 
     random: Floats
@@ -54,20 +67,48 @@ class Uncertainty:
     inflation: float
     noise: float
     dof: float
+    limited: float = 1.0
 
     @property
     def factors(self) -> Floats:
-        """By value the k of an interval value ± k standard errors that holds it with 95 % (JCGM 100, annex G): Student's, with
-        the degrees of freedom of the random part and any number of the systematic one."""
+        """By value the k of an interval value ± k standard errors that holds it with 95 %: of the sum of an error within the clock's
+        limits, any as likely, and of normal ones (JCGM 101), widened as Student's of its degrees of freedom is (JCGM 100, annex G)."""
         systematic = np.sum(self.systematic**2, axis=1)
         with np.errstate(invalid="ignore", divide="ignore"):
-            whole = self.dof * (1 + systematic / np.diag(self.random)) ** 2
-        return np.where(np.isfinite(whole), stdtrit(np.where(np.isfinite(whole), whole, 1e9), 0.975), np.nan)
+            dof = self.dof * (1 + systematic / np.diag(self.random)) ** 2
+        known = np.isfinite(dof)
+        student = stdtrit(np.where(known, dof, 1e9), 0.975) / _NORMAL
+        clock = self.limited * np.sqrt(
+            self.systematic[:, -1] ** 2 / np.where(known, np.diag(self.covariance), 1.0)
+        )
+        return np.where(known, student * [half_width(float(one)) for one in clock], np.nan)
 
     @property
     def covariance(self) -> Floats:
         """Random and systematic covariance together."""
         return self.random + self.systematic @ self.systematic.T
+
+
+def half_width(limited: float) -> float:
+    """The k that holds 95 % of a sum of two errors, over its standard deviation: one within limits, of which any is as likely and of
+    which the standard deviation is the share ``limited`` of the whole, and a normal one."""
+    limit, normal = np.sqrt(3) * min(limited, 1.0), np.sqrt(max(0.0, 1 - limited**2))
+    if limit < 1e-3:
+        return _NORMAL
+    if normal < 1e-3:
+        return 0.95 * float(limit)
+
+    def beyond(k: float) -> float:
+        low, high = (k - limit) / normal, (k + limit) / normal
+        # the mean of a normal error's probability between the two limits
+        area = (
+            high * ndtr(high)
+            - low * ndtr(low)
+            + (np.exp(-(high**2) / 2) - np.exp(-(low**2) / 2)) / np.sqrt(2 * np.pi)
+        )
+        return float(normal * area / (2 * limit)) - 0.975
+
+    return float(brentq(beyond, 1.0, 3.0))
 
 
 def uncertainty(fit: Fit, swings: Swings) -> Uncertainty:
@@ -83,19 +124,22 @@ def uncertainty(fit: Fit, swings: Swings) -> Uncertainty:
     hessian, scores = np.zeros((2, size, size))
     parts = list(_means(fit, swings))
     for colour, members in _coloured(parts):
-        for part in members:
+        for part, spread in members:
             place = np.ix_(part.where, part.where)
             slopes = part.slopes * scale[part.where, np.newaxis]
-            hessian[place] += part.each * slopes @ slopes.T
-            scores[place] += part.each**2 * _weighted(slopes, colour)
-            scores[place] += part.rounding * np.outer(scale[part.where], scale[part.where])
+            hessian[place] += part.counts * slopes @ slopes.T
+            scores[place] += weighted(spread * slopes, colour)
+            scores[place] += part.besides * np.outer(scale[part.where], scale[part.where])
     kept = np.ix_(~held, ~held)
     slack, precision = fit.model.slack, np.zeros((size, size))
     if slack.names and all(name in fit.free for name in slack.parameters):
         at = [fit.free.index(name) for name in slack.parameters]
         precision[np.ix_(at, at)] = slack.precision * np.outer(scale[at], scale[at])
     random = np.full((size, size), np.nan)
-    inverse = np.linalg.inv((hessian + precision)[kept])
+    try:
+        inverse = np.linalg.inv((hessian + precision)[kept])
+    except np.linalg.LinAlgError:  # of what the means do not tell nothing is known
+        return Uncertainty(random, fit.systematic, np.nan, np.nan, np.nan)
     random[kept] = inverse @ scores[kept] @ inverse * np.outer(scale, scale)[kept]
     plain = fit.rss / fit.n * np.diag(inverse @ hessian[kept] @ inverse) * scale[~held] ** 2
     ratio = np.diag(random)[~held] / plain
@@ -105,19 +149,21 @@ def uncertainty(fit: Fit, swings: Swings) -> Uncertainty:
     dof = max(fit.n / max(1.0, inflation) - size, _LEAST_DOF) if ratio.size else np.nan
     random *= 1 + size / dof
     noise = float(np.sqrt(fit.rss / fit.n * inflation * (1 + size / dof)))
-    return Uncertainty(random, fit.systematic, inflation, noise, dof)
+    return Uncertainty(random, fit.systematic, inflation, noise, dof, slack.limited)
 
 
 class _Part(NamedTuple):
-    """One swing's residual and slopes as means of ``each`` samples: where its free values sit, slopes, residual, interval (s);
-    and what rounding adds to the covariance of slopes times residuals, of all samples."""
+    """One swing by pieces of equal length in time: where its free values sit, the means of their slopes, the sum of its residuals, their
+    ``counts``, the sum of their squares, and the ``interval`` (s); and what rounding and lines add to the covariance of slopes times
+    residuals, of all samples. A piece without samples has zeros."""
 
-    where: Floats
+    where: NDArray[np.integer]
     slopes: Floats
     residual: Floats
+    counts: NDArray[np.integer]
+    squares: float
     interval: float
-    each: int
-    rounding: Floats
+    besides: Floats
 
 
 def _means(fit: Fit, swings: Swings) -> Iterator[_Part]:
@@ -128,11 +174,137 @@ def _means(fit: Fit, swings: Swings) -> Iterator[_Part]:
         where = np.r_[:shared, shared + k * len(own) : shared + (k + 1) * len(own)]
         release = fitted.release_angle, fitted.release_velocity
         slopes = sensitivities(fitted.model, times, *release, free=[fit.free[i] for i in where])[1]
-        interval = (times[-1] - times[0]) / (times.size - 1)
-        each = max(1, int(period / _A_PERIOD / interval))
+        interval, at = in_steps(times)
+        slots = np.round(at).astype(np.int64)
         residual = angle - fitted.angle
         rounded = _rounding(slopes, angle, fitted.angle, float(np.var(residual)))
-        yield _Part(where, _mean(slopes, each), _mean(residual, each), each * interval, each, rounded)
+        if np.abs(at - slots).max() > _EVEN:
+            rounded += _timing(slopes, times, fitted.angle, residual)
+        lines = np.zeros_like(rounded)
+        for line in lines_of(residual, 0.5 * _A_PERIOD * interval / period, at):
+            lines += (
+                0.5
+                * line.amplitude**2
+                * np.sum([np.outer(one, one) for one in (line.waves @ slopes.T)], axis=0)
+            )
+            residual = residual - line.fitted
+        # of a swing that is shorter than its period (as a wrong model may say), the whole is a period
+        length = int(slots[-1]) + 1
+        each, counts = _pieces(slots, max(1, int(min(period / interval, length) / _A_PERIOD)))
+        whole = slots < length // each * each  # what is left at the end goes
+        pieces, size = slots[whole] // each, counts.size
+        means = np.array([np.bincount(pieces, one, size) for one in slopes[:, whole]]) / np.maximum(counts, 1)
+        kept = residual[whole]
+        yield _Part(
+            where,
+            means,
+            np.bincount(pieces, kept, size).astype(float),
+            counts,
+            float(kept @ kept),
+            each * interval,
+            rounded + lines,
+        )
+
+
+def _pieces(slots: NDArray[np.integer], each: int) -> tuple[int, NDArray[np.integer]]:
+    """How many slots a piece has, and how many samples each whole piece has: ``each``, or where so many pieces are empty that most cannot
+    be foretold from the two before, up to so many more that the pendulum's third harmonic is still there."""
+    for longer in range(each, _LONGER * each + 1):
+        size = (int(slots[-1]) + 1) // longer
+        counts = np.bincount(slots[slots < size * longer] // longer, minlength=size)
+        there = counts > 0
+        if size < 3 or np.mean(there[2:] & there[1:-1] & there[:-2]) > 0.5:
+            break
+    return longer, counts
+
+
+def in_steps(times: Floats) -> tuple[float, Floats]:
+    """The usual interval (s) of rising ``times``, and these in intervals since the first: whole numbers, those of missing samples left
+    out, where a recorder kept its rate."""
+    steps = np.diff(times)
+    # the lower quartile, as where every third sample is lost half of the steps are two intervals
+    whole = np.maximum(1.0, np.round(steps / np.quantile(steps, 0.25)))
+    interval = float((times[-1] - times[0]) / whole.sum())
+    return interval, (times - times[0]) / interval
+
+
+def _timing(slopes: Floats, times: Floats, fitted: Floats, residual: Floats) -> Floats:
+    """What wrong stamps add to the covariance of slopes times residuals, above white noise as strong: they err by the speed, and the
+    fastest samples say most of the frequency.
+
+    The squared residuals tell by a line over the squared speed what is of the stamps (Breusch
+    and Pagan, Econometrica 47, 1287 (1979)), where that is more than two standard errors.
+    """
+    fast = np.gradient(fitted, times) ** 2
+    fast /= np.mean(fast)
+    square = residual**2
+    away = fast - 1
+    slope = float(away @ square / (away @ away))
+    left = square - np.mean(square) - slope * away
+    error = float(np.sqrt(left @ left / max(times.size - 2, 1) / (away @ away)))
+    if slope < _SEEN * error:
+        return np.zeros((len(slopes), len(slopes)))
+    slope = min(slope, float(np.mean(square)))  # at rest the variance is 0 and no less
+    more, white = (slopes * (slope * away)) @ slopes.T, np.sqrt(np.sum(slopes**2, axis=1))
+    size = np.where(white > 0, white, 1.0)
+    # where it would be less than by white noise, the noise's colour may have taken that already
+    share, axes = np.linalg.eigh(more / np.outer(size, size))
+    return (axes * np.maximum(share, 0.0)) @ axes.T * np.outer(size, size)
+
+
+class Line(NamedTuple):
+    """A line in a series' spectrum: amplitude, the series of it, and a cosine and a sine of its frequency (2, samples)."""
+
+    amplitude: float
+    fitted: Floats
+    waves: Floats
+
+
+def lines_of(series: Floats, above: float, at: Floats | None = None) -> Iterator[Line]:
+    """The ``Line``s of a series beyond a frequency (cycles a step), strongest first: of white noise as strong no one would be
+    there in a thousand series (Fisher, Proc. R. Soc. A 125, 54 (1929)). ``at`` are the samples' times in steps, None for one a step.
+    """
+    at = np.arange(series.size, dtype=float) if at is None else at
+    slots = np.round(at).astype(np.int64)
+    length = int(slots[-1]) + 1
+    smooth = max(3, int(1 / above)) if length > series.size else 0
+    for _ in range(_MOST_LINES):
+        power = np.abs(np.fft.rfft(np.bincount(slots, _quick(series, smooth)))) ** 2
+        first = max(2, int(np.ceil(above * length)))
+        high = power[first:]
+        if high.size < _FEWEST or not high.max() > np.log(high.size / _CHANCE) * np.median(high) / np.log(2):
+            return
+        line = _line_beside(series, at, (first + int(np.argmax(high))) / length, smooth)
+        yield line
+        series = series - line.fitted
+
+
+def _quick(series: Floats, smooth: int) -> Floats:
+    """What a series (…, samples) has beside means of so many samples; all of it for 0. A slow wave with samples missing has lines of its
+    own, where the holes come evenly."""
+    for _ in range(2 if smooth else 0):
+        series = series - uniform_filter1d(series, smooth, axis=-1, mode="nearest")
+    return series
+
+
+def _line_beside(series: Floats, at: Floats, place: float, smooth: int) -> Line:
+    """The ``Line`` that leaves least of a series, within a step of its spectrum beside a frequency (cycles a step)."""
+    step = 1 / (at[-1] + 1)
+    found = minimize_scalar(
+        lambda frequency: -_wave(series, at, frequency, smooth).amplitude,
+        bounds=(place - step, min(place + step, 0.5)),
+        method="bounded",
+        options={"xatol": 1e-4 * step},
+    )
+    return _wave(series, at, float(found.x), smooth)
+
+
+def _wave(series: Floats, at: Floats, frequency: float, smooth: int) -> Line:
+    """The ``Line`` of this frequency (cycles a step) that leaves least of what is quick in a series."""
+    phase = 2 * np.pi * frequency * at
+    waves = np.array([np.cos(phase), np.sin(phase)])
+    fitted = np.linalg.lstsq(_quick(waves, smooth).T, _quick(series, smooth), rcond=1e-9)[0] @ waves
+    return Line(float(np.sqrt(2 * np.mean(fitted**2))), fitted, waves)
 
 
 def _rounding(slopes: Floats, angle: Floats, fitted: Floats, variance: float) -> Floats:
@@ -142,22 +314,31 @@ def _rounding(slopes: Floats, angle: Floats, fitted: Floats, variance: float) ->
     return rounding(slopes, fitted, step, before) if step else np.zeros((len(slopes), len(slopes)))
 
 
-def _mean(series: Floats, each: int) -> Floats:
-    """Means of ``each`` neighbours along the last axis; what is left at the end goes."""
-    whole = series.shape[-1] // each * each
-    return series[..., :whole].reshape(*series.shape[:-1], -1, each).mean(axis=-1)
-
-
-def _coloured(parts: Sequence[_Part]) -> Iterator[tuple[Colour, list[_Part]]]:
-    """The colour of all swings of about one sampling interval together, with these swings."""
+def _coloured(parts: Sequence[_Part]) -> Iterator[tuple[Colour, list[tuple[_Part, Floats]]]]:
+    """The colour of all swings of about one sampling interval together, with these swings; beside each the standard deviation of the sum of
+    residuals in each piece over that of the colour's series."""
     left = list(parts)
     while left:
         alike = [part for part in left if abs(part.interval / left[0].interval - 1) < 0.05]
         left = [part for part in left if not any(part is one for one in alike)]
-        yield autoregression([part.residual for part in alike]), alike
+        spreads = [np.sqrt(part.counts * (1 + (part.counts - 1) * _within(alike))) for part in alike]
+        with np.errstate(invalid="ignore"):  # of a piece without samples nothing is known: 0/0
+            series = [part.residual / spread for part, spread in zip(alike, spreads, strict=True)]
+        yield autoregression(series), list(zip(alike, spreads, strict=True))
 
 
-def _weighted(slopes: Floats, colour: Colour) -> Floats:
+def _within(parts: Sequence[_Part]) -> float:
+    """The correlation of two residuals in one piece, as all of them tell it; at least 0."""
+    counts, sums = (
+        np.concatenate([getattr(part, name) for part in parts]) for name in ("counts", "residual")
+    )
+    squares, pairs = sum(part.squares for part in parts), float(counts @ (counts - 1))
+    if not (pairs and squares):
+        return 0.0
+    return min(1.0, max(0.0, (float(sums @ sums) - squares) / pairs / (squares / float(counts.sum()))))
+
+
+def weighted(slopes: Floats, colour: Colour) -> Floats:
     """J' R J for the slopes (free, means) and the autocovariance of a colour."""
     size = 2 * slopes.shape[1]
     spectrum = np.fft.rfft(slopes, size)
@@ -169,25 +350,29 @@ def _weighted(slopes: Floats, colour: Colour) -> Floats:
 def autoregression(series: Sequence[Floats], highest: int = _HIGHEST) -> Colour:
     """The ``Colour`` of series that share one: Burg's coefficients of the order that BIC prefers.
 
-    Their means are not taken off: of a residual they are part of the error.
+    Their means are not taken off: of a residual they are part of the error. Values that are missing are nan: an error of prediction
+    counts where all that it is made of are there (de Waele and Broersen, IEEE Trans. Signal Process. 48, 2876 (2000)).
     """
-    forward, backward = [np.asarray(one, dtype=float) for one in series], []
+    forward = [np.asarray(one, dtype=float) for one in series]
     backward = list(forward)
-    n = sum(one.size for one in forward)
-    variance = sum(float(one @ one) for one in forward) / n
+    n = sum(int(np.isfinite(one).sum()) for one in forward)
+    variance = sum(float(np.nansum(one**2)) for one in forward) / n
     best, coefficients = Colour(np.zeros(0), variance), np.zeros(0)
-    least = n * np.log(variance) if variance > 0 else -np.inf
-    for order in range(1, min(highest, min(one.size for one in forward) // _FEWEST) + 1):
+    least = bic = n * np.log(variance) if variance > 0 else -np.inf
+    for _ in range(min(highest, min(one.size for one in forward) // _FEWEST)):
         ahead, behind = [one[1:] for one in forward], [one[:-1] for one in backward]
-        power = sum(float(a @ a + b @ b) for a, b in zip(ahead, behind, strict=True))
+        power = sum(float(np.nansum(a * a + b * b)) for a, b in zip(ahead, behind, strict=True))
         if not (variance > 0 and power > 0):
             break
-        reflection = 2 * sum(float(a @ b) for a, b in zip(ahead, behind, strict=True)) / power
+        reflection = 2 * sum(float(np.nansum(a * b)) for a, b in zip(ahead, behind, strict=True)) / power
         coefficients = np.r_[coefficients - reflection * coefficients[::-1], reflection]
         forward = [a - reflection * b for a, b in zip(ahead, behind, strict=True)]
         backward = [b - reflection * a for a, b in zip(ahead, behind, strict=True)]
         variance *= 1 - reflection**2
-        bic = n * np.log(variance) + order * np.log(n)
+        seen = np.mean(
+            np.isfinite(np.concatenate(forward))
+        )  # the share of predictions that tell this reflection
+        bic += n * seen * np.log(1 - reflection**2) + np.log(n)
         if bic < least:
             best, least = Colour(coefficients, variance), bic
     return best

@@ -11,8 +11,11 @@ import xarray as xr
 from ..arrays import Floats
 from ..errors import InputError
 from ..quantisation import quantisation_step
+from . import points_recording
+from .even import Even
 from .gyroscope import TO_RAD_PER_S
-from .noise_level import noise_of
+from .noise_level import Noise, noise_by_times, noise_of
+from .plausibility import half_swings
 from .release import by_itself
 from .slack import as_variables, of_calibration, of_tolerances
 from .spikes import without
@@ -21,6 +24,8 @@ BOUND = "half width of the interval that holds the angle with 95 %"
 PAPER_BOUND = "half width of the paper's bound, limits added: it holds some 90 % of angles (docs/trust.md)"
 _RAD = {"rad": 1.0, "deg": pi / 180} | TO_RAD_PER_S
 _PARTS = ("standard_uncertainty", "random_uncertainty", "systematic_uncertainty", "bound")
+_CARRIED = ("label", "unit_told", "scale", "time_standard_uncertainty_s")  # from a recording to its angles
+UNSCALED = "unknown scale"  # the mode of angles that stand for readings whose scale nobody states: period and decay alone hold
 UNIFORM_95 = 0.95 * sqrt(3)  # half width of the interval that holds 95 % of a uniform distribution, in its u
 
 
@@ -35,10 +40,12 @@ def to_angle(recording: xr.Dataset, calibration: xr.Dataset | None = None, mode:
     ``reading_slack`` (nuisance, source) says what each source does to the reading's gain, zero and curvature,
     which fits leave open. Samples that the recording marks as spikes are left out: their times are missing. InputError for volts without a calibration, or with one of another campaign.
     """
+    if points_recording.are_points(recording):
+        return points_recording.to_angle(recording)
     recording, healed = without(by_itself(recording))
     signal = recording["signal"]
     unit = signal.attrs["units"]
-    if unit == "V":
+    if unit == "V" and "rad_per_unit" not in recording.attrs:
         angle, random, systematic, bound, notes = _from_volts(recording, calibration, mode)
     else:
         angle, random, notes = _from_angle(recording, unit, healed)
@@ -69,7 +76,7 @@ def to_angle(recording: xr.Dataset, calibration: xr.Dataset | None = None, mode:
     kept = {
         key: recording.attrs[key] for key in ("recording", "campaign", "role", "file", "sha256", "source")
     }
-    kept |= {"label": recording.attrs["label"]} if "label" in recording.attrs else {}
+    kept |= {key: recording.attrs[key] for key in _CARRIED if key in recording.attrs}
     emulated = recording.attrs["emulated"]
     if unit == "V" and calibration is not None and calibration.attrs["emulated"] == "yes":
         emulated = "yes"
@@ -92,6 +99,7 @@ def to_angle(recording: xr.Dataset, calibration: xr.Dataset | None = None, mode:
             "emulated": emulated,
             "expected_samples": len(angle),
             "clock_uncertainty": slack.clock,
+            "clock_limited": slack.limited,
             **notes,
         },
     )
@@ -166,18 +174,31 @@ def _encoder_limit(calibration: xr.Dataset, volts: Floats, name: str) -> Floats:
     return limits[np.searchsorted(up_to, np.abs(volts))]
 
 
-def _from_angle(recording: xr.Dataset, unit: str, healed: Floats) -> tuple[Floats, Floats, dict[str, Any]]:
-    """Angle, random uncertainty and notes; ``healed`` is the signal with spikes healed, evenly spaced as noise is told from."""
+def _noise(times: Floats, values: Floats, healed: Even) -> Noise:
+    """The noise that a recording shows: by its spectrum, and where samples are missing by the scatter about the swing."""
+    if healed.kept and not healed.missing.any():
+        return noise_of(np.linspace(healed.times[0], healed.times[-1], healed.signal.size), healed.signal)
+    return Noise(noise_by_times(times, values, half_swings(values).period(times)), 0.0)
+
+
+def _from_angle(recording: xr.Dataset, unit: str, healed: Even) -> tuple[Floats, Floats, dict[str, Any]]:
+    """Angle, random uncertainty and notes; ``healed`` is the signal on an even grid, spikes healed."""
     values, times = recording["signal"].values, recording["time"].values
-    scale = 2 * pi / recording.attrs["counts_per_revolution"] if unit == "counts" else _RAD[unit]
+    scale = (
+        recording.attrs.get("rad_per_unit")
+        or _RAD.get(unit)
+        or 2 * pi / recording.attrs["counts_per_revolution"]
+    )
     step = 1.0 if unit == "counts" else quantisation_step(values)
     colour: dict[str, float] = {}
     if step:
         u, mode, factor = step / sqrt(12), "resolution", UNIFORM_95
     else:
-        noise = noise_of(np.linspace(times[0], times[-1], healed.size), healed)
+        noise = _noise(times, values, healed)
         u, mode, factor = noise.deviation, "residual noise", 1.96
         colour = {"noise_correlation": noise.correlation} if noise.correlation else {}
+    if recording.attrs.get("scale") == "unknown":
+        mode = UNSCALED
     notes: dict[str, Any] = {
         "mode": mode,
         "coverage_factor": factor,

@@ -4,13 +4,12 @@ from pathlib import Path
 from typing import NotRequired, TypedDict, cast
 
 import numpy as np
-import yaml
 from numpy.typing import ArrayLike
 
 from ..arrays import Floats
 from ..errors import InputError
 from ..paths import find, is_url
-from ..schema import check
+from ..schema import check, read_yaml
 from .line import FEWEST
 from .uncertainty import Input, from_limit
 
@@ -89,11 +88,9 @@ def read_apparatus(path: str | Path, check_files: bool = True) -> Apparatus:
             "a YAML file",
             "correct the key `apparatus` of the config",
         )
-    try:
-        content = yaml.safe_load(found.read_text(encoding="utf-8"))
-    except (yaml.YAMLError, UnicodeDecodeError) as error:
-        raise InputError(path, f"it is not YAML ({error})", "keys and values", "correct the file") from error
-    apparatus = cast(Apparatus, check(content, "apparatus.schema.yaml", path) | {"path": str(path)})
+    apparatus = cast(
+        Apparatus, check(read_yaml(found, path), "apparatus.schema.yaml", path) | {"path": str(path)}
+    )
     points = apparatus["points"]
     if len(points) < FEWEST:
         raise InputError(
@@ -111,6 +108,15 @@ def read_apparatus(path: str | Path, check_files: bool = True) -> Apparatus:
                 "a path relative to the working directory, an absolute path or a URL",
                 "correct the path",
             )
+    if wide := [
+        entry["limit"] for entry in apparatus["encoder"]["limits"] if entry["limit"] > entry["up_to"]
+    ]:
+        raise InputError(
+            f"{path}, key encoder.limits",
+            f"a limit of error of {wide[0]:g} V, more than the readings that it is of",
+            "limits of error in V, far below up_to",
+            "correct the limit",
+        )
     bounds = [entry["up_to"] for entry in apparatus["encoder"]["limits"]]
     if bounds != sorted(set(bounds)):
         raise InputError(

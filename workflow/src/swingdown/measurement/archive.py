@@ -1,6 +1,5 @@
 """Tables inside other files, as text: a sheet of a workbook (Excel, OpenDocument), a CSV file in a zip archive (phyphox)."""
 
-import csv
 import io
 import shutil
 import tempfile
@@ -8,9 +7,8 @@ import zipfile
 import zlib
 from typing import BinaryIO
 
-from python_calamine import CalamineError, CalamineWorkbook
-
 from ..errors import InputError
+from .workbook import sheet
 
 ZIP, OLD = b"PK\x03\x04", b"\xd0\xcf\x11\xe0"
 LARGEST = 500_000_000  # bytes, unpacked: a workbook is held whole
@@ -61,27 +59,10 @@ def unpacked(source: BinaryIO, name: str, part: str) -> tuple[BinaryIO, str] | N
 
 
 def _sheet(source: BinaryIO, name: str, part: str) -> tuple[BinaryIO, str]:
-    try:
-        with CalamineWorkbook.from_filelike(io.BytesIO(source.read())) as book:
-            sheets = book.sheet_names
-            if part and part not in sheets:
-                raise _no_part(name, part, sheets, "sheet")
-            chosen = part or sheets[0]
-            rows = book.get_sheet_by_name(chosen).to_python(skip_empty_area=False)
-    except (CalamineError, OSError, ValueError, IndexError) as error:
-        if isinstance(error, InputError):
-            raise
-        raise InputError(
-            name,
-            f"it cannot be read as a workbook ({error})",
-            "a sheet of Excel or OpenDocument",
-            "save it as CSV",
-        ) from error
-    text = io.StringIO()
-    csv.writer(text, delimiter="\t", lineterminator="\n").writerows(
-        [" ".join(cell.split()) if isinstance(cell, str) else cell for cell in row] for row in rows
-    )
-    return io.BytesIO(text.getvalue().encode()), f"sheet `{chosen}`"
+    names, rows = sheet(source, name, part)
+    if part and part not in names:
+        raise _no_part(name, part, names, "sheet")
+    return io.BytesIO(rows), f"sheet `{part or names[0]}`"
 
 
 def _member(archive: zipfile.ZipFile, name: str, part: str) -> tuple[BinaryIO, str]:
@@ -105,6 +86,13 @@ def _member(archive: zipfile.ZipFile, name: str, part: str) -> tuple[BinaryIO, s
             "name one of them in the cell `sheet` of the sample sheet",
         )
     chosen = part or files[0]
+    if (size := archive.getinfo(chosen).file_size) > LARGEST:
+        raise InputError(
+            name,
+            f"`{chosen}` in it has {size / 1e6:.0f} MB when unpacked",
+            f"at most {LARGEST / 1e6:.0f} MB",
+            "unpack the archive: a CSV file by itself is read in pieces",
+        )
     text = tempfile.TemporaryFile()  # noqa: SIM115 - closed with the last reference
     with archive.open(chosen) as packed:
         shutil.copyfileobj(packed, text)

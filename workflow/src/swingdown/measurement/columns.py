@@ -39,6 +39,9 @@ UNITS = {written: meaning for meaning, all_ in _WRITTEN.items() for written in a
 
 _TIMES = re.compile(r"(?i)\b(t|time|zeit|temps|tiempo|tempo|timestamp|elapsed|millis|micros)\b")
 _ANGLES = re.compile(r"(?i)θ|φ|\b(theta|phi|angle|angular position|winkel|ángulo|angulo|ausschlag)\b")
+_DRIVES = re.compile(
+    r"(?i)\b(drive|driver|driving|motor|forcing|excitation|exciter|input|forzante|forzatura|erreger|antrieb|excitateur)\b"
+)
 _SIZE_ALONE = re.compile(r"(?i)\b(abs|absolute|magnitude|norm|total|betrag)\b")
 _COORDINATE = re.compile(r"(?i)^(?:.*[ _-])?(?:position[ _-]?)?([xy])(?:[ _-]?(?:position|pos))?$")
 
@@ -87,7 +90,10 @@ def _unit_in(name: str) -> tuple[str, str]:
         "milliseconds",
         "microseconds",
         "seconds",
+        "second",
         "counts",
+        "volt",
+        "volts",
     ):
         return name, name.lower()
     if found := re.fullmatch(r"(.*?)\s*[(\[]\s*([^()\[\]]*?)\s*[)\]]\s*", name):
@@ -141,14 +147,14 @@ def choose(
             clock = columns[0]
     if not units[0] and clock.kind not in (TIME, UNTOLD):
         raise InputError(
-            f"{place}, column {clock.name}",
+            f"{place}, {place_of(clock.name)}",
             f"{_saying(clock)} cannot be the time",
             "a column of time in s, ms or us",
             "name it in the cell time_column of the sheet, or write its unit in time_unit",
         )
     if not units[0] and clock.written and not clock.unit:
         raise InputError(
-            f"{place}, column {clock.name}",
+            f"{place}, {place_of(clock.name)}",
             f"the unit of the time, {clock.written!r}, is not known here",
             "s, ms or us",
             "convert the column, or write its unit in the cell time_unit of the sheet",
@@ -166,7 +172,9 @@ def _swing(
         pair = _pair(others) if chosen.kind == LENGTH or (chosen.axis and not stated) else []
         if not stated and chosen in pair:
             return pair
-        return [_checked(chosen, others, place, stated, lone=clock.kind == TIME)]
+        return [_checked(chosen, others, place, stated)]
+    # what drives a pendulum is none, while there is another column
+    others = [one for one in others if not _DRIVES.search(one.name.replace("_", " "))] or others
     if not others:
         raise InputError(
             place, "the file has 1 column(s)", "a column of time and one of the signal", "export both"
@@ -181,11 +189,11 @@ def _swing(
     if pair := _pair(others):
         return pair
     if clock.axis == "x" and (drawn := next((one for one in others if one.axis == "y"), None)):
-        return [_checked(drawn, others, place, "", lone=False)]  # a graph's: y over x, its errors may follow
-    for wanted in (_names_angle, _plain, _has_signal_unit, _is_rate):
+        return [_checked(drawn, others, place, "")]  # a graph's: y over x, its errors may follow
+    for wanted in (_names_angle, _plain, _has_signal_unit, _is_rate, _is_coordinate):
         if found := next((one for one in others if wanted(one)), None):
             return [found]
-    return [_checked(first, others, place, "", lone=clock.kind == TIME)]
+    return [_checked(first, others, place, "")]
 
 
 def _has_signal_unit(one: Meaning) -> bool:
@@ -201,6 +209,10 @@ def axes_beside(names: Sequence[str], chosen: Meaning, beside: Mapping[str, str]
     turns without saying which way is none of them."""
     columns = [meaning(name, beside.get(name, "")) for name in names]
     return [one.name for one in columns if _is_rate(one) and one.unit == chosen.unit]
+
+
+def _is_coordinate(one: Meaning) -> bool:
+    return one.kind == LENGTH
 
 
 def _names_angle(one: Meaning) -> bool:
@@ -223,35 +235,31 @@ def _saying(one: Meaning) -> str:
     return f"{kind or 'a column'}" + (f" in {one.written!r}" if one.written else "")
 
 
-def _checked(one: Meaning, others: list[Meaning], place: str, stated: str, lone: bool) -> Meaning:
-    """``one``; InputError by name where it cannot be an angle. ``lone`` refuses an x or y that lacks the other."""
+def _checked(one: Meaning, others: list[Meaning], place: str, stated: str) -> Meaning:
+    """``one``; InputError by name where it can be neither an angle nor one coordinate of a bob."""
     if one.kind == RATE and _SIZE_ALONE.search(one.name):
         raise InputError(
-            f"{place}, column {one.name}",
+            f"{place}, {place_of(one.name)}",
             "it tells how fast it turns and not which way",
             "the rate about one axis, in rad/s or deg/s",
             "name the column of that axis in the cell signal_column of the sheet",
         )
     if stated or (one.unit and one.kind in (ANGLE, VOLTAGE, COUNTS, RATE)):
         return one
-    if one.kind in (ANGLE, UNTOLD) and not one.written and not (lone and one.axis):
+    if one.kind == LENGTH or (one.kind in (ANGLE, UNTOLD) and not one.written):
         return one
     mends = {
         RATE: "write rad/s or deg/s in the cell signal_unit of the sheet, or convert the column to one of them",
-        LENGTH: "export the other coordinate too (x and y): an angle is fitted to both, with the pivot",
         ANGLE: "convert it to rad or deg",
         VOLTAGE: "convert it to V, rad or deg",
-        UNTOLD: "export the other coordinate too (x and y): an angle is fitted to both, with the pivot",
     }
     if one.written.lower() in _ACCELERATIONS:
         mends[OTHER] = (
             "record the gyroscope in the same way: an accelerometer that rides on the bob tells no angle"
         )
-    what = "a coordinate without its partner" if one.kind in (LENGTH, UNTOLD) else _saying(one)
-    if one.kind == LENGTH:
-        what += f", in {one.written!r},"
+    what = _saying(one)
     raise InputError(
-        f"{place}, column {one.name}",
+        f"{place}, {place_of(one.name)}",
         f"{what} is no angle"
         + (
             " in a unit known here"
@@ -264,6 +272,11 @@ def _checked(one: Meaning, others: list[Meaning], place: str, stated: str, lone:
         + (f"; the file has {', '.join(column.name for column in others)}" if len(others) > 1 else ""),
         mends.get(one.kind, "name the column of the angle in the cell signal_column of the sheet"),
     )
+
+
+def place_of(name: str) -> str:
+    """How a column is called where something is wrong with it: by its name, or by its number where it has none."""
+    return name if re.fullmatch(r"column \d+", name) else f"column {name}"
 
 
 def known_unit(column: Meaning, stated: str, kinds: Sequence[str]) -> str:

@@ -1,12 +1,16 @@
 """Whether a recording runs on: spikes, jumps as of lost samples, a clock that stumbles, a sensor that died."""
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..arrays import Floats
 from ..errors import InputError
 from ..quantisation import quantisation_step
-from .plausibility import half_swings
-from .spikes import MOST, SIDE, Spikes, evenness, find_spikes, kernel, standing_out
+from .clock import UNEVEN
+from .even import evenly, told
+from .plausibility import half_swings, passages
+from .renumbered import lost_evenly
+from .spikes import MOST, SIDE, Spikes, beside_holes, find_spikes, kernel, standing_out
 
 SPIKE = "a spike"
 PHASE = "the pendulum is out of step with the clock, as where samples are lost,"
@@ -16,21 +20,25 @@ JITTER = 8.0  # standard deviations of what noise does to the time of a half-swi
 
 
 def check_continuous(times: Floats, signal: Floats, place: str, spikes: Spikes | None = None) -> list[str]:
-    """Remarks, each one line, on spikes, jumps and uneven times. ``spikes`` are those of the signal, where they are known."""
-    period = half_swings(signal).period(times)
-    interval, uneven = evenness(times)
-    if len(uneven) > MOST * (times.size - 1):  # a clock that jitters throughout
-        varies = float(np.std(np.diff(times))) / interval
-        return [f"the time between samples varies by {varies:.2g} of {interval:.4g} s (standard deviation)"]
-    remarks = [_told("the clock stumbles", times[uneven + 1])] if len(uneven) else []
+    """Remarks, each one line, on what is missing, on spikes, jumps and uneven times. ``spikes`` are those of the signal, where they are known."""
     spikes = spikes or find_spikes(times, signal)
+    even = evenly(times, spikes.healed)
+    remarks = told(even, times)
+    if not even.kept:
+        return remarks
+    period, interval = half_swings(signal).period(times), even.interval
+    steps = np.diff(times) / interval
+    uneven = np.flatnonzero(np.abs(steps - np.round(steps)) > UNEVEN)
+    remarks += [_told("the clock stumbles", times[uneven + 1])] if len(uneven) else []
     left_out = np.flatnonzero(spikes.where)
+    unknown = beside_holes(even, period)
+    remarks += lost_evenly(even, period / interval)
     # spikes that were left where they are, for they are too many or too near an end
-    kept = _places(spikes.healed, kernel(True), period / interval)
-    healed = spikes.healed.copy() if kept else spikes.healed
+    kept = _places(even.signal, kernel(True), period / interval, unknown)
+    healed = even.signal.copy() if kept else even.signal
     for k in kept:
         healed[k] = (healed[k - 1] + healed[k + 1]) / 2
-    jumps = _places(healed, kernel(False), period / interval)
+    jumps = _places(healed, kernel(False), period / interval, unknown)
     kept = [k for k in kept if all(abs(k - n) > SIDE for n in jumps)]  # a jump looks a little like one
     if len(left_out):
         runs = np.split(left_out, np.flatnonzero(np.diff(left_out) > 1) + 1)
@@ -38,15 +46,11 @@ def check_continuous(times: Floats, signal: Floats, place: str, spikes: Spikes |
         remarks.append(f"{words}, left out as missing: {len(left_out)} of {times.size} samples")
     if kept:
         many = not len(left_out) and len(kept) > MOST * times.size
-        remarks.append(f"{_told(SPIKE, times[kept])}, {'too many to be' if many else 'not'} left out")
+        remarks.append(f"{_told(SPIKE, even.times[kept])}, {'too many to be' if many else 'not'} left out")
     if jumps:
-        remarks.append(_told(JUMP, times[jumps]))
-    told = times[[*left_out, *kept, *jumps]]
-    late = [
-        one
-        for one in _out_of_step(times, spikes.healed)
-        if all(abs(one - other) > 3 * period for other in told)
-    ]
+        remarks.append(_told(JUMP, even.times[jumps]))
+    odd = np.concatenate([times[left_out], even.times[[*kept, *jumps]], even.times[unknown]])
+    late = [one for one in _out_of_step(times, spikes.healed) if not (np.abs(odd - one) < 3 * period).any()]
     if late:
         remarks.append(_told(PHASE, np.array(late)))
     return remarks
@@ -60,20 +64,9 @@ def _out_of_step(times: Floats, signal: Floats) -> Floats:
     """
     swings = half_swings(signal)
     middle = float(np.median(signal[len(signal) // 2 :])) if len(swings.starts) < 5 else swings.centre()
-    now = swings.starts[1:]
-    away = signal - middle
-    side = np.sign(away[now])
-    last = np.array(
-        [
-            before + np.flatnonzero(away[before : n + 1] * s < 0)[-1]
-            for before, n, s in zip(swings.starts, now, side, strict=False)
-            if (away[before : n + 1] * s < 0).any()
-        ],
-        dtype=int,
-    )
-    if len(last) != len(now) or len(now) < 12:
+    passed = passages(times, signal, middle)
+    if len(passed) != len(swings.starts) - 1 or len(passed) < 13:
         return np.empty(0)
-    passed = times[last] + (times[now] - times[last]) * away[last] / (away[last] - away[now])
     lasts = np.diff(passed)
     sizes = np.abs(np.diff(swings.turns))[1 : len(lasts) + 1]
     beside = np.median([lasts[:-8], lasts[2:-6], lasts[6:-2], lasts[8:]], axis=0)
@@ -89,9 +82,12 @@ def _told(what: str, times: Floats) -> str:
     return f"{what} at {times[0]:.6g} s{more}"
 
 
-def _places(signal: Floats, weights: Floats, period: float) -> list[int]:
-    """Where the height that the kernel tells stands out of those nearby: the largest of each cluster. ``period`` in samples."""
-    clusters = [one.samples for one in standing_out(signal, weights, period)]
+def _places(signal: Floats, weights: Floats, period: float, unknown: NDArray[np.bool_]) -> list[int]:
+    """Where the height that the kernel tells stands out of those nearby: the largest of each cluster. ``period`` in samples; of
+    places that are ``unknown`` nothing is told."""
+    clusters = [
+        one.samples for one in standing_out(signal, weights, period) if not unknown[one.samples].any()
+    ]
     if not clusters:
         return []
     height = np.abs(np.correlate(signal, weights, mode="valid"))

@@ -87,6 +87,35 @@ def noise_level(times: ArrayLike, signal: ArrayLike, band: tuple[float, float] =
     return float(np.sqrt(np.median(power[inside] / gain[inside]) / np.log(2)))
 
 
+def scatter(times: Floats, signal: Floats, window: int, order: int, most: int = 20_000) -> Floats:
+    """The variances that polynomials of an ``order`` leave in windows of so many neighbouring samples, each by its own times.
+
+    ``times`` (s) need not be even; of more than ``most`` windows as many are looked at, evenly chosen.
+    """
+    count = len(times) // window
+    chosen = np.linspace(0, count - 1, min(count, most)).astype(int)
+    own, when = (np.asarray(one)[: count * window].reshape(count, window)[chosen] for one in (signal, times))
+    when = when - when.mean(axis=1, keepdims=True)
+    basis = np.linalg.qr((when / np.abs(when).max(axis=1, keepdims=True))[..., None] ** np.arange(order + 1))[
+        0
+    ]
+    left = own - np.einsum("mij,mkj,mk->mi", basis, basis, own, optimize=True)
+    return np.sum(left**2, axis=1) / (window - order - 1)
+
+
+def noise_by_times(times: Floats, signal: Floats, period: float) -> float:
+    """The standard deviation of the white noise of a swing whose samples keep no rate, in the unit of ``signal``.
+
+    It is the usual scatter about quintics through less than half a ``period`` (s) each; of fewer than nine samples there, quartics.
+    """
+    samples = int(0.45 * period / max(float(np.median(np.diff(times))), 1e-12))
+    window = min(max(samples, 7), 25)
+    order = 5 if window > 8 else 4
+    freedom = window - order - 1
+    usual = (1 - 2 / (9 * freedom)) ** 3  # the median of chi-square over its mean (Wilson and Hilferty)
+    return float(np.sqrt(np.median(scatter(times, signal, window, order)) / usual))
+
+
 def _spectrum(signal: Floats, interval: float) -> tuple[Floats, Floats, Floats]:
     """Frequencies (Hz), the periodogram of the second difference, and what the difference did to the signal's own."""
     difference = np.diff(signal, 2)

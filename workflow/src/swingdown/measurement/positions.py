@@ -1,15 +1,24 @@
-"""Positions of a bob, as a video gives them, to the angle about a fitted pivot."""
+"""Positions of a bob, as a video or a ranger gives them, to the angle: about a fitted pivot, or by a length."""
 
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
 from ..arrays import Floats
 from ..errors import InputError
+from .plausibility import half_swings
+from .stated import UNITS, read
 
 LEAST_ARC = 0.1  # rad; a shorter arc does not tell the radius
+LINE = 0.1  # beside over along, of what lies on a line
 TIGHT = 0.02  # residual over radius of what is tracked in a video
+FAR = 6.0  # times the scatter of the others: a point that is none of the bob
+_PASSES = 10
+SMALL = 0.1  # rad; below, the sine of an angle is the angle to a part in 600
+GRAVITY = 9.81  # m/s^2; it varies by half a per cent over the Earth, and a length by it is an estimate
+METRES = {name: factor for name, (dimension, factor) in UNITS.items() if dimension == "m"}
 LOOSEST = 0.1  # residual over radius, beyond which the points lie on no circle
 
 
@@ -29,10 +38,55 @@ def fit_circle(x: Floats, y: Floats, place: str = "positions") -> Circle:
     """The circle with the least squared distances from the points; x, y and the result in one unit.
 
     It starts from Taubin's algebraic fit (IEEE Trans. PAMI 13, 1115 (1991)) in the form of Chernov, *Circular
-    and Linear Regression* (2010), and minimises the true distances from there. The uncertainties are those of least squares
+    and Linear Regression* (2010), and minimises the true distances from there. Points far beside it, as a tracker leaves them that
+    lost the bob, do not count (``lost``). The uncertainties are those of least squares
     with the scatter as seen; errors that neighbouring samples share are not in them. InputError for points that
     lie on a straight line, on too short an arc, or on no circle.
     """
+    kept = np.ones(x.size, dtype=bool)
+    for _ in range(_PASSES):
+        circle = _circle(x[kept], y[kept], place)
+        away = np.abs(np.hypot(x - circle.x, y - circle.y) - circle.radius)
+        # at first by the usual distance: those of lost points would widen their own limit
+        usual = max(1.4826 * float(np.median(away)), 1e-9 * circle.radius)
+        again = away <= FAR * usual
+        if (again == kept).all():
+            break
+        kept = again
+    arc = float(np.ptp(np.unwrap(np.arctan2(y[kept] - circle.y, x[kept] - circle.x))))
+    if arc < LEAST_ARC or not circle.residual < LOOSEST * circle.radius:
+        raise InputError(
+            place,
+            f"the positions tell no pivot: an arc of {arc:.3g} rad, {circle.residual / circle.radius:.2g} of the radius away from a circle",
+            f"points on an arc of {LEAST_ARC:g} rad or more about a pivot that stands still",
+            "record a larger swing with the camera still, or export the angle",
+        )
+    return circle
+
+
+def along_a_line(x: Floats, y: Floats) -> Floats | None:
+    """How far along the line through them the points lie, where that is all that they tell: an arc too short for a pivot; else None."""
+    both = np.stack([x - np.median(x), y - np.median(y)])
+    size = np.hypot(*both)
+    kept = size <= FAR * max(float(np.median(size)), 1e-300)
+    values, axes = np.linalg.eigh(np.cov(both[:, kept]))
+    if not values[1] > 0 or values[0] > LINE**2 * values[1]:
+        return None
+    along, beside = axes[:, 1] @ both, axes[:, 0] @ both
+    # the sagitta of an arc of LEAST_ARC to both sides is an eighth of it beside the line
+    bend = np.polynomial.polynomial.polyfit(along[kept], beside[kept], 2)[2]
+    if abs(bend) * 2 * float(np.ptp(along[kept])) > LEAST_ARC:
+        return None
+    return along
+
+
+def lost(x: Floats, y: Floats, circle: Circle) -> NDArray[np.bool_]:
+    """Which points lie so far beside a circle, by the scatter of the others, that they are none of the bob."""
+    away = np.abs(np.hypot(x - circle.x, y - circle.y) - circle.radius)
+    return away > FAR * max(circle.residual, 1e-9 * circle.radius)
+
+
+def _circle(x: Floats, y: Floats, place: str) -> Circle:
     middle = np.array([x.mean(), y.mean()])
     u, v = x - middle[0], y - middle[1]
     scale = float(np.sqrt(np.mean(u**2 + v**2)))
@@ -47,18 +101,9 @@ def fit_circle(x: Floats, y: Floats, place: str = "positions") -> Circle:
         x_scale=(1, 1, 1),
     )
     a, b, radius = map(float, fit.x)
-    residual = float(np.sqrt(2 * fit.cost / max(len(u) - 3, 1)))
-    angles = np.unwrap(np.arctan2(v - b, u - a))
-    arc = float(np.ptp(angles))
-    if arc < LEAST_ARC or not residual < LOOSEST * radius or not fit.success:
-        raise InputError(
-            place,
-            f"the positions tell no pivot: an arc of {arc:.3g} rad, {residual / radius:.2g} of the radius away from a circle",
-            f"points on an arc of {LEAST_ARC:g} rad or more about a pivot that stands still",
-            "record a larger swing with the camera still, or export the angle",
-        )
+    residual = float(np.sqrt(2 * fit.cost / max(len(u) - 3, 1))) if fit.success else np.inf
     slopes = _slopes(u - a, v - b)
-    spread = residual * np.sqrt(np.diag(np.linalg.inv(slopes.T @ slopes)))
+    spread = residual * np.sqrt(np.diag(np.linalg.pinv(slopes.T @ slopes)))
     values = np.array([a, b, radius, *spread, residual]) * scale
     values[:2] += middle
     return Circle(*map(float, values))
@@ -108,3 +153,67 @@ def to_angles(x: Floats, y: Floats, circle: Circle) -> Floats:
     """
     down = 1.0 if np.median(y) > circle.y else -1.0
     return np.unwrap(np.arctan2(x - circle.x, down * (y - circle.y)))
+
+
+def metres(length: str, unit: str, place: str, quiet: bool = False) -> float:
+    """A length written as ``0.58``, ``58 cm`` or ``350 px`` in ``unit``; without a unit of its own it is in m, or in ``unit`` where that is
+    no length known here. Its uncertainty (``0.583±0.001``) is left out. 0.0, or InputError unless ``quiet``, where the two do not go together.
+    """
+    found = read(length)
+    number, own, wanted = (found.value, found.unit, unit.lower()) if found else (np.nan, "", unit.lower())
+    if own.lower() == wanted or (not own and wanted not in METRES):
+        factor = 1.0
+    else:
+        factor = METRES.get(own.lower() or "m", 0.0) / METRES.get(wanted, np.inf)
+    if np.isfinite(number) and number > 0 and factor:
+        return number * factor
+    if quiet:
+        return 0.0
+    raise InputError(
+        f"{place}, column length",
+        f"{length!r} is no length in the coordinate's unit, {unit or 'which nobody states'}",
+        "a length in m, or with a unit, as 58 cm"
+        + (f" or 350 {unit}" if unit and wanted not in METRES else ""),
+        "correct the cell length of the sheet",
+    )
+
+
+def by_length(x: Floats, length: float, place: str) -> Floats:
+    """The angle (rad) of a bob ``length`` below its pivot from one horizontal coordinate, both in one unit: the arcsine about the middle."""
+    away = x - _middle(x)
+    if (reach := float(np.abs(away).max())) > length:
+        raise InputError(
+            place,
+            f"it swings by {reach:.4g} to a side, further than the length of {length:.4g} lets it",
+            "a length from the pivot to the middle of the bob, in the coordinate's unit",
+            "correct the cell length of the sheet",
+        )
+    return np.arcsin(away / length)
+
+
+def without_length(times: Floats, x: Floats, in_metres: float, place: str) -> tuple[Floats, list[str]]:
+    """The angle (rad) of a small swing from one coordinate, ``in_metres`` each unit, and a remark: over the length that a bob on a string
+    has with its period. InputError where the swing is not small: then sine and angle differ.
+    """
+    period = half_swings(x).period(times)
+    if not np.isfinite(period):
+        raise InputError(
+            place, "it swings too short to tell its period", "three half-swings or more", "record longer"
+        )
+    length = GRAVITY * (period / (2 * np.pi)) ** 2 / in_metres
+    away = x - _middle(x)
+    if (reach := float(np.percentile(np.abs(away), 99.5)) / length) > SMALL:
+        raise InputError(
+            place,
+            f"it is one coordinate of a swing of about {np.degrees(reach):.2g}°, whose angle its length tells, and that is not stated",
+            "the length from the pivot to the middle of the bob",
+            "write it in the cell length of the sheet, in m, or export the other coordinate too (x and y)",
+        )
+    return away / length, [
+        f"one coordinate and no length: the angle is its share of {length * in_metres:.3g} m, the length of a bob on a string of this period"
+    ]
+
+
+def _middle(x: Floats) -> float:
+    centre = half_swings(x).centre()
+    return centre if np.isfinite(centre) else float(np.median(x))

@@ -1,59 +1,15 @@
-"""Checks of a series before anything is computed from it: its times, and whether the sensor was at its rail."""
+"""Whether a sensor was at its rail, or moves at all."""
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..arrays import Floats
 from ..errors import InputError
 
-GAP = 1.5  # times the usual interval: a sample is missing
-COARSE = 0.05  # of the samples have the time of the one before: it was rounded
-PART = 0.1  # of the samples without a gap: of less no window is proposed
 PLATEAU = 4  # samples at the highest value of one top before it is looked at
 EDGES = (
     2  # samples that noise may put on the other side of a step, one where a top begins and one where it ends
 )
 STEPS = 8  # quantisation steps below it that are compared with it
-
-
-def check_times(times: Floats, lines: NDArray[np.integer], place: str, gaps: bool = False) -> None:
-    """None if the times (s) rise evenly enough; InputError if one repeats, runs back, or a sample is missing.
-
-    ``lines`` are the file's line numbers of the samples. ``gaps`` lets missing samples pass.
-    """
-    steps = np.diff(times)
-    usual = float(np.median(steps))
-    window = "leave the part out with start_s and stop_s, or mend the file"
-    if len(bad := np.flatnonzero(steps <= 0)):
-        k = bad[0]
-        problem = "the time repeats" if steps[k] == 0 else "the time runs back"
-        raise InputError(
-            f"{place}, line {lines[k + 1]}",
-            f"{problem}: {times[k + 1]:.9g} s after {times[k]:.9g} s ({len(bad)} times in the file)",
-            "time strictly increasing",
-            "export the time with more digits, and once for each sample: many have the same one"
-            if np.count_nonzero(steps == 0) > COARSE * len(steps)
-            else window,
-        )
-    if not gaps and len(bad := np.flatnonzero(steps > GAP * usual)):
-        k = bad[0]
-        raise InputError(
-            f"{place}, line {lines[k + 1]}",
-            f"a gap of {steps[k]:.6g} s after {times[k]:.9g} s ({len(bad)} in the file)",
-            f"a sample every {usual:.6g} s",
-            _whole_part(times, bad, window),
-        )
-
-
-def _whole_part(times: Floats, gaps: NDArray[np.integer], window: str) -> str:
-    """The mend of a recording with gaps after these samples: its longest part without one, where that is a good part of it."""
-    edges = np.concatenate(([0], gaps + 1, [len(times)]))
-    sizes = np.diff(edges)
-    most = int(np.argmax(sizes))
-    first, last = times[edges[most]], times[edges[most + 1] - 1]
-    if sizes[most] < PART * len(times):
-        return "export it at even times, as from a recorder that keeps a rate, or interpolate it to them"
-    return f"{window}: from {first:.9g} to {last:.9g} s there is none (start_s = {first:.9g}, stop_s = {last:.9g})"
 
 
 def check_signal(times: Floats, signal: Floats, place: str, static: bool = False) -> None:

@@ -31,6 +31,7 @@ class Window(NamedTuple):
     begins: float  # past the middle for the first time; nan as before
     ends: float  # nan where it swings to the last sample
     rests: bool  # it ends because the pendulum came to rest; otherwise a hand stopped it
+    why: str = ""  # it begins and ends there, where that is neither a hand nor rest
 
 
 NAN = float("nan")
@@ -43,12 +44,17 @@ class SeveralReleases(InputError):
 
 
 def find_windows(
-    times: Floats, signal: Floats, scale: float = 0.0, rate: bool = False
+    times: Floats,
+    signal: Floats,
+    scale: float = 0.0,
+    rate: bool = False,
+    hidden: Sequence[tuple[float, float]] = (),
 ) -> tuple[list[Window], list[float]]:
     """The Windows of a recording in order, and when (s) something pushed the pendulum within one of them.
 
     There is a window for each release, and one of nan where nobody touched the pendulum. A hand parts two of them where it stays for a period, or where the pendulum
     swings higher after it. ``scale`` is rad per unit of ``signal``, 0 where that is not known. ``rate``: an angular rate. A recording too short to tell gives one of nan.
+    ``times`` are evenly spaced; from when to when (s) the signal is not known there, ``hidden`` tells, and of hands nothing is told beside it.
     """
     whole = Window(NAN, NAN, NAN, False)
     starts = half_swings(signal).starts
@@ -58,7 +64,10 @@ def find_windows(
     step = max(1, int(np.median(np.diff(starts)) * 2 / ENOUGH))
     times, signal = times[::step], signal[::step]
     free, pushed = [_Free(NAN, NAN)], []
+    room = float(np.median(np.diff(times[starts // step]))) if len(starts) > 1 else 0.0
     for hand in held_still(times, signal) if rate else stretches(times, signal, scale):
+        if any(hand.start < b + room and hand.stop > a - room for a, b in hidden):
+            continue
         free[-1] = free[-1]._replace(stop=hand.start)
         free.append(_Free(hand.stop, NAN))
     found: list[tuple[_Free, Swings]] = []

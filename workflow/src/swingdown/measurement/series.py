@@ -1,6 +1,5 @@
-"""The numbers of a recording's columns within its window, read piece by piece; a cell that is none is told by its line."""
+"""The numbers of a recording's columns within its window, read piece by piece; a row with a cell that is none is a missing sample."""
 
-import math
 from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
@@ -10,10 +9,13 @@ from numpy.typing import NDArray
 
 from ..arrays import Floats
 from ..errors import InputError
+from .columns import place_of
 from .sheet import TIME_UNITS
 from .source import Table
-from .table import numbers
+from .table import MISSING, numbers
 
+MOST_EMPTY = 0.5  # of the rows of a window: a column with fewer numbers is another one
+MOST_SPOILT = 0.05  # of them, with something else in a cell: a file that is damaged
 MOST = 18_000_000  # samples that are held at once: with all that is asked of them, less than a gigabyte
 
 
@@ -24,46 +26,40 @@ def series(
     columns: list[str],
     time_unit: str,
     beside: Iterable[str] = (),
-) -> tuple[Floats, list[Floats], NDArray[np.integer], int]:
-    """Times (s) within the window, the columns there, the lines they stand in, and the rows in the file.
+) -> tuple[Floats, list[Floats], list[str]]:
+    """Times (s) within the window, the columns there, and remarks on rows without a number in one of them: missing samples.
 
-    What is ``beside`` follows the columns, and no cell of it needs to be a number.
-    Only what lies in the window is held, and the rows that are being read.
+    What is ``beside`` follows the columns, and no cell of it needs to be a number. Only what lies in the window is held, and the rows
+    that are being read. InputError where half of the rows have no number, or many hold something else.
     """
-    name, spoilt, total, held = row["file"], {key: _Spoilt() for key in (time_column, *columns)}, 0, 0
-    parts: list[list[Any]] = [[] for _ in (time_column, *columns, *beside, "lines")]
+    spoilt = {key: _Spoilt() for key in (time_column, *columns)}
+    held, parts = 0, [[] for _ in (time_column, *columns, *beside)]  # type: ignore[var-annotated]
     for rows, last in _with_last(table.pieces):
         piece = rows.iloc[:-1] if table.cut and last else rows
         lines = piece.index.to_numpy()
-        total += len(piece)
         times = numbers(piece[time_column], table.decimal) * TIME_UNITS[time_unit]
-        spoilt[time_column].note(piece[time_column], times, lines)
-        inside = np.ones(len(times), dtype=bool)
-        if not math.isnan(row["start_s"]):
-            inside &= times >= row["start_s"]
-        if not math.isnan(row["stop_s"]):
-            inside &= times <= row["stop_s"]
+        inside = ~(
+            (times < row["start_s"]) | (times > row["stop_s"])
+        )  # NaN, of the times or of a limit, is neither
         values = [numbers(piece[key][inside], table.decimal) for key in (*columns, *beside)]
-        for key, own in zip(columns, values, strict=False):
-            spoilt[key].note(piece[key][inside], own, lines[inside])
-        for kept, part in zip(parts, (times[inside], *values, lines[inside].astype(np.int32)), strict=True):
-            kept.append(part)
-        if (held := held + int(inside.sum())) > MOST:
+        whole = np.ones(np.count_nonzero(inside), dtype=bool)
+        for key, own in zip((time_column, *columns), (times[inside], *values), strict=False):
+            whole &= spoilt[key].note(piece[key][inside], own, lines[inside])
+        for kept, part in zip(parts, (times[inside], *values), strict=True):
+            kept.append(part if whole.all() else part[whole])
+        if (held := held + int(whole.sum())) > MOST:
             raise InputError(
-                name,
+                row["file"],
                 f"more than {MOST} samples",
                 f"at most {MOST} in the window",
                 "choose a part of it with start_s and stop_s",
             )
-    for key, one in spoilt.items():
-        one.check(name, key)
-    if not parts[0]:
-        return np.empty(0), [np.empty(0)] * (len(parts) - 2), np.empty(0, dtype=int), 0
+    told = [remark for key, one in spoilt.items() for remark in one.told(row["file"], key)]
     joined = []
     for pieces_of_one in parts:
-        joined.append(np.concatenate(pieces_of_one))
+        joined.append(np.concatenate(pieces_of_one) if pieces_of_one else np.empty(0))
         pieces_of_one.clear()  # only one column is held twice at a time
-    return joined[0], joined[1:-1], joined[-1], total
+    return joined[0], joined[1:], told
 
 
 def _with_last(pieces: Iterable[pd.DataFrame]) -> Iterator[tuple[pd.DataFrame, bool]]:
@@ -78,22 +74,35 @@ def _with_last(pieces: Iterable[pd.DataFrame]) -> Iterator[tuple[pd.DataFrame, b
 
 
 class _Spoilt:
-    """The cells of a column that are no finite numbers: the first of them, and how many."""
+    """The cells of a column that are no finite numbers: how many, of how many, and the first that is not empty."""
 
     def __init__(self) -> None:
-        self.line, self.cell, self.count = 0, "", 0
+        self.line, self.cell, self.count, self.odd, self.rows = 0, "", 0, 0, 0
 
-    def note(self, cells: pd.Series, values: Floats, lines: NDArray[np.integer]) -> None:
-        bad = np.flatnonzero(~np.isfinite(values))
-        if len(bad) and not self.count:
-            self.line, self.cell = int(lines[bad[0]]), str(cells.iloc[bad[0]])
+    def note(self, cells: pd.Series, values: Floats, lines: NDArray[np.integer]) -> NDArray[np.bool_]:
+        """True for the cells that are numbers."""
+        sound = np.isfinite(values)
+        self.rows += sound.size
+        bad = np.flatnonzero(~sound)
         self.count += len(bad)
+        for k in bad:
+            written = str(cells.iloc[k]).strip()
+            if written.lower() not in MISSING:
+                self.odd += 1
+                if self.odd == 1:
+                    self.line, self.cell = int(lines[k]), written
+        return sound
 
-    def check(self, name: str, key: str) -> None:
-        if self.count:
+    def told(self, name: str, key: str) -> list[str]:
+        """A remark on them, or none; InputError where they are too many."""
+        if not self.count:
+            return []
+        first = f"the first {self.cell[:40]!r} in line {self.line}" if self.odd else "they are empty"
+        if self.count > MOST_EMPTY * self.rows or self.odd > MOST_SPOILT * self.rows:
             raise InputError(
-                f"{name}, line {self.line}, column {key}",
-                f"{self.cell} is not a finite number ({self.count} such cells)",
-                "a number in every row",
-                "mend the file, or leave the part out with start_s and stop_s",
+                f"{name}, {place_of(key)}" if not self.odd else f"{name}, line {self.line}, {place_of(key)}",
+                f"{self.count} of {self.rows} cells hold no finite number ({first})",
+                "numbers, but for a few samples that are missing",
+                "mend the file, choose another column, or leave the part out with start_s and stop_s",
             )
+        return [f"{self.count} of {self.rows} cells of `{key}` hold no number ({first}): missing samples"]

@@ -10,7 +10,7 @@ from typing import Any
 import pandas as pd
 
 from ..errors import InputError
-from ..paths import find, is_url, safe_name
+from ..paths import find, is_url, printable, safe_name
 from ..schema import check, near, rules
 
 SCHEMA = "recordings.schema.yaml"  # what a row may hold
@@ -54,9 +54,24 @@ def read_sheet(path: str | Path, check_files: bool = True) -> pd.DataFrame:
 
 
 def _cells(found: Path, path: object) -> list[list[str]]:
-    """The cells of each line. Sheets are saved with commas, semicolons or tabs, in UTF-8, UTF-16 or Latin-1, as the program likes."""
-    raw = found.read_bytes()
+    """The cells of each line, with a point as the decimal sign of numbers."""
+    lines, separator = cells_of(found, path)
+    if separator != "," and lines:  # there a comma in a number is its decimal sign
+        numbers = {k for k, name in enumerate(lines[0]) if name in NUMBERS}
+        lines[1:] = [
+            [cell.replace(",", ".") if k in numbers else cell for k, cell in enumerate(cells)]
+            for cells in lines[1:]
+        ]
+    return lines
+
+
+def cells_of(found: Path, path: object) -> tuple[list[list[str]], str]:
+    """The cells of each line of a table somebody wrote, and what stands between them; InputError for what is no text.
+
+    Tables are saved with commas, semicolons or tabs, in UTF-8, UTF-16 or Latin-1, as the program likes.
+    """
     try:
+        raw = found.read_bytes()
         if raw.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
             text = raw.decode("utf-16")
         else:
@@ -69,18 +84,11 @@ def _cells(found: Path, path: object) -> list[list[str]]:
         first = text.partition("\n")[0]
         separator = next((one for one in (";", "\t") if one in first and "," not in first), ",")
         rows = list(csv.reader(io.StringIO(text, newline=""), delimiter=separator))
-    except (UnicodeDecodeError, csv.Error) as error:
+    except (OSError, UnicodeDecodeError, csv.Error) as error:
         raise InputError(
-            path, f"it cannot be read as text ({error})", "a CSV file in UTF-8", "save the sheet as CSV"
+            path, f"it cannot be read as text ({error})", "a CSV file in UTF-8", "save it as CSV"
         ) from error
-    lines = [[cell.strip() for cell in cells] for cells in rows]
-    if separator != "," and lines:  # there a comma in a number is its decimal sign
-        numbers = {k for k, name in enumerate(lines[0]) if name in NUMBERS}
-        lines[1:] = [
-            [cell.replace(",", ".") if k in numbers else cell for k, cell in enumerate(cells)]
-            for cells in lines[1:]
-        ]
-    return lines
+    return [[cell.strip() for cell in cells] for cells in rows], separator
 
 
 def _check_names(path: object, rows: list[dict[str, Any]]) -> None:
@@ -153,12 +161,12 @@ def _row(path: object, number: int, header: list[str], cells: list[str], check_f
         if unit not in given and (told := unit_of(given.get(column, ""), known)):
             given[unit] = told
     given |= {name: _number(given[name]) for name in NUMBERS if name in given}
-    for name in ("recording", "campaign"):
-        if name in given and (safe := safe_name(given[name])) != given[name]:
-            given |= {name: safe} | (
-                {"label": given.get("label", given[name])} if name == "recording" else {}
-            )
     filled = check(given, SCHEMA, place, part="column")
+    for name in ("recording", "campaign"):
+        if (safe := safe_name(filled[name])) != filled[name]:
+            filled |= {"label": filled["label"] or filled[name]} if name == "recording" else {}
+            filled[name] = safe
+    filled["label"] = printable(filled["label"])
     row = {name: filled[name] for name in COLUMNS} | {"line": number}
     row["sha256"] = row["sha256"].lower()
     if row["stop_s"] <= row["start_s"]:

@@ -1,9 +1,11 @@
 """What a recording's calibration, and the tolerances in its row of the sheet, leave open of its reading and its clock."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from math import sqrt
 from typing import Any
 
+import numpy as np
 import xarray as xr
 
 from ..pendulum.slack import Slack, reading_slack
@@ -31,6 +33,19 @@ def tolerances(row: Mapping[str, Any], unit: str, upright: bool = True) -> dict[
     return known if upright else known | {"zero_tolerance_rad": max(known["zero_tolerance_rad"], CENTRED)}
 
 
+def with_rate(known: Mapping[str, float], rate: float) -> dict[str, float]:
+    """The tolerances with the clock's widened by the standard uncertainty of its ``rate`` (a share) that the stamps leave."""
+    return (
+        {
+            **known,
+            "clock_tolerance": float(np.hypot(known["clock_tolerance"], sqrt(3) * rate)),
+            "clock_rate": rate,
+        }
+        if rate
+        else dict(known)
+    )
+
+
 def of_tolerances(recording: xr.Dataset) -> Slack:
     """The ``Slack`` that a recording's own tolerances leave: limits, taken for those of uniform distributions."""
     known = tolerances(recording.attrs, str(recording["signal"].attrs["units"]))
@@ -39,7 +54,11 @@ def of_tolerances(recording: xr.Dataset) -> Slack:
         "sensor_gain": {"gain_tolerance": known["gain_tolerance"] / sqrt(3)},
         "sensor_zero": {"zero_tolerance": zero / sqrt(3)},
     }
-    return reading_slack(values, known["clock_tolerance"] / sqrt(3))
+    clock = known["clock_tolerance"] / sqrt(3)
+    rate = float(recording.attrs.get("clock_rate", 0.0))  # of scattered stamps: nothing limits it
+    return replace(
+        reading_slack(values, clock), limited=sqrt(max(0.0, 1 - (rate / clock) ** 2)) if rate else 1.0
+    )
 
 
 def of_calibration(calibration: xr.Dataset, stated: Slack) -> Slack:
@@ -64,7 +83,7 @@ def of_calibration(calibration: xr.Dataset, stated: Slack) -> Slack:
         values["sensor_curvature"] = {"encoder_curvature": abs(slope) * limit / sqrt(3) / farthest**2}
     for name, row in zip(stated.names, stated.contributions, strict=True):
         values[name] = {**values.get(name, {}), **dict(zip(stated.sources, map(float, row), strict=True))}
-    return reading_slack(values, stated.clock)
+    return replace(reading_slack(values, stated.clock), limited=stated.limited)
 
 
 def as_variables(slack: Slack) -> tuple[dict[str, Any], dict[str, Any]]:
@@ -86,15 +105,16 @@ def as_variables(slack: Slack) -> tuple[dict[str, Any], dict[str, Any]]:
 def of_angles(angles: Sequence[xr.Dataset]) -> Slack:
     """The ``Slack`` that the swings of one campaign share: where they state different ones, the widest, and the worst clock."""
     found = [_read(angle) for angle in angles]
-    clock = max((one.clock for one in found), default=0.0)
+    worst = max(found, key=lambda one: one.clock, default=Slack())
     widest = max(found, key=lambda one: (len(one.names), *one.deviations.values()), default=Slack())
-    return Slack(widest.names, widest.sources, widest.contributions, clock)
+    return replace(widest, clock=worst.clock, limited=worst.limited)
 
 
 def _read(angle: xr.Dataset) -> Slack:
     clock = float(angle.attrs.get("clock_uncertainty", 0.0))
+    limited = float(angle.attrs.get("clock_limited", 1.0))
     if "reading_slack" not in angle:
-        return Slack(clock=clock)
+        return Slack(clock=clock, limited=limited)
     table = angle["reading_slack"]
     names, sources = (tuple(map(str, table[dim].values)) for dim in ("nuisance", "source"))
-    return Slack(names, sources, table.values, clock)
+    return Slack(names, sources, table.values, clock, limited)

@@ -1,16 +1,15 @@
-"""What a recording's file holds before any of it is read: a local file or one behind an address, text, netCDF or a workbook."""
+"""What a recording's file holds before any of it is read: a local file or one behind an address, text, netCDF, a workbook or a program's own."""
 
+import errno
 import hashlib
 import io
-import itertools
-import shutil
 import subprocess
 import sys
 import tempfile
 import urllib.request
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from typing import Any, BinaryIO, NamedTuple
+from typing import Any, BinaryIO
 
 import netCDF4
 import numpy as np
@@ -19,37 +18,64 @@ import xarray as xr
 
 from ..errors import InputError
 from ..paths import find, is_url
+from . import phyphox
 from .archive import unpacked
-from .table import PIECE, cut_short, encoding, layout, pieces
+from .delimited import delimited
+from .elements import Columns
+from .programs import saved_by_program
+from .runs import by_name, clock_part, several_runs
+from .table import WHOLE, Table
 
+LARGEST = 2_000_000_000  # bytes that the variables of a netCDF file may take: it is held whole
+MOST_BYTES = 5_000_000_000  # of a file: each is read twice, a minute for so many
 NETCDF = (".nc", ".nc4", ".cdf", ".netcdf")
 
 
-class Table(NamedTuple):
-    """A file's columns, before any of them is read."""
-
-    names: tuple[str, ...]
-    about: dict[str, Any]  # the file's own account of itself
-    pieces: Iterable[pd.DataFrame]  # its rows, indexed by line
-    decimal: str = "."
-    layout: str = ""  # told to the user
-    units: dict[str, str] = {}  # those that the file itself states apart from the names
-    cut: bool = False  # the last line was cut while it was written
+def runs(source: BinaryIO, row: Mapping[str, Any]) -> list[str]:
+    """The names of the runs in an open file, in its order; none where it holds one recording. Errors as of ``table_of``."""
+    return [name for name in tables(source, row) if name]
 
 
 def table_of(source: BinaryIO, row: Mapping[str, Any]) -> Table:
-    """The Table of an open file, by its ending; ``row`` is that of the sample sheet. InputError for one that cannot be read."""
+    """The Table of an open file: of the run that ``row``, that of the sample sheet, asks for by its name or by the columns it has.
+
+    InputError for a file that cannot be read and a run that is not there, SeveralRuns where the row asks for none of several.
+    """
+    found = tables(source, row)
+    named = {name: table for name, table in found.items() if name}
+    asked = str(row.get("run", ""))
+    if asked and (named or not clock_part(asked)):
+        return named[by_name(named, asked, row["file"])]
+    columns = {column for key in ("time_column", "signal_column") if (column := row.get(key))}
+    able = [name for name, table in named.items() if columns <= set(table.names)]
+    if len(able) == 1:
+        return named[able[0]]
+    if not able and WHOLE in found:
+        return found[WHOLE]
+    raise several_runs(tuple(able or named), row, row["file"])
+
+
+def tables(source: BinaryIO, row: Mapping[str, Any]) -> dict[str, Table]:
+    """The Tables of an open file by the names of its runs, and by "" the one that all of it is; ``row`` as of ``table_of``."""
     name = row["file"]
     if name.lower().endswith(NETCDF):
-        return _netcdf(source, row)
-    if row.get("rate_hz", float("nan")) > 0:
-        return _one_column(source, name, row["rate_hz"])
+        return {WHOLE: _netcdf(source, row)}
+    rate = float(row.get("rate_hz", np.nan))
+    if saved := saved_by_program(source, name):
+        return {run: _of_program(columns) for run, columns in saved.items()}
     if inside := unpacked(source, name, str(row.get("sheet", ""))):
         text, where = inside
-        table = _text(text, f"{name}, {where}")
-        return table._replace(
-            layout=table.layout.replace("tabs", where, 1) if "sheet" in where else f"{where}, {table.layout}"
-        )
+        about, paused = phyphox.told(source)
+        return {
+            run: table._replace(
+                about=table.about | about,
+                remarks=(*table.remarks, *paused),
+                layout=table.layout.replace("tabs", where, 1)
+                if "sheet" in where
+                else f"{where}, {table.layout}",
+            )
+            for run, table in delimited(text, f"{name}, {where}", rate).items()
+        }
     if row.get("sheet"):
         raise InputError(
             f"{name} (column sheet)",
@@ -57,26 +83,29 @@ def table_of(source: BinaryIO, row: Mapping[str, Any]) -> Table:
             "a workbook or a zip archive",
             "leave the cell `sheet` empty",
         )
-    return _text(source, name)
+    return delimited(source, name, rate)
 
 
-def _text(source: BinaryIO, name: str) -> Table:
-    how = layout(source, encoding(source, name), name)
-    cut = cut_short(source, how)
-    return Table(how.names, how.about, pieces(source, how, name), how.decimal, str(how), cut=cut)
+def _of_program(columns: Columns) -> Table:
+    frame = columns.frame.set_axis(range(1, len(columns.frame) + 1))
+    return Table(
+        tuple(frame.columns),
+        columns.about,
+        [frame],
+        layout=columns.layout,
+        units=columns.units,
+        remarks=columns.remarks,
+        usual=columns.usual,
+    )
 
 
 @contextmanager
 def opened(name: str, place: str) -> Iterator[BinaryIO]:
-    """A file or URL, open for reading; InputError with ``place`` if it cannot be had. A URL is kept on the disk meanwhile."""
+    """A file or URL, open for reading; InputError with ``place`` if it cannot be had, is larger than any recording, or
+    fails while it is read. A URL is kept on the disk meanwhile.
+    """
     try:
-        if not is_url(name):
-            source: BinaryIO = open(find(name), "rb")  # noqa: SIM115 - closed below
-        else:
-            source = tempfile.TemporaryFile()  # noqa: SIM115
-            with urllib.request.urlopen(name, timeout=30) as answer:
-                shutil.copyfileobj(answer, source)
-            source.seek(0)
+        source = _copied(name) if is_url(name) else _local(name)
     except OSError as error:
         reason = getattr(error, "strerror", None) or getattr(error, "reason", None) or error
         raise InputError(
@@ -86,7 +115,38 @@ def opened(name: str, place: str) -> Iterator[BinaryIO]:
             "correct the path",
         ) from error
     with source:
-        yield source
+        if (size := source.seek(0, io.SEEK_END)) > MOST_BYTES:
+            raise InputError(
+                name,
+                f"it has {size / 1e9:.0f} GB",
+                f"a recording, of at most {MOST_BYTES / 1e9:.0f} GB",
+                "write the part with the swing to a file of its own",
+            )
+        source.seek(0)
+        try:
+            yield source
+        except OSError as error:
+            raise InputError(
+                name,
+                f"it cannot be read to its end ({error.strerror or error})",
+                "a file that can be read whole",
+                "copy it again: the disk, the card or the connection that it is on may fail",
+            ) from error
+
+
+def _local(name: str) -> BinaryIO:
+    path = find(name)
+    if path.exists() and not path.is_file():
+        raise OSError(errno.EINVAL, "it is no file")
+    return open(path, "rb")
+
+
+def _copied(address: str) -> BinaryIO:
+    copy = tempfile.TemporaryFile()  # noqa: SIM115 - closed by ``opened``
+    with urllib.request.urlopen(address, timeout=30) as answer:
+        while (piece := answer.read(1 << 20)) and copy.tell() <= MOST_BYTES:
+            copy.write(piece)
+    return copy
 
 
 def check_sha256(source: BinaryIO, expected: str, name: str, place: str) -> str:
@@ -133,65 +193,16 @@ def _netcdf(source: BinaryIO, row: Mapping[str, Any]) -> Table:
     return Table(tuple(table.columns), about, [table], units=units)
 
 
-def _one_column(source: BinaryIO, name: str, rate: float) -> Table:
-    """The Table of a file with one number a line and no times, as a serial monitor shows them; lines above the numbers are titles."""
-    text = io.TextIOWrapper(source, encoding=encoding(source, name), errors="replace")
-    first = next((k for k, line in enumerate(text) if _number(line) is not None), None)
-    if first is None:
-        raise InputError(
-            f"{name} (column rate_hz)",
-            "no line of the file is a single number",
-            "one number a line where the sheet states rate_hz",
-            "leave rate_hz empty: times are read from the file",
-        )
-    return Table(
-        ("time (s)", "signal"),
-        {},
-        _numbered(text, first, name, rate),
-        layout=f"one number a line at {rate:g} Hz",
-    )
-
-
-def _numbered(text: io.TextIOWrapper, first: int, name: str, rate: float) -> Iterator[pd.DataFrame]:
-    text.seek(0)
-    for _ in range(first):
-        text.readline()
-    count, ended = 0, 0
-    while lines := list(itertools.islice(text, PIECE)):
-        numbers = [_number(line) for line in lines]
-        for k, (line, number) in enumerate(zip(lines, numbers, strict=True), first + count + 1):
-            if line.strip() and (number is None or ended):
-                raise InputError(
-                    f"{name}, line {ended or k}",
-                    f"{line.strip()[:40]!r} is not a number"
-                    if number is None
-                    else "the line is empty and rows follow it",
-                    "one number in every line, where the sheet states rate_hz",
-                    "mend the file, or leave rate_hz empty if it has times of its own",
-                )
-            ended = ended or (0 if line.strip() else k)
-        values = [number for number in numbers if number is not None]
-        index = first + count + 1 + np.arange(len(values))
-        if values:
-            yield pd.DataFrame(
-                {"time (s)": (count + np.arange(len(values))) / rate, "signal": values}, index=index
-            )
-        count += len(lines)
-    text.detach()
-
-
-def _number(line: str) -> float | None:
-    try:
-        return float(line.strip().replace(",", "."))
-    except ValueError:
-        return None
-
-
 # Whatever a variable holds is asked for, in a process of its own: damage can make the library crash rather than complain.
 _OPENING = """
+import math
 import sys
 import netCDF4
 with netCDF4.Dataset("in memory", memory=sys.stdin.buffer.read()) as file:
+    declared = sum(math.prod(map(int, one.shape)) * getattr(one.dtype, "itemsize", 8) for one in file.variables.values())
+    if declared > int(sys.argv[1]):
+        print(declared)
+        sys.exit(3)
     for variable in file.variables.values():
         variable[...], variable.__dict__
     file.__dict__
@@ -203,9 +214,20 @@ def _check_opens(source: BinaryIO, name: str) -> None:
     """None if the netCDF library survives the file; InputError if it crashes or hangs. What it complains of is told where it is read."""
     try:
         done = subprocess.run(
-            [sys.executable, "-c", _OPENING], stdin=source, capture_output=True, timeout=_SECONDS, check=False
+            [sys.executable, "-c", _OPENING, str(LARGEST)],
+            stdin=source,
+            capture_output=True,
+            timeout=_SECONDS,
+            check=False,
         )
         what = f"the netCDF library crashes at it, signal {-done.returncode}" if done.returncode < 0 else ""
+        if done.returncode == 3:
+            raise InputError(
+                name,
+                f"its variables take {int(done.stdout) / 1e6:.0f} MB",
+                f"at most {LARGEST / 1e6:.0f} MB: a netCDF file is held whole",
+                "write the recording to a file of its own",
+            )
     except subprocess.TimeoutExpired:
         what = f"the netCDF library has not read it within {_SECONDS} s"
     finally:

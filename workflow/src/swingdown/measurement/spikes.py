@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from ..arrays import Floats
 from ..quantisation import quantisation_step
+from .even import Even, evenly
 from .plausibility import half_swings
 
 SIDE = 6  # samples on each side of a place that is looked at
@@ -26,7 +27,6 @@ ALIKE = 3.0  # local standard deviations, below which a sample goes on as those 
 SURE = 1.5  # times as unsure as a sample is by its noise: less is well told by the flanks
 FLANKS = 4.0  # local standard deviations, up to which the swing beside a spike is as it should be
 ORDERS = ((0.5, 5), (0.8, 7), (1.25, 9))  # periods up to which a polynomial of this order follows a swing
-UNEVEN = 0.2  # of the usual interval: where more than a few steps differ by more, nothing is told
 _PASSES = 3  # a large spike hides a small one beside it
 
 
@@ -49,7 +49,7 @@ class Cluster(NamedTuple):
 
 
 def find_spikes(times: Floats, signal: Floats) -> Spikes:
-    """The ``Spikes`` of an evenly sampled swing (``times`` in s): single samples and runs of up to six.
+    """The ``Spikes`` of a swing sampled at a rate (``times`` in s): single samples and runs of up to six.
 
     A place stands out where a spike on a cubic swing is far larger than those that noise and swing make nearby. There a
     polynomial through the swing about it says which samples are beside it, by 12 local standard deviations and 0.4 % of the
@@ -57,37 +57,37 @@ def find_spikes(times: Floats, signal: Floats) -> Spikes:
     and the last six samples are not looked at. Where more than 1 % of the samples would be spikes, none is.
     """
     none = Spikes(np.zeros(signal.size, dtype=bool), signal)
-    interval, uneven = evenness(times)
-    if len(uneven) > MOST * (times.size - 1):
+    even = evenly(times, signal)
+    if not even.kept:
         return none
-    period, where = half_swings(signal).period(times) / interval, none.where.copy()
+    period = half_swings(signal).period(times)
+    grid, where = even.signal, np.zeros(even.times.size, dtype=bool)
+    unknown = beside_holes(even, period)
     for _ in range(_PASSES):
-        clusters = standing_out(signal, kernel(True), period)
+        clusters = standing_out(grid, kernel(True), period / even.interval)
+        clusters = [one for one in clusters if not unknown[one.samples].any()]
         least = max(SEEN * float(np.ptp(signal)), 2 * quantisation_step(signal)) if clusters else 0.0
         joined = _joined(clusters)
-        open_ = np.zeros(signal.size, dtype=bool)
+        open_ = unknown.copy()
         for first, last, _ in joined:  # a long run stands out in its middle alone
             open_[max(0, first - SIDE) : last + SIDE + 1] = True
-        found = [_beside(signal, open_, *one, period, least) for one in joined]
+        found = [_beside(grid, open_, *one, period / even.interval, least) for one in joined]
         places = np.array([place for one in found for place in one], dtype=int)
         if not places.size:
             break
         where[places] = True
-        signal = heal(signal, where)
-    return Spikes(where, signal) if np.count_nonzero(where) <= MOST * signal.size else none
+        grid = heal(grid, where)
+    own = where[even.place]
+    return Spikes(own, grid[even.place]) if 0 < np.count_nonzero(own) <= MOST * own.size else none
 
 
-def evenness(times: Floats) -> tuple[float, NDArray[np.integer]]:
-    """The usual interval (s), and the steps that differ from it by more than a fifth, by the number of the sample before.
-
-    In place, for a long recording fills the memory: of the steps no second copy is held.
-    """
-    steps = np.diff(times)
-    interval = float(np.median(steps, overwrite_input=True))
-    np.subtract(times[1:], times[:-1], out=steps)  # the median has sorted them
-    steps /= interval
-    steps -= 1
-    return interval, np.flatnonzero(np.abs(steps, out=steps) > UNEVEN)
+def beside_holes(even: Even, period: float) -> NDArray[np.bool_]:
+    """Which places lie in, or a few samples beside, a hole too long for the swing across it to be known, of a ``period`` (s)."""
+    unknown = np.zeros(even.times.size, dtype=bool)
+    for start, stop in even.deep(period):
+        first, last = np.searchsorted(even.times, (start, stop))
+        unknown[max(0, first - SIDE) : last + SIDE + 1] = True
+    return unknown
 
 
 def heal(signal: Floats, where: NDArray[np.bool_]) -> Floats:
@@ -104,13 +104,13 @@ def heal(signal: Floats, where: NDArray[np.bool_]) -> Floats:
     return healed
 
 
-def without(recording: xr.Dataset) -> tuple[xr.Dataset, Floats]:
-    """A recording without the samples that its variable ``spike`` marks, and the signal with them healed."""
-    signal = recording["signal"].values
+def without(recording: xr.Dataset) -> tuple[xr.Dataset, Even]:
+    """A recording without the samples that its variable ``spike`` marks, and all of it on an even grid, these healed."""
+    signal, times = recording["signal"].values, recording["time"].values
     if "spike" not in recording:
-        return recording, signal
+        return recording, evenly(times, signal)
     where = recording["spike"].values.astype(bool)
-    return recording.isel(time=~where), heal(signal, where)
+    return recording.isel(time=~where), evenly(times, heal(signal, where))
 
 
 def as_variable(where: NDArray[np.bool_]) -> dict[str, Any]:

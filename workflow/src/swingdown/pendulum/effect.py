@@ -121,6 +121,10 @@ class Effect:
     inertia: str | None = None
     states: tuple[State, ...] = ()
     symbol: str = ""
+    spoken: str = ""
+    """What a sentence calls it that says what stops a pendulum; empty where it takes no energy."""
+    spoken_of_wheel: str = ""
+    """The same of a wheel on a spring, where that is another thing: a magnet may brake it as well as air."""
     beside: str = ""
     """The restoring torque (``sine`` or ``linear``) that alone it makes sense beside; empty for any."""
     damping: str = ""

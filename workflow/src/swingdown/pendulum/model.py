@@ -11,6 +11,7 @@ from typing import Any
 import yaml
 
 from ..errors import InputError
+from ..schema import parse_yaml
 from ..sealed import read_text, write_text
 from .catalogue import ANGLE, SHIPPED, Catalogue, catalogue
 from .catalogue.restoring import GRAVITY
@@ -21,6 +22,8 @@ FORMS = ("consistent", "printed")
 RESTORING = tuple(GRAVITY)
 _TABLE_1 = ("viscous", "quadratic_drag", "load_coulomb")
 PAPER_MODELS = tuple("+".join(terms) for size in (1, 2, 3) for terms in combinations(_TABLE_1, size))
+# Of a wheel on a spring: no weight loads its bearing.
+SPRUNG = tuple(label.replace("load_coulomb", "constant_coulomb") for label in PAPER_MODELS)
 
 
 @dataclass(frozen=True)
@@ -63,6 +66,9 @@ class Model:
             if value not in known:
                 raise InputError(f"model {self.label}, {key}", f"unknown {key} {value!r}", " or ".join(known))
         self._check((*self.values, *self.standard_errors))
+
+    def __str__(self) -> str:
+        return self.label
 
     def _check(self, names: Iterable[str]) -> None:
         known = self.parameters
@@ -205,6 +211,12 @@ def symbol(label: str, mathtext: bool = False) -> str:
     return rf"$\kappa_{{{letters}}}$".replace(" ", r"\ ") if mathtext else f"κ{letters}"
 
 
+def model_words(label: str) -> str:
+    """A model's effects in words: ``viscous and load Coulomb``."""
+    names = [name.replace("_", " ").replace("coulomb", "Coulomb") for name in label.split("+")]
+    return " and ".join([", ".join(names[:-1]), names[-1]] if len(names) > 1 else names)
+
+
 def write_model(model: Model, path: Path | str) -> Path:
     """The path written: a model file (YAML) with effects, options, and value ± standard error and unit of each parameter."""
     values = {
@@ -227,12 +239,7 @@ def write_model(model: Model, path: Path | str) -> Path:
 
 def read_model(path: Path | str, catalogue: Catalogue = SHIPPED) -> Model:
     """The model that a model file states; InputError names the file and the key that is wrong."""
-    try:
-        content = yaml.safe_load(read_text(path))
-    except yaml.YAMLError as problem:
-        raise InputError(
-            path, f"it cannot be read as YAML ({' '.join(str(problem).split())})", "a model file"
-        ) from None
+    content = parse_yaml(read_text(path), path)
     if not isinstance(content, dict) or "effects" not in content:
         raise InputError(path, "not a model file", "a mapping with the key 'effects'")
     known = ("effects", "restoring", "form", "reading", "record_s", "own_frequency", "parameters")

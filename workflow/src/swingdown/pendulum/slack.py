@@ -20,7 +20,8 @@ class Slack:
 
     ``names`` are the nuisance effects, one parameter each; ``contributions`` (name, source) what a standard uncertainty of
     each of the ``sources`` does to each of their values, in the parameters' units: the covariance is contributions times
-    their transpose. ``clock`` is the relative standard uncertainty of the time scale, which no fit can see. ``noise`` (rad)
+    their transpose. ``clock`` is the relative standard uncertainty of the time scale, which no fit can see, of which the share ``limited`` is of an error within
+    limits and the rest of a normal one. ``noise`` (rad)
     is what all this is weighed against: the standard deviation of white noise with the spectrum that a fit's residuals have
     at the pendulum's frequencies.
     """
@@ -29,6 +30,7 @@ class Slack:
     sources: tuple[str, ...] = ()
     contributions: Floats = field(default_factory=lambda: np.zeros((0, 0)))
     clock: float = 0.0
+    limited: float = 1.0
     noise: float | None = None
 
     @property

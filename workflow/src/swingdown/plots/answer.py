@@ -6,7 +6,6 @@ from typing import Any
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
 from ..arrays import Floats, Shown
 from ..dataset import series_of
@@ -21,9 +20,10 @@ _PIXELS = (
 
 @style.styled
 def swings_with_fit(
-    shown: Sequence[Shown], noise: float | None, data: xr.Dataset | Mapping[str, Any]
-) -> Figure:
-    """Angle and fit over time, and below them the residual with the noise (rad, None: not measured); a column each recording.
+    shown: Sequence[Shown], noise: float | None, data: xr.Dataset | Mapping[str, Any], told: str = ""
+) -> style.Drawn:
+    """Angle and fit over time, and below them the residual with the noise (rad, None: not measured); a column each recording. What is
+    ``told``, as period and quality, stands above.
 
     ``shown`` are ``Shown``s, those of one recording in the order of their times. Of more than three recordings those with the
     largest, the middle and the smallest angle are drawn. ``data`` says whether it is emulated.
@@ -49,13 +49,37 @@ def swings_with_fit(
         for handle in axes.get_legend_handles_labels()[0]
     }
     measured = style.mark(".", DATA, "measured")
-    figure.legend(handles=[measured, *handles.values()], loc="outside upper left", ncols=4)
+    figure.legend(
+        handles=[measured, *handles.values()],
+        loc="outside upper left",
+        ncols=4,
+        title=told or None,
+        title_fontsize=12,
+        alignment="left",
+    )
     left = (
         f"{len(chosen)} of {len(names)} recordings: largest, middle and smallest angle"
         if len(chosen) < len(names)
         else ""
     )
     return style.footnote(figure, left, style.emulated_note(data))
+
+
+@style.styled
+def swings_alone(shown: Sequence[Shown], data: xr.Dataset | Mapping[str, Any]) -> style.Drawn:
+    """The swings over time, one below the other; arguments as of ``swings_with_fit``."""
+    figure = style.new_figure(1.0 + 5.0 * len(shown))
+    grid = figure.subplots(len(shown), 1, squeeze=False)[:, 0]
+    for axes, one in zip(grid, shown, strict=True):
+        axes.plot(
+            *thinned(one.times, style.degrees(one.angle)), ".", ms=2.6, mew=0, color=DATA, rasterized=True
+        )
+        axes.set_ylabel("angle (°)" if one.unit == "rad" else "angular rate (°/s)")
+        axes.grid(True, axis="y")
+        if len(shown) > 1:
+            axes.set_title(one.recording)
+    grid[-1].set_xlabel("time (s)")
+    return style.footnote(figure, style.emulated_note(data))
 
 
 def _recording(upper: Axes, lower: Axes, parts: Sequence[Shown], noise: float | None) -> None:

@@ -23,6 +23,14 @@ def _words(name: str) -> str:
 
 
 @style.styled
+def no_verdict(campaign: str) -> Figure:
+    """What stands in place of a figure of a campaign in which nothing could be looked for."""
+    figure = style.new_figure(2.0)
+    figure.text(0.5, 0.5, f"{campaign}: no verdict; its verdict.json says why", ha="center", va="center")
+    return figure
+
+
+@style.styled
 def residuals(first: xr.Dataset, last: xr.Dataset) -> Figure:
     """Residuals of the fitted swing and the held-out swing that are worst at first, before and after, with the noise.
 
@@ -75,20 +83,17 @@ def _worst(data: xr.Dataset, held: bool) -> int | None:
 
 
 @style.styled
-def missing_torque(
-    first: pd.DataFrame, last: pd.DataFrame, unnamed: pd.DataFrame, rounds: Sequence[Mapping[str, Any]]
-) -> Figure:
+def missing_torque(first: pd.DataFrame, last: pd.DataFrame, rounds: Sequence[Mapping[str, Any]]) -> Figure:
     """The torque that the base model and the last one lack, over angle, velocity and time, with bands of two standard errors.
 
-    ``first`` and ``last`` are the rounds' map tables (``over``, ``part``, ``x``, ``torque``, ``band``), ``unnamed`` that of the
-    torques without a name that the last model keeps; ``rounds`` the contents of their round.json.
+    ``first`` and ``last`` are the rounds' map tables (``over``, ``part``, ``x``, ``torque``, ``band``), ``rounds`` the
+    contents of their round.json.
     """
     figure = style.new_figure(8.8)
     grid = figure.subplots(1, 3)
     shown = [(first, BEFORE, "lacked by the base model")] + (
         [(last, AFTER, "by the last model")] if len(rounds) > 1 else []
     )
-    shown += [(unnamed, HELD, "kept without a name")] if len(unnamed) else []
     chosen = _largest(first[first["over"] == "time"])
     axis = {
         "position": ("angle (°)", 180 / np.pi),

@@ -1,5 +1,6 @@
 """How every figure looks: sizes, type, the models' colours, the small notes, and saving without a trace of the day."""
 
+import io
 from collections.abc import Callable, Mapping, Sequence
 from functools import wraps
 from pathlib import Path
@@ -20,14 +21,15 @@ from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 from numpy.typing import ArrayLike
 
 from ..arrays import Floats
-from ..paths import written_whole
 from ..pendulum.model import symbol
 from ..sealed import writing
 
 _P = ParamSpec("_P")
 _T = TypeVar("_T")
+_F = TypeVar("_F", bound=Figure)
 WIDTH_CM = 16.0
 DPI = 200
+_SCREEN_DPI = 110
 _MANY = 10_000  # points of one line or band
 TIME = "time $t$ since the first sample (s)"
 EMULATED = "emulated bench: computed, not measured on a real apparatus"
@@ -107,10 +109,19 @@ def styled(function: Callable[_P, _T]) -> Callable[_P, _T]:
     return run
 
 
-def new_figure(height_cm: float) -> Figure:
+class Drawn(Figure):
+    """A figure that a notebook draws though it belongs to no window: it is its own picture."""
+
+    def _repr_png_(self) -> bytes:
+        picture = io.BytesIO()
+        self.savefig(picture, format="png", dpi=_SCREEN_DPI)
+        return picture.getvalue()
+
+
+def new_figure(height_cm: float) -> Drawn:
     """An empty figure as wide as the report's column (``WIDTH_CM``), laid out so that nothing overlaps."""
     layout = ConstrainedLayoutEngine(w_pad=0.06, h_pad=0.06, wspace=0.03, hspace=0.03)
-    return Figure(figsize=(WIDTH_CM / 2.54, height_cm / 2.54), dpi=DPI, layout=layout)
+    return Drawn(figsize=(WIDTH_CM / 2.54, height_cm / 2.54), dpi=DPI, layout=layout)
 
 
 def colour(label: str) -> str:
@@ -212,7 +223,7 @@ def decimal_log(axis: Axis) -> None:
     axis.set_minor_formatter(NullFormatter())
 
 
-def footnote(figure: Figure, *parts: str) -> Figure:
+def footnote(figure: _F, *parts: str) -> _F:
     """The figure with the given remarks (empty ones left out) in small type along its lower edge."""
     lines = [""]
     for part in filter(None, parts):
@@ -272,7 +283,6 @@ def save(figure: Figure, path: str | Path, note: str = "") -> list[Path]:
         [path] if path.suffix in _NO_TRACE else [path.with_name(path.name + suffix) for suffix in _NO_TRACE]
     )
     for target in targets:
-        written = writing if target.suffix == ".svg" else written_whole  # the report reads it again
-        with written(target) as partial:
+        with writing(target) as partial:
             figure.savefig(partial, format=target.suffix[1:], dpi=DPI, metadata=_NO_TRACE[target.suffix])
     return targets

@@ -13,9 +13,11 @@ from .page import Figure, Findings, Item, Section, Table, Text
 from .sections.apparatus import apparatus, calibration
 from .sections.experiment import experiment
 from .sections.findings import findings
+from .sections.left_out import left_out, notice
 from .sections.missing import missing
 from .sections.origin import origin
 from .sections.own import answer, damping, evidence
+from .sections.series import series
 from .sections.settings import settings
 from .sections.simulation import simulation
 
@@ -36,8 +38,8 @@ def sweeps(material: Material) -> Section:
     return swept.section(material.sweeps)
 
 
-SECTIONS = (findings, missing, simulation, apparatus, experiment, sweeps, settings, origin)
-OWN = (answer, evidence, damping, calibration, settings, origin)  # of a study of one's own
+SECTIONS = (findings, left_out, missing, simulation, apparatus, experiment, sweeps, settings, origin)
+OWN = (answer, series, left_out, evidence, damping, calibration, settings, origin)  # of a study of one's own
 
 
 def sections(material: Material) -> list[Section]:
@@ -81,6 +83,7 @@ def head(material: Material) -> dict[str, str | list[str]]:
         title = "Damping of a swinging pendulum"
         subtitle = f"{len(swings)} swings of {', '.join(campaigns)}{kind}" if swings else "Simulation study"
         notices = [EMULATED.format(campaigns=", ".join(material.emulated))] if material.emulated else []
+    notices += notice(material)
     footer = "Made by swingdown. The datasets behind every table and figure lie in the results folder beside this page."
     return {"title": title, "subtitle": subtitle, "notices": notices, "footer": footer}
 

@@ -1,5 +1,6 @@
 """Numbers as a reader wants them: as many digits as the uncertainty bears, a true minus, nothing for not-a-number."""
 
+import re
 from math import floor, isfinite, log10
 
 from ..rounding import plus_minus, value_with_uncertainty
@@ -38,6 +39,11 @@ def plain(value: float, digits: int = 3) -> str:
 def whole(value: float) -> str:
     """A number without decimals."""
     return _fixed(value, 0) if _ok(value) else "–"
+
+
+def in_sentence(text: str) -> str:
+    """A sentence whose values with uncertainties are told as in the tables: ``1.23(4)e5`` as ``1.23(4) × 10⁵``."""
+    return re.sub(r"(?<=\))e(-?\d+)", lambda power: f" × 10{_superscript(power[1])}", text)
 
 
 def _typeset(text: str) -> str:

@@ -11,8 +11,7 @@ import jinja2
 from docutils.core import publish_parts
 from markupsafe import Markup
 
-from ..paths import written_whole
-from ..sealed import read_bytes
+from ..sealed import read_bytes, write_text
 from . import trace
 
 TEMPLATE = Path(__file__).with_name("report.html.j2")
@@ -161,9 +160,7 @@ def write(path: str | Path, sections: Sequence[Section], **head: str | Sequence[
     html = environment.from_string(TEMPLATE.read_text(encoding="utf-8")).render(
         sections=sections, **more, **head
     )
-    with written_whole(path) as partial:
-        partial.write_text(html, encoding="utf-8")
-    return Path(path)
+    return write_text(path, html)
 
 
 def _anchor(label: str) -> str:

@@ -27,11 +27,16 @@ def versions(seed: int) -> list[tuple[str, str]]:
 
 
 def checksums(paths: Iterable[str | Path]) -> list[tuple[str, str]]:
-    """Pairs of name and SHA-256 of the files; a file of the project is named from its folder."""
+    """Pairs of name and SHA-256 of the files, named from the working directory or the project, and one elsewhere by its name alone.
+
+    So the same study in another folder tells the same.
+    """
+    homes = [Path.cwd(), *([PROJECT] if PROJECT else [])]
     pairs = []
     for path in map(Path, paths):
-        name = path.relative_to(PROJECT) if PROJECT and path.is_relative_to(PROJECT) else path
-        pairs.append((str(name), hashlib.sha256(path.read_bytes()).hexdigest()))
+        home = next((one for one in homes if path.absolute().is_relative_to(one)), path.absolute().parent)
+        name = path.absolute().relative_to(home).as_posix()
+        pairs.append((name, hashlib.sha256(path.read_bytes()).hexdigest()))
     return pairs
 
 

@@ -16,11 +16,15 @@ from ..fitting.least_squares import fit_jointly, fit_trajectory
 from ..fitting.nested import fit_nested
 from ..fitting.result import Fit
 from ..fitting.slack import allowing
+from ..measurement.points_recording import are_points
 from ..measurement.slack import of_angles
 from ..pendulum.catalogue import ANGLE
 from ..pendulum.model import Model, as_model
 from ..pendulum.slack import Slack
+from . import turning_points
+from .left_over import MUCH, share_left
 from .norms import Coordinate, Variable, labelled, model_coords, spread
+from .unscaled import of_first_swings, pace_of, without_scale
 
 _ENOUGH = 3  # half-swings: two give a frequency, a decay needs the next
 _DIMS: dict[str, tuple[str, ...]] = {
@@ -32,6 +36,7 @@ _DIMS: dict[str, tuple[str, ...]] = {
         ("fitted", "parameter"),
     ),
     "systematic": ("fitted", "parameter", "source"),
+    "time_residual": ("fitted", "time"),
     **dict.fromkeys(("nuisance_value", "nuisance_standard_error"), ("fitted", "nuisance")),
 }
 
@@ -53,6 +58,8 @@ def fit_recording(
     that is not known. BIC and AICc take residuals for independent, which those of an incomplete model are not;
     ``variance_inflation`` tells by how much that is too good. InputError for a swing too short to fit.
     """
+    if are_points(angle):
+        return _of_points(angle, [as_model(one) for one in fitted], start, bounded)
     name, times, series = _swing(angle)
     models = _reading([as_model(one) for one in fitted], [angle])
 
@@ -66,7 +73,7 @@ def fit_recording(
     names = coords["parameter"][1]
     own = [{
         "norm": np.degrees(fit.rms), "largest_angle": largest_angles(fit, pairs)[0], "release_angle": fit.only.release_angle, "release_velocity": fit.only.release_velocity,
-        "fit": fit.angle, "residual": series - fit.angle,
+        "fit": fit.angle, "residual": series - fit.angle, "share_left": share_left(series - fit.angle, series),
     } for fit in fits]  # fmt: skip
     rows = [_row(fit, pairs, [angle], names) | more for fit, more in zip(fits, own, strict=True)]
     variables: dict[str, Variable] = {
@@ -75,15 +82,36 @@ def fit_recording(
     bound = _known(angle, "bound")
     variables["error_bound_norm"] = ((), np.nan if bound is None else np.degrees(np.sqrt(np.mean(bound**2))))
     variables["samples"] = ((), times.size)
+    if without_scale(angle):
+        paces = pace_of(angle, times, series)
+    elif max(one["share_left"] for one in own) > MUCH:
+        paces = of_first_swings(times, series)
+    else:
+        paces = {}
+    variables |= {key: (("fitted",), [value] * len(fits)) for key, value in paces.items()}
     variables |= _prior(slack)
-    coords |= _of_slack(fits[0]) | {
-        "parameter_2": ("parameter_2", names, {"long_name": "other parameter"}),
-        "time": ("time", times, {}),
-        "recording": ((), name, {"long_name": "recording"}),
-        **{key: ((), value, {"long_name": text}) for key, (value, text) in _about(angle).items()},
-    }
+    coords |= _slack_of(fits[0]) | _of_recording(angle, names)
     attrs = _options(models, start, bounded) | {"emulated": coords["emulated"][1]}
     return _in_units(labelled(xr.Dataset(variables, coords, attrs)), models[0].reading)
+
+
+def _of_points(angle: xr.Dataset, models: Sequence[Model], start: str, bounded: bool) -> xr.Dataset:
+    """The Dataset of ``fit_recording`` of turning points alone, with how their times scatter as well."""
+    coords = model_coords(models)
+    names = coords["parameter"][1]
+    rows = turning_points.rows_of(angle, models, names)
+    variables: dict[str, Variable] = {
+        key: (_DIMS.get(key, ("fitted",)), [row[key] for row in rows]) for key in rows[0]
+    }
+    variables |= {
+        "error_bound_norm": ((), np.nan),
+        "samples": ((), angle.sizes["time"]),
+        "points_scale": ((), angle.attrs["points_scale"]),
+    }
+    variables |= _prior(Slack())
+    coords |= _of_slack((), (), ("clock",)) | _of_recording(angle, names)
+    attrs = _options(models, start, bounded) | {"emulated": coords["emulated"][1]}
+    return labelled(xr.Dataset(variables, coords, attrs))
 
 
 def fit_campaign(
@@ -127,7 +155,7 @@ def fit_campaign(
     variables["samples"] = ("recording", [times.size for times, _ in series])
     about = [_about(angle) for angle in angles]
     variables |= _prior(slack)
-    coords |= _of_slack(fits[0]) | {
+    coords |= _slack_of(fits[0]) | {
         "parameter_2": ("parameter_2", names, {"long_name": "other parameter"}),
         "recording": ("recording", [name for name, *_ in swings], {"long_name": "recording"}),
         **{
@@ -211,6 +239,11 @@ def _about(angle: xr.Dataset) -> dict[str, tuple[str, str]]:
         ),
         "reading": (str(dataset.series_of(angle).name), "what the sensor reads: angle or rate"),
         "uncertainty": (str(angle.attrs.get("mode", "unknown")), "what the angle's uncertainty is from"),
+        "points": (
+            str(angle.attrs.get("points", "")),
+            "what the points are, where they are no samples of the motion",
+        ),
+        "points_unit": (str(angle.attrs.get("points_unit", "rad")), "unit of the amplitudes as read"),
     }
 
 
@@ -263,14 +296,30 @@ def _prior(slack: Slack) -> dict[str, Variable]:
     return {"nuisance_prior": ("nuisance", list(slack.deviations.values()))}
 
 
-def _of_slack(fit: Fit) -> dict[str, Coordinate]:
+def _of_recording(angle: xr.Dataset, names: Sequence[str]) -> dict[str, Coordinate]:
+    """The coordinates of a recording's fits: its times, and what is to be known of it."""
+    return {
+        "parameter_2": ("parameter_2", names, {"long_name": "other parameter"}),
+        "time": ("time", angle["time"].values, {}),
+        "recording": ((), str(angle.attrs.get("recording", "recording")), {"long_name": "recording"}),
+        **{key: ((), value, {"long_name": text}) for key, (value, text) in _about(angle).items()},
+    }
+
+
+def _slack_of(fit: Fit) -> dict[str, Coordinate]:
+    """The coordinates of what a fit leaves open."""
+    parameters = fit.model.slack.parameters
+    return _of_slack(parameters, [fit.model.units[name] for name in parameters], fit.sources)
+
+
+def _of_slack(
+    parameters: Sequence[str], units: Sequence[str], sources: Sequence[str]
+) -> dict[str, Coordinate]:
     """The coordinates of what is left open, and of where the systematic uncertainty comes from."""
-    slack = fit.model.slack
-    units = [fit.model.units[name] for name in slack.parameters]
     return {
         "nuisance": (
             "nuisance",
-            np.array(slack.parameters, dtype=str),
+            np.array(parameters, dtype=str),
             {"long_name": "what the measurement leaves open"},
         ),
         "nuisance_unit": (
@@ -280,7 +329,7 @@ def _of_slack(fit: Fit) -> dict[str, Coordinate]:
         ),
         "source": (
             "source",
-            np.array(fit.sources, dtype=str),
+            np.array(sources, dtype=str),
             {"long_name": "source of systematic uncertainty"},
         ),
     }

@@ -53,6 +53,17 @@ LABELS: dict[str, tuple[str | None, str]] = {
     "fit": ("rad", "fitted angle"),
     "residual": ("rad", "angle minus fitted angle"),
     "rms": ("rad", "RMS of data minus fit"),
+    "share_left": ("1", "RMS of data minus fit over that of the data, both of means over a part of a period"),
+    "time_residual": ("s", "time of a turning point minus that of the fit"),
+    "time_scatter": ("s", "standard deviation of the times of turning points"),
+    "angle_scatter": ("rad", "standard deviation of the angles of turning points"),
+    "amplitude_share": ("1", "how the period depends on the amplitude, over what weight makes of it"),
+    "amplitude_share_u": ("1", "its standard uncertainty"),
+    "period_first": ("s", "period at the first passage through a light gate"),
+    "period_first_u": ("s", "its standard uncertainty"),
+    "period_change": ("s", "change of the period from the first passage to the last"),
+    "period_change_u": ("s", "its standard uncertainty"),
+    "points_scale": ("1", "number of the unit that points_unit names which 1 rad stands for"),
     "converged": (None, "whether the fit ended at a stationary point"),
     "evaluations": (None, "trajectories computed by the fit"),
     "samples": (None, "number of samples"),
@@ -149,7 +160,7 @@ def combine_recordings(datasets: Iterable[xr.Dataset]) -> xr.Dataset:
 def _with_recording(dataset: xr.Dataset) -> xr.Dataset:
     own = {
         name: ("recording", [str(dataset[name].item())], dataset[name].attrs)
-        for name in ("campaign", "emulated", "label", "reading", "uncertainty")
+        for name in ("campaign", "emulated", "label", "reading", "uncertainty", "points", "points_unit")
         if name in dataset.coords
     }
     return dataset.expand_dims("recording").assign_coords(own)

@@ -1,5 +1,6 @@
 """The pendulums of a study side by side: of each the model of damping that describes it, its quantities, and the verdict."""
 
+import warnings
 from collections import Counter
 from collections.abc import Iterable, Mapping
 from pathlib import Path
@@ -10,17 +11,26 @@ import pandas as pd
 import xarray as xr
 
 from ..arrays import Floats
+from ..engine.trajectory import TrajectoryWarning
+from ..measurement.angle import UNSCALED
+from ..measurement.points_recording import PASSED
+from ..measurement.refused import NOT_LOOKED_AT
+from ..paths import printable
 from ..pendulum.catalogue import ANGLE, RATE, READINGS, SHIPPED, Catalogue
 from ..pendulum.model import Model
 from ..rounding import value_with_uncertainty
 from .comparison import WORTH, bic_effective
+from .left_over import DOUBT, MUCH
 from .norms import as_text
 from .quantities import UNITS, Quantity, quantities
+from .turning_points import NOT_DAMPED, as_told, passages_told, period_of_passages
+from .unscaled import as_seen, at_first_swing
 
 _SUFFIX = {
     "1": "",
     "rad/s": "_rad_per_s",
     "rad/s^2": "_rad_per_s2",
+    "m/s^2": "_m_per_s2",
     "1/s": "_per_s",
     "1/s^2": "_per_s2",
     "s": "_s",
@@ -37,6 +47,16 @@ def described_by(norms: xr.Dataset, catalogue: Catalogue = SHIPPED) -> str:
     as count as independent; a model whose effect has a size below 0 that it cannot have (a damper that gives energy) is left out
     where there is another.
     """
+    labels, evidence, usable = _evidence(norms, catalogue)
+    lowest = min(evidence[k] for k in usable)
+    near = [
+        k for k in usable if evidence[k] - lowest <= WORTH
+    ] or usable  # of passages without speeds there is no evidence
+    return labels[min(near, key=lambda k: (labels[k].count("+"), evidence[k]))]
+
+
+def _evidence(norms: xr.Dataset, catalogue: Catalogue) -> tuple[list[str], Floats, list[int]]:
+    """The models' labels, their evidence, and which of them can be a pendulum's."""
     labels, evidence = as_text(norms["fitted"]), bic_effective(norms)
     effects = [catalogue[name] for name in dict.fromkeys("+".join(labels).split("+"))]
     sizes = norms["value"].sel(parameter=[one.size.name for one in effects if one.size and one.one_sided])
@@ -44,19 +64,71 @@ def described_by(norms: xr.Dataset, catalogue: Catalogue = SHIPPED) -> str:
     usable = [k for k in range(len(labels)) if sound[k] and np.isfinite(evidence[k])] or list(
         range(len(labels))
     )
-    lowest = min(evidence[k] for k in usable)
-    near = [k for k in usable if evidence[k] - lowest <= WORTH]
-    return labels[min(near, key=lambda k: (labels[k].count("+"), evidence[k]))]
+    return labels, evidence, usable
+
+
+def rivals(norms: xr.Dataset, label: str, catalogue: Catalogue = SHIPPED) -> list[str]:
+    """The labels of the models without a part of the model ``label`` whose evidence is as good as that of ``label`` within what is worth
+    a word, those with the fewest terms."""
+    labels, evidence, usable = _evidence(norms, catalogue)
+    chosen = evidence[labels.index(label)]
+    near = [
+        labels[k]
+        for k in usable
+        if evidence[k] - chosen <= WORTH and not set(label.split("+")) <= set(labels[k].split("+"))
+    ]
+    return [one for one in near if not any(set(other.split("+")) < set(one.split("+")) for other in near)]
+
+
+def weights(norms: xr.Dataset, catalogue: Catalogue = SHIPPED) -> dict[str, float]:
+    """By label how probable each model of damping is that can be a pendulum's, all as likely beforehand: exp(-BIC / 2), together 1
+    (Raftery, Sociol. Methodol. 25, 111 (1995))."""
+    labels, evidence, usable = _evidence(norms, catalogue)
+    found = np.exp(-(evidence[usable] - evidence[usable].min()) / 2)
+    return {labels[k]: float(one) for k, one in zip(usable, found / found.sum(), strict=True)}
+
+
+def over_laws(
+    norms: xr.Dataset, weight: Mapping[str, float], amplitude: float, catalogue: Catalogue = SHIPPED
+) -> dict[str, Quantity]:
+    """Natural frequency, period, quality and decay time by name at an amplitude (rad), whichever law of damping holds: the means over the
+    laws by their ``weight``; the uncertainty has that of each, and how far they are apart.
+
+    ``norms`` (fitted, parameter, parameter_2) of one recording.
+    """
+    found: dict[str, list[tuple[float, Quantity]]] = {}
+    for label, share in weight.items():
+        for name, one in described(norms, label, catalogue, amplitude)[1].items():
+            if name in UNITS and np.isfinite([one.value, one.uncertainty]).all():
+                found.setdefault(name, []).append((share, one))
+    told = {}
+    for name, several in found.items():
+        shares = np.array([share for share, _ in several])
+        shares = shares / shares.sum() if shares.any() else np.full(shares.size, 1 / shares.size)
+        values, errors = (
+            np.array([getattr(one, key) for _, one in several]) for key in ("value", "uncertainty")
+        )
+        mean = float(shares @ values)
+        told[name] = Quantity(mean, float(np.sqrt(shares @ (errors**2 + (values - mean) ** 2))), UNITS[name])
+    return told
 
 
 def described(
-    norms: xr.Dataset, label: str, catalogue: Catalogue = SHIPPED
+    norms: xr.Dataset, label: str, catalogue: Catalogue = SHIPPED, amplitude: float | None = None
 ) -> tuple[float, dict[str, Quantity]]:
     """The amplitude (rad) at which the quantities of one recording hold, and these by name.
 
     ``norms`` (fitted, parameter, parameter_2) of one recording, or of several fitted together; the amplitude is the largest
-    fitted angle.
+    fitted angle where none is given.
     """
+    model, covariance = values_of(norms, label, catalogue)
+    if amplitude is None:
+        amplitude = float(norms["largest_angle"].sel(fitted=label).max())
+    return amplitude, quantities(model, amplitude, covariance)
+
+
+def values_of(norms: xr.Dataset, label: str, catalogue: Catalogue = SHIPPED) -> tuple[Model, Floats]:
+    """The model ``label`` with the values that were fitted, and the covariance of its parameters; ``norms`` as of ``described``."""
     one = norms.sel(fitted=label)
     options = {key: str(norms.attrs[key]) for key in ("restoring", "form") if key in norms.attrs}
     model = Model(tuple(label.split("+")), catalogue=catalogue, **options).of(reading_of(one))  # type: ignore[arg-type]
@@ -65,8 +137,7 @@ def described(
         dict(zip(model.parameters, map(float, one["value"].sel(at).values), strict=True))
     )
     covariance: Floats = one["covariance"].sel(at | {"parameter_2": list(model.parameters)}).values
-    amplitude = float(one["largest_angle"].max())
-    return amplitude, quantities(model, amplitude, covariance)
+    return model, covariance
 
 
 def pendulums(
@@ -83,7 +154,7 @@ def pendulums(
     its standard uncertainty (``period_s_u``) and both as a text (``period_s_text``); ``model`` the label of ``described_by``, or of a
     pendulum of which a search established something of the model that it ended with (``model_of``: damping or search);
     ``residual_rad`` the RMS that it leaves (of an angular rate ``residual_rad_per_s``); ``verdict`` the status of the campaign's search, ``missing`` what that names;
-    ``emulated``, ``remark``. ``left_out`` (recording, file, problem) tells in ``remark`` why a recording was not searched, and adds
+    ``emulated``, ``remark``: why its values are in doubt, where they are. ``left_out`` (as ``left_out.left_out`` gives it) tells there why a recording was not searched, and adds
     a row with the verdict ``refused`` for each file that could not be used.
     """
     found = {str(one["campaign"]): one for one in verdicts}
@@ -107,14 +178,18 @@ def pendulums(
     ]
     for row in rows:
         verdict = found.get(row["campaign"], {})
-        remark = told.pop(row["recording"]).problem if row["recording"] in told else ""
+        left = told.pop(row["recording"]).problem if row["recording"] in told else ""
+        remark = joined(verdict.get("unit_doubt", ""), row["remark"], left)
         row |= {"verdict": verdict.get("status", ""), "missing": _named(verdict), "remark": remark}
     for name, one in told.items():
+        if str(one.problem).startswith(NOT_LOOKED_AT):
+            continue
+        label = getattr(one, "label", "")
         rows.append(
             {
-                "campaign": name,
+                "campaign": str(one.campaign),
                 "recording": name,
-                "label": Path(str(one.file)).stem,
+                "label": printable(label if isinstance(label, str) and label else Path(str(one.file)).stem),
                 "verdict": REFUSED,
                 "remark": f"{one.file}: {one.problem}",
             }
@@ -127,21 +202,52 @@ def in_order(table: pd.DataFrame) -> pd.DataFrame:
     first = [_column(name, unit) for name, unit in UNITS.items()]
     told = [column for column in table if f"{column}_u" in table]
     columns = [column + part for column in dict.fromkeys([*first, *told]) for part in ("", "_u", "_text")]
-    tail = [name for name in _TAIL if name != RESIDUALS[RATE] or name in table]
+    tail = [name for name in _TAIL if name not in _SELDOM or name in table]
     return table.reindex(columns=[*_HEAD, *columns, *tail])
 
 
 _HEAD = ("campaign", "recording", "label", "amplitude_rad")
 RESIDUALS = {ANGLE: "residual_rad", RATE: "residual_rad_per_s"}
+_WITHOUT_SCALE = ("period", "quality", "decay_time")  # what readings without a scale tell
 DAMPING, SEARCH = "damping", "search"  # where a row's model comes from
-_TAIL = ("model", "model_of", *RESIDUALS.values(), "verdict", "missing", "emulated", "remark")
+NOT_DYING = "cannot be told: it does not die away"  # stands for a model
+NO_MODEL = (NOT_DAMPED, NOT_DYING)
+_SEEN = 3.0  # standard errors
+_TAIL = (
+    "model",
+    "or_model",
+    "model_of",
+    *RESIDUALS.values(),
+    "verdict",
+    "missing",
+    "emulated",
+    "amplitude_text",
+    "g_of",
+    "note",
+    "remark",
+)
+# columns that are there where a row has them
+_SELDOM = (RESIDUALS[RATE], "amplitude_text", "g_of", "note", "or_model")
 
 
 def _row(
     campaign: str, name: str, own: xr.Dataset, fitted: xr.Dataset, catalogue: Catalogue
 ) -> dict[str, Any]:
+    if PASSED in (as_text(own["points"]) if "points" in own.coords else ()):
+        return _of_passages(campaign, name, own.isel(recording=0))
     label = described_by(own, catalogue)
-    amplitude, derived = described(fitted, label, catalogue)
+    points = any(as_text(own["points"])) if "points" in own.coords else False
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always", TrajectoryWarning)
+        amplitude, derived = described(fitted, label, catalogue)
+        if points:  # so few that several laws may describe them
+            derived |= over_laws(fitted, weights(own, catalogue), amplitude, catalogue)
+    doubts = dict.fromkeys(str(one.message) for one in caught)
+    for text in doubts:
+        warnings.warn(text, TrajectoryWarning, stacklevel=3)
+    left = float(own["share_left"].sel(fitted=label).max()) if "share_left" in own else 0.0
+    if left > MUCH:
+        doubts[DOUBT.format(percent=100 * left, name=campaign if name == TOGETHER else name)] = None
     row: dict[str, Any] = {
         "campaign": campaign,
         "recording": name,
@@ -150,11 +256,66 @@ def _row(
         "model": label,
         "model_of": DAMPING,
     }
+    unscaled = UNSCALED in own["uncertainty"].values
+    if unscaled:
+        period, more = at_first_swing(own.isel(recording=0)) if name != TOGETHER else (None, {})
+        derived = {key: derived[key] for key in _WITHOUT_SCALE} | ({"period": period} if period else {})
+        row |= {"amplitude_rad": np.nan, **more}
+    elif left > MUCH and name != TOGETHER and not points:
+        period, note = as_seen(own.isel(recording=0))
+        if period:
+            derived = derived | {"period": period}
+            row["note"] = note
     for key, quantity in derived.items():
-        row |= _cells(key, quantity)
-    rms = np.radians(np.sqrt(np.mean(fitted["norm"].sel(fitted=label).values ** 2)))
+        row |= cells_of(key, quantity)
+    rms = np.nan if unscaled else np.radians(np.sqrt(np.mean(fitted["norm"].sel(fitted=label).values ** 2)))
     emulated = "yes" if "yes" in own["emulated"].values else "no"
-    return row | {RESIDUALS[reading_of(fitted)]: float(rms), "emulated": emulated}
+    row |= {RESIDUALS[reading_of(fitted)]: float(rms), "emulated": emulated, "remark": joined(*doubts)}
+    if points:
+        row = as_told(row, own.isel(recording=0), rivals(own, label, catalogue))
+    return _of_what_is_seen(row)
+
+
+def _of_what_is_seen(row: dict[str, Any]) -> dict[str, Any]:
+    """The row; of a swing whose loss is not seen without a damping, for its values would be those of noise.
+
+    A loss is seen where it is three standard errors from none.
+    """
+    if doubted(row):  # so much is left that no loss is one of this model
+        return row
+    known = quantities_of(row)
+    quality = known.get("quality")
+    if quality is None and "period" not in known:  # so much is lost that it does not come back
+        return row
+    if quality is not None and not quality.uncertainty * _SEEN > quality.value > 0:
+        return row
+    kept = {
+        column
+        for name in ("period", "natural_frequency")
+        for column in cells_of(name, Quantity(1.0, 1.0, UNITS[name]))
+    }
+    lost = {column + end for column in row if f"{column}_u" in row for end in ("", "_u", "_text")} - kept
+    lost.add("or_model")
+    return {key: value for key, value in row.items() if key not in lost} | {"model": NOT_DYING}
+
+
+def doubted(row: Mapping[str, Any]) -> bool:
+    """True where the best model of damping leaves so much of a row's swings that it is not what stops them."""
+    return DOUBT.split("{")[0] in str(row.get("remark", ""))
+
+
+def _of_passages(campaign: str, name: str, own: xr.Dataset) -> dict[str, Any]:
+    """The row of passages without speeds: the period alone."""
+    return {
+        "campaign": campaign, "recording": name, "label": str(own["label"].values), "amplitude_rad": np.nan, "model": NOT_DAMPED, "model_of": DAMPING,
+        **cells_of("period", Quantity(*period_of_passages(own), "s")), RESIDUALS[ANGLE]: np.nan, "emulated": str(own["emulated"].values), "remark": "",
+        **passages_told(own),
+    }  # fmt: skip
+
+
+def joined(*remarks: str) -> str:
+    """The remarks that are not empty as one."""
+    return "; ".join(filter(None, remarks))
 
 
 def by_verdict(row: Mapping[str, Any], verdict: Mapping[str, Any]) -> dict[str, Any]:
@@ -164,19 +325,21 @@ def by_verdict(row: Mapping[str, Any], verdict: Mapping[str, Any]) -> dict[str, 
     if not concluded or verdict["status"] == "unknown":
         return dict(row)
     ends = ("", "_u", "_text")
-    old = {f"{key}{end}" for key in row if f"{key}_u" in row for end in ends}
+    old = {"or_model", *(f"{key}{end}" for key in row if f"{key}_u" in row for end in ends)}
     found = {key: value for key, value in row.items() if key not in old and key not in RESIDUALS.values()}
     for name, one in concluded["quantities"].items():
         value, error = (np.nan if one[key] is None else one[key] for key in ("value", "standard_uncertainty"))
-        found |= _cells(name, Quantity(value, error, one["unit"]))
+        found |= cells_of(name, Quantity(value, error, one["unit"]))
     rates = verdict.get("reading") == RATE
-    return found | {
+    return _of_what_is_seen(found | {
         "amplitude_rad": concluded["amplitude_rad"], "model": concluded["model"], "model_of": SEARCH,
+        "remark": joined(*(one for one in row.get("remark", "").split("; ") if not one.startswith(DOUBT.split("{")[0]))),
         RESIDUALS[RATE if rates else ANGLE]: concluded["residual"],
-    }  # fmt: skip
+    })  # fmt: skip
 
 
-def _cells(name: str, one: Quantity) -> dict[str, Any]:
+def cells_of(name: str, one: Quantity) -> dict[str, Any]:
+    """The cells of a row of ``pendulums`` that a quantity has: its value, its standard uncertainty, and both as a text."""
     column = _column(name, one.unit)
     return {
         column: one.value,

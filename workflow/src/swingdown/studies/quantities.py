@@ -5,7 +5,7 @@ quality at each.
 """
 
 from collections.abc import Callable
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -14,6 +14,7 @@ from ..engine.trajectory import TrajectoryError, simulate
 from ..fitting.guess import amplitude_factor
 from ..pendulum.effect import NATURAL_FREQUENCY, Effect
 from ..pendulum.model import Model
+from ..rounding import value_with_uncertainty
 
 _SAMPLES = (
     4000  # of a period: a parabola through three of them finds a turning point to 1e-8 of the amplitude
@@ -26,11 +27,33 @@ _OF_TIME = {"t", "duration"}
 
 
 class Quantity(NamedTuple):
-    """A number with its standard uncertainty (NaN where that is not known) and unit."""
+    """A number with its standard uncertainty (NaN where that is not known) and unit; it prints as ``0.87148(26) s``."""
 
     value: float
     uncertainty: float
     unit: str
+
+    @property
+    def u(self) -> float:
+        """The standard uncertainty, in the quantity's unit."""
+        return self.uncertainty
+
+    @property
+    def ufloat(self) -> Any:
+        """A number of the package ``uncertainties``, without the unit; ImportError where that is not installed."""
+        from uncertainties import ufloat
+
+        return ufloat(self.value, self.uncertainty)
+
+    def __str__(self) -> str:
+        number = value_with_uncertainty(self.value, self.uncertainty)
+        return number if self.unit == "1" else f"{number} {self.unit}"
+
+    def __repr__(self) -> str:
+        return str(self)
+
+    def __float__(self) -> float:
+        return float(self.value)
 
 
 class Cycle(NamedTuple):
@@ -42,16 +65,18 @@ class Cycle(NamedTuple):
 
 
 def cycle(model: Model, amplitude: float) -> Cycle:
-    """The ``Cycle`` of a model let go at rest from an amplitude (rad); NaN where it does not come back.
+    """The ``Cycle`` of a model let go at rest from an amplitude (rad); NaN where it does not come back or is none.
 
     The decrement is twice the logarithm of one turning point's distance over the next one's, from side to side: where the
     swing's middle lies does not matter.
     """
     model = model.motion  # what the sensor makes of it is none of the pendulum's
     frequency = model.values[NATURAL_FREQUENCY.name]
+    nothing = Cycle(np.nan, np.nan, amplitude)
+    if not frequency > 0:
+        return nothing
     ideal = 2 * np.pi / (frequency * amplitude_factor(amplitude))
     times = 1.5 * ideal * np.arange(int(1.5 * _SAMPLES)) / (1.5 * _SAMPLES)
-    nothing = Cycle(np.nan, np.nan, amplitude)
     try:
         angle = simulate(model, times, amplitude)
     except TrajectoryError:
@@ -119,7 +144,8 @@ def quantities(model: Model, amplitude: float, covariance: Floats | None = None)
     The natural frequency is that of small undamped swings. The period is that of the first whole swing from rest. The
     quality is pi over that swing's logarithmic decrement: 2 pi times the energy over what a period loses, where that is
     little. The decay time is that of ``decay_time``. ``covariance`` is that of the model's parameters in their order; a
-    parameter whose variance is NaN was held, and counts as known. Uncertainties are propagated linearly (JCGM 100, 5.2).
+    parameter whose variance is NaN was held, and counts as known. Uncertainties are propagated linearly (JCGM 100, 5.2), and are NaN
+    where a value is so little known that a step of a tenth of its error leads to where no pendulum is.
     """
     values = np.array(model.vector())
 

@@ -1,5 +1,6 @@
 """A study of somebody's files: which they are, what each is called, and the folder with its sheet and config."""
 
+import difflib
 import hashlib
 import os
 import re
@@ -13,20 +14,37 @@ import yaml
 
 from ..errors import InputError
 from ..measurement.angle import to_angle
+from ..measurement.interpret import RELATIVE, Uncalibrated
+from ..measurement.points_recording import are_points
+from ..measurement.programs import CLOSED, READERS
 from ..measurement.recording import ingest
+from ..measurement.refused import NOT_LOOKED_AT, place_in
 from ..measurement.release import SeveralReleases
+from ..measurement.runs import SeveralRuns
 from ..measurement.sheet import COLUMNS
 from ..measurement.source import NETCDF
 from ..paths import safe_name, write_csv, write_text
-from ..pendulum.model import PAPER_MODELS
+from ..pendulum.model import SPRUNG
 
-# What of a folder is taken for a recording; sheets of office programs are, so that they are told and not passed over.
-ENDINGS = (".csv", ".tsv", ".txt", ".dat", ".xlsx", ".xls", ".ods", *NETCDF)
+# What of a folder is given to the readers; they tell of each that they cannot use why.
+ENDINGS = (
+    ".csv",
+    ".tsv",
+    ".txt",
+    ".dat",
+    ".xlsx",
+    ".xls",
+    ".ods",
+    ".zip",
+    *READERS,
+    *CLOSED,
+    *NETCDF,
+)
+_PICTURES = (".png", ".jpg", ".jpeg", ".gif", ".svg", ".heic", ".bmp", ".tif", ".tiff", ".webp", ".pdf")
 SHEET, CONFIG, LEFT_OUT = "recordings.csv", "study.yaml", "left_out.csv"
 SUFFIX = "-swingdown"  # of a study's folder, after the file that it is of
 TOGETHER = "pendulum"
-# What is fitted and what a search starts from where a spring pulls back: no weight loads the bearing of a wheel.
-SPRUNG = tuple(label.replace("load_coulomb", "constant_coulomb") for label in PAPER_MODELS)
+# What a search starts from where a spring pulls back: no weight loads the bearing of a wheel.
 SPRUNG_BASE = ("viscous", "constant_coulomb")
 _OPENING = """\
 # The study of the recordings in {sheet}, as `swingdown` wrote it. It is yours to change (config/README.md of the project tells every
@@ -45,36 +63,76 @@ class Taken(NamedTuple):
 
 
 class Refused(NamedTuple):
-    """A file that cannot be used or searched, and why. ``recording`` is its name in the sheet, or would be."""
+    """A file, or a part of one, that cannot be used or searched, and why. ``recording`` is its name in the sheet, or would be."""
 
     recording: str
     file: str
     problem: str
     expected: str
     mend: str
+    label: str = ""  # what to call it, where that is not its name
 
 
-def files(given: Iterable[str | Path]) -> list[Path]:
-    """The files among these paths, and of each folder those in it that may be recordings, in the order of their names.
+def files(given: Iterable[str | Path]) -> tuple[list[Path], list[Refused]]:
+    """The files among these paths, and of each folder those in it that may be recordings, in the order of their names; and of all
+    other files and folders in it why they are not looked at.
 
     InputError for a path that is not there, and for a folder without any.
     """
     found: list[Path] = []
+    passed: list[Refused] = []
     for path in map(Path, given):
         if path.is_dir():
-            inside = [
-                one
-                for one in path.iterdir()
-                if one.suffix.lower() in ENDINGS and not one.name.startswith(".")
-            ]
-            if not inside:
+            inside = sorted((one for one in path.iterdir() if not one.name.startswith(".")), key=_in_order)
+            able = [one for one in inside if one.suffix.lower() in ENDINGS and one.is_file()]
+            if not able:
                 raise InputError(path, "there is no recording in this folder", f"files that end in {', '.join(ENDINGS)}", "name the files themselves")  # fmt: skip
-            found += sorted((one for one in inside if one.is_file()), key=_in_order)
+            found += able
+            passed += [_passed(one) for one in inside if one not in able and not one.name.endswith(SUFFIX)]
         elif path.is_file():
             found.append(path)
         else:
-            raise InputError(path, "there is no such file", "a file or a folder of files", "correct the path")
-    return list(dict.fromkeys(found))
+            raise InputError(
+                path, "there is no such file", "a file or a folder of files", f"correct the path{_near(path)}"
+            )
+    found = list(dict.fromkeys(found))
+    nameless = [path for path in found if _shown(path) != path.name]
+    return [path for path in found if path not in nameless], passed + [_misnamed(path) for path in nameless]
+
+
+def _near(path: Path) -> str:
+    """A question after the file that a mistyped path may have meant; empty where none is near."""
+    there = [one.name for one in path.parent.iterdir()] if path.parent.is_dir() else []
+    near = difflib.get_close_matches(path.name, there, 1)
+    return f"; did you mean {path.with_name(near[0])}?" if near else ""
+
+
+def _passed(path: Path) -> Refused:
+    """A file or folder in a folder that is not looked at."""
+    ending = path.suffix.lower()
+    what = (
+        "a folder in the folder" if path.is_dir() else "a picture is no recording" if ending in _PICTURES
+        else f"files that end in {ending or 'nothing'} are none of recordings"
+    )  # fmt: skip
+    name = safe_name(_shown(path))
+    return Refused(
+        name, _shown(path), f"{NOT_LOOKED_AT}: {what}", "", "name it by itself, if it is one", _shown(path)
+    )
+
+
+def _misnamed(path: Path) -> Refused:
+    """A file whose name no sheet can hold: its bytes are no UTF-8."""
+    shown = _shown(path)
+    return Refused(safe_name(shown), shown, "the name of the file is in another encoding than UTF-8, perhaps Latin-1", "a name in UTF-8", "rename the file", shown)  # fmt: skip
+
+
+def _shown(path: Path) -> str:
+    """A file's name as text; bytes that are no UTF-8 are read as Latin-1."""
+    raw = os.fsencode(path.name)
+    try:
+        return raw.decode("utf-8")
+    except UnicodeDecodeError:
+        return raw.decode("latin-1")
 
 
 def _in_order(path: Path) -> list[tuple[int, str | int]]:
@@ -121,18 +179,29 @@ def rows(
     ]
 
 
-def take(row: Mapping[str, Any], path: Path) -> list[Taken | Refused]:
-    """What a file of the sheet's ``row`` gives: its angle, or why it has none; of several releases in a row each.
+def take(row: Mapping[str, Any], path: Path, restoring: str = "sine") -> list[Taken | Refused]:
+    """What a file of the sheet's ``row`` gives: its angle, or why it has none; of several runs or releases in a row each.
 
-    Releases are recordings of one campaign, whose names end in their number.
+    Releases are recordings of one campaign, whose names end in their number. Runs are pendulums of their own, as files are,
+    unless the row's campaign is another than the recording.
     """
     try:
-        return [_taken(row, path)]
+        return [_taken(row, path, restoring)]
+    except SeveralRuns as found:
+        parts = [_run(row, name) for name in found.names]
     except SeveralReleases as found:
         parts = [_release(row, number, cells) for number, cells in enumerate(found.cells, 1)]
     except InputError as problem:
         return [refused(row, problem, path)]
-    return [one for part in parts for one in take(part, path)]
+    return [one for part in parts for one in take(part, path, restoring)]
+
+
+def _run(row: Mapping[str, Any], run: str) -> dict[str, Any]:
+    """The row of one run of several in the file of a row."""
+    name = safe_name(f"{row['recording']}-{safe_name(run)}")
+    campaign = name if row["campaign"] == row["recording"] else row["campaign"]
+    label = f"{row.get('label', row['recording'])}, {run}"
+    return {**row, "recording": name, "campaign": campaign, "label": label, "run": run}
 
 
 def _release(row: Mapping[str, Any], number: int, cells: Mapping[str, str]) -> dict[str, Any]:
@@ -142,19 +211,25 @@ def _release(row: Mapping[str, Any], number: int, cells: Mapping[str, str]) -> d
     return {**row, "recording": f"{row['recording']}-{number}", "label": label, **window}
 
 
-def _taken(row: Mapping[str, Any], path: Path) -> Taken:
-    recording = ingest({**COLUMNS, **row, "file": str(path)})
-    if recording["signal"].attrs["units"] == "V":
-        raise InputError(path.name, "it is in volts", "an angle, or an apparatus sheet that calibrates it", "write a study of your own with the key `apparatus`")  # fmt: skip
-    return Taken(dict(row), recording, to_angle(recording))
+def _taken(row: Mapping[str, Any], path: Path, restoring: str) -> Taken:
+    """The recording and its angle; of volts without an apparatus or a scale period and decay alone are told."""
+    cells = {**COLUMNS, **row, "file": str(path)}
+    try:
+        recording = ingest(cells, restoring=restoring)
+        if recording["signal"].attrs["units"] == "V" and "rad_per_unit" not in recording.attrs:
+            raise Uncalibrated(path.name, "it is in volts", "a scale", "state one")
+    except Uncalibrated:
+        row = {**row, "scale": RELATIVE, "signal_unit": "V"}
+        recording = ingest({**cells, **row, "file": str(path)}, restoring=restoring)
+    kind = {"signal_kind": recording.attrs["kind"]} if are_points(recording) else {}
+    return Taken(dict(row) | kind, recording, to_angle(recording))
 
 
 def refused(row: Mapping[str, Any], problem: InputError, path: Path | None = None) -> Refused:
     """The ``Refused`` of a row of the sheet; the line and column of the file at ``path`` stand before the problem."""
-    inside = problem.where.removeprefix(str(path)) if path else problem.where
-    inside = re.sub(rf" \(sample sheet, {re.escape(row['recording'])}[^)]*\)", "", inside).strip(", ")
-    at = f"{inside}: " if inside and inside != problem.where else ""
-    return Refused(row["recording"], row["file"], at + problem.problem, problem.expected, problem.mend)
+    at = place_in(str(path), problem.where, row["recording"]) if path else ""
+    told = at + problem.problem, problem.expected, problem.mend
+    return Refused(row["recording"], row["file"], *told, row.get("label", ""))
 
 
 def write(

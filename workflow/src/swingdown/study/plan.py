@@ -8,6 +8,7 @@ from typing import Any
 from ..errors import InputError
 from ..measurement.apparatus import read_apparatus
 from ..measurement.sheet import read_sheet
+from ..measurement.turning_points import KINDS, SWING
 from ..paths import safe_name
 
 
@@ -32,6 +33,16 @@ class Plan:
     def in_volts(self) -> list[str]:
         """The names of the recordings whose angle follows from the calibration."""
         return [name for name in self.measured if self.rows[name]["signal_unit"] == "V"]
+
+    @property
+    def moving(self) -> list[str]:
+        """The names of the recordings of swings, of all campaigns that are fitted or searched."""
+        return self._named((*self.campaigns, *self.searched), (False,))
+
+    @property
+    def still(self) -> list[str]:
+        """The names of the recordings of the pendulum at rest, of all campaigns that are fitted or searched."""
+        return self._named((*self.campaigns, *self.searched), (True,))
 
     @property
     def measured(self) -> list[str]:
@@ -61,7 +72,10 @@ def plan(settings: dict[str, Any]) -> Plan:
     }
     known = list(dict.fromkeys(row["campaign"] for row in rows.values()))
     campaigns = _chosen(settings, "experiment", known) or tuple(known)
-    searched = _chosen(settings, "discovery", known) or campaigns
+    points = _of_points(settings, rows)
+    searched = tuple(
+        name for name in _chosen(settings, "discovery", known) or campaigns if name not in points
+    )
     result = Plan(rows, campaigns, searched, settings.get("apparatus"))
     for name in dict.fromkeys((*campaigns, *searched)):
         if not result.swings(name):
@@ -70,6 +84,22 @@ def plan(settings: dict[str, Any]) -> Plan:
     if result.in_volts:
         _check_apparatus(result, settings)
     return result
+
+
+def _of_points(settings: dict[str, Any], rows: dict[str, dict[str, Any]]) -> set[str]:
+    """The campaigns of turning points alone, in which nothing is searched; InputError for one with several recordings."""
+    found = {
+        row["campaign"]
+        for row in rows.values()
+        if row["signal_kind"] in KINDS and row["signal_kind"] != SWING
+    }
+    for name in found:
+        if len(members := [key for key, row in rows.items() if row["campaign"] == name]) > 1:
+            raise InputError(
+                f"{settings['recordings']}, campaign {name}", f"turning points are fitted one recording at a time, and it has {', '.join(members)}",
+                "a campaign for each recording of turning points", "give each its own name in the column campaign",
+            )  # fmt: skip
+    return found
 
 
 def _chosen(settings: dict[str, Any], part: str, known: Sequence[str]) -> tuple[str, ...]:

@@ -1,11 +1,33 @@
 """The study's settings: held against their schema, completed with its defaults, refused with a mend."""
 
 from collections.abc import Iterable, Mapping
+from pathlib import Path
 from typing import Any
 
 from ..errors import InputError
 from ..pendulum.catalogue import Catalogue, catalogue
-from ..schema import as_said, check, near
+from ..schema import as_said, check, near, read_yaml
+
+CONFIGS = (".yaml", ".yml")
+
+
+def check_config(path: Path) -> None:
+    """None for a config file that holds settings; InputError with the line for one that cannot be read as YAML."""
+    if not path.is_file():
+        there = (
+            [one.name for one in path.parent.glob("*") if one.suffix in CONFIGS]
+            if path.parent.is_dir()
+            else []
+        )
+        raise InputError(
+            path, "there is no such config file", f"a YAML file, in {Path.cwd()} or given by its whole path",
+            near(path.name, there) if there else "correct the path",
+        )  # fmt: skip
+    if path.suffix == ".json":
+        return  # which Snakemake reads, with tabs, that YAML does not know
+    content = read_yaml(path, path)
+    if not isinstance(content, dict):
+        raise InputError(path, "it holds no settings", "keys such as `recordings: sheet.csv`", "name the config, not another file")  # fmt: skip
 
 
 def complete(config: Mapping[str, Any], where: str = "config") -> dict[str, Any]:

@@ -11,6 +11,7 @@ import yaml
 from .. import dataset
 from ..errors import InputError
 from ..paths import written_whole
+from ..sealed import seal_behind
 from . import code, parts, store, summary
 from .draws import cell_keys, noise_key
 
@@ -34,13 +35,14 @@ def combine(sweep, paths, output):
     output = Path(output)
     key_of = cell_keys(sweep.computes, sweep.settings, sweep.keys)
     where = {key_of(values): index for index, values in zip(np.ndindex(sweep.shape), sweep, strict=True)}
+    if sweep.format == "zarr":
+        store.check(Path(paths[0]).parent.parent)
     netCDF4.set_chunk_cache(_CACHE)  # of each variable; by default it is 64 MB
     found = [parts.about(path) for path in paths]
     listed = _listed(found)
     with written_whole(output) as partial:
         dataset.write(_skeleton(sweep, listed), partial)
         with netCDF4.Dataset(partial, "a") as file:
-            file.delncattr(dataset.DIGEST)  # it was taken of the skeleton alone
             _realizations(file, sweep)
             taken, versions = _fill(file, sweep, where, listed, paths, found)
             _check(sweep, taken)
@@ -49,7 +51,7 @@ def combine(sweep, paths, output):
             _from_chunks(file, sweep, where, paths) if sweep.format == "zarr" else summary.from_file(
                 file, sweep
             )
-        dataset.seal(partial)
+        seal_behind(partial)
     if sweep.format == "zarr":
         with xr.open_dataset(output, engine="netcdf4", decode_times=False, decode_timedelta=False) as cells:
             store.add_cells(Path(paths[0]).parent.parent, cells.load())

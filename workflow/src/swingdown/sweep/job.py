@@ -11,7 +11,7 @@ from pathlib import Path
 
 from .. import dataset
 from ..errors import InputError
-from ..paths import written_whole
+from ..sealed import write_text
 from . import code, store
 from .chunks import find_chunk
 from .compute import compute, publish
@@ -39,9 +39,7 @@ def record(results: str, path: str) -> str:
     """The path of the record written: what the chunk in the file ``results`` took, by whose code (JSON)."""
     told = _attributes(results)
     kept = {key: told[key] for key in ("computes", "code", "swingdown", "cpu_s") if key in told}
-    with written_whole(path) as partial:
-        partial.write_text(json.dumps(kept | {"host": os.uname().nodename}) + "\n", encoding="utf-8")
-    return path
+    return str(write_text(path, json.dumps(kept | {"host": os.uname().nodename}) + "\n"))
 
 
 def _attributes(results):

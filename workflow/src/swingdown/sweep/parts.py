@@ -6,7 +6,7 @@ import netCDF4
 import numpy as np
 
 from .. import dataset
-from ..errors import InputError
+from ..errors import MAKE_ANEW, InputError
 from . import store
 
 _BLOCK = 1 << 15  # draws
@@ -81,19 +81,20 @@ def values(found):
 
 
 def _opened(path):
-    mend = "delete it and run the sweep again"
     if not Path(path).exists():
         raise InputError(
-            path, "there is no such file", "a chunk that a job has computed", "run the sweep again"
+            path, "there is no such file", "a chunk that a job has computed", "give the same command again"
         )
-    dataset.check_seal(Path(path))
     try:
+        dataset.check_sealed(path)
         file = netCDF4.Dataset(path)
     except OSError as error:
-        raise InputError(path, f"it cannot be read ({error})", "an undamaged netCDF file", mend) from error
+        raise InputError(
+            path, f"it cannot be read ({error})", "an undamaged netCDF file", MAKE_ANEW
+        ) from error
     if "complete" not in file.ncattrs():
         file.close()
         raise InputError(
-            path, "it has no completeness mark", "the attribute complete = 1, written last", mend
+            path, "it has no completeness mark", "the attribute complete = 1, written last", MAKE_ANEW
         )
     return file

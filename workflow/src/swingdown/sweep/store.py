@@ -1,8 +1,9 @@
 """All draws of a sweep as one Zarr store that every job writes its own part of, at the same time as the others.
 
 The store has a dimension ``draw``; a job writes whole chunks of it, which no other job touches, and then the mark
-``chunks/NAME-CODE.json``. Where a job's draws begin stands in ``slots.jsonl``, which is only added to. ``sweep.nc`` (and in the
-store the group ``cells``) has ``row``: where along ``draw`` each draw of each cell is.
+``chunks/NAME-CODE.json``, which has their checksums. Those of all else in the store are ``draws.sha256``. Where a job's draws begin
+stands in ``slots.jsonl``, which is only added to. ``sweep.nc`` (and in the store the group ``cells``) has ``row``: where along
+``draw`` each draw of each cell is.
 """
 
 import hashlib
@@ -15,19 +16,22 @@ from pathlib import Path
 import numpy as np
 
 from .. import sealed
-from ..errors import InputError
+from ..errors import MAKE_ANEW, InputError
+from ..manifest import checksum
 from .draws import cell_key
 
-STORE, SLOTS = "draws.zarr", "slots.jsonl"
+STORE, SLOTS, SUMS = "draws.zarr", "slots.jsonl", "draws.sha256"
 _TYPES = {"converged": "i1"}
 
 
 def prepare(sweep, plan, folder):
     """The path of the store, with room for the chunks of the plan that are not computed; what is there stays where it is.
 
-    InputError where the sweep lists its variables by something that the store, once made, has no room for.
+    InputError where the store is damaged, or the sweep lists its variables by something that it, once made, has no room for.
     """
     import zarr
+
+    check(folder)
 
     folder = Path(folder)
     computation, path = import_module(f".{sweep.computes}", __package__), folder / STORE
@@ -37,6 +41,7 @@ def prepare(sweep, plan, folder):
     with _reading(path):
         group = zarr.open_group(path, mode="a", zarr_format=2)
     if "slot" not in group.attrs:
+        _remove_sums(folder)
         group.attrs.update(
             {"slot": sweep.chunk, "listed": listed, "computes": sweep.computes, "sweep": sweep.name}
         )
@@ -54,6 +59,7 @@ def prepare(sweep, plan, folder):
             lines.append(json.dumps([stem, taken, count]))
             taken += count
     if lines:
+        _remove_sums(folder)
         for name in [*computation.VARIABLES, "key", "realization"]:
             one = group[name]
             if one.shape[0] < taken * group.attrs["slot"]:
@@ -61,7 +67,58 @@ def prepare(sweep, plan, folder):
         before = sealed.read_text(folder / SLOTS) if (folder / SLOTS).exists() else ""
         sealed.write_text(folder / SLOTS, before + "\n".join(lines) + "\n")
         zarr.consolidate_metadata(path)
+    if not (folder / SUMS).exists():
+        _add_sums(folder)
     return path
+
+
+def check(folder):
+    """None where all of the store but its draws is what was written, or has no sums; InputError for the file that is not.
+
+    What changes the store takes the sums away before, and adds them after: who is killed between leaves none.
+    """
+    folder = Path(folder)
+    for line in sealed.read_text(folder / SUMS).splitlines() if (folder / SUMS).exists() else ():
+        digest, _, name = line.partition("  ")
+        path, cells = folder / name, folder / STORE / "cells"
+        inside = cells in path.parents
+        if (inside and not cells.exists()) or (path.is_file() and checksum(path) == digest):
+            continue
+        mend = (
+            f"delete {cells} and {folder / 'sweep.nc'}, and give the same command again, which makes both anew"
+            if inside
+            else f"put back a copy of it; or delete {folder} and give the same command again, which computes the sweep anew"
+        )
+        raise InputError(path, "it is damaged, or was edited", f"what {SUMS} was taken of", mend)
+
+
+def check_draws(folder):
+    """None where the draws of every chunk in the store are those that its mark tells; InputError where they are not."""
+    for mark in sorted((Path(folder) / "chunks").glob("[!.]*.json")):
+        for _ in parts(mark):
+            pass
+
+
+def _remove_sums(folder):
+    (folder / SUMS).unlink(missing_ok=True)
+    sealed.seal_of(folder / SUMS).unlink(missing_ok=True)
+
+
+def _add_sums(folder):
+    """The checksums of the files that describe the draws: all but the draws themselves; in the form of ``sha256sum``."""
+    import zarr
+
+    path = folder / STORE
+    group = zarr.open_group(path, mode="r", use_consolidated=False)
+    draws = {"key", "realization", *_variables(group)}
+    files = [
+        one
+        for one in sorted(path.rglob("*"))
+        if one.is_file()
+        and (one.name.startswith(".z") or one.parent.name not in draws or one.parent.parent != path)
+    ]
+    lines = [f"{checksum(one)}  {one.relative_to(folder).as_posix()}\n" for one in files]
+    sealed.write_text(folder / SUMS, "".join(lines))
 
 
 def _create(group, computation, listed, slot):
@@ -114,24 +171,22 @@ def write(data, stem, mark):
     if mark.exists():
         return False
     slot = group.attrs["slot"]
-    first, size = slots[stem][0] * slot, data.sizes["draw"]
+    first, room, size = slots[stem][0] * slot, slots[stem][1] * slot, data.sizes["draw"]
     keys = [str(key) for key in data["key"].values]
     numbers = np.array([int(key[:16], 16) for key in keys], np.uint64)
-    group["key"][first : first + size] = numbers[data["cell"].values]
-    group["realization"][first : first + size] = data["realization"].values
+    columns = {"key": numbers[data["cell"].values], "realization": data["realization"].values}
     for name, one in data.data_vars.items():
         if name in group and one.dims[:1] == ("draw",) and name != "realization":
-            if one.ndim == 1:
-                group[name][first : first + size] = one.values
-            else:
+            columns[str(name)] = one.values
+            if one.ndim > 1:
                 own = [group.attrs["listed"].index(str(entry)) for entry in data[one.dims[1]].values]
-                full = np.full(
-                    (size, len(group.attrs["listed"])),
-                    np.nan if one.dtype.kind == "f" else -1,
-                    one.dtype if one.dtype.kind == "f" else "i1",
-                )
-                full[:, own] = one.values
-                group[name][first : first + size] = full
+                columns[str(name)] = np.full((size, len(group.attrs["listed"])), group[name].fill_value)
+                columns[str(name)][:, own] = one.values
+    for name, values in columns.items():
+        # the slots whole: of what may lie there, damaged, nothing is read
+        whole = np.full((room, *values.shape[1:]), group[name].fill_value, group[name].dtype)
+        whole[:size] = values
+        group[name][first : first + room] = whole
     reasons = {key: str(why) for key, why in zip(keys, data["reason"].values, strict=True) if str(why)}
     told = {key: data.attrs[key] for key in ("computes", "code", "swingdown", "cpu_s")}
     told |= {"first": first, "draws": size, "keys": keys, "reasons": reasons}
@@ -154,16 +209,16 @@ def parts(mark):
     with _reading(mark):
         group = zarr.open_group(Path(mark).parent.parent / STORE, mode="r", use_consolidated=False)
     here = slice(told["first"], told["first"] + told["draws"])
-    with _reading(mark):
+    with _reading(mark, MAKE_ANEW):
         found = _digests(group, here)
     if any(found.get(name) != digest for name, digest in told.get("draws_sha256", {}).items()):
         raise InputError(mark, "the draws in the store are not those that were written", "undamaged draws",
-                         "delete it and run the sweep again")  # fmt: skip
+                         MAKE_ANEW)  # fmt: skip
     numbers, draws = group["key"][here], group["realization"][here]
     names = {int(key[:16], 16): key for key in told["keys"]}
     if not set(map(int, np.unique(numbers))) <= set(names):
         raise InputError(mark, "the store does not hold what it says", "draws of the cells that it lists",
-                         "delete it and run the sweep again")  # fmt: skip
+                         MAKE_ANEW)  # fmt: skip
     found = {name: group[name][here] for name in _variables(group)}
     found["row"] = np.arange(here.start, here.stop)
     edges = np.flatnonzero((np.diff(numbers) != 0) | (np.diff(draws) != 1)) + 1
@@ -201,7 +256,7 @@ def about(mark):
 
 
 @contextmanager
-def _reading(where):
+def _reading(where, mend="delete the sweep's folder and give the same command again, which computes it anew"):
     """A block that reads the store: whatever goes wrong with its files is told as an InputError."""
     try:
         yield
@@ -209,7 +264,7 @@ def _reading(where):
         raise
     except Exception as error:  # damage makes zarr fail in ways that nobody listed
         raise InputError(where, f"the store cannot be read ({' '.join(str(error).split())})", f"an undamaged {STORE}",
-                         "delete the sweep's folder and run it again") from error  # fmt: skip
+                         mend) from error  # fmt: skip
 
 
 def read_mark(mark):
@@ -217,7 +272,7 @@ def read_mark(mark):
     content = sealed.read_json(mark)
     if not isinstance(content, dict) or ("sha256" in content and content["sha256"] != _digest_of(content)):
         raise InputError(mark, "it is damaged, or was edited", "what its own sha256 was taken of",
-                         "delete it and run the sweep again")  # fmt: skip
+                         MAKE_ANEW)  # fmt: skip
     return content
 
 
@@ -246,9 +301,12 @@ def add_cells(folder, cells):
     """The store with the Dataset ``cells`` as its group ``cells``, in place of what was there."""
     import zarr
 
-    path = Path(folder) / STORE
+    folder = Path(folder)
+    path = folder / STORE
+    _remove_sums(folder)
     cells.to_zarr(path, group="cells", mode="w", zarr_format=2, consolidated=False)
     zarr.consolidate_metadata(path)
+    _add_sums(folder)
     return path
 
 

@@ -32,8 +32,9 @@ enum Status { DONE = 0, LOST_ACCURACY = 1, RAN_AWAY = 2, CLOCK_RUNS_BACK = 3, TO
 /* Free values that are no parameters. */
 enum Release { RELEASE_ANGLE = -1, RELEASE_VELOCITY = -2 };
 
-/* Errors of a rough trajectory, of a model that takes many panels, over the usual limits: less than 1e-6 rad. */
-enum Rough { COARSE = 1000 };
+/* Errors of a rough trajectory, of a model that takes many panels, over the usual limits. One with slopes, that by the release
+ * angle among them, is computed anew as exactly as usual where its error may come to a micro-radian. */
+enum Rough { COARSE = 100 };
 
 /* A release and the times at which the angle is read. */
 typedef struct {
@@ -43,7 +44,7 @@ typedef struct {
     const double *times; /* increasing; the release is at the first */
     int n_times;
     double most_panels; /* a second: more (and some more) are a failure; infinite where it may take as long as it needs */
-    double coarseness;  /* errors may be so many times as large as usual, at least 1 */
+    double coarseness;  /* errors may be so many times as large as usual; below 1 smaller */
     int n_free;
     const int *free_values; /* index of a parameter, RELEASE_ANGLE or RELEASE_VELOCITY */
 } InitialValueProblem;
@@ -57,6 +58,8 @@ typedef struct {
     double error;       /* estimated angle error summed over the panels, rad */
     double stuck_after; /* s; time of the last sticking, or -1 */
     int driven;         /* at some rest friction pushed the pendulum on instead of back */
+    double largest_angle; /* rad, from the bottom */
+    int anew;           /* it was too rough, and computed as exactly as usual */
 } TrajectoryReport;
 
 /* The status, and the angles read at the times; with slopes, also their derivatives by the free values, one row of

@@ -187,7 +187,7 @@ static int descend(Segments *s, double *normal) {
     const Settled *settled = s->cut.directed ? &DIRECTED_SETTLED : &SMOOTH_SETTLED;
     double step[MOST_FREE], fall = INFINITY, squares = INFINITY;
     for (int k = 1; k <= MOST_STEPS; k++) {
-        Condensed at = {0.0};
+        Condensed at = {0};
         Chain chain;
         fill_lanes(s);
         for (int g = 0; g * WIDTH < s->count; g++)

@@ -38,7 +38,7 @@ typedef struct {
     double least;               /* half the sum of squares, so far */
     double usual, floor, left;  /* panels; usual: before anything is computed by the model; later no less than half of that */
     LastPoint last;
-    double coarseness;          /* of trajectories */
+    double rough, coarseness;   /* of trajectories: at the start of a search, and since one was too rough */
 } Fit;
 
 /* The free values of a swing, and the variable that each is. */
@@ -126,6 +126,7 @@ static int compute_swing(Fit *fit, int k, const SwingVariables *own, int with_sl
     const int failed = swing_trajectory(&swing, fit->residuals, with_slopes ? fit->slopes : NULL, &report);
     const int panels = report.panels + report.rejected;
     fit->left -= panels;
+    if (report.anew) fit->coarseness = 1.0;
     if (failed) return -1;
     fit->last.stops |= report.stuck_after >= 0.0;
     fit->last.driven |= report.driven;
@@ -196,6 +197,7 @@ static void set_budget(Fit *fit, const double *x, int most_evaluations) {
     const int variable = problem->variable_of[0]; /* of the natural frequency */
     const double frequency = variable >= 0 ? x[variable] : problem->values[0];
     fit->least = INFINITY;
+    fit->coarseness = fit->rough;
     fit->usual = usual_panels(problem->models) * (problem->n_swings + fabs(frequency) * fit->seconds / PI);
     fit->floor = 0.5 * fit->usual;
     fit->left = most_evaluations * fit->usual;
@@ -279,7 +281,7 @@ double fit_swings(const FitProblem *problem, const Starts *starts, const SearchO
     double *room = malloc((n * n + n) * sizeof(double)), *x = room + n * n;
     if (open_fit(&fit, problem) && room) {
         fit.angles = result->angles;
-        fit.coarseness = starts->rough && takes_many_panels(problem->models) ? COARSE : 1.0;
+        fit.rough = starts->rough && takes_many_panels(problem->models) ? COARSE : 1.0;
         least = search_all(&fit, starts, options, x, room, result);
         if (starts->evaluate_best && result->outcome.converged >= 0) evaluate_best(&fit, result, x, room);
     }
@@ -320,7 +322,7 @@ double fit_in_segments(const FitProblem *problem, FitResult *result) {
     double *room = malloc((n * n + 2 * n) * sizeof(double));
     if (open_fit(&fit, problem) && room) {
         fit.angles = result->angles;
-        fit.coarseness = 1.0;
+        fit.rough = 1.0;
         set_budget(&fit, result->variables, 2);
         const int arrives = !directed || step_to_minimum(&fit, result->variables, result->normal, room);
         if (arrives) squares = 2.0 * swings_cost(&fit, result->variables, NULL, NULL);

@@ -20,6 +20,7 @@
 #define PARTS 24        /* panels of a half-swing that are remembered */
 #define ALIKE 0.1       /* of a panel's length: so nearly of one length are panels whose motions are alike */
 #define SAFE 0.95       /* of the length that an error estimate allows */
+#define TOO_ROUGH 3e-7  /* rad; estimated, of a rough trajectory: those that are off by a micro-radian are among those beyond */
 #define FORGETS 1.03    /* of a length that was refused, each half-swing: swings die down */
 
 /* A panel of the last half-swing, which the one that comes as late in the next is much like: its length, the longest that its
@@ -296,7 +297,7 @@ static int advance(Trajectory *r) {
     const Event event = first_event(s, panel);
     const double x_end = fmin(event.position, 1.0);
     const double t_end = r->here.t + (event.position <= 1.0 ? 0.5 * h * (event.position + 1.0) : h);
-    r->report->error += ratio * TRUNCATION * largest(panel->u) * h * h / (64.0 * N * N);
+    r->report->error += ratio * s->coarseness * TRUNCATION * largest(panel->u) * h * h / (64.0 * N * N);
     if (r->d.n) {
         if (!linearise(s, panel)) return LOST_ACCURACY;
         propagate(s, panel, &r->d, x_end);
@@ -314,7 +315,17 @@ static int advance(Trajectory *r) {
     return check(r);
 }
 
-int swing_trajectory(const InitialValueProblem *problem, double *angles, double *slopes, TrajectoryReport *report) {
+/* By how much a change of the release angle has grown at most; 1 where that is not among the slopes. */
+static double growth(const InitialValueProblem *problem, const double *slopes) {
+    double most = 1.0;
+    for (int f = 0; f < problem->n_free; f++) {
+        if (problem->free_values[f] != RELEASE_ANGLE) continue;
+        for (int i = 0; i < problem->n_times; i++) most = fmax(most, fabs(slopes[(size_t)f * problem->n_times + i]));
+    }
+    return most;
+}
+
+static int follow(const InitialValueProblem *problem, double *angles, double *slopes, TrajectoryReport *report) {
     Trajectory r;
     *report = (TrajectoryReport){.stuck_after = -1.0};
     r.report = report;
@@ -326,8 +337,23 @@ int swing_trajectory(const InitialValueProblem *problem, double *angles, double 
     if (!open_parts(&r)) report->status = NO_MEMORY;
     start_at_release(&r, problem);
     while (r.record.next < problem->n_times && report->status == DONE) report->status = advance(&r);
+    report->largest_angle = r.s.largest_angle;
     finish_record(&r.record, report->status);
     close_record(&r.record);
     free(r.memory);
+    return report->status;
+}
+
+int swing_trajectory(const InitialValueProblem *problem, double *angles, double *slopes, TrajectoryReport *report) {
+    const int status = follow(problem, angles, slopes, report);
+    if (status != DONE || !slopes || problem->coarseness <= 1.0 || report->error * growth(problem, slopes) < TOO_ROUGH) return status;
+    InitialValueProblem exact = *problem;
+    exact.coarseness = 1.0;
+    const int panels = report->panels, rejected = report->rejected, evaluations = report->evaluations;
+    follow(&exact, angles, slopes, report);
+    report->anew = 1;
+    report->panels += panels;
+    report->rejected += rejected;
+    report->evaluations += evaluations;
     return report->status;
 }

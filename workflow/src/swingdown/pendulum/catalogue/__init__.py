@@ -147,6 +147,10 @@ class Catalogue:
         """The names of the simpler effects that an effect becomes at some value of its shape."""
         return tuple(one.name for one in self[name].contains)
 
+    def damps(self, name: str) -> bool:
+        """True for an effect that takes energy from a swing: its entry says how, or that of a simpler effect that it becomes."""
+        return any(self[one].damping for one in (name, *self.contained_in(name)))
+
     def measurement(self, one: str, other: str) -> str | None:
         """The measurement that tells two effects apart, as a sentence, or None where none is known."""
         return self[one].told_apart.get(other) or self[other].told_apart.get(one)

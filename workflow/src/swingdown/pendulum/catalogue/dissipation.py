@@ -12,6 +12,8 @@ DISSIPATION = (
         (Parameter("viscous_ratio", "zeta_v", "1", 0.0, inf, "fraction of critical damping"),),
         "A drag that grows with speed, as in a slow fluid: each swing loses the same share of its amplitude.",
         f"{PAPER}, Table 1",
+        spoken="air drag (viscous)",
+        spoken_of_wheel="viscous drag",
         symbol="v",
         damping="loss/(pi*amplitude)",
     ),
@@ -25,6 +27,7 @@ DISSIPATION = (
         ),
         "Air drag at speed: it grows with the square of the velocity, so large swings die faster than small ones.",
         f"{PAPER}, Table 1",
+        spoken="air drag (quadratic)",
         symbol="q",
         damping="3*loss/(4*amplitude**2*omega_n)",
         told_apart={
@@ -43,6 +46,7 @@ DISSIPATION = (
         ),
         "Dry bearing friction in proportion to the pull of the rod, which is largest at the bottom of a fast swing.",
         f"{PAPER}, Table 1, with the powers of omega_n that its units need",
+        spoken="bearing friction",
         printed="-omega_n*gamma*(thetadot**2 + cos(theta))*sign(thetadot)",
         symbol="c",
         beside="sine",  # the pull of a rod: a wheel on a spring has none that changes
@@ -55,6 +59,7 @@ DISSIPATION = (
         (Parameter("constant_friction", "c", "rad/s^2", 0.0, inf, "friction torque over inertia", 0.2),),
         "Dry friction of one size whatever the load: the amplitude falls by the same angle each swing.",
         SQUIRE,
+        spoken="dry friction",
         symbol="k",
         damping="loss*omega_n**2/2",
         replaces=(
@@ -77,6 +82,7 @@ DISSIPATION = (
         ),
         "A lubricated bearing holds harder when it turns slowly: extra friction near each turning point.",
         "Armstrong-Helouvry et al., Automatica 30, 1083 (1994)",
+        spoken="friction that is largest in slow motion (Stribeck)",
         contains=(Contained("constant_coulomb", {"stribeck_velocity": inf}),),
     ),
     Effect(
@@ -92,6 +98,7 @@ DISSIPATION = (
         "Dry friction that first bends like a spring: near each turning point the bearing winds up before it slides, "
         "so small swings run early. A cable that bends does the same over tenths of a radian (Bouc and Wen's hysteresis at its simplest).",
         "Dahl, Aerospace Corporation TOR-0158 (1968); Wen, J. Eng. Mech. Div. ASCE 102, 249 (1976)",
+        spoken="friction that winds up before it slips (presliding)",
         states=(State("F", "rad/s^2", "0", "(F_c - F*sign(thetadot))*thetadot/x_c", "friction torque over inertia"),),
         contains=(Contained("constant_coulomb", {"presliding_angle": 0.0}, unseen="presliding_angle"),),
         replaces=(
@@ -118,6 +125,7 @@ DISSIPATION = (
         ),
         "A drag between slow-fluid and fast-fluid, with its own exponent.",
         SQUIRE,
+        spoken="drag by a power of the speed",
         contains=(
             Contained("viscous", {"power_law_exponent": 1.0}),
             Contained("quadratic_drag", {"power_law_exponent": 2.0}),
@@ -135,6 +143,7 @@ DISSIPATION = (
         (Parameter("structural_coefficient", "h", "1/s^2", 0.0, inf, "loss torque per radian over inertia", 0.5),),
         "Material that is bent loses the same share of its energy each cycle, however slow the cycle.",
         "Crandall, J. Sound Vib. 11, 3 (1970)",
+        spoken="losses in the material (structural)",
         damping="loss*omega_n**2/amplitude",
         told_apart={
             "viscous": "Repeat with a larger inertia on the same spring or length: bent material takes the same share a swing, drag less of it.",
@@ -160,6 +169,7 @@ DISSIPATION = (
         ),
         "A magnet near the bottom brakes the metal bob, and only there.",
         "Wiederick et al., Am. J. Phys. 55, 500 (1987)",
+        spoken="a magnet's brake (eddy currents)",
         contains=(Contained("viscous", {"eddy_width": inf}),),
         headline=("eddy_coefficient", "eddy_width"),
     ),

@@ -36,7 +36,14 @@ SENSOR = (
         "theta + a_e*sin(theta + phi_e)",
         (
             Parameter(
-                "eccentricity", "a_e", "rad", 0.0, inf, "amplitude of the error a turn", 0.01, largest=0.3
+                "eccentricity",
+                "a_e",
+                "rad",
+                0.0,
+                1.0,
+                "amplitude of the error a turn; beyond 1 rad it would run back",
+                0.01,
+                largest=0.3,
             ),
             Parameter(
                 "eccentricity_phase", "phi_e", "rad", -2 * pi, 2 * pi, "at the bottom", 0.8, role="phase"

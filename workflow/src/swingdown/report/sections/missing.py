@@ -1,5 +1,6 @@
 """What the models lack, campaign by campaign."""
 
+from collections.abc import Mapping
 from typing import Any
 
 from markupsafe import Markup
@@ -18,6 +19,16 @@ _SEEN = {
 }
 
 
+def tells(figure: str, found: dict[str, Any] | Mapping[str, Any]) -> bool:
+    """True where a figure of a search has something to say: what remains where anything does, what was missing where anything was, and
+    before and after where a move was made."""
+    if figure == "remainder":
+        return found["status"] in ("partial", "unknown")
+    if figure in ("map", "ranking"):
+        return bool(found["where"]["groups"])
+    return figure == "half_swings" or len(found["gap"]["fit"]) > 1
+
+
 def missing(material: Material) -> Section:
     """What the models lack: each campaign's verdict, where they fail, and the figures."""
     items: list[Item] = []
@@ -33,8 +44,8 @@ def missing(material: Material) -> Section:
         if found["where"]["groups"]:
             items.append(_where(found))
         for name, caption in _SEEN.items():
-            if name == "remainder" and found["status"] not in ("partial", "unknown"):
-                continue  # nothing remains that could be drawn
+            if not tells(name, found):
+                continue
             paths = [
                 path for path in material.seen if path.endswith(f"discovery/{campaign}/figures/{name}.svg")
             ]

@@ -9,8 +9,10 @@ import pandas as pd
 from markupsafe import Markup
 
 from ...discovery.verdict import noise_rms
-from ...studies.pendulums import REFUSED, SEARCH, TOGETHER, residual_of
-from ...studies.words import STATUS, model_words, quantity_rows, said
+from ...pendulum.catalogue import catalogue
+from ...studies.pendulums import NO_MODEL, NOT_DYING, REFUSED, SEARCH, TOGETHER, residual_of
+from ...studies.turning_points import NOT_DAMPED
+from ...studies.words import STATUS, damping_words, headline, notes, quantity_rows, said
 from .. import numbers
 from ..material import Material
 from ..page import Cell, Column, Figure, Item, Section, Table, Text, Value
@@ -18,13 +20,18 @@ from ..trace import MOST, trace
 from ..wording import model_symbol
 from . import FEW
 from .experiment import fitted_parameters, paired, table3
-from .missing import missing
+from .missing import missing, tells
 
 _TORQUE = "The torque that is missing, over angle, velocity and time, from the equations of variation: no data are differentiated."
 _LEFT = (
     "What the last model still lacks: a torque over angle and speed together, of what it is a function, and when it acts. It has no "
     "name here."
 )
+_CURVES = (
+    "Frequency, loss and damping ratio against the amplitude, restoring torque over the angle, friction over the speed: free of a model, "
+    "and of the model that the search ended with. Where the two part, the model lacks something."
+)
+_LAWS = "The turning points of the recording with what single laws of damping, and the one with the most evidence, make of them."
 _FITTED = (
     "What was measured, what the last model makes of it, and what that leaves. Parts in green had no share in the fit but their own "
     "release: they are what the verdict is held against."
@@ -36,30 +43,41 @@ def answer(material: Material) -> Section | None:
     table = material.tables.get("pendulums")
     if table is None:
         return None
-    if table["campaign"].nunique() > FEW:
+    used = table[table["verdict"] != REFUSED]
+    if used["campaign"].nunique() > FEW:
         return Section("All pendulums", list(_side_by_side(table, material)))
     items: list[Item] = []
     verdicts = {found["campaign"]: found for found in material.verdicts}
-    refused = table["verdict"] == REFUSED
-    for campaign, rows in table[~refused].groupby("campaign", sort=False):
+    for campaign, rows in used.groupby("campaign", sort=False):
         found = verdicts.get(str(campaign))
+        items.append(_headline(rows, found, material, used["campaign"].nunique() > 1))
         if found is not None:
-            items += _verdict(found, table["campaign"].nunique() > 1)
-        if found is not None and found["status"] in ("partial", "unknown"):
+            items += _verdict(found)
+        if found is not None and tells("remainder", found):
             items += _drawn(material, str(campaign), "remainder", "What remains", _LEFT)
         drawn = _drawn(material, str(campaign), "answer", "Recording and fit", _FITTED)
         items += [_zoomable(figure, material, found) for figure in drawn]
+        items += _drawn(material, str(campaign), "curves", "Against the amplitude", _CURVES)
+        items += _drawn(material, str(campaign), "laws", "Laws of damping", _LAWS)
         items += (
             [_quantities(rows, found)] if len(rows) == 1 else [_recordings(rows, material, str(campaign))]
         )
-        items += _drawn(material, str(campaign), "map", "Missing torque", _TORQUE)
-    items += [Text(f"{row.recording} was not used: {row.remark}.") for row in table[refused].itertuples()]
+        if found is not None and tells("map", found):
+            items += _drawn(material, str(campaign), "map", "Missing torque", _TORQUE)
     return Section("The answer", items)
 
 
-def _verdict(found: Mapping[str, Any], several: bool) -> Iterator[Text]:
-    name = Markup("{}: ").format(found["campaign"]) if several else ""
-    yield Text(Markup("{}<b>{}.</b> {}").format(name, *said(found)), "lead")
+def _headline(rows: pd.DataFrame, found: Mapping[str, Any] | None, material: Material, several: bool) -> Text:
+    """What stops a pendulum, with the period and quality of its swing or of all of them together."""
+    settings = material.settings
+    entries = catalogue(settings.get("effects"))
+    told = headline(rows.iloc[-1].to_dict(), found, entries, settings["model"]["restoring"])
+    name = Markup("{}: ").format(rows.iloc[-1]["campaign"]) if several else ""
+    return Text(Markup("{}{}").format(name, numbers.in_sentence(told)), "lead")
+
+
+def _verdict(found: Mapping[str, Any]) -> Iterator[Text]:
+    yield Text(Markup("<b>{}.</b> {}").format(*said(found)), "lead")
     yield Text(_sure(found))
     if found["next_measurement"]:
         yield Text(Markup("<b>Next measurement.</b> {}").format(found["next_measurement"]))
@@ -115,8 +133,12 @@ def _quantities(rows: pd.DataFrame, found: Mapping[str, Any] | None) -> Table:
         for one in quantity_rows(row, found)
     ]
     columns = [Column("quantity"), Column("value", style="n"), Column("unit"), Column("holds")]
+    own = tuple(f"{one[:1].upper()}{one[1:]}." for one in notes(row))
+    known: tuple[str, ...] = _NOTES[:-1] if row.get("model_of") == SEARCH else _NOTES
+    if row["model"] in NO_MODEL:
+        known = _NOTES[:1]
     return Table(
-        f"Quantities, {campaign}", _of_model(row), columns, told, _NOTES[:-1] if row.get("model_of") == SEARCH else _NOTES, (),
+        f"Quantities, {campaign}", _of_model(row), columns, told, (*own, *known), (),
         "tables/pendulums.csv", "pendulums", (campaign,),
     )  # fmt: skip
 
@@ -136,13 +158,24 @@ _SYMBOLS = (
 
 
 def _of_model(row: Mapping[str, Any]) -> str:
+    if row["model"] == NOT_DAMPED:
+        return "Passages through a light gate, timed and nothing else: their period."
     residual, unit = residual_of(row)
-    words, leaves = model_words(str(row["model"])), f"it leaves {numbers.plain(1e3 * residual)} m{unit} RMS."
+    left = (
+        f"{numbers.plain(1e3 * residual)} m{unit} RMS" if math.isfinite(residual) else "a scatter told below"
+    )
+    words, leaves = damping_words(row), f"it leaves {left}."
+    if row["model"] == NOT_DYING:
+        return f"What stops it {NOT_DYING}. The period is that of the best model, and {leaves}"
     if row.get("model_of") == SEARCH:
         return (
             f"The model that the search ended with, {words}, fitted to the whole of every recording; {leaves}"
         )
     return f"Of the models of damping the one with {words} describes the recording best; {leaves}"
+
+
+def _symbol(model: str) -> Cell:
+    return model if model in NO_MODEL else model_symbol(model)
 
 
 def _recordings(rows: pd.DataFrame, material: Material, campaign: str) -> Table:
@@ -202,7 +235,7 @@ def _table(
             for column in ("period_s", "quality", "decay_time_s", "natural_frequency_rad_per_s")
         )
         first: list[Cell] = [_linked(name, row), _why(row)] if searched else [name]
-        rows.append([*first, period, quality, decay, amplitude, frequency, model_symbol(str(row["model"]))])
+        rows.append([*first, period, quality, decay, amplitude, frequency, _symbol(str(row["model"]))])
     return Table(
         label,
         caption,

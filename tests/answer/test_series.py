@@ -1,0 +1,60 @@
+"""A folder in which something was varied: the command fits and draws the series."""
+
+import json
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from swingdown.__main__ import main
+from swingdown.engine.trajectory import simulate
+from swingdown.errors import InputError
+from swingdown.pendulum.model import Model
+
+TIMES = np.arange(1001) / 100
+
+
+def export(path, length, seed=0):
+    model = Model("viscous", {"natural_frequency": np.sqrt(9.81 / length), "viscous_ratio": 0.008})
+    angle = simulate(model, TIMES, 0.3) + 0.001 * np.random.default_rng(seed).standard_normal(TIMES.size)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    pd.DataFrame({"Time (s)": TIMES, "Angle (°)": np.degrees(angle)}).to_csv(path, index=False)
+
+
+@pytest.fixture
+def here(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def test_lengths_in_the_names_give_the_power_law_and_g(here, capsys):
+    for k, length in enumerate((20, 40, 60, 90)):
+        export(here / "lengths" / f"{length}cm.csv", length / 100, k)
+    assert main(["lengths", "--quick", "--by", "length±1mm"]) == 0
+    told = capsys.readouterr().out
+    assert "length as the names say: 20cm → 0.2 m" in told and "T goes as the power 0.50" in told
+    folder = here / "lengths-swingdown"
+    period = json.loads((folder / "series.json").read_text())[0]
+    assert abs(period["power_law"]["exponent"] - 0.5) < 1e-3 < period["power_law"]["u_exponent"]
+    assert abs(period["gravity"]["g_m_per_s2"] - 9.81) < 0.01
+    points = pd.read_csv(folder / "series.csv")
+    assert list(points["x"].unique()) == [0.2, 0.4, 0.6, 0.9] and (points["u_x"] == 0.001).all()
+    assert (folder / "series.png").stat().st_size > 10_000
+
+
+def test_a_table_beside_the_files_is_no_recording(here, capsys):
+    for k, name in enumerate(("Ann", "Ben", "Zoë")):
+        export(here / "class" / f"{name}.csv", 0.5 + (0.01 if k == 2 else 0), k)
+    (here / "class" / "who.csv").write_text("file,group\nAnn.csv,A\nBen.csv,B\nZoë.csv,C\n", encoding="utf-8")
+    assert main(["class", "--quick"]) == 0
+    told = capsys.readouterr().out
+    assert "values from who.csv" in told and "NOT USED" not in told
+    assert "period of small swings by group: C does not agree with the others" in told
+    assert (here / "class-swingdown" / "groups.png").exists()
+
+
+def test_a_series_by_what_is_not_there_is_refused(here):
+    for k in range(3):
+        export(here / "class" / f"{k}.csv", 0.5 + k / 10, k)
+    with pytest.raises((InputError, SystemExit)):
+        main(["class", "--quick", "--by", "length"])

@@ -1,0 +1,169 @@
+"""Curves against amplitude: what one can check by hand, and bands that hold the truth where the model is wrong."""
+
+import numpy as np
+import pytest
+from scipy.special import ellipk
+
+import swingdown
+from swingdown.answer.given import swings
+from swingdown.curves.dataset import curves, table
+from swingdown.curves.modelled import course
+from swingdown.engine.trajectory import simulate
+from swingdown.errors import InputError
+from swingdown.pendulum.catalogue import RATE
+from swingdown.pendulum.model import Model
+
+FREQUENCY = 5.0  # rad/s
+TIMES = np.arange(0, 40, 0.01)
+NOISE = 1e-3
+
+
+def recorded(label, values, release, restoring="sine", noise=NOISE, seed=1, times=TIMES):
+    """The dataset of a simulated swing, and its model."""
+    model = Model(label, {"natural_frequency": FREQUENCY, **values}, restoring=restoring)
+    angle = simulate(model, times, release) + noise * np.random.default_rng(seed).standard_normal(times.size)
+    return swings(times, angle, "rad", restoring=restoring), model
+
+
+def inside(found, name, truth, source="free"):
+    """The share of the points of a curve whose band holds the truth."""
+    one = found.sel(source=source)
+    return float(np.mean((one[f"{name}_low"].values <= truth) & (truth <= one[f"{name}_high"].values)))
+
+
+def ratio(model, found):
+    """The damping ratio of a model at the amplitudes of a dataset of curves."""
+    loss, _ = course(model, *found["amplitude"].values[[0, -1]]).at(found["amplitude"].values)
+    return loss / np.hypot(np.pi, loss)
+
+
+def test_an_exponential_decay_has_one_damping_ratio_at_every_amplitude():
+    angles, _ = recorded("viscous", {"viscous_ratio": 0.006}, 0.5, "linear")
+    found = curves(angles, restoring="linear").sel(source="free")
+    assert inside(curves(angles, restoring="linear"), "damping_ratio", np.full(41, 0.006)) > 0.9
+    middle = found["damping_ratio"].values[5:-5]
+    assert np.abs(middle / 0.006 - 1).max() < 0.01
+    # a straight line through zero
+    assert (
+        inside(curves(angles, restoring="linear"), "friction", 2 * 0.006 * FREQUENCY * found["speed"].values)
+        > 0.9
+    )
+
+
+def test_dry_friction_takes_the_same_angle_from_every_swing():
+    angles, _ = recorded("constant_coulomb", {"constant_friction": 0.05}, 0.5, "linear")
+    found = curves(angles, restoring="linear")
+    # the envelope is a straight line: 4 c / ω² a swing, from whatever amplitude is in its middle
+    ends = [found["amplitude"].values + sign * 2 * 0.05 / FREQUENCY**2 for sign in (1, -1)]
+    assert inside(found, "loss", 1 - ends[1] / ends[0]) > 0.9
+    assert inside(found, "friction", np.full(41, 0.05)) > 0.9
+
+
+def test_quadratic_drag_makes_an_envelope_of_one_over_time():
+    coefficient = 0.01  # s
+    angles, _ = recorded("quadratic_drag", {"quadratic_coefficient": coefficient}, 0.5, "linear")
+    found = curves(angles, restoring="linear")
+    # 1 / amplitude grows by 8 ζ ω / 3 each swing (to second order in the loss)
+    lost = 1 - np.exp(-8 / 3 * coefficient * FREQUENCY * found["amplitude"].values)
+    loss = found["loss"].sel(source="free").values
+    assert np.abs(loss / lost - 1)[5:-5].max() < 0.01
+    assert inside(found, "friction", FREQUENCY * coefficient * found["speed"].values ** 2) > 0.9
+
+
+def test_the_period_of_a_pendulum_grows_as_the_elliptic_integral_says():
+    angles, _ = recorded("viscous", {"viscous_ratio": 0.002}, 2.2)
+    found = curves(angles)
+    truth = 4 * ellipk(np.sin(found["amplitude"].values / 2) ** 2) / FREQUENCY
+    assert truth[-1] / truth[0] > 1.2
+    free = found.sel(source="free")
+    assert np.abs(free["period"].values / truth - 1)[2:-2].max() < 1e-4
+    assert inside(found, "restoring", FREQUENCY**2 * np.sin(found["angle"].values)) > 0.9
+    assert np.allclose(free["frequency"] * free["period"], 1)
+
+
+def test_a_spring_beside_the_weight_is_in_the_restoring_torque():
+    angles, _ = recorded("viscous+torsion_spring", {"viscous_ratio": 0.004, "torsion_stiffness": 8.0}, 1.2)
+    found = curves(angles)
+    angle = found["angle"].values[1:]
+    torque = found["restoring"].sel(source="free").values[1:]
+    assert torque == pytest.approx(FREQUENCY**2 * np.sin(angle) + 8.0 * angle, rel=2e-3)
+
+
+def test_free_bands_hold_the_truth_where_the_model_is_wrong():
+    held, model_held = [], []
+    for seed in range(6):
+        values = {"viscous_ratio": 0.002, "eddy_coefficient": 0.15, "eddy_width": 0.1}
+        angles, model = recorded("viscous+eddy_brake", values, 0.6, seed=seed, noise=5e-4)
+        wrong = Model("viscous", {"natural_frequency": FREQUENCY, "viscous_ratio": 0.005})
+        found = curves(angles, wrong, np.diag([1e-4, 1e-6]) ** 2)
+        loss, period = course(model, *found["amplitude"].values[[0, -1]]).at(found["amplitude"].values)
+        held += [inside(found, "loss", -np.expm1(-2 * loss)), inside(found, "period", period)]
+        model_held.append(inside(found, "loss", -np.expm1(-2 * loss), "model"))
+    assert np.mean(held) > 0.9
+    assert np.mean(model_held) < 0.2
+
+
+def test_the_model_s_curves_are_those_of_the_free_ones_where_it_is_right():
+    angles, model = recorded("viscous+load_coulomb", {"viscous_ratio": 0.004, "load_friction": 0.001}, 0.5)
+    answer = swingdown.fit(angles[0]["time"].values, angles[0]["angle"].values)
+    found = answer.curves()
+    assert found.attrs["model"] == answer.label == "viscous+load_coulomb"
+    for name in ("period", "damping_ratio", "restoring", "friction"):
+        free, own = (found[name].sel(source=source).values for source in ("free", "model"))
+        u = np.hypot(*(found[f"{name}_u"].sel(source=source).values for source in ("free", "model")))
+        assert np.mean(np.abs(free - own)[1:] < 3 * u[1:]) > 0.95, name
+        assert (found[f"{name}_u"].sel(source="model").values[1:] < found[f"{name}_u"].sel(source="free").values[1:]).mean() > 0.5  # fmt: skip
+
+
+def test_turning_points_alone_have_curves_too():
+    truth = Model("viscous", {"natural_frequency": FREQUENCY, "viscous_ratio": 0.004})
+    times = np.arange(0, 60, 0.002)
+    angle = simulate(truth, times, 1.0)
+    turns = np.flatnonzero(np.diff(np.sign(np.diff(angle)))) + 1
+    rng = np.random.default_rng(2)
+    marks, size = times[turns] + 0.002 * rng.standard_normal(turns.size), angle[turns] + 0.002 * rng.standard_normal(turns.size)  # fmt: skip
+    found = swingdown.fit(marks, size, kind="half_swings").curves()
+    assert found.attrs["passages"] == "no"
+    assert inside(found, "damping_ratio", ratio(truth, found)) > 0.9
+    assert inside(found, "period", 4 * ellipk(np.sin(found["amplitude"].values / 2) ** 2) / FREQUENCY) > 0.8
+
+
+def test_angular_rates_have_the_curves_of_the_angles_behind_them():
+    truth = Model("viscous", {"natural_frequency": FREQUENCY, "viscous_ratio": 0.005})
+    rate = simulate(truth.of(RATE), TIMES, 0.8) + 5e-3 * np.random.default_rng(3).standard_normal(TIMES.size)
+    found = swingdown.fit(TIMES, rate, unit="rad/s").curves()
+    assert found["amplitude"].values[-1] == pytest.approx(0.79, abs=0.02)
+    assert inside(found, "damping_ratio", ratio(truth, found)) > 0.9
+
+
+def test_recordings_of_one_pendulum_share_their_curves():
+    first, truth = recorded("viscous", {"viscous_ratio": 0.006}, 0.8, seed=1)
+    second, _ = recorded("viscous", {"viscous_ratio": 0.006}, 0.25, seed=2)
+    both, one = curves([*first, *second]), curves(first)
+    assert both["amplitude"].values[0] < 0.6 * one["amplitude"].values[0]
+    assert inside(both, "damping_ratio", ratio(truth, both)) > 0.85
+    assert set(both["swing_recording"].values) == {"swing"} and both.sizes["swing"] > one.sizes["swing"]
+
+
+def test_the_table_is_tidy_and_has_a_unit_in_every_row():
+    angles, model = recorded("viscous", {"viscous_ratio": 0.006}, 0.5)
+    rows = table(curves(angles, model))
+    assert set(rows["quantity"]) == {
+        "period",
+        "frequency",
+        "loss",
+        "damping_ratio",
+        "quality",
+        "restoring",
+        "friction",
+    }
+    assert set(rows["source"]) == {"free", "model", "swing"}
+    assert rows["unit"].notna().all() and rows["value"].notna().all()
+    free = rows[rows["source"] == "free"]
+    assert (free["low"] <= free["value"]).all() and (free["value"] <= free["high"]).all()
+
+
+def test_too_few_swings_have_no_curves():
+    angles, _ = recorded("viscous", {"viscous_ratio": 0.006}, 0.5, times=np.arange(0, 3.2, 0.01))
+    with pytest.raises(InputError, match="half-swings above the noise"):
+        curves(angles)

@@ -1,0 +1,109 @@
+"""What each law of damping leaves, and whether a decay is exponential."""
+
+import numpy as np
+import pytest
+
+import swingdown
+from swingdown.__main__ import main
+from swingdown.curves.laws import COLUMNS, envelopes, exponential, exponential_words, labels, laws, table
+from swingdown.engine.trajectory import simulate
+from swingdown.errors import InputError
+from swingdown.pendulum.model import Model
+
+TIMES = np.arange(0, 30, 0.02)
+NOISE = 1e-3
+
+
+def swing(label, values, restoring="sine", release=0.5, seed=1):
+    """A fit of a simulated swing."""
+    model = Model(label, {"natural_frequency": 5.0, **values}, restoring=restoring)
+    angle = simulate(model, TIMES, release) + NOISE * np.random.default_rng(seed).standard_normal(TIMES.size)
+    return swingdown.fit(TIMES, angle, unit="rad", restoring=restoring)
+
+
+@pytest.mark.parametrize(
+    ("label", "values", "answer"),
+    [
+        ("viscous", {"viscous_ratio": 0.01}, "yes"),
+        ("quadratic_drag", {"quadratic_coefficient": 0.03}, "no"),
+        ("load_coulomb", {"load_friction": 0.002}, "no"),
+        ("viscous+quadratic_drag", {"viscous_ratio": 0.005, "quadratic_coefficient": 0.01}, "no"),
+    ],
+)
+def test_the_law_that_is_there_leaves_the_noise_and_the_others_more(label, values, answer):
+    found = swing(label, values).laws()
+    assert exponential(found)[0] == answer or answer == "yes" and exponential(found)[0] == "open"
+    rows = table(found, "mine").set_index("law")
+    assert list(table(found, "mine").columns) == COLUMNS and set(rows.index) == set(labels())
+    own = rows.loc[label]
+    assert own["residual_mrad"] == pytest.approx(1e3 * NOISE, rel=0.1)
+    assert 0.8 < own["residual_noise"] < 1.2 and 0.8 < own["held_out_noise"] < 1.3
+    assert own["delta_bic"] < 6
+    assert rows["weight"].sum() == pytest.approx(1)
+    if answer == "no":
+        assert rows.loc["viscous", "weight"] < 1e-6
+        assert rows.loc["viscous", "held_out_noise"] > 1.5
+        assert "Exponential: no" in exponential_words(found)
+
+
+def test_whether_it_is_exponential_is_answered_with_the_damping_ratio_at_both_ends():
+    answer = swing("viscous+load_coulomb", {"viscous_ratio": 0.004, "load_friction": 0.001})
+    words = exponential_words(answer.laws(), answer.curves())
+    assert words.startswith("Exponential: no, viscous and") and "the damping ratio is 0.00" in words
+    assert words.count("°") == 2 and words.endswith(".")
+
+
+def test_a_wheel_on_a_spring_has_no_friction_that_grows_with_the_load():
+    found = swing("constant_coulomb", {"constant_friction": 0.05}, "linear").laws()
+    assert all("load_coulomb" not in one.label for one in found[0].laws)
+    assert found[0].best.label == "constant_coulomb"
+
+
+def test_no_law_gives_energy():
+    rows = table(swing("quadratic_drag", {"quadratic_coefficient": 0.03}).laws(), "mine").set_index("law")
+    assert (
+        rows.loc["load_coulomb+constant_coulomb", "residual_mrad"]
+        >= 0.99 * rows.loc[["load_coulomb", "constant_coulomb"], "residual_mrad"].min()
+    )
+
+
+def test_turning_points_alone_tell_the_laws_apart():
+    truth = Model("constant_coulomb", {"natural_frequency": 5.0, "constant_friction": 0.05})
+    times = np.arange(0, 40, 0.002)
+    angle = simulate(truth, times, 1.0)
+    turns = np.flatnonzero(np.diff(np.sign(np.diff(angle)))) + 1
+    turns = turns[np.abs(angle[turns]) > 0.1]
+    size = angle[turns] + 1e-3 * np.random.default_rng(2).standard_normal(turns.size)
+    found = swingdown.fit(times[turns], size, kind="half_swings").laws()
+    assert exponential(found)[0] == "no" and "coulomb" in found[0].best.label
+    assert np.isnan(table(found, "mine")["held_out_mrad"]).all()
+
+
+def test_envelopes_follow_the_turning_points():
+    found = swing("quadratic_drag", {"quadratic_coefficient": 0.03}).laws()[0]
+    drawn = envelopes(found)
+    assert drawn.attrs["best"] == found.best.label
+    away = (drawn["amplitude"] - drawn["fitted"]).std("time")
+    assert float(away.sel(law="quadratic_drag")) < 2e-3 < float(away.sel(law="viscous"))
+
+
+def test_the_quick_answer_writes_tables_and_pictures_and_says_whether_it_is_exponential(tmp_path, capsys):
+    model = Model("load_coulomb", {"natural_frequency": 5.0, "load_friction": 0.002})
+    angle = simulate(model, TIMES, 0.5) + NOISE * np.random.default_rng(1).standard_normal(TIMES.size)
+    file = tmp_path / "mine.csv"
+    file.write_text(
+        "t (s),angle (rad)\n" + "".join(f"{t:.3f},{a:.6f}\n" for t, a in zip(TIMES, angle, strict=True))
+    )
+    assert main([str(file), "--quick"]) == 0
+    assert "Exponential: no, " in capsys.readouterr().out
+    folder = tmp_path / "mine-swingdown"
+    for name in ("curves.csv", "laws.csv"):
+        assert len((folder / name).read_text().splitlines()) > 10
+    for name in ("curves.png", "laws.png"):
+        assert (folder / name).read_bytes().startswith(b"\x89PNG")
+
+
+def test_passages_without_speeds_hold_no_law():
+    passages = swingdown.fit(np.cumsum(np.full(20, 0.7)), kind="passages")
+    with pytest.raises(InputError, match="hold no damping"):
+        laws(passages.swings[0])

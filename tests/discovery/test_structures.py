@@ -1,0 +1,177 @@
+"""How sure a verdict is of each effect, what a model lacks and what is said of it: on swings that the second pendulum makes."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from swingdown.discovery.campaign import Noise, Swing, campaign
+from swingdown.discovery.discrepancy import _Likelihood, discrepancy
+from swingdown.discovery.files import summary
+from swingdown.discovery.judge import judged
+from swingdown.discovery.linear import frame
+from swingdown.discovery.search import discover
+from swingdown.discovery.structures import Pool
+from swingdown.discovery.verdict import verdict
+from swingdown.fitting.least_squares import fit_jointly
+from swingdown.pendulum.model import Model
+from swingdown.trials.second_pendulum import trajectory
+
+TIMES = np.arange(0, 12, 0.02)  # s
+NOISE = Noise(1e-3)  # rad
+VALUES = {"natural_frequency": 7.0, "viscous_ratio": 0.008}
+
+
+def swings(releases, hidden="cubic_stiffness", seed=1, **values):
+    """A campaign of a pendulum with viscous drag and one effect more."""
+    rng = np.random.default_rng(seed)
+    made = []
+    for angle in releases:
+        reading = trajectory(("viscous", hidden), VALUES | values, TIMES, angle).reading
+        made.append(Swing(f"{angle}", TIMES, reading + NOISE.deviation * rng.standard_normal(TIMES.size)))
+    return campaign("springs", made)
+
+
+def fitted(one, label):
+    return fit_jointly(Model(label), [swing.pair for swing in one.fit], bounded=True)
+
+
+def pooled(one, *labels):
+    """All these structures, the first the base."""
+    pool = Pool(one, NOISE, fitted(one, labels[0]))
+    for label in labels[1:]:
+        pool.look(fitted(one, label))
+    return pool
+
+
+@pytest.fixture(scope="module")
+def spring():
+    """Swings of a pendulum whose spring stiffens with the square of the angle."""
+    return swings((0.9, -0.7, 0.5, 0.3), cubic_stiffness=1.5)
+
+
+def lacking(one, label):
+    return discrepancy(frame(fitted(one, label), one.fit), NOISE, 2 * np.pi / 7)
+
+
+def test_a_model_that_is_right_lacks_nothing_and_one_that_is_not_lacks_as_much_as_it_leaves(spring):
+    right, wrong = lacking(spring, "viscous+cubic_stiffness"), lacking(spring, "viscous")
+    assert right.log_evidence - right.log_plain < 1
+    assert right.size < 0.2 * NOISE.deviation
+    excess = np.sqrt(fitted(spring, "viscous").rms ** 2 - NOISE.deviation**2)
+    assert wrong.log_evidence - wrong.log_plain > 100
+    assert wrong.size == pytest.approx(excess, rel=0.1)
+    assert wrong.rest == pytest.approx(1, abs=0.1)
+    assert max(wrong.sizes, key=wrong.sizes.get) == "restoring"
+
+
+def test_the_kind_of_what_is_lacking_is_told():
+    drag = swings((0.9, -0.7, 0.5), "quadratic_drag", quadratic_coefficient=0.01)
+    sizes = lacking(drag, "viscous").sizes
+    assert max(sizes, key=sizes.get) == "dissipative"
+
+
+def test_a_value_that_a_discrepancy_may_move_is_told_with_less_certainty(spring):
+    right, wrong = lacking(spring, "viscous+cubic_stiffness"), lacking(spring, "viscous")
+    assert max(right.widened.values()) < 2
+    assert wrong.widened["natural_frequency"] > 5
+
+
+def test_the_likelihood_has_the_slopes_that_its_differences_have():
+    rng = np.random.default_rng(2)
+    parts = [rng.standard_normal((6, 3)), rng.standard_normal((6, 2))]
+    likelihood = _Likelihood(parts, rng.standard_normal(6), 30.0, 40, 0.8)
+    at, step = np.array([0.4, -0.7, 0.05]), 1e-5
+    for k, unit in enumerate(np.eye(3)):
+        difference = (likelihood(at + step * unit)[0] - likelihood(at - step * unit)[0]) / (2 * step)
+        assert likelihood(at)[1][k] == pytest.approx(difference, rel=1e-6)
+
+
+def test_a_tie_is_shared_out_and_what_is_plain_is_sure(spring):
+    tied = swings((0.3, -0.25, 0.2), cubic_stiffness=1.5)
+    labels = ("viscous", "viscous+cubic_stiffness", "viscous+quadratic_stiffness")
+    pool = pooled(tied, *labels)
+    assert sum(pool.probabilities().values()) == pytest.approx(1)
+    assert pool.nothing() < 0.01
+    assert 0.05 < pool.of(["cubic_stiffness"]) < 0.95
+    assert pool.of(["cubic_stiffness", "quadratic_stiffness"]) > 0.9  # or something unnamed
+    assert pooled(spring, *labels).of(["cubic_stiffness"]) > 0.99
+
+
+def test_of_one_structure_the_better_fit_counts(spring):
+    pool = pooled(spring, "viscous")
+    best = fitted(spring, "viscous+cubic_stiffness")
+    worse = replace(best, swings=tuple(replace(one, angle=one.angle + 1e-3) for one in best.swings))
+    pool.look(worse)
+    before = pool.of(["cubic_stiffness"])
+    pool.look(best)
+    assert len(pool.known) == 2
+    assert pool.of(["cubic_stiffness"]) > before or before > 0.999
+
+
+def test_something_unnamed_is_a_rival_of_each_name():
+    """A drag does a little of what a spring leaves: not what is missing, whatever its evidence."""
+    one = swings((0.9, -0.7, 0.5, 0.3), cubic_stiffness=1.5)
+    pool = pooled(one, "viscous", "viscous+quadratic_drag")
+    assert pool.nothing() < 0.01
+    best = pool.known[frozenset(("viscous", "quadratic_drag"))]
+    finding = judged(pool, best)["quadratic_drag"]
+    assert not finding.sure
+    assert finding.share > 0.5
+
+
+def test_what_is_missing_is_judged_by_all_three_numbers(spring):
+    pool = pooled(spring, "viscous", "viscous+cubic_stiffness")
+    finding = judged(pool, pool.best)["cubic_stiffness"]
+    assert finding.sure
+    assert finding.probability > 0.99
+    assert finding.share < 0.05
+    assert finding.held_out < 0.2
+
+
+def test_a_richer_effect_at_the_values_of_a_simpler_one_is_no_rival_of_it():
+    drag = swings((0.9, -0.7, 0.5, 0.3), "quadratic_drag", quadratic_coefficient=0.01)
+    pool = pooled(drag, "viscous", "viscous+quadratic_drag", "viscous+power_law_drag")
+    finding = judged(pool, pool.known[frozenset(("viscous", "quadratic_drag"))])["quadratic_drag"]
+    assert finding.sure and finding.ties == ()
+
+
+def told(one, **options):
+    """(verdict, last round) of a search from viscous drag."""
+    states = discover(one, "viscous", **options)
+    return verdict([summary(state, one) for state in states]), states[-1]
+
+
+def test_a_hidden_effect_is_named_with_what_remains_without_it(spring):
+    found, last = told(spring, allowed=("cubic_stiffness", "quadratic_stiffness", "constant_torque"))
+    assert found["status"] == "named"
+    (one,) = found["effects"]
+    assert one["name"] == "cubic_stiffness"
+    assert one["probability"] > 0.99 and one["share_left"] < 0.05 and one["gap_without"] > 3
+    assert found["next_swing"] is None and found["next_measurement"] is None  # nothing is left to ask
+    assert last.fit.model.values["cubic_stiffness"] == pytest.approx(1.5, rel=0.05)
+
+
+def test_nothing_is_named_where_nothing_is_hidden():
+    found, last = told(swings((0.9, -0.7, 0.5), cubic_stiffness=0.0))
+    assert found["status"] == "consistent"
+    assert found["nothing"] > 0.9
+    assert last.findings == {}
+
+
+def test_what_the_catalogue_lacks_has_no_name():
+    """A buffer that large swings touch on one side."""
+    found, last = told(swings((0.9, -0.7, 0.5), "soft_stop", stop_stiffness=1.0, stop_from=0.25))
+    assert found["status"] == "unknown"
+    assert found["nothing"] < 0.01
+    assert last.unnamed > NOISE.deviation
+    assert "has no name in the catalogue" in found["sentence"]
+
+
+def test_what_took_the_place_of_an_effect_of_the_base_is_held_against_that_one():
+    """Structural damping in the place of viscous drag: without any damping much is missing, with what it took the place of nothing."""
+    plain = swings((0.9, -0.7, 0.5, 0.3), cubic_stiffness=0.0)
+    pool = pooled(plain, "viscous", "structural_damping")
+    finding = judged(pool, pool.known[frozenset(("structural_damping",))])["structural_damping"]
+    assert not finding.sure
+    assert finding.share > 1

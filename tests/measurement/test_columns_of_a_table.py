@@ -1,0 +1,217 @@
+"""What a spreadsheet's user would call the table is found: among titles, notes, comments, units, other tables, a serial monitor's stamps."""
+
+import io
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from swingdown.errors import InputError
+from swingdown.measurement.recording import ingest
+from swingdown.measurement.sheet import read_sheet
+from swingdown.measurement.source import table_of, tables
+
+TIME = np.arange(300) / 20
+SWING = np.round(0.4 * np.exp(-0.03 * TIME) * np.cos(5 * TIME), 5)
+
+
+def rows(separator=",", start=0, stop=300):
+    return "".join(
+        f"{t:.3f}{separator}{x:.5f}\n" for t, x in zip(TIME[start:stop], SWING[start:stop], strict=True)
+    )
+
+
+def monitor(form, late=False):
+    """What a serial monitor shows of a board that prints whole numbers, just before midnight where it is late."""
+    lines = []
+    for t, x in zip(TIME, SWING, strict=True):
+        seconds = 23 * 3600 + 59 * 60 + 56 + t if late else 12 * 3600 + 3 * 60 + 11 + t
+        hours, rest = divmod(seconds % 86400, 3600)
+        clock = f"{int(hours):02}:{int(rest // 60):02}:{rest % 60:06.3f}"
+        lines.append(form.format(clock=clock, raw=round(512 + 400 * x), t=round(1000 * t)))
+    return "\n".join(lines) + "\n"
+
+
+HEAD = "t_s,theta_rad\n"
+# The file, and words of the remark on what was left out ("" for none).
+FOUND = {
+    "notes below": (HEAD + rows() + "\nmeasured in room 3\nlength 0.5 m\n", "2 lines (the first 303) below the table"),
+    "an empty line of cells before the notes": (HEAD + rows() + ",\n,\nroom 3,\n", "line 304 below the table"),
+    "a last row without numbers": (HEAD + rows() + "end,\n", "line 302 below the table"),
+    "a last row of empty cells": (HEAD + rows() + ",\n", ""),
+    "a line of zeros of a crash": (HEAD + rows() + "\0" * 4000, "below the table"),
+    "a row that a crash cut": (HEAD + rows() + "15.000,0.1" + "\0" * 4000, "line 302 below the table"),
+    "a comment between the rows": (HEAD + rows(stop=200) + "# knocked\n" + rows(start=200), "line 202 between the rows"),
+    "a row commented out": (HEAD + rows(stop=200) + "# 9.999,0.1\n" + rows(start=200), "line 202 between the rows"),
+    "notes between the rows": (
+        HEAD + rows(stop=200) + "\nhere the door, which is old, slammed\nagain\n\n" + rows(start=200), "2 lines (the first 203) between",
+    ),
+    "an empty line between the rows": (HEAD + rows(stop=200) + "\n" + rows(start=200), ""),
+    "the header once more on each page": (
+        HEAD + rows(stop=100) + HEAD + rows(start=100, stop=200) + HEAD + rows(start=200), "2 lines (the first 102) between",
+    ),
+    "titles of several lines": ("Experiment 3\n\n9b, Monday\n\n" + HEAD + rows(), ""),
+    "settings above, which are a small table": ("mass,0.3\nlength,0.5\n\n" + HEAD + rows(), ""),
+    "a few rows of numbers above": ("0.1,0.2\n0.2,0.3\n\n" + HEAD + rows(), "2 lines (the first 1) of numbers above"),
+    "a summary below": (HEAD + rows() + "\nperiod,decay\n1.25,33\n0.01,2\n", "2 lines (the first 304) below"),
+    "a note with a comma below the header": (HEAD + "by Anna, Ben\n" + rows(), ""),
+    "names, short names and units": ("Vernier Format 2\nMy.cmbl 7/5/2019\nData Set\nTime\tAngle\nt\tA\ns\trad\n\n" + rows("\t"), ""),
+    "units in brackets": ("time;angle\n(s);(rad)\n" + rows(";"), ""),
+    "one quoted cell over all columns": ('"t_s,theta_rad"\n' + rows(), ""),
+    "names between points": ("--- a wheel ---\nt_s.theta_rad\n" + rows("\t"), ""),
+    "names of uncertainties that are not there": ("t_s theta_rad dt dtheta\n" + rows(" "), ""),
+    "a remark beside names in a comment": ("# t_s theta_rad | from a web page\n" + rows(" "), ""),
+    "an oscilloscope's channel above the names": ("x-axis,4\nsecond,theta_rad\n" + rows(), ""),
+    "a comment sign of Matlab": ("% t_s theta_rad\n% by hand\n" + rows(" "), ""),
+    "a comment sign of C": ("// board 3\n// t_s, theta_rad\n" + rows(), ""),
+    "an index before each row": (
+        ",t_s,theta_rad\n" + "".join(f"{k},{row}\n" for k, row in enumerate(rows().splitlines())), "",
+    ),
+    "a row with a cell more": (HEAD + rows(stop=200) + "9.999,0.1,0.2\n" + rows(start=200), "line 202 has more cells"),
+}  # fmt: skip
+
+
+@pytest.fixture
+def take(tmp_path, monkeypatch):
+    """A function that writes a file and ingests it by a sheet of one row."""
+    monkeypatch.chdir(tmp_path)
+
+    def take(content, **cells):
+        (tmp_path / "swing.csv").write_text(content)
+        cells = {"recording": "a", "file": "swing.csv", **cells}
+        (tmp_path / "sheet.csv").write_text(
+            ",".join(cells) + "\n" + ",".join(map(str, cells.values())) + "\n"
+        )
+        return ingest(read_sheet("sheet.csv").loc["a"], "sheet.csv")
+
+    return take
+
+
+def whole(content):
+    """The one table of a file, and its columns in full."""
+    table = table_of(io.BytesIO(content.encode()), {"file": "swing.csv"})
+    return table, np.concatenate([piece.to_numpy() for piece in table.pieces]).T
+
+
+@pytest.mark.parametrize("what", FOUND)
+def test_the_table_is_found_and_what_was_left_out_is_told(take, what):
+    content, told = FOUND[what]
+    made = take(content)
+    np.testing.assert_array_equal(made["time"].values, TIME)
+    np.testing.assert_array_equal(made["signal"].values, SWING)
+    assert made["signal"].attrs["units"] == "rad" and "no unit" not in made.attrs["taken"]
+    assert told in made.attrs.get("remarks", "") and (told or "remarks" not in made.attrs)
+
+
+@pytest.mark.parametrize("piece", [150, 1000])
+@pytest.mark.parametrize("what", FOUND)
+def test_a_table_is_the_same_in_pieces_of_any_size(monkeypatch, what, piece):
+    _, columns = whole(FOUND[what][0])
+    monkeypatch.setattr("swingdown.measurement.text.PIECE", piece)
+    _, again = whole(FOUND[what][0])
+    np.testing.assert_array_equal(columns, again)
+
+
+@pytest.mark.parametrize(
+    ("between", "second"),
+    [
+        ("", HEAD + rows()),
+        ("\n\n", HEAD + rows()),
+        ("\n", rows()),
+        ("Run 2\n", rows()),
+        ("\nof the second pendulum\n", "t_s,x,y\n" + "".join(f"{row},1\n" for row in rows().splitlines())),
+        ("\n", "t_s,omega_rad\n" + "".join(f"{row}\n" for row in rows().splitlines())),
+    ],
+)
+def test_a_table_below_another_is_a_recording_of_its_own(between, second):
+    found = tables(io.BytesIO((HEAD + rows() + between + second).encode()), {"file": "swing.csv"})
+    assert list(found) == ["table 1", "table 2"]
+    for table in found.values():
+        part = np.concatenate([piece.to_numpy() for piece in table.pieces]).T
+        np.testing.assert_array_equal(part[0], TIME)
+        np.testing.assert_array_equal(part[1], SWING)
+    assert found["table 1"].names == ("t_s", "theta_rad")
+
+
+def test_a_table_below_another_is_taken_by_its_name(take):
+    made = take("Run 1\n" + HEAD + rows(stop=150) + "\nRun 2\n" + HEAD + rows(), run="table 2")
+    np.testing.assert_array_equal(made["signal"].values, SWING)
+
+
+def test_two_data_sets_of_vernier_are_two_recordings():
+    one = "Vernier Format 2\nMy.cmbl 7/5/2019 9:37:43\nData Set\nTime\tAngle\nt\tA\ns\trad\n\n" + rows("\t")
+    found = tables(io.BytesIO((one + "\n" + one).encode()), {"file": "swing.txt"})
+    assert [table.names for table in found.values()] == [("t (s)", "A (rad)")] * 2
+
+
+@pytest.mark.parametrize("form", ["{clock} -> {raw}", "[{clock}] {raw}", "[{clock}] -> {raw}"])
+@pytest.mark.parametrize("late", [False, True])
+def test_a_serial_monitors_log(form, late):
+    table, columns = whole("12:03:10.998 -> Ready.\n" + monitor(form, late))
+    assert table.names == ("time (s)", "raw") and table.units == {"time (s)": "s"}
+    assert columns[0].astype(float) == pytest.approx(TIME, abs=1e-9)
+    np.testing.assert_array_equal(columns[1].astype(float), np.round(512 + 400 * SWING))
+
+
+def test_a_serial_monitors_log_of_a_board_with_a_clock_of_its_own():
+    table, columns = whole("12:03:10.998 -> millis,adc\n" + monitor("{clock} -> {t},{raw}"))
+    assert table.names == ("arrival", "millis", "adc") and not table.units
+    np.testing.assert_array_equal(columns[1].astype(float), np.round(1000 * TIME))
+
+
+def test_dates_and_times_of_day_are_times(take):
+    stamps = np.datetime64("2024-05-01T23:59:55") + np.round(1e6 * TIME).astype("timedelta64[us]")
+    for between in ("T", " "):
+        lines = [f"{str(one).replace('T', between)},{x}" for one, x in zip(stamps, SWING, strict=True)]
+        made = take("Timestamp,angle (rad)\n" + "\n".join(lines))
+        assert made["time"].values == pytest.approx(TIME, abs=1e-9)
+        assert "`Timestamp` as s" in made.attrs["taken"] and "times of day" in made.attrs["taken"]
+
+
+def test_a_devices_own_time_goes_before_a_computers(take):
+    stamps = monitor("{clock}").split()
+    lines = [f"{stamp}, {row}" for stamp, row in zip(stamps, rows(", ").splitlines(), strict=True)]
+    made = take("Timestamp, Elapsed (s), Angle (rad)\n-----\n" + "\n".join(lines))
+    assert "`Elapsed (s)` as s" in made.attrs["taken"]
+    np.testing.assert_array_equal(made["signal"].values, SWING)
+
+
+def test_units_that_contradict_each_other_are_refused(take):
+    with pytest.raises(
+        InputError, match=r"column angle \(rad\): its name says 'rad' and the line below says 'deg'"
+    ):
+        take("t (s),angle (rad)\ns,deg\n" + rows())
+    assert take("t (s),angle (rad)\ns,radians\n" + rows())["signal"].attrs["units"] == "rad"
+
+
+def test_rows_of_more_cells_than_columns_are_another_way_of_writing(take):
+    with pytest.raises(InputError, match="line 203: it is not a table: the row has more cells"):
+        take(HEAD + rows(stop=200) + "1,000.0,0.5\n1,000.1,0.4\n" + rows(start=200))
+
+
+def test_one_number_a_line_needs_a_rate(take):
+    content = "Ready\n" + "\n".join(map(str, SWING)) + "\n"
+    with pytest.raises(InputError, match="in the cell rate_hz of the sheet"):
+        take(content)
+    made = take(content, rate_hz=20)
+    assert made["time"].values == pytest.approx(TIME)
+    np.testing.assert_array_equal(made["signal"].values, SWING)
+
+
+def test_columns_without_a_time_take_the_rate():
+    lines = "".join(f"{k},{x}\n" for k, x in enumerate(SWING))
+    table = table_of(io.BytesIO(("frame,angle\n" + lines).encode()), {"file": "a.csv", "rate_hz": 20})
+    assert table.names == ("time (s)", "frame", "angle")
+    part = next(iter(table.pieces))
+    assert part["time (s)"].to_numpy() == pytest.approx(TIME)
+    for content in (HEAD + rows(), rows(), monitor("{clock} -> {raw}")):
+        with pytest.raises(InputError, match="column rate_hz"):
+            table_of(io.BytesIO(content.encode()), {"file": "a.csv", "rate_hz": 20})
+
+
+def test_a_line_that_is_no_number_takes_its_time():
+    lines = [*map(str, SWING[:100]), "overrun", *map(str, SWING[101:])]
+    table = table_of(io.BytesIO("\n".join(lines).encode()), {"file": "a.csv", "rate_hz": 20})
+    part = pd.concat(list(table.pieces))
+    assert part["time (s)"].to_numpy() == pytest.approx(np.delete(TIME, 100))
+    assert "line 101 between the rows" in table.remarks[0]

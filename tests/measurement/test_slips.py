@@ -1,0 +1,64 @@
+"""What is made of a swing that is out of step with itself: the part that is in step is used, and it is told."""
+
+import numpy as np
+import pytest
+
+from swingdown.measurement.judge import Reading, judge, used_part
+
+TIMES = np.arange(0.0, 60.0, 1 / 30)
+RAD = Reading("rad", True, 1.0)
+
+
+def swing(times):
+    return 0.3 * np.exp(-times / 40) * np.cos(2 * np.pi * times / 1.5)
+
+
+def used(signal, by_hand=(False, False)):
+    judged = judge(TIMES, signal, RAD, "here")
+    window, told, _ = used_part(judged.windows, by_hand)
+    return window, " ".join(told)
+
+
+def noisy(signal):
+    return signal + np.random.default_rng(3).normal(0, 1e-3, signal.size)
+
+
+def test_samples_lost_in_the_middle_leave_the_longer_part():
+    window, told = used(noisy(swing(TIMES + 0.5 * (TIMES > 40))))
+    assert "OUT OF STEP" in told and "start_s and stop_s" in told
+    assert np.isnan(window.begins) and 38 < window.ends < 40.1
+
+
+def test_what_is_in_step_is_used_whole():
+    window, told = used(noisy(swing(TIMES)))
+    assert not told and np.isnan(window.begins) and np.isnan(window.ends)
+
+
+def test_stated_ends_are_the_last_word():
+    _, told = used(noisy(swing(TIMES + 0.5 * (TIMES > 40))), (True, True))
+    assert "OUT OF STEP" not in told
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_missing_samples_and_stamps_that_scatter_are_no_slip(seed):
+    rng = np.random.default_rng(seed)
+    kept = np.sort(rng.permutation(TIMES.size)[: int(0.8 * TIMES.size)])
+    times = TIMES[kept] + rng.uniform(-0.3, 0.3, kept.size) / 30
+    judged = judge(times, swing(times) + rng.normal(0, 2e-3, kept.size), RAD, "here")
+    assert not any(one.why for one in judged.windows)
+
+
+def test_a_tracker_that_loses_the_bob_at_the_end():
+    late = TIMES > 57.4
+    window, told = used(noisy(np.where(late, np.where(TIMES < 58.1, 0.05, -0.05), swing(TIMES))))
+    assert "is used until" in told and 55 < window.ends < 58
+
+
+@pytest.mark.parametrize("length", [0.2, 0.5, 0.9, 1.6, 4.3])
+def test_holes_that_the_times_tell_are_no_slip(length):
+    rng = np.random.default_rng(1)
+    for start in rng.uniform(5, 50, 12):
+        kept = np.flatnonzero(np.abs(TIMES - start - length / 2) > length / 2)
+        kept = kept[rng.random(kept.size) > 0.05]
+        judged = judge(TIMES[kept], noisy(swing(TIMES))[kept], RAD, "here")
+        assert not any(one.why for one in judged.windows)

@@ -1,0 +1,190 @@
+"""A film of a pendulum: the bob is followed, and its period and damping are those of the simulated one, or the film is refused."""
+
+import struct
+import sys
+
+import numpy as np
+import pandas as pd
+import pytest
+from films import Scene, render
+
+from swingdown.answer.command import Wishes, answer
+from swingdown.errors import InputError
+from swingdown.measurement import video
+from swingdown.measurement.positions import fit_circle, to_angles
+from swingdown.measurement.recording import ingest
+from swingdown.measurement.sheet import COLUMNS
+
+cv2 = pytest.importorskip("cv2", reason="films are read with the extra `video`: pip install swingdown[video]")
+SCENE = Scene(seconds=8.0, size=(480, 270), length=190.0, bob=11.0)
+SCENES = {
+    "plain": SCENE,
+    "grainy and blurred": SCENE._replace(noise=8.0, exposure=0.95),
+    "from below": SCENE._replace(pitch=np.radians(10)),
+    "from the side": SCENE._replace(yaw=np.radians(10)),
+    "shining at its ends": SCENE._replace(shine=0.6, damping=0.005),
+    "another codec": SCENE._replace(codec="MJPG"),
+    "behind a stand": SCENE._replace(stand=(265, 285)),
+    "with a hand": SCENE._replace(hand=2.0),
+}
+
+
+@pytest.fixture(scope="module")
+def films(tmp_path_factory):
+    """A function that gives the path of a scene's film and the angles of its frames, rendered once."""
+    folder, made = tmp_path_factory.mktemp("films"), {}
+
+    def one(scene):
+        if scene not in made:
+            path = folder / f"film{len(made)}{'.avi' if scene.codec == 'MJPG' else '.mp4'}"
+            made[scene] = path, render(path, scene)
+        return made[scene]
+
+    return one
+
+
+def followed(path):
+    """Times, angles, and which frames have them, as the film tells."""
+    track = video.tracked(path)
+    seen = np.isfinite(track.places[:, 0])
+    x, y = track.places[seen].T
+    return track.times, to_angles(x, y, fit_circle(x, y)), seen
+
+
+@pytest.mark.parametrize("name", list(SCENES))
+def test_the_bob_is_followed(films, name):
+    """Within half a pixel at worst, and within the tolerance of its gain and zero; what is hidden is left out and nothing else is."""
+    path, true = films(SCENES[name])
+    times, angles, seen = followed(path)
+    np.testing.assert_allclose(times, np.arange(len(true)) / SCENE.rate, atol=1e-6)
+    line = np.polyfit(true[seen], angles, 1)
+    assert abs(line[0] - 1) < video.GAIN
+    off = SCENE.length * (angles - np.polyval(line, true[seen]))
+    assert np.std(off) < (0.5 if name == "from the side" else 0.15)  # px; from the side the circle is none
+    hidden = np.zeros(len(true), bool)
+    if name == "behind a stand":
+        x = SCENE.size[0] / 2 + SCENE.length * np.sin(true)
+        hidden = (x > 265 - SCENE.bob) & (x < 285 + SCENE.bob)
+        assert not seen[hidden & (x > 265) & (x < 285)].any()
+        hidden = np.convolve(hidden, [1, 1, 1, 1, 1], "same") > 0
+    if name == "with a hand":
+        hidden = np.arange(len(true)) < SCENES[name].hand * SCENE.rate
+    assert np.mean(seen[~hidden]) > 0.97
+
+
+@pytest.mark.parametrize("name", ["plain", "grainy and blurred", "from below", "another codec"])
+def test_period_and_damping_are_those_of_the_pendulum(films, tmp_path, name):
+    scene = SCENES[name]
+    path, _ = films(scene)
+    assert answer([str(path)], {}, Wishes(into=str(tmp_path / "study"), quick=True)) == 0
+    row = pd.read_csv(tmp_path / "study" / "first_answer.csv").iloc[0]
+    for key, true in (("natural_frequency_rad_per_s", scene.omega), ("viscous_ratio", scene.damping)):
+        assert abs(row[key] - true) < 3 * row[f"{key}_u"], key
+        assert row[f"{key}_u"] < 0.01 * true  # and that tells something
+
+
+def test_the_track_is_drawn_over_the_first_frame(films, tmp_path, capsys):
+    path, _ = films(SCENE)
+    answer([str(path)], {}, Wishes(into=str(tmp_path / "study"), quick=True))
+    drawn = cv2.imread(str(tmp_path / "study" / f"{path.stem}-track.png"))
+    assert f"{path.stem}-track.png" in capsys.readouterr().out
+    reader = cv2.VideoCapture(str(path))
+    changed = np.argwhere(cv2.absdiff(drawn, reader.read()[1]).max(axis=2) > 40)[:, ::-1]
+    pivot = SCENE.size[0] / 2, SCENE.size[1] / 2 - 0.6 * SCENE.length
+    away = np.hypot(*(changed - pivot).T) - SCENE.length
+    assert len(changed) > 100
+    assert np.abs(away).max() < 4
+
+
+def test_what_is_told_of_a_film_and_what_is_left_open(films):
+    path, _ = films(SCENE)
+    found = ingest({**COLUMNS, "recording": "a", "campaign": "a", "file": str(path)})
+    assert "followed in 240 of 240 frames" in found.attrs["remarks"]
+    assert "film of 480 × 270 px" in found.attrs["taken"]
+    assert found.attrs["gain_tolerance"] == video.GAIN
+    stated = ingest(
+        {**COLUMNS, "recording": "a", "campaign": "a", "file": str(path), "gain_tolerance": 0.001}
+    )
+    assert stated.attrs["gain_tolerance"] == 0.001
+
+
+def _boxes(content, start, end):
+    """The boxes of an MP4 file: name, and from where to where."""
+    while start < end:
+        size, name = struct.unpack(">I4s", content[start : start + 8])
+        yield name, start, start + size
+        start += size
+
+
+def uneven(content, durations):
+    """An MP4 whose frames last these numbers of ticks: its table of times written anew."""
+    path, at = [b"moov", b"trak", b"mdia", b"minf", b"stbl", b"stts"], []
+    start, end = 0, len(content)
+    for wanted in path:
+        start, end = next(one[1:] for one in _boxes(content, start, end) if one[0] == wanted)
+        at.append(start)
+        start += 8
+    entries = b"".join(struct.pack(">II", 1, int(one)) for one in durations)
+    table = struct.pack(">I4sII", 16 + len(entries), b"stts", 0, len(durations)) + entries
+    longer = len(table) - (end - at[-1])
+    whole = bytearray(content[: at[-1]] + table + content[end:])
+    for place in at[:-1]:
+        whole[place : place + 4] = struct.pack(">I", struct.unpack(">I", whole[place : place + 4])[0] + longer)  # fmt: skip
+    return bytes(whole)
+
+
+def test_frames_that_follow_each_other_unevenly_have_the_times_of_the_container(films, tmp_path):
+    path, _ = films(SCENE)
+    ticks = 512  # of a frame, as this container counts
+    early = np.random.default_rng(3).integers(-ticks // 2, ticks // 2, 120)
+    drawn = ticks + np.column_stack([early, -early]).ravel()  # as long in all as before
+    odd = tmp_path / "odd.mp4"
+    odd.write_bytes(uneven(path.read_bytes(), drawn))
+    times, _, _ = followed(odd)
+    np.testing.assert_allclose(times, np.r_[0, np.cumsum(drawn)[:-1]] / ticks / SCENE.rate, atol=2e-3)
+
+
+def rolling(inside):
+    """A bob that goes around and never back, slower and slower."""
+    return 6.0 * (1 - np.exp(-inside / 8))
+
+
+def test_films_without_a_swing_are_refused(films, tmp_path):
+    still = tmp_path / "still.mp4"
+    render(still, SCENE._replace(release=0.0))
+    with pytest.raises(InputError, match="nothing moves.*camera on a stand"):
+        video.tracked(still)
+    around = tmp_path / "around.mp4"
+    render(around, SCENE._replace(length=90.0), angles=rolling)
+    with pytest.raises(InputError):
+        answer([str(around)], {}, Wishes(into=str(tmp_path / "a"), quick=True))
+    shaking = tmp_path / "shaking.mp4"
+    draws = np.random.default_rng(5)
+    render(shaking, SCENE, angles=lambda inside: draws.normal(0, 0.3, (len(inside), 1)) + 0 * inside)
+    with pytest.raises(InputError):
+        answer([str(shaking)], {}, Wishes(into=str(tmp_path / "b"), quick=True))
+    assert not (tmp_path / "a").exists()
+    assert not (tmp_path / "b").exists()
+
+
+def test_damaged_films_are_refused(films, tmp_path):
+    whole, avi = (films(SCENES[name])[0].read_bytes() for name in ("plain", "another codec"))
+    for name, content, words in (
+        ("none.mp4", b"no film at all" * 100, "no frame of it can be read"),
+        ("empty.mp4", b"", "no frame of it can be read"),
+        ("cut.mp4", whole[: len(whole) // 2], "no frame of it can be read"),
+        ("cut.avi", avi[: len(avi) // 2], "breaks off|no frame of it"),
+    ):
+        path = tmp_path / name
+        path.write_bytes(content)
+        with pytest.raises(InputError, match=words) as caught:
+            video.tracked(path)
+        assert "copy it anew" in caught.value.mend
+
+
+def test_without_opencv_the_extra_is_named(monkeypatch, tmp_path):
+    monkeypatch.setitem(sys.modules, "cv2", None)
+    path = tmp_path / "a.mp4"
+    path.write_bytes(b"x")
+    with pytest.raises(InputError, match=r"pip install swingdown\[video\]"):
+        ingest({**COLUMNS, "recording": "a", "campaign": "a", "file": str(path)})

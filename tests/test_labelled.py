@@ -1,0 +1,120 @@
+"""The table of labelled recordings: that its list is sound, and that a campaign is fetched, read, searched and judged."""
+
+import csv
+import hashlib
+import pickle
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from swingdown.engine.trajectory import simulate
+from swingdown.pendulum.catalogue import SHIPPED
+from swingdown.pendulum.model import Model
+
+sys.path.insert(0, str(Path(__file__).parent / "benchmarks" / "labelled"))
+
+import labelled
+
+
+def test_half_of_the_apparatuses_are_apart_by_the_sums_of_their_names():
+    split = {row["apparatus"]: row["split"] for rows in labelled.listed().values() for row in rows}
+    assert all(split[row["apparatus"]] == row["split"] for rows in labelled.listed().values() for row in rows)
+    drawn = sorted(
+        set(split) - labelled.KNOWN_BEFORE, key=lambda name: hashlib.sha256(name.encode()).hexdigest()
+    )
+    apart = [name for name in drawn if split[name] == "apart"]
+    assert apart == drawn[: len(apart)] and 2 * len(apart) >= len(split) >= 12
+
+
+def test_a_campaign_is_of_one_apparatus_and_what_is_known_of_it_is_not_in_its_base():
+    for name, rows in labelled.listed().items():
+        shared = ("apparatus", "base", "restoring", "label", "split")
+        assert len({tuple(row[key] for key in shared) for row in rows}) == 1, name
+        known, base = rows[0]["label"].split("|"), rows[0]["base"].split("+")
+        assert set(known) <= set(SHIPPED.names) and set(base) <= set(SHIPPED.names), name
+        assert not set(known) & set(base), name
+        assert all(row["source"] and len(row["sha256"]) == 64 for row in rows), name
+        assert all(len(row["commit"]) == (0 if row["apparatus"] in labelled.KNOWN_BEFORE and not row["commit"] else 40) for row in rows), name  # fmt: skip
+        read = [tuple(row[key] for key in ("repository", "path", *labelled.TOLD)) for row in rows]
+        assert len(set(read)) == len(read), name
+
+
+@pytest.mark.parametrize(
+    ("effects", "there", "wrong"),
+    [
+        ({"viscous": []}, True, False),
+        ({"magnet": ["viscous"]}, True, False),
+        ({"magnet": [], "quadratic_drag": []}, True, False),
+        ({"magnet": ["detent"]}, False, True),
+        ({}, False, False),
+    ],
+)
+def test_what_is_right_and_what_is_wrong(effects, there, wrong):
+    assert labelled.right("viscous|quadratic_drag", effects) == (there, wrong)
+
+
+@pytest.fixture
+def recorded(tmp_path, monkeypatch):
+    """A mirror of a repository with a recording in degrees of a viscous wheel, and a list of it; the folder and its file's sum."""
+    times = np.arange(0, 30, 0.05)
+    model = Model(
+        "viscous+constant_coulomb",
+        {"natural_frequency": 4.0, "viscous_ratio": 0.02, "constant_friction": 0.05},
+        restoring="linear",
+    )
+    angle = simulate(model, times, 1.0) + 0.001 * np.random.default_rng(7).standard_normal(times.size)
+    home = tmp_path / "mirrors" / "somebody+wheel"
+    home.mkdir(parents=True)
+    np.savetxt(home / "wheel.csv", np.column_stack([times, np.degrees(angle)]), "%.5f", ",", header="t,phi", comments="")  # fmt: skip
+    subprocess.run(["git", "init", "-q"], cwd=home, check=True)
+    subprocess.run(["git", "add", "."], cwd=home, check=True)
+    who = ["-c", "user.name=a", "-c", "user.email=a@b"]
+    subprocess.run(["git", *who, "commit", "-qm", "wheel"], cwd=home, check=True)
+    row = dict.fromkeys(next(iter(labelled.listed().values()))[0], "") | {
+        "apparatus": "wheel", "campaign": "wheel", "repository": "somebody/wheel", "path": "wheel.csv",
+        "commit": subprocess.run(["git", "rev-parse", "HEAD"], cwd=home, check=True, capture_output=True, text=True).stdout.strip(),
+        "sha256": hashlib.sha256((home / "wheel.csv").read_bytes()).hexdigest(), "unit": "deg", "column": "phi",
+        "base": "constant_coulomb", "restoring": "linear", "label": "viscous", "source": "made here", "split": "learn",
+    }  # fmt: skip
+    monkeypatch.setattr(labelled, "LIST", tmp_path / "list.csv")
+
+    def listed(*rows, **changed):
+        with labelled.LIST.open("w", newline="") as file:
+            table = csv.DictWriter(file, row)
+            table.writeheader()
+            table.writerows(row | changed | one for one in rows or [{}])
+        return [str(tmp_path / "files"), "--split", "learn", "--mirrors", str(tmp_path / "mirrors")]
+
+    return listed
+
+
+def test_a_known_effect_is_told_and_counted(recorded, capsys):
+    labelled.main(recorded())
+    said = capsys.readouterr().out
+    assert "| wheel | constant_coulomb, linear | viscous | **viscous** |" in said
+    assert (
+        "told right: 1 of 1 campaigns, wrong: 0; of 1 apparatuses every campaign: 1, at least one: 1" in said
+    )
+
+
+def test_another_effect_in_its_place_is_counted_as_wrong(recorded, capsys):
+    labelled.main(recorded(label="magnet"))
+    assert "told right: 0 of 1 campaigns, wrong: 1;" in capsys.readouterr().out
+
+
+def test_a_file_with_another_content_is_not_searched(recorded, capsys):
+    labelled.main(recorded(sha256="0" * 64))
+    said = capsys.readouterr()
+    assert "ANOTHER CONTENT somebody/wheel wheel.csv" in said.err
+    assert "told right: 0 of 1 campaigns" in said.out and "not read" in said.out
+
+
+def test_a_row_of_the_role_holdout_is_held_out(recorded, tmp_path):
+    begins, ends = {"stop": "18", "role": "holdout"}, {"start": "12"}  # by amplitude the other would be
+    labelled.main([*recorded(begins, ends), "--pickles", str(tmp_path / "kept")])
+    one = pickle.loads((tmp_path / "kept" / "wheel.campaign.pkl").read_bytes())
+    assert [swing.times[0] >= 12 for swing in one.fit] == [True]
+    assert [swing.times[-1] <= 18 for swing in one.holdout] == [True]

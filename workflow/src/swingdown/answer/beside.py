@@ -1,0 +1,87 @@
+"""What the command writes beside the first answers: curves against the amplitude, what each law of damping leaves, and a picture of both."""
+
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+
+from ..curves import dataset, laws, resonance
+from ..errors import InputError
+from ..paths import for_spreadsheets, write_csv
+from ..studies.pendulums import NOT_DYING
+from .result import Answer
+
+CURVES, LAWS, RESONANCE = "curves", "laws", "resonance"
+_FEW = 3  # pendulums that have pictures
+
+
+def write_beside(answers: Mapping[str, Answer], folder: Path, drives: Sequence[float] = ()) -> list[str]:
+    """What is said of the files written, and of a few pendulums whether their decay is exponential.
+
+    ``curves.csv`` and ``laws.csv`` have all pendulums, the pictures are of a few. Those with too few swings, or that do not die away, have neither.
+    Under ``drives`` (rad/s²) their steady swings are foretold, in ``resonance.csv`` and a picture.
+    """
+    curves, compared, told = [], [], []
+    driven: list[pd.DataFrame] = []
+    for campaign, one in answers.items():
+        if one.label == NOT_DYING:  # a motor's swings say nothing of damping, and have one amplitude
+            continue
+        drawn: xr.Dataset | None = None
+        with suppress(InputError):
+            drawn = one.curves()
+            curves.append(dataset.table(drawn).assign(campaign=campaign))
+        if drives and drawn is not None:
+            told += _foretold(drawn, drives, folder, campaign if len(answers) > 1 else "", driven)
+        found: list[laws.Laws] = []
+        with suppress(InputError, ArithmeticError, np.linalg.LinAlgError):
+            found = one.laws()
+            compared.append(laws.table(found, campaign))
+        if len(answers) > _FEW:
+            continue
+        prefix = f"{campaign}-" if len(answers) > 1 else ""
+        if found:
+            sentence = laws.exponential_words(found, drawn)
+            told.append(f"{campaign}: {sentence}" if prefix else sentence)
+        _draw(folder, prefix, drawn, found, one)
+    for name, parts, columns in ((CURVES, curves, dataset.COLUMNS), (LAWS, compared, laws.COLUMNS)):
+        whole = pd.concat(parts, ignore_index=True) if parts else pd.DataFrame(columns=columns)
+        write_csv(for_spreadsheets(whole), folder / f"{name}.csv", float_format="%.9g")
+    if driven:
+        whole = pd.concat(driven, ignore_index=True)
+        write_csv(for_spreadsheets(whole), folder / f"{RESONANCE}.csv", float_format="%.9g")
+    pictures = ", with a picture of each" if told else ""
+    return [*told, f"against the amplitude: {CURVES}.csv; what each law of damping leaves: {LAWS}.csv{pictures}"] if compared or curves else told  # fmt: skip
+
+
+def _foretold(
+    curves: xr.Dataset, drives: Sequence[float], folder: Path, name: str, tables: list[pd.DataFrame]
+) -> list[str]:
+    """What is said of the steady swings of a pendulum under drives: drawn, and added to the ``tables``."""
+    from ..plots import save
+    from ..plots.curves import resonances
+
+    before = f"{name}: " if name else ""
+    try:
+        found = resonance.resonance(curves, drives)
+    except InputError as problem:
+        return [f"{before}no resonance curve: {problem.problem}; expected: {problem.expected}"]
+    tables.append(resonance.table(found))
+    picture = f"{name}-{RESONANCE}.png" if name else f"{RESONANCE}.png"
+    save(resonances(found), folder / picture)
+    return [f"{before}{line}" for line in resonance.words(found, "free")]
+
+
+def _draw(folder: Path, prefix: str, curves: xr.Dataset | None, found: list[laws.Laws], one: Answer) -> None:
+    from ..plots import save  # drawing takes a second to load
+    from ..plots.curves import backbone, envelopes
+
+    if curves is not None:
+        save(backbone(curves), folder / f"{prefix}{CURVES}.png")
+    if found:
+        largest = max(found, key=lambda each: float(np.ptp(each.series)))
+        with suppress(InputError):
+            drawn = laws.envelopes(largest, laws.exponential_words(found, curves), str(one.row["emulated"]))
+            save(envelopes(drawn), folder / f"{prefix}{LAWS}.png")

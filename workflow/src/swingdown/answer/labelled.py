@@ -1,0 +1,111 @@
+"""Arrays that bring a unit, a mask or gaps along, as plain numbers: those of numpy, pandas, xarray, pint and astropy."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+
+from ..arrays import Floats
+from ..errors import InputError
+from ..measurement.columns import TIME, UNITS, meaning
+from ..measurement.gyroscope import TO_RAD_PER_S
+
+ANGLES = ("rad", "deg", *TO_RAD_PER_S)
+_SECONDS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9, "min": 60.0, "minutes": 60.0, "h": 3600.0, "hours": 3600.0}  # fmt: skip
+
+
+def angles(given: Any) -> tuple[Floats, str]:
+    """The values of a series as floats, those that are masked or missing as NaN, and the unit that it states ("" for none).
+
+    A unit is stated by a quantity of pint or astropy, the attribute ``units`` of xarray or pandas, or the end of the series' name.
+    InputError for what holds no numbers, and for a unit that is none of ``ANGLES``.
+    """
+    if (quantity := _quantity(given)) is not None:
+        return _in_units(quantity, ANGLES, "the angles")
+    return numbers(given, "the angles"), _unit(given)
+
+
+def times(given: Any) -> Floats:
+    """The times of a series in s, those that are masked or missing as NaN; of dates and durations those since the first.
+
+    Units as of ``angles``; s where none is stated. InputError for what holds no times, and for a unit of something else.
+    """
+    if (quantity := _quantity(given)) is not None:
+        return _in_units(quantity, ("s",), "the times")[0]
+    values = np.asarray(getattr(given, "values", given))
+    if values.dtype.kind in "mM":
+        known = values[~np.isnat(values)]
+        return (values - (known[0] if known.size else values[:1])) / np.timedelta64(1, "ns") * 1e-9
+    written = _written(given, "time")
+    if not written:
+        return numbers(given, "the times")
+    kind, unit = UNITS.get(written if written in UNITS else written.lower(), ("", ""))
+    factor = _SECONDS.get(unit or written.lower())
+    if kind != TIME or factor is None:
+        raise InputError("the times", f"their unit is {written!r}", "s, ms, us, ns, min or h", "convert them before")  # fmt: skip
+    return factor * numbers(given, "the times")
+
+
+def numbers(given: Any, what: str) -> Floats:
+    """The values as floats, those that are masked or missing as NaN; InputError for what holds no numbers."""
+    if isinstance(given, str | bytes | Path):
+        raise InputError(what, f"{str(given)!r} is a text", "numbers", "of a file say swingdown.read(path)")
+    try:
+        if isinstance(given, pd.Series | pd.Index | pd.api.extensions.ExtensionArray):
+            return np.array(pd.Series(given).to_numpy(dtype=float, na_value=np.nan))
+        values = getattr(given, "values", given) if isinstance(given, xr.DataArray) else given
+        if np.iscomplexobj(values):
+            raise TypeError("complex numbers")
+        if np.ma.isMaskedArray(values):
+            return np.ma.filled(values.astype(float), np.nan)
+        return np.array(values, dtype=float)
+    except (TypeError, ValueError) as problem:
+        raise InputError(what, f"they are no numbers ({problem})", "numbers, all in one row") from problem
+
+
+def _unit(given: Any) -> str:
+    """The unit of an angle, or of its rate, that a series states; "" for none."""
+    written = _written(given, "angle")
+    if not written:
+        return ""
+    unit = UNITS.get(written if written in UNITS else written.lower(), ("", ""))[1]
+    if unit not in ANGLES:
+        raise InputError("the angles", f"their unit is {written!r}", " or ".join(ANGLES), "convert them before")  # fmt: skip
+    return unit
+
+
+def _written(given: Any, called: str) -> str:
+    """A series' unit as it states it: in its attribute ``units`` or at the end of its name; "" for none."""
+    beside = getattr(given, "attrs", {}).get("units", "")
+    if beside:
+        found = meaning(called, str(beside))
+        return found.written or str(beside)
+    return meaning(str(getattr(given, "name", "") or "")).written
+
+
+def _quantity(given: Any) -> Any:
+    """The series as a quantity of pint or astropy, where it is one or holds one; else None."""
+    for one in (given, getattr(given, "data", None), getattr(given, "array", None)):
+        if hasattr(one, "magnitude") and hasattr(one, "to") or hasattr(one, "to_value"):
+            return getattr(one, "quantity", one)
+    if isinstance(given, list | tuple) and given and hasattr(given[0], "magnitude"):
+        return type(given[0]).from_list(list(given))
+    return None
+
+
+def _in_units(quantity: Any, units: tuple[str, ...], what: str) -> tuple[Floats, str]:
+    """The values of a quantity in the first of these units that it can be told in, and that unit; "" where it has none."""
+    stated = str(getattr(quantity, "units", getattr(quantity, "unit", "")))
+    if stated in ("", "dimensionless"):
+        return numbers(getattr(quantity, "magnitude", getattr(quantity, "value", quantity)), what), ""
+    for unit in units:
+        try:
+            converted = (
+                quantity.to_value(unit) if hasattr(quantity, "to_value") else quantity.to(unit).magnitude
+            )
+        except Exception:  # each library has its own error for a quantity of another kind
+            continue
+        return numbers(converted, what), unit
+    raise InputError(what, f"their unit is {stated!r}", " or ".join(units), "convert them before")

@@ -1,0 +1,73 @@
+"""g from the lengths that are stated with the recordings: told with the first answer, and written with its budget."""
+
+import json
+from collections.abc import Mapping, MutableMapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+
+from ..errors import InputError
+from ..measurement.stated import quantity
+from ..paths import for_spreadsheets, write_csv, write_text
+from ..studies.gravity import PIVOT, PIXELS, STATED, TWO, Gravity, budgets, of_two_pivots, with_gravity
+from ..study.own import Taken
+from . import Answer
+from .options import as_options
+
+BUDGET, RECORD = "g_budget.csv", "g.json"
+PIVOTS = f"{PIVOT}s"  # of the command: a cell for each file
+
+
+def with_lengths(
+    rows: Sequence[MutableMapping[str, Any]], told: Mapping[str, Any], distances: Sequence[str] | None
+) -> None:
+    """Writes the distance of each pivot into the row of its recording. InputError for what is told and is no length, and where there
+    are not two recordings for two distances."""
+    for cell, dimension in STATED.items():
+        text = told.get(cell)
+        if text and not text.endswith(PIXELS):
+            quantity(
+                text, dimension, as_options(f"in the cell {cell}").removeprefix("with "), cell.replace("_", " "), "correct it"
+            )  # fmt: skip
+    if not distances:
+        return
+    if len(rows) != len(distances):
+        raise InputError(
+            "--kater", f"{len(rows)} files", "two recordings of one body, each about a pivot of its own",
+            "name two files, in the order of the distances",
+        )  # fmt: skip
+    for row, distance in zip(rows, distances, strict=True):
+        row[PIVOT] = distance
+        quantity(distance, "m", "--kater", "distance of a pivot", "correct it")
+
+
+def with_g(
+    answers: Mapping[str, Answer], kept: Sequence[Taken], restoring: str
+) -> tuple[dict[str, Answer], dict[str, Gravity]]:
+    """The answers with g where a length is stated, and the ``Gravity`` of each recording, and of two pivots, by name."""
+    found: dict[str, Gravity] = {}
+    made = {}
+    for campaign, answer in answers.items():
+        made[campaign], own = of_length(answer, kept, restoring)
+        found |= own
+    table = pd.concat([one.table for one in answers.values()], ignore_index=True)
+    return made, found | of_two_pivots(table, {one.row["recording"]: one.row for one in kept})
+
+
+def of_length(answer: Answer, kept: Sequence[Taken], restoring: str) -> tuple[Answer, dict[str, Gravity]]:
+    """The answer with g where a length is stated, and the ``Gravity`` of each of its recordings."""
+    table, found = with_gravity(answer.table, {one.row["recording"]: one.row for one in kept}, restoring)
+    return replace(answer, table=table) if found else answer, found
+
+
+def written(found: Mapping[str, Gravity], folder: Path) -> list[str]:
+    """What is said of g, a line each; the budgets are written into the folder."""
+    if not found:
+        return []
+    write_csv(for_spreadsheets(budgets(found)), folder / BUDGET)
+    content = {name: one.to_dict() for name, one in found.items()}
+    write_text(folder / RECORD, json.dumps(content, indent=1, ensure_ascii=False) + "\n")
+    told = [found[TWO].sentence] if TWO in found else []
+    return [*told, f"the budget of g: {folder / BUDGET}"]

@@ -1,0 +1,239 @@
+"""A file as a recording in Python: read once, then fitted, explained, drawn or handed on as a table."""
+
+import difflib
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from os import PathLike
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal, TypedDict, Unpack
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+
+from ..arrays import Shown
+from ..dataset import series_of
+from ..errors import InputError
+from ..studies.gravity import with_gravity
+from ..study import own
+from .options import as_arguments
+
+if TYPE_CHECKING:
+    from ..plots.style import Drawn
+    from .result import Answer
+
+Restoring = Literal["sine", "linear"]
+Paths = str | PathLike[str] | Sequence[str | PathLike[str]]
+
+
+class Told(TypedDict, total=False):
+    """What of a file can be said where the file does not say it."""
+
+    unit: str
+    """Of the angle or its rate: rad, deg, counts, V, rad/s or deg/s."""
+    column: str
+    """Name of the column of the angle."""
+    time_unit: str
+    """s, ms or us."""
+    time_column: str
+    """Name of the column of the time."""
+    rate: float
+    """Samples a second of a file without times."""
+    kind: str
+    """What the values are: swing, turning_points, half_swings, passages or periods."""
+    start: float
+    """Time in s before which nothing is used."""
+    stop: float
+    """Time in s after which nothing is used."""
+    counts_per_revolution: float
+    """Of an encoder in counts."""
+    scale: str
+    """Degrees that one unit of the signal is worth; or two readings at known angles, as ``512=0,700=30``."""
+    length: str
+    """From the pivot to the middle of the bob: ``0.583±0.001`` (m), ``58cm``. It gives g, and the angle where one coordinate was recorded (``350px``)."""
+    bob_diameter: str
+    """Of a ball, for its inertia in g: ``30.0(1)mm``."""
+    bob_density: str
+    """Of the bob, for the air's part in g: ``7800`` (kg/m^3), ``7.8g/cm3``."""
+    run: str
+    """Which run of a file with several."""
+
+
+_CELLS = {
+    "unit": "signal_unit",
+    "column": "signal_column",
+    "rate": "rate_hz",
+    "kind": "signal_kind",
+    "start": "start_s",
+    "stop": "stop_s",
+}  # of the sample sheet; the others are called as there
+
+
+@dataclass(frozen=True)
+class Recording:
+    """What files hold of one pendulum.
+
+    ``swings``: its angles (rad) as datasets over the time (s), one a recording or release. ``taken``: how each file was read.
+    ``remarks``: what is to be known of them. ``restoring``: ``sine`` of a pendulum, ``linear`` of a wheel on a spring.
+    """
+
+    swings: tuple[xr.Dataset, ...]
+    taken: tuple[str, ...] = field(repr=False)
+    remarks: tuple[str, ...] = field(repr=False, default=())
+    restoring: Restoring = "sine"
+    rows: Mapping[str, Mapping[str, Any]] = field(default_factory=dict, repr=False)
+    """By recording what is stated of it, as a row of the sample sheet."""
+
+    def fit(
+        self, *, fitted: Sequence[str] | None = None, effects: Mapping[str, Any] | None = None
+    ) -> "Answer":
+        """The ``Answer`` of ``swingdown.fit``, whose arguments and errors these are."""
+        from . import PAPER_MODELS, of_swings
+
+        return self._with_g(of_swings(self.swings, fitted or PAPER_MODELS, effects, self.restoring))
+
+    def explain(
+        self,
+        *,
+        base: Sequence[str] | None = None,
+        rounds: int = 4,
+        fitted: Sequence[str] | None = None,
+        effects: Mapping[str, Any] | None = None,
+    ) -> "Answer":
+        """The ``Answer`` of ``swingdown.explain``, whose arguments and errors these are."""
+        from . import BASE, PAPER_MODELS, explained
+
+        return self._with_g(
+            explained(self.swings, base or BASE, rounds, fitted or PAPER_MODELS, effects, self.restoring)
+        )
+
+    def _with_g(self, answer: "Answer") -> "Answer":
+        """The answer with g where a length is stated."""
+        table, found = with_gravity(answer.table, self.rows, self.restoring)
+        return replace(answer, table=table) if found else answer
+
+    def to_dataframe(self) -> pd.DataFrame:
+        """A row a sample: ``recording``, ``time_s``, and ``angle_rad`` (of an angular rate ``rate_rad_per_s``)."""
+        return table_of(self.swings)
+
+    def to_xarray(self) -> xr.Dataset:
+        """The samples of all swings over ``sample``: ``angle`` (rad; of an angular rate ``rate``, rad/s), with ``time`` (s) and ``recording``."""
+        return samples_of(self.swings)
+
+    def plot(self) -> "Drawn":
+        """A matplotlib Figure that a notebook draws: the angle over the time."""
+        from ..plots.answer import swings_alone
+
+        return swings_alone(shown_alone(self.swings), {"emulated": self._emulated})
+
+    @property
+    def _emulated(self) -> str:
+        return "yes" if any(one.attrs.get("emulated") == "yes" for one in self.swings) else "no"
+
+    def __repr__(self) -> str:
+        return "\n".join([*self.taken, *(f"    {text}" for text in self.remarks), *map(_line, self.swings)])
+
+
+def _line(swing: xr.Dataset) -> str:
+    """A swing in a line: name, samples, seconds, the largest angle."""
+    series, times = series_of(swing), swing["time"].values
+    reach = np.nanmax(np.abs(series.values)) if np.isfinite(series.values).any() else np.nan
+    unit = str(series.attrs.get("units", "rad"))
+    return f"{swing.attrs['recording']:18} {times.size} samples in {times[-1] - times[0]:.4g} s, up to {reach:.3g} {unit}"
+
+
+def read(path: Paths, *, restoring: Restoring = "sine", **told: Unpack[Told]) -> Recording:
+    """The ``Recording`` in a file, or in several of one pendulum: any file that the command ``swingdown`` takes.
+
+    What the file does not say can be ``told`` (``Told`` lists it): ``unit="deg"``, ``column="theta"``, ``time_unit="ms"``, ``start=1.5``. ``restoring`` is ``sine``
+    of a pendulum, or ``linear`` of a wheel on a spring or a torsion pendulum. InputError names the file, its line, what is wrong and
+    the mend; of a file with several runs it names these, for ``run``.
+    """
+    given = [path] if isinstance(path, str | PathLike) else list(path)
+    paths, passed = own.files(_no_folders(given))
+    if passed:
+        raise InputError(passed[0].file, passed[0].problem, passed[0].expected, passed[0].mend)
+    rows = own.rows(paths, Path(), len(paths) > 1, _cells(told))
+    found = [one for row, file in zip(rows, paths, strict=True) for one in _taken(row, file, restoring, told)]
+    remarks = [
+        as_arguments(str(one.recording.attrs["remarks"]))
+        for one in found
+        if one.recording.attrs.get("remarks")
+    ]
+    taken = dict.fromkeys(
+        f"{Path(one.row['file']).name}: {one.recording.attrs.get('taken', '')}" for one in found
+    )
+    stated = {one.row["recording"]: one.row for one in found}
+    return Recording(
+        tuple(one.angle for one in found), tuple(taken), tuple(dict.fromkeys(remarks)), restoring, stated
+    )
+
+
+def _no_folders(given: Sequence[str | PathLike[str]]) -> list[Path]:
+    paths = [Path(one) for one in given]
+    if folders := [one for one in paths if one.is_dir()]:
+        raise InputError(folders[0], "it is a folder", "the files of one pendulum", "name the files")
+    if not paths:
+        raise InputError("path", "no file is given", "at least one", "name a file")
+    return paths
+
+
+def _cells(told: Mapping[str, Any]) -> dict[str, Any]:
+    """Cells of the sample sheet for arguments of ``read``; InputError for an unknown one."""
+    known = Told.__annotations__
+    for name in told:
+        if name not in known:
+            near = difflib.get_close_matches(name, known, 1)
+            raise InputError(f"argument {name}", "there is no such argument", ", ".join(known), f"say {near[0]}=" if near else "leave it out")  # fmt: skip
+    return {_CELLS.get(name, name): value for name, value in told.items()}
+
+
+def _taken(row: Mapping[str, Any], path: Path, restoring: str, told: Mapping[str, Any]) -> list[own.Taken]:
+    """What a file gives, with the refusals of its parts raised."""
+    parts = own.take(row, path, restoring)
+    if refused := [one for one in parts if isinstance(one, own.Refused)]:
+        one = refused[0]
+        raise InputError(one.label or path.name, *map(as_arguments, (one.problem, one.expected, one.mend)))
+    found = [one for one in parts if isinstance(one, own.Taken)]
+    runs = [str(one.row["run"]) for one in found if "run" in one.row]
+    if len(runs) > 1 and "run" not in told:
+        raise InputError(
+            path.name, f"it holds {len(runs)} runs: {', '.join(runs)}", "one run", f"say run={runs[0]!r}"
+        )
+    return found
+
+
+def shown_alone(swings: Sequence[xr.Dataset]) -> list[Shown]:
+    """The swings as pictures take them, without a fit beside them."""
+    return [
+        Shown(
+            str(one.attrs["recording"]), "", one["time"].values, series_of(one).values,
+            np.full(one.sizes["time"], np.nan), unit=str(series_of(one).attrs["units"]),
+        )
+        for one in swings
+    ]  # fmt: skip
+
+
+def samples_of(swings: Sequence[xr.Dataset], **more: np.ndarray) -> xr.Dataset:
+    """The samples of swings one after the other over ``sample``, and beside them ``more`` series of as many values."""
+    series = [series_of(one) for one in swings]
+    about = {"units": str(series[0].attrs["units"])}
+    name = "angle" if about["units"] == "rad" else "rate"
+    values = {name: np.concatenate([one.values for one in series]), **more}
+    recording = np.concatenate([np.full(one.sizes["time"], str(one.attrs["recording"])) for one in swings])
+    times = np.concatenate([one["time"].values for one in swings])
+    return xr.Dataset(
+        {key: ("sample", value, about) for key, value in values.items()},
+        {"time": ("sample", times, {"units": "s"}), "recording": ("sample", recording)},
+    )
+
+
+def table_of(swings: Sequence[xr.Dataset]) -> pd.DataFrame:
+    """The samples of swings as a table, with units in the names of its columns."""
+    found = samples_of(swings)
+    columns = {"recording": found["recording"].values, "time_s": found["time"].values}
+    columns |= {
+        f"{name}_{'rad' if name == 'angle' else 'rad_per_s'}": one.values
+        for name, one in found.data_vars.items()
+    }
+    return pd.DataFrame(columns)

@@ -1,0 +1,327 @@
+"""The curves of a pendulum as one labelled dataset and as a tidy table: free of a model and of the model, with bands of 95 %."""
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+from scipy.special import stdtrit
+
+from ..arrays import Floats
+from ..errors import InputError
+from ..measurement.slack import of_angles
+from ..pendulum.model import Model
+from ..studies.quantities import steady
+from .free import Free, free
+from .half_swings import HalfSwings, half_swings_of
+from .modelled import Course, course_of, static, with_band
+from .regression import kernel
+from .torques import losses
+
+SOURCES = ("free", "model")
+COLUMNS = ["campaign", "quantity", "source", "against", "at", "at_unit", "value", "u", "low", "high", "unit"]
+_POINTS = 41  # of each curve
+_MANY = 1e9  # degrees of freedom of what is known as well as it can be
+_SMOOTH = 1.8  # of the logarithm of the speed: what such a friction changes over
+_ROUGH = 1e-3  # of the loss: how closely a friction of speed alone has to take what a model takes
+
+
+class Curve(NamedTuple):
+    """What a curve is: its argument, its unit, and its name in words."""
+
+    against: str
+    unit: str
+    words: str
+
+
+CURVES = {
+    "period": Curve("amplitude", "s", "period"),
+    "frequency": Curve("amplitude", "Hz", "frequency"),
+    "loss": Curve("amplitude", "1", "share of the amplitude that a swing takes"),
+    "damping_ratio": Curve("amplitude", "1", "equivalent damping ratio"),
+    "quality": Curve("amplitude", "1", "quality"),
+    "restoring": Curve("angle", "rad/s^2", "restoring torque over inertia"),
+    "friction": Curve(
+        "speed", "rad/s^2", "friction over inertia that takes as much as a function of speed alone"
+    ),
+}
+_ARGUMENTS = {
+    "amplitude": ("rad", "amplitude"),
+    "angle": ("rad", "angle from the middle"),
+    "speed": ("rad/s", "speed"),
+}
+# Each follows from the loss of the logarithm of the amplitude in a half-swing, which rises or falls all along.
+_OF_LOSS: dict[str, Callable[[Floats], Floats]] = {
+    "loss": lambda one: -np.expm1(-2 * one),
+    "damping_ratio": lambda one: one / np.hypot(np.pi, one),
+    "quality": lambda one: np.pi / (2 * one),
+}
+
+
+class Band(NamedTuple):
+    """A curve with its standard uncertainty and the k of its band."""
+
+    value: Floats
+    u: Floats
+    factor: float
+
+    def through(self, function: Callable[[Floats], Floats]) -> tuple[Floats, Floats, Floats, Floats]:
+        """Value, standard uncertainty, and lower and upper end of the band of a function of it that rises or falls."""
+        with np.errstate(divide="ignore", invalid="ignore"):
+            value = function(self.value)
+            ends = np.sort([function(self.value + sign * self.factor * self.u) for sign in (1, -1)], axis=0)
+            u = np.abs(function(self.value + self.u / 10) - function(self.value - self.u / 10)) * 5
+        # where a loss may be none at all, a quality may be as high as one likes
+        crossed = (
+            (self.value - self.factor * self.u <= 0)
+            & (ends[0] < 0)
+            & (value > 0)
+            & (function(np.array([1e-9]))[0] > 1)
+        )
+        ends = np.where(crossed, [np.where(ends[1] > 0, ends[1], ends[0]), np.full(value.size, np.inf)], ends)
+        return value, u, ends[0], ends[1]
+
+
+def curves(
+    angles: Sequence[xr.Dataset],
+    model: Model | None = None,
+    covariance: Floats | None = None,
+    restoring: str = "sine",
+) -> xr.Dataset:
+    """A Dataset of a pendulum's curves over ``amplitude`` and ``angle`` (rad) and ``speed`` (rad/s), by ``source``: ``free`` of a model, and of the ``model``.
+
+    ``angles`` are angle datasets of its recordings, sampled or of turning points; ``covariance`` is that of the model's parameters. Each of
+    ``period`` (s), ``frequency`` (Hz), ``loss`` (share of the amplitude, a swing), ``damping_ratio``, ``quality``, ``restoring`` and ``friction``
+    (rad/s²) has its standard uncertainty (``_u``) and the ends of its band of 95 % (``_low``, ``_high``). The period is twice the time between
+    passages through the middle; of turning points and angular rates between turning points. Single swings as measured are in
+    ``swing_period`` and ``swing_loss`` over ``swing``, with standard uncertainties. The free curves know of noise and of any law; the model's of its parameters alone. What readings without a
+    unit of angles or without times do not hold is nan. InputError for recordings with too few half-swings.
+    """
+    swings, problems = [], []
+    for one in angles:
+        try:
+            swings.append(half_swings_of(one, restoring))
+        except InputError as problem:
+            problems.append(problem)
+    if not swings:
+        raise problems[0]
+    found = free(swings, restoring)
+    scaled = all(one.scaled for one in swings)
+    scale, unit = (1.0, "rad") if scaled else _reading(angles[0])
+    amplitude = np.linspace(found.low, found.high, _POINTS)
+    angle = np.linspace(0.0, found.high, _POINTS)
+    speed = np.linspace(0.0, found.scale * float(found.ideal.speed(np.array([found.high]))[0]), _POINTS)
+    clock = of_angles(angles).clock
+    bands = [
+        _of_free(found, clock, amplitude, angle, speed),
+        _of_model(found, model, covariance, amplitude, angle, speed),
+    ]
+    variables = _by_source(bands, scaled)
+    variables |= _single(swings, scale)
+    coordinates = {
+        "source": ("source", list(SOURCES)),
+        "amplitude": ("amplitude", amplitude * scale, {"units": unit, "long_name": "amplitude"}),
+        "angle": ("angle", angle, {"units": "rad", "long_name": "angle from the middle"}),
+        "speed": ("speed", speed, {"units": "rad/s", "long_name": "speed"}),
+    }
+    about = angles[0].attrs
+    emulated = any(str(one.attrs.get("emulated", "no")) == "yes" for one in angles)
+    attrs = {
+        "campaign": str(about.get("campaign", "")),
+        "emulated": "yes" if emulated else "no",
+        "restoring": restoring,
+        "model": model.label if model else "",
+        "passages": "yes" if found.passages else "no",
+    }
+    whole = xr.Dataset(variables, coordinates, attrs)
+    whole["swing_amplitude"].attrs["units"] = unit
+    return whole
+
+
+def _reading(angle: xr.Dataset) -> tuple[float, str]:
+    """What 1 rad stands for in a dataset of readings without a unit of angles, and their unit."""
+    return float(angle.attrs.get("points_scale", 1.0)), str(angle.attrs.get("points_unit", "1"))
+
+
+def _of_free(found: Free, clock: float, amplitude: Floats, angle: Floats, speed: Floats) -> dict[str, Band]:
+    loss = found.loss.factor
+    period = found.period.factor if found.period else np.nan
+    inside = np.maximum(
+        angle, 1e-3 * found.high
+    )  # at the middle a torque's share of the ideal one is asked beside it
+    restoring = Band(*found.restoring_at(inside), period)
+    zero = angle / inside
+    return {
+        "period": _with_clock(Band(*found.period_at(amplitude), period), clock),
+        "loss": Band(*found.loss_at(amplitude), loss),
+        "restoring": _with_clock(Band(restoring.value * zero, restoring.u * zero, period), 2 * clock),
+        "friction": _with_clock(Band(*found.friction_at(speed), loss), 2 * clock),
+    }
+
+
+def _with_clock(band: Band, share: float) -> Band:
+    """The band with a standard uncertainty that is a share of the value, as of a clock's rate."""
+    return band._replace(u=np.hypot(band.u, share * band.value))
+
+
+def _of_model(
+    found: Free,
+    model: Model | None,
+    covariance: Floats | None,
+    amplitude: Floats,
+    angle: Floats,
+    speed: Floats,
+) -> dict[str, Band]:
+    sizes = {
+        "period": amplitude.size,
+        "loss": amplitude.size,
+        "restoring": angle.size,
+        "friction": speed.size,
+    }
+    if model is None:
+        return {
+            name: Band(np.full(size, np.nan), np.full(size, np.nan), np.nan) for name, size in sizes.items()
+        }
+    inverse = _friction_of(found, amplitude)
+    beyond = found.beyond.table.at(amplitude)[:, 0]
+    rows = found.friction.at(speed / found.scale) * found.scale**2
+    passages = found.passages
+
+    def derived(one: Model) -> Floats:
+        own: Course = course_of(one, found.low, found.high, passages)
+        loss, period = own.at(amplitude)
+        torque = static(one)
+        whole = np.where(np.isfinite(loss), loss, np.interp(amplitude, amplitude[np.isfinite(loss)], loss[np.isfinite(loss)]) if np.isfinite(loss).any() else np.nan)  # fmt: skip
+        return np.concatenate(
+            [period, loss, (torque(-angle) - torque(angle)) / 2, rows @ (inverse @ (whole - beyond))]
+        )
+
+    bare = steady(model.motion)
+    at = [model.parameters.index(name) for name in bare.parameters]
+    known = np.zeros((len(at), len(at))) if covariance is None else covariance[np.ix_(at, at)]
+    whole, variance = with_band(bare, known, derived)
+    u = np.sqrt(np.maximum(np.diag(variance), 0.0))
+    if covariance is None:
+        u = np.full(whole.size, np.nan)
+    edges = np.cumsum([0, *sizes.values()])
+    factor = float(stdtrit(_MANY, 0.975))
+    return {
+        name: Band(whole[a:b], u[a:b], factor) for name, a, b in zip(sizes, edges, edges[1:], strict=False)
+    }
+
+
+def _friction_of(found: Free, amplitude: Floats) -> Floats:
+    """The matrix from a loss at these amplitudes (rad) to the coefficients of a friction of speed alone that takes it: the smoothest."""
+    rows = losses(found.ideal, found.friction, amplitude)
+    typical = float(np.mean(np.abs(found.loss_at(amplitude)[0])))
+    laws, nodes = len(found.friction.powers), found.friction.nodes
+    usual = np.eye(rows.shape[1])
+    usual[laws:, laws:] = kernel(nodes, _SMOOTH)
+    spread = usual @ rows.T * found.friction.scale**2
+    return spread @ np.linalg.inv(rows @ spread + (_ROUGH * typical) ** 2 * np.eye(amplitude.size))
+
+
+def _by_source(bands: Sequence[Mapping[str, Band]], scaled: bool) -> dict[str, Any]:
+    columns: dict[str, list[tuple[Floats, ...]]] = {name: [] for name in CURVES}
+    for one in bands:
+        plain = {name: one[name].through(lambda value: value) for name in ("period", "restoring", "friction")}
+        columns["period"].append(plain["period"])
+        columns["frequency"].append(one["period"].through(lambda value: 1 / value))
+        for name, function in _OF_LOSS.items():
+            columns[name].append(one["loss"].through(function))
+        for name in ("restoring", "friction"):
+            columns[name].append(
+                plain[name] if scaled else tuple(np.full_like(part, np.nan) for part in plain[name])
+            )
+    variables: dict[str, Any] = {}
+    for name, (against, unit, words) in CURVES.items():
+        for k, (ending, more) in enumerate(_ENDINGS.items()):
+            values = np.array([one[k] for one in columns[name]])
+            variables[name + ending] = (
+                ("source", against),
+                values,
+                {"units": unit, "long_name": more.format(words)},
+            )
+    return variables
+
+
+_ENDINGS = {
+    "": "{}",
+    "_u": "standard uncertainty of the {}",
+    "_low": "lower end of the 95 % band of the {}",
+    "_high": "upper end of the 95 % band of the {}",
+}
+
+
+def _single(swings: Sequence[HalfSwings], scale: float) -> dict[str, Any]:
+    """The swings as they were measured: recording, amplitude, period and loss, each with its standard uncertainty."""
+    parts = [_measured(one) for one in swings]
+    names = np.concatenate(
+        [np.full(len(one), swing.recording) for one, swing in zip(parts, swings, strict=True)]
+    )
+    table = np.vstack(parts)
+    words = {
+        "swing_amplitude": ("rad", "amplitude of a swing"),
+        "swing_period": ("s", "period of a swing"),
+        "swing_period_u": ("s", "standard uncertainty of the period of a swing"),
+        "swing_loss": ("1", "share of the amplitude that a swing takes"),
+        "swing_loss_u": ("1", "standard uncertainty of the share of the amplitude that a swing takes"),
+    }
+    found: dict[str, Any] = {"swing_recording": ("swing", names.astype(str), {"long_name": "recording"})}
+    for k, (name, (unit, text)) in enumerate(words.items()):
+        values = table[:, k] * (scale if name == "swing_amplitude" else 1.0)
+        found[name] = ("swing", values, {"units": unit, "long_name": text})
+    return found
+
+
+def _measured(one: HalfSwings) -> Floats:
+    """Amplitude, period, loss of each swing and their errors (swing, column): from turning points a swing apart, and the marks beside them."""
+    step = 1.0 if one.both else float(np.median(np.diff(one.number)))
+    angle = dict(zip(one.number.tolist(), zip(one.angle, one.u_angle, strict=True), strict=True))
+    marks = dict(zip(one.at.tolist(), zip(one.mark, one.u_mark, strict=True), strict=True))
+    rows = []
+    for number in one.number.tolist():
+        around = [angle.get(number + k * step) for k in range(3 if one.both else 2)]
+        if any(part is None for part in around):
+            continue
+        points = np.array(around, dtype=float)
+        if one.both:
+            sizes = np.abs(np.diff(points[:, 0])) / 2
+            u, swing = 1.22 * float(points[:, 1].mean()), 1.0
+        else:
+            sizes, u, swing = np.abs(points[:, 0]), np.sqrt(2) * float(points[:, 1].mean()), step / 2
+        power = 2.0 if one.both else 1 / swing
+        if not (sizes > 0).all():
+            continue
+        ratio = float(sizes[1] / sizes[0]) ** power
+        amplitude = float(np.sqrt(sizes[0] * sizes[1]))
+        begin = number + (0.5 if one.at.size and one.at[0] % 1 else 0.0)
+        ends = marks.get(begin), marks.get(begin + max(2.0, step))
+        period, u_period = np.nan, np.nan
+        if ends[0] and ends[1]:
+            swings = max(2.0, step) / 2
+            period = float(ends[1][0] - ends[0][0]) / swings
+            u_period = float(np.hypot(ends[0][1], ends[1][1])) / swings
+        rows.append((amplitude, period, u_period, 1 - ratio, power * ratio * u / amplitude))
+    return np.array(rows).reshape(-1, 5)
+
+
+def table(found: xr.Dataset) -> pd.DataFrame:
+    """The curves of a dataset as rows: campaign, quantity, source, against, at, at_unit, value, u, low, high (of the 95 % band), unit.
+
+    Single swings are rows of the source ``swing``, without a band. What is not known (nan) has no row.
+    """
+    parts = []
+    for name, (against, unit, _) in CURVES.items():
+        for source in SOURCES:
+            chosen = found.sel(source=source)
+            columns = {end.strip("_") or "value": chosen[name + end].values for end in _ENDINGS}
+            parts.append(pd.DataFrame({"quantity": name, "source": source, "against": against, "at": found[against].values, "at_unit": found[against].attrs["units"], **columns, "unit": unit}))  # fmt: skip
+    for name in ("period", "loss"):
+        single = {"value": found[f"swing_{name}"].values, "u": found[f"swing_{name}_u"].values}
+        amplitude = found["swing_amplitude"]
+        parts.append(pd.DataFrame({"quantity": name, "source": "swing", "against": "amplitude", "at": amplitude.values, "at_unit": amplitude.attrs["units"], **single, "unit": CURVES[name].unit}))  # fmt: skip
+    whole = pd.concat([one for one in parts if len(one)], ignore_index=True).dropna(subset=["value"])
+    whole.insert(0, "campaign", found.attrs["campaign"])
+    return whole[COLUMNS]

@@ -1,0 +1,370 @@
+"""Period and loss against amplitude, and the torques behind them, from half-swings alone: no model of damping is asked."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+
+from ..arrays import Floats
+from ..errors import InputError
+from .half_swings import HalfSwings
+from .regression import Posterior, regression
+from .torques import Basis, Ideal, Swung, durations, friction, losses, stiffness, swung
+
+FEWEST = 8  # half-swings
+_ROUNDS = 3  # in each of which the amplitudes are those that the one before smoothed
+_TABLE = 60  # amplitudes at which a torque's work is computed, between which it is interpolated
+_SPEEDS, _BEGUN, _REACH = (
+    400,
+    16,
+    1.3,
+)  # speeds of a friction that is swung, half-swings that are, and how far beyond the largest
+_LEAST = 4  # half-swings of a recording
+_PART = 1e-3  # of an amplitude, for differences
+_FEWEST_MARKS = 6
+_OF_STIFFNESS = 0.1  # of the restoring torque: what a law of its deviation may be a few times of
+_LEAST_LOSS, _LEAST_STIFFNESS = 3e-3, 1e-6  # of the smooth curve that no law has, over the laws
+
+
+class Course(NamedTuple):
+    """The amplitude (rad) of one recording at each half-swing from the first to the last, by ``number``."""
+
+    number: Floats
+    amplitude: Floats
+
+    def at(self, number: Floats) -> Floats:
+        """The amplitude (rad) at these numbers of half-swings."""
+        return np.exp(np.interp(number, self.number, np.log(self.amplitude)))
+
+
+@dataclass(frozen=True)
+class Free:
+    """What half-swings tell: the loss by friction (``loss``, over ``friction``), the period by stiffness (``period``, over ``stiffness``; None where
+    nothing is timed), both in units of the frequency ``scale`` (rad/s) of small swings that is taken for 1; ``courses`` of the recordings;
+    ``low`` and ``high`` the amplitudes (rad) that they hold."""
+
+    ideal: Ideal
+    friction: Basis
+    stiffness: Basis
+    loss: Posterior
+    period: Posterior | None
+    beyond: "Beyond"
+    passages: bool
+    scale: float
+    courses: tuple[Course, ...]
+    course_errors: tuple[Floats, ...]
+    low: float
+    high: float
+
+    def loss_at(self, amplitude: Floats) -> tuple[Floats, Floats]:
+        """What a half-swing takes from the logarithm of the amplitude (rad), and its standard uncertainty."""
+        value, error = self.loss.at(losses(self.ideal, self.friction, amplitude))
+        return value + self.beyond.table.at(amplitude)[:, 0], error
+
+    def period_at(self, amplitude: Floats) -> tuple[Floats, Floats]:
+        """The period (s) at these amplitudes (rad) and its standard uncertainty; nan where nothing is timed."""
+        if self.period is None:
+            return np.full(amplitude.size, np.nan), np.full(amplitude.size, np.nan)
+        share, error = self.period.at(durations(self.ideal, self.stiffness, amplitude))
+        usual = 2 * np.pi / self.scale * self.ideal.lengthening(amplitude)
+        longer = self.ideal.lengthening(amplitude * (1 + _PART)) / self.ideal.lengthening(amplitude) - 1
+        off = longer / _PART * self.amplitude_error(amplitude)
+        share = share + self.beyond.table.at(amplitude)[:, 2 if self.passages else 1]
+        return usual * (1 + share), usual * np.hypot(error, off)
+
+    def amplitude_error(self, amplitude: Floats) -> Floats:
+        """The standard uncertainty of the logarithm of these amplitudes (rad), where they stand for those of the recordings."""
+        variance = [
+            np.interp(-np.log(amplitude), -np.log(one.amplitude), error**2)
+            for one, error in zip(self.courses, self.course_errors, strict=True)
+        ]
+        return np.sqrt(np.mean(variance, axis=0) / len(variance))
+
+    def restoring_at(self, angle: Floats) -> tuple[Floats, Floats]:
+        """The restoring torque over inertia (rad/s²) at these angles (rad) and its standard uncertainty; nan where nothing is timed."""
+        if self.period is None:
+            return np.full(angle.size, np.nan), np.full(angle.size, np.nan)
+        share, error = self.period.at(self.stiffness.at(angle))
+        usual = self.scale**2 * self.ideal.torque(angle)
+        # where in a swing friction acts is not known, and it matters to the period as the square of the loss
+        own = self.loss_at(np.clip(angle, self.low, self.high))[0] ** 2 / 3
+        off = (1 - angle * self.ideal.slope(angle) / self.ideal.torque(angle)) * self.amplitude_error(angle)
+        return usual * (1 + share), usual * np.sqrt(error**2 + own**2 + off**2)
+
+    def friction_at(self, speed: Floats) -> tuple[Floats, Floats]:
+        """The torque of friction over inertia (rad/s²) at these speeds (rad/s) and its standard uncertainty: what as a function of speed
+        alone takes as much."""
+        value, error = self.loss.at(self.friction.at(speed / self.scale))
+        return self.scale**2 * value, self.scale**2 * error
+
+
+class Table:
+    """Rows by amplitude (rad), with a cubic spline between them over its logarithm."""
+
+    def __init__(self, amplitude: Floats, rows: Floats) -> None:
+        self.rows = rows
+        self._ends = amplitude[0], amplitude[-1]
+        self._between = CubicSpline(np.log(amplitude), rows)
+
+    def at(self, amplitude: Floats) -> Floats:
+        """The rows at these amplitudes (amplitude, column); beyond the table's ends those there."""
+        return self._between(np.log(np.clip(amplitude, *self._ends)))
+
+    def summed(self, course: Course) -> Floats:
+        """Sums of the rows over the half-swings from the first to each (half-swing, column): each at the amplitude in its middle."""
+        middle = np.sqrt(course.amplitude[1:] * course.amplitude[:-1])
+        return np.vstack([np.zeros(self.rows.shape[1]), np.cumsum(self.at(middle), axis=0)])
+
+
+class Beyond(NamedTuple):
+    """What first order leaves out, by amplitude (columns): of the loss, and of the time between turning points and between passages through the
+    middle, over that of an ideal pendulum."""
+
+    table: Table
+
+    @classmethod
+    def none(cls, amplitude: Floats) -> "Beyond":
+        """That of a friction that is not known yet."""
+        return cls(Table(amplitude, np.zeros((amplitude.size, 3))))
+
+    @classmethod
+    def of(cls, ideal: Ideal, basis: Basis, loss: Posterior, amplitude: Floats) -> "Beyond":
+        """That of the friction that a regression found."""
+        mean = loss.mean[: len(basis.powers) + basis.nodes.size]
+        speeds = np.linspace(0.0, float(ideal.speed(amplitude[-1:] * _REACH)[0]), _SPEEDS)
+        drag = basis.at(speeds) @ mean
+        begun = np.geomspace(amplitude[0] / _REACH, amplitude[-1] * _REACH, _BEGUN)
+        found = swung(ideal, lambda speed: np.interp(speed, speeds, drag), begun)
+        good = np.isfinite(found.loss) & np.isfinite(found.passage)
+        if (
+            good.sum() < 8 or not (np.diff(found.amplitude[good]) > 0).all()
+        ):  # a friction that stops it before its next turning point
+            return cls.none(amplitude)
+        found = Swung(*(one[good] for one in found))
+        at = found.amplitude
+        usual = np.pi * ideal.lengthening(at)
+        beside, loss_at, duration = (
+            CubicSpline(np.log(at), one)
+            for one in (found.passage - found.duration / 2, found.loss, found.duration)
+        )
+        # two half-swings meet in a turning point: between their passages lie half of each, and what their passages are beside their middles
+        here, before, after = np.log(at[2:-2]), np.log(at[2:-2]), np.log(at[2:-2])
+        for _ in range(4):
+            before, after = here + loss_at(before) / 2, here - loss_at(after) / 2
+        between = (duration(before) + duration(after)) / 2 + beside(after) - beside(before)
+        columns = (
+            CubicSpline(np.log(at), found.loss - losses(ideal, basis, at) @ mean),
+            CubicSpline(np.log(at), found.duration / usual - 1),
+            CubicSpline(here, between / usual[2:-2] - 1),
+        )
+        place = np.log(amplitude)
+        inside = [one(np.clip(place, one.x[0], one.x[-1])) for one in columns]
+        return cls(Table(amplitude, np.column_stack(inside)))
+
+
+def free(swings: Sequence[HalfSwings], restoring: str = "sine") -> Free:
+    """The ``Free`` of the half-swings of one pendulum's recordings; InputError for fewer than eight half-swings, or ones that do not shrink."""
+    swings = [one for one in swings if one.angle.size >= _LEAST] or swings[:1]
+    if sum(one.angle.size for one in swings) < FEWEST:
+        raise InputError(
+            swings[0].recording if len(swings) == 1 else "recordings",
+            f"{sum(one.angle.size for one in swings)} half-swings above the noise",
+            f"at least {FEWEST}",
+            "record longer",
+        )
+    ideal = Ideal(restoring if all(one.scaled for one in swings) else "linear")
+    courses = [_first_course(one) for one in swings]
+    before: Beyond | None = None
+    for _ in range(_ROUNDS):
+        every = np.concatenate([one.amplitude for one in courses])
+        low, high = float(every.min()), float(every.max())
+        table = np.geomspace(low * 0.98, high * 1.02, _TABLE)
+        basis = friction(ideal, every)
+        rows = losses(ideal, basis, table)
+        beyond = Beyond.none(table) if before is None else before
+        typical = _typical(courses)
+        loss = _loss(swings, courses, Table(table, rows), beyond, basis, typical)
+        before = beyond = Beyond.of(ideal, basis, loss, table)
+        courses = _courses(swings, courses, Table(table, rows), beyond, loss)
+    errors = _course_errors(swings, courses, Table(table, rows), loss)
+    shape = stiffness(every)
+    scale, period = _period(swings, courses, ideal, beyond, shape, table)
+    return Free(
+        ideal,
+        basis,
+        shape,
+        loss,
+        period,
+        beyond,
+        all(one.passages for one in swings),
+        scale,
+        tuple(courses),
+        errors,
+        low,
+        high,
+    )
+
+
+def _first_course(one: HalfSwings) -> Course:
+    """The amplitude by half-swing as a low polynomial in the logarithm, weighed by its errors."""
+    size, number = np.abs(one.angle), one.number
+    degree = int(min(5, max(1, size.size // 4)))
+    weight = size / one.u_angle
+    around = np.polynomial.Polynomial.fit(number, np.log(size), degree, w=weight / weight.max())
+    every = np.arange(number[0], number[-1] + 0.5)
+    amplitude = np.exp(around(every))
+    return Course(every, np.clip(amplitude, 0.8 * size.min(), 1.25 * size.max()))
+
+
+def _typical(courses: Sequence[Course]) -> float:
+    """The friction at the middle speed (rad) if it were all of one law: by what the swings lose from first to last."""
+    lost = sum(abs(np.log(one.amplitude[0] / one.amplitude[-1])) for one in courses)
+    halves = sum(one.number[-1] - one.number[0] for one in courses)
+    size = float(np.exp(np.mean(np.concatenate([np.log(one.amplitude) for one in courses]))))
+    return max(2 / np.pi * lost / max(halves, 1.0), 1e-9) * size
+
+
+def _besides(swings: Sequence[HalfSwings], columns: Sequence[Floats]) -> Floats:
+    """What of each recording alone is unknown, as blocks beside each other (observation, unknown)."""
+    sizes = [one.shape[1] for one in columns]
+    whole = np.zeros((sum(len(one) for one in columns), sum(sizes)))
+    row, place = 0, 0
+    for one in columns:
+        whole[row : row + len(one), place : place + one.shape[1]] = one
+        row, place = row + len(one), place + one.shape[1]
+    return whole
+
+
+def _loss(
+    swings: Sequence[HalfSwings],
+    courses: Sequence[Course],
+    table: Table,
+    beyond: Beyond,
+    basis: Basis,
+    typical: float,
+) -> Posterior:
+    observed, error, summed, own = [], [], [], []
+    for one, course in zip(swings, courses, strict=True):
+        at = (one.number - course.number[0]).astype(int)
+        size = course.amplitude[at]
+        # about the smooth amplitude, so that the noise of the smallest does not lean to one side
+        more = beyond.table.summed(course)[at, 0]
+        observed.append(np.log(size) + (np.abs(one.angle) - size) / size + more)
+        error.append(one.u_angle / size)
+        summed.append(-table.summed(course)[at])
+        own.append(np.column_stack(_own(one, np.sign(one.angle) / size)))
+    return _twice(
+        np.concatenate(observed),
+        np.concatenate(error),
+        np.vstack(summed),
+        _besides(swings, own),
+        basis,
+        typical,
+        _LEAST_LOSS,
+    )
+
+
+def _own(one: HalfSwings, side: Floats) -> list[Floats]:
+    """The columns of what a recording alone has: its beginning; where both sides are there the middle, and its drift."""
+    number = one.number if side.size == one.number.size else one.at
+    drift = (number - number[0]) / max(number[-1] - number[0], 1.0)
+    return [np.ones(side.size), *([side, side * drift] if one.both else [])]
+
+
+def _twice(
+    observed: Floats, error: Floats, summed: Floats, own: Floats, basis: Basis, scale: float, least: float
+) -> Posterior:
+    """The ``Posterior`` with the errors as large as a first one tells, so that the sizes of laws and curve are over the right noise."""
+    laws = len(basis.powers)
+    parts = summed[:, :laws], summed[:, laws:], own
+    first = regression(observed, error, *parts, basis.nodes, scale, least)
+    return regression(observed, error * first.noise, *parts, basis.nodes, scale, least)
+
+
+def _courses(
+    swings: Sequence[HalfSwings], courses: Sequence[Course], table: Table, beyond: Beyond, loss: Posterior
+) -> list[Course]:
+    """The courses as the regression smooths them."""
+    size_of = table.rows.shape[1]
+    found, place = [], size_of
+    for one, course in zip(swings, courses, strict=True):
+        begin = loss.mean[place]
+        place += 3 if one.both else 1
+        lost = table.summed(course) @ loss.mean[:size_of] + beyond.table.summed(course)[:, 0]
+        amplitude = np.exp(begin - lost)
+        size = np.abs(one.angle)
+        found.append(Course(course.number, np.clip(amplitude, 0.5 * size.min(), 1.5 * size.max())))
+    return found
+
+
+def _course_errors(
+    swings: Sequence[HalfSwings], courses: Sequence[Course], table: Table, loss: Posterior
+) -> tuple[Floats, ...]:
+    """The standard uncertainty of the logarithm of each course's amplitudes."""
+    found, size = [], table.rows.shape[1]
+    place = size
+    for one, course in zip(swings, courses, strict=True):
+        rows = np.zeros((course.number.size, loss.mean.size))
+        rows[:, :size], rows[:, place] = -table.summed(course), 1.0
+        place += 3 if one.both else 1
+        found.append(loss.at(rows)[1])
+    return tuple(found)
+
+
+def _period(
+    swings: Sequence[HalfSwings],
+    courses: Sequence[Course],
+    ideal: Ideal,
+    beyond: Beyond,
+    shape: Basis,
+    amplitude: Floats,
+) -> tuple[float, Posterior | None]:
+    """The frequency of small swings (rad/s) taken as scale, and the ``Posterior`` of the deviation from the ideal; None without times."""
+    timed = [(_within(one, course), course) for one, course in zip(swings, courses, strict=True)]
+    timed = [(one, course) for one, course in timed if one.mark.size >= _FEWEST_MARKS]
+    if not timed:
+        return 1.0, None
+    longer = ideal.lengthening(amplitude)
+    rows = Table(amplitude, np.pi * longer[:, np.newaxis] * durations(ideal, shape, amplitude))
+    marks = [_ideal_marks(one, course, ideal, beyond) for one, course in timed]
+    slopes = [np.polyfit(mark, one.mark, 1)[0] for (one, _), mark in zip(timed, marks, strict=True)]
+    scale = 1 / float(np.median(slopes))
+    observed, error, summed, own = [], [], [], []
+    for (one, course), mark in zip(timed, marks, strict=True):
+        observed.append(one.mark - mark / scale)
+        error.append(one.u_mark)
+        summed.append(_marked(one, course, rows) / scale)
+        own.append(np.column_stack(_own(one._replace(both=one.passages), 1 / one.slope)))
+    parts = np.concatenate(observed), np.concatenate(error), np.vstack(summed), _besides(swings, own)
+    return scale, _twice(*parts, shape, _OF_STIFFNESS, _LEAST_STIFFNESS)
+
+
+def _within(one: HalfSwings, course: Course) -> HalfSwings:
+    """The half-swings without the marks before the first turning point and after the last, where no amplitude is known."""
+    kept = (one.at >= course.number[0]) & (one.at <= course.number[-1])
+    return one._replace(at=one.at[kept], mark=one.mark[kept], u_mark=one.u_mark[kept], slope=one.slope[kept])
+
+
+def _marked(one: HalfSwings, course: Course, table: Table) -> Floats:
+    """Sums of the rows from the first mark to each (mark, column), each at the amplitude midway between two."""
+    return _summed(one, table.at(_midway(one, course)))
+
+
+def _ideal_marks(one: HalfSwings, course: Course, ideal: Ideal, beyond: Beyond) -> Floats:
+    """The time of each mark after the first, times the frequency of small swings, under the ideal torque and the friction that is known."""
+    size = _midway(one, course)
+    each = np.pi * ideal.lengthening(size) * (1 + beyond.table.at(size)[:, 2 if one.passages else 1])
+    return _summed(one, each[:, np.newaxis])[:, 0]
+
+
+def _midway(one: HalfSwings, course: Course) -> Floats:
+    """The amplitude midway between each two marks."""
+    return course.at(np.arange(one.at[0] + 0.5, one.at[-1]))
+
+
+def _summed(one: HalfSwings, each: Floats) -> Floats:
+    return np.vstack([np.zeros(each.shape[1]), np.cumsum(each, axis=0)])[
+        np.round(one.at - one.at[0]).astype(int)
+    ]

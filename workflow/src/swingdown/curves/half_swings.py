@@ -1,0 +1,250 @@
+"""Half-swings as they were recorded: how far each goes, when it passes the middle, and how well both are known."""
+
+from typing import NamedTuple
+
+import numpy as np
+import xarray as xr
+
+from ..arrays import Floats
+from ..dataset import series_of
+from ..errors import InputError
+from ..fitting.guess import first_guess, middle_crossings
+from ..measurement.angle import UNSCALED
+from ..measurement.points_recording import COUNTED, PASSED, are_points
+from ..pendulum.catalogue import RATE
+from ..studies.turning_points import turns_of
+
+_TURN, _PASS = (
+    0.22,
+    0.25,
+)  # of a half-swing on each side: a polynomial of degree 4 finds a turn to 4e-6 of it, of degree 3 a passage
+_WIDEST = 0.45  # of a half-swing: how far a window reaches where there are few samples; it finds a turn to 2e-4 of it
+_MORE = 2  # samples beyond the coefficients of a polynomial, so that it leaves something
+_ABOVE = 5.0  # standard deviations of the noise that a swing goes beyond: the passage through the middle is then its own
+_SKIPPED = 1.6  # of the usual half-swing: what takes longer is more than one
+
+
+class HalfSwings(NamedTuple):
+    """The half-swings of one recording.
+
+    Turning points: ``number`` (half-swings since the first passage or turning point, whole), signed ``angle`` (rad) and standard
+    uncertainty ``u_angle``. Marks of time: ``mark`` (s), ``u_mark``, their place ``at`` among the half-swings, and ``slope``, the signed speed
+    (rad/s) with which a passage goes through the middle, infinite for turning points. ``times`` (s) of the turning points where they are
+    timed. ``passages`` tells whether the marks are passages through the middle. ``scaled`` is False where the angles are in no unit of angles.
+    """
+
+    recording: str
+    number: Floats
+    angle: Floats
+    u_angle: Floats
+    times: Floats
+    at: Floats
+    mark: Floats
+    u_mark: Floats
+    slope: Floats
+    passages: bool
+    both: bool
+    scaled: bool = True
+
+
+def half_swings_of(data: xr.Dataset, restoring: str = "sine") -> HalfSwings:
+    """The ``HalfSwings`` of an angle dataset, sampled or of turning points; InputError where it has too few or holds no angle."""
+    name = str(data.attrs.get("recording", "recording"))
+    if are_points(data):
+        return _of_points(data, name)
+    series, scaled = series_of(data), data.attrs.get("mode") != UNSCALED
+    times, values = data["time"].values, series.values
+    if series.name == RATE:
+        return _of_rate(name, times, values, restoring, scaled)
+    return of_samples(name, times, values, scaled)
+
+
+def of_samples(name: str, times: Floats, angle: Floats, scaled: bool = True) -> HalfSwings:
+    """The ``HalfSwings`` of a sampled swing: times (s) and angles (rad). InputError for fewer than four half-swings, or too few samples in each."""
+    rough = _passages(times, angle)
+    centre = _centre(times, angle, rough) if rough.size >= 4 else 0.0
+    rough = _passages(times, angle - centre) if rough.size >= 4 else rough
+    if rough.size < 4:
+        raise InputError(
+            f"recording {name}",
+            f"it passes its middle {rough.size} times",
+            "at least four half-swings",
+            "record longer",
+        )
+    half = np.diff(rough)
+    each = float(np.median(half) / np.median(np.diff(times)))  # samples of a half-swing
+    turn, through = (
+        min(max(usual, (degree + 4) / (2 * each)), _WIDEST) for usual, degree in ((_TURN, 4), (_PASS, 3))
+    )
+    turns = _polynomials(times, angle, (rough[1:] + rough[:-1]) / 2, turn * half, 4)
+    widths = through * np.minimum(np.append(half, half[-1]), np.insert(half, 0, half[0]))
+    passes = _polynomials(times, angle - centre, rough, widths, 3)
+    noise = _noise(turns, passes)
+    if not np.isfinite(noise):
+        raise InputError(
+            f"recording {name}",
+            f"{each:.2g} samples for each half-swing",
+            "at least ten",
+            "record with more samples a second",
+        )
+    number = np.concatenate([[0], np.cumsum(_steps(half))])
+    place, size, u_size = turns.vertex(noise)
+    at, u_at, slope = passes.root(noise)
+    ordered = np.sign(angle_at(times, angle, (rough[1:] + rough[:-1]) / 2) - centre)
+    single = np.diff(number) == 1
+    loud = (
+        np.isfinite(size)
+        & (np.abs(size - centre) > _ABOVE * noise)
+        & single
+        & (ordered * (size - centre) > 0)
+    )
+    lost = np.isfinite(size) & single & ~loud
+    last = int(np.argmax(lost)) if lost.any() else loud.size
+    loud[last:] = False  # what comes after the first that is lost in the noise is chosen by the noise
+    passed = np.isfinite(at)
+    passed[last + 1 :] = False
+    return HalfSwings(
+        name, number[:-1][loud], (size - centre)[loud], u_size[loud], place[loud], number[passed] - 0.5, at[passed], u_at[passed],
+        slope[passed], True, True, scaled,
+    )  # fmt: skip
+
+
+def angle_at(times: Floats, angle: Floats, when: Floats) -> Floats:
+    """The angle between the samples at these times (s)."""
+    return np.interp(when, times, angle)
+
+
+def _of_rate(name: str, times: Floats, rate: Floats, restoring: str, scaled: bool) -> HalfSwings:
+    """The ``HalfSwings`` of angular rates: each half-swing's angle follows from its largest rate by the energy, its ends are where the rate
+    is zero."""
+    found = of_samples(name, times, rate, scaled)
+    frequency = first_guess(times, rate, restoring, RATE).natural_frequency
+    share = np.abs(found.angle) / frequency
+    if restoring == "sine":
+        size = 2 * np.arcsin(np.minimum(share / 2, 0.99))
+        slope = 1 / np.sqrt(1 - np.minimum(share / 2, 0.99) ** 2) / frequency
+    else:
+        size, slope = share, np.full(share.size, 1 / frequency)
+    return found._replace(angle=np.sign(found.angle) * size, u_angle=found.u_angle * slope, passages=False)
+
+
+def _of_points(data: xr.Dataset, name: str) -> HalfSwings:
+    about = data.attrs
+    if about["points"] == PASSED:
+        raise InputError(f"recording {name}", "passages without speeds hold no amplitude", "amplitudes or samples of the motion", "record the motion itself")  # fmt: skip
+    turns = turns_of(data)
+    size = turns.angles.size
+    if size < 5:
+        raise InputError(
+            f"recording {name}", f"{size} turning points", "at least five", "write down more of them"
+        )
+    even = turns.halves.astype(float)
+    u_angle = turns.u_angles if np.isfinite(turns.u_angles) else max(turns.angle_step / np.sqrt(12), 1e-3 * np.abs(turns.angles).max())  # fmt: skip
+    timed = about["points"] != COUNTED
+    half = float(np.median(np.diff(turns.times) / np.diff(even)))
+    u_time = turns.u_times if np.isfinite(turns.u_times) else max(turns.time_step / np.sqrt(12), 1e-3 * half)
+    marks = even if timed else even[:0]
+    return HalfSwings(
+        name, even, turns.angles, np.full(size, u_angle), turns.times, marks, turns.times[: marks.size], np.full(marks.size, u_time),
+        np.full(marks.size, np.inf), False, turns.both, about.get("points_unit", "rad") == "rad",
+    )  # fmt: skip
+
+
+def _passages(times: Floats, angle: Floats) -> Floats:
+    """Times (s) at which the angle passes its middle, roughly."""
+    return middle_crossings(times, angle - np.median(angle[angle.size // 2 :]))[0]
+
+
+def _centre(times: Floats, angle: Floats, rough: Floats) -> float:
+    """The middle (rad) that the swings have, from each three turning points in a row: decay leaves it alone."""
+    bounds = times.searchsorted(rough)
+    top, bottom = np.maximum.reduceat(angle, bounds)[:-1], np.minimum.reduceat(angle, bounds)[:-1]
+    middle = np.median(angle[angle.size // 2 :])
+    turns = np.where(top - middle > middle - bottom, top, bottom)
+    if turns.size < 3:
+        return float(middle)
+    return float(np.median((turns[:-2] + 2 * turns[1:-1] + turns[2:]) / 4))
+
+
+def _steps(half: Floats) -> Floats:
+    """How many half-swings lie between passages ``half`` (s) apart: 1, but where some are missing."""
+    usual = np.array([np.median(half[max(0, k - 3) : k + 4]) for k in range(half.size)])
+    return np.where(half > _SKIPPED * usual, np.round(half / usual), 1.0)
+
+
+class _Local(NamedTuple):
+    """Polynomials through samples: coefficients (window, power) and their covariance for noise of one, centres (s), half-widths (s), what they
+    leave (squares, degrees of freedom)."""
+
+    coefficients: Floats
+    covariance: Floats
+    centres: Floats
+    widths: Floats
+    squares: Floats
+    freedom: Floats
+
+    def _value(self, at: Floats, noise: float) -> tuple[Floats, Floats]:
+        powers = at[:, np.newaxis] ** np.arange(self.coefficients.shape[1])
+        variance = np.einsum("ki,kij,kj->k", powers, self.covariance, powers)
+        return np.sum(powers * self.coefficients, axis=1), noise * np.sqrt(np.maximum(variance, 0.0))
+
+    def _zero(self, coefficients: Floats) -> Floats:
+        """Where these polynomials (window, power) are zero near the middle of their windows: Newton's steps; nan beyond the windows."""
+        at = np.zeros(len(coefficients))
+        order = np.arange(coefficients.shape[1])
+        for _ in range(6):
+            powers = at[:, np.newaxis] ** order
+            slope = np.sum(coefficients[:, 1:] * order[1:] * powers[:, :-1], axis=1)
+            with np.errstate(divide="ignore", invalid="ignore"):
+                at = at - np.sum(coefficients * powers, axis=1) / slope
+            at = np.where(np.abs(at) < 1, at, np.nan)
+        return at
+
+    def vertex(self, noise: float) -> tuple[Floats, Floats, Floats]:
+        """Time (s) and value of the turn in each window, and the value's standard uncertainty; nan where there is none."""
+        at = self._zero(self.coefficients[:, 1:] * np.arange(1, self.coefficients.shape[1]))
+        value, error = self._value(at, noise)
+        return self.centres + at * self.widths, value, error
+
+    def root(self, noise: float) -> tuple[Floats, Floats, Floats]:
+        """Time (s) of the zero in each window, its standard uncertainty, and the slope there (a second); nan where there is none."""
+        at = self._zero(self.coefficients)
+        order = np.arange(self.coefficients.shape[1])
+        powers = at[:, np.newaxis] ** order
+        slope = np.sum(self.coefficients[:, 1:] * order[1:] * powers[:, :-1], axis=1) / self.widths
+        return self.centres + at * self.widths, self._value(at, noise)[1] / np.abs(slope), slope
+
+
+def _polynomials(times: Floats, values: Floats, centres: Floats, widths: Floats, degree: int) -> _Local:
+    """Polynomials of that degree through the samples within ``widths`` (s) of each of ``centres``; nan where there are too few."""
+    first, last = times.searchsorted(centres - widths), times.searchsorted(centres + widths, "right")
+    size = last - first
+    inside = np.arange(int(size.sum())) - np.repeat(np.cumsum(size) - size, size) + np.repeat(first, size)
+    window = np.repeat(np.arange(centres.size), size)
+    place = (times[inside] - centres[window]) / widths[window]
+    order = np.arange(degree + 1)
+    powers = place ** np.arange(2 * degree + 1)[:, np.newaxis]
+    taken = values[inside]
+    moments = np.column_stack([np.bincount(window, one, centres.size) for one in powers])
+    right = np.column_stack([np.bincount(window, one * taken, centres.size) for one in powers[: degree + 1]])
+    normal = moments[:, order[:, np.newaxis] + order]
+    # samples on one side alone tell no turn: a hole reaches into the window
+    usable = (size >= degree + 1 + _MORE) & (np.linalg.cond(normal) < 1e8)
+    found, inverse = np.full((centres.size, degree + 1), np.nan), np.full(normal.shape, np.nan)
+    inverse[usable] = np.linalg.inv(normal[usable])
+    found[usable] = np.einsum("kij,kj->ki", inverse[usable], right[usable])
+    left = taken - np.sum(powers[: degree + 1].T * found[window], axis=1)
+    squares = np.bincount(window, left**2, centres.size)
+    freedom = (size - degree - 1).astype(float)
+    return _Local(found, inverse, centres, widths, np.asarray(squares, dtype=float), freedom)
+
+
+def _noise(*parts: _Local) -> float:
+    """The standard deviation of single samples about the polynomials; nan where none has enough."""
+    kept = [np.isfinite(one.squares) for one in parts]
+    freedom = sum(float(one.freedom[good].sum()) for one, good in zip(parts, kept, strict=True))
+    if not freedom > 0:
+        return float("nan")
+    return float(
+        np.sqrt(sum(float(one.squares[good].sum()) for one, good in zip(parts, kept, strict=True)) / freedom)
+    )

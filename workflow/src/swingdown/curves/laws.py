@@ -1,0 +1,306 @@
+"""What each law of damping leaves of a recording: residual, what it makes of a part held out, and its evidence; is the decay exponential?"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+
+from ..arrays import Floats
+from ..dataset import series_of
+from ..engine.trajectory import TrajectoryError, simulate
+from ..errors import InputError
+from ..fitting.colour import uncertainty
+from ..fitting.least_squares import fit_jointly
+from ..fitting.nested import fit_nested
+from ..fitting.result import Begin, Fit, SwingStart
+from ..measurement.points_recording import PASSED, are_points
+from ..pendulum.catalogue import RATE, SHIPPED, Catalogue
+from ..pendulum.model import Model, model_words
+from ..rounding import value_with_uncertainty
+from ..studies.comparison import WORTH
+from ..studies.turning_points import fits_of
+from .half_swings import of_samples
+
+_SINGLE = ("viscous", "quadratic_drag", "load_coulomb", "constant_coulomb")
+_EXPONENTIAL = ("viscous", "structural_damping")  # they take the same share of every swing
+_HELD_OUT = 1 / 3  # of a recording, at its end
+_FEWEST = 24  # samples of a part
+COLUMNS = [
+    "campaign", "recording", "law", "parameters", "residual_mrad", "residual_noise", "held_out_mrad", "held_out_noise",
+    "delta_bic", "weight",
+]  # fmt: skip
+
+
+def labels(restoring: str = "sine") -> list[str]:
+    """The laws that are compared, beside a ``sine`` or a ``linear`` restoring torque: each alone, pairs, and structural damping."""
+    single = [one for one in _SINGLE if restoring == "sine" or one != "load_coulomb"]
+    pairs = [f"{a}+{b}" for k, a in enumerate(single) for b in single[k + 1 :]]
+    return [*single, "structural_damping", *pairs]
+
+
+class Law(NamedTuple):
+    """What a law leaves of a recording: RMS (rad; of an angular rate rad/s) of all of it and of the part held out, BIC for the samples that count as
+    independent, and the fitted series."""
+
+    label: str
+    parameters: int
+    residual: float
+    held_out: float
+    bic: float
+    fitted: Floats
+
+
+@dataclass(frozen=True)
+class Laws:
+    """The laws of damping on one recording: each ``Law``, and the ``noise`` (rad or rad/s) of its readings, nan where it is not known."""
+
+    recording: str
+    laws: tuple[Law, ...]
+    noise: float
+    times: Floats = field(repr=False)
+    series: Floats = field(repr=False)
+    points: bool = False
+    unit: str = "rad"
+
+    @property
+    def best(self) -> Law:
+        """The law with the most evidence."""
+        return min(self.laws, key=lambda one: one.bic)
+
+    @property
+    def weights(self) -> Floats:
+        """The probability of each law if one of them is right and all are as likely before: its BIC weight."""
+        bic = np.array([one.bic for one in self.laws])
+        found = np.exp(-0.5 * (bic - bic.min()))
+        return found / found.sum()
+
+
+def exponential(found: Sequence[Laws]) -> tuple[str, float, str]:
+    """Whether the decay of a pendulum's recordings is exponential (``yes``, ``no``, ``open``), by how much BIC falls from the best exponential law to the
+    best of all, and that law's label."""
+    bic = {one.label: 0.0 for one in found[0].laws}
+    for each in found:
+        for one in each.laws:
+            bic[one.label] += one.bic
+    best = min(bic, key=lambda label: bic[label])
+    excess = min(bic[label] for label in _EXPONENTIAL) - bic[best]
+    return ("yes" if excess == 0 else "open" if excess <= WORTH else "no"), excess, best
+
+
+def laws(
+    angle: xr.Dataset,
+    known: xr.Dataset | None = None,
+    restoring: str = "sine",
+    catalogue: Catalogue = SHIPPED,
+) -> Laws:
+    """The ``Laws`` of an angle dataset, sampled or of turning points.
+
+    ``known`` (fitted, parameter) are fits of ``studies.experiment.fit_recording`` to it, from which its own begin. InputError for passages
+    without speeds, and for a swing too short to fit.
+    """
+    if are_points(angle):
+        return _of_points(angle, restoring, catalogue)
+    name, series = str(angle.attrs["recording"]), series_of(angle)
+    times, values = angle["time"].values, series.values - _zero(known)
+    models = [_model(label, restoring, catalogue).of(str(series.name)) for label in labels(restoring)]
+    fits = _fits(models, times, values, known)
+    inflation = max(1.0, uncertainty(min(fits, key=lambda fit: fit.bic), [(times, values)]).inflation)
+    independent = max(times.size / inflation, 2.0) if np.isfinite(inflation) else times.size
+    found = []
+    for fit in fits:
+        bic = independent * np.log(fit.rss / fit.n) + len(fit.free) * np.log(independent)
+        held_out = _held_out(fit, times, values)
+        found.append(Law(fit.model.label, len(fit.free), fit.rms, held_out, bic, fit.angle))
+    noise = _noise(angle)
+    return Laws(name, tuple(found), noise, times, values, unit=str(series.attrs["units"]))
+
+
+def _model(label: str, restoring: str, catalogue: Catalogue) -> Model:
+    return Model(tuple(label.split("+")), {}, {}, restoring, catalogue=catalogue)
+
+
+def _noise(angle: xr.Dataset) -> float:
+    """The standard deviation of the readings' random errors, nan where it is not known."""
+    try:
+        noise = float(np.median(series_of(angle, "random_uncertainty").values))
+    except KeyError:
+        return float("nan")
+    return noise if noise > 0 else float("nan")
+
+
+def _zero(known: xr.Dataset | None) -> float:
+    """The zero of the sensor as it was fitted, where it was left open."""
+    if known is None or "nuisance" not in known.coords:
+        return 0.0
+    zeros = [str(one) for one in known["nuisance"].values if str(one).startswith("sensor_zero")]
+    best = int(known["norm"].argmin("fitted"))
+    return float(known["nuisance_value"].isel(fitted=best).sel(nuisance=zeros[0])) if zeros else 0.0
+
+
+def _fits(models: Sequence[Model], times: Floats, values: Floats, known: xr.Dataset | None) -> list[Fit]:
+    """The fits of these models: those that are known are where they begin, the others begin where the laws they contain ended."""
+    swing = [(times, values)]
+    begun = {} if known is None else {str(one): known.sel(fitted=one) for one in known["fitted"].values}
+
+    def fit(model: Model, inside: list[Fit]) -> Fit:
+        if (row := begun.get(model.label)) is None:
+            return fit_jointly(
+                model, swing, guess=inside or None, seen=not inside, grown=not inside, bounded=True
+            )
+        own = row["value"].sel(parameter=list(model.parameters)).values.tolist()
+        at = dict(zip(model.parameters, own, strict=True))
+        start = SwingStart(at, float(row["release_angle"]), float(row["release_velocity"]))
+        return fit_jointly(model, swing, guess=Begin(model, (start,)), seen=False, grown=False, bounded=True)
+
+    return fit_nested(models, fit)
+
+
+def _held_out(fit: Fit, times: Floats, values: Floats) -> float:
+    """The RMS that a law leaves of the last third, fitted to what is before it, with a release of its own there; nan for a short recording."""
+    at = int(times.size * (1 - _HELD_OUT))
+    if times.size - at < _FEWEST:
+        return float("nan")
+    before, after = (times[:at], values[:at]), (times[at:], values[at:])
+    try:
+        first = fit_jointly(fit.model, [before], guess=fit, seen=False, grown=False, bounded=True)
+        begin = Begin(fit.model, (SwingStart(first.model.values, *_motion(first, times[: at + 1])),))
+        held = first.model.values
+        last = fit_jointly(fit.model, [after], guess=begin, seen=False, grown=False, fixed=held)
+    except (TrajectoryError, InputError, np.linalg.LinAlgError):
+        return float("nan")
+    return last.rms
+
+
+def _motion(fit: Fit, times: Floats) -> tuple[float, float]:
+    """The angle (rad) and the angular velocity (rad/s) of a fitted motion at the last of these times (s)."""
+    one, model = fit.only, fit.model.motion
+    release = one.release_angle, one.release_velocity
+    return float(simulate(model, times, *release)[-1]), float(simulate(model.of(RATE), times, *release)[-1])
+
+
+def _of_points(angle: xr.Dataset, restoring: str, catalogue: Catalogue) -> Laws:
+    name = str(angle.attrs["recording"])
+    if angle.attrs["points"] == PASSED:
+        raise InputError(
+            f"recording {name}",
+            "passages without speeds hold no damping",
+            "amplitudes or samples of the motion",
+            "record the motion itself",
+        )
+    fits = fits_of(angle, [_model(label, restoring, catalogue) for label in labels(restoring)])
+    found = [
+        Law(
+            fit.model.label,
+            len(fit.free),
+            float(np.sqrt(fit.rss[1] / fit.angles.size)),
+            np.nan,
+            fit.bic,
+            fit.angles,
+        )
+        for fit in fits
+    ]
+    scatter = min(fits, key=lambda fit: fit.bic).scatter[1]
+    return Laws(name, tuple(found), scatter, angle["time"].values, angle["angle"].values, True)
+
+
+def table(found: Sequence[Laws], campaign: str) -> pd.DataFrame:
+    """A row for each recording and law, the most probable first: the columns ``COLUMNS``.
+
+    ``residual_mrad`` is the RMS that the law leaves, ``residual_noise`` that over the noise; ``held_out_mrad`` and ``held_out_noise`` the same
+    of the last third, of a fit to what is before it. ``delta_bic`` is the BIC above that of the best law, for as many samples as count as
+    independent, ``weight`` the probability that follows if one of them is right. Of angular rates the residuals are in mrad/s. Turning points
+    have no part held out; their noise is how they scatter about the best law.
+    """
+    rows = []
+    for one in found:
+        weights = one.weights
+        for k in np.argsort([law.bic for law in one.laws]):
+            law = one.laws[k]
+            rows.append(
+                {
+                    "campaign": campaign, "recording": one.recording, "law": law.label, "parameters": law.parameters,
+                    "residual_mrad": 1e3 * law.residual, "residual_noise": law.residual / one.noise,
+                    "held_out_mrad": 1e3 * law.held_out, "held_out_noise": law.held_out / one.noise,
+                    "delta_bic": law.bic - one.best.bic, "weight": float(weights[k]),
+                }
+            )  # fmt: skip
+    return pd.DataFrame(rows, columns=COLUMNS)
+
+
+def exponential_words(found: Sequence[Laws], curves: xr.Dataset | None = None) -> str:
+    """Whether the decay is exponential, in a sentence, with the damping ratio of the largest and the smallest swing where that is known."""
+    answer, excess, label = exponential(found)
+    best, many = model_words(label), "" if "+" in label else "s"
+    if answer == "yes":
+        told = f"Exponential: yes, no law describes the decay better than {best}"
+    elif answer == "open":
+        told = f"Exponential: not told, {best} describe{many} the decay better by {excess:.1f} of BIC, and {WORTH:g} would be strong"
+    else:
+        told = f"Exponential: no, {best} describe{many} the decay better (BIC falls by {_whole(excess)})"
+    return f"{told}{_change(curves)}."
+
+
+def _whole(value: float) -> str:
+    return f"{value:.1f}" if value < 100 else f"{value:.0f}"
+
+
+def _change(curves: xr.Dataset | None) -> str:
+    if curves is None:
+        return ""
+    free = curves.sel(source="free")
+    ends = []
+    for k in (-1, 0):
+        amplitude, unit = float(free["amplitude"][k]), str(free["amplitude"].attrs["units"])
+        where = f"{np.degrees(amplitude):.3g}°" if unit == "rad" else f"{amplitude:.3g} {unit}"
+        ratio, u = float(free["damping_ratio"][k]), float(free["damping_ratio_u"][k])
+        if not np.isfinite(ratio):
+            return ""
+        ends.append(f"{value_with_uncertainty(ratio, u)} at {where}")
+    return f"; the damping ratio is {ends[0]} and {ends[1]}"
+
+
+def envelopes(found: Laws, said: str = "", emulated: str = "no") -> xr.Dataset:
+    """A Dataset of the amplitudes (rad; of an angular rate rad/s) of a recording's turning points over ``time`` (s), and of what the single laws
+    and the one with the most evidence make of them (law, time). InputError where there are too few."""
+    best = found.best.label
+    shown = [
+        one
+        for one in found.laws
+        if "+" not in one.label and one.label != "structural_damping" or one.label == best
+    ]
+    if found.points:
+        when, size = found.times, np.abs(found.series)
+        fitted = [np.abs(one.fitted) for one in shown]
+    else:
+        measured = of_samples(found.recording, found.times, found.series)
+        when, size = measured.times, np.abs(measured.angle)
+        fitted = [_envelope(found, one, when) for one in shown]
+    return xr.Dataset(
+        {
+            "amplitude": ("time", size, {"units": found.unit, "long_name": "measured amplitude"}),
+            "fitted": (
+                ("law", "time"),
+                np.array(fitted),
+                {"units": found.unit, "long_name": "amplitude of a law"},
+            ),
+        },
+        {
+            "law": ("law", [one.label for one in shown]),
+            "time": ("time", when, {"units": "s", "long_name": "time"}),
+        },
+        {"best": best, "said": said, "emulated": emulated, "recording": found.recording},
+    )
+
+
+def _envelope(found: Laws, law: Law, when: Floats) -> Floats:
+    """The amplitudes of a law's motion at these times (s); nan where it does not swing, as after a friction has stopped it."""
+    try:
+        turns = of_samples(found.recording, found.times, law.fitted)
+    except InputError:
+        return np.full(when.size, np.nan)
+    if turns.times.size < 2:
+        return np.full(when.size, np.nan)
+    return np.exp(np.interp(when, turns.times, np.log(np.abs(turns.angle)), right=np.nan))

@@ -1,0 +1,140 @@
+"""What is said of an effect, by three numbers (guard.yaml).
+
+- ``PROBABLE``: the probability that it is there, or one of a tie of at most four, among all structures that were looked at, an
+  unnamed torque beside the base among them. An effect is told at the odds at which one is wrong of a hundred.
+- ``SHARE``: of what the model lacks without it, so much may be left with it. What leaves more is not the thing that is missing.
+- ``HELD_OUT``: the same of swings that no fit has seen, which know nothing of how the effect was chosen.
+"""
+
+from dataclasses import dataclass
+from importlib import resources
+
+import numpy as np
+import yaml
+
+from ..engine.trajectory import TrajectoryError
+from .confirm import gap, predict
+from .structures import POSSIBLE, Key, Pool, Structure
+
+GUARD = yaml.safe_load(resources.files(__package__).joinpath("guard.yaml").read_text())
+PROBABLE, SHARE, HELD_OUT = (GUARD[name] for name in ("probable", "share", "held_out"))
+TIES = 4
+
+
+@dataclass(frozen=True)
+class Finding:
+    """What is to be said of an effect that the most probable structure has: the ``probability`` that it or one of its ``ties`` is there,
+    the ``share`` of the discrepancy that is left with it, that of the ``held_out`` swings' excess over the noise, what they leave
+    ``without`` it (in units of the noise; NaN where that cannot be computed), and the ``doubt``, why it is not told, or empty."""
+
+    probability: float
+    ties: tuple[str, ...] = ()
+    share: float = 0.0
+    held_out: float = 0.0
+    without: float = np.nan
+    doubt: str = ""
+
+    @property
+    def sure(self) -> bool:
+        """True where the effect, or one of those it ties with, is told."""
+        return not self.doubt
+
+
+def judged(pool: Pool, best: Structure) -> dict[str, Finding]:
+    """The ``Finding`` of each effect that a structure has beside the base."""
+    return {name: _finding(pool, best, name) for name in pool.added(best.key)}
+
+
+def told_of(pool: Pool, best: Structure) -> tuple[Structure, dict[str, Finding]]:
+    """(the structure that is told, the ``Finding`` of each effect that it adds): the best one without the effects that take away too
+    little of what is missing, if some effect is told then; else the best one."""
+    whole = found = judged(pool, best)
+    here = best
+    while any(one.share > SHARE for one in found.values()):
+        fewer = pool.lacking(here, [max(found, key=lambda name: found[name].share)])
+        if fewer is None or not pool.added(fewer.key):
+            return best, whole
+        here, found = fewer, judged(pool, fewer)
+    return (here, found) if any(one.sure for one in found.values()) else (best, whole)
+
+
+def _finding(pool: Pool, best: Structure, name: str) -> Finding:
+    simpler = _nearly(best, name)
+    same = {name, *simpler, *_at_its_values(pool, best, name)}
+    others = {one for key in pool.known for one in pool.added(key)} - same
+    # what is there in any case is no rival
+    others -= {one for one in best.key if pool.of([one, *_at_its_values(pool, best, one)]) >= PROBABLE}
+    ties = simpler
+    chance = pool.of(same)
+    while chance < PROBABLE and len(ties) + 1 < TIES and others:
+        nearest = max(sorted(others), key=lambda one: pool.of([*same, *ties, one]))
+        if pool.of([*same, *ties, nearest]) - chance < POSSIBLE / TIES:
+            break
+        ties.append(nearest)
+        others.discard(nearest)
+        chance = pool.of([*same, *ties])
+    without = pool.lacking(best, [name, *(one for one in ties if one in best.key)])
+    if without is None:
+        return Finding(chance, tuple(ties), doubt="no model without it can be fitted")
+    before = without.left(pool.noise)
+    share = best.left(pool.noise) / before if before > 0 else np.inf
+    held, rms = _held_out(pool, best, without)
+    return Finding(chance, tuple(ties), float(share), held, rms, _doubt(chance, share, held))
+
+
+def _doubt(probability: float, share: float, held_out: float) -> str:
+    """Why an effect is not told, or empty."""
+    if probability < PROBABLE:
+        return f"it is there with a probability of {probability:.2f} only"
+    if share > SHARE:
+        return f"{min(share, 9.99):.0%} of what is missing without it are missing with it"
+    if held_out > HELD_OUT:
+        return "swings that were held out do not confirm it"
+    return ""
+
+
+def _at_its_values(pool: Pool, best: Structure, name: str) -> set[str]:
+    """The richer effects that in its place are this one at the values that they are fitted with: a drag in the power 2.0 of the speed."""
+    found = set()
+    for richer in best.fit.model.catalogue:
+        there = pool.known.get(_with(best.key, name, richer.name))
+        simpler = next((one for one in richer.contains if one.name == name), None)
+        if simpler is None or there is None:
+            continue
+        values, errors = there.fit.model.values, there.fit.model.standard_errors
+        if all(abs(values[p] - wanted) <= 2 * errors.get(p, 0.0) for p, wanted in simpler.at.items()):
+            found.add(richer.name)
+    return found
+
+
+def _nearly(best: Structure, name: str) -> list[str]:
+    """The simpler effects that this one is at values that are as likely as those it is fitted with: presliding over no angle."""
+    values, errors = best.fit.model.values, best.fit.model.standard_errors
+    errors = {one: error * best.widened.get(one, 1.0) for one, error in errors.items()}
+    return [
+        simpler.name
+        for simpler in best.fit.model.catalogue[name].contains
+        if simpler.name not in best.key
+        and simpler.at
+        and all(abs(values[p] - wanted) <= 2 * errors.get(p, 0.0) for p, wanted in simpler.at.items())
+    ]
+
+
+def _with(key: Key, old: str, new: str) -> Key:
+    return (key - {old}) | {new}
+
+
+def _held_out(pool: Pool, best: Structure, without: Structure) -> tuple[float, float]:
+    """(what is left of held-out swings beyond what the noise allows (two standard deviations), as a share of what is left without an
+    effect; what is left without it, in units of the noise); infinite where nothing is left, or cannot be computed."""
+    try:
+        now, before = (predict(one.fit, pool.campaign.holdout) for one in (best, without))
+    except TrajectoryError:
+        return np.inf, np.nan
+    noise = pool.noise.deviation**2
+    allowed = noise * (1 + 2 * np.sqrt(2 / pool.noise.effective(now.n)))
+    left = gap(before, pool.noise)
+    if before.rms**2 <= allowed:
+        # nothing to confirm, unless it is what the calibration says that speaks against the model
+        return (0.0 if without.fit.model.slack.names else np.inf), left
+    return float(np.sqrt(max(now.rms**2 - allowed, 0.0) / (before.rms**2 - noise))), left

@@ -1,0 +1,170 @@
+"""Structures: sets of effects with their best fit, what each lacks, and the probability of each among all that were looked at.
+
+Each structure is there twice: as if nothing else were missing, and beside a discrepancy. Before the data a structure is the less
+probable by as many effects as the catalogue has for each that it adds, and a discrepancy counts as such an effect.
+"""
+
+from collections.abc import Collection, Iterable, Mapping
+from contextlib import suppress
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..engine.trajectory import TrajectoryError
+from ..fitting.result import Fit
+from ..pendulum.effect import NATURAL_FREQUENCY
+from .campaign import Campaign, Noise
+from .candidates import without
+from .discrepancy import Discrepancy, discrepancy
+from .linear import Frame, frame
+from .refit import FAILURES, refit
+
+Key = frozenset[str]
+POSSIBLE = 0.01  # probability of nothing that is missing, above which that is what is told
+OWN = "a frequency each"  # in a key: recordings that have a natural frequency each
+
+
+@dataclass(frozen=True)
+class Structure:
+    """A set of effects: its fit, the fit seen to first order, what it lacks, and its evidence (natural logarithm) ``plain``, as if
+    nothing were missing, and with something ``unnamed``."""
+
+    fit: Fit
+    frame: Frame
+    lacks: Discrepancy
+    plain: float
+    unnamed: float
+
+    @property
+    def key(self) -> Key:
+        """The names of its effects."""
+        return key_of(self.fit)
+
+    @property
+    def evidence(self) -> float:
+        """The logarithm of its evidence, whether or not something unnamed is missing."""
+        return float(np.logaddexp(self.plain, self.unnamed))
+
+    @property
+    def whole(self) -> float:
+        """The probability that nothing else is missing, given these effects."""
+        return float(np.exp(self.plain - self.evidence))
+
+    @property
+    def widened(self) -> dict[str, float]:
+        """By how much the standard error of each shared value is larger for what may be missing, weighed by how probable that is."""
+        return {
+            name: float(np.sqrt(self.whole + (1 - self.whole) * factor**2))
+            for name, factor in self.lacks.widened.items()
+        }
+
+    def left(self, noise: Noise) -> float:
+        """The RMS of its residuals beyond the noise (rad), weighed by the probability that this is no chance."""
+        return float(np.sqrt(max(self.fit.rms**2 - noise.deviation**2, 0.0))) * (1 - self.whole)
+
+
+def key_of(fit: Fit) -> Key:
+    """The ``Key`` of a fit."""
+    return frozenset((*fit.model.names, *([OWN] if fit.model.own_frequency else [])))
+
+
+class Pool:
+    """All structures that a search has looked at, by their effects."""
+
+    def __init__(self, campaign: Campaign, noise: Noise, base: Fit):
+        self.campaign, self.noise, self.base = campaign, noise, key_of(base)
+        self._period = 2 * np.pi / base.model.values[NATURAL_FREQUENCY.name]
+        self._each = float(np.log(len(base.model.catalogue)))
+        self.known: dict[Key, Structure] = {}
+        self.first = self._seen(base)
+        self.known[self.base] = self.first
+
+    def look(self, fit: Fit) -> None:
+        """Keep a fit where it is the best of its effects; one that cannot be seen to first order is passed over."""
+        old = self.known.get(key_of(fit))
+        if old is not None and old.fit.rss <= fit.rss:
+            return
+        try:
+            one = self._seen(fit)
+        except FAILURES:
+            return
+        self.known[one.key] = one
+
+    def lacking(self, one: Structure, names: Collection[str]) -> Structure | None:
+        """The structure without these of its effects, fitted where it is not known, or that with effects of the base again which they took the
+        place of, if that is more probable; None where there is none."""
+        key = one.key - set(names)
+        if key not in self.known:
+            begin = one.fit
+            with suppress(TrajectoryError):
+                for name in names:
+                    if name in begin.model.names:
+                        begin = refit(without(begin, name), self.campaign.fit, ended=True)
+                self.look(begin)
+        near = [other for other in self.known.values() if key <= other.key <= key | self.base]
+        return max(near, key=lambda other: other.evidence, default=None)
+
+    def evidence_of(self, fit: Fit) -> float:
+        """The evidence of the structure that a fit is of; none where it could not be looked at."""
+        known = self.known.get(key_of(fit))
+        return -np.inf if known is None else known.evidence
+
+    def lacks(self, one: Structure) -> bool:
+        """True where something is missing beside a structure: of one that adds nothing, unless it may be that nothing is; of others, what
+        is probable and above the noise."""
+        if not self.added(one.key):
+            return self.nothing() <= POSSIBLE
+        return one.whole < 0.5 and one.left(self.noise) > self.noise.deviation
+
+    def _seen(self, fit: Fit) -> Structure:
+        there = frame(fit, self.campaign.fit)
+        lacks = discrepancy(there, self.noise, self._period)
+        free, more = len(fit.free) - len(fit.model.slack.names), len(key_of(fit) - self.base)
+        known = -0.5 * free * np.log(self.noise.effective(fit.n)) - self._each * more
+        return Structure(fit, there, lacks, lacks.log_plain + known, lacks.log_evidence + known - self._each)
+
+    def under(self, noise: Noise, base: Fit) -> "Pool":
+        """The same structures under another noise."""
+        found = Pool(self.campaign, noise, base)
+        for one in self.known.values():
+            found.look(one.fit)
+        return found
+
+    @property
+    def best(self) -> Structure:
+        """The most probable structure."""
+        return max(self.known.values(), key=lambda one: one.evidence)
+
+    def added(self, key: Key) -> list[str]:
+        """The effects of a structure that the base has not, in the catalogue's order."""
+        return [name for name in self.known[key].fit.model.names if name not in self.base]
+
+    def probabilities(self) -> Mapping[Key, float]:
+        """The probability of each structure."""
+        logs = np.array([one.evidence for one in self.known.values()])
+        shares = np.exp(logs - np.logaddexp.reduce(logs))
+        return dict(zip(self.known, map(float, shares), strict=True))
+
+    def of(self, names: Iterable[str]) -> float:
+        """The probability that at least one of these effects is there."""
+        wanted = frozenset(names)
+        return sum(chance for key, chance in self.probabilities().items() if key & wanted)
+
+    def effects(self) -> dict[str, float]:
+        """The probability of being there of each effect beside the base, the most probable first."""
+        names = {name for key in self.known for name in self.added(key)}
+        return dict(
+            sorted(((name, self.of([name])) for name in names), key=lambda entry: (-entry[1], entry[0]))
+        )
+
+    def nothing(self) -> float:
+        """The probability that nothing is missing, though recordings may have a natural frequency each."""
+        shares = self.probabilities()
+        return sum(shares[one.key] * one.whole for one in self.bases)
+
+    @property
+    def bases(self) -> list[Structure]:
+        """The structures that add no effect, the most probable first."""
+        return sorted(
+            (one for one in self.known.values() if not self.added(one.key)), key=lambda one: -one.evidence
+        )

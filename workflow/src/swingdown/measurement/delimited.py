@@ -1,0 +1,100 @@
+"""Tables in a text file: cells between commas, tabs, semicolons or spaces, or a number a line."""
+
+import itertools
+from collections.abc import Iterator, Sequence
+from typing import Any, BinaryIO
+
+import numpy as np
+import pandas as pd
+
+from ..errors import InputError
+from .cells import Dialect
+from .columns import TIME, meaning
+from .layout import ARRIVED, CLOCKED, Layout, dialect
+from .rows import Block, cut_short, find_blocks, layout_of, left_out, read
+from .runs import rows_of, side_by_side
+from .table import WHOLE, Table
+from .text import HEAD, charset, encoding, pieces_of
+
+
+def delimited(source: BinaryIO, name: str, rate: float = np.nan) -> dict[str, Table]:
+    """The Tables of a text file; of several below each other those of each, named by it."""
+    coded = encoding(source, name)
+    head = _head(source, coded, name)
+    how = dialect(head, name, single=rate > 0)
+    blocks, opening = find_blocks(source, coded, how, name) if how else ([], [])
+    if not how or not blocks:
+        raise InputError(
+            name, "it holds no table of numbers", "columns of numbers: a time and a swing", "export it again"
+        )
+    about = _about(opening)
+    found: dict[str, Table] = {}
+    for number, block in enumerate(blocks, 1):
+        whole, laid = _table(source, block, how, coded, name, rate)
+        whole = whole._replace(about=about, cut=block is blocks[-1] and cut_short(source, block, laid))
+        part = f"table {number}" if len(blocks) > 1 else WHOLE
+        beside = side_by_side(laid.headers, laid.titles)
+        if not (part and beside):
+            found[part] = whole
+        for run, own in beside.items():
+            found[f"{part}, {run}" if part else run] = whole._replace(
+                names=tuple(own.names), pieces=rows_of(own, whole.pieces), cut=False
+            )
+    return found
+
+
+def _table(
+    source: BinaryIO, block: Block, how: Dialect, coded: str, name: str, rate: float
+) -> tuple[Table, Layout]:
+    laid = layout_of(block, how, coded, name)
+    told, names = str(laid), laid.names
+    if rate > 0:
+        _check_untimed(laid, name)
+        told, names = f"{told} at {rate:g} Hz", (CLOCKED, *names)
+    units = {laid.names[k]: "s" for k in laid.stamps if laid.names[k] != ARRIVED}
+    if any(meaning(one).kind == TIME and one not in units for one in names):
+        names = (
+            *(one for one in names if one not in units),
+            *units,
+        )  # a device's own time goes before a computer's
+    rows = _Rows(source, block, laid, name, rate)
+    return Table(names, {}, rows, how.decimal, told, units, remarks=left_out(block)), laid
+
+
+class _Rows:
+    """The rows of a table, read anew each time that they are asked for."""
+
+    def __init__(self, *asked: Any) -> None:
+        self.asked = asked
+
+    def __iter__(self) -> Iterator[pd.DataFrame]:
+        return read(*self.asked)
+
+
+def _head(source: BinaryIO, coded: str, name: str) -> list[str]:
+    """The first lines of a text, none of them cut short."""
+    _, piece = next(pieces_of(source, coded, name), (1, b""))
+    return (
+        piece[:HEAD]
+        .decode(charset(coded), errors="replace")
+        .split("\n")[: None if len(piece) <= HEAD else -1]
+    )
+
+
+def _about(opening: Sequence[str]) -> dict[str, str]:
+    """What the leading lines `# key: value` tell."""
+    own = itertools.takewhile(lambda line: line.startswith("#"), opening)
+    parts = [line.lstrip("# ").partition(":") for line in own]
+    return {key.strip().lower(): value.strip() for key, colon, value in parts if colon}
+
+
+def _check_untimed(laid: Layout, name: str) -> None:
+    """InputError for a table with times of its own where the sheet states a rate."""
+    unnamed = not laid.named and len(laid.names) > 1
+    if unnamed or laid.stamps or any(meaning(one).kind == TIME for one in laid.names):
+        raise InputError(
+            f"{name} (column rate_hz)",
+            f"the file has {len(laid.names)} columns" + ("" if unnamed else ", and times of its own"),
+            "one number a line where the sheet states rate_hz, or a header that names no time",
+            "leave rate_hz away: times are read from the file",
+        )

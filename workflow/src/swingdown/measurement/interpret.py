@@ -1,0 +1,419 @@
+"""What a file's columns mean: the times in order, the signal, and what it is read as."""
+
+import itertools
+import re
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ..arrays import Floats
+from ..errors import InputError
+from .clock import in_order, parts
+from .columns import (
+    ANGLE,
+    COUNTS,
+    LENGTH,
+    RATE,
+    TIME,
+    UNTOLD,
+    VOLTAGE,
+    Meaning,
+    axes_beside,
+    choose,
+    known_unit,
+    meaning,
+    place_of,
+)
+from .gyroscope import TO_RAD_PER_S, turning_most
+from .judge import Reading
+from .plausibility import half_swings
+from .positions import (
+    Circle,
+    along_a_line,
+    by_length,
+    check_no_positions,
+    fit_circle,
+    lost,
+    metres,
+    to_angles,
+    without_length,
+)
+from .runs import clock_part, several_runs
+from .series import series
+from .table import Table, numbers
+from .units import NO_SCALE, in_rad, time_factor
+
+UNIT_WORDS = {
+    "V": "volts", "rad": "rad", "deg": "degrees", "counts": "counts", "rad/s": "rad/s, an angular rate",
+    "deg/s": "degrees a second, an angular rate", NO_SCALE: "readings of unknown scale",
+}  # fmt: skip
+SHORTEST = 10  # samples; fewer tell nothing about a swing
+_RISES = 0.95  # of the rows: so often a time is no earlier than in the row before, though a clock stumbles
+MOST_LOST = 0.2  # of the positions: a tracker that loses more follows no bob
+TWICE = 0.2  # by which the ratio of two periods may be off 2
+RELATIVE = "relative"  # in the cell scale: nobody knows it
+_RAW = re.compile(r"(?i)\b(adc|raw|analog\w*|a0|sensor ?value|poti?|potentiometer)\b")
+
+
+class Uncalibrated(InputError):
+    """A recording in volts of which nobody says how many degrees a volt is."""
+
+
+class Interpreted(NamedTuple):
+    """Times (s) in order, the signal, what it is read as, remarks, attributes to keep, the signal's column, and how it was read."""
+
+    times: Floats
+    signal: Floats
+    reading: Reading
+    remarks: list[str]
+    about: dict[str, Any]
+    column: str
+    rate: float = 0.0  # standard uncertainty of the clock's rate, as a share, that scattered stamps leave
+    read: tuple[
+        str, ...
+    ] = ()  # in words: the columns, what they are where that is no angle, the clock, the layout
+
+    def taken(self, reading: Reading) -> str:
+        """One line on how the file was read, for what the signal turned out to be."""
+        what, instead, *others = self.read
+        unit = instead or UNIT_WORDS[reading.unit]
+        if not (reading.stated or instead):
+            unit = (
+                "rad (no unit is stated)" if reading.unit == "rad" else f"{unit.upper()} (no unit is stated)"
+            )
+        return ", ".join([f"took {what} as {unit}", *others])
+
+
+class _Columns(NamedTuple):
+    clock: Meaning
+    found: list[Meaning]
+    time_unit: str
+    unit: str  # as stated anywhere, or ""
+
+
+def interpret(table: Table, row: Mapping[str, Any], place: str, restoring: str) -> Interpreted:
+    """The ``Interpreted`` columns of a table, by their header and the ``row`` of the sample sheet; InputError where they can be no swing."""
+    table, row, rising = _rising(table, row)
+    columns = _columns(table, row, place)
+    names, unsaid = [one.name for one in columns.found], []
+    if columns.found[0].kind == RATE and not row["signal_column"]:
+        names = axes_beside(table.names, columns.found[0], table.units) or names
+    if not row["signal_column"]:
+        unsaid = _unsaid(table, names)
+    where = f"{row['file']}, {place_of(columns.clock.name)} ({place})"
+    times, values, told = series(table, row, columns.clock.name, names, columns.time_unit or "s", unsaid[:1])
+    piece, chosen = _part(times, row, where)
+    times, values, told = times[piece], [one[piece] for one in values], told + chosen
+    if len(times) < SHORTEST:
+        raise InputError(
+            f"{row['file']} ({place})",
+            f"{len(times)} samples with a number in each cell between start_s and stop_s",
+            f"at least {SHORTEST}",
+            "correct start_s and stop_s, or the time unit",
+        )
+    ordered = in_order(times, values[0], where)
+    times, values = ordered.times, [one[ordered.kept] for one in values]
+    remarks = rising + (["the last line has no end and was left out"] if table.cut else [])
+    remarks += [
+        *table.remarks,
+        *([table.about["paused"]] if "paused" in table.about else []),
+        *told,
+        *ordered.remarks,
+    ]
+    factor = 1.0
+    if row["role"] != "static":
+        factor, told = time_factor(times, values[0], bool(columns.time_unit), where)
+        times, remarks = times * factor if factor != 1.0 else times, remarks + told
+    made = _signal(table, row, place, columns, names, unsaid, times, values, restoring)
+    if len(names) > 1 and len(columns.found) == 1:  # of a gyroscope's axes the one that turns most
+        columns = columns._replace(found=[replace(columns.found[0], name=made.column)])
+    told_unit = columns.time_unit or {1e-3: "MS (no unit is stated)", 1e-6: "US (no unit is stated)"}.get(
+        factor, "s (no unit is stated)"
+    )
+    return made._replace(
+        remarks=remarks + made.remarks, rate=ordered.rate, read=_read(table, columns, told_unit, made.times)
+    )
+
+
+def _rising(table: Table, row: Mapping[str, Any]) -> tuple[Table, Mapping[str, Any], list[str]]:
+    """The table and the row with the column of the time, and a remark, where none says that it is one and another than the first rises."""
+    kinds = [meaning(name, table.units.get(name, "")).kind for name in table.names]
+    if row["time_column"] or TIME in kinds or kinds[0] != UNTOLD:
+        return table, row, []
+    pieces = iter(table.pieces)
+    first = next(pieces, None)
+    if first is None:
+        return table, row, []
+    steps = {key: np.diff(numbers(first[key], table.decimal)) for key in table.names}
+    rising = [key for key, own in steps.items() if np.nansum(own) > 0 and np.mean(own >= 0) > _RISES]
+    table = table._replace(pieces=itertools.chain([first], pieces))
+    if table.names[0] in rising or len(rising) != 1:
+        return table, row, []
+    told = f"no column says that it is the time, and `{rising[0]}` alone rises from row to row: taken for it"
+    return table, {**row, "time_column": rising[0]}, [told]
+
+
+def _columns(table: Table, row: Mapping[str, Any], place: str) -> _Columns:
+    name = row["file"]
+    for position, key in enumerate(("time_column", "signal_column")):
+        _check_column(table.names, row[key], position, name, place, key)
+    stated = row["time_unit"], row["signal_unit"]
+    clock, found = choose(
+        table.names, row["time_column"], row["signal_column"], f"{name} ({place})", stated, table.units
+    )
+    _check_own_unit(clock, row, "time", name, place)
+    _check_own_unit(found[0], row, "signal", name, place)
+    unit = known_unit(found[0], row["signal_unit"], (ANGLE, VOLTAGE, COUNTS, RATE))
+    if len(found) == 1:
+        _check_unit(row, found[0].name, unit, name, place)
+    return _Columns(clock, found, known_unit(clock, row["time_unit"], (TIME,)), unit)
+
+
+def _part(times: Floats, row: Mapping[str, Any], where: str) -> tuple[slice, list[str]]:
+    """The piece of a recording whose clock counts anew that the sheet's cell ``run`` names; SeveralRuns where it names none."""
+    pieces = parts(times)
+    if len(pieces) == 1:
+        return slice(None), []
+    number = clock_part(str(row.get("run", "")))
+    if 0 < number <= len(pieces):
+        return pieces[number - 1], [
+            f"the clock counts anew {len(pieces) - 1} times in it: this is part {number}"
+        ]
+    at = pieces[1].start
+    why = f"the clock jumps back from {times[at - 1]:.6g} to {times[at]:.6g} s and counts anew, so that the file holds {{}} parts"
+    raise several_runs(tuple(f"part {k}" for k in range(1, len(pieces) + 1)), row, where, why)
+
+
+def _signal(
+    table: Table, row: Mapping[str, Any], place: str, columns: _Columns, names: list[str], unsaid: list[str], times: Floats, values: list[Floats],
+    restoring: str,
+) -> Interpreted:  # fmt: skip
+    """The signal that the columns hold: an angle about a fitted pivot, one by a coordinate and a length, or as recorded."""
+    first, file = columns.found[0], row["file"]
+    where = f"{file}, {place_of(first.name)} ({place})"
+    remarks: list[str] = []
+    if len(columns.found) == 2:
+        both = f"{file}, columns {first.name} and {columns.found[1].name} ({place})"
+        if (line := along_a_line(values[0], values[1])) is not None:
+            made = _coordinate(row, both, columns, times, line, restoring)
+            on_a_line = "the positions lie on a line, which tells no pivot: how far along it is taken for one coordinate"
+            return made._replace(remarks=[on_a_line, *made.remarks])
+        circle = fit_circle(values[0], values[1], both)
+        away = lost(values[0], values[1], circle)
+        signal = to_angles(values[0], values[1], circle)
+        about = {f"pivot_{key}": value for key, value in circle._asdict().items()}
+        remarks = [_pivot(circle, first.written), *_told_lost(away, circle, signal, first.written, both)]
+        return Interpreted(
+            times[~away], signal[~away], Reading("rad", True, 1.0, restoring), remarks, about, first.name
+        )
+    if not columns.unit and (first.kind == LENGTH or (first.axis and columns.clock.axis != "x")):
+        return _coordinate(row, where, columns, times, values[0], restoring)
+    beside = values[len(names) :]
+    if unsaid:
+        remarks = [
+            f"the file has {len(table.names)} columns and no names of them: `{names[0]}` was taken (signal_column in the sheet says otherwise)"
+        ]
+        _check_slowest(times, values[0], beside[0], f"{file}, {names[0]} and {unsaid[0]} ({place})")
+        if not columns.unit and np.isfinite(beside[0]).all():
+            check_no_positions(values[0], beside[0], f"{file}, {names[0]} and {unsaid[0]} ({place})")
+    taken, told = turning_most(names, values[: len(names)])
+    about = {"counts_per_revolution": row["counts_per_revolution"]} if columns.unit == "counts" else {}
+    reading = _reading(row, columns, values[taken], restoring, where)
+    return Interpreted(times, values[taken], reading, remarks + told, about, names[taken])
+
+
+def _reading(
+    row: Mapping[str, Any], columns: _Columns, signal: Floats, restoring: str, where: str
+) -> Reading:
+    """What a column is read as: by its unit, the sheet's scale, or its name where that is one of raw readings."""
+    unit, scale = columns.unit, _stated_scale(row, where)
+    if unit == "counts" and scale is None:
+        turn = row["counts_per_revolution"]
+        return Reading(unit, True, 2 * np.pi / turn if turn > 0 else np.nan, restoring)
+    if unit in ("V", "counts"):
+        return Reading(unit, True, 0.0 if scale is None else scale, restoring)
+    if unit in TO_RAD_PER_S:
+        return Reading(unit, True, 0.0, restoring)
+    if unit:
+        return Reading(unit, True, in_rad(unit), restoring)
+    if scale is not None:
+        return Reading(NO_SCALE, True, scale, restoring)
+    if _RAW.search(columns.found[0].name.replace("_", " ")):
+        return Reading(NO_SCALE, True, np.nan, restoring)
+    return Reading("rad", False, 1.0, restoring)
+
+
+def _stated_scale(row: Mapping[str, Any], where: str) -> float | None:
+    """Rad per unit of the signal by the sheet's cell ``scale``; NaN for ``relative``, None for an empty cell."""
+    cell = str(row.get("scale", "") or "").strip()
+    if not cell:
+        return None
+    if cell == RELATIVE:
+        return np.nan
+    try:
+        scale = float(np.radians(_degrees_a_unit(cell)))
+    except (ValueError, ZeroDivisionError):
+        scale = 0.0
+    if not (np.isfinite(scale) and scale):
+        raise InputError(f"{where}, column scale", f"{cell!r} is no scale", "degrees that one unit of the signal is worth, two readings at known angles as 512=0,700=30, or relative", "correct the cell scale of the sheet")  # fmt: skip
+    return scale
+
+
+def _degrees_a_unit(cell: str) -> float:
+    """The degrees that one unit is worth: ``0.35``, or by two readings and their angles, ``512=0,700=30``."""
+    if "=" not in cell:
+        return float(cell)
+    pairs = [pair.split("=") for pair in cell.replace(";", ",").split(",")]
+    (first, low), (second, high) = [(float(reading), float(angle)) for reading, angle in pairs]
+    return (high - low) / (second - first)
+
+
+def _coordinate(
+    row: Mapping[str, Any], where: str, columns: _Columns, times: Floats, x: Floats, restoring: str
+) -> Interpreted:
+    """The angle of one coordinate of the bob: by the length that the sheet states, as a small swing, or without a scale."""
+    unit = columns.found[0].written
+    if columns.found[0].axis == "y" and len(columns.found) == 1:
+        raise InputError(
+            where,
+            "it is the height of a bob without its partner x: it goes up and down twice a period",
+            "the horizontal coordinate, or both",
+            "export x too, or name its column in the cell signal_column of the sheet",
+        )
+    cell, scale = str(row.get("length", "") or "").strip(), _stated_scale(row, where)
+    reading = Reading("rad", True, 1.0, restoring)
+    if cell:
+        length = metres(cell, unit, where)
+        told = [f"one coordinate: the angle is its arcsine over the length, {cell}"]
+        return Interpreted(times, by_length(x, length, where), reading, told, {}, columns.found[0].name)
+    if scale is None and (each := metres(f"1 {unit}", "m", where, quiet=True) if unit else 0.0):
+        angle, told = without_length(times, x, each, where)
+        return Interpreted(times, angle, reading, told, {}, columns.found[0].name)
+    told = [
+        "one coordinate without a length (the cell length of the sheet, in its unit): taken as a small swing"
+    ]
+    return Interpreted(
+        times,
+        x,
+        Reading(NO_SCALE, True, np.nan if scale is None else scale, restoring),
+        told if scale is None else [],
+        {},
+        columns.found[0].name,
+    )
+
+
+def _told_lost(away: np.ndarray, circle: Circle, angle: Floats, unit: str, place: str) -> list[str]:
+    """Remarks on positions off the circle, which a tracker lost; InputError where they are too many."""
+    share, unit = float(np.mean(away)), f" {unit}" if unit else ""
+    if share > MOST_LOST:
+        raise InputError(
+            place,
+            f"{100 * share:.0f} % of the positions lie beside the circle of the others, {circle.residual:.2g}{unit} (RMS)",
+            "a bob that the tracker follows",
+            "track it anew, or leave the part out with start_s and stop_s",
+        )
+    told = [f"{int(away.sum())} of {away.size} positions lie beside the circle, as where a tracker lost the bob: left out as missing"] if away.any() else []  # fmt: skip
+    swing = circle.radius * float(np.ptp(angle)) / 2
+    if circle.residual > 0.1 * swing:
+        told.append(
+            f"THE TRACKER SCATTERS by {100 * circle.residual / swing:.0f} % of the swing: values are as unsure as that makes them"
+        )
+    return told
+
+
+def _check_slowest(times: Floats, taken: Floats, other: Floats, place: str) -> None:
+    """InputError where a column beside the one ``taken`` swings half as fast: a pendulum's height, tension and acceleration along its string do
+    so twice a period, its angle once."""
+    known = np.isfinite(other)
+    fast, slow = half_swings(taken).period(times), half_swings(other[known]).period(times[known])
+    if abs(slow / fast - 2) < TWICE:  # not nan
+        raise InputError(
+            place,
+            f"they swing with periods of {fast:.3g} and {slow:.3g} s, the first twice as fast as the second: an acceleration or a height does so, an "
+            "angle does not; the file does not say what they hold",
+            "a column with the angle",
+            "name the column of the angle in the cell signal_column of the sheet; an accelerometer that rides on the bob tells none",
+        )
+
+
+def _unsaid(table: Table, names: list[str]) -> list[str]:
+    """The columns after the swing's in a file without a header: what they hold nobody says, nor that the swing is not there."""
+    if "no header" not in table.layout:
+        return []
+    return list(table.names[table.names.index(names[-1]) + 1 :])
+
+
+def _read(table: Table, columns: _Columns, time_unit: str, times: Floats) -> tuple[str, ...]:
+    """The words of ``Interpreted.taken``."""
+    found, instead = columns.found, ""
+    if len(found) == 2:
+        instead = "positions, the angle about a fitted pivot"
+    elif found[0].kind == LENGTH and not columns.unit:
+        instead = "one coordinate"
+    rate = 1 / float(np.median(np.diff(times)))
+    what = " and ".join(f"`{one.name}`" for one in found)
+    clock = f"`{columns.clock.name}` as {time_unit}"
+    return what, instead, clock, f"{rate:.1f} samples a second", *([table.layout] if table.layout else [])
+
+
+def _pivot(circle: Circle, unit: str) -> str:
+    unit = f" {unit}" if unit else ""
+    return (
+        f"the pivot was fitted to the positions: x {circle.x:.6g} ± {circle.u_x:.2g}{unit}, "
+        f"y {circle.y:.6g} ± {circle.u_y:.2g}{unit}, radius {circle.radius:.6g} ± {circle.u_radius:.2g}{unit}, "
+        f"points {circle.residual:.2g}{unit} (RMS) from the circle"
+    )
+
+
+def _check_own_unit(column: Meaning, row: Mapping[str, Any], key: str, name: str, place: str) -> None:
+    """Refuses a unit in the sheet that is another than the one the file's attribute ``units`` tells."""
+    said = row[f"{key}_unit"]
+    if said and column.attribute and column.kind != UNTOLD and column.unit != said:
+        raise InputError(
+            f"{name} ({place}, column {key}_unit)",
+            f"the sheet says {said!r} and the file says {column.written!r} of {column.name!r}",
+            "one unit",
+            f"correct {key}_unit in the sheet, or the file's own attribute `units`",
+        )
+
+
+def _check_column(
+    columns: tuple[str, ...], wanted: str, position: int, name: str, place: str, key: str
+) -> None:
+    if (not wanted and len(columns) > position) or wanted in columns:
+        return
+    raise InputError(
+        f"{name} ({place}, column {key})",
+        f"the file has no column {wanted!r}" if wanted else f"the file has {len(columns)} column(s)",
+        f"one of {', '.join(columns)}" if wanted else "a column of time and one of the signal",
+        f"correct {key} in the sheet, or the file's header"
+        if wanted or len(columns) > 1
+        else "write the samples a second in the cell rate_hz of the sheet, if the file holds the signal alone",
+    )
+
+
+def _check_unit(row: Mapping[str, Any], column: str, unit: str, name: str, place: str) -> None:
+    """Refuses units that need more than the file tells: they are stated in the sheet, where the workflow sees
+    them.
+    """
+    if not row["signal_unit"] and unit == "V" and not row.get("scale"):
+        raise Uncalibrated(
+            f"{name} ({place}, column signal_unit)",
+            f"the column {column!r} seems to be in V and the sheet does not say so",
+            "an angle, or a calibration: recordings in volts need one",
+            "calibrate it in a study with an apparatus sheet (docs/calibrate.md), state the degrees of a volt in the cell scale of the "
+            "sheet (relative: period and decay alone), or convert it to rad or deg",
+        )
+    turns = unit in TO_RAD_PER_S
+    if (
+        np.nan_to_num(row.get(other := "zero_tolerance_rad" if turns else "zero_tolerance_rad_per_s", 0.0))
+        > 0
+    ):
+        raise InputError(
+            f"{name} ({place}, column {other})",
+            f"the signal is in {unit}",
+            f"the limit of its zero in {'rad/s' if turns else 'rad'}",
+            f"write it in the column {'zero_tolerance_rad_per_s' if turns else 'zero_tolerance_rad'}",
+        )

@@ -1,0 +1,217 @@
+"""What is asked of a swing before it is fitted, the same of a file and of arrays: unit, zero, spikes, hands, holes, an end."""
+
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from ..arrays import Floats
+from ..errors import InputError
+from .continuity import check_alive, check_continuous
+from .even import evenly
+from .gyroscope import TO_RAD_PER_S, check_rate
+from .plausibility import check_shrinks, drift, half_swings, hanging, passages
+from .quality import check_signal
+from .release import Window, find_windows, within
+from .slips import longest_between, out_of_step
+from .spikes import Spikes, find_spikes
+from .units import NO_SCALE, TURNS, angle_unit, check_steps, in_rad, turns_counted, unwrapped
+
+RELATIVE = 0.01  # rad: what the largest swing of a reading without a scale stands for, as sine and angle are then one
+UNSCALED = (
+    "nobody states what a unit of it is worth: PERIOD AND DECAY ALONE ARE TOLD. For angles state the degrees that one unit is worth in "
+    "the cell scale of the sheet"
+)
+_NEAR = 12  # half-swings beside a hole that tell its period
+COUNTED = 0.25  # swings: what lies in a hole is counted if it is known better than this
+
+
+@dataclass(frozen=True)
+class Reading:
+    """What a signal is read as: its ``unit`` (NO_SCALE for a reading without one), whether that was ``stated``, and rad per unit of
+    it (``scale``; NaN where that is not known, 0 for no angle)."""
+
+    unit: str
+    stated: bool
+    scale: float = 0.0
+    restoring: str = "sine"
+
+    @property
+    def told(self) -> str:
+        """``yes`` where the unit is stated or the only one possible, ``no`` where it is rad for want of a word."""
+        return "no" if self.unit == "rad" and not self.stated else "yes"
+
+
+@dataclass(frozen=True)
+class Judged:
+    """A swing that was looked at: ``signal`` (unwrapped), its ``reading``, its ``spikes``, the ``windows`` in which the pendulum swings by
+    itself, the middle that is taken away (``zero``, rad), and ``remarks``, a line each."""
+
+    signal: Floats
+    reading: Reading
+    spikes: Spikes
+    windows: list[Window]
+    zero: float = 0.0
+    remarks: list[str] = field(default_factory=list)
+
+
+def judge(times: Floats, signal: Floats, reading: Reading, place: str) -> Judged:
+    """The ``Judged`` swing of ``times`` (s, rising) and ``signal``; InputError where it is none of a pendulum in its unit."""
+    unit = reading.unit if reading.stated else ""
+    remarks: list[str] = []
+    if reading.unit in TURNS:
+        signal, remarks = unwrapped(signal, unit)
+    check_signal(times, signal, place)
+    spikes = find_spikes(times, signal)
+    if reading.unit in TURNS:
+        known, told = angle_unit(spikes.healed, unit, reading.restoring, place)
+        reading, remarks = replace(reading, unit=known, scale=in_rad(known) or np.nan), remarks + told
+    if reading.unit in TO_RAD_PER_S:
+        remarks += check_rate(times, signal, reading.unit, place)
+    if np.isnan(reading.scale):
+        reading = replace(reading, scale=2 * RELATIVE / float(np.ptp(spikes.healed)))
+        zero = half_swings(spikes.healed).centre() * reading.scale
+        if not any("UNKNOWN SCALE" in one for one in remarks):
+            remarks.append(UNSCALED)
+        zero = zero if np.isfinite(zero) else 0.0
+    else:
+        # of readings of a converter no turn begins anew
+        counted = reading.restoring == "sine" and reading.unit != NO_SCALE
+        zero, told = hanging(spikes.healed, reading.scale, counted)
+        remarks += told
+        if reading.scale:
+            angle = spikes.healed * reading.scale
+            check_steps(times, angle, place)
+            remarks += drift(angle) + (turns_counted(angle - zero) if reading.restoring == "sine" else [])
+    check_alive(times, signal, place)
+    about = spikes.healed - zero / reading.scale if zero else spikes.healed
+    even = evenly(times, about)
+    hidden = even.deep(half_swings(about).period(times))
+    windows, pushed = find_windows(
+        even.times, even.signal, reading.scale, reading.unit in TO_RAD_PER_S, hidden
+    )
+    if pushed:
+        remarks.append(f"something other than the pendulum moves it at about {pushed[0]:.2f} s")
+    if len(windows) == 1:
+        windows = [_in_step(windows[0], times, about)]
+    return Judged(signal, reading, spikes, windows, zero, remarks)
+
+
+def _in_step(window: Window, times: Floats, signal: Floats) -> Window:
+    """The longest part of a window in which each swing takes the time that those beside it do."""
+    part = within(window, times)
+    slips = out_of_step(times[part], signal[part])
+    if not slips:
+        return window
+    begins, ends = longest_between(slips, times[part], signal[part])
+    at = f"from {slips[0][0]:.2f} to {slips[0][1]:.2f} s" + (f" and {len(slips) - 1} times more" if len(slips) > 1 else "")  # fmt: skip
+    why = (
+        f"THE SWING IS OUT OF STEP {at}, as where samples are lost, a tracker follows something else, or somebody touches the pendulum: "
+        "the longest part beside that is used"
+    )
+    return window._replace(
+        begins=begins if np.isfinite(begins) else window.begins,
+        ends=ends if np.isfinite(ends) else window.ends,
+        why=why,
+    )
+
+
+def check_used(times: Floats, judged: Judged, used: slice, place: str, partial: bool = False) -> list[str]:
+    """Remarks on the part of a swing that is used; InputError where it is too short for a fit, grows, or hides swings in a hole.
+
+    What is ``partial``, as the sheet allows, may be short.
+    """
+    healed = judged.spikes.healed[used]
+    if not partial and (count := len(half_swings(healed).starts)) < 3:
+        raise InputError(
+            place,
+            f"the recording is too short: it passes its middle {max(count - 1, 0)} times",
+            "three whole half-swings or more for a fit, nine for a search in one recording alone",
+            "record longer, or widen start_s and stop_s",
+        )
+    check_countable(times[used], healed, place)
+    remarks = check_shrinks(healed, place)
+    return remarks + check_continuous(times[used], judged.signal[used], place, judged.spikes.within(used))
+
+
+def check_countable(times: Floats, signal: Floats, place: str) -> None:
+    """None where the swings in every hole can be counted from those on both sides; InputError with the longest whole part otherwise.
+
+    The period before a hole and that after it, each with its standard uncertainty, tell how many swings it hides.
+    """
+    even = evenly(times, signal)
+    swings = half_swings(signal)
+    period, centre = swings.period(times), swings.centre()
+    deep = even.deep(period)
+    passed = passages(times, signal, centre if np.isfinite(centre) else float(np.median(signal)))
+    middle = (passed[1:] + passed[:-1]) / 2
+    halves = np.diff(passed)
+    whole = np.ones(halves.size, dtype=bool)  # half-swings with no hole in them
+    for start, stop in deep:
+        whole &= (passed[1:] <= start) | (passed[:-1] >= stop)
+    middle, halves = middle[whole], halves[whole]
+    for start, stop in deep:
+        if stop - start < period / 2:
+            continue
+        sides = [_period(halves[middle < start][-_NEAR:]), _period(halves[middle > stop][:_NEAR])]
+        known = [one for one in sides if one is not None]
+        (one, u_one), (other, u_other) = (known * 2)[:2] if known else ((period, np.inf), (period, np.inf))
+        unsure = (abs(one - other) + 2 * np.hypot(u_one, u_other)) * (stop - start) / min(one, other) ** 2
+        if unsure > COUNTED:
+            edges = [times[0], *(edge for hole in deep for edge in hole), times[-1]]
+            first, last = max(zip(edges[::2], edges[1::2], strict=True), key=lambda one: one[1] - one[0])
+            raise InputError(
+                f"{place}, {start:.6g} s",
+                f"a hole of {stop - start:.3g} s hides about {(stop - start) / period:.0f} swings, and not how many exactly",
+                "holes in which swings can be counted",
+                f"use a part: from {first:.9g} to {last:.9g} s there is no such hole (start_s = {first:.9g}, stop_s = {last:.9g})",
+            )
+
+
+def _period(halves: Floats) -> tuple[float, float] | None:
+    """The period (s) that these half-swings tell and its standard uncertainty, whatever their middle; None of fewer than two."""
+    if halves.size < 2:
+        return None
+    whole = halves[1:] + halves[:-1]
+    spread = (
+        1.4826 * float(np.median(np.abs(whole - np.median(whole))))
+        if whole.size > 2
+        else float(np.ptp(halves))
+    )
+    return float(np.median(whole)), spread / np.sqrt(whole.size)
+
+
+def used_part(
+    windows: list[Window], by_hand: tuple[bool, bool] = (False, False)
+) -> tuple[Window, list[str], dict[str, float]]:
+    """The window that is used, remarks on it, and the attributes that keep it. Where a start or an end is stated ``by_hand`` that stands."""
+    first, last = windows[0], windows[-1]
+    told = []
+    if len(windows) > 1:
+        told = [f"the pendulum is released {len(windows)} times in it"]
+        last = last._replace(ends=np.nan)
+    found = Window(
+        first.released,
+        np.nan if by_hand[0] else first.begins,
+        np.nan if by_hand[1] else last.ends,
+        last.rests,
+    )
+    about: dict[str, float] = {}
+    if first.why and not any(by_hand):
+        ends = {"begins_s": found.begins, "ends_s": found.ends}
+        about = {key: at for key, at in ends.items() if np.isfinite(at)}
+        words = {"begins_s": "from {:.3f} s on", "ends_s": "until {:.3f} s"}
+        used = " and ".join(words[key].format(at) for key, at in about.items())
+        return found, [*told, f"{first.why}, {used} (start_s and stop_s in the sheet say otherwise)"], about
+    if np.isfinite(found.begins):
+        about |= {"released_s": found.released, "begins_s": found.begins}
+        told += [
+            f"it begins in a hand and was released at about {found.released:.2f} s: "
+            f"the swing is used from {found.begins:.3f} s on (start_s in the sheet says otherwise)"
+        ]
+    if np.isfinite(found.ends):
+        about |= {"ends_s": found.ends}
+        told += [
+            f"{'it comes to rest and stays there' if found.rests else 'a hand stops it'}: "
+            f"the swing is used until {found.ends:.3f} s (stop_s in the sheet says otherwise)"
+        ]
+    return found, told, about

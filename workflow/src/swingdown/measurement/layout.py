@@ -1,0 +1,274 @@
+"""How a text file's table is laid out: separator and decimal sign, told from its rows, and the names of its columns, told from the lines above."""
+
+import re
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+from ..errors import InputError
+from .cells import ARRIVAL, NUMBER, SPACES, Dialect, split
+from .columns import ANGLE, LENGTH, RATE, TIME, UNITS, UNTOLD, VOLTAGE, meaning
+from .table import MISSING
+
+# In this order: where two fit equally well, the first is taken.
+DIALECTS = (
+    (",", "."), ("\t", "."), (";", "."), ("\t", ","), (";", ","), (SPACES, "."), (SPACES, ","), (",", ","),
+)  # fmt: skip
+LOOKED_AT = 400  # lines from which the dialect is told
+MOST_COLUMNS = 16384  # as many as an office program has
+COMMENT = re.compile(r"^\s*(#+|%+|//+|!)\s*")
+CLOCKED, ARRIVED, READING, SIGNAL = "time (s)", "arrival", "raw", "signal"
+
+
+@dataclass(frozen=True)
+class Layout:
+    """How a table's numbers are laid out."""
+
+    encoding: str
+    dialect: Dialect
+    names: tuple[str, ...]  # of the columns, one for each
+    headers: tuple[str, ...]  # the same as they stand in the file, where one may be there twice
+    titles: tuple[str, ...]  # the cells of the line above them
+    named: bool  # False where the table has no header
+    stamps: tuple[int, ...]  # columns that hold a clock's stamps
+
+    def __str__(self) -> str:
+        separator, decimal = self.dialect.separator, self.dialect.decimal
+        sign = {"\t": "tabs", SPACES: "spaces"}.get(separator, f"`{separator}`")
+        parts = ["one column"] if len(self.names) == 1 else [sign]
+        parts += ["decimal comma"] if decimal == "," else []
+        parts += [self.encoding.upper().replace("CP1252", "Latin-1")] if self.encoding != "utf-8-sig" else []
+        parts += ["times of day"] if self.stamps else []
+        return ", ".join(parts + ([] if self.named else ["no header"]))
+
+
+def dialect(lines: Sequence[str], name: str, single: bool = False) -> Dialect | None:
+    """The Dialect in which most of the lines are rows of numbers, all of one length; None where none are.
+
+    ``single``: a number a line is asked for, and a comma is its decimal sign. InputError where some numbers have a
+    decimal point and others a decimal comma.
+    """
+    filled = [line for line in lines if line.strip() and not COMMENT.match(line)]
+    for start in range(0, len(filled), LOOKED_AT):  # further on where a file opens with long notes
+        if found := _dialect(filled[start : start + LOOKED_AT], name, single):
+            return found
+    return None
+
+
+def _dialect(lines: Sequence[str], name: str, single: bool) -> Dialect | None:
+    arrivals = sum(bool(ARRIVAL.match(line)) for line in lines) > len(lines) / 2
+    bare = [ARRIVAL.sub("", line) for line in lines] if arrivals else lines
+    alone = _alone(bare)
+    found = [_rows(bare, *one) for one in DIALECTS]
+    rows, separator, decimal = max(found, key=lambda one: len(one[0]))
+    mixed = max((_rows(bare, one, "[.,]")[0] for one in ("\t", ";", SPACES)), key=len)
+    if 4 * len(mixed) > 5 * max(len(rows), len(alone)) and len(mixed) > 2:
+        raise InputError(
+            f"{name}, `{lines[mixed[0]].strip()[:40]}` and other lines",
+            "some numbers have a decimal point and others a decimal comma",
+            "one decimal sign in the whole file",
+            "export it again, or replace one of them",
+        )
+    if len(alone) > len(rows) or (single and alone and len(alone) >= len(rows)):
+        comma = sum("," in bare[k] for k in alone) > sum("." in bare[k] for k in alone)
+        return Dialect("\t", "," if comma else ".", arrivals, size=1 + arrivals)
+    words = not rows
+    if words:
+        found = [_rows(bare, *one, every=False) for one in DIALECTS]
+        rows, separator, decimal = max(found, key=lambda one: len(one[0]))
+    if not rows:
+        return None
+    usual = len(split(bare[rows[0]], separator)) + arrivals
+    return Dialect(separator, decimal, arrivals, words, usual)
+
+
+def _alone(lines: Sequence[str]) -> list[int]:
+    """The lines that hold one number and nothing else."""
+    number = NUMBER["[.,]"]
+    return [k for k, line in enumerate(lines) if number.fullmatch(line.strip())]
+
+
+def _rows(
+    lines: Sequence[str], separator: str, decimal: str, every: bool = True
+) -> tuple[list[int], str, str]:
+    """The lines that hold two numbers or more, all of the commonest length; ``every`` cell must be one, or missing."""
+    one = Dialect(separator, decimal)
+    number = NUMBER[decimal] if decimal == "[.,]" else None
+    sizes = {}
+    for k, line in enumerate(lines):
+        if separator != SPACES and separator not in line:
+            continue
+        cells = split(line, separator)
+        numbers = sum(bool(number.fullmatch(cell)) if number else one.is_number(cell) for cell in cells)
+        gaps = sum(cell.lower() in MISSING for cell in cells)
+        if len(cells) > 1 and (numbers and numbers + gaps == len(cells) if every else numbers > 1):
+            sizes[k] = len(cells)
+    if not sizes:
+        return [], separator, decimal
+    usual = Counter(sizes.values()).most_common(1)[0][0]
+    return [k for k, size in sizes.items() if size == usual], separator, decimal
+
+
+def layout(above: Sequence[str], sample: Sequence[str], how: Dialect, encoding: str, place: str) -> Layout:
+    """The Layout of a table from the lines ``above`` it and some of its rows; InputError for a header of another size than they have.
+
+    The names are those of the lowest line that has one for each column; a line of units alone below it belongs to them.
+    """
+    rows = [how.cells(line) for line in sample]
+    size = how.size
+    if size > MOST_COLUMNS:
+        raise InputError(
+            place, f"it has {size} columns", f"at most {MOST_COLUMNS}", "export those of time and swing alone"
+        )
+    stamps = tuple(
+        k for k in range(size) if 2 * sum(":" in row[k] for row in rows if k < len(row)) > len(rows)
+    )
+    lines = [
+        [_header_cells(line, how) for line in above if bool(COMMENT.match(line)) == comments]
+        for comments in (False, True)
+    ]
+    names, titles = _named(lines[0], size, rows, place)
+    if not names:
+        fitting = [cells for cells in lines[1] if len(cells) <= size]  # what else a comment says is no header
+        names, titles = _named(fitting, size, rows, place)
+    named = bool(names)
+    if how.arrivals:
+        names = (names if any(map(tells, names[1:])) else _of_readings(rows, size))[1:]
+        names = [ARRIVED if any(meaning(one).kind == TIME for one in names) else CLOCKED, *names]
+    headers = tuple(names or [f"column {k}" for k in range(1, size + 1)])
+    return Layout(encoding, how, _unique(headers), headers, titles, named or how.arrivals, stamps)
+
+
+def _of_readings(rows: Sequence[Sequence[str]], size: int) -> list[str]:
+    """Names for what a board prints without one: whole numbers are a converter's readings."""
+    if size > 2:
+        return [f"column {k}" for k in range(size)]
+    whole = all(row[-1].lstrip("+-").isdigit() for row in rows if len(row) == 2 and row[-1])
+    return ["", READING if whole else SIGNAL]
+
+
+def _header_cells(line: str, how: Dialect) -> list[str]:
+    """The cells of a line above the rows: without a comment sign, and of one quoted cell for all columns those inside it."""
+    bare = COMMENT.sub("", line)
+    if bare != line:
+        bare = bare.partition(" | ")[0]  # a remark beside the names
+    if how.separator != ";" and bare.startswith(";"):
+        bare = bare.lstrip("; ")
+    if how.size == 1:
+        return [bare.strip()] if not re.search(r"[,;\t]", bare) else split(bare, ",")
+    cells = _stripped(how.cells(bare))
+    if len(cells) == how.size:
+        return cells
+    for separator in dict.fromkeys((how.separator, ",", ";", "\t", SPACES, ".")):
+        # one quoted cell over all columns; spaces above rows with tabs; a decimal comma set by machine: `t.a.b` above `0,1`
+        inside = _stripped(split(bare.strip().strip('"'), separator))
+        if len(inside) == how.size and any(map(tells, inside)):
+            return inside
+    return cells
+
+
+def _stripped(cells: list[str]) -> list[str]:
+    while len(cells) > 1 and not cells[-1]:
+        cells = cells[:-1]
+    return cells
+
+
+def tells(name: str) -> bool:
+    """True for a cell that says what a column holds, as none in a title does."""
+    found = meaning(name)
+    return found.kind != UNTOLD or bool(found.axis)
+
+
+def _named(
+    lines: Sequence[list[str]], size: int, rows: Sequence[Sequence[str]], place: str
+) -> tuple[list[str], tuple[str, ...]]:
+    """The columns' names and the cells above them; none where no line above names them."""
+    units: list[str] = []
+    if len(lines) > 1 and _are_units(lines[-1], lines[-2], size):
+        *lines, units = lines
+    for k in range(len(lines) - 1, -1, -1):
+        cells = lines[k]
+        fits = cells if len(cells) == size else _padded(cells, size, rows, place, lowest=k == len(lines) - 1)
+        if fits and any(map(tells, fits)):
+            return _with_units(fits, units, place), tuple(lines[k - 1] if k else [])
+    if lines and len(lines[-1]) == size:
+        return _with_units(lines[-1], units, place), tuple(lines[-2] if len(lines) > 1 else [])
+    return [], ()
+
+
+def _padded(
+    cells: list[str], size: int, rows: Sequence[Sequence[str]], place: str, lowest: bool
+) -> list[str]:
+    """A header with fewer names than columns, where those at the end are empty; InputError for one of another size that tells what columns hold."""
+    if not any(map(tells, cells)) or len(cells) == 1:
+        return []
+    if all(re.fullmatch(r"(?i)(d|u|s|err(or)?|delta|sigma)[ _]?(.+)|.+'", one) for one in cells[size:]):
+        cells = cells[:size]  # those of uncertainties, which are not there
+        if len(cells) == size:
+            return cells
+    surplus = any(cell for row in rows for cell in row[len(cells) :])
+    if len(cells) < size and not surplus:
+        return _filled(cells, size)
+    if lowest and sum(map(tells, cells)) > 1:
+        raise InputError(
+            place,
+            f"the header names {len(cells)} column(s) and the rows have {size} cells",
+            "a name for each column, and a decimal sign that is not the separator",
+            "export it with another separator (`;` or tabs), or mend the header",
+        )
+    return []
+
+
+def _filled(cells: list[str], size: int) -> list[str]:
+    return [*cells, *[""] * (size - len(cells))]
+
+
+def _are_units(cells: list[str], above: list[str], size: int) -> bool:
+    """True for a line of units below one of names."""
+    bare = [cell.strip("()[] ").lower() for cell in cells]
+    known = [UNITS[cell][0] for cell in bare if cell in UNITS]
+    told = any(kind in (TIME, ANGLE, LENGTH, VOLTAGE, RATE) for kind in known)
+    return (
+        told
+        and len(cells) <= size == len(above)
+        and all(cell in UNITS or cell in ("", "-", "1") for cell in bare)
+    )
+
+
+def _with_units(names: list[str], units: list[str], place: str) -> list[str]:
+    """The names, each with the unit that stands below it; InputError where it states another one itself."""
+    told = []
+    for name, below in zip(names, _filled(units, len(names)), strict=True):
+        unit = below.strip("()[] ")
+        own = meaning(name)
+        if not unit or unit in ("-", "1"):
+            told.append(name)
+        elif not own.written:
+            told.append(f"{name} ({unit})")
+        elif UNITS.get(own.written.lower()) == UNITS[unit.lower()]:
+            told.append(name)
+        else:
+            raise InputError(
+                f"{place}, column {name}",
+                f"its name says {own.written!r} and the line below says {unit!r}",
+                "one unit",
+                "correct one of them in the file",
+            )
+    return told
+
+
+def _unique(names: Sequence[str]) -> tuple[str, ...]:
+    told: dict[str, None] = {}
+    counts: Counter[str] = Counter()
+    for k, name in enumerate(names):
+        name = own = name or f"Unnamed: {k}"
+        while own in told:
+            counts[name] += 1
+            own = f"{name}.{counts[name]}"
+        told[own] = None
+    return tuple(told)
+
+
+def of_size(how: Dialect, size: int) -> Dialect:
+    """The same dialect for a table of another size."""
+    return replace(how, size=size)

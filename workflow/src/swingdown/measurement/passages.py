@@ -1,0 +1,308 @@
+"""Passages through a light gate: how a file of them is told from others, and what it holds.
+
+A gate tells when the bob came by, and by how long it was dark how fast. Times, intervals or the gate's states with their times
+are such a file; where its values do not tell whether a half-swing or a period passes from row to row, that is asked.
+"""
+
+import re
+from collections.abc import Mapping
+from typing import Any, NamedTuple
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+
+from ..arrays import Floats
+from ..errors import InputError
+from .columns import TIME, UNTOLD, Meaning, meaning
+from .points_recording import PASSED, about_file, as_recording
+from .points_table import is_number, peeked
+from .sheet import TIME_UNITS
+from .source import Table
+from .swing_counts import FEWEST, counts
+from .table import numbers
+from .turning_points import FASTEST, PASSAGES, PERIODS, Points, falls, too_few, unequal_sides
+
+_GATE = re.compile(r"(?i)\b(gate|state|blocked|photogate|lichtschranke)\b")
+_PERIOD = re.compile(r"(?i)\b(t|period|periods|période|periode|periodo|schwingungsdauer)\b")
+_INTERVAL = re.compile(r"(?i)\b(intervals?|dt|Δt|delta t)\b")
+_HALF = re.compile(r"(?i)half|halb|demi|medio|t ?/ ?2")
+_SPEED = re.compile(r"(?i)\b(speed|velocity|geschwindigkeit)\b")
+_SPEEDS = ("m/s", "cm/s")
+_DARK = re.compile(r"(?i)\b(block(ed)?|dark|dunkel\w*|gate) ?(time|duration)?\b")
+_ALIKE = 0.25  # of the usual step: a step that differs by more is no half-swing beside another
+_USUAL = 0.9  # of all steps that are alike: the others are passages missed
+_SLOWEST = 100.0  # s; a pendulum with this period is 2.5 km long
+_WIDTHS = "bob widths/s"
+_WORDS = "write passages (each passage: two a period) or periods (one a period) in the cell signal_kind of the sheet"
+
+
+class Gate(NamedTuple):
+    """What a file says of passages: times (s), speeds at them (nan where not known) in a unit, how far apart they are by the file's
+    own words (``PASSAGES``, ``PERIODS``, "" where it has none), how it was read, and remarks."""
+
+    times: Floats
+    speeds: Floats
+    unit: str
+    kind: str
+    taken: str
+    remarks: list[str]
+
+
+def passages(table: Table, row: Mapping[str, Any], place: str) -> tuple[Table, xr.Dataset | None]:
+    """The table, to be read on, and the dataset of its passages; None where it holds something else.
+
+    The dataset is as that of ``points_table.turning_points``, with speeds for readings, nan where the file has none.
+    ``signal_kind`` of the ``row`` is the last word. InputError where a half-swing must be told from a period, and for too few.
+    """
+    stated = str(row.get("signal_kind", ""))
+    ours = stated in (PASSAGES, PERIODS)
+    if (stated and not ours) or row.get("rate_hz", np.nan) > 0 or row.get("role") == "static":
+        return table, None
+    rows, table = peeked(table)
+    if rows is None or rows.empty:
+        return table, None
+    gate = _gate(rows, table, row)
+    if gate is None:
+        if ours:
+            raise InputError(
+                f"{row['file']} ({place})", "no passages of a light gate are in it", "a column of increasing times, of periods, or of the gate's states",
+                "leave the cell signal_kind of the sheet empty, or export the times",
+            )  # fmt: skip
+        return table, None
+    inside = ~(gate.times < row.get("start_s", np.nan)) & ~(gate.times > row.get("stop_s", np.nan))
+    gate = gate._replace(times=gate.times[inside], speeds=gate.speeds[inside])
+    points, kind = counted(gate, stated, f"{row['file']} ({place})")
+    words = "each half-swing" if kind == PASSAGES else "one a period"
+    about = about_file(table, row, ", ".join([gate.taken, words, *([table.layout] if table.layout else [])]))
+    return table, as_passages(points, kind, gate.unit, about, row)
+
+
+def as_passages(
+    points: Points, kind: str, unit: str, attrs: Mapping[str, Any], row: Mapping[str, Any] | None = None
+) -> xr.Dataset:
+    """The dataset of passages as recorded; ``kind`` is ``PASSAGES`` or ``PERIODS``, ``unit`` that of the speeds, "" for none."""
+    found = as_recording(points, unit or "1", attrs, row)
+    found["signal"].attrs["long_name"] = "speed at a passage, as read"
+    found["half_swings"].attrs["long_name"] = "half-swings since the first passage"
+    return found.assign_attrs(kind=kind, **({} if unit else {"points": PASSED}))
+
+
+def counted(gate: Gate, stated: str, place: str) -> tuple[Points, str]:
+    """The ``Points`` of passages, each with the half-swings since the first, and their kind; InputError where that cannot be told."""
+    times, kind = gate.times, stated or gate.kind
+    if times.size < FEWEST:
+        raise too_few(times.size, place, "passages")
+    if not kind:
+        if not unequal_sides(np.diff(times)[: _halves(times, PASSAGES, 1, place)[1].stop - 1]):
+            step = float(np.median(np.diff(times)))
+            raise InputError(
+                place, f"its times are {step:.4g} s apart: is that a half-swing or a whole period?", "passages through a gate, and a word how far apart", _WORDS,
+            )  # fmt: skip
+        kind = PASSAGES
+    step, remarks = (1 if kind == PASSAGES else 2), list(gate.remarks)
+    halves, used = _halves(times, kind, step, place)
+    if halves.size < times.size:
+        remarks.append(
+            f"used from {times[used][0]:.6g} to {times[used][-1]:.6g} s: how many swings passed beyond cannot be told"
+        )
+    missed = int(halves[-1] // step + 1 - halves.size)
+    if missed:
+        remarks.append(f"between its {halves.size} passages {missed} more were missed")
+    speeds = np.abs(gate.speeds[used]) * (-1.0) ** halves
+    return Points(times[used], halves, speeds, False, True, remarks), kind
+
+
+def _halves(times: Floats, kind: str, step: int, place: str) -> tuple[np.ndarray, slice]:
+    """Half-swings since the first passage, and the part of the passages that can be counted.
+
+    Two within half the usual time are the bob turning in the gate: beyond them nothing is counted.
+    """
+    gaps = np.diff(times)
+    usual = float(np.median(gaps[1:] + gaps[:-1])) / 2  # of pairs: a gate may be beside the middle
+    edges = np.flatnonzero(np.concatenate([[True], gaps < usual / 2, [True]]))
+    longest = int(np.argmax(np.diff(edges)))
+    begin = int(edges[longest])
+    own = times[begin : int(edges[longest + 1])]
+    if (
+        kind == PASSAGES
+        and own.size >= FEWEST
+        and np.all(np.abs((own[2:] - own[:-2]) / 2 - usual) < _ALIKE * usual)
+    ):
+        return np.arange(own.size), slice(begin, begin + own.size)
+    found = counts(own, np.zeros(own.size)) if own.size >= FEWEST else None
+    if found is not None:
+        return step * found[0], slice(begin + found[1].start, begin + found[1].stop)
+    raise InputError(
+        place, "how many swings passed between its passages cannot be told: their times are not multiples of one interval",
+        "passages of which some follow each other", "leave out what is no passage of the bob (start_s and stop_s)",
+    )  # fmt: skip
+
+
+def _gate(rows: pd.DataFrame, table: Table, row: Mapping[str, Any]) -> Gate | None:
+    """The ``Gate`` of a file's rows; None where they are something else."""
+    columns = [meaning(name, table.units.get(name, "")) for name in table.names]
+    values = {one.name: numbers(rows[one.name], table.decimal) for one in columns}
+    columns = [one for one in columns if np.isfinite(values[one.name]).any()]
+    number = [one for one in columns if is_number(one, _sound(values[one.name]), table)]
+    rest = [one for one in columns if one not in number]
+    if row["time_column"]:
+        rest.sort(key=lambda one: one.name != row["time_column"])
+    if row["signal_column"]:
+        rest = [one for one in rest if one.name == row["signal_column"]] if row["signal_kind"] else []
+    if not rest or len(rest) > 3:
+        return None
+    states = [one for one in rest if _GATE.search(_label(one)) and _are_states(values[one.name])]
+    if states and rest[0] not in states:
+        return _of_states(rest[0], states[0], values, row)
+    first = rest[0]
+    if len(rest) == 1:
+        return _alone(first, _sound(values[first.name]), row)
+    if len(rest) > 2:
+        return None
+    beside, name = rest[1], _label(rest[1])
+    if _DARK.search(name) or _SPEED.search(name) or beside.written in _SPEEDS:
+        return _with_speeds(first, beside, values, row)
+    if _PERIOD.search(name) and beside.kind in (UNTOLD, TIME):
+        return _with_periods(first, values[first.name], values[beside.name], row)
+    return None
+
+
+def _with_periods(clock: Meaning, times: Floats, periods: Floats, row: Mapping[str, Any]) -> Gate | None:
+    """Times with the period that ends at each."""
+    both = np.isfinite(times) & np.isfinite(periods)
+    found = (
+        _alone(clock, times[both], row)
+        if np.count_nonzero(both) > 2 and np.all(np.diff(times[both]) > 0)
+        else None
+    )
+    if found is None:
+        return None
+    ratio = float(np.median(periods[both]) / np.median(np.diff(times[both])))
+    kind = PERIODS if abs(ratio - 1) < _ALIKE / 2 else PASSAGES if abs(ratio - 2) < _ALIKE else None
+    return None if kind is None else found._replace(kind=kind)
+
+
+def _label(one: Meaning) -> str:
+    return re.sub(r"(?i)^latest:", "", one.name).replace("_", " ")
+
+
+def _sound(values: Floats) -> Floats:
+    return values[np.isfinite(values)]
+
+
+def _are_states(values: Floats) -> bool:
+    return bool(np.isin(_sound(values), (0, 1)).all()) and np.ptp(_sound(values)) == 1
+
+
+def _alone(one: Meaning, values: Floats, row: Mapping[str, Any]) -> Gate | None:
+    """Times or intervals that stand alone, or beside their numbers."""
+    name = _label(one)
+    if values.size < 3 or values.min() < 0 or not np.ptp(values) or one.kind not in (UNTOLD, TIME):
+        return None
+    rising = bool(np.all(np.diff(values) > 0))
+    steps = np.diff(values) if rising else values
+    if not _alike(steps) or not (
+        rising or _PERIOD.search(name) or _INTERVAL.search(name) or _HALF.search(name)
+    ):
+        return None
+    scale, unit, told = _seconds(one, float(np.median(steps)), row)
+    if scale * float(np.median(steps)) < FASTEST / 2:  # a half-swing of the fastest
+        return None
+    if rising:
+        return Gate(scale * values, np.full(values.size, np.nan), "", "", f"took `{one.name}` as times of passages, in {unit}", told)  # fmt: skip
+    kind = PASSAGES if _HALF.search(name) else "" if _INTERVAL.search(name) else PERIODS
+    times = scale * np.concatenate([[0.0], np.cumsum(values)])
+    return Gate(times, np.full(times.size, np.nan), "", kind, f"took `{one.name}` as intervals between passages, in {unit}", told)  # fmt: skip
+
+
+def _with_speeds(
+    clock: Meaning, beside: Meaning, values: Mapping[str, Floats], row: Mapping[str, Any]
+) -> Gate | None:
+    """Times with the speed at each, or with the time for which the gate was dark."""
+    both = np.isfinite(values[clock.name]) & np.isfinite(values[beside.name])
+    times, read = values[clock.name][both], np.abs(values[beside.name][both])
+    if (
+        times.size < FEWEST
+        or not np.all(np.diff(times) > 0)
+        or not _alike(np.diff(times))
+        or not np.all(read > 0)
+    ):
+        return None
+    scale, unit, told = _seconds(clock, float(np.median(np.diff(times))), row)
+    dark = bool(_DARK.search(_label(beside)))
+    if not dark and not falls(read):  # samples of a speed
+        return None
+    speeds, words = (
+        (1 / (read * TIME_UNITS[beside.unit or "s"]), _WIDTHS)
+        if dark
+        else (read, beside.written or "as written")
+    )
+    what = f"`{beside.name}` as {'the time that the gate was dark' if dark else 'speeds'}"
+    return _dying(
+        Gate(
+            scale * times,
+            speeds,
+            words,
+            "",
+            f"took `{clock.name}` as times of passages, in {unit}, {what}",
+            told,
+        )
+    )
+
+
+def _of_states(
+    clock: Meaning, state: Meaning, values: Mapping[str, Floats], row: Mapping[str, Any]
+) -> Gate | None:
+    """Passages from a gate's states: each begins where it goes dark and ends where it is light again."""
+    sound = np.isfinite(values[clock.name]) & np.isfinite(values[state.name])
+    times, dark = values[clock.name][sound], values[state.name][sound] > 0
+    if np.any(np.diff(times) < 0) or not np.any(np.diff(dark)):
+        return None
+    changes = np.diff(dark)
+    edges = np.flatnonzero(changes) + 1
+    if dark[0] and changes.all():  # each row is a change: the first as well
+        edges = np.concatenate([[0], edges])
+    edges = edges[int(not dark[edges[0]]) :]
+    edges = edges[: edges.size // 2 * 2]
+    begin, end = times[edges[::2]], times[edges[1::2]]
+    if begin.size and np.median(end - begin) > np.median(begin[1:] - end[:-1] if begin.size > 1 else np.inf):
+        return None  # a period's half each: a comparator of the side, no gate
+    scale, unit, told = _seconds(clock, float(np.median(np.diff(begin))) if begin.size > 1 else 1.0, row)
+    taken = (
+        f"took `{state.name}` as a light gate's, each passage from dark to light, `{clock.name}` as {unit}"
+    )
+    length = scale * (end - begin)
+    if not np.all(length > 0):
+        return Gate(scale * begin, np.full(begin.size, np.nan), "", PASSAGES, taken, told)
+    return _dying(Gate(scale * (begin + end) / 2, 1 / length, _WIDTHS, PASSAGES, taken, told))
+
+
+def _dying(gate: Gate) -> Gate:
+    """The gate; without its speeds where they do not fall, for then they hold no damping."""
+    if gate.times.size < FEWEST or falls(gate.speeds):
+        return gate
+    return gate._replace(
+        speeds=np.full(gate.times.size, np.nan), unit="", remarks=[*gate.remarks, "its speeds do not fall: no damping is fitted to them"]
+    )  # fmt: skip
+
+
+def _alike(steps: Floats) -> bool:
+    """True for steps of which nearly all are the usual one, in pairs where the gate is off the middle."""
+    pairs = (steps[1:] + steps[:-1]) / 2 if steps.size > 2 else steps
+    usual = float(np.median(pairs))
+    return usual > 0 and float(np.mean(np.abs(pairs - usual) < _ALIKE * usual)) >= _USUAL
+
+
+def _seconds(clock: Meaning, step: float, row: Mapping[str, Any]) -> tuple[float, str, list[str]]:
+    """How many seconds a unit of time is, its name as told, and a remark where it was taken by the only period that a pendulum can have."""
+    unit = row["time_unit"] or clock.unit
+    if unit:
+        return TIME_UNITS[unit], unit, []
+    taken = next((one for one in TIME_UNITS if step * TIME_UNITS[one] < _SLOWEST), "us")
+    told = (
+        ["no unit of time is stated, and no pendulum takes so many s: taken for " + taken]
+        if taken != "s"
+        else []
+    )
+    return TIME_UNITS[taken], taken if told else "s (no unit is stated)", told

@@ -1,0 +1,145 @@
+"""Which units a recording can be in, by what a pendulum does: those that only one reading allows are taken and told."""
+
+from math import pi
+
+import numpy as np
+
+from ..arrays import Floats
+from ..errors import InputError
+from .plausibility import TO_RAD, half_swings
+
+LONGEST, SHORTEST = 60.0, 0.02  # s; a pendulum of 900 m, and one of a tenth of a millimetre
+SLOWEST = 600.0  # s; a torsion balance
+WHOLE = 1.02  # turns from one turning point to the next: weight swings nothing further back and forth
+WRAPPED = 0.1  # of a turn: a jump that is so nearly a whole one is that of a sensor that begins anew
+TURNS = {"rad": 2 * pi, "deg": 360.0}
+NO_SCALE = "1"  # the unit of a reading whose scale nobody states
+
+
+def time_factor(times: Floats, signal: Floats, told: bool, place: str) -> tuple[float, list[str]]:
+    """Seconds per unit of the times, and a remark where it is not 1 or the period is odd.
+
+    ``told`` says whether anybody stated the unit. Without a word it is s; where a pendulum's period is possible in ms or us alone, it is
+    that. InputError where none of them will do, both ms and us, or ms and a torsion balance in s.
+    """
+    swings = half_swings(signal)
+    period, interval = swings.period(times), float(np.median(np.diff(times)))
+    length, what = (period, "a period") if period == period else (interval, "a sample every")
+    if SHORTEST <= period <= LONGEST or (period != period and interval <= 1):
+        return 1.0, []
+    if told:
+        return 1.0, [
+            f"{what} of {length:.3g} s is none of a pendulum on a bench: is the unit of the time right?"
+        ]
+    possible = [
+        (unit, factor)
+        for unit, factor in (("ms", 1e-3), ("us", 1e-6))
+        if SHORTEST <= factor * period <= LONGEST
+    ]
+    if LONGEST < period <= SLOWEST:
+        raise InputError(
+            place,
+            f"a period of {period:.4g}, and no unit of the time is stated: a torsion balance takes so many s, a pendulum so many ms",
+            "the unit of the time",
+            "write ms or s in the cell time_unit of the sheet, or in the column's name: `t (ms)`",
+        )
+    if len(possible) == 1:
+        unit, factor = possible[0]
+        return factor, [
+            f"no unit of the time is stated, and a period of {period:.4g} s is none of a pendulum: TAKEN AS {unit}, a period of {factor * period:.4g} s"
+        ]
+    raise InputError(
+        place,
+        f"{what} of {length:.3g} s is none of a pendulum, and no unit of the time is stated",
+        f"a period between {SHORTEST:g} and {LONGEST:g} s",
+        "write ms, us or s in the cell time_unit of the sheet, or in the column's name: `t (ms)`",
+    )
+
+
+def unwrapped(signal: Floats, unit: str) -> tuple[Floats, list[str]]:
+    """The signal that runs on where the sensor began a turn anew, and a remark on it.
+
+    ``unit`` is rad or deg, or "" where nobody states it: then a jump of 360 tells degrees.
+    """
+    jumps = np.abs(np.diff(signal))
+    for turn in [TURNS[unit]] if unit else TURNS.values():
+        wraps = np.count_nonzero(np.abs(jumps - turn) < WRAPPED * turn)
+        if wraps and np.ptp(signal) < (1 + WRAPPED) * turn:
+            whole = np.unwrap(signal, period=turn)
+            return whole - turn * np.round(np.median(whole) / turn), [
+                f"the angle jumps by a whole turn {wraps} times, where the sensor begins anew: these were added up"
+            ]
+    return signal, []
+
+
+def angle_unit(signal: Floats, unit: str, restoring: str, place: str) -> tuple[str, list[str]]:
+    """The unit of an angle, ``rad``, ``deg``, or ``NO_SCALE``, and a remark where it is not as stated.
+
+    ``unit`` is the stated one, "" for none; that stands. Weight swings nothing back and forth by more than a turn, so that an angle
+    which would in rad is in degrees, and one which would in degrees as well is a reading of unknown scale. InputError for a stated
+    unit in which it would while ``restoring`` is ``sine``: a disc on a spring does.
+    """
+    swings = half_swings(signal)
+    reach = np.abs(np.diff(swings.turns)) if len(swings.turns) > 1 else np.zeros(1)
+    far = sorted(reach)[-3:][0] if len(reach) > 2 else 0.0  # one push over the top is no swing back and forth
+
+    def too_far(known: str) -> bool:
+        return bool(far > WHOLE * TURNS[known])
+
+    if unit:
+        if unit in TURNS and restoring == "sine" and too_far(unit):
+            other = unit == "rad" and not too_far("deg")
+            raise InputError(
+                place,
+                f"in {unit}, as stated, it swings back and forth by {reach.max() / TURNS[unit]:.3g} turns, as weight swings nothing",
+                "a pendulum; or a disc or a wheel that a spring pulls back, whatever its turns",
+                "if a spring pulls it back say restoring: linear"
+                + ("; if these are degrees write deg in the cell signal_unit of the sheet" if other else ""),
+            )
+        return unit, []
+    if not too_far("rad"):
+        return "rad", []
+    turns = f"no unit is stated, and in rad it would swing back and forth by {reach.max() / TURNS['rad']:.3g} turns"
+    if too_far("deg"):
+        return NO_SCALE, [
+            f"{turns}, in degrees by {reach.max() / 360:.3g}: TAKEN AS A READING OF UNKNOWN SCALE. Period and decay need none; "
+            "for angles state the degrees that one unit is worth in the cell scale of the sheet"
+        ]
+    if restoring == "linear" and far < 3 * TURNS["rad"]:
+        raise InputError(
+            place,
+            f"{turns}, which a wheel on a spring may do",
+            "a unit: in rad and in degrees it is possible",
+            "write rad or deg in the cell signal_unit of the sheet",
+        )
+    return "deg", [f"{turns}: TAKEN AS DEGREES (signal_unit in the sheet says otherwise)"]
+
+
+def check_steps(times: Floats, angle: Floats, place: str) -> None:
+    """None for an angle (rad) that moves by less than half a turn from sample to sample; InputError otherwise.
+
+    Across a hole it may do more.
+    """
+    steps = np.diff(times)
+    jumps = np.abs(np.diff(angle)) * (steps < 1.5 * np.median(steps))
+    far = np.flatnonzero(jumps > pi)
+    if len(far):
+        raise InputError(
+            f"{place}, {times[far[0] + 1]:.6g} s",
+            f"the angle changes by {jumps[far[0]] / (2 * pi):.3g} turns between two samples",
+            "less than half a turn",
+            "mend the file there, or correct signal_unit in the sheet",
+        )
+
+
+def turns_counted(angle: Floats) -> list[str]:
+    """A remark on an angle (rad) beyond a turn, or none."""
+    largest = float(np.abs(angle).max())
+    if largest <= 2 * pi:
+        return []
+    return [f"it reaches {largest / (2 * pi):.3g} turns, which are taken for counted turns"]
+
+
+def in_rad(unit: str) -> float:
+    """Rad per unit of an angle; 0.0 for any other unit."""
+    return TO_RAD.get(unit, 0.0)

@@ -1,0 +1,242 @@
+"""What a recording shows against the amplitude, and what the laws of damping make of its envelope."""
+
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from ..arrays import Floats
+from . import style
+
+FREE, MODEL = "#0072B2", "#D55E00"
+_DOTS = 60  # single swings beyond which means of neighbours are drawn
+_GROUPS = 16
+_REACH = 1.35  # of the free curve's range that single swings, which scatter more, may widen a panel to
+
+
+@style.styled
+def backbone(data: xr.Dataset) -> Figure:
+    """Frequency, loss and damping ratio against amplitude, restoring torque over angle and friction over speed: free of a model, and of the model.
+
+    ``data`` is that of ``curves.dataset.curves``. Single swings are drawn as dots, of many the means of neighbours with two standard errors.
+    """
+    torques = bool(np.isfinite(data["friction"].sel(source="free")).any())
+    timed = bool(np.isfinite(data["period"].sel(source="free")).any())
+    figure = style.new_figure(11.0 if torques else 6.0)
+    grid = figure.add_gridspec(2 if torques else 1, 6)
+    first, second, third = (figure.add_subplot(grid[0, k : k + 2]) for k in (0, 2, 4))
+    angles = data["amplitude"].attrs["units"] == "rad"
+    amplitude = style.degrees(data["amplitude"]) if angles else data["amplitude"].values
+    size = style.degrees(data["swing_amplitude"]) if angles else data["swing_amplitude"].values
+    unit = "amplitude (°)" if angles else f"amplitude ({data['amplitude'].attrs['units']})"
+    _curve(second, amplitude, data, "loss", 100.0)
+    _swings(second, size, 100 * data["swing_loss"].values, 100 * data["swing_loss_u"].values)
+    second.set(xlabel=unit, ylabel="loss a swing (%)")
+    _curve(third, amplitude, data, "damping_ratio", 100.0)
+    third.set(xlabel=unit, ylabel="damping ratio (%)")
+    quality = third.secondary_yaxis("right", functions=(_of_ratio, _of_ratio))
+    quality.set_ylabel("Q")
+    if timed:
+        _curve(first, amplitude, data, "frequency", 1.0, upright=True)
+        with np.errstate(divide="ignore"):
+            frequency = 1 / data["swing_period"].values
+        _swings(first, size, frequency, data["swing_period_u"].values * frequency**2, upright=True)
+    else:
+        first.text(0.5, 0.5, "no times", transform=first.transAxes, ha="center", color=style.GREY)
+    first.set(xlabel="frequency (Hz)", ylabel=unit)
+    first.ticklabel_format(axis="x", useOffset=False)
+    first.locator_params(axis="x", nbins=4)
+    if torques:
+        left, right = figure.add_subplot(grid[1, :3]), figure.add_subplot(grid[1, 3:])
+        _restoring(left, data, timed)
+        _curve(right, data["speed"].values, data, "friction", 1.0)
+        right.set(xlabel="speed (rad/s)", ylabel="friction (rad/s²)")
+        right.set_ylim(bottom=min(0.0, right.get_ylim()[0]))
+    handles: dict[str, Any] = {}
+    for axes in figure.axes:
+        axes.grid(True)
+        handles |= {str(one.get_label()): one for one in axes.get_legend_handles_labels()[0]}
+    figure.legend(handles=list(handles.values()), loc="outside upper left", ncols=4)
+    of_model = f"model: {style.name(data.attrs['model'])}" if data.attrs["model"] else ""
+    over = "torques over inertia; bands hold the truth with 95 %"
+    return style.footnote(figure, of_model, over, style.emulated_note(data))
+
+
+def _of_ratio(value: Any) -> Any:
+    """The quality of a damping ratio in %, and the other way round."""
+    with np.errstate(divide="ignore"):
+        return 50 / np.asarray(value, dtype=float)
+
+
+def _curve(axes: Axes, at: Floats, data: xr.Dataset, name: str, scale: float, upright: bool = False) -> None:
+    """Both curves of a quantity with their bands, and the panel as wide as the free one's."""
+    for source, colour, words in (("free", FREE, "free of a model"), ("model", MODEL, "model")):
+        value, low, high = (
+            scale * data[name + end].sel(source=source).values for end in ("", "_low", "_high")
+        )
+        if not np.isfinite(value).any():
+            continue
+        dashed = (0, (4, 1.5)) if source == "model" else "-"
+        if upright:
+            axes.fill_betweenx(at, low, high, color=colour, alpha=0.25, lw=0)
+            axes.plot(value, at, color=colour, ls=dashed, label=words)
+        else:
+            axes.fill_between(at, low, high, color=colour, alpha=0.25, lw=0)
+            axes.plot(at, value, color=colour, ls=dashed, label=words)
+    free = data.sel(source="free")
+    ends = [
+        scale * float(function(free[name + end]))
+        for function, end in ((np.nanmin, "_low"), (np.nanmax, "_high"))
+    ]
+    values = scale * free[name].values
+    reach = _REACH * float(np.ptp(values[np.isfinite(values)])) + 0.02 * abs(float(np.nanmean(values)))
+    middle = (np.nanmin(values) + np.nanmax(values)) / 2
+    if upright:  # a frequency changes by little
+        reach = max(_REACH * float(np.ptp(values)), 4 * float(np.nanmedian(ends[1] - ends[0])) / 2, 1e-6)
+    limits = max(ends[0], middle - reach), min(ends[1], middle + reach)
+    room = 0.08 * (limits[1] - limits[0])
+    (axes.set_xlim if upright else axes.set_ylim)(limits[0] - room, limits[1] + room)
+
+
+def _swings(axes: Axes, size: Floats, value: Floats, error: Floats, upright: bool = False) -> None:
+    """Single swings as dots, or means of neighbours in amplitude with two standard errors where there are many."""
+    good = np.isfinite(value) & np.isfinite(size)
+    size, value, error = size[good], value[good], error[good]
+    words = "single swings"
+    if size.size > _DOTS:
+        parts = np.array_split(np.argsort(size), _GROUPS)
+        means = [
+            (size[one].mean(), value[one].mean(), value[one].std(ddof=1) / np.sqrt(one.size)) for one in parts
+        ]
+        size, value, error = np.array(means).T
+        words = "means of single swings"
+    if not size.size:
+        return
+    options: dict[str, Any] = {
+        "fmt": ".",
+        "ms": 4,
+        "mew": 0,
+        "color": style.GREY,
+        "elinewidth": 0.7,
+        "zorder": 1,
+        "label": words,
+    }
+    if upright:
+        axes.errorbar(value, size, xerr=2 * error, **options)
+    else:
+        axes.errorbar(size, value, yerr=2 * error, **options)
+
+
+def _restoring(axes: Axes, data: xr.Dataset, timed: bool) -> None:
+    angle = style.degrees(data["angle"])
+    if not timed:
+        axes.text(0.5, 0.5, "no times", transform=axes.transAxes, ha="center", color=style.GREY)
+        return
+    _curve(axes, angle, data, "restoring", 1.0)
+    value = data["restoring"].sel(source="free").values
+    slope = value[1] / data["angle"].values[1]
+    axes.plot(angle, slope * data["angle"].values, color=style.GREY, lw=0.8, ls=":", label="a spring's")
+    axes.set_ylim(0, 1.08 * max(value.max(), slope * float(data["angle"].values[-1])))
+    axes.set(xlabel="angle (°)", ylabel="restoring torque (rad/s²)")
+
+
+@style.styled
+def envelopes(data: xr.Dataset) -> Figure:
+    """The amplitudes of a recording over time with what each law makes of them, and below what each leaves of them.
+
+    ``data`` is that of ``curves.laws.envelopes``: single laws, and the one with the most evidence.
+    """
+    figure = style.new_figure(10.0)
+    upper, lower = figure.subplots(2, sharex=True, height_ratios=[3, 2])
+    angles = data["amplitude"].attrs["units"] == "rad"
+    scale = 180 / np.pi if angles else 1.0
+    time, measured = data["time"].values, scale * data["amplitude"].values
+    upper.plot(
+        time,
+        measured,
+        "o",
+        color=style.GREY,
+        mfc="white",
+        ms=3.2,
+        mew=0.7,
+        zorder=5,
+        label="turning points, measured",
+    )
+    best = str(data.attrs["best"])
+    left = []
+    for k, label in enumerate(data["law"].values):
+        fitted = scale * data["fitted"].sel(law=label).values
+        bold = {"lw": 1.3, "zorder": 6} if label == best else {"lw": 1.0, "ls": (0, (5, 1 + k % 3))}
+        words = style.name(label) + (" (most evidence)" if label == best else "")
+        upper.plot(time, fitted, color=_COLOURS.get(str(label), style.INK), label=words, **bold)
+        lower.plot(time, measured - fitted, color=_COLOURS.get(str(label), style.INK), **bold)
+        left.append(measured - fitted)
+    upper.set_yscale("log")
+    style.decimal_log(upper.yaxis)
+    unit = "°" if angles else data["amplitude"].attrs["units"]
+    upper.set_ylabel(f"amplitude ({unit})")
+    lower.set(xlabel=style.TIME, ylabel=f"measured − law ({unit})")
+    style.symmetric(lower, np.nanquantile(np.abs(left), 0.97))
+    for axes in (upper, lower):
+        axes.grid(True)
+    figure.legend(loc="outside upper left", ncols=3)
+    return style.footnote(figure, *str(data.attrs["said"]).split("; "), style.emulated_note(data))
+
+
+_COLOURS = style.COLOURS | {
+    "constant_coulomb": "#CC79A7",
+    "viscous+quadratic_drag": style.INK,
+    "viscous+load_coulomb": style.INK,
+    "quadratic_drag+load_coulomb": style.INK,
+}
+
+
+@style.styled
+def resonances(data: xr.Dataset) -> Figure:
+    """Amplitude and phase of the steady swing against the frequency of a drive, with the backbone that the ring-down shows.
+
+    ``data`` is that of ``curves.resonance.resonance``; drawn is what is free of a model. Dashed: where no pendulum stays.
+    """
+    figure = style.new_figure(11.0)
+    upper, lower = figure.subplots(2, sharex=True, height_ratios=[3, 2])
+    own = data.sel(source="free")
+    size = style.degrees(data["backbone_amplitude"])
+    upper.plot(own["backbone_frequency"], size, color=style.INK, lw=0.9, ls=":", label="backbone (ring-down)")
+    lower.axhline(90, color=style.INK, lw=0.9, ls=":")
+    for k, drive in enumerate(data["drive"].values):
+        one, colour = own.isel(drive=k), _DRIVES[k % len(_DRIVES)]
+        amplitude = style.degrees(one["amplitude"])
+        for side in data["side"].values:
+            half = one.sel(side=side)
+            frequency, phase = half["frequency"].values, style.degrees(half["phase"])
+            stays = half["stable"].values > 0.5
+            low, high = half["frequency_low"].values, half["frequency_high"].values
+            upper.fill_betweenx(amplitude, low, high, color=colour, alpha=0.25, lw=0)
+            for axes, value in ((upper, amplitude), (lower, phase)):
+                axes.plot(np.where(stays, frequency, np.nan), value, color=colour)
+                between = ~stays | np.roll(~stays, 1) | np.roll(~stays, -1)
+                axes.plot(np.where(between, frequency, np.nan), value, color=colour, ls=(0, (2, 1.5)), lw=0.8)
+        words = f"{drive:.3g} rad/s²" + (
+            "" if np.isfinite(one["peak_amplitude"]) else " (peak beyond the ring-down)"
+        )
+        upper.plot([], [], color=colour, label=words)
+    upper.set_ylabel("amplitude (°)")
+    upper.set_ylim(bottom=0)
+    lower.set(
+        xlabel="frequency of the drive (Hz)", ylabel="phase lag (°)", ylim=(0, 180), yticks=[0, 90, 180]
+    )
+    for axes in (upper, lower):
+        axes.grid(True)
+    figure.legend(loc="outside upper left", ncols=4)
+    drive = (
+        "torque over inertia"
+        if data.attrs["kind"] == "torque"
+        else "acceleration of the pivot over the length"
+    )
+    dashed = "dashed: no pendulum stays there"
+    return style.footnote(figure, f"drive: {drive}", dashed, "bands of 95 %", style.emulated_note(data))
+
+
+_DRIVES = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")

@@ -1,0 +1,121 @@
+"""Groups that measured the same: do they agree, and which does not?"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from numpy.typing import ArrayLike
+from scipy.stats import chi2 as chi2_distribution
+from scipy.stats import norm
+
+from ..arrays import Floats
+from ..errors import InputError
+from .laws import BEYOND, Scatter
+
+_LEAST = 1e-9  # no uncertainty is known so well that a probability below means anything
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """Groups held against each other: chi2 of equality, its degrees of freedom and p, and the groups that stand apart.
+
+    ``table``: a row for each group with its name, number of recordings, weighted mean, standard uncertainty (widened where recordings
+    scatter within their groups), and ``pull``, how many standard uncertainties it is from the mean of the others.
+    """
+
+    chi2: float
+    dof: int
+    p: float
+    apart: tuple[str, ...]
+    table: pd.DataFrame = field(repr=False)
+
+    @property
+    def sentence(self) -> str:
+        """What is said of them."""
+        if self.p < BEYOND and (self.table["recordings"] == 1).all():
+            return f"{self._said()}; each has one recording, and how far a repetition scatters is not in their uncertainties"
+        return self._said()
+
+    @property
+    def chance(self) -> str:
+        """The probability of so much difference, in words."""
+        return f"p = {self.p:.2g}" if self.p > _LEAST else "p below 1e-9"
+
+    def _said(self) -> str:
+        chance = f"chi² {self.chi2:.3g} for {self.dof}, {self.chance}"
+        names = [str(one) for one in self.table["group"]]
+        if self.p >= BEYOND:
+            return (
+                f"{' and '.join(names) if len(names) == 2 else f'the {len(names)} groups'} agree ({chance})"
+            )
+        if len(names) == 2:
+            return f"{' and '.join(names)} do not agree ({chance})"
+        if not self.apart or len(self.apart) > len(names) / 2:
+            return f"the {len(names)} groups do not agree, and none stands out ({chance})"
+        some = f"{', '.join(self.apart)} {'does' if len(self.apart) == 1 else 'do'} not agree with the others"
+        return f"{some}, which agree with each other ({chance} for all)"
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain numbers and texts."""
+        return {"chi2": self.chi2, "dof": self.dof, "p": self.p, "apart": list(self.apart), "groups": self.table.to_dict("records")}  # fmt: skip
+
+
+def compare(groups: Sequence[str], values: ArrayLike, uncertainties: ArrayLike) -> Comparison:
+    """The ``Comparison`` of values with their standard uncertainties (above 0) by the group that each belongs to.
+
+    Recordings of a group are brought to a weighted mean. Where recordings scatter within their groups beyond their errors, all groups'
+    uncertainties are widened alike, for they measure in one way. InputError for fewer than two groups and for a value without an uncertainty.
+    """
+    values, uncertainties = np.asarray(values, dtype=float), np.asarray(uncertainties, dtype=float)
+    names = list(dict.fromkeys(map(str, groups)))
+    if len(names) < 2:
+        raise InputError("groups", f"{len(names)} group", "at least two", "name the groups")
+    if not np.all(uncertainties > 0) or not np.isfinite(values).all():
+        raise InputError("groups", "a value has no uncertainty", "values with standard uncertainties above 0", "leave it out")  # fmt: skip
+    member = np.array(list(map(str, groups)))
+    rows, within = [], []
+    for name in names:
+        own = member == name
+        mean, error, scatter = _mean(values[own], uncertainties[own])
+        rows.append((name, int(own.sum()), mean, error))
+        within.append(scatter)
+    pooled = Scatter(sum(one.chi2 for one in within), sum(one.dof for one in within))
+    table = pd.DataFrame(rows, columns=["group", "recordings", "value", "standard_uncertainty"])
+    table["standard_uncertainty"] *= pooled.widening
+    means, errors = table["value"].to_numpy(), table["standard_uncertainty"].to_numpy()
+    chi2 = _chi2(means, errors)
+    table["pull"] = [_pull(means, errors, k) for k in range(len(names))]
+    apart: list[int] = []
+    left = np.arange(len(names))
+    while len(left) > 2 and chi2_distribution.sf(_chi2(means[left], errors[left]), len(left) - 1) < BEYOND:
+        pulls = [abs(_pull(means[left], errors[left], k)) for k in range(len(left))]
+        worst = int(np.argmax(pulls))
+        if 2 * norm.sf(pulls[worst]) * len(left) >= BEYOND:  # the worst of so many
+            break
+        apart.append(int(left[worst]))
+        left = np.delete(left, worst)
+    agree = chi2_distribution.sf(_chi2(means[left], errors[left]), len(left) - 1) >= BEYOND
+    told = tuple(names[k] for k in sorted(apart)) if agree else ()
+    dof = len(names) - 1
+    return Comparison(chi2, dof, float(chi2_distribution.sf(chi2, dof)), told, table)
+
+
+def _mean(values: Floats, errors: Floats) -> tuple[float, float, Scatter]:
+    weight = errors**-2
+    mean = float(np.average(values, weights=weight))
+    return mean, float(weight.sum() ** -0.5), Scatter(float(weight @ (values - mean) ** 2), values.size - 1)
+
+
+def _chi2(means: Floats, errors: Floats) -> float:
+    weight = errors**-2
+    return float(weight @ (means - np.average(means, weights=weight)) ** 2)
+
+
+def _pull(means: Floats, errors: Floats, k: int) -> float:
+    others = np.arange(means.size) != k
+    weight = errors[others] ** -2
+    return float(
+        (means[k] - np.average(means[others], weights=weight)) / np.hypot(errors[k], weight.sum() ** -0.5)
+    )

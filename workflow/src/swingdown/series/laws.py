@@ -1,0 +1,238 @@
+"""How a quantity goes with another: power laws with errors in both, and g from periods over lengths."""
+
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.optimize import brentq, least_squares
+from scipy.stats import chi2 as chi2_distribution
+from scipy.stats import t as student
+
+from ..arrays import Floats
+from ..errors import InputError
+from ..measurement.line import FEWEST, Line, fit_line
+from ..rounding import plus_minus, value_with_uncertainty
+
+BEYOND = 0.05  # probability of chi2 below which the stated errors do not explain the scatter
+_TWO = 0.9545  # what a normal distribution holds inside two standard deviations
+
+
+@dataclass(frozen=True)
+class Scatter:
+    """How the points lie about a law: chi2 of the stated errors, its degrees of freedom and probability, the Birge ratio."""
+
+    chi2: float
+    dof: int
+
+    @property
+    def birge(self) -> float:
+        """The scatter over the stated errors: the root of chi2 over its degrees of freedom. NaN without any."""
+        return float(np.sqrt(self.chi2 / self.dof)) if self.dof else float("nan")
+
+    @property
+    def p(self) -> float:
+        """The probability of so much scatter by the stated errors alone."""
+        return float(chi2_distribution.sf(self.chi2, self.dof)) if self.dof else float("nan")
+
+    @property
+    def refuted(self) -> bool:
+        """True where the stated errors do not explain the scatter."""
+        return self.p < BEYOND
+
+    @property
+    def few(self) -> float:
+        """Student's factor for so few points where their scatter alone tells the uncertainty, so that two standard ones hold 95 %."""
+        return float(student.ppf((1 + _TWO) / 2, self.dof) / 2) if self.refuted else 1.0
+
+    @property
+    def widening(self) -> float:
+        """What standard uncertainties are multiplied by: the Birge ratio above 1, and ``few``."""
+        return self.birge * self.few if self.dof and self.birge > 1 else 1.0
+
+    @property
+    def sentence(self) -> str:
+        """What is said of it, where there is more of it than the stated errors make."""
+        if not self.widening > 1:
+            return ""
+        return f"the points scatter {self.birge:.2g} times as far as their errors say, and the uncertainty is widened to that"
+
+
+def settled(
+    x: Floats, y: Floats, u_x: Floats, u_y: Floats, share: Floats
+) -> tuple[Line, Floats, Scatter, float]:
+    """York's line through points, the covariance of (intercept, slope), how the points scatter by their stated errors, and the
+    further error.
+
+    Where all errors are stated and do not explain the scatter, all are taken to be too small alike (Birge). Where none of x is stated, each
+    y gets a further error in proportion to ``share`` so that chi2 is its expectation (Paule and Mandel 1982): else the points with the
+    smallest errors of y alone would draw the line.
+    """
+    line = fit_line(x, y, u_x, u_y)
+    scatter = Scatter(line.chi2, line.dof)
+    if not scatter.refuted or np.any(u_x > 0):
+        return line, line.covariance * scatter.widening**2, scatter, 0.0
+
+    def more(extra: float) -> Line:
+        return fit_line(x, y, u_x, np.hypot(u_y, extra * share))
+
+    top = float(np.max(np.abs(line.residuals) / share))
+    while more(top).chi2 > scatter.dof:
+        top *= 2
+    extra = brentq(lambda at: more(at).chi2 - scatter.dof, 0.0, top, rtol=1e-6)
+    line = more(extra)
+    return line, line.covariance * scatter.few**2, scatter, float(extra)
+
+
+@dataclass(frozen=True)
+class PowerLaw:
+    """y = offset + factor (x / at)^exponent with standard uncertainties, widened where the points scatter (``Scatter.widening``).
+
+    ``offset`` is 0 and its uncertainty NaN unless a point at x = 0 tells it. ``theory`` is the exponent that theory says (NaN: none), and
+    ``theory_factor`` and ``theory_offset`` the law with that exponent through the same points. ``residuals`` are y less the law.
+    """
+
+    exponent: float
+    u_exponent: float
+    factor: float
+    u_factor: float
+    at: float
+    offset: float
+    u_offset: float
+    scatter: Scatter
+    residuals: Floats = field(repr=False)
+    theory: float = float("nan")
+    theory_factor: float = float("nan")
+    theory_offset: float = 0.0
+
+    def __call__(self, x: ArrayLike) -> Floats:
+        return self.offset + self.factor * (np.asarray(x, float) / self.at) ** self.exponent
+
+    def by_theory(self, x: ArrayLike) -> Floats:
+        """The law with theory's exponent."""
+        return self.theory_offset + self.theory_factor * (np.asarray(x, float) / self.at) ** self.theory
+
+    @property
+    def away(self) -> float:
+        """How many standard uncertainties the exponent is from theory's."""
+        return abs(self.exponent - self.theory) / self.u_exponent
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain numbers; None for what there is not."""
+        found = {
+            name: getattr(self, name)
+            for name in ("exponent", "u_exponent", "factor", "u_factor", "at", "offset", "u_offset", "theory")
+        }
+        found |= {"chi2": self.scatter.chi2, "dof": self.scatter.dof, "p": self.scatter.p, "birge_ratio": self.scatter.birge, "widened_by": self.scatter.widening}  # fmt: skip
+        return {
+            key: (None if isinstance(one, float) and not np.isfinite(one) else one)
+            for key, one in found.items()
+        }
+
+
+def power_law(x: ArrayLike, y: ArrayLike, u_x: ArrayLike, u_y: ArrayLike, theory: float = np.nan) -> PowerLaw:
+    """The ``PowerLaw`` through points with independent errors in both coordinates: a line of York's through their logarithms.
+
+    Errors are standard ones, scalars or one a point, 0 in one coordinate allowed. Points at x = 0 tell an ``offset``: then the law with
+    it is fitted, along both errors. InputError for fewer than three different x above 0, values below 0, and points without any error.
+    """
+    x, y = (np.asarray(one, dtype=float) for one in (x, y))
+    u_x, u_y = (np.broadcast_to(np.asarray(one, dtype=float), x.shape) for one in (u_x, u_y))
+    rest = x > 0
+    if np.any(x < 0) or np.any(y[rest] <= 0) or np.unique(x[rest]).size < FEWEST:
+        raise InputError(
+            "series", f"{np.unique(x[rest]).size} different values above 0, of {x.size} points",
+            f"at least {FEWEST} values above 0, and quantities above 0", "add recordings at other values",
+        )  # fmt: skip
+    base = y[~rest].mean() if rest.sum() < x.size else 0.0
+    if base and np.unique(x[rest]).size > FEWEST - 1 and np.all(y[rest] > base):
+        return _with_offset(x, y, u_x, u_y, theory, float(base))
+    at = float(np.exp(np.mean(np.log(x[rest]))))
+    logs = np.log(x[rest] / at), np.log(y[rest]), u_x[rest] / x[rest], u_y[rest] / y[rest]
+    line, covariance, scatter, extra = settled(*logs, np.ones(logs[0].size))
+    u_factor, u_exponent = np.sqrt(np.diag(covariance))
+    factor = float(np.exp(line.intercept))
+    law = PowerLaw(line.slope, float(u_exponent), factor, float(factor * u_factor), at, 0.0, float("nan"), scatter, np.empty(0), theory)  # fmt: skip
+    if np.isfinite(theory):
+        weight = 1 / (logs[3] ** 2 + extra**2 + (theory * logs[2]) ** 2 + np.finfo(float).tiny)
+        law = replace(
+            law, theory_factor=float(np.exp(np.average(logs[1] - theory * logs[0], weights=weight)))
+        )
+    return replace(law, residuals=y - law(x))
+
+
+def _with_offset(x: Floats, y: Floats, u_x: Floats, u_y: Floats, theory: float, base: float) -> PowerLaw:
+    """The ``PowerLaw`` with an offset: the points are moved along both errors until they lie on it."""
+    if np.any(u_y <= 0):
+        raise InputError("series", "a point has no uncertainty", "one of every quantity", "state it")
+    at = float(np.exp(np.mean(np.log(x[x > 0]))))
+    moves = np.flatnonzero((u_x > 0) & (x > 0))
+
+    def left(values: Floats, exponent: float | None = None) -> Floats:
+        power, own = (values[2], values[3:]) if exponent is None else (exponent, values[2:])
+        placed = x.copy()
+        placed[moves] = x[moves] + own * u_x[moves]
+        away = y - values[0] - values[1] * (np.maximum(placed, 0) / at) ** power
+        return np.concatenate([away / u_y, own])
+
+    order = np.argsort(x)
+    near = float(np.interp(at, x[order], y[order])) - base
+    start = np.concatenate([[base, near, theory if np.isfinite(theory) else 1.0], np.zeros(moves.size)])
+    scale = np.concatenate([[base, near, 1.0], np.ones(moves.size)])
+    fit = least_squares(left, start, x_scale=scale, xtol=1e-12, ftol=1e-12)
+    scatter = Scatter(float(2 * fit.cost), x.size - 3)
+    u = np.sqrt(np.diag(np.linalg.inv(fit.jac.T @ fit.jac)))[:3] * scatter.widening
+    offset, factor, exponent = map(float, fit.x[:3])
+    law = PowerLaw(exponent, float(u[2]), factor, float(u[1]), at, offset, float(u[0]), scatter, np.empty(0), theory)  # fmt: skip
+    if np.isfinite(theory):
+        held = least_squares(
+            lambda values: left(values, theory), np.delete(fit.x, 2), x_scale=np.delete(scale, 2)
+        )
+        law = replace(law, theory_offset=float(held.x[0]), theory_factor=float(held.x[1]))
+    return replace(law, residuals=y - law(x))
+
+
+@dataclass(frozen=True)
+class LengthsAndPeriods:
+    """g (m/s^2) from the slope of the squared periods over the lengths, and by how much the lengths are too short (m)."""
+
+    g: float
+    u_g: float
+    short: float
+    u_short: float
+    line: Line = field(repr=False)
+    scatter: Scatter = field(repr=False)
+
+    @property
+    def sentence(self) -> str:
+        """What is said of them."""
+        told = f"g = {plus_minus(self.g, self.u_g)} m/s² by the slope of T² over the length"
+        far = abs(self.short) > 2 * self.u_short
+        if far:
+            word = "short" if self.short > 0 else "long"
+            told += f"; the lengths are too {word} by {value_with_uncertainty(1e3 * abs(self.short), 1e3 * self.u_short)} mm, all alike"
+        return told
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain numbers."""
+        return {"g_m_per_s2": self.g, "u_g_m_per_s2": self.u_g, "lengths_too_short_by_m": self.short, "u_lengths_too_short_by_m": self.u_short, "birge_ratio": self.scatter.birge}  # fmt: skip
+
+
+def gravity_of_lengths(
+    lengths: ArrayLike, periods: ArrayLike, u_lengths: ArrayLike, u_periods: ArrayLike
+) -> LengthsAndPeriods:
+    """``LengthsAndPeriods`` of bobs on strings, from lengths (m) and periods of small swings (s) with their standard uncertainties.
+
+    The line need not go through 0: lengths that are measured to another point than the bob's middle are all wrong alike, which leaves
+    the slope as it is. InputError for fewer than three points.
+    """
+    lengths, periods = np.asarray(lengths, dtype=float), np.asarray(periods, dtype=float)
+    u_x = np.broadcast_to(np.asarray(u_lengths, dtype=float), lengths.shape)
+    u_y = 2 * periods * np.asarray(u_periods, dtype=float)
+    line, covariance, scatter, _ = settled(lengths, periods**2, u_x, u_y, periods**2)
+    slope, short = line.slope, line.intercept / line.slope
+    slopes = np.array([1 / slope, -short / slope])
+    g = 4 * np.pi**2 / slope
+    return LengthsAndPeriods(
+        g, float(g / slope * np.sqrt(covariance[1, 1])), short, float(np.sqrt(slopes @ covariance @ slopes)), line, scatter
+    )  # fmt: skip

@@ -1,0 +1,266 @@
+"""A class, a series: the quantities of a table of pendulums against what was varied between them, and group against group."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any, NamedTuple
+
+import numpy as np
+import pandas as pd
+
+from ..errors import InputError
+from ..measurement.line import FEWEST
+from ..measurement.stated import Stated
+from ..rounding import value_with_uncertainty
+from .groups import Comparison, compare
+from .laws import LengthsAndPeriods, PowerLaw, gravity_of_lengths, power_law
+from .values import from_rows
+
+
+class Kind(NamedTuple):
+    """A quantity of a pendulum that goes into a series: its symbol, its words, its unit."""
+
+    symbol: str
+    words: str
+    unit: str
+
+
+PERIOD, QUALITY, DECAY = "period", "quality", "decay_rate"
+KINDS = {
+    PERIOD: Kind("T", "period of small swings", "s"),
+    QUALITY: Kind("Q", "quality", "1"),
+    DECAY: Kind("γ", "decay rate, 1 over the decay time", "1/s"),
+}
+SHOWN = {
+    "length": (PERIOD, QUALITY),
+    "mass": (QUALITY, DECAY, PERIOD),
+    "area": (DECAY,),
+    "current": (DECAY,),
+}
+# Exponents: a bob on a string, drag that the mass knows nothing of, drag by the area, eddy currents by the square of the field.
+THEORY = {
+    ("length", PERIOD): 0.5,
+    ("mass", PERIOD): 0.0,
+    ("mass", QUALITY): 1.0,
+    ("mass", DECAY): -1.0,
+    ("area", DECAY): 1.0,
+    ("current", DECAY): 2.0,
+}
+
+
+@dataclass(frozen=True)
+class Series:
+    """One quantity against one thing that was varied, or between groups.
+
+    ``table``: a row for each recording: recording, label, x, u_x (0: none is stated) or group, y, u_y, and of a law residual and by_theory
+    (what theory's law says). ``law``, ``gravity`` and ``comparison`` are None where they do not apply.
+    """
+
+    by: str
+    unit: str
+    quantity: str
+    table: pd.DataFrame = field(repr=False)
+    law: PowerLaw | None = None
+    gravity: LengthsAndPeriods | None = None
+    comparison: Comparison | None = None
+
+    @property
+    def sentence(self) -> str:
+        """What is said of it."""
+        kind = KINDS[self.quantity]
+        if self.comparison:
+            return f"{kind.words} by {self.by}: {self.comparison.sentence}"
+        assert self.law
+        law = self.law
+        less = (
+            f" less {value_with_uncertainty(law.offset, law.u_offset)} {kind.unit}"
+            if np.isfinite(law.u_offset)
+            else ""
+        )
+        power = value_with_uncertainty(law.exponent, law.u_exponent)
+        told = f"{kind.symbol}{less} goes as the power {power} of {self.by}"
+        if np.isfinite(law.theory):
+            verdict = "agrees" if law.away <= 2 else "does not agree"
+            told += (
+                f"; theory says {law.theory:g}, which {verdict} ({law.away:.1f} standard uncertainties away)"
+            )
+        parts = [told, law.scatter.sentence, self.gravity.sentence if self.gravity else "", self._unstated()]
+        return "; ".join(one for one in parts if one)
+
+    def _unstated(self) -> str:
+        return f"the uncertainty of {self.by} was not given" if not (self.table["u_x"] > 0).any() else ""
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain numbers and texts."""
+        return {
+            "by": self.by, "unit": self.unit, "quantity": self.quantity, "sentence": self.sentence,
+            "power_law": self.law.to_dict() if self.law else None,
+            "gravity": self.gravity.to_dict() if self.gravity else None,
+            "comparison": self.comparison.to_dict() if self.comparison else None,
+        }  # fmt: skip
+
+
+def quantities_in(table: pd.DataFrame) -> pd.DataFrame:
+    """A table of ``studies.pendulums`` as a row for each recording with y and u_y of each quantity (``KINDS``); NaN where it has none.
+
+    The period is that of small undamped swings, which the fit has freed of the amplitude; of passages that as recorded.
+    """
+    one = table[table["recording"] != "(joint)"]
+    found = pd.DataFrame({"recording": one["recording"], "label": one["label"]})
+
+    def column(name: str) -> pd.Series:
+        return pd.to_numeric(one[name], errors="coerce") if name in one else pd.Series(np.nan, one.index)
+
+    omega, u_omega = column("natural_frequency_rad_per_s"), column("natural_frequency_rad_per_s_u")
+    small = 2 * np.pi / omega
+    found[PERIOD] = small.fillna(column("period_s"))
+    found[f"{PERIOD}_u"] = (small * u_omega / omega).fillna(column("period_s_u"))
+    found[QUALITY], found[f"{QUALITY}_u"] = column("quality"), column("quality_u")
+    found[DECAY] = 1 / column("decay_time_s")
+    found[f"{DECAY}_u"] = column("decay_time_s_u") * found[DECAY] ** 2
+    return found.reset_index(drop=True)
+
+
+def series_of(
+    table: pd.DataFrame,
+    values: Mapping[str, Mapping[str, Stated]],
+    groups: Mapping[str, Mapping[str, str]] | None = None,
+    by: str = "",
+) -> list[Series]:
+    """The ``Series`` of a table of ``studies.pendulums``, by what was varied, and between groups.
+
+    ``values`` (in the SI's units) and ``groups`` are by recording, then by column. ``by`` chooses a column; without it all are taken that at
+    least three recordings have, at three values, and all groups. A recording without a quantity or its uncertainty is left out.
+    InputError where ``by`` is no such column.
+    """
+    measured = quantities_in(table)
+    columns = list(dict.fromkeys(column for own in values.values() for column in own))
+    words = list(dict.fromkeys(column for own in (groups or {}).values() for column in own))
+    found: list[Series] = []
+    for column in [one for one in columns if by in ("", one)]:
+        found += _against(
+            measured, {key: own[column] for key, own in values.items() if column in own}, column
+        )
+    for column in [one for one in words if by in ("", one)]:
+        found += _between(
+            measured, {key: own[column] for key, own in (groups or {}).items() if column in own}, column
+        )
+    if by and not found:
+        known = ", ".join((*columns, *words)) or "none"
+        raise InputError(
+            f"--by {by}", f"there are not {FEWEST} recordings with {FEWEST} values of it, or two groups; there is {known}",
+            "a column of the sheet, of a table beside the files, or a value in their names", "say which, or add the column",
+        )  # fmt: skip
+    return found
+
+
+def _against(measured: pd.DataFrame, values: Mapping[str, Stated], column: str) -> list[Series]:
+    units = {one.unit for one in values.values()}
+    if len(units) > 1:
+        raise InputError(f"column {column}", f"its units are {', '.join(sorted(units))}", "one unit", "convert them")  # fmt: skip
+    chosen = measured[measured["recording"].isin(values)].reset_index(drop=True)
+    chosen["x"] = [values[name].value for name in chosen["recording"]]
+    chosen["u_x"] = np.nan_to_num([values[name].uncertainty for name in chosen["recording"]])
+    found = []
+    for quantity in SHOWN.get(column, tuple(KINDS)):
+        own = _with(chosen, quantity)
+        if (
+            own["x"].nunique() < FEWEST
+            or own.loc[own["x"] > 0, "x"].nunique() < FEWEST
+            or (own["x"] < 0).any()
+        ):
+            continue
+        points = own["x"], own["y"], own["u_x"], own["u_y"]
+        law = power_law(*points, THEORY.get((column, quantity), np.nan))
+        own["residual"] = law.residuals
+        own["by_theory"] = law.by_theory(own["x"]) if np.isfinite(law.theory) else np.nan
+        gravity = gravity_of_lengths(*points) if (column, quantity) == ("length", PERIOD) else None
+        found.append(Series(column, units.copy().pop(), quantity, own, law, gravity))
+    return found
+
+
+def _rises(own: pd.DataFrame) -> bool:
+    """True where the quantity is least without what was varied: the rest then comes on top of it."""
+    still = own["x"] == 0
+    return bool(own.loc[still, "y"].max() < own.loc[~still, "y"].min()) if still.any() else True
+
+
+def _between(measured: pd.DataFrame, groups: Mapping[str, str], column: str) -> list[Series]:
+    if len(set(groups.values())) < 2:
+        return []
+    chosen = measured[measured["recording"].isin(groups)].reset_index(drop=True)
+    chosen["group"] = [groups[name] for name in chosen["recording"]]
+    found = []
+    for quantity in KINDS:
+        own = _with(chosen, quantity)
+        if own["group"].nunique() > 1:
+            comparison = compare(list(own["group"]), own["y"], own["u_y"])
+            found.append(Series(column, "", quantity, own, comparison=comparison))
+    return found
+
+
+def _with(chosen: pd.DataFrame, quantity: str) -> pd.DataFrame:
+    """The recordings that have a quantity with its uncertainty, as y and u_y."""
+    own = chosen.rename(columns={quantity: "y", f"{quantity}_u": "u_y"})
+    own = own[np.isfinite(own["y"]) & (own["y"] > 0) & np.isfinite(own["u_y"]) & (own["u_y"] > 0)]
+    return own[
+        [name for name in ("recording", "label", "x", "u_x", "group", "y", "u_y") if name in own]
+    ].reset_index(drop=True)
+
+
+def as_table(found: Sequence[Series]) -> pd.DataFrame:
+    """All points of all series below each other: by, its unit, quantity and its unit, then the columns of each."""
+    if not found:
+        return pd.DataFrame(
+            columns=["recording", "label", "by", "by_unit", "quantity", "unit", "x", "u_x", "y", "u_y"]
+        )
+    parts = []
+    for one in found:
+        part = one.table.copy()
+        for place, (name, text) in enumerate(
+            (
+                ("by", one.by),
+                ("by_unit", one.unit),
+                ("quantity", one.quantity),
+                ("unit", KINDS[one.quantity].unit),
+            )
+        ):
+            part.insert(2 + place, name, text)
+        parts.append(part)
+    return pd.concat(parts, ignore_index=True)
+
+
+_LAWS = ("exponent", "u_exponent", "theory", "chi2", "dof", "p", "birge_ratio", "widened_by")
+
+
+def as_laws(found: Sequence[Series]) -> pd.DataFrame:
+    """A row for each series: by, quantity, its exponent or its chi2 of equality, g from the slope, and the sentence."""
+    rows = []
+    for one in found:
+        row: dict[str, Any] = {"by": one.by, "quantity": one.quantity}
+        row |= {name: one.law.to_dict()[name] for name in _LAWS} if one.law else {}
+        row |= one.gravity.to_dict() if one.gravity else {}
+        if one.comparison:
+            row |= {name: getattr(one.comparison, name) for name in ("chi2", "dof", "p")}
+        rows.append(row | {"sentence": one.sentence})
+    return pd.DataFrame(
+        rows,
+        columns=[
+            "by",
+            "quantity",
+            *_LAWS,
+            "g_m_per_s2",
+            "u_g_m_per_s2",
+            "lengths_too_short_by_m",
+            "u_lengths_too_short_by_m",
+            "sentence",
+        ],
+    )
+
+
+def of_sheet(table: pd.DataFrame, stated: Mapping[str, Mapping[str, Any]]) -> list[Series]:
+    """The ``Series`` of a table of ``pendulums`` by the cells of the sample sheet; none where they make none."""
+    values, groups = from_rows({"recording": name} | dict(cells) for name, cells in stated.items())
+    try:
+        return series_of(table, values, groups)
+    except InputError:
+        return []

@@ -1,0 +1,178 @@
+"""Whether the model that describes a swing is one of a pendulum that swings by itself; if not, no number of it is told."""
+
+import warnings
+from collections.abc import Iterable, Sequence
+
+import numpy as np
+import xarray as xr
+
+from ..dataset import series_of
+from ..errors import InputError
+from ..measurement.plausibility import half_swings
+from ..pendulum.catalogue import SHIPPED, Catalogue
+from ..pendulum.model import PAPER_MODELS, SPRUNG, Model
+from .experiment import fit_recording
+from .left_over import DOUBT, MUCH
+from .norms import combine_recordings
+from .pendulums import described_by
+from .scale import DEGREE, scale_of
+
+LEFT = 0.25  # of the swing (RMS of means over a part of a period): what a damping without a name leaves of a pendulum's is less
+SURE = 3.0  # standard errors from 0
+KEPT = 0.9  # of the first swings' size: the last ones of what does not shrink
+MEND = (
+    "leave out what a hand moves or a motor drives (start_s and stop_s), and check that the column is its angle and the unit right; of a "
+    "wheel on a spring or a torsion pendulum say restoring: linear"
+)
+
+
+class DoubtfulFit(UserWarning):
+    """A model that follows a swing badly: its values may be further from the truth than their uncertainties say."""
+
+
+class NotFree(InputError):
+    """No model of damping follows it, or only one that gains energy."""
+
+
+def fit_free(angle: xr.Dataset, fitted: Sequence[Model], start: str = "free") -> xr.Dataset:
+    """The Dataset of ``experiment.fit_recording`` of a swing that a pendulum makes by itself; errors as ``ask_free`` and ``fit_any``."""
+    fits = fit_any(angle, fitted, start)
+    ask_free(fits, angle, fitted, start)
+    return fits
+
+
+def ask_free(fits: xr.Dataset, angle: xr.Dataset, fitted: Sequence[Model], start: str = "free") -> None:
+    """None for a swing that a pendulum makes by itself; NotFree for what no model of damping follows.
+
+    The question is asked of the models ``fitted``, with the ``fits`` of ``fit_any``, and where they do not follow the swing, of those of
+    damping in general: a short list may lack the right one.
+    """
+    known, restoring, form = fitted[0].catalogue, fitted[0].restoring, fitted[0].form
+    try:
+        check_free(fits, angle, described_by(combine_recordings([fits]), known), known)
+    except NotFree:
+        usual = SPRUNG if restoring == "linear" else PAPER_MODELS
+        if {model.label for model in fitted} >= set(usual):
+            raise
+        general = [Model(tuple(label.split("+")), {}, {}, restoring, form, known) for label in usual]
+        more = fit_any(angle, general, start)
+        check_free(more, angle, described_by(combine_recordings([more]), known), known)
+        fits = more
+    if restoring == "sine":
+        ask_pull(fits, angle, described_by(combine_recordings([fits]), known))
+
+
+def ask_pull(fits: xr.Dataset, angle: xr.Dataset, label: str) -> None:
+    """None where weight may pull a swing back; NotFree where the model ``label`` follows it badly, and a spring's pull explains it.
+
+    What weight pulls back is the slower the wider it swings; a spring's period is the same, as that of swings much smaller.
+    """
+    left = float(fits.sel(fitted=label)["share_left"])
+    if not left > MUCH or angle.attrs.get("unit_told", "yes") != "yes" or "half_swings" in angle:
+        return
+    series = series_of(angle)
+    if scale_of([(angle["time"].values, series.values)], "sine", str(series.name)).factor == DEGREE:
+        raise NotFree(
+            f"recording {angle.attrs['recording']}",
+            f"its period is the same for large swings and small ones, as weight makes none: damping leaves {100 * left:.3g} % of it",
+            "a pendulum that weight pulls back, or a word on what else does",
+            "of a wheel on a spring or a torsion pendulum say restoring: linear; otherwise correct the unit in the cell signal_unit of the "
+            "sheet",
+        )
+
+
+def unit_in_doubt(angles: Sequence[xr.Dataset], restoring: str = "sine") -> str:
+    """What is to be said of the unit that a pendulum's swings are taken for; empty where nothing is.
+
+    InputError where nobody stated it and the swings are a pendulum's in another one (``scale``). A stated unit is never overruled.
+    """
+    kinds = {str(series_of(one).name) for one in angles}
+    if len(kinds) > 1:
+        return ""
+    pairs = [(one["time"].values, series_of(one).values) for one in angles]
+    found, unit = scale_of(pairs, restoring, *kinds), str(series_of(angles[0]).attrs["units"])
+    told = all(one.attrs.get("unit_told", "yes") == "yes" for one in angles)
+    if told:
+        return found.doubt(unit)
+    if not found.doubt():
+        where_told = found.told or restoring != "sine"
+        return (
+            ""
+            if where_told
+            else f"no unit is stated: taken for {unit}, and the swings are too small to tell it from {unit.replace('rad', 'deg')}"
+        )
+    names = ", ".join(str(one.attrs["recording"]) for one in angles)
+    raise InputError(
+        f"recording {names}",
+        f"no unit is stated, and {found.doubt(unit)}",
+        f"swings in {unit} or in {unit.replace('rad', 'deg')}, and a word which",
+        "say which in the cell signal_unit of the sheet (`unit` of a call); of a wheel on a spring or a torsion pendulum, whose period is "
+        "the same for all swings, say restoring: linear",
+    )
+
+
+def fit_any(angle: xr.Dataset, fitted: Sequence[Model], start: str = "free") -> xr.Dataset:
+    """The Dataset of ``experiment.fit_recording``; InputError for a swing that is too short, and where the fit breaks off, as on what no pendulum does."""
+    try:
+        return fit_recording(angle, fitted, start=start)
+    except (ArithmeticError, np.linalg.LinAlgError) as problem:
+        raise breaks_off(f"recording {angle.attrs['recording']}", problem) from problem
+
+
+def breaks_off(where: str, problem: Exception) -> InputError:
+    """What is told of a fit that breaks off."""
+    return InputError(
+        where,
+        f"no pendulum moves so: its fit breaks off ({problem})",
+        "the motion of a pendulum that swings by itself",
+        MEND,
+    )
+
+
+def check_free(fits: xr.Dataset, given: xr.Dataset, label: str, catalogue: Catalogue = SHIPPED) -> None:
+    """None where the model ``label`` follows a recording with friction that takes energy; NotFree where it does not, and a warning
+    where it does so badly.
+
+    ``fits`` are those of ``studies.experiment.fit_recording`` to the angles ``given``. What is moved by a hand or a motor, or is no
+    angle at all, has a least squares fit like anything else, and its values are no pendulum's.
+    """
+    name, own = str(given.attrs["recording"]), fits.sel(fitted=label)
+    left = float(own["share_left"])
+    if not left <= LEFT:
+        raise NotFree(
+            f"recording {name}",
+            f"it does not move as a pendulum that swings by itself: the best model of damping leaves {100 * left:.3g} % of it",
+            f"at most {100 * LEFT:.0f} %",
+            MEND,
+        )
+    effects = [catalogue[one] for one in label.split("+")]
+    sizes = [one.size.name for one in effects if one.size and one.one_sided]
+    losses = {
+        size: [float(own[key].sel(parameter=size)) for key in ("value", "standard_error")] for size in sizes
+    }
+    if left > MUCH:
+        _check_dies(given, left, losses.values())
+        warnings.warn(DOUBT.format(percent=100 * left, name=name), DoubtfulFit, stacklevel=2)
+    for size, (value, error) in losses.items():
+        if value < -SURE * error:
+            raise NotFree(
+                f"recording {name}",
+                f"it gains energy: a fit needs {size.replace('_', ' ')} below 0, {value:.3g} ± {error:.2g}",
+                "a pendulum that dies away by itself",
+                MEND,
+            )
+
+
+def _check_dies(given: xr.Dataset, left: float, losses: Iterable[Sequence[float]]) -> None:
+    """NotFree where a swing keeps its size, and the model that leaves so large a share (``left``) of it has no loss that is seen."""
+    seen = [abs(value) > SURE * error for value, error in losses if np.isfinite(error)]
+    sizes = np.abs(np.diff(half_swings(series_of(given).values).turns[1:-1]))
+    part = len(sizes) // 3
+    if any(seen) or not seen or part < 1 or np.median(sizes[-part:]) < KEPT * np.median(sizes[:part]):
+        return
+    raise NotFree(
+        f"recording {given.attrs['recording']}",
+        f"its swings do not shrink, and the best model of damping leaves {100 * left:.3g} % of them, as where a motor drives it",
+        "a pendulum that dies away by itself",
+        MEND,
+    )

@@ -1,0 +1,72 @@
+"""Which recordings of a study were left out, and why."""
+
+from collections.abc import Collection, Iterable, Mapping
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+
+from ..console import framed
+from ..measurement.refused import COLUMNS
+from ..sealed import read_csv
+
+NO_VERDICT = "no_verdict"  # the status where nothing could be looked for in a campaign
+OF_ALL, OF_SEARCH = "everything", "the search"
+
+
+def explained(verdicts: Iterable[Mapping[str, Any]]) -> list[str]:
+    """The campaigns on which there is a verdict."""
+    return [str(one["campaign"]) for one in verdicts if one["status"] != NO_VERDICT]
+
+
+def left_out(
+    lost: Iterable[Mapping[str, str]],
+    verdicts: Iterable[Mapping[str, Any]] = (),
+    before: pd.DataFrame | None = None,
+    members: Collection[str] = (),
+) -> pd.DataFrame:
+    """A row for each recording that was left out, in the order of the study.
+
+    Columns: campaign, recording, label, file, problem, expected, mend, and ``left_out_of``: ``everything``, or ``the search`` of a
+    recording whose campaign could not be searched. ``lost`` are rows of ``measurement.refused.left_out``; ``verdicts`` the contents of
+    verdict.json; ``before`` a table of what was left out before the study began, of which some are ``members`` of the study all the same.
+    """
+    rows = [] if before is None else before.astype(object).where(before.notna(), "").to_dict("records")
+    found = [
+        {
+            "campaign": row["recording"],
+            "left_out_of": OF_SEARCH if str(row["recording"]) in members else OF_ALL,
+        }
+        | row
+        for row in rows
+    ]
+    found += [{"left_out_of": OF_ALL} | dict(row) for row in lost]
+    for verdict in verdicts:
+        if verdict["status"] == NO_VERDICT:
+            why = {key: verdict["no_verdict"][key] for key in ("problem", "expected", "mend")}
+            found += [
+                {
+                    "left_out_of": OF_SEARCH,
+                    "campaign": verdict["campaign"],
+                    "recording": name,
+                    "label": name,
+                    "file": "",
+                    **why,
+                }
+                for name in verdict["recordings"]
+            ]
+    table = pd.DataFrame(found, columns=[*COLUMNS, "left_out_of"])
+    return table.drop_duplicates("recording", ignore_index=True)
+
+
+def last_words(path: str | Path) -> str:
+    """What a run ends with where recordings were left out, by the table at ``path``: each with its reason and the mend; else empty."""
+    table = read_csv(path) if Path(path).exists() else pd.DataFrame()
+    if table.empty:
+        return ""
+    lines = [
+        f"{row['recording']}: {'not searched: ' if row['left_out_of'] == OF_SEARCH else ''}{row['problem']}"
+        + (f". Mend: {row['mend']}" if row["mend"] else "")
+        for row in table.fillna("").to_dict("records")
+    ]
+    return framed("Left out of these results; the report lists them:", *lines)

@@ -1,0 +1,93 @@
+"""The period as the passages through the middle have it: of readings without a scale, and of swings that no model follows well."""
+
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from ..arrays import Floats
+from ..errors import InputError
+from ..fitting.passages import both_ways, pace
+from ..measurement.angle import UNSCALED
+from ..measurement.plausibility import half_swings, passages
+from ..measurement.slack import of_angles
+from ..rounding import value_with_uncertainty
+from .quantities import Quantity
+
+_STRAIGHT = 0.25  # of a half-swing about the middle: there a swing is a line to a hundredth of a half-swing
+_FIRST = 8  # periods, each half a swing after the one before
+NOTE = "the period is that of its first swings, by passages of the middle, for the model lacks something"
+
+
+def without_scale(angle: xr.Dataset) -> bool:
+    """True for the dataset of a swing whose readings have no scale."""
+    return str(angle.attrs.get("mode", "")) == UNSCALED
+
+
+def pace_of(angle: xr.Dataset, times: Floats, series: Floats) -> dict[str, float]:
+    """``period_first`` and ``period_change`` (s) of a swing from its passages through the middle, each with its standard uncertainty
+    (``…_u``); nan for fewer than five. Passages that a hole hides are counted by the time between the others."""
+    found = passages(times, series, half_swings(series).centre())
+    if found.size:  # across a hole the middle is passed at no known time
+        after = np.searchsorted(times, found).clip(1, times.size - 1)
+        found = found[
+            times[after] - times[after - 1] < _STRAIGHT * np.median(np.diff(found, prepend=times[0]))
+        ]
+    gaps = np.diff(found)
+    halves = (
+        np.concatenate([[0], np.cumsum(np.round(gaps / np.median(gaps)))]).astype(int)
+        if gaps.size
+        else np.zeros(0, int)
+    )
+    names = {
+        "period_first": "first",
+        "period_first_u": "u_first",
+        "period_change": "change",
+        "period_change_u": "u_change",
+    }
+    try:
+        told = pace(both_ways(found, halves), halves, of_angles([angle]).clock)
+    except InputError:
+        return dict.fromkeys(names, np.nan)
+    return {key: float(getattr(told, name)) for key, name in names.items()}
+
+
+def of_first_swings(times: Floats, series: Floats) -> dict[str, float]:
+    """``period_first`` (s) as the mean of the first few periods between passages of the middle, with its standard uncertainty
+    (``…_u``); nan for fewer than three."""
+    found = passages(times, series, half_swings(series).centre())
+    periods = (found[2:] - found[:-2])[:_FIRST]
+    if periods.size < 3:
+        return dict.fromkeys(("period_first", "period_first_u"), np.nan)
+    scatter = float(np.std(periods, ddof=1) / np.sqrt(periods.size / 2))  # each half-swing is in two of them
+    return {"period_first": float(periods.mean()), "period_first_u": scatter}
+
+
+def at_first_swing(own: xr.Dataset) -> tuple[Quantity | None, dict[str, Any]]:
+    """The period of the first swing, and the cells of a row of ``studies.pendulums`` that say so: ``amplitude_text`` and ``note``.
+
+    ``own`` is the recording's part of the norms. None and no cells where too few passages tell it.
+    """
+    first, u_first, change, u_change = (
+        float(np.atleast_1d(own[name].values)[0]) if name in own else np.nan
+        for name in ("period_first", "period_first_u", "period_change", "period_change_u")
+    )
+    if not np.isfinite([first, change]).all():
+        return None, {}
+    both = [
+        value_with_uncertainty(one, u)
+        for one, u in ((first, u_first), (first + change, float(np.hypot(u_first, u_change))))
+    ]
+    note = f"between the first and the last swing the period goes from {both[0]} to {both[1]} s; the period of small swings needs the scale"
+    return Quantity(first, u_first, "s"), {"amplitude_text": "the first swing", "note": note}
+
+
+def as_seen(own: xr.Dataset) -> tuple[Quantity | None, str]:
+    """The period of the first swings of what a model of damping follows badly, and a note; None where too few passages tell it.
+
+    A model that lacks something may have another period than the swing, and its uncertainty knows nothing of that.
+    """
+    if "period_first" not in own or not np.isfinite(own["period_first"].values).all():
+        return None, ""
+    first, u_first = (float(np.atleast_1d(own[key].values)[0]) for key in ("period_first", "period_first_u"))
+    return Quantity(first, u_first, "s"), NOTE
