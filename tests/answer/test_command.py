@@ -1,5 +1,6 @@
 """One command from files to an answer: what a newcomer types in a folder with nothing but their exports."""
 
+import csv
 import os
 import subprocess
 import sys
@@ -153,6 +154,28 @@ def test_a_folder_is_told_whole(here, snakemake, capsys):
     wanted = ["results/recordings/group-7.nc", "results/recordings/script.nc"]
     snakemake(*wanted, "--configfile", study / "study.yaml", directory=study)
     assert all((study / one).exists() for one in wanted)
+
+
+def test_names_are_no_formulas_in_its_tables_and_hold_no_control_characters(here, capsys):
+    """A spreadsheet would compute the first, a terminal obey the second; each is read again as what it was."""
+    for name in ("=1+2.csv", "@sum.csv", "an\x1b[31mna\x07.csv"):
+        export(here / name)
+    (here / "=3.txt").write_text("no numbers\n")
+    (here / "-x\x1b.pdf").write_text("")
+    assert main([".", "--quick", "--into", "."]) == 0
+    for name, column in (("recordings.csv", "file"), ("first_answer.csv", "label"), ("left_out.csv", "file")):
+        with open(name, newline="") as file:
+            rows = list(csv.DictReader(file))
+        assert not [cell for row in rows for cell in row.values() if cell[:1] in "=@" and cell], name
+        assert not [row["label"] for row in rows if "\x1b" in row["label"]], name
+        assert {"'=1+2", "'@sum", "an\\x1b[31mna\\x07"} <= {
+            row["label"] for row in rows
+        } or name == "left_out.csv"
+        assert [row[column] for row in rows if row[column].startswith("'=")], name
+    sheet = read_sheet("recordings.csv")
+    assert set(sheet["label"]) == {"=1+2", "@sum", "an\\x1b[31mna\\x07"}
+    assert set(sheet["file"]) == {"=1+2.csv", "@sum.csv", "an\x1b[31mna\x07.csv"}
+    assert "'-x\\x1b.pdf" in set(pd.read_csv("left_out.csv")["label"])
 
 
 def test_together_they_are_one_pendulum(here, capsys):

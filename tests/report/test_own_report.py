@@ -105,6 +105,16 @@ def test_it_opens_with_the_sentence_then_recording_quantities_torque_evidence_se
     assert text.count(shown["period_s_text"]) == 2, "in the sentence, and in the table"
 
 
+def test_control_characters_of_a_name_are_shown_and_not_obeyed(made):
+    """One turns the line round, another is no character of a page at all."""
+    material, folder = made
+    (one,) = material(1).recordings
+    text = plain(
+        written(dataclasses.replace(material(1), recordings=[one | {"file": "../a\u202eb\x0b.csv"}]), folder)
+    )
+    assert text.count("a\\u202eb\\x0b.csv") == 2 and not set(text) & set("\u202e\x0b")
+
+
 def test_figures_that_have_nothing_to_say_are_left_out(made):
     """Where nothing was missing, and no move was made, there is no torque that is missing and no before and after."""
     material, folder = made

@@ -166,7 +166,12 @@ def for_spreadsheets(table: Any) -> Any:
 
 def from_spreadsheets(table: Any) -> Any:
     """The table that was given to ``for_spreadsheets``."""
-    return _texts(table, lambda text: text[1:] if text[:1] == "'" and _FORMULA.match(text[1:]) else text)
+    return _texts(table, from_cell)
+
+
+def from_cell(text: str) -> str:
+    """A text without the apostrophe that ``for_spreadsheets`` gave it."""
+    return text[1:] if text[:1] == "'" and _FORMULA.match(text[1:]) else text
 
 
 def _texts(table: Any, change: Callable[[str], str]) -> Any:

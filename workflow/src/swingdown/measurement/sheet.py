@@ -10,7 +10,7 @@ from typing import Any
 import pandas as pd
 
 from ..errors import InputError
-from ..paths import find, is_url, printable, safe_name
+from ..paths import find, from_cell, is_url, printable, safe_name
 from ..schema import check, near, rules
 
 SCHEMA = "recordings.schema.yaml"  # what a row may hold
@@ -153,7 +153,7 @@ def _row(path: object, number: int, header: list[str], cells: list[str], check_f
             "a cell for each column",
             "quote a cell that contains a comma",
         )
-    given: dict[str, Any] = {name: cell for name, cell in zip(header, cells, strict=False) if cell}
+    given: dict[str, Any] = {name: from_cell(cell) for name, cell in zip(header, cells, strict=False) if cell}
     for column, unit, known in (
         ("time_column", "time_unit", tuple(TIME_UNITS)),
         ("signal_column", "signal_unit", SIGNAL_UNITS),

@@ -11,6 +11,7 @@ import jinja2
 from docutils.core import publish_parts
 from markupsafe import Markup
 
+from ..paths import printable
 from ..sealed import read_bytes, write_text
 from . import trace
 
@@ -160,7 +161,7 @@ def write(path: str | Path, sections: Sequence[Section], **head: str | Sequence[
     html = environment.from_string(TEMPLATE.read_text(encoding="utf-8")).render(
         sections=sections, **more, **head
     )
-    return write_text(path, html)
+    return write_text(path, printable(html))
 
 
 def _anchor(label: str) -> str:

@@ -23,7 +23,7 @@ from ..measurement.release import SeveralReleases
 from ..measurement.runs import SeveralRuns
 from ..measurement.sheet import COLUMNS
 from ..measurement.source import NETCDF
-from ..paths import safe_name, write_csv, write_text
+from ..paths import for_spreadsheets, printable, safe_name, write_csv, write_text
 from ..pendulum.model import SPRUNG
 
 # What of a folder is given to the readers; they tell of each that they cannot use why.
@@ -116,14 +116,19 @@ def _passed(path: Path) -> Refused:
     )  # fmt: skip
     name = safe_name(_shown(path))
     return Refused(
-        name, _shown(path), f"{NOT_LOOKED_AT}: {what}", "", "name it by itself, if it is one", _shown(path)
+        name,
+        _shown(path),
+        f"{NOT_LOOKED_AT}: {what}",
+        "",
+        "name it by itself, if it is one",
+        printable(_shown(path)),
     )
 
 
 def _misnamed(path: Path) -> Refused:
     """A file whose name no sheet can hold: its bytes are no UTF-8."""
     shown = _shown(path)
-    return Refused(safe_name(shown), shown, "the name of the file is in another encoding than UTF-8, perhaps Latin-1", "a name in UTF-8", "rename the file", shown)  # fmt: skip
+    return Refused(safe_name(shown), shown, "the name of the file is in another encoding than UTF-8, perhaps Latin-1", "a name in UTF-8", "rename the file", printable(shown))  # fmt: skip
 
 
 def _shown(path: Path) -> str:
@@ -173,7 +178,7 @@ def rows(
             "campaign": TOGETHER if together else name,
             "file": os.path.relpath(path.resolve(), folder.resolve()),
         }
-        | ({"label": path.stem} if path.stem != name else {})
+        | ({"label": printable(path.stem)} if path.stem != name else {})
         | {key: cell for key, cell in (told or {}).items() if cell is not None}
         for name, path in zip(names(paths), paths, strict=True)
     ]
@@ -259,14 +264,14 @@ def _written(
 ) -> Path:
     _check_untouched(folder)
     columns = [name for name in COLUMNS if any(name in row for row in kept)]
-    write_csv(pd.DataFrame(kept).reindex(columns=columns), folder / SHEET)
+    write_csv(for_spreadsheets(pd.DataFrame(kept).reindex(columns=columns)), folder / SHEET)
     settings: dict[str, Any] = {"recordings": SHEET, "simulation": {"simulated": []}}
     search: dict[str, Any] = {}
     if restoring == "linear":
         settings |= {"model": {"restoring": restoring}, "experiment": {"fitted": list(SPRUNG)}}
         search["base"] = list(SPRUNG_BASE)
     if left_out:
-        write_csv(pd.DataFrame(left_out), folder / LEFT_OUT)
+        write_csv(for_spreadsheets(pd.DataFrame(left_out)), folder / LEFT_OUT)
         settings["left_out"] = LEFT_OUT
     campaigns = dict.fromkeys(row["campaign"] for row in kept)
     if [name for name in campaigns if name not in searched]:
