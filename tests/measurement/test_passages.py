@@ -125,3 +125,55 @@ def test_nothing_else_is_taken_for_passages(tmp_path, text):
         assert "half-swing or a whole period" not in problem.problem
     else:
         assert "half_swings" not in found or found.attrs["kind"] not in ("passages", "periods")
+
+
+def test_of_two_gates_the_one_with_more_passages_is_taken(tmp_path):
+    events = [
+        (t + late + side * 0.01, gate, int(side < 0))
+        for gate, late in (("A", 0.0), ("B", 0.06))
+        for t in T
+        for side in (-1, 1)
+    ]
+    state, lines = {"A": 0, "B": 0}, []
+    for at, gate, dark in sorted(events)[:-4]:
+        state[gate] = dark
+        lines.append(f"{at:.5f},{at:.4f},{state['A']},{state['B']},")
+    text = "\n".join(["Time,Event Time,State at A,State at B,Comment", "s,s,State,State,", "", *lines, ""])
+    found = taken(tmp_path, text)
+    assert "another gate is left out" in found.attrs["remarks"] and "`State at A`" in found.attrs["remarks"]
+    np.testing.assert_allclose(found["time"].values, T[:59] + 0.06, atol=1e-3)
+    other = taken(tmp_path, text, signal_column="State at A")  # its first passage has begun before
+    np.testing.assert_allclose(other["time"].values, T[1:59], atol=1e-3)
+
+
+def test_times_with_the_period_and_the_dark_time_at_each(tmp_path):
+    rows = "\n".join(f"{t:.6f}\t{2 * HALF:.6f}\t{0.02 / v:.6f}" for t, v in zip(T, SPEEDS, strict=True))
+    found = taken(tmp_path, f"#Creator: a gate\n#Time\tPeriod\tTransit time\n#[s]\t[s]\t[s]\n{rows}\n")
+    assert found.attrs["kind"] == "passages"
+    assert list(found["half_swings"].values) == list(NUMBER)
+    np.testing.assert_allclose(np.abs(found["signal"].values), SPEEDS / 0.02, rtol=1e-3)
+
+
+@pytest.mark.parametrize("numbered", [False, True])
+def test_a_column_of_periods_without_a_name_is_asked_about(tmp_path, numbered):
+    periods = 2.03 - 1e-5 * NUMBER + 0.02 * np.random.default_rng(8).standard_normal(60)
+    text = "\n".join(f"{value:.4f}" + f",{n:03}" * numbered for n, value in enumerate(periods, 1))
+    with pytest.raises(InputError, match="periods of a pendulum, or readings"):
+        taken(tmp_path, text)
+    found = taken(tmp_path, text, signal_kind="periods")
+    assert found["half_swings"].values[-1] == 120
+    assert found["time"].values[-1] == pytest.approx(periods.sum(), abs=0.01)
+
+
+def test_periods_that_grow_are_no_times(tmp_path):
+    periods = 1.4 + 1e-4 * NUMBER
+    found = taken(tmp_path, column("period (s)", periods))
+    assert found["time"].values[-1] == pytest.approx(periods.sum(), abs=0.01)
+
+
+def test_numbered_readings_of_a_swing_are_not_asked_whether_they_are_periods(tmp_path):
+    text = "\n".join(f"{n},{512 + 90 * np.cos(0.3 * n):.0f}" for n in range(400))
+    try:
+        taken(tmp_path, text)
+    except InputError as problem:
+        assert "periods of a pendulum" not in problem.problem

@@ -36,6 +36,12 @@ def test_turning_points_by_turns_are_one_each_half_swing(tmp_path, sign):
     assert list(found["half_swings"].values) == list(range(60))
 
 
+def test_where_the_sides_stop_taking_turns_the_longer_part_is_used(tmp_path):
+    found = taken(tmp_path, "t (s),angle (rad)", T, np.where(np.arange(60) < 40, A, -A))
+    assert list(found["half_swings"].values) == list(range(40))
+    assert "follow each other as if on both" in found.attrs["remarks"]
+
+
 def test_sides_without_signs_are_told_by_the_zero_of_the_scale(tmp_path):
     found = taken(tmp_path, "t (s),amplitude (rad)", T, np.abs(A + 0.01))
     assert (

@@ -5,7 +5,7 @@ are such a file; where its values do not tell whether a half-swing or a period p
 """
 
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -14,22 +14,31 @@ import xarray as xr
 
 from ..arrays import Floats
 from ..errors import InputError
-from .columns import TIME, UNTOLD, Meaning, meaning
+from .columns import TIME, UNTOLD, Meaning, meaning, place_of
+from .plausibility import half_swings
 from .points_recording import PASSED, about_file, as_recording
 from .points_table import is_number, peeked
 from .sheet import TIME_UNITS
 from .source import Table
 from .swing_counts import FEWEST, counts
 from .table import numbers
-from .turning_points import FASTEST, PASSAGES, PERIODS, Points, falls, too_few, unequal_sides
+from .turning_points import (
+    FASTEST,
+    PASSAGES,
+    PERIODS,
+    Points,
+    falls,
+    too_few,
+    unequal_sides,
+)
 
-_GATE = re.compile(r"(?i)\b(gate|state|blocked|photogate|lichtschranke)\b")
+_GATE = re.compile(r"(?i)\b(gate ?\d*|gate ?states?|state|blocked|photogate|lichtschranke) ?\d*\b")
 _PERIOD = re.compile(r"(?i)\b(t|period|periods|période|periode|periodo|schwingungsdauer)\b")
 _INTERVAL = re.compile(r"(?i)\b(intervals?|dt|Δt|delta t)\b")
 _HALF = re.compile(r"(?i)half|halb|demi|medio|t ?/ ?2")
 _SPEED = re.compile(r"(?i)\b(speed|velocity|geschwindigkeit)\b")
 _SPEEDS = ("m/s", "cm/s")
-_DARK = re.compile(r"(?i)\b(block(ed)?|dark|dunkel\w*|gate) ?(time|duration)?\b")
+_DARK = re.compile(r"(?i)\b(block(ed)?|dark|dunkel\w*|gate|transito?) ?(time|duration)?\b")
 _ALIKE = 0.25  # of the usual step: a step that differs by more is no half-swing beside another
 _USUAL = 0.9  # of all steps that are alike: the others are passages missed
 _SLOWEST = 100.0  # s; a pendulum with this period is 2.5 km long
@@ -76,6 +85,38 @@ def passages(table: Table, row: Mapping[str, Any], place: str) -> tuple[Table, x
     words = "each half-swing" if kind == PASSAGES else "one a period"
     about = about_file(table, row, ", ".join([gate.taken, words, *([table.layout] if table.layout else [])]))
     return table, as_passages(points, kind, gate.unit, about, row)
+
+
+def ask_periods(table: Table, row: Mapping[str, Any], place: str) -> Table:
+    """The table, to be read on; InputError where all that it holds is one column of numbers nearly alike, and nobody says what they are."""
+    if (
+        row.get("signal_kind")
+        or row.get("rate_hz", np.nan) > 0
+        or row.get("role") == "static"
+        or row["signal_column"]
+    ):
+        return table
+    rows, table = peeked(table)
+    if rows is None or rows.empty:
+        return table
+    columns = [meaning(name, table.units.get(name, "")) for name in table.names]
+    rest = [
+        one for one in columns if not is_number(one, _sound(numbers(rows[one.name], table.decimal)), table)
+    ]
+    values = (
+        _sound(numbers(rows[rest[0].name], table.decimal))
+        if len(rest) == 1 and rest[0].kind == UNTOLD
+        else np.empty(0)
+    )
+    crossed = half_swings(values).starts if values.size else np.empty(0)
+    sampled = crossed.size > 3 and _alike(np.diff(crossed).astype(float))
+    if values.size < FEWEST or sampled or not _alike(values):
+        return table
+    raise InputError(
+        f"{row['file']}, {place_of(rest[0].name)} ({place})", f"{values.size} numbers, nearly all about {np.median(values):.4g}, and nobody says what they are: periods of a pendulum, or readings?",
+        "periods, the times between passages, or readings with their rate",
+        "write periods (one a period) or passages (two a period) in the cell signal_kind of the sheet; of readings write the samples a second in the cell rate_hz of the sheet",
+    )  # fmt: skip
 
 
 def as_passages(
@@ -148,24 +189,56 @@ def _gate(rows: pd.DataFrame, table: Table, row: Mapping[str, Any]) -> Gate | No
     rest = [one for one in columns if one not in number]
     if row["time_column"]:
         rest.sort(key=lambda one: one.name != row["time_column"])
+    if not rest:
+        return None
+    states = [one for one in rest[1:] if _GATE.search(_label(one)) and _are_states(values[one.name])]
+    if states and row["signal_column"] in ("", *(one.name for one in states)):
+        return _of_gates(rest[0], states, values, row)
     if row["signal_column"]:
         rest = [one for one in rest if one.name == row["signal_column"]] if row["signal_kind"] else []
-    if not rest or len(rest) > 3:
-        return None
-    states = [one for one in rest if _GATE.search(_label(one)) and _are_states(values[one.name])]
-    if states and rest[0] not in states:
-        return _of_states(rest[0], states[0], values, row)
-    first = rest[0]
     if len(rest) == 1:
-        return _alone(first, _sound(values[first.name]), row)
-    if len(rest) > 2:
+        return _alone(rest[0], _sound(values[rest[0].name]), row)
+    return _of_columns(rest[0], rest[1:], values, row) if rest else None
+
+
+def _of_columns(
+    clock: Meaning, beside: Sequence[Meaning], values: Mapping[str, Floats], row: Mapping[str, Any]
+) -> Gate | None:
+    """Times with the period that ends at each, with the speed or the dark time there, or with both; None where a column is neither."""
+    speeds = [
+        one
+        for one in beside
+        if _DARK.search(_label(one)) or _SPEED.search(_label(one)) or one.written in _SPEEDS
+    ]
+    periods = [
+        one
+        for one in beside
+        if one not in speeds and _PERIOD.search(_label(one)) and one.kind in (UNTOLD, TIME)
+    ]
+    if len(speeds) + len(periods) < len(beside):
         return None
-    beside, name = rest[1], _label(rest[1])
-    if _DARK.search(name) or _SPEED.search(name) or beside.written in _SPEEDS:
-        return _with_speeds(first, beside, values, row)
-    if _PERIOD.search(name) and beside.kind in (UNTOLD, TIME):
-        return _with_periods(first, values[first.name], values[beside.name], row)
-    return None
+    counted = _with_periods(clock, values[clock.name], values[periods[0].name], row) if periods else None
+    if not speeds or (periods and counted is None):
+        return counted
+    found = _with_speeds(clock, speeds[0], values, row)
+    return found._replace(kind=counted.kind) if found and counted else found
+
+
+def _of_gates(
+    clock: Meaning, states: Sequence[Meaning], values: Mapping[str, Floats], row: Mapping[str, Any]
+) -> Gate | None:
+    """Passages of the gate that the sheet names, or else of the one that has most; each gate is passed twice a period."""
+    named = [one for one in states if one.name == row["signal_column"]]
+    gates = [(one, _of_states(clock, one, values, row)) for one in named or states]
+    found = [(one, gate) for one, gate in gates if gate is not None]
+    if not found:
+        return None
+    best, gate = max(found, key=lambda one: one[1].times.size)
+    others = ", ".join(f"`{one.name}`" for one in states if one is not best)
+    told = [
+        f"another gate is left out, for each is passed twice a period: {others} (signal_column in the sheet says otherwise)"
+    ]
+    return gate._replace(remarks=gate.remarks + (told if others else []))
 
 
 def _with_periods(clock: Meaning, times: Floats, periods: Floats, row: Mapping[str, Any]) -> Gate | None:
@@ -200,20 +273,22 @@ def _alone(one: Meaning, values: Floats, row: Mapping[str, Any]) -> Gate | None:
     name = _label(one)
     if values.size < 3 or values.min() < 0 or not np.ptp(values) or one.kind not in (UNTOLD, TIME):
         return None
-    rising = bool(np.all(np.diff(values) > 0))
-    steps = np.diff(values) if rising else values
-    if not _alike(steps) or not (
-        rising or _PERIOD.search(name) or _INTERVAL.search(name) or _HALF.search(name)
-    ):
+    intervals = row["signal_kind"] or any(word.search(name) for word in (_PERIOD, _INTERVAL, _HALF))
+    for steps in (np.diff(values), values) if intervals else (np.diff(values),):
+        scale, unit, told = _seconds(one, float(np.median(steps)), row)
+        # periods may grow from first to last: they are no times, which lie a half-swing apart or more
+        if np.all(steps > 0) and _alike(steps) and scale * float(np.median(steps)) >= FASTEST / 2:
+            break
+    else:
         return None
-    scale, unit, told = _seconds(one, float(np.median(steps)), row)
-    if scale * float(np.median(steps)) < FASTEST / 2:  # a half-swing of the fastest
-        return None
-    if rising:
-        return Gate(scale * values, np.full(values.size, np.nan), "", "", f"took `{one.name}` as times of passages, in {unit}", told)  # fmt: skip
+    unknown = np.full(values.size + (steps is values), np.nan)
+    if steps is not values:
+        return Gate(
+            scale * values, unknown, "", "", f"took `{one.name}` as times of passages, in {unit}", told
+        )
     kind = PASSAGES if _HALF.search(name) else "" if _INTERVAL.search(name) else PERIODS
     times = scale * np.concatenate([[0.0], np.cumsum(values)])
-    return Gate(times, np.full(times.size, np.nan), "", kind, f"took `{one.name}` as intervals between passages, in {unit}", told)  # fmt: skip
+    return Gate(times, unknown, "", kind, f"took `{one.name}` as intervals between passages, in {unit}", told)
 
 
 def _with_speeds(

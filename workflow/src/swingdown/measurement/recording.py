@@ -14,7 +14,7 @@ from . import phyphox
 from .columns import place_of
 from .interpret import Interpreted, interpret
 from .judge import Judged, Reading, check_used, judge, used_part
-from .passages import passages
+from .passages import ask_periods, passages
 from .points_table import turning_points
 from .quality import check_signal
 from .release import SeveralReleases, several_releases, within
@@ -61,6 +61,7 @@ def ingest(
             table, points = turning_points(table, row, place)
         if points is not None:
             return points.assign_attrs(sha256=digest)
+        table = ask_periods(table, row, place)
         partial = _check_whole(table.about, row, row["file"], place)
         about = {"partial": "yes" if partial else "no", "sha256": digest}
         try:

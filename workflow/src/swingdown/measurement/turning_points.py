@@ -24,6 +24,7 @@ _NOISE = (
 )
 FASTEST = 0.1  # s; a pendulum with this period is 2.5 mm long
 _SMOOTH = 5  # degree of a polynomial that follows any envelope, and no swing of as many sides
+_WRONG = 0.1  # of the signs of turning points: more are none of both sides by turns
 _SURE = 4.0  # standard errors of a bend
 _CHANCE = 1e-5  # of taking the two sides for different where they are not
 _ASKED = 0.01  # of asking where they are not
@@ -97,9 +98,6 @@ def points_in(
         times, readings, remarks = times[used], readings[used], remarks + told
         if not stated and not both:
             _check_marks(times, place)
-    missed = int(halves[-1] // step + 1 - halves.size)
-    if missed:
-        remarks.append(f"between its {halves.size} points {missed} more were not written down")
     if not counted and np.min(np.diff(halves)) > step:
         remarks.append(
             "no two of its points follow each other: a whole fraction of this period fits them as well"
@@ -115,10 +113,21 @@ def points_in(
     sign = 1.0 if halves[0] % 2 == 0 else -1.0
     if signed:
         flipped = readings * (1.0 if readings[0] > 0 else -1.0) * sign
-        if both and np.count_nonzero(np.sign(flipped) != (-1.0) ** halves) > 0.1 * halves.size:
-            raise _no_count(place)
+        in_turn = np.sign(flipped) == (-1.0) ** halves
+        if both and np.mean(in_turn) < 1 - _WRONG:
+            used = _longest(in_turn)
+            if 2 * (used.stop - used.start) < halves.size:
+                raise _no_count(place)
+            remarks.append(
+                f"used from {times[used][0]:.6g} to {times[used][-1]:.6g} s: beyond two turning points on one side follow each other as if on both"
+            )
+            times, halves = times[used], halves[used] - halves[used][0]
+            flipped = flipped[used] * np.sign(flipped[used][0])
     else:
         flipped = np.abs(readings) * (-1.0) ** halves
+    missed = int(halves[-1] // step + 1 - halves.size)
+    if missed:
+        remarks.append(f"between its {halves.size} points {missed} more were not written down")
     if not both:
         remarks.append("the law of its damping rests on the zero of its scale, for only one side is there")
     return Points(times, halves, flipped, both, not counted, remarks)
@@ -134,7 +143,8 @@ def _sides(
         usual = np.diff(times) < 1.5 * np.median(np.diff(times))
         middle = float(np.median((readings[:-2] + 2 * readings[1:-1] + readings[2:]) / 4))
         side = np.sign(readings - middle)
-        if stated == ONE_SIDE or not np.all((side[1:] != side[:-1])[usual]):
+        # a sign that was written wrongly stays a turning point; three samples a period leave a third on one side
+        if stated == ONE_SIDE or np.mean((side[1:] != side[:-1])[usual]) < 1 - _WRONG:
             if stated:
                 raise _no_sides(place)
             return None
@@ -197,6 +207,13 @@ def _once(times: Floats, readings: Floats, signed: bool) -> tuple[Floats, Floats
         f"{lost} of its turning points {'stand' if lost > 1 else 'stands'} twice, less than half the usual time apart: the larger is taken"
     ]
     return times[kept], readings[kept], told if lost else []
+
+
+def _longest(same: np.ndarray) -> slice:
+    """The longest part in which the values are the same."""
+    edges = np.flatnonzero(np.concatenate([[True], same[1:] != same[:-1], [True]]))
+    k = int(np.argmax(np.diff(edges)))
+    return slice(int(edges[k]), int(edges[k + 1]))
 
 
 def _no_sides(place: str) -> InputError:
