@@ -103,6 +103,13 @@ def test_noise_is_measured_with_its_colour(correlation):
     assert noise.correlation == pytest.approx(correlation, abs=0.03)
 
 
+def test_noise_that_rises_in_its_band_is_taken_for_white():
+    """Differences of white noise have next to nothing at the pendulum's frequency: that is not known of a sensor."""
+    series = np.diff(np.random.default_rng(6).standard_normal(20_000)) / np.sqrt(2)
+    noise = measure_noise([NOISE * series], [0.01], 1.15)
+    assert noise.slow_variance == pytest.approx(NOISE**2, rel=0.1)
+
+
 def test_a_candidate_that_the_engine_does_not_take_ends_no_search():
     """Of a pendulum so slow that a support in proportion to it would be below the catalogue's lowest frequency."""
     times, rng = 200.0 * TIMES, np.random.default_rng(3)

@@ -161,4 +161,5 @@ def measure_noise(
     found = whittle(cosine, power)
     # what a kinked error leaves in the band looks like strong slow noise; the noise is never more than the whole residual
     whole = np.sqrt(np.mean(np.concatenate([np.square(residual) for residual in residuals])))
-    return Noise(float(min(found.deviation, whole)), found.correlation)
+    # that the noise rises within the band does not say that it is next to none below
+    return Noise(float(min(found.deviation, whole)), max(found.correlation, 0.0))

@@ -148,7 +148,7 @@ class _Likelihood:
         total, noise = self.covariance(x)
         root = cholesky(total, lower=True, overwrite_a=True, check_finite=False)
         weights = cho_solve((root, True), self.along, check_finite=False)
-        inverse, _ = dpotri(root, lower=1)  # its lower triangle
+        inverse = dpotri(root, lower=1)[0] if root.size else root  # its lower triangle
         inverse += np.tril(inverse, -1).T
         beyond = self.rows - self.along.size
         value = 0.5 * (weights @ self.along) + np.log(np.diag(root) / np.sqrt(self.variance)).sum()
