@@ -135,6 +135,15 @@ def test_one_refusal_of_two_jobs_of_the_cluster_is_told_once(shown):
     assert "FAILED" in again and "it is damaged" not in again
 
 
+def test_a_record_that_never_was_is_not_missed():
+    """Of a chunk's job that fails Snakemake warns, beside the reason, that it finds no older record to put back."""
+    handler = LogHandler(SimpleNamespace(stdout=False, dryrun=False, verbose=False), None)
+    handler.stream = io.StringIO()
+    for text in ("Cannot restore results/sweeps/a/jobs/1.json: no backup found.", "something else"):
+        handler.emit(logging.makeLogRecord({"msg": text, "levelno": logging.WARNING}))
+    assert handler.stream.getvalue() == "something else\n"
+
+
 @pytest.mark.parametrize("text", [None, "\n"])
 def test_a_job_of_the_cluster_that_said_nothing_is_told_by_what_slurm_says(shown, tmp_path, text):
     assert "SLURM-job '7' failed" in shown(text) and "Mend: see `scontrol show job 7`" in shown(text)

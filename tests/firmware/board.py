@@ -131,7 +131,7 @@ class Board:
         held_up=np.inf,
         **defined,
     ):
-        self.folder = Path(folder)
+        self.folder, self.held_up = Path(folder), held_up
         self.port = Path(port or self.folder / "port")
         self._volts, self._truth = self.folder / "volts", self.folder / "truth"
         signal = volts(angles) if counts is None else counts / (2 * np.pi) * np.asarray(angles)

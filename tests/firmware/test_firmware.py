@@ -105,10 +105,30 @@ def check_truth(data, board, rate=100):
         assert passed == pytest.approx(clock, abs=2e-7)
         return
     # On a busy machine the emulator falls behind real time, and the host's clock corrects that. What it catches up looks like a host
-    # that is late, so the promptest sample of each tenth counts. Held up in every way, these agreed within 7 standard uncertainties.
+    # that is late, so the promptest sample of each tenth counts. Held up as it was asked to be, these agreed within 7 standard
+    # uncertainties; where the machine itself stops the emulator, as no board is, they may be wrong by as much as it does.
     late = host[at] - host[at[0]] - passed
     promptest = [tenth.min() for tenth in np.array_split(late, 10)]
-    assert np.ptp(promptest) <= 10 * data.attrs["time_standard_uncertainty_s"]
+    assert np.ptp(promptest) <= 10 * data.attrs["time_standard_uncertainty_s"] + jolted(board, at)
+
+
+def jolted(board, at):
+    """By how much (s) the machine stopped the emulator and let it go in samples ``at``, unasked, at worst.
+
+    How far the promptest sample of each thirtieth lies beside the line through those before and after it: 0.1 ms on a quiet machine.
+    """
+    _, cycles, host = board.truth()
+    moment = (cycles - cycles[0]) / 16e6
+    late = host - host[0] - moment
+    parts = [part[np.argmin(late[part])] for part in np.array_split(at, 30)]
+    worst = 0.0
+    for before, here, after in zip(parts, parts[1:], parts[2:], strict=False):
+        if (
+            not moment[before] - 0.1 < board.held_up < moment[after] + 0.1
+        ):  # there it bends as it was asked to
+            line = np.interp(moment[here], moment[[before, after]], late[[before, after]])
+            worst = max(worst, abs(late[here] - line))
+    return worst
 
 
 def test_the_capture_rule_records_the_real_firmware(bench):

@@ -28,6 +28,7 @@ _KNOWN = (
     "No SLURM account given, trying to guess.",
     "No account was given, not able to get a SLURM account",
     "Unable to guess SLURM account. Trying to proceed without.",
+    "Cannot restore ",  # the record of a job that failed, which there was none of before
     "Failed to setup log file",  # of a folder that cannot be written, which is told at the first result
 )
 

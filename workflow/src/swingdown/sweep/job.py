@@ -28,7 +28,7 @@ def work(book: str, stem: str, results: str) -> str:
     name, _, wanted = stem.partition("-")
     chunk = find_chunk(book, name)
     if wanted not in ("", code.version(chunk.computes)):
-        raise InputError(f"sweep, chunk {name}", f"the code was changed since the run began (it was {wanted}, it is {code.version(chunk.computes)})",
+        raise InputError(f"sweep, code of {chunk.computes}", f"the code was changed since the run began (it was {wanted}, it is {code.version(chunk.computes)})",
                          "one code for a run", "give the same command again")  # fmt: skip
     data, told = compute(chunk, import_module(f".{chunk.computes}", __package__))
     new = store.write(data, stem, results) if Path(results).suffix == ".json" else publish(data, results)
