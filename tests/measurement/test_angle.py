@@ -252,3 +252,11 @@ def test_the_paper_s_bound_does_not_say_that_it_holds_95(swing, calibration):
     told = {mode: to_angle(swing, calibration, mode)["angle_bound"].attrs["long_name"] for mode in MODES}
     assert [mode for mode in MODES if "95 %" in told[mode]] == ["gum", "monte-carlo"]
     assert "90 %" in told["paper"]
+
+
+@pytest.mark.parametrize("samples", [16, 40, 63])
+def test_a_recording_too_short_for_a_spectrum_has_the_noise_about_its_swing(samples):
+    time = np.arange(samples) / 20
+    noise = 0.002 * np.random.default_rng(samples).standard_normal(samples)
+    found = to_angle(record(0.3 * np.cos(4 * time) + noise, "rad", time))
+    assert float(found["angle_random_uncertainty"][0]) == pytest.approx(0.002, rel=0.6)

@@ -103,6 +103,22 @@ def test_the_table_is_found_and_what_was_left_out_is_told(take, what):
     assert told in made.attrs.get("remarks", "") and (told or "remarks" not in made.attrs)
 
 
+def test_a_line_that_lost_its_start_is_a_missing_sample(take):
+    spoilt = rows(start=250, stop=251)[1:]  # 12.500 becomes 2.500
+    made = take(HEAD + rows(stop=250) + spoilt + rows(start=251))
+    np.testing.assert_allclose(made["time"].values, np.delete(TIME, 250))
+    assert "in 1 of 300 rows the time alone jumps back" in made.attrs["remarks"]
+
+
+@pytest.mark.parametrize("separator", [" ", "\t", ","])
+def test_a_header_that_lost_its_end_names_the_columns(take, separator):
+    made = take(f"t_s{separator}theta_rad{rows(separator)}")
+    np.testing.assert_array_equal(made["time"].values, TIME[1:])
+    assert (
+        "`theta_rad` as rad" in made.attrs["taken"] and "stands in the header's line" in made.attrs["taken"]
+    )
+
+
 @pytest.mark.parametrize("piece", [150, 1000])
 @pytest.mark.parametrize("what", FOUND)
 def test_a_table_is_the_same_in_pieces_of_any_size(monkeypatch, what, piece):

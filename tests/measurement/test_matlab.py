@@ -6,6 +6,8 @@ from scipy.io import savemat
 
 from swingdown.errors import InputError
 from swingdown.measurement.matlab import arrays
+from swingdown.measurement.recording import ingest
+from swingdown.measurement.sheet import COLUMNS
 
 TIME = np.arange(0, 20, 0.05)
 SWING = 0.2 * np.exp(-TIME / 30) * np.cos(4 * TIME)
@@ -30,10 +32,24 @@ def test_a_matrix_is_as_many_columns_as_it_has(tmp_path):
     assert list(found.frame) == ["data 1", "data 2"]
 
 
-@pytest.mark.parametrize("saved", [{"theta": SWING}, {"gain": 3.0}])
-def test_an_array_alone_is_no_recording(tmp_path, saved):
-    with pytest.raises(InputError, match="no two arrays of one length.*writematrix"):
-        read(tmp_path / "a.mat", **saved)
+@pytest.mark.parametrize(("name", "value"), [("ActualRate", 20), ("fs", 20.0), ("dt", 0.05)])
+def test_times_are_made_of_a_rate_that_stands_beside(tmp_path, name, value):
+    found = read(tmp_path / "a.mat", theta=SWING, **{name: value}, duration=20, gain=3.0)
+    assert found.frame["time (s)"].to_numpy() == pytest.approx(TIME)
+    assert f"`{name}`, 20 Hz" in found.layout
+
+
+def test_a_swing_alone_takes_the_rate_that_the_user_states(tmp_path):
+    savemat(tmp_path / "a.mat", {"theta": SWING, "gain": 3.0})
+    row = {**COLUMNS, "recording": "a", "file": str(tmp_path / "a.mat")}
+    with pytest.raises(InputError, match="rate_hz"):
+        ingest(row)
+    assert ingest({**row, "rate_hz": 20.0})["time"].values == pytest.approx(TIME)
+
+
+def test_settings_alone_are_no_recording(tmp_path):
+    with pytest.raises(InputError, match="no array of 10 numbers or more.*writematrix"):
+        read(tmp_path / "a.mat", gain=3.0)
 
 
 @pytest.mark.parametrize(

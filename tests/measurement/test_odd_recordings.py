@@ -98,7 +98,7 @@ def test_milliseconds_without_a_word():
     remarks = looked_at(swing(), 1000 * TIME)
     assert len(remarks) == 1 and "a period of 86" in remarks[0]
     few = np.arange(60) * 10.0
-    refused("a sample every of 10 s", signal=np.linspace(1, 0, 60), time=few, time_told=False)
+    refused("a sample every 10 s", signal=np.linspace(1, 0, 60), time=few, time_told=False)
 
 
 @pytest.mark.parametrize("sign", [1, -1])

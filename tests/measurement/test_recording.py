@@ -222,11 +222,22 @@ def test_a_cell_that_is_no_number_is_a_missing_sample(make, cell, column):
 
 def test_a_column_with_few_numbers_is_refused(refused):
     rows = [f"{t},{np.cos(t) if k % 3 == 0 else ''}\n" for k, t in enumerate(TIME)]
+    text = "t_s,theta_rad\n" + "".join(rows)
     refused(
-        "column theta_rad", "266 of 400 cells hold no finite number", text="t_s,theta_rad\n" + "".join(rows)
+        "column theta_rad",
+        "266 of 400 cells hold no finite number",
+        "134 rows with a number",
+        "half_swings",
+        text=text,
     )
     spoilt = [f"{t},{np.cos(t) if k % 10 else 'bad'}\n" for k, t in enumerate(TIME)]
     refused("line 2, column theta_rad", "40 of 400 cells", "'bad'", text="t_s,theta_rad\n" + "".join(spoilt))
+
+
+def test_cells_that_hold_a_pair_of_numbers_are_told_to_be_split(refused):
+    rows = [f'{t},"({1392 + 90 * np.cos(7 * t):.0f}, 685)",40\n' for t in TIME]
+    text = "t_s,position,speed\n" + "".join(rows)
+    refused("column position", "'(1482, 685)'", "two columns, x and y", text=text, signal_column="position")
 
 
 def test_a_hole_that_hides_an_unknown_number_of_swings_asks(make, refused, tmp_path):

@@ -36,6 +36,13 @@ def test_turning_points_by_turns_are_one_each_half_swing(tmp_path, sign):
     assert list(found["half_swings"].values) == list(range(60))
 
 
+def test_a_coordinate_at_its_turning_points_is_no_angle(tmp_path):
+    header = "t,x,y"
+    found = taken(tmp_path, header, T, A, A**2 / 2, signal_column="x", signal_kind="half_swings")
+    assert list(found["half_swings"].values) == list(range(60))
+    assert "rad" not in found.attrs["taken"] and "is no angle" in found.attrs["remarks"]
+
+
 def test_where_the_sides_stop_taking_turns_the_longer_part_is_used(tmp_path):
     found = taken(tmp_path, "t (s),angle (rad)", T, np.where(np.arange(60) < 40, A, -A))
     assert list(found["half_swings"].values) == list(range(40))

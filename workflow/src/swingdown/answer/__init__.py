@@ -119,7 +119,7 @@ def of_swings(
             problem.where, joined(problem.problem, unit), problem.expected, problem.mend
         ) from problem
     except (ArithmeticError, np.linalg.LinAlgError) as problem:
-        raise breaks_off("swing", problem) from problem
+        raise breaks_off("swing") from problem
     norms = combine_recordings(each)
     entries = catalogue(effects)
     label = described_by(norms, entries)

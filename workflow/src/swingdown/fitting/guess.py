@@ -88,7 +88,7 @@ def first_guess(times: Any, angle: Any, restoring: str = "sine", reading: str = 
             "swing",
             "the angle crosses its middle fewer than twice",
             "at least one whole half-swing",
-            "record longer",
+            "record longer, or name the column of the angle",
         )
     # the late, small ones are mostly noise or friction
     seen, reached = crossings.tolist(), extremes.tolist()

@@ -14,7 +14,7 @@ from ..quantisation import quantisation_step
 from . import points_recording
 from .even import Even
 from .gyroscope import TO_RAD_PER_S
-from .noise_level import Noise, noise_by_times, noise_of
+from .noise_level import SPECTRUM, Noise, noise_by_times, noise_of
 from .plausibility import half_swings
 from .release import by_itself
 from .slack import as_variables, of_calibration, of_tolerances
@@ -175,8 +175,8 @@ def _encoder_limit(calibration: xr.Dataset, volts: Floats, name: str) -> Floats:
 
 
 def _noise(times: Floats, values: Floats, healed: Even) -> Noise:
-    """The noise that a recording shows: by its spectrum, and where samples are missing by the scatter about the swing."""
-    if healed.kept and not healed.missing.any():
+    """The noise that a recording shows: by its spectrum, and where that is too coarse or samples are missing by the scatter about the swing."""
+    if healed.kept and not healed.missing.any() and healed.signal.size >= SPECTRUM:
         return noise_of(np.linspace(healed.times[0], healed.times[-1], healed.signal.size), healed.signal)
     return Noise(noise_by_times(times, values, half_swings(values).period(times)), 0.0)
 

@@ -40,9 +40,12 @@ def in_order(times: Floats, signal: Floats, place: str) -> Ordered:
     once (``parts``). InputError where no time passes.
     """
     going, stopped = _going(times)
-    kept, told = _sorted(times[:going], signal[:going])
-    if isinstance(kept, slice):
-        kept = slice(going)
+    cut = _cut(times[:going])
+    whole = np.flatnonzero(~cut)
+    kept, told = _sorted(times[whole], signal[whole])
+    kept = slice(going) if isinstance(kept, slice) and not cut.any() else whole[kept]
+    if cut.any():
+        told = [f"in {int(cut.sum())} of {going} rows the time alone jumps back, as where a line lost its start: left out as missing", *told]  # fmt: skip
     times, signal, told = times[kept], signal[kept], stopped + told
     if not times[-1] > times[0]:
         raise InputError(place, "all samples have one time", "a time for each sample", "export the time too")
@@ -70,12 +73,27 @@ def parts(times: Floats) -> list[slice]:
     back = np.flatnonzero(np.diff(times) < 0)
     if not len(back) or len(back) > len(times) / (2 * RESTART):
         return [slice(0, len(times))]
+    back = back[~_cut(times)[back + 1]]
     edges = [0]
     for k in back:
         earlier = times[edges[-1] : k + 1]
         if np.count_nonzero(earlier >= times[k + 1]) >= RESTART and len(times) - k > RESTART:
             edges.append(int(k) + 1)
     return [slice(a, b) for a, b in zip(edges, [*edges[1:], len(times)], strict=True)]
+
+
+def _cut(times: Floats) -> NDArray[np.bool_]:
+    """True for a row whose time alone jumps back, to where there is a sample: the row after it goes on from the one before."""
+    back = np.flatnonzero(np.diff(times) < 0)
+    back = back[back + 2 < times.size]
+    alone = back[times[back + 2] > times[back]] + 1
+    others = np.sort(np.delete(times, alone))
+    cut = np.zeros(times.size, dtype=bool)
+    if len(alone) and len(others) > 1:
+        at = np.searchsorted(others, times[alone]).clip(1, len(others) - 1)
+        near = np.minimum(np.abs(times[alone] - others[at - 1]), np.abs(times[alone] - others[at]))
+        cut[alone[near < np.median(np.diff(others)) / 2]] = True
+    return cut
 
 
 def _sorted(times: Floats, signal: Floats) -> tuple[NDArray[np.integer] | slice, list[str]]:

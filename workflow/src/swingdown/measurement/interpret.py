@@ -110,8 +110,8 @@ def interpret(table: Table, row: Mapping[str, Any], place: str, restoring: str) 
         raise InputError(
             f"{row['file']} ({place})",
             f"{len(times)} samples with a number in each cell between start_s and stop_s",
-            f"at least {SHORTEST}",
-            "correct start_s and stop_s, or the time unit",
+            f"at least {SHORTEST}, as fewer tell no swing",
+            "record longer or more samples a second, widen start_s and stop_s, or correct the unit of the time",
         )
     ordered = in_order(times, values[0], where)
     times, values = ordered.times, [one[ordered.kept] for one in values]

@@ -124,9 +124,10 @@ def check_used(times: Floats, judged: Judged, used: slice, place: str, partial: 
     if not partial and (count := len(half_swings(healed).starts)) < 3:
         raise InputError(
             place,
-            f"the recording is too short: it passes its middle {max(count - 1, 0)} times",
+            f"the recording is too short, or no angle: in {healed.size} samples it passes its middle {max(count - 1, 0)} times",
             "three whole half-swings or more for a fit, nine for a search in one recording alone",
-            "record longer, or widen start_s and stop_s",
+            "record longer, or widen start_s and stop_s; of a sensor that sees the bob come by write the times of its passages, and passages "
+            "in the cell signal_kind of the sheet",
         )
     check_countable(times[used], healed, place)
     remarks = check_shrinks(healed, place)

@@ -31,6 +31,7 @@ class Layout:
     titles: tuple[str, ...]  # the cells of the line above them
     named: bool  # False where the table has no header
     stamps: tuple[int, ...]  # columns that hold a clock's stamps
+    joined: bool = False  # True where the first row stands in the header's line
 
     def __str__(self) -> str:
         separator, decimal = self.dialect.separator, self.dialect.decimal
@@ -39,6 +40,7 @@ class Layout:
         parts += ["decimal comma"] if decimal == "," else []
         parts += [self.encoding.upper().replace("CP1252", "Latin-1")] if self.encoding != "utf-8-sig" else []
         parts += ["times of day"] if self.stamps else []
+        parts += ["the first row stands in the header's line and is left out"] if self.joined else []
         return ", ".join(parts + ([] if self.named else ["no header"]))
 
 
@@ -136,7 +138,8 @@ def layout(above: Sequence[str], sample: Sequence[str], how: Dialect, encoding: 
         names = (names if any(map(tells, names[1:])) else _of_readings(rows, size))[1:]
         names = [ARRIVED if any(meaning(one).kind == TIME for one in names) else CLOCKED, *names]
     headers = tuple(names or [f"column {k}" for k in range(1, size + 1)])
-    return Layout(encoding, how, _unique(headers), headers, titles, named or how.arrivals, stamps)
+    joined = any(_before_a_row(how.cells(COMMENT.sub("", line)), how) == names for line in above)
+    return Layout(encoding, how, _unique(headers), headers, titles, named or how.arrivals, stamps, joined)
 
 
 def _of_readings(rows: Sequence[Sequence[str]], size: int) -> list[str]:
@@ -157,6 +160,7 @@ def _header_cells(line: str, how: Dialect) -> list[str]:
     if how.size == 1:
         return [bare.strip()] if not re.search(r"[,;\t]", bare) else split(bare, ",")
     cells = _stripped(how.cells(bare))
+    cells = _before_a_row(cells, how) or cells
     if len(cells) == how.size:
         return cells
     for separator in dict.fromkeys((how.separator, ",", ";", "\t", SPACES, ".")):
@@ -165,6 +169,18 @@ def _header_cells(line: str, how: Dialect) -> list[str]:
         if len(inside) == how.size and any(map(tells, inside)):
             return inside
     return cells
+
+
+def _before_a_row(cells: list[str], how: Dialect) -> list[str]:
+    """The names in a line that lacks its end, so that the first row follows the last of them: ``t x0 0.58``; none of another line."""
+    last = how.size - 1
+    joined = (
+        re.fullmatch(r"(.*[^\d.,+-])([\d.,+-]+)", cells[last]) if len(cells) == 2 * how.size - 1 else None
+    )
+    row = [joined[2], *cells[last + 1 :]] if joined else []
+    if not joined or not all(map(how.is_number, row)) or any(map(how.is_number, cells[:last])):
+        return []
+    return [*cells[:last], joined[1].strip()]
 
 
 def _stripped(cells: list[str]) -> list[str]:

@@ -12,6 +12,7 @@ from ..errors import InputError
 HARMONICS = 8  # of the pendulum: above, a swing leaves nothing
 _LINE = 10.0  # times its neighbours' median: a line of the mains or of a bearing, and no noise
 _NEIGHBOURS = 32
+SPECTRUM = 64  # samples; a spectrum of fewer is too coarse for a band
 BAND = (15.0, 50.0)  # Hz; far above a pendulum's harmonics, below what mains and bearings bring
 
 
@@ -77,8 +78,13 @@ def noise_level(times: ArrayLike, signal: ArrayLike, band: tuple[float, float] =
     not white is told as the white noise of that level. InputError for fewer than 64 samples.
     """
     times, signal = np.asarray(times, dtype=float), np.asarray(signal, dtype=float)
-    if len(signal) < 64:
-        raise InputError("noise level", f"{len(signal)} samples", "at least 64", "record for longer")
+    if len(signal) < SPECTRUM:
+        raise InputError(
+            "noise level",
+            f"{len(signal)} samples",
+            f"at least {SPECTRUM}",
+            "record longer, or more samples a second",
+        )
     interval = (times[-1] - times[0]) / (len(times) - 1)
     frequency, power, gain = _spectrum(signal, interval)
     high = min(band[1], 0.5 / interval)
@@ -106,10 +112,12 @@ def scatter(times: Floats, signal: Floats, window: int, order: int, most: int = 
 def noise_by_times(times: Floats, signal: Floats, period: float) -> float:
     """The standard deviation of the white noise of a swing whose samples keep no rate, in the unit of ``signal``.
 
-    It is the usual scatter about quintics through less than half a ``period`` (s) each; of fewer than nine samples there, quartics.
+    It is the usual scatter about quintics through less than half a ``period`` (s, nan for less than one) each; of fewer than nine samples
+    there, quartics.
     """
-    samples = int(0.45 * period / max(float(np.median(np.diff(times))), 1e-12))
-    window = min(max(samples, 7), 25)
+    span = 0.45 * period if period == period else float(np.ptp(times))
+    samples = int(span / max(float(np.median(np.diff(times))), 1e-12))
+    window = min(max(samples, 7), 25, len(times))
     order = 5 if window > 8 else 4
     freedom = window - order - 1
     usual = (1 - 2 / (9 * freedom)) ** 3  # the median of chi-square over its mean (Wilson and Hilferty)

@@ -62,7 +62,7 @@ def turning_points(table: Table, row: Mapping[str, Any], place: str) -> tuple[Ta
     sound = np.isfinite(clock) & np.isfinite(signal) & _inside(clock * scale, row)
     counted = is_number(columns.clock, clock[sound], table)
     where = f"{row['file']}, {place_of(columns.signal.name)} ({place})"
-    unit, told = _unit(signal[sound], columns.signal, row)
+    unit, told = _unit(signal[sound], columns, row)
     in_rad = {"rad": 1.0, "deg": pi / 180}.get(unit, 0.0)
     points = points_in(
         clock[sound] * (1.0 if counted else scale),
@@ -120,6 +120,10 @@ def _columns(table: Table, row: Mapping[str, Any]) -> Columns | None:
         if len(usable) < 2:
             return None
         clock, *chosen = usable[:2]
+    if (
+        row["signal_kind"] and row["signal_column"]
+    ):  # one coordinate at its turning points, without its partner
+        chosen = [one for one in usable if one.name == row["signal_column"]]
     if len(chosen) != 1 or clock.kind not in (TIME, UNTOLD) or chosen[0].kind not in (ANGLE, LENGTH, UNTOLD):
         return None
     signal = chosen[0]
@@ -182,12 +186,13 @@ def _dataset(
     return as_recording(points, unit, about_file(table, row, ", ".join(parts)), row, stated_u)
 
 
-def _unit(readings: Floats, signal: Meaning, row: Mapping[str, Any]) -> tuple[str, list[str]]:
+def _unit(readings: Floats, columns: Columns, row: Mapping[str, Any]) -> tuple[str, list[str]]:
     """The unit of a column's readings, and a remark where it was inferred or is none of angles."""
-    if signal.kind == LENGTH and not row["signal_unit"]:
-        return signal.written, [
-            f"an amplitude in {signal.written} is no angle: how the period depends on it is not told"
-        ]
+    signal = columns.signal
+    coordinate = signal.kind == LENGTH or (signal.axis and columns.clock.axis != "x")  # y over x is a graph's
+    if coordinate and not row["signal_unit"]:
+        unit = signal.written or "units of its own"
+        return unit, [f"an amplitude in {unit} is no angle: how the period depends on it is not told"]
     return unit_of(readings, row["signal_unit"] or (signal.unit if signal.kind == ANGLE else ""))
 
 

@@ -54,12 +54,20 @@ def fit_circle(x: Floats, y: Floats, place: str = "positions") -> Circle:
             break
         kept = again
     arc = float(np.ptp(np.unwrap(np.arctan2(y[kept] - circle.y, x[kept] - circle.x))))
-    if arc < LEAST_ARC or not circle.residual < LOOSEST * circle.radius:
+    if not circle.residual < LOOSEST * circle.radius:
         raise InputError(
             place,
-            f"the positions tell no pivot: an arc of {arc:.3g} rad, {circle.residual / circle.radius:.2g} of the radius away from a circle",
-            f"points on an arc of {LEAST_ARC:g} rad or more about a pivot that stands still",
-            "record a larger swing with the camera still, or export the angle",
+            f"the positions lie on no circle: {circle.residual / circle.radius:.2g} of its radius away (RMS)",
+            "one bob that swings about a pivot which stands still, with the camera still",
+            "leave out with start_s and stop_s where something else was followed, track it anew, or export the angle",
+        )
+    if arc < LEAST_ARC:
+        raise InputError(
+            place,
+            f"the positions tell no pivot: they lie on an arc of {arc:.3g} rad",
+            f"an arc of {LEAST_ARC:g} rad or more",
+            "record a larger swing, export the angle, or name the horizontal coordinate in the cell signal_column of the sheet and state the "
+            "length of the pendulum in the cell length",
         )
     return circle
 

@@ -20,8 +20,10 @@ from ..errors import InputError
 from ..paths import find, is_url
 from . import phyphox
 from .archive import unpacked
+from .columns import TIME, meaning
 from .delimited import delimited
 from .elements import Columns
+from .layout import CLOCKED
 from .programs import saved_by_program
 from .runs import by_name, clock_part, several_runs
 from .table import WHOLE, Table
@@ -62,7 +64,7 @@ def tables(source: BinaryIO, row: Mapping[str, Any]) -> dict[str, Table]:
         return {WHOLE: _netcdf(source, row)}
     rate = float(row.get("rate_hz", np.nan))
     if saved := saved_by_program(source, name):
-        return {run: _of_program(columns) for run, columns in saved.items()}
+        return {run: _of_program(columns, rate) for run, columns in saved.items()}
     if inside := unpacked(source, name, str(row.get("sheet", ""))):
         text, where = inside
         about, paused = phyphox.told(source)
@@ -86,8 +88,11 @@ def tables(source: BinaryIO, row: Mapping[str, Any]) -> dict[str, Table]:
     return delimited(source, name, rate)
 
 
-def _of_program(columns: Columns) -> Table:
+def _of_program(columns: Columns, rate: float) -> Table:
+    """The Table of what a program saved; its times are made of the ``rate`` (Hz) where that is given and none are there."""
     frame = columns.frame.set_axis(range(1, len(columns.frame) + 1))
+    if rate > 0 and not any(meaning(str(name)).kind == TIME for name in frame):
+        frame.insert(0, CLOCKED, np.arange(len(frame)) / rate)
     return Table(
         tuple(frame.columns),
         columns.about,

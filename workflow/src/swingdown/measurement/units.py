@@ -24,12 +24,12 @@ def time_factor(times: Floats, signal: Floats, told: bool, place: str) -> tuple[
     """
     swings = half_swings(signal)
     period, interval = swings.period(times), float(np.median(np.diff(times)))
-    length, what = (period, "a period") if period == period else (interval, "a sample every")
+    length, what = (period, "a period of") if period == period else (interval, "a sample every")
     if SHORTEST <= period <= LONGEST or (period != period and interval <= 1):
         return 1.0, []
     if told:
         return 1.0, [
-            f"{what} of {length:.3g} s is none of a pendulum on a bench: is the unit of the time right?"
+            f"{what} {length:.3g} s is none of a pendulum on a bench: is the unit of the time right?"
         ]
     possible = [
         (unit, factor)
@@ -50,7 +50,7 @@ def time_factor(times: Floats, signal: Floats, told: bool, place: str) -> tuple[
         ]
     raise InputError(
         place,
-        f"{what} of {length:.3g} s is none of a pendulum, and no unit of the time is stated",
+        f"{what} {length:.3g} s is none of a pendulum, and no unit of the time is stated",
         f"a period between {SHORTEST:g} and {LONGEST:g} s",
         "write ms, us or s in the cell time_unit of the sheet, or in the column's name: `t (ms)`",
     )

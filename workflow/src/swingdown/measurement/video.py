@@ -35,7 +35,6 @@ EDGE = 0.25  # of the bob's contrast: where its edge is taken for its own
 LEAST = 12  # px of the smaller picture that a bob covers; the centre of fewer is that of their noise
 AREA = 0.15  # share by which the area may differ from the usual one; beyond, some of the bob is hidden or something is added
 GAIN = 0.05  # share by which angles are wrong at most from a camera two lengths of the pendulum away, held square by eye to within 10°
-MOST_MISSING = 0.2  # of the frames that the file states: of a film that lacks more nobody knows what was cut
 TRIPLES = 300  # of points that propose a circle: of half of them wrong, 37 are still right
 Pictures = NDArray[np.uint8]
 FILM = "a film such as MP4, MOV, AVI or WebM"
@@ -54,7 +53,8 @@ class Track(NamedTuple):
 def film(source: BinaryIO, name: str) -> dict[str, Columns]:
     """The Columns of a film: time (s) of the frames in which the bob was seen, x and y of its centre in px.
 
-    InputError without OpenCV, for a file that is no film or breaks off, and where nothing moves as a bob on a circle does.
+    Of a film that breaks off it is what can be read. InputError without OpenCV, for a file that is no film, and where nothing moves as a
+    bob on a circle does.
     """
     with _on_disk(source, name) as path:
         found = tracked(path, name)
@@ -152,10 +152,10 @@ def _drawn(cv2: Any, picture: Pictures, places: Floats) -> bytes:
 def _frames(
     cv2: Any, path: str, name: str, wanted: frozenset[int] | None = None
 ) -> Iterator[tuple[int, float, Pictures]]:
-    """Number, time (s) and picture of each frame, or of those wanted. InputError for no film, and one that breaks off."""
+    """Number, time (s) and picture of each frame, or of those wanted, as far as it can be read. InputError for no film."""
     reader = cv2.VideoCapture(path)
     try:
-        stated, count = _stated(cv2, reader), 0
+        count = 0
         while reader.grab():
             if wanted is None or count in wanted:
                 read, frame = reader.retrieve()
@@ -168,13 +168,6 @@ def _frames(
     if not count:
         raise InputError(
             name, "no frame of it can be read", FILM, "copy it anew from the camera, or save it as MP4"
-        )
-    if count < (1 - MOST_MISSING) * stated:  # some formats state the number from the length alone
-        raise InputError(
-            name,
-            f"it breaks off: {count} of {stated} frames can be read",
-            "a whole film",
-            "copy it anew from the camera",
         )
 
 
@@ -218,9 +211,9 @@ def _samples(cv2: Any, path: str, name: str) -> tuple[Pictures, list[list[Pictur
     reader.release()
     if not total:  # such as a stream that was saved: it has to be counted
         total = sum(1 for _ in _frames(cv2, path, name))
-    chosen = [int((k + 0.5) / (WINDOWS * OF_EACH) * total) for k in range(WINDOWS * OF_EACH)]
-    wanted = frozenset([0, *chosen, *(k + 1 for k in chosen)])
-    read = {k: _smaller(cv2, frame) if k else frame for k, _, frame in _frames(cv2, path, name, wanted)}
+    chosen, read = _chosen(cv2, path, name, total)
+    if chosen[-1] not in read:  # it breaks off, or states a number that it has not
+        chosen, read = _chosen(cv2, path, name, sum(1 for _ in _frames(cv2, path, name)))
     first = read[0]
     read[0] = _smaller(cv2, first)
     windows = [
@@ -228,6 +221,15 @@ def _samples(cv2: Any, path: str, name: str) -> tuple[Pictures, list[list[Pictur
         for w in range(WINDOWS)
     ]
     return first, [window for window in windows if window]
+
+
+def _chosen(cv2: Any, path: str, name: str, total: int) -> tuple[list[int], dict[int, Pictures]]:
+    """The numbers of the frames that are looked at, of so many, and those that can be read, with their followers, smaller; the first as it is."""
+    chosen = [int((k + 0.5) / (WINDOWS * OF_EACH) * total) for k in range(WINDOWS * OF_EACH)]
+    wanted = frozenset([0, *chosen, *(k + 1 for k in chosen)])
+    return chosen, {
+        k: _smaller(cv2, frame) if k else frame for k, _, frame in _frames(cv2, path, name, wanted)
+    }
 
 
 class _Blob(NamedTuple):

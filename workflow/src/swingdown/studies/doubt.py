@@ -116,14 +116,14 @@ def fit_any(angle: xr.Dataset, fitted: Sequence[Model], start: str = "free") -> 
     try:
         return fit_recording(angle, fitted, start=start)
     except (ArithmeticError, np.linalg.LinAlgError) as problem:
-        raise breaks_off(f"recording {angle.attrs['recording']}", problem) from problem
+        raise breaks_off(f"recording {angle.attrs['recording']}") from problem
 
 
-def breaks_off(where: str, problem: Exception) -> InputError:
+def breaks_off(where: str) -> InputError:
     """What is told of a fit that breaks off."""
     return InputError(
         where,
-        f"no pendulum moves so: its fit breaks off ({problem})",
+        "no pendulum moves so: whatever its values, no model of one follows it to the end",
         "the motion of a pendulum that swings by itself",
         MEND,
     )
