@@ -50,3 +50,19 @@ def test_of_a_few_swings_no_change_is_told(tmp_path, capsys, monkeypatch):
     log(tmp_path, 3.2)
     text, row = told(tmp_path, capsys, monkeypatch)
     assert "the period goes from" not in text and row["period_s"] == pytest.approx(1.51, abs=0.02)
+
+
+def test_where_no_model_follows_the_readings_the_period_is_the_mean_of_the_first(
+    tmp_path, capsys, monkeypatch
+):
+    """A few swings that die fast and not as any law has it: a curve through the times of so few passages runs away at its ends."""
+    times = np.arange(0, 14, 0.05)
+    phase = 4 * times + 0.3 * np.sin(0.9 * times)
+    reading = np.exp(-0.16 * times) * np.cos(phase) + 0.05 * np.exp(-0.1 * times) * np.cos(1.7 * times)
+    table = pd.DataFrame(
+        {"t_ms": np.round(1e3 * times).astype(int), "adc": np.round(512 + 400 * reading).astype(int)}
+    )
+    table.to_csv(tmp_path / "log.csv", index=False)
+    text, row = told(tmp_path, capsys, monkeypatch)
+    assert "at the first swings" in text and "for the model lacks something" in text
+    assert abs(row["period_s"] - 2 * np.pi / 4) < 2 * row["period_s_u"]

@@ -16,8 +16,8 @@ _EACH = 8  # passages for each term
 
 
 class Pace(NamedTuple):
-    """The period (s) in the middle of a recording, that at the first passage, and the change from there to the last (s), the standard
-    uncertainty of each, the scatter of the times (s), and their residuals (s)."""
+    """The period (s) in the middle of a recording, the first one, and the change from there to the last one (s), the standard uncertainty
+    of each, the scatter of the times (s), and their residuals (s)."""
 
     period: float
     u_period: float
@@ -50,7 +50,8 @@ def pace(times: Floats, halves: np.ndarray, clock: float = 0.0, step: float = 0.
     covariance = (
         inverse @ middle(slopes, left / scatter, step / scatter, times / scatter)[0] @ inverse * scatter**2
     )
-    first, now, last = _rates(terms) / half
+    edge = 1 - 1 / (2 * half)  # the middle of the last period, a half-swing before its end
+    first, now, last = _rates(terms, edge) / half
 
     def told(rates: Floats, clocked: float) -> tuple[float, float]:
         value = float(rates @ found)
@@ -59,9 +60,9 @@ def pace(times: Floats, halves: np.ndarray, clock: float = 0.0, step: float = 0.
     return Pace(*told(now, clock), *told(first, clock), *told(last - first, clock), scatter, left)
 
 
-def _rates(terms: int) -> Floats:
-    """The slopes of each Legendre polynomial at -1, 0 and 1: an array (place, polynomial)."""
-    return np.array([legval(np.array([-1.0, 0.0, 1.0]), legder(one)) for one in np.eye(terms)]).T
+def _rates(terms: int, edge: float) -> Floats:
+    """The slopes of each Legendre polynomial at minus the ``edge``, 0 and the edge: an array (place, polynomial)."""
+    return np.array([legval(np.array([-edge, 0.0, edge]), legder(one)) for one in np.eye(terms)]).T
 
 
 def _by_evidence(times: Floats, slopes: Callable[[int], Floats]) -> Floats:

@@ -82,9 +82,10 @@ def fit_recording(
     bound = _known(angle, "bound")
     variables["error_bound_norm"] = ((), np.nan if bound is None else np.degrees(np.sqrt(np.mean(bound**2))))
     variables["samples"] = ((), times.size)
-    if without_scale(angle):
+    badly = [one["share_left"] > MUCH for one in own]
+    if without_scale(angle) and not all(badly):
         paces = pace_of(angle, times, series)
-    elif max(one["share_left"] for one in own) > MUCH:
+    elif any(badly):
         paces = of_first_swings(times, series)
     else:
         paces = {}

@@ -259,6 +259,9 @@ def _row(
     unscaled = UNSCALED in own["uncertainty"].values
     if unscaled:
         period, more = at_first_swing(own.isel(recording=0)) if name != TOGETHER else (None, {})
+        if period is None and name != TOGETHER:
+            period, note = as_seen(own.isel(recording=0))
+            more = {"amplitude_text": "the first swings", "note": note} if period else {}
         derived = {key: derived[key] for key in _WITHOUT_SCALE} | ({"period": period} if period else {})
         row |= {"amplitude_rad": np.nan, **more}
     elif left > MUCH and name != TOGETHER and not points:

@@ -248,7 +248,7 @@ def _change(own: xr.Dataset) -> str:
     """How the period changes from the first passage to the last."""
     change, error = (1e3 * float(own[key]) for key in ("period_change", "period_change_u"))
     return (
-        f"the period changes by {value_with_uncertainty(change, error)} ms from the first passage to the last"
+        f"the period changes by {value_with_uncertainty(change, error)} ms from the first one to the last"
         if np.isfinite(change)
         else ""
     )
