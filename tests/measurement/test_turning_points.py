@@ -94,9 +94,10 @@ def test_numbers_of_swings_are_no_times(tmp_path):
     assert list(found["half_swings"].values) == list(range(0, 60, 2))
 
 
-def test_a_watchs_marks_are_asked_about(tmp_path):
-    times = 10.0 * np.arange(30)
-    with pytest.raises(InputError, match="10 s apart to the last digit: is that the period"):
+@pytest.mark.parametrize("step", [10.0, 1.4167])
+def test_times_of_equal_steps_are_asked_about(tmp_path, step):
+    times = step * np.arange(30)
+    with pytest.raises(InputError, match=f"{step:g} s apart to the last digit: is that the period"):
         taken(tmp_path, "t (s),amplitude (deg)", times, np.degrees(A[::2]))
     found = taken(tmp_path, "t (s),amplitude (deg)", times, np.degrees(A[::2]), signal_kind="turning_points")
     assert found.sizes["time"] == 30

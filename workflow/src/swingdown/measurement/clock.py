@@ -83,7 +83,7 @@ def parts(times: Floats) -> list[slice]:
 
 
 def _cut(times: Floats) -> NDArray[np.bool_]:
-    """True for a row whose time alone jumps back, to where there is a sample: the row after it goes on from the one before."""
+    """True for a row whose time alone jumps back far, to where there is a sample: the row after it goes on from the one before."""
     back = np.flatnonzero(np.diff(times) < 0)
     back = back[back + 2 < times.size]
     alone = back[times[back + 2] > times[back]] + 1
@@ -92,7 +92,8 @@ def _cut(times: Floats) -> NDArray[np.bool_]:
     if len(alone) and len(others) > 1:
         at = np.searchsorted(others, times[alone]).clip(1, len(others) - 1)
         near = np.minimum(np.abs(times[alone] - others[at - 1]), np.abs(times[alone] - others[at]))
-        cut[alone[near < np.median(np.diff(others)) / 2]] = True
+        far = alone - np.arange(len(alone)) - np.searchsorted(others, times[alone]) >= RESTART
+        cut[alone[far & (near < np.median(np.diff(others)) / 2)]] = True
     return cut
 
 
