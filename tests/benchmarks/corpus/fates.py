@@ -149,14 +149,14 @@ def page(rows):
     lines = [Path(__file__).with_name("head.md").read_text(encoding="utf-8").rstrip(), "", head]
     for split, name in (
         ("learn", "**open while the reading was mended**"),
-        ("apart", "**kept apart until the end**"),
+        ("apart", "**kept apart at first**"),
     ):
         part = [r for r in rows if r["split"] == split]
         if part:
             lines.append(summary(part, name))
     for recorder in sorted({r["recorder"] for r in rows}):
         lines.append(summary([r for r in rows if r["recorder"] == recorder], recorder))
-    for split, title in (("learn", "Open"), ("apart", "Kept apart")):
+    for split, title in (("learn", "Open"), ("apart", "Kept apart at first")):
         part = [r for r in rows if r["split"] == split]
         if not part:
             continue
