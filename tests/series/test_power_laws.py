@@ -5,7 +5,7 @@ import pytest
 
 from swingdown.errors import InputError
 from swingdown.series import compare, gravity_of_lengths, power_law
-from swingdown.series.laws import Scatter
+from swingdown.studies.power_laws import Scatter
 
 LENGTHS = np.array([0.2, 0.3, 0.5, 0.8, 1.0])
 PERIODS = 2 * np.pi * np.sqrt(LENGTHS / 9.81)

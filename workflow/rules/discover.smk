@@ -1,6 +1,6 @@
 # Which effect is missing: rounds of fit, disagreement, naming and confirmation, a folder each, made by one search.
 # needs: results/angles/, results/experiment/fits/ (whether a swing is free)
-# makes: results/discovery/{campaign}/: round-{n}/, verdict.json and figures/
+# makes: results/discovery/{campaign}/: round-{n}/, difference.json, verdict.json and figures/
 
 ROUNDS = config["discovery"]["rounds"]
 ROUND_FILES = [
@@ -35,6 +35,10 @@ DATA["discovery"] += expand(
 DATA["discovery"] += expand(
     "results/discovery/{campaign}/figures/{name}.png", campaign=PLAN.searched, name=SEEN
 )
+DATA["discovery"] += expand("results/discovery/{campaign}/difference.json", campaign=PLAN.searched)
+CHANGED = [campaign for campaign in PLAN.searched if PLAN.changed(campaign)]
+SEEN_FIGURES += expand("results/discovery/{campaign}/figures/difference.svg", campaign=CHANGED)
+DATA["discovery"] += expand("results/discovery/{campaign}/figures/difference.png", campaign=CHANGED)
 
 # the recordings of each campaign as discovery takes them: static ones tell the noise
 MEMBERS = {campaign: PLAN.swings(campaign) + PLAN.statics(campaign) for campaign in PLAN.searched}
@@ -50,6 +54,7 @@ rule discover_search:
         ),
     output:
         expand("results/discovery/{{campaign}}/round-{n}/{file}", n=range(ROUNDS + 1), file=ROUND_FILES),
+        "results/discovery/{campaign}/difference.json",
     log:
         "results/logs/discover/{campaign}/search.log",
     params:
@@ -57,6 +62,7 @@ rule discover_search:
         base=config["discovery"]["base"],
         rounds=ROUNDS,
         budget_s=config["discovery"]["budget_s"],
+        changed=lambda wildcards: PLAN.changed(wildcards.campaign),
         model=config["model"],
         effects=config["effects"],
         code=code("discover_search"),
@@ -69,6 +75,7 @@ rule discover_search:
 rule discover_verdict:
     input:
         rounds=expand("results/discovery/{{campaign}}/round-{n}/round.json", n=range(ROUNDS + 1)),
+        follows="results/discovery/{campaign}/difference.json",
     output:
         "results/discovery/{campaign}/verdict.json",
     log:
@@ -101,6 +108,21 @@ rule discover_figures:
         "Drawing what was found in {wildcards.campaign}"
     script:
         "../scripts/discover_figures.py"
+
+
+rule discover_difference:
+    input:
+        "results/discovery/{campaign}/difference.json",
+    output:
+        expand("results/discovery/{{campaign}}/figures/difference.{ending}", ending=["svg", "png"]),
+    log:
+        "results/logs/discover/{campaign}/difference.log",
+    params:
+        code=code("discover_difference"),
+    message:
+        "Drawing what follows the change in {wildcards.campaign}"
+    script:
+        "../scripts/discover_difference.py"
 
 
 rule discover:

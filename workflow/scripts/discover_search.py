@@ -6,7 +6,9 @@ from pathlib import Path
 
 from swingdown import console
 from swingdown.discovery import files
+from swingdown.discovery.change import difference
 from swingdown.discovery.conclusion import concluded
+from swingdown.discovery.files import DIFFERENCE
 from swingdown.discovery.search import discover
 from swingdown.errors import InputError
 from swingdown.measurement.refused import doubt_in, left_out, none_left, taking_part
@@ -14,8 +16,18 @@ from swingdown.pendulum.catalogue import catalogue
 from swingdown.pendulum.model import Model
 
 
-def discover_search(campaign, angles, fits, roles, base, rounds, budget_s, outputs):
-    """The rounds' folders written, and what was found in a sentence.
+def differing(swings, changed, base):
+    """The base model in which each recording has what follows the change for itself, and what difference.json holds of it."""
+    quantity, values = changed or ("", {})
+    whole = [swing for swing in swings.whole if swing.name in values]
+    if len({values[swing.name] for swing in whole}) < 2:
+        return base, None
+    found = difference(whole, [values[swing.name] for swing in whole], base)
+    return found.beside(base), found.to_dict(quantity, [swing.name for swing in whole])
+
+
+def discover_search(campaign, angles, fits, roles, base, rounds, budget_s, changed, outputs):
+    """The rounds' folders written, what follows the change between the recordings, and what was found in a sentence.
 
     ``angles`` and ``roles`` are of all members, first the swings, whose ``fits`` say whether they are free, then the static ones. Where
     none is free, what moves them may have a name, and is looked for.
@@ -37,10 +49,18 @@ def discover_search(campaign, angles, fits, roles, base, rounds, budget_s, outpu
     except InputError as problem:
         if problem.where in angles:  # a damaged file
             raise
-        files.write_no_verdict(campaign, problem, members, outputs)
+        files.write_no_verdict(
+            campaign, problem, members, [path for path in outputs if Path(path).name != DIFFERENCE]
+        )
+        files.write_difference(None, outputs)
         return f"{campaign}: NOT SEARCHED: {problem}"
+    base, follows = differing(swings, changed, base)
+    files.write_difference(follows, outputs)
     states = concluded(discover(swings, base, rounds, budget_s=budget_s), swings)
-    folders = sorted({Path(path).parent for path in outputs}, key=lambda one: int(one.name[6:]))
+    folders = sorted(
+        {Path(path).parent for path in outputs if Path(path).name != DIFFERENCE},
+        key=lambda one: int(one.name[6:]),
+    )
     files.write_rounds(states, swings, folders, emulated, members)
     last = states[-1]
     gap = last.fit.rms / last.noise.deviation
@@ -54,6 +74,6 @@ if __name__ == "__main__":
         say(
             discover_search(
                 snakemake.wildcards.campaign, list(given.angles), list(given.fits), params.roles, base, params.rounds,
-                params.budget_s, list(snakemake.output),
+                params.budget_s, params.changed, list(snakemake.output),
             )
         )  # fmt: skip

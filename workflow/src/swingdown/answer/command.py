@@ -33,7 +33,7 @@ from . import Answer, of_swings, searchable
 from .beside import write_beside
 from .lengths import PIVOTS, of_length, with_g, with_lengths, written
 from .options import as_options
-from .series import as_cells, series, varied, without_table
+from .series import as_cells, as_changed, series, varied, without_table
 from .series import written as write_series
 
 FIRST = "first_answer.csv"
@@ -125,10 +125,18 @@ def _study(given: Sequence[str], told: Mapping[str, Any], wishes: Wishes) -> Fou
     kept = [one for one in taken if one.row["recording"] not in lost]
     if not kept:
         raise _refusal(unfit[0])
-    of_all, how = series(answers, varied(kept, beside, wishes.by))
+    changed = varied(kept, beside, wishes.by)
+    of_all, how = series(answers, changed)
     as_cells(kept, of_all)
+    if wishes.together and changed.by:
+        as_changed(kept, changed)
     answers, of_g = with_g(answers, kept, restoring)
-    _tell(answers)
+    if any(one.row.get("changed") for one in kept):
+        _say(
+            f"\n{changed.by} was changed between the recordings: no one period or quality is theirs; {FIRST} has a row for each"
+        )
+    else:
+        _tell(answers)
     searched, short = _searched(kept)
     left_out += short
     for one in (*unfit, *(one for one in short if one.problem != NOT_IN_IT)):  # that is told already
@@ -175,7 +183,7 @@ def _study(given: Sequence[str], told: Mapping[str, Any], wishes: Wishes) -> Fou
         if not verdict:
             continue
         answers[campaign] = told_of = of_length(answers[campaign].with_verdict(verdict), kept, restoring)[0]
-        if verdict.get("conclusion") and len(searched) <= _FEW:
+        if verdict.get("conclusion") and len(searched) <= _FEW and not verdict.get("difference"):
             now = [told_of.sentence, *details(told_of.row)]
             _say("\n".join(f"  {line}" for line in now))
     of_g = with_g(answers, kept, restoring)[1]

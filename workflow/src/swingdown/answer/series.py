@@ -98,6 +98,24 @@ def as_cells(kept: Sequence[Taken], made: Sequence[Series]) -> None:
             )  # fmt: skip
 
 
+def as_changed(kept: Sequence[Taken], found: Varied) -> None:
+    """Writes what was changed between the recordings of one pendulum into their cells, where each has a value of what is asked for.
+
+    Then the search tells which effect follows it.
+    """
+    stated = {one.row["recording"]: found.values.get(one.row["recording"], {}).get(found.by) for one in kept}
+    groups = {one.row["recording"]: found.groups.get(one.row["recording"], {}).get(found.by) for one in kept}
+    for one in kept:
+        value, group = stated[one.row["recording"]], groups[one.row["recording"]]
+        if all(stated.values()) and value is not None:
+            unit = value.unit.replace("^", "")
+            one.row.update(
+                changed=f"{found.by}_{unit}" if unit else found.by, changed_value=f"{value.value:.10g}"
+            )
+        elif all(groups.values()):
+            one.row.update(changed=found.by, changed_value=str(group))
+
+
 def _in(line: str, *sources: Mapping[str, Mapping[str, Stated]]) -> bool:
     """True where a column that a line tells of is in one of these sources."""
     column = line.split(" ", 1)[0]

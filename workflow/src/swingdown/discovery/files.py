@@ -32,6 +32,7 @@ from .remainder import COURSE, MAP, Remainder, remainder
 from .state import Round
 from .verdict import in_unit
 
+DIFFERENCE = "difference.json"
 _RANKING = ["move", "added", "also", "dropped", "delta_bic", "gain_bic", "rms_rad", "tied", "refused", "effects"]  # fmt: skip
 
 
@@ -96,6 +97,13 @@ def write_no_verdict(
             refuse(problem, {"campaign": name}, path)
         else:
             write_text(path, f"# no verdict: {problem.problem}\n")
+
+
+def write_difference(found: Mapping[str, Any] | None, outputs: Iterable[Path | str]) -> None:
+    """difference.json written, the one of these outputs: what follows the change between the recordings, null where nothing was changed."""
+    for path in outputs:
+        if Path(path).name == DIFFERENCE:
+            write_json(path, found)
 
 
 def write_rounds(

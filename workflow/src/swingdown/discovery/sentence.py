@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from ..measurement import stated
 from ..pendulum.catalogue import SHIPPED, Catalogue
 from ..pendulum.effect import Effect
 from ..rounding import plus_minus
@@ -51,6 +52,24 @@ def sentence(found: Mapping[str, Any], catalogue: Catalogue = SHIPPED) -> str:
         said.append(_remains(found, catalogue))
     text = " ".join(said)
     return text[:1].upper() + text[1:] + dropped + end
+
+
+def follows(difference: Mapping[str, Any]) -> str:
+    """What is said of the effect that goes with what was changed between the recordings, and how."""
+    quantity = f"the {stated.name_and_unit(difference['quantity'])[0]}"
+    if not difference["effect"]:
+        return f"No effect follows {quantity}."
+    names = " or ".join(map(_spoken, (difference["effect"], *difference["tied_with"])))
+    said = f"{names[:1].upper()}{names[1:]} follows {quantity} (P {_sure(difference)})"
+    law = difference["law"]
+    if law is None:
+        return f"{said}."
+    beside = ""
+    if law["u_offset"] is not None:
+        unit = "" if difference["unit"] == "1" else f" {difference['unit']}"
+        beside = f", beside {plus_minus(law['offset'], law['u_offset'], 'one')}{unit} that stay"
+    power = plus_minus(difference["exponent"], difference["exponent_standard_error"], "one")
+    return f"{said}: it goes as its power {power}{beside}."
 
 
 def _share(found: Mapping[str, Any]) -> str:

@@ -13,14 +13,19 @@ from ..studies.left_out import NO_VERDICT
 from .judge import GUARD
 from .locate import KINDS
 from .next_swing import APART
-from .sentence import sentence
+from .sentence import follows, sentence
 
 _SURE = 2.0  # standard errors that a value must be from nothing to be one
 _TOLD = 0.001  # probability of an effect, below which it is not listed
 
 
-def verdict(rounds: Sequence[Mapping[str, Any]], catalogue: Catalogue = SHIPPED) -> dict[str, Any]:
-    """The contents of verdict.json as a dict, from the contents of the rounds' round.json, in order.
+def verdict(
+    rounds: Sequence[Mapping[str, Any]],
+    catalogue: Catalogue = SHIPPED,
+    difference: Mapping[str, Any] | None = None,
+) -> dict[str, Any]:
+    """The contents of verdict.json as a dict, from the contents of the rounds' round.json, in order, and of difference.json, where
+    something was changed between the recordings.
 
     ``status``: ``consistent`` nothing was missing, ``named`` what was added stands alone and nothing above the noise remains,
     ``ambiguous`` the same with a tie, ``partial`` something is asserted and more than the noise remains, or more was found that is not
@@ -40,7 +45,7 @@ def verdict(rounds: Sequence[Mapping[str, Any]], catalogue: Catalogue = SHIPPED)
         else:
             asserted.append(one)
     if last["missing"] or stand_ins or last.get("failed"):
-        status = "partial" if asserted else "unknown"
+        status = "partial" if asserted or (difference and difference["effect"]) else "unknown"
     elif not asserted:
         status = "consistent"
     else:
@@ -90,9 +95,11 @@ def verdict(rounds: Sequence[Mapping[str, Any]], catalogue: Catalogue = SHIPPED)
         "stopped": bool(last["spent"]),
         "unit_doubt": last.get("unit_doubt", ""),
         "failed": last.get("failed", ""),
+        "difference": difference if difference and difference["effect"] else None,
         "guard": GUARD,
     }
-    found["sentence"] = sentence(found, catalogue)
+    followed = follows(difference) if difference else ""
+    found["sentence"] = f"{followed} {sentence(found, catalogue)}".strip()
     return found
 
 
@@ -137,6 +144,7 @@ def no_verdict(state: Mapping[str, Any]) -> dict[str, Any]:
         "noise_rms_rad": None,
         "recordings": state["recordings"],
         "left_out": state["left_out"],
+        "difference": None,
         "no_verdict": why,
         "next_measurement": why["mend"] or None,
         "sentence": f"No verdict: {why['where']}: {why['problem']}.",

@@ -85,3 +85,11 @@ def quantity(text: str, dimension: str, place: str, what: str, mend: str) -> Sta
             place, f"{text!r} is no {what}", f"a value above 0 in {units}, as 0.583, 0.583±0.001 or 0.583(1)", mend
         )  # fmt: skip
     return known
+
+
+def name_and_unit(column: str) -> tuple[str, str]:
+    """(name in words, unit) of a column that is called by both: ``current_A`` is current in A; the unit is empty where none is known."""
+    name, _, unit = column.rpartition("_")
+    if name and unit in {one.replace("^", "") for one in UNITS}:
+        return name.replace("_", " "), unit.replace("m2", "m²")
+    return column.replace("_", " "), ""

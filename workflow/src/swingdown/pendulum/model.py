@@ -41,7 +41,7 @@ class Model:
 
     ``record`` (s) is the ``duration`` that formulas speak of, for every recording the same: what drifts, drifts in time, however
     long one records. None: that of each recording by itself. With ``own_frequency`` each recording has a natural frequency of
-    its own, as of a pendulum that was taken down between them.
+    its own, as of a pendulum that was taken down between them; ``own`` names other parameters that each has for itself.
     """
 
     names: tuple[str, ...]
@@ -53,6 +53,7 @@ class Model:
     slack: Slack = field(default_factory=Slack, repr=False, compare=False)
     record: float | None = field(default=None, repr=False, compare=False)
     own_frequency: bool = False
+    own: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         given: Any = self.names  # a label too
@@ -129,8 +130,9 @@ class Model:
     @property
     def each(self) -> tuple[str, ...]:
         """The names of the parameters that each recording has for itself."""
-        own = (NATURAL_FREQUENCY.name,) if self.own_frequency else ()
-        return (*own, *(name for effect in self.effects for name in effect.each))
+        frequency = (NATURAL_FREQUENCY.name,) if self.own_frequency else ()
+        own = (name for name in self.own if name in self.parameters)
+        return (*frequency, *own, *(name for effect in self.effects for name in effect.each))
 
     @property
     def drifts(self) -> bool:
@@ -166,6 +168,7 @@ class Model:
             self.slack,
             self.record,
             self.own_frequency,
+            self.own,
         )
 
     def with_slack(self, slack: Slack) -> "Model":
@@ -232,6 +235,7 @@ def write_model(model: Model, path: Path | str) -> Path:
         **({} if model.reading == ANGLE else {"reading": model.reading}),
         **({"record_s": model.record} if model.record and model.drifts else {}),
         **({"own_frequency": True} if model.own_frequency else {}),
+        **({"own": list(model.own)} if model.own else {}),
         "parameters": values,
     }
     return write_text(path, yaml.safe_dump(content, sort_keys=False, allow_unicode=True))
@@ -242,7 +246,7 @@ def read_model(path: Path | str, catalogue: Catalogue = SHIPPED) -> Model:
     content = parse_yaml(read_text(path), path)
     if not isinstance(content, dict) or "effects" not in content:
         raise InputError(path, "not a model file", "a mapping with the key 'effects'")
-    known = ("effects", "restoring", "form", "reading", "record_s", "own_frequency", "parameters")
+    known = ("effects", "restoring", "form", "reading", "record_s", "own_frequency", "own", "parameters")
     if unknown := set(content) - set(known):
         raise InputError(path, f"unknown key {sorted(unknown)[0]!r}", ", ".join(known))
     names, parameters = content["effects"], content.get("parameters") or {}
@@ -263,6 +267,7 @@ def read_model(path: Path | str, catalogue: Catalogue = SHIPPED) -> Model:
             catalogue=catalogue.of(content.get("reading", ANGLE)),
             record=_record(content.get("record_s")),
             own_frequency=_yes_or_no("own_frequency", content.get("own_frequency", False)),
+            own=tuple(map(str, content.get("own") or ())),
         )
         values, errors = {}, {}
         for name, entry in parameters.items():

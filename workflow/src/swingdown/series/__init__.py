@@ -4,8 +4,8 @@ Plain functions on arrays and tables: ``power_law``, ``gravity_of_lengths`` and 
 ``studies.pendulums`` (``first_answer.csv``, ``pendulums.csv``).
 """
 
+from ..studies.power_laws import LengthsAndPeriods, PowerLaw, gravity_of_lengths, power_law
 from .groups import Comparison, compare
-from .laws import LengthsAndPeriods, PowerLaw, gravity_of_lengths, power_law
 from .table import Series, as_laws, as_table, of_sheet, series_of
 from .values import from_names, from_rows, from_table, merged
 

@@ -12,7 +12,7 @@ from scipy.stats import norm
 
 from ..arrays import Floats
 from ..errors import InputError
-from .laws import BEYOND, Scatter
+from ..studies.power_laws import BEYOND, Scatter
 
 _LEAST = 1e-9  # no uncertainty is known so well that a probability below means anything
 

@@ -11,8 +11,8 @@ from ..errors import InputError
 from ..measurement.line import FEWEST
 from ..measurement.stated import Stated
 from ..rounding import value_with_uncertainty
+from ..studies.power_laws import LengthsAndPeriods, PowerLaw, gravity_of_lengths, power_law
 from .groups import Comparison, compare
-from .laws import LengthsAndPeriods, PowerLaw, gravity_of_lengths, power_law
 from .values import from_rows
 
 

@@ -29,6 +29,31 @@ class Plan:
         """The names of the recordings of the pendulum at rest."""
         return self._named(self.campaigns if campaign is None else (campaign,), (True,))
 
+    def changed(self, campaign: str) -> tuple[str, dict[str, float | str]] | None:
+        """What was changed between the swings of a campaign, and its value in each, by name; None where nothing was.
+
+        InputError where some do not say it, or say another thing.
+        """
+        stated = {
+            name: (self.rows[name]["changed"], self.rows[name]["changed_value"])
+            for name in self.swings(campaign)
+        }
+        said = {name: one for name, one in stated.items() if any(one)}
+        if not said:
+            return None
+        quantity = next(iter(said.values()))[0]
+        for name, (what, value) in stated.items():
+            if what != quantity or not value:
+                raise InputError(
+                    f"recording {name}", f"it has {what!r} as changed and {value!r} as changed_value, and {next(iter(said))} has {quantity!r}",
+                    "one thing that was changed in a campaign, and its value in each recording",
+                    "fill in both cells, with 0 where there was none of it, or make two campaigns of it",
+                )  # fmt: skip
+        try:
+            return quantity, {name: float(value) for name, (_, value) in stated.items()}
+        except ValueError:
+            return quantity, {name: value for name, (_, value) in stated.items()}
+
     @property
     def in_volts(self) -> list[str]:
         """The names of the recordings whose angle follows from the calibration."""
@@ -81,6 +106,8 @@ def plan(settings: dict[str, Any]) -> Plan:
         if not result.swings(name):
             where = f"{settings['recordings']}, campaign {name}"
             raise InputError(where, "every recording is static", "at least one swing to fit", "add a swing")
+    for name in searched:
+        result.changed(name)
     if result.in_volts:
         _check_apparatus(result, settings)
     return result

@@ -14,6 +14,7 @@ _SEEN = {
     "residuals": "What the base model and the last one leave of the swings that were worst at first, with the measured noise.",
     "gap": "The residual in units of the measured noise, move by move; the held-out swings had no part in any fit but their own releases.",
     "map": "The torque that is missing, over angle, velocity and time, from the equations of variation: no data are differentiated.",
+    "difference": "The size of the effect that goes with what was changed, in each recording; all else is the same in all of them.",
     "half_swings": "Each half-swing's loss, period and mid-point, measured without a model, beside what the models show.",
     "ranking": "What each move was worth in the first round, by BIC.",
 }
@@ -22,11 +23,18 @@ _SEEN = {
 def tells(figure: str, found: dict[str, Any] | Mapping[str, Any]) -> bool:
     """True where a figure of a search has something to say: what remains where anything does, what was missing where anything was, and
     before and after where a move was made."""
+    if figure == "difference":
+        return bool(found.get("difference"))
     if figure == "remainder":
         return found["status"] in ("partial", "unknown")
     if figure in ("map", "ranking"):
         return bool(found["where"]["groups"])
     return figure == "half_swings" or len(found["gap"]["fit"]) > 1
+
+
+def drawn_by(figure: str) -> str:
+    """The rule that draws a figure of a search."""
+    return "discover_difference" if figure == "difference" else "discover_figures"
 
 
 def missing(material: Material) -> Section:
@@ -55,7 +63,7 @@ def missing(material: Material) -> Section:
                     path,
                     caption,
                     f"discovery/{campaign}/figures/{name}.svg",
-                    "discover_figures",
+                    drawn_by(name),
                     (campaign,),
                 )
                 for path in paths

@@ -20,7 +20,7 @@ from ..trace import MOST, trace
 from ..wording import model_symbol
 from . import FEW
 from .experiment import fitted_parameters, paired, table3
-from .missing import missing, tells
+from .missing import drawn_by, missing, tells
 
 _TORQUE = "The torque that is missing, over angle, velocity and time, from the equations of variation: no data are differentiated."
 _LEFT = (
@@ -31,6 +31,7 @@ _CURVES = (
     "Frequency, loss and damping ratio against the amplitude, restoring torque over the angle, friction over the speed: free of a model, "
     "and of the model that the search ended with. Where the two part, the model lacks something."
 )
+_FOLLOWS = "The size of the effect that goes with what was changed, in each recording; all else of the model is the same in all of them."
 _LAWS = "The turning points of the recording with what single laws of damping, and the one with the most evidence, make of them."
 _FITTED = (
     "What was measured, what the last model makes of it, and what that leaves. Parts in green had no share in the fit but their own "
@@ -50,11 +51,15 @@ def answer(material: Material) -> Section | None:
     verdicts = {found["campaign"]: found for found in material.verdicts}
     for campaign, rows in used.groupby("campaign", sort=False):
         found = verdicts.get(str(campaign))
-        items.append(_headline(rows, found, material, used["campaign"].nunique() > 1))
+        if not (
+            found and found.get("difference")
+        ):  # the quantities of all recordings together are of none of them
+            items.append(_headline(rows, found, material, used["campaign"].nunique() > 1))
         if found is not None:
             items += _verdict(found)
         if found is not None and tells("remainder", found):
             items += _drawn(material, str(campaign), "remainder", "What remains", _LEFT)
+        items += _drawn(material, str(campaign), "difference", "What follows the change", _FOLLOWS)
         drawn = _drawn(material, str(campaign), "answer", "Recording and fit", _FITTED)
         items += [_zoomable(figure, material, found) for figure in drawn]
         items += _drawn(material, str(campaign), "curves", "Against the amplitude", _CURVES)
@@ -114,8 +119,7 @@ def _drawn(material: Material, campaign: str, name: str, label: str, caption: st
     place = f"discovery/{campaign}/figures/{name}.svg"
     paths = [path for path in material.seen if path.endswith(place)]
     return [
-        Figure(f"{label}, {campaign}", path, caption, place, "discover_figures", (campaign,))
-        for path in paths
+        Figure(f"{label}, {campaign}", path, caption, place, drawn_by(name), (campaign,)) for path in paths
     ]
 
 

@@ -130,11 +130,13 @@ class PowerLaw:
         }
 
 
-def power_law(x: ArrayLike, y: ArrayLike, u_x: ArrayLike, u_y: ArrayLike, theory: float = np.nan) -> PowerLaw:
+def power_law(
+    x: ArrayLike, y: ArrayLike, u_x: ArrayLike, u_y: ArrayLike, theory: float = np.nan, offset: bool = False
+) -> PowerLaw:
     """The ``PowerLaw`` through points with independent errors in both coordinates: a line of York's through their logarithms.
 
     Errors are standard ones, scalars or one a point, 0 in one coordinate allowed. Points at x = 0 tell an ``offset``: then the law with
-    it is fitted, along both errors. InputError for fewer than three different x above 0, values below 0, and points without any error.
+    it is fitted, along both errors; with ``offset`` also where none is at 0, of at least four points. InputError for fewer than three different x above 0, values below 0, and points without any error.
     """
     x, y = (np.asarray(one, dtype=float) for one in (x, y))
     u_x, u_y = (np.broadcast_to(np.asarray(one, dtype=float), x.shape) for one in (u_x, u_y))
@@ -147,6 +149,8 @@ def power_law(x: ArrayLike, y: ArrayLike, u_x: ArrayLike, u_y: ArrayLike, theory
     base = y[~rest].mean() if rest.sum() < x.size else 0.0
     if base and np.unique(x[rest]).size > FEWEST - 1 and np.all(y[rest] > base):
         return _with_offset(x, y, u_x, u_y, theory, float(base))
+    if offset and np.unique(x).size > FEWEST:
+        return _with_offset(x, y, u_x, u_y, theory, 0.5 * float(y[np.argmin(x)]))
     at = float(np.exp(np.mean(np.log(x[rest]))))
     logs = np.log(x[rest] / at), np.log(y[rest]), u_x[rest] / x[rest], u_y[rest] / y[rest]
     line, covariance, scatter, extra = settled(*logs, np.ones(logs[0].size))
