@@ -22,6 +22,7 @@ from ..errors import InputError
 from ..fitting.colour import uncertainty
 from ..fitting.least_squares import fit_jointly
 from ..fitting.result import Begin, Fit
+from ..measurement.stated import name_and_unit
 from ..pendulum.effect import NATURAL_FREQUENCY, Effect
 from ..pendulum.model import Model
 from ..studies.power_laws import PowerLaw, power_law
@@ -77,8 +78,11 @@ class Difference:
     def to_dict(self, quantity: str, recordings: Sequence[str]) -> dict[str, Any]:
         """Plain values, ``quantity`` being what was changed; None for what there is not."""
         law = None if self.law is None else self.law.to_dict()
+        name, unit = name_and_unit(quantity)
         return {
             "quantity": quantity,
+            "quantity_name": name,
+            "quantity_unit": unit,
             "effect": self.effect,
             "tied_with": list(self.tied_with),
             "probability": self.probability,

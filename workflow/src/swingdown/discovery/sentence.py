@@ -5,7 +5,6 @@ from typing import Any
 
 import numpy as np
 
-from ..measurement import stated
 from ..pendulum.catalogue import SHIPPED, Catalogue
 from ..pendulum.effect import Effect
 from ..rounding import plus_minus
@@ -56,7 +55,7 @@ def sentence(found: Mapping[str, Any], catalogue: Catalogue = SHIPPED) -> str:
 
 def follows(difference: Mapping[str, Any]) -> str:
     """What is said of the effect that goes with what was changed between the recordings, and how."""
-    quantity = f"the {stated.name_and_unit(difference['quantity'])[0]}"
+    quantity = f"the {difference['quantity_name']}"
     if not difference["effect"]:
         return f"No effect follows {quantity}."
     names = " or ".join(map(_spoken, (difference["effect"], *difference["tied_with"])))

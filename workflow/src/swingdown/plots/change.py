@@ -6,7 +6,6 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
-from ..measurement import stated
 from ..rounding import value_with_uncertainty
 from . import style
 
@@ -17,11 +16,11 @@ _DATA, _LAW = style.INK, "#0072B2"
 def over_the_change(found: Mapping[str, Any] | None) -> Figure:
     """The sizes with bars over the values of what was changed, with their power law; a figure that says so where no effect follows."""
     if not found or not found["sizes"]:
-        quantity = found["quantity"] if found else "anything that was changed"
-        return style.absent(f"no effect follows {quantity}")
+        quantity = found["quantity_name"] if found else "change between the recordings"
+        return style.absent(f"no effect follows the {quantity}")
     figure = style.new_figure(7.5)
     axes = figure.subplots()
-    rows, law, (name, in_unit) = found["sizes"], found["law"], stated.name_and_unit(found["quantity"])
+    rows, law, name, in_unit = found["sizes"], found["law"], found["quantity_name"], found["quantity_unit"]
     names = any(isinstance(row["value"], str) for row in rows)
     order = sorted({row["value"] for row in rows})
     x = np.array([order.index(row["value"]) if names else row["value"] for row in rows], dtype=float)
