@@ -1,4 +1,4 @@
-"""Random pendulums for the engine's tests: drawn by seed and index, so that every one can be drawn again alone."""
+"""Random pendulums for the engine's tests: drawn by seed and index, so that every one can be drawn again alone. And one with friction."""
 
 from dataclasses import dataclass
 from zlib import crc32
@@ -53,6 +53,7 @@ RANGES = {
 }
 
 
+TIMES = np.arange(501) / 100
 SIXTY = float(np.radians(60))
 
 
@@ -115,6 +116,12 @@ def draw(label, index, largest=SIXTY, seconds=4.0, restoring=None, form="consist
         + np.concatenate([[0.0], np.cumsum(steps)]) * rng.uniform(0.5, 1.0) * seconds / steps.sum()
     )
     return Case(model.with_values(values), times, float(angle), float(velocity))
+
+
+def friction(size):
+    """A model whose friction (rad/s^2) is the same everywhere, so that it holds the pendulum near its rest."""
+    values = {"natural_frequency": 7.0, "viscous_ratio": 0.005, "constant_friction": size}
+    return Model("viscous+constant_coulomb", values)
 
 
 def single_effects():

@@ -1,23 +1,14 @@
 """Trajectories against the oracle: 1e-8 rad for swings up to 60 degrees, 1e-6 up to 170, or a refusal, never silence."""
 
-import re
 import warnings
 
 import cases
 import numpy as np
 import pytest
-from scipy.integrate import solve_ivp
+from cases import TIMES, friction
 from scipy.special import ellipj, ellipk
 
-from swingdown.engine.trajectory import (
-    TrajectoryError,
-    TrajectoryWarning,
-    effort,
-    sensitivities,
-    simulate,
-    simulate_each,
-)
-from swingdown.errors import InputError
+from swingdown.engine.trajectory import TrajectoryError, effort, sensitivities, simulate, simulate_each
 from swingdown.pendulum.model import PAPER_MODELS, Model
 from swingdown.trials import second_pendulum as oracle
 
@@ -26,7 +17,6 @@ pytestmark = pytest.mark.filterwarnings("ignore:.*gains energy")
 LIMITS = {60: 1e-8, 170: 1e-6}  # degrees: rad
 STEP = 2 * np.pi / 4096  # rad, of a usual encoder
 LABELS = [*cases.paper_models(), *cases.single_effects()]
-TIMES = np.arange(501) / 100
 
 
 def expected(case):
@@ -154,100 +144,6 @@ def test_strong_damping(label, ratio):
     assert not wrong and (not refused or ratio == 1.0)
 
 
-def friction(size, **more):
-    return Model(
-        "viscous+constant_coulomb",
-        {"natural_frequency": 7.0, "viscous_ratio": 0.005, "constant_friction": size} | more,
-    )
-
-
-@pytest.mark.parametrize("release", [0.3, 0.7, 1.0])
-def test_sticking_inside_the_record(release):
-    model = friction(3.0)
-    seen = oracle.trajectory(model.names, model.values, TIMES, release)
-    read = simulate(model, TIMES, release)
-    assert seen.stuck_after < 4.0
-    assert np.abs(read - seen.reading).max() < 1e-9
-    assert effort(model, TIMES, release).stuck_after == pytest.approx(seen.stuck_after, abs=1e-8)
-    assert np.ptp(read[seen.stuck_after < TIMES]) == 0.0
-    assert 49 * np.sin(abs(read[-1])) <= 3.0, "held where friction can hold it"
-
-
-@pytest.mark.parametrize("release", [0.0, 0.05, -0.06])
-def test_a_release_that_friction_holds_stays(release):
-    assert np.all(simulate(friction(3.0), TIMES, release) == release)
-    assert effort(friction(3.0), TIMES, release).stuck_after == 0.0
-
-
-def test_a_push_frees_what_friction_holds():
-    model = friction(3.0)
-    seen = oracle.trajectory(model.names, model.values, TIMES, 0.05, 0.4)
-    assert np.abs(simulate(model, TIMES, 0.05, 0.4) - seen.reading).max() < 1e-9
-    assert simulate(model, TIMES, 0.05, 0.4).max() > 0.06
-
-
-def test_a_shaken_pendulum_sticks_and_breaks_away_again():
-    values = {
-        "natural_frequency": 7.0, "constant_friction": 2.0, "vibration_acceleration": 2.6, "vibration_frequency": 0.4,
-        "vibration_phase": 1.0,
-    }  # fmt: skip
-    model = Model("constant_coulomb+base_vibration", values)
-    times = np.linspace(0, 10, 800)
-    seen = oracle.trajectory(model.names, values, times, 0.2)
-    read = simulate(model, times, 0.2)
-    assert np.abs(read - seen.reading).max() < 1e-8
-    held = np.diff(read) == 0
-    assert np.count_nonzero(np.diff(held.astype(int)) == -1) > 2, "held and freed several times"
-
-
-def test_a_moment_of_turning_back_between_two_nodes_is_seen():
-    """The stand shakes so fast that near a turning point the pendulum turns back for 1.4 ms: six reversals, not four."""
-    values = {
-        "natural_frequency": 2.4290, "stribeck_friction": 0.00601, "stribeck_velocity": 0.0612, "vibration_acceleration": 1.3787,
-        "vibration_frequency": 29.93, "vibration_phase": 3.1605,
-    }  # fmt: skip
-    model = Model("stribeck+base_vibration", values, restoring="linear")
-    times = np.linspace(0, 7, 561)
-    seen = oracle.trajectory(model.names, values, times, 0.0, -0.4372, "linear")
-    assert min(np.diff(seen.reversals)) < 0.002
-    assert np.abs(simulate(model, times, 0.0, -0.4372) - seen.reading).max() < 1e-9
-    assert effort(model, times, 0.0, -0.4372).reversals == len(seen.reversals)
-
-
-@pytest.mark.parametrize(("frequency", "acceleration"), [(0.4, 2.05), (29.93, 2.05)])
-def test_a_short_shake_frees_a_pendulum_that_is_held(frequency, acceleration):
-    """Friction of 2 rad/s^2 holds against all but the crests of the shake, which are shorter than the nodes are apart."""
-    values = {
-        "natural_frequency": 2.429, "constant_friction": 2.0, "vibration_acceleration": acceleration,
-        "vibration_frequency": frequency, "vibration_phase": 1.0,
-    }  # fmt: skip
-    model, times = Model("constant_coulomb+base_vibration", values), np.linspace(0, 3, 301)
-    seen = oracle.trajectory(model.names, values, times, 0.1)
-    assert np.ptp(seen.reading) > 1e-3
-    assert np.abs(simulate(model, times, 0.1) - seen.reading).max() < 1e-9
-    assert effort(model, times, 0.1).reversals == len(seen.reversals)
-
-
-@pytest.mark.parametrize(
-    ("label", "friction", "release"),
-    [
-        ("constant_coulomb+presliding", {"constant_friction": 0.5}, 0.001),
-        ("load_coulomb+presliding", {"load_friction": 0.01}, 0.005),
-    ],
-)
-def test_friction_that_winds_up_beside_friction_that_holds(label, friction, release):
-    """Released where it is held, it stays, and only the release angle changes where; further out it swings."""
-    values = {"natural_frequency": 7.0, "presliding_friction": 0.2, "presliding_angle": 0.01} | friction
-    model = Model(label, values)
-    angle, slopes = sensitivities(model, TIMES, release)
-    assert np.all(angle == release)
-    assert effort(model, TIMES, release).stuck_after == 0.0
-    for name, row in zip((*model.parameters, "release_angle", "release_velocity"), slopes, strict=True):
-        assert np.all(row == (name == "release_angle")), name
-    seen = oracle.trajectory(model.names, values, TIMES, 0.3)
-    assert np.abs(simulate(model, TIMES, 0.3) - seen.reading).max() < 1e-8
-
-
 @pytest.mark.parametrize(
     ("name", "own", "share"),
     [
@@ -260,32 +156,6 @@ def test_a_half_swing_knows_the_panels_of_the_last(name, own, share):
     values = {"natural_frequency": 7.0, "viscous_ratio": 0.008} | own
     spent = effort(Model(f"viscous+{name}", values), np.arange(2001) / 100, 0.8)
     assert spent.panels > 2 * spent.reversals and spent.rejected < share * spent.panels
-
-
-def test_friction_that_drives_is_told():
-    """Beyond 90 degrees the rod is pushed, so friction in proportion to its pull feeds the swing; at the top it throws it."""
-    values = {"natural_frequency": 5.0, "load_friction": 0.05}
-    model = Model("load_coulomb", values)
-    with pytest.warns(TrajectoryWarning, match="beyond 90°.*gains energy"):
-        read = simulate(model, TIMES, np.radians(120))
-    seen = oracle.trajectory(model.names, values, TIMES, np.radians(120))
-    assert np.abs(read - seen.reading).max() < 1e-6, "to the letter all the same"
-    with pytest.raises(TrajectoryError, match="not unique"):
-        simulate(model, TIMES, np.radians(178))
-    with warnings.catch_warnings():
-        warnings.simplefilter("error")
-        simulate(model, TIMES, np.radians(85))
-        simulate(friction(3.0), TIMES, np.radians(178))  # held the same everywhere: no load in it
-
-
-def test_a_stuck_pendulum_on_a_ringing_support():
-    values = {
-        "natural_frequency": 7.0, "constant_friction": 3.0, "pivot_mass_ratio": 0.3, "pivot_frequency": 15.0, "pivot_damping_ratio": 0.01,
-    }  # fmt: skip
-    model = Model("constant_coulomb+flexible_pivot", values)
-    seen = oracle.trajectory(model.names, values, TIMES, 0.5)
-    assert np.abs(simulate(model, TIMES, 0.5) - seen.reading).max() < 1e-9
-    assert seen.stuck_after is not None
 
 
 @pytest.mark.parametrize("label", PAPER_MODELS)
@@ -382,84 +252,3 @@ def test_slopes_do_not_change_the_angle():
     ):
         case = cases.draw(label, 3)
         assert np.abs(sensitivities(*case.arguments)[0] - simulate(*case.arguments)).max() < 1e-11
-
-
-def test_what_cannot_be_followed_is_refused():
-    softening = Model(
-        "viscous+cubic_stiffness",
-        {"natural_frequency": 3.0, "viscous_ratio": 0.01, "cubic_stiffness": -30.0},
-        restoring="linear",
-    )
-    with pytest.raises(TrajectoryError, match="viscous_ratio 0.01"):
-        simulate(softening, TIMES, 2.0)
-    backwards = Model(
-        "viscous+clock_drift", {"natural_frequency": 3.0, "viscous_ratio": 0.01, "clock_drift": -0.6}
-    )
-    with pytest.raises(TrajectoryError, match="clock"):
-        simulate(backwards, TIMES, 0.5)
-
-
-@pytest.mark.parametrize(
-    ("times", "angle", "told"),
-    [
-        ([0.0, 2.0, 1.0], 0.5, "increasing"),
-        ([0.0, 1.0, 1.0], 0.5, "increasing"),
-        ([0.0, np.nan], 0.5, "finite"),
-        ([[0.0, 1.0]], 0.5, "one dimension"),
-        ([], 0.5, "at least one"),
-        ([0.0, 1.0], np.nan, "finite"),
-        ([0.0, 1.0], np.inf, "finite"),
-    ],
-)
-def test_bad_input_is_told(times, angle, told):
-    with pytest.raises(InputError, match=told):
-        simulate(friction(0.4), times, angle)
-
-
-def test_what_is_too_narrow_to_be_seen_is_refused():
-    values = {"natural_frequency": 7.0, "viscous_ratio": 0.01, "eddy_coefficient": 0.5, "eddy_width": 0.001}
-    with pytest.raises(InputError, match="eddy_width.*0.01 or more"):
-        simulate(Model("viscous+eddy_brake", values), TIMES, 0.5)
-
-
-def test_missing_values_are_named():
-    with pytest.raises(InputError, match="viscous_ratio"):
-        simulate(Model("viscous", {"natural_frequency": 7.0}), TIMES, 0.5)
-
-
-def told_error(*arguments):
-    """What ``simulate`` gives, and the error that its one warning tells, in the reading's unit."""
-    with pytest.warns(TrajectoryWarning, match="beyond 150° small errors grow") as told:
-        read = simulate(*arguments)
-    (size,) = re.findall(r"off by some (\S+) rad", str(told[0].message))
-    return read, float(size)
-
-
-@pytest.mark.parametrize("reading", ["angle", "rate"])
-def test_errors_that_grow_near_the_top_are_told_with_their_size(reading):
-    """A strong spring beyond 150 degrees, held against the second pendulum: an estimate from the panels alone is 8 times too low."""
-    values = {"natural_frequency": 11.4, "quadratic_stiffness": -0.8}
-    model, times = Model("quadratic_stiffness", values).of(reading), np.arange(1001) / 100
-    read, told = told_error(model, times, np.radians(175.8))
-    true = oracle.trajectory(model.names, values, times, np.radians(175.8), reading=reading).reading
-    assert told == pytest.approx(np.abs(read - true).max(), rel=0.5)
-    with warnings.catch_warnings():
-        warnings.simplefilter("error")
-        simulate(model, times, np.radians(120))
-
-
-def test_errors_that_grow_in_a_chaotic_torque_are_told_with_their_size():
-    """A torque without a name, several turns out, with two wells: a change of the release grows 800 times, off by 2e-4 rad."""
-    pieces = (42.03, 48.65, 16.92, 33.62, 86.86, 0.0, -4.247)
-    values = {"natural_frequency": 7.761, "viscous_ratio": 0.0001416, "unnamed_position_range": 4.033}
-    values |= {f"unnamed_position_{k}": piece for k, piece in enumerate(pieces)}
-    times = np.arange(1001) / 100
-    torque = np.polynomial.Polynomial([pieces[0], 0, *pieces[1:]])
-
-    def motion(_, at):
-        damping = 2 * values["viscous_ratio"] * 7.761
-        return at[1], -(7.761**2) * np.sin(at[0]) - damping * at[1] + torque(at[0] / 4.033)
-
-    true = solve_ivp(motion, (0, 10), (-4.651, 14.78), "DOP853", times, rtol=1e-13, atol=1e-15, max_step=0.02)
-    read, told = told_error(Model("viscous+unnamed_position", values), times, -4.651, 14.78)
-    assert told == pytest.approx(np.abs(read - true.y[0]).max(), rel=0.5)
