@@ -129,6 +129,14 @@ def test_what_is_missing_is_judged_by_all_three_numbers(spring):
     assert finding.held_out < 0.2
 
 
+def test_where_nothing_can_be_fitted_without_an_effect_no_share_of_it_is_told(spring, monkeypatch):
+    pool = pooled(spring, "viscous", "viscous+cubic_stiffness")
+    monkeypatch.setattr(Pool, "lacking", lambda *_: None)
+    (found,) = judged(pool, pool.best).values()
+    assert not found.sure
+    assert np.isnan([found.share, found.held_out, found.without]).all()
+
+
 def test_a_richer_effect_at_the_values_of_a_simpler_one_is_no_rival_of_it():
     drag = swings((0.9, -0.7, 0.5, 0.3), "quadratic_drag", quadratic_coefficient=0.01)
     pool = pooled(drag, "viscous", "viscous+quadratic_drag", "viscous+power_law_drag")

@@ -101,6 +101,9 @@ def test_a_model_file_tells_units_and_errors(tmp_path):
         ("effects: [viscous]\nparameters: {viscous_ratio: {unit: '1'}}", "viscous_ratio"),
         ("effects: [viscous]\nparameters: [viscous_ratio]", "parameters"),
         ("effects: 3", "effects"),
+        ("effects: [viscous]\nown: viscous_ratio", "key own"),
+        ("effects: [viscous]\nown: [drag]", "key own.*viscous_ratio"),
+        ("effects: [viscous]\nown: [[viscous_ratio]]", "key own"),
         ("effects: [viscous", "model.yaml"),
     ],
 )
@@ -125,3 +128,11 @@ def test_a_model_that_drifts_keeps_the_record_it_drifts_over(tmp_path):
     broken.write_text("effects: [viscous]\nrecord_s: -1\n")
     with pytest.raises(InputError, match="record_s"):
         read_model(broken)
+
+
+def test_what_each_recording_has_for_itself_is_kept(tmp_path):
+    model = Model("viscous", {"natural_frequency": 7.0, "viscous_ratio": 0.01}, own=("viscous_ratio",))
+    again = read_model(write_model(model, tmp_path / "model.yaml"))
+    assert again.each == ("viscous_ratio",)
+    other = Model("load_coulomb", {"natural_frequency": 7.0, "load_friction": 0.01}, own=("viscous_ratio",))
+    assert read_model(write_model(other, tmp_path / "other.yaml")).each == ()

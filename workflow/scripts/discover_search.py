@@ -6,6 +6,7 @@ from pathlib import Path
 
 from swingdown import console
 from swingdown.discovery import files
+from swingdown.discovery.budget import Budget
 from swingdown.discovery.change import difference
 from swingdown.discovery.conclusion import concluded
 from swingdown.discovery.files import DIFFERENCE
@@ -14,16 +15,6 @@ from swingdown.errors import InputError
 from swingdown.measurement.refused import doubt_in, left_out, none_left, taking_part
 from swingdown.pendulum.catalogue import catalogue
 from swingdown.pendulum.model import Model
-
-
-def differing(swings, changed, base):
-    """The base model in which each recording has what follows the change for itself, and what difference.json holds of it."""
-    quantity, values = changed or ("", {})
-    whole = [swing for swing in swings.whole if swing.name in values]
-    if len({values[swing.name] for swing in whole}) < 2:
-        return base, None
-    found = difference(whole, [values[swing.name] for swing in whole], base)
-    return found.beside(base), found.to_dict(quantity, [swing.name for swing in whole])
 
 
 def discover_search(campaign, angles, fits, roles, base, rounds, budget_s, changed, outputs):
@@ -54,9 +45,12 @@ def discover_search(campaign, angles, fits, roles, base, rounds, budget_s, chang
         )
         files.write_difference(None, outputs)
         return f"{campaign}: NOT SEARCHED: {problem}"
-    base, follows = differing(swings, changed, base)
-    files.write_difference(follows, outputs)
-    states = concluded(discover(swings, base, rounds, budget_s=budget_s), swings)
+    quantity, values = changed or ("", {})
+    budget = Budget(budget_s)
+    follows = difference(swings, values, base, budget_s=budget_s and budget_s / 2)
+    files.write_difference(follows and follows.to_dict(quantity), outputs)
+    base = follows.beside(base) if follows else base
+    states = concluded(discover(swings, base, rounds, budget_s=budget.left), swings)
     folders = sorted(
         {Path(path).parent for path in outputs if Path(path).name != DIFFERENCE},
         key=lambda one: int(one.name[6:]),

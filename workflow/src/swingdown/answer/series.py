@@ -103,17 +103,21 @@ def as_changed(kept: Sequence[Taken], found: Varied) -> None:
 
     Then the search tells which effect follows it.
     """
-    stated = {one.row["recording"]: found.values.get(one.row["recording"], {}).get(found.by) for one in kept}
-    groups = {one.row["recording"]: found.groups.get(one.row["recording"], {}).get(found.by) for one in kept}
-    for one in kept:
-        value, group = stated[one.row["recording"]], groups[one.row["recording"]]
-        if all(stated.values()) and value is not None:
-            unit = value.unit.replace("^", "")
-            one.row.update(
-                changed=f"{found.by}_{unit}" if unit else found.by, changed_value=f"{value.value:.10g}"
-            )
-        elif all(groups.values()):
-            one.row.update(changed=found.by, changed_value=str(group))
+    names = [one.row["recording"] for one in kept]
+    for source in (found.values, found.groups):
+        known: list[Stated | str | None] = [source.get(name, {}).get(found.by) for name in names]
+        if all(known):
+            for one, value in zip(kept, known, strict=True):
+                one.row.update(_changed(found.by, value))
+            return
+
+
+def _changed(by: str, value: Stated | str | None) -> dict[str, str]:
+    """The cells of a value, or of a group, of what was changed."""
+    if not isinstance(value, Stated):
+        return {"changed": by, "changed_value": str(value)}
+    unit = value.unit.replace("^", "")
+    return {"changed": f"{by}_{unit}" if unit else by, "changed_value": f"{value.value:.10g}"}
 
 
 def _in(line: str, *sources: Mapping[str, Mapping[str, Stated]]) -> bool:

@@ -16,3 +16,8 @@ class Budget:
     def spent(self) -> bool:
         """True once nothing is left."""
         return self._end is not None and time.process_time() >= self._end
+
+    @property
+    def left(self) -> float | None:
+        """The seconds that are left, none below 0; None for no end."""
+        return None if self._end is None else max(self._end - time.process_time(), 0.0)

@@ -9,30 +9,31 @@
 5. A power law through the sizes over what was changed, with errors of the sizes.
 """
 
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
+from threadpoolctl import threadpool_limits
 
 from ..arrays import Floats
 from ..engine.trajectory import TrajectoryError
 from ..errors import InputError
 from ..fitting.colour import uncertainty
-from ..fitting.least_squares import fit_jointly
 from ..fitting.result import Begin, Fit
 from ..measurement.stated import name_and_unit
 from ..pendulum.effect import NATURAL_FREQUENCY, Effect
 from ..pendulum.model import Model
 from ..studies.power_laws import PowerLaw, power_law
+from .budget import Budget
 from .campaign import Campaign, Noise, Swing
 from .candidates import additions, starts_to_add
 from .discrepancy import discrepancy
 from .judge import PROBABLE, SHARE, TIES
 from .linear import Frame, columns_of, explained, frame
-from .refit import FAILURES, as_candidate
-from .rounds import noise_of
+from .refit import FAILURES, opened, refit
+from .rounds import first_fit, noise_of
 from .structures import POSSIBLE
 
 _FITTED = 8  # effects that are fitted, of those that promise most
@@ -54,28 +55,33 @@ class Sizes:
 
 @dataclass(frozen=True)
 class Difference:
-    """Which ``effect``'s size goes with what was changed, or ``natural_frequency``, or None where nothing is told; those that the recordings
-    do not tell from it; the ``probability`` that it or one of these does; the ``share`` of what common sizes leave that is left; its
-    ``sizes``, the natural ``frequency`` of each recording, and the ``law`` of the sizes where there is one."""
+    """Which ``effect``'s size goes with what was ``changed`` (a value for each recording, by name), or ``natural_frequency``, or None where
+    nothing is told; those that the recordings do not tell from it; the ``probability`` that it or one of these does; the ``share`` of what
+    common sizes leave that is left; its ``sizes``, the natural ``frequency`` of each recording where anything differs, and the ``law`` of
+    the sizes where there is one. ``stopped`` says why not all effects were asked, or is empty."""
 
-    changed: tuple[Value, ...]
-    effect: str | None
+    changed: Mapping[str, Value]
+    effect: str | None = None
     tied_with: tuple[str, ...] = ()
     probability: float = 0.0
     share: float = np.nan
     sizes: Sizes | None = None
     frequency: Sizes | None = None
     law: PowerLaw | None = field(default=None, repr=False)
+    stopped: str = ""
 
     def beside(self, base: Model) -> Model:
-        """The base model in which each recording has a natural frequency, and a size of the effect that follows the change, for itself."""
+        """The base model in which each recording has a natural frequency, and a size of the effect that follows the change, for itself,
+        where these differ."""
+        if self.frequency is None:
+            return base
         base = replace(base, own_frequency=True)
         if self.sizes is None or self.effect is None or self.effect == NATURAL_FREQUENCY.name:
             return base
         names = base.names if self.effect in base.names else (*base.names, self.effect)
         return replace(base.with_effects(names), own=(self.sizes.name,))
 
-    def to_dict(self, quantity: str, recordings: Sequence[str]) -> dict[str, Any]:
+    def to_dict(self, quantity: str) -> dict[str, Any]:
         """Plain values, ``quantity`` being what was changed; None for what there is not."""
         law = None if self.law is None else self.law.to_dict()
         name, unit = name_and_unit(quantity)
@@ -89,15 +95,17 @@ class Difference:
             "share_left": self.share if np.isfinite(self.share) else None,
             "parameter": None if self.sizes is None else self.sizes.name,
             "unit": None if self.sizes is None else self.sizes.unit,
-            "sizes": [] if self.sizes is None else self._rows(self.sizes, recordings),
+            "sizes": self._rows(self.sizes),
             "exponent": law and law["exponent"],
             "exponent_standard_error": law and law["u_exponent"],
             "law": law,
-            "natural_frequency": [] if self.frequency is None else self._rows(self.frequency, recordings),
+            "natural_frequency": self._rows(self.frequency),
+            "stopped": self.stopped,
         }
 
-    def _rows(self, sizes: Sizes, recordings: Sequence[str]) -> list[dict[str, Any]]:
-        told = zip(recordings, self.changed, sizes.values, sizes.errors, strict=True)
+    def _rows(self, sizes: Sizes | None) -> list[dict[str, Any]]:
+        if sizes is None:
+            return []
         return [
             {
                 "recording": name,
@@ -105,7 +113,9 @@ class Difference:
                 "size": float(size),
                 "standard_error": float(error) if np.isfinite(error) else None,
             }
-            for name, value, size, error in told
+            for (name, value), size, error in zip(
+                self.changed.items(), sizes.values, sizes.errors, strict=True
+            )
         ]
 
 
@@ -118,7 +128,7 @@ class _Rival:
     fit: Fit
     common: float
     whole: float
-    added: int
+    added: int = 0
 
     @property
     def share(self) -> float:
@@ -128,63 +138,84 @@ class _Rival:
 
 
 def difference(
-    swings: Sequence[Swing],
-    changed: Sequence[Value],
+    campaign: Campaign,
+    changed: Mapping[str, Value],
     base: Model,
     allowed: Collection[str] | None = None,
-) -> Difference:
-    """The ``Difference`` of recordings between which ``changed`` was changed, a value for each, all else the same.
+    budget_s: float | None = None,
+) -> Difference | None:
+    """The ``Difference`` of those recordings of a campaign, held-out ones too, between which ``changed`` was changed, all else the same: a
+    value for each, by name. None where they have fewer than two values.
 
-    ``base`` names the effects that are there in any case; ``allowed`` limits those of the catalogue that are looked at besides. InputError where
-    fewer than two values were recorded; TrajectoryError where the base model cannot be fitted.
+    ``base`` names the effects that are there in any case; ``allowed`` limits those of the catalogue that are looked at besides. After
+    ``budget_s`` CPU seconds (None: no end) no other effect is asked, and ``stopped`` says so; it also says where the comparison itself
+    breaks off. TrajectoryError or InputError where the base model cannot be fitted.
     """
-    if np.unique(changed).size < _FEWEST:
-        raise InputError(
-            "what was changed",
-            f"{np.unique(changed).size} value",
-            f"at least {_FEWEST}",
-            "add recordings at another value",
-        )
-    pairs, own = [swing.pair for swing in swings], (NATURAL_FREQUENCY.name,)
-    same = fit_jointly(base, pairs, bounded=True, own=())
-    alone = _alone(same.begin, swings)
-    touched = fit_jointly(base, pairs, guess=[same.begin, _together(alone, own)], bounded=True, own=own)
-    here, whole = frame(touched, swings), sum(one.rss for one in alone)
-    rivals = [_Rival(None, same, same.rss, whole, 0), _Rival(own[0], touched, same.rss, whole, 0)]
+    swings = tuple(one for one in campaign.whole if one.name in changed)
+    values = {one.name: changed[one.name] for one in swings}
+    if len(set(values.values())) < _FEWEST:
+        return None
+    every, budget = replace(campaign, fit=swings, holdout=()), Budget(budget_s)
+    plain = first_fit(every, replace(base, own_frequency=False, own=()))
+    try:
+        with threadpool_limits(1, "blas"):  # as in the search
+            same = opened(plain, swings, every.slack, noise_of(every, plain))
+            return _asked(every, values, same, allowed, budget)
+    except FAILURES as problem:
+        return Difference(values, stopped=f"the comparison broke off ({problem})")
+
+
+def _asked(
+    every: Campaign,
+    changed: Mapping[str, Value],
+    same: Fit,
+    allowed: Collection[str] | None,
+    budget: Budget,
+) -> Difference:
+    """The ``Difference`` beside the fit of one model to all recordings."""
+    alone = _alone(same.begin, every.fit, seen=True)
+    touched = _jointly(replace(same.model, own_frequency=True), same.begin, alone, every.fit, seen=True)
+    here, whole = frame(touched, every.fit), sum(one.rss for one in alone)
+    rivals = [_Rival(None, same, same.rss, whole), _Rival(NATURAL_FREQUENCY.name, touched, same.rss, whole)]
     # what is there anyway explains a change before anything else does, unless it is alone: then nothing else could have changed
-    more = additions(base, allowed)
-    for names in (base.names, more) if len(base.names) > 1 else ((*base.names, *more),):
-        for name in _promising(here, names):
-            with suppress(*FAILURES):
-                rivals.append(_rival(here, name, touched))
-        found = _told(rivals, swings, changed)
-        if found.effect:
+    base, more = touched.model.names, additions(touched.model, allowed)
+    for names in (base, more) if len(base) > 1 else ((*base, *more),):
+        for name, begin in _promising(here, names, budget):
+            if not budget.spent:
+                with suppress(*FAILURES):
+                    rivals.append(_rival(here, name, begin))
+        found = _told(rivals, every, changed)
+        if found.effect or budget.spent:
             break
-    return found
+    return replace(found, stopped="the time for it is spent") if budget.spent else found
 
 
-def _promising(here: Frame, names: Collection[str]) -> list[str]:
-    """The effects of these names whose sizes, each recording's own, take away most to first order."""
-    model, gains = here.fit.model, {}
+def _promising(here: Frame, names: Collection[str], budget: Budget) -> list[tuple[str, Begin]]:
+    """The effects of these names whose sizes, each recording's own, take away most to first order, each with where its fit begins."""
+    model, gains = here.fit.model, []
     for name in names:
         effect = model.catalogue[name]
-        if effect.size is None or effect.each or effect.acts_on != "torque":
+        if effect.size is None or effect.each or effect.acts_on != "torque" or budget.spent:
             continue  # it was the pendulum that was changed, not what reads it
         with suppress(*FAILURES):
-            gains[name] = explained(here, _apart(here, _column(here, effect)))[0]
-    return sorted(gains, key=lambda name: -gains[name])[:_FITTED]
+            begin, column = _offered(here, effect)
+            gains.append((explained(here, _apart(here, column))[0], name, begin))
+    gains.sort(key=lambda one: -one[0])
+    return [(name, begin) for _, name, begin in gains[:_FITTED]]
 
 
-def _column(here: Frame, effect: Effect) -> Floats:
-    """What the size of an effect does to all samples, of one that the model has not at the shape that does most."""
+def _offered(here: Frame, effect: Effect) -> tuple[Begin, Floats]:
+    """Where a fit with this effect begins, and what its size does to all samples: of one that the model has not, at the shape that does
+    most."""
     size = _size(effect)
     if size in here.names:
-        return here.slopes[: here.samples, here.names.index(size)]
+        return here.fit.begin, here.slopes[: here.samples, here.names.index(size)]
     starts = starts_to_add(here, effect.name, best=1)
     if not starts:
         raise TrajectoryError(f"{effect.name}: the engine cannot follow it")
-    values = {p.name: starts[0].begin.swings[0].values[p.name] for p in effect.parameters}
-    return columns_of(here, effect, values, [size], rough=True)[:, 0]
+    begin = starts[0].begin
+    values = {p.name: begin.swings[0].values[p.name] for p in effect.parameters}
+    return begin, columns_of(here, effect, values, [size], rough=True)[:, 0]
 
 
 def _size(effect: Effect) -> str:
@@ -201,45 +232,43 @@ def _apart(here: Frame, column: Floats) -> Floats:
     return found
 
 
-def _rival(here: Frame, name: str, touched: Fit) -> _Rival:
+def _rival(here: Frame, name: str, begin: Begin) -> _Rival:
     """The ``_Rival`` whose sizes of this effect are each recording's own."""
-    base, own = touched.model, (NATURAL_FREQUENCY.name,)
-    model = base if name in base.names else base.with_effects((*base.names, name))
-    size = _size(model.catalogue[name])
-    pairs = [swing.pair for swing in here.swings]
-    near = touched.begin if name in base.names else starts_to_add(here, name, best=1)[0].begin
-    apart = _together(_alone(Begin(model, near.swings), here.swings), (*own, size))
-    with as_candidate():
-        common = fit_jointly(model, pairs, guess=[near, apart], bounded=True, own=own, seen=False)
-        fit = fit_jointly(
-            model, pairs, guess=[common.begin, apart], bounded=True, own=(*own, size), seen=False
-        )
-        ended = _alone(fit.begin, here.swings, seen=False)
-    least = [min(a.rss, b.rss) for a, b in zip(ended, _alone(apart, here.swings, seen=False), strict=True)]
-    return _Rival(name, fit, common.rss, sum(least), int(name not in base.names))
+    own = replace(begin.model, own=(_size(begin.model.catalogue[name]),))
+    alone = _alone(begin, here.swings)
+    common = _jointly(begin.model, begin, alone, here.swings)
+    fit = _jointly(own, common.begin, alone, here.swings)
+    least = [min(a.rss, b.rss) for a, b in zip(alone, _alone(fit.begin, here.swings), strict=True)]
+    return _Rival(name, fit, common.rss, sum(least), int(name not in here.fit.model.names))
 
 
-def _alone(begin: Begin, swings: Sequence[Swing], seen: bool = True) -> list[Fit]:
+def _alone(begin: Begin, swings: Sequence[Swing], seen: bool = False) -> list[Fit]:
     """The fit of each recording by itself, from where a joint one begins; ``seen``, from its decay, too."""
+    model = replace(begin.model, own_frequency=False, own=())
     return [
-        fit_jointly(begin.model, [swing.pair], guess=[Begin(begin.model, (one,))], bounded=True, seen=seen)
+        refit(Begin(model, (one,)), [swing], seen=seen, ended=True)
         for swing, one in zip(swings, begin.swings, strict=True)
     ]
 
 
-def _together(alone: Sequence[Fit], own: Sequence[str]) -> Begin:
-    """Where a joint fit begins after each recording's own: at the medians of what they share."""
-    model, starts = alone[0].model, [one.begin.swings[0] for one in alone]
+def _jointly(
+    model: Model, begin: Begin, alone: Sequence[Fit], swings: Sequence[Swing], seen: bool = False
+) -> Fit:
+    """The joint fit of a model from a beginning, and from each recording's own fit at the medians of what all share."""
+    starts = [one.begin.swings[0] for one in alone]
     shared = {
-        p: float(np.median([one.values[p] for one in starts])) for p in model.parameters if p not in own
+        name: float(np.median([one.values[name] for one in starts]))
+        for name in model.parameters
+        if name not in model.each
     }
-    return Begin(model, tuple(one._replace(values={**one.values, **shared}) for one in starts))
+    middle = tuple(one._replace(values={**one.values, **shared}) for one in starts)
+    return refit([Begin(model, begin.swings), Begin(model, middle)], swings, seen=seen, ended=True)
 
 
-def _told(rivals: Sequence[_Rival], swings: Sequence[Swing], changed: Sequence[Value]) -> Difference:
+def _told(rivals: Sequence[_Rival], every: Campaign, changed: Mapping[str, Value]) -> Difference:
     """The ``Difference`` that these explanations leave."""
-    pairs, best = [swing.pair for swing in swings], min(rivals, key=lambda one: one.fit.rss)
-    noise = noise_of(Campaign("", tuple(swings), (), ""), best.fit)
+    swings, best = every.fit, min(rivals, key=lambda one: one.fit.rss)
+    noise = noise_of(every, best.fit)
     period = 2 * np.pi / best.fit.model.values[NATURAL_FREQUENCY.name]
     plain, unnamed = np.array([_evidence(one, swings, noise, period) for one in rivals]).T
     logs = np.logaddexp(plain, unnamed)
@@ -256,25 +285,15 @@ def _told(rivals: Sequence[_Rival], swings: Sequence[Swing], changed: Sequence[V
             break
         ties.append(rivals[k].effect)
         chance += float(shares[k])
-    frequency = None if first.effect is None else _sizes(first.fit, pairs, NATURAL_FREQUENCY.name)
-    if first.effect is None or chance < PROBABLE or first.share > SHARE:
-        return Difference(tuple(changed), None, tuple(ties), chance, first.share, frequency=frequency)
-    name = (
-        first.effect
-        if first.effect == NATURAL_FREQUENCY.name
-        else _size(first.fit.model.catalogue[first.effect])
-    )
-    sizes = _sizes(first.fit, pairs, name)
-    return Difference(
-        tuple(changed),
-        first.effect,
-        tuple(ties),
-        chance,
-        first.share,
-        sizes,
-        frequency,
-        _law(changed, sizes, bool(unnamed[order[0]] > plain[order[0]])),
-    )
+    if first.effect is None:
+        return Difference(changed, None, tuple(ties), chance, first.share)
+    frequency = _sizes(first.fit, swings, NATURAL_FREQUENCY.name)
+    if chance < PROBABLE or first.share > SHARE:
+        return Difference(changed, None, tuple(ties), chance, first.share, frequency=frequency)
+    own = first.fit.model.own
+    sizes = _sizes(first.fit, swings, own[0]) if own else frequency
+    law = _law(tuple(changed.values()), sizes, bool(unnamed[order[0]] > plain[order[0]]))
+    return Difference(changed, first.effect, tuple(ties), chance, first.share, sizes, frequency, law)
 
 
 def _evidence(one: _Rival, swings: Sequence[Swing], noise: Noise, period: float) -> tuple[float, float]:
@@ -285,9 +304,9 @@ def _evidence(one: _Rival, swings: Sequence[Swing], noise: Noise, period: float)
     return lacks.log_plain + known, lacks.log_evidence - each + known
 
 
-def _sizes(fit: Fit, pairs: Sequence[tuple[Floats, Floats]], name: str) -> Sizes:
+def _sizes(fit: Fit, swings: Sequence[Swing], name: str) -> Sizes:
     """The ``Sizes`` of a value that each recording has for itself; their errors know the colour of the residuals."""
-    found = uncertainty(fit, pairs)
+    found = uncertainty(fit, [swing.pair for swing in swings])
     at = [k for k, free in enumerate(fit.free) if free == name]
     unit = next(p.unit for p in fit.model.definitions if p.name == name)
     return Sizes(name, unit, fit.values[at], np.sqrt(np.diag(found.covariance))[at])

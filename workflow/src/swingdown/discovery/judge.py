@@ -25,12 +25,12 @@ TIES = 4
 class Finding:
     """What is to be said of an effect that the most probable structure has: the ``probability`` that it or one of its ``ties`` is there,
     the ``share`` of the discrepancy that is left with it, that of the ``held_out`` swings' excess over the noise, what they leave
-    ``without`` it (in units of the noise; NaN where that cannot be computed), and the ``doubt``, why it is not told, or empty."""
+    ``without`` it (in units of the noise), NaN where that cannot be computed, and the ``doubt``, why it is not told, or empty."""
 
     probability: float
     ties: tuple[str, ...] = ()
-    share: float = 0.0
-    held_out: float = 0.0
+    share: float = np.nan
+    held_out: float = np.nan
     without: float = np.nan
     doubt: str = ""
 
@@ -51,7 +51,7 @@ def told_of(pool: Pool, best: Structure) -> tuple[Structure, dict[str, Finding]]
     whole = found = judged(pool, best)
     here = best
     while any(one.share > SHARE for one in found.values()):
-        fewer = pool.lacking(here, [max(found, key=lambda name: found[name].share)])
+        fewer = pool.lacking(here, [max(found, key=lambda name: np.nan_to_num(found[name].share))])
         if fewer is None or not pool.added(fewer.key):
             return best, whole
         here, found = fewer, judged(pool, fewer)

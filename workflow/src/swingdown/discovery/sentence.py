@@ -56,10 +56,15 @@ def sentence(found: Mapping[str, Any], catalogue: Catalogue = SHIPPED) -> str:
 def follows(difference: Mapping[str, Any]) -> str:
     """What is said of the effect that goes with what was changed between the recordings, and how."""
     quantity = f"the {difference['quantity_name']}"
+    stopped = f" (not all were asked: {difference['stopped']})" if difference.get("stopped") else ""
     if not difference["effect"]:
-        return f"No effect follows {quantity}."
+        return (
+            f"No effect was found to follow {quantity}{stopped}."
+            if stopped
+            else f"No effect follows {quantity}."
+        )
     names = " or ".join(map(_spoken, (difference["effect"], *difference["tied_with"])))
-    said = f"{names[:1].upper()}{names[1:]} follows {quantity} (P {_sure(difference)})"
+    said = f"{names[:1].upper()}{names[1:]} follows {quantity} (P {_sure(difference)}){stopped}"
     law = difference["law"]
     if law is None:
         return f"{said}."

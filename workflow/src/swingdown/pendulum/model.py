@@ -228,6 +228,7 @@ def write_model(model: Model, path: Path | str) -> Path:
         for name in model.parameters
         if name in model.values and name not in model.slack.parameters
     }
+    own = [name for name in model.own if name in model.parameters]
     content = {
         "effects": list(model.names),
         "restoring": model.restoring,
@@ -235,7 +236,7 @@ def write_model(model: Model, path: Path | str) -> Path:
         **({} if model.reading == ANGLE else {"reading": model.reading}),
         **({"record_s": model.record} if model.record and model.drifts else {}),
         **({"own_frequency": True} if model.own_frequency else {}),
-        **({"own": list(model.own)} if model.own else {}),
+        **({"own": own} if own else {}),
         "parameters": values,
     }
     return write_text(path, yaml.safe_dump(content, sort_keys=False, allow_unicode=True))
@@ -267,8 +268,8 @@ def read_model(path: Path | str, catalogue: Catalogue = SHIPPED) -> Model:
             catalogue=catalogue.of(content.get("reading", ANGLE)),
             record=_record(content.get("record_s")),
             own_frequency=_yes_or_no("own_frequency", content.get("own_frequency", False)),
-            own=tuple(map(str, content.get("own") or ())),
         )
+        model = replace(model, own=_own(content.get("own", []), model.parameters))
         values, errors = {}, {}
         for name, entry in parameters.items():
             if not isinstance(entry, dict) or not isinstance(entry.get("value"), (int, float)):
@@ -291,6 +292,12 @@ def _record(given: Any) -> float | None:
     if not isinstance(given, (int, float)) or not 0 < given < inf:
         raise InputError("key record_s", f"{given!r}", "a length in seconds, more than 0")
     return float(given)
+
+
+def _own(given: Any, known: Sequence[str]) -> tuple[str, ...]:
+    if not isinstance(given, list) or not set(map(str, given)) <= set(known):
+        raise InputError("key own", f"{given!r}", f"a list of parameters: {', '.join(known)}")
+    return tuple(given)
 
 
 def _yes_or_no(key: str, given: Any) -> bool:
