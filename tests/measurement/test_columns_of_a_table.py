@@ -7,8 +7,6 @@ import pandas as pd
 import pytest
 
 from swingdown.errors import InputError
-from swingdown.measurement.recording import ingest
-from swingdown.measurement.sheet import read_sheet
 from swingdown.measurement.source import table_of, tables
 
 TIME = np.arange(300) / 20
@@ -69,22 +67,6 @@ FOUND = {
     ),
     "a row with a cell more": (HEAD + rows(stop=200) + "9.999,0.1,0.2\n" + rows(start=200), "line 202 has more cells"),
 }  # fmt: skip
-
-
-@pytest.fixture
-def take(tmp_path, monkeypatch):
-    """A function that writes a file and ingests it by a sheet of one row."""
-    monkeypatch.chdir(tmp_path)
-
-    def take(content, **cells):
-        (tmp_path / "swing.csv").write_text(content)
-        cells = {"recording": "a", "file": "swing.csv", **cells}
-        (tmp_path / "sheet.csv").write_text(
-            ",".join(cells) + "\n" + ",".join(map(str, cells.values())) + "\n"
-        )
-        return ingest(read_sheet("sheet.csv").loc["a"], "sheet.csv")
-
-    return take
 
 
 def whole(content):

@@ -82,22 +82,6 @@ FORMS = {
 }  # fmt: skip
 
 
-@pytest.fixture
-def take(tmp_path, monkeypatch):
-    """A function that writes a file and ingests it by a sheet of one row."""
-    monkeypatch.chdir(tmp_path)
-
-    def take(content, **cells):
-        (tmp_path / "swing.csv").write_text(content)
-        cells = {"recording": "a", "file": "swing.csv", **cells}
-        (tmp_path / "sheet.csv").write_text(
-            ",".join(cells) + "\n" + ",".join(map(str, cells.values())) + "\n"
-        )
-        return ingest(read_sheet("sheet.csv").loc["a"], "sheet.csv")
-
-    return take
-
-
 @pytest.mark.parametrize("form", FORMS)
 def test_each_run_is_read_as_if_it_stood_alone(take, tmp_path, form):
     content, names = FORMS[form]
