@@ -11,6 +11,7 @@ import numpy as np
 import pandas as pd
 import pytest
 import yaml
+from exporting import TIMES, export
 
 import swingdown
 from swingdown.__main__ import main
@@ -18,25 +19,6 @@ from swingdown.engine.trajectory import simulate
 from swingdown.measurement.sheet import read_sheet
 from swingdown.pendulum.model import Model
 from swingdown.study import own
-
-TIMES = np.arange(1001) / 100
-
-
-def export(path, frequency=7.25, angle=0.3, seed=0, times=TIMES, header=("Time (s)", "Angle (°)")):
-    """A swing of a viscous pendulum as a program exports it."""
-    model = Model("viscous", {"natural_frequency": frequency, "viscous_ratio": 0.008})
-    noise = 0.002 * np.random.default_rng(seed).standard_normal(times.size)
-    table = pd.DataFrame({header[0]: times, header[1]: np.degrees(simulate(model, times, angle) + noise)})
-    path.parent.mkdir(parents=True, exist_ok=True)
-    table.round(5).to_csv(path, index=False)
-    return path
-
-
-@pytest.fixture
-def here(tmp_path, monkeypatch):
-    """An empty folder, and the process in it."""
-    monkeypatch.chdir(tmp_path)
-    return tmp_path
 
 
 def test_a_file_gives_its_first_answer_and_a_study_beside_it(here, capsys):

@@ -37,12 +37,6 @@ def write(path, angle):
     pd.DataFrame({"Time (s)": TIMES, "Angle (rad)": angle}).to_csv(path, index=False)
 
 
-@pytest.fixture
-def here(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    return tmp_path
-
-
 @pytest.mark.parametrize(
     ("label", "words"),
     [

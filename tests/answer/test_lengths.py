@@ -5,32 +5,16 @@ import json
 import numpy as np
 import pandas as pd
 import pytest
+from exporting import export
 
 from swingdown.__main__ import main
-from swingdown.engine.trajectory import simulate
 from swingdown.errors import InputError
-from swingdown.pendulum.model import Model
 
-TIMES = np.arange(1001) / 100
-
-
-def export(path, frequency, seed=0):
-    """A viscous pendulum let go at 30 degrees: its period is 2 % longer than that of small swings."""
-    model = Model("viscous", {"natural_frequency": frequency, "viscous_ratio": 0.008})
-    noise = 0.001 * np.random.default_rng(seed).standard_normal(TIMES.size)
-    angle = np.degrees(simulate(model, TIMES, np.radians(30)) + noise)
-    pd.DataFrame({"Time (s)": TIMES, "Angle (°)": angle}).to_csv(path, index=False)
-    return path
-
-
-@pytest.fixture
-def here(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    return tmp_path
+THIRTY = np.radians(30)  # the period is 2 % longer than that of small swings
 
 
 def test_a_length_gives_g_with_its_budget(here, capsys):
-    export(here / "anna.csv", np.sqrt(9.81 / 0.583))
+    export(here / "anna.csv", np.sqrt(9.81 / 0.583), THIRTY)
     assert main(["anna.csv", "--quick", "--length", "58.3±0.1cm"]) == 0
     told = capsys.readouterr().out
     assert "g                  9.81" in told and "of a point on a string without mass" in told
@@ -45,7 +29,7 @@ def test_a_length_gives_g_with_its_budget(here, capsys):
 
 def test_a_rod_about_two_pivots(here, capsys):
     for name, distance in (("near.csv", 0.2), ("far.csv", 0.5)):
-        export(here / name, np.sqrt(9.81 * distance / (1 / 12 + distance**2)))
+        export(here / name, np.sqrt(9.81 * distance / (1 / 12 + distance**2)), THIRTY)
     assert main(["near.csv", "far.csv", "--quick", "--kater", "0.2000(2)", "0.5000(2)"]) == 0
     found = json.loads((here / "near-swingdown/g.json").read_text())["two pivots"]
     assert abs(found["value"] - 9.81) < 2 * found["standard_uncertainty"] < 0.1

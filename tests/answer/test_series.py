@@ -5,31 +5,20 @@ import json
 import numpy as np
 import pandas as pd
 import pytest
+from exporting import export
 
 from swingdown.__main__ import main
-from swingdown.engine.trajectory import simulate
 from swingdown.errors import InputError
-from swingdown.pendulum.model import Model
-
-TIMES = np.arange(1001) / 100
 
 
-def export(path, length, seed=0):
-    model = Model("viscous", {"natural_frequency": np.sqrt(9.81 / length), "viscous_ratio": 0.008})
-    angle = simulate(model, TIMES, 0.3) + 0.001 * np.random.default_rng(seed).standard_normal(TIMES.size)
-    path.parent.mkdir(parents=True, exist_ok=True)
-    pd.DataFrame({"Time (s)": TIMES, "Angle (°)": np.degrees(angle)}).to_csv(path, index=False)
-
-
-@pytest.fixture
-def here(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    return tmp_path
+def frequency(length):
+    """Of a point on a string (m), in rad/s."""
+    return np.sqrt(9.81 / length)
 
 
 def test_lengths_in_the_names_give_the_power_law_and_g(here, capsys):
     for k, length in enumerate((20, 40, 60, 90)):
-        export(here / "lengths" / f"{length}cm.csv", length / 100, k)
+        export(here / "lengths" / f"{length}cm.csv", frequency(length / 100), seed=k)
     assert main(["lengths", "--quick", "--by", "length±1mm"]) == 0
     told = capsys.readouterr().out
     assert "length as the names say: 20cm → 0.2 m" in told and "T goes as the power 0.50" in told
@@ -44,7 +33,7 @@ def test_lengths_in_the_names_give_the_power_law_and_g(here, capsys):
 
 def test_a_table_beside_the_files_is_no_recording(here, capsys):
     for k, name in enumerate(("Ann", "Ben", "Zoë")):
-        export(here / "class" / f"{name}.csv", 0.5 + (0.01 if k == 2 else 0), k)
+        export(here / "class" / f"{name}.csv", frequency(0.5 + (0.01 if k == 2 else 0)), seed=k)
     (here / "class" / "who.csv").write_text("file,group\nAnn.csv,A\nBen.csv,B\nZoë.csv,C\n", encoding="utf-8")
     assert main(["class", "--quick"]) == 0
     told = capsys.readouterr().out
@@ -55,6 +44,6 @@ def test_a_table_beside_the_files_is_no_recording(here, capsys):
 
 def test_a_series_by_what_is_not_there_is_refused(here):
     for k in range(3):
-        export(here / "class" / f"{k}.csv", 0.5 + k / 10, k)
+        export(here / "class" / f"{k}.csv", frequency(0.5 + k / 10), seed=k)
     with pytest.raises((InputError, SystemExit)):
         main(["class", "--quick", "--by", "length"])
