@@ -1,4 +1,7 @@
-"""A swing as other programs export it."""
+"""A swing as other programs export it, alone or in a zip archive."""
+
+import io
+import zipfile
 
 import numpy as np
 
@@ -68,3 +71,12 @@ EXPORTS = {
         "rad",
     ),
 }
+
+
+def zipped(members):
+    """The bytes of a zip archive of these contents by name."""
+    stream = io.BytesIO()
+    with zipfile.ZipFile(stream, "w", zipfile.ZIP_DEFLATED) as packed:
+        for name, content in members.items():
+            packed.writestr(name, content)
+    return stream.getvalue()

@@ -6,6 +6,7 @@ import zipfile
 import numpy as np
 import openpyxl
 import pytest
+from exports import zipped
 
 from swingdown.errors import InputError
 from swingdown.measurement.recording import ingest
@@ -41,15 +42,6 @@ def workbook(**sheets):
     return stream.getvalue()
 
 
-def archive(**files):
-    """The bytes of a zip archive; names with `__` for `/` and `_csv` for the ending."""
-    stream = io.BytesIO()
-    with zipfile.ZipFile(stream, "w", zipfile.ZIP_DEFLATED) as packed:
-        for name, text in files.items():
-            packed.writestr(name.replace("__", "/").replace("_csv", ".csv"), text)
-    return stream.getvalue()
-
-
 ROWS = [["Time (s)", "Angle (°)"], *map(list, zip(TIME.tolist(), SWING.tolist(), strict=True))]
 TEXT = "\n".join(";".join(map(str, row)) for row in ROWS) + "\n"
 
@@ -79,14 +71,15 @@ def test_a_cell_that_is_no_number_is_a_missing_sample(read):
 
 def test_an_archive_as_phyphox_exports_it(read):
     found = read(
-        archive(Raw_Data_csv=TEXT, meta__device_csv="property;value\n", meta__time_csv="a;b\n1;2\n"), "x.zip"
+        zipped({"Raw_Data.csv": TEXT, "meta/device.csv": "property;value\n", "meta/time.csv": "a;b\n1;2\n"}),
+        "x.zip",
     )
     same(found)
     assert "`Raw_Data.csv` in the archive" in found.attrs["taken"]
 
 
 def test_an_archive_of_several_files_asks_which(read):
-    two = archive(one_csv=TEXT, two_csv=TEXT)
+    two = zipped({"one.csv": TEXT, "two.csv": TEXT})
     with pytest.raises(InputError, match="2 files of numbers.*one.csv, two.csv.*cell `sheet`"):
         read(two, "x.zip")
     same(read(two, "x.zip", "two.csv"))
@@ -97,10 +90,10 @@ def test_an_archive_of_several_files_asks_which(read):
     [
         (workbook(Data=ROWS), "a.xlsx", "data", "no sheet 'data'.*Expected: Data"),
         (workbook(Data=[]), "a.xlsx", "", "empty"),
-        (archive(readme="x"), "a.zip", "", "no table of numbers"),
-        (archive(one_csv=TEXT), "a.zip", "two.csv", "no file 'two.csv'.*one.csv"),
+        (zipped({"readme": "x"}), "a.zip", "", "no table of numbers"),
+        (zipped({"one.csv": TEXT}), "a.zip", "two.csv", "no file 'two.csv'.*one.csv"),
         (TEXT.encode(), "a.csv", "Data", "has no sheets"),
-        (archive(one_csv=archive(two_csv=TEXT)), "a.zip", "", "a zip archive inside another"),
+        (zipped({"one.csv": zipped({"two.csv": TEXT})}), "a.zip", "", "a zip archive inside another"),
         (b"PK\x03\x04" + bytes(100), "a.xlsx", "", "cannot be read"),
         (b"\xd0\xcf\x11\xe0" + bytes(600), "a.xls", "", "cannot be read as a workbook"),
     ],
@@ -125,7 +118,7 @@ def test_a_workbook_larger_than_can_be_held_is_refused_before_it_is_unpacked(rea
 
 @pytest.mark.parametrize("kind", ["workbook", "archive"])
 def test_damage_is_refused_or_harmless(read, kind):
-    whole = workbook(Data=ROWS) if kind == "workbook" else archive(one_csv=TEXT)
+    whole = workbook(Data=ROWS) if kind == "workbook" else zipped({"one.csv": TEXT})
     draws = np.random.default_rng(3)
     for k in range(60):
         damaged = bytearray(whole)

@@ -1,11 +1,11 @@
 """Files in the form of the program that recorded them: Tracker, CASSY Lab, Logger Pro; phyphox's account of the telephone."""
 
 import io
-import zipfile
 
 import numpy as np
 import openpyxl
 import pytest
+from exports import zipped
 
 from swingdown.errors import InputError
 from swingdown.measurement import elements
@@ -146,17 +146,9 @@ def test_a_tracker_project_gives_the_swing(tmp_path):
     np.testing.assert_allclose(swing, angle(FRAMES * 0.02) - angle(FRAMES * 0.02).mean(), atol=1e-6)
 
 
-def zipped(**members):
-    stream = io.BytesIO()
-    with zipfile.ZipFile(stream, "w", zipfile.ZIP_DEFLATED) as archive:
-        for name, content in members.items():
-            archive.writestr(name.replace("__", "/").replace("_dot_", "."), content)
-    return stream.getvalue()
-
-
 def test_a_zipped_project_is_the_same_as_the_project():
     plain = project({"bob": marks(FRAMES, FRAMES * 0.02)})
-    packed = zipped(swing_dot_trk=plain, videos__a_dot_mp4=b"x", html__a_info_dot_html=b"<p>")
+    packed = zipped({"swing.trk": plain, "videos/a.mp4": b"x", "html/a_info.html": b"<p>"})
     np.testing.assert_array_equal(read(packed, "swing.trz")[""], read(plain)[""])
 
 
@@ -166,7 +158,7 @@ def test_a_zipped_project_is_the_same_as_the_project():
         (project({"bob": {}}), "a.trk", "no point mass.*Mend: track the bob"),
         (project({"bob": marks(FRAMES, FRAMES * 0.02)})[:5000], "a.trk", "cannot be read.*save it again in Tracker"),
         (b"\x00\x01", "a.trk", "cannot be read"),
-        (zipped(readme_dot_txt=b"x"), "a.trz", "no file that ends in .trk"),
+        (zipped({"readme.txt": b"x"}), "a.trz", "no file that ends in .trk"),
         (project({"bob": {1: (1, 2)}}).replace(b"delta_t", b"delta_q"), "a.trk", "no time between frames"),
         (b'<!DOCTYPE a [<!ENTITY b "b"><!ENTITY c "&b;&b;">]><a>&c;</a>', "a.labx", "document type"),
         (b"<cassylab/>", "a.labx", "no channel of times"),
@@ -182,7 +174,7 @@ def test_what_is_no_such_file_is_refused_with_its_mend(content, name, words):
 
 def test_a_file_that_would_fill_the_memory_is_refused(monkeypatch):
     monkeypatch.setattr(elements, "LARGEST", 1000)
-    for content in (b"<a>" + b" " * 2000 + b"</a>", zipped(data_dot_xml=b"<a>" + b" " * 2000 + b"</a>")):
+    for content in (b"<a>" + b" " * 2000 + b"</a>", zipped({"data.xml": b"<a>" + b" " * 2000 + b"</a>"})):
         with pytest.raises(InputError, match="more than 0 MB.*CSV"):
             saved_by_program(io.BytesIO(content), "a.labx")
 
@@ -220,7 +212,7 @@ DEGREES = np.round(np.degrees(angle(TIMES)), 4)
 def test_a_measurement_of_cassy_lab(tmp_path, packed):
     content = cassy([(TIMES, DEGREES)])
     path = tmp_path / "wheel.labx"
-    path.write_bytes(zipped(data_dot_xml=content) if packed else content)
+    path.write_bytes(zipped({"data.xml": content}) if packed else content)
     found = ingest({**COLUMNS, "recording": "a", "campaign": "a", "file": str(path)})
     np.testing.assert_array_equal(found["signal"].values, DEGREES)
     np.testing.assert_array_equal(found["time"].values, TIMES)
@@ -288,13 +280,13 @@ AGAIN = [*EVENTS, ["START", 9.25, 1721470160.0, "…"], ["PAUSE", 20.1, 17214701
 def phyphox(events, workbook, separator=","):
     if not workbook:
         text = {
-            f"meta__{name}_dot_csv": "".join(
+            f"meta/{name}.csv": "".join(
                 separator.join(f'"{one}"' if isinstance(one, str) else str(one) for one in row) + "\n"
                 for row in table
             )
             for name, table in (("device", DEVICE), ("time", events))
         }
-        return zipped(Raw_Data_dot_csv=CSV, **text)
+        return zipped({"Raw_Data.csv": CSV} | text)
     book = openpyxl.Workbook()
     book.active.title = "Raw Data"
     for row in [["Time (s)", "Angle (°)"], *zip(TIMES, DEGREES, strict=True)]:
