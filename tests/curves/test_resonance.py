@@ -110,6 +110,16 @@ def test_what_cannot_be_foretold_is_refused(spring, drive, kind, told):
         resonance(spring, drive, kind)
 
 
+def test_drives_that_nobody_named_are_strong_enough_for_a_model_that_is_wrong():
+    """Friction in the place of air and friction damps small swings more than they are: the weakest drive is the model's."""
+    damping = {"viscous_ratio": 0.004, "load_friction": 0.004}
+    swing = swingdown.simulate(
+        "viscous+load_coulomb", TIMES, 0.35, noise=1e-3, seed=1, natural_frequency=7.25, **damping
+    )
+    found = swingdown.fit(swing, fitted=["load_coulomb"]).resonance()
+    assert 1 < found.sizes["drive"] <= 3 and np.isfinite(found["peak_amplitude"].sel(source="free")).all()
+
+
 def test_an_answer_draws_it():
     swing = swingdown.simulate(
         "viscous", TIMES, 0.5, noise=1e-3, seed=1, natural_frequency=6, viscous_ratio=0.01

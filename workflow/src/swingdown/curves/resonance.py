@@ -19,6 +19,7 @@ COLUMNS = [
 ]  # fmt: skip
 _SHARES = (0.25, 0.5, 0.9)  # of the largest amplitude: where the drives peak that nobody named
 _POINTS = 101  # of each side of a curve
+_ABOVE = 1.02  # of the weakest drive that is told anything of: how strong one is at least that nobody named
 _FINE = 2001  # amplitudes among which a peak is looked for
 _SURE = 1.96  # standard uncertainties of a band of 95 %
 
@@ -27,7 +28,7 @@ def resonance(curves: xr.Dataset, drive: ArrayLike | None = None, kind: str = "t
     """A Dataset of the steady swings under a drive: ``frequency`` (Hz), ``phase`` (rad) and ``stable`` over ``amplitude`` (rad).
 
     ``curves`` are those of ``curves.dataset.curves``. ``drive`` is the amplitude (rad/s²) of a torque over the inertia, or with
-    ``kind="pivot"`` of the pivot's sideways acceleration over the length; one or several, by default three that peak within the ring-down.
+    ``kind="pivot"`` of the pivot's sideways acceleration over the length; one or several, by default up to three that peak within the ring-down.
     Dimensions: ``drive``, ``source`` (``free`` of a model, ``model``), ``side`` (``below`` the backbone and ``above`` it: each amplitude but
     the largest has a frequency on both) and ``point``. ``frequency_low`` and ``frequency_high`` are the ends of the band of 95 %. The phase is
     how far the swing lags behind the drive, 0 to pi. What is not ``stable`` lies between two folds: no pendulum stays there.
@@ -52,12 +53,13 @@ def resonance(curves: xr.Dataset, drive: ArrayLike | None = None, kind: str = "t
         str(one) for one in curves["source"].values if np.isfinite(curves["period"].sel(source=one)).sum() > 3
     ]
     each = {one: _Ring(curves.sel(source=one), kind) for one in sources}
-    drives = np.sort(
-        np.atleast_1d(np.asarray(each[sources[0]].usual() if drive is None else drive, dtype=float))
-    )
+    weakest = max(one.asked[0] for one in each.values())
+    if drive is None:
+        drive = np.unique(np.maximum(each[sources[0]].usual(), _ABOVE * weakest))
+    drives = np.sort(np.atleast_1d(np.asarray(drive, dtype=float)))
     if drives.ndim != 1 or not (np.isfinite(drives) & (drives > 0)).all():
         raise InputError("argument drive", f"{drive!r}", "amplitudes above 0, in rad/s^2", "correct it")
-    if (weakest := max(one.asked[0] for one in each.values())) >= drives[0]:
+    if weakest >= drives[0]:
         raise InputError(
             "argument drive", f"{drives[0]:.3g} rad/s^2 swings it less than the ring-down shows",
             f"more than {weakest:.3g} rad/s^2", "drive it harder, or record until it swings less",
