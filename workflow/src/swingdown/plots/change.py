@@ -34,7 +34,7 @@ def over_the_change(found: Mapping[str, Any] | None) -> Figure:
     if law:
         reach = x.max() - x.min()
         at = np.linspace(max(x.min() - 0.04 * reach, 1e-3 * x.max()), x.max() + 0.04 * reach, 300)
-        exponent = value_with_uncertainty(law["exponent"], law["u_exponent"])
+        exponent = style.signed(value_with_uncertainty(law["exponent"], law["u_exponent"]))
         drawn = law["offset"] + law["factor"] * (at / law["at"]) ** law["exponent"]
         axes.plot(
             at,

@@ -6,6 +6,7 @@ import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import LogLocator, MaxNLocator
 
 from ..arrays import Floats
 from . import style
@@ -13,6 +14,7 @@ from . import style
 FREE, MODEL = "#0072B2", "#D55E00"
 _DOTS = 60  # single swings beyond which means of neighbours are drawn
 _GROUPS = 16
+_APART = 0.12  # of a panel's height: between two marks of a scale that is not even
 _REACH = 1.35  # of the free curve's range that single swings, which scatter more, may widen a panel to
 
 
@@ -36,8 +38,7 @@ def backbone(data: xr.Dataset) -> Figure:
     second.set(xlabel=unit, ylabel="loss a swing (%)")
     _curve(third, amplitude, data, "damping_ratio", 100.0)
     third.set(xlabel=unit, ylabel="damping ratio (%)")
-    quality = third.secondary_yaxis("right", functions=(_of_ratio, _of_ratio))
-    quality.set_ylabel("Q")
+    _quality(third)
     if timed:
         _curve(first, amplitude, data, "frequency", 1.0, upright=True)
         with np.errstate(divide="ignore"):
@@ -62,6 +63,25 @@ def backbone(data: xr.Dataset) -> Figure:
     of_model = f"model: {style.name(data.attrs['model'])}" if data.attrs["model"] else ""
     over = "torques over inertia; bands hold the truth with 95 %"
     return style.footnote(figure, of_model, over, style.emulated_note(data))
+
+
+def _quality(axes: Axes) -> None:
+    """The quality on the right of an axes of damping ratios (%), marked where the numbers have room."""
+    axis = axes.secondary_yaxis("right", functions=(_of_ratio, _of_ratio))
+    axis.set_ylabel("Q")
+    low, high = axes.get_ylim()
+    if high <= 0:
+        return  # a ratio of zero, or below, has no quality
+    least, most = 50 / high, 50 / max(low, high / 50)
+    wide = most > 5 * least
+    places = LogLocator(subs=(1.0, 2.0, 5.0), numticks=20) if wide else MaxNLocator(4)
+    marks: list[float] = []
+    for mark in places.tick_values(least, most):
+        if marks and 50 / marks[-1] - 50 / mark < _APART * (high - low):
+            break  # those above are nearer still
+        if least <= mark <= most:
+            marks.append(float(mark))
+    axis.set_yticks(marks, [f"{mark:g}" for mark in marks])
 
 
 def _of_ratio(value: Any) -> Any:
@@ -197,7 +217,7 @@ _COLOURS = style.COLOURS | {
 def resonances(data: xr.Dataset) -> Figure:
     """Amplitude and phase of the steady swing against the frequency of a drive, with the backbone that the ring-down shows.
 
-    ``data`` is that of ``curves.resonance.resonance``; drawn is what is free of a model. Dashed: where no pendulum stays.
+    ``data`` is that of ``curves.resonance.resonance``; drawn is what is free of a model. Dashed, where there is such a part: no pendulum stays.
     """
     figure = style.new_figure(11.0)
     upper, lower = figure.subplots(2, sharex=True, height_ratios=[3, 2])
@@ -205,6 +225,7 @@ def resonances(data: xr.Dataset) -> Figure:
     size = style.degrees(data["backbone_amplitude"])
     upper.plot(own["backbone_frequency"], size, color=style.INK, lw=0.9, ls=":", label="backbone (ring-down)")
     lower.axhline(90, color=style.INK, lw=0.9, ls=":")
+    folded = False
     for k, drive in enumerate(data["drive"].values):
         one, colour = own.isel(drive=k), _DRIVES[k % len(_DRIVES)]
         amplitude = style.degrees(one["amplitude"])
@@ -212,15 +233,15 @@ def resonances(data: xr.Dataset) -> Figure:
             half = one.sel(side=side)
             frequency, phase = half["frequency"].values, style.degrees(half["phase"])
             stays = half["stable"].values > 0.5
+            folded |= bool((~stays & np.isfinite(frequency)).any())
             low, high = half["frequency_low"].values, half["frequency_high"].values
             upper.fill_betweenx(amplitude, low, high, color=colour, alpha=0.25, lw=0)
             for axes, value in ((upper, amplitude), (lower, phase)):
                 axes.plot(np.where(stays, frequency, np.nan), value, color=colour)
                 between = ~stays | np.roll(~stays, 1) | np.roll(~stays, -1)
                 axes.plot(np.where(between, frequency, np.nan), value, color=colour, ls=(0, (2, 1.5)), lw=0.8)
-        words = f"{drive:.3g} rad/s²" + (
-            "" if np.isfinite(one["peak_amplitude"]) else " (peak beyond the ring-down)"
-        )
+        cut = not np.isfinite(one["peak_amplitude"])
+        words = f"drive {drive:.3g} rad/s²" + (", cut" if cut else "")
         upper.plot([], [], color=colour, label=words)
     upper.set_ylabel("amplitude (°)")
     upper.set_ylim(bottom=0)
@@ -230,13 +251,16 @@ def resonances(data: xr.Dataset) -> Figure:
     for axes in (upper, lower):
         axes.grid(True)
     figure.legend(loc="outside upper left", ncols=4)
+    beyond = "" if np.isfinite(own["peak_amplitude"]).all() else "cut: peaks beyond the ring-down"
     drive = (
         "torque over inertia"
         if data.attrs["kind"] == "torque"
         else "acceleration of the pivot over the length"
     )
-    dashed = "dashed: no pendulum stays there"
-    return style.footnote(figure, f"drive: {drive}", dashed, "bands of 95 %", style.emulated_note(data))
+    dashed = "dashed: no pendulum stays there" if folded else ""
+    return style.footnote(
+        figure, f"drive: {drive}", dashed, beyond, "bands of 95 %", style.emulated_note(data)
+    )
 
 
 _DRIVES = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")

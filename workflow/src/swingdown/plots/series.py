@@ -69,8 +69,9 @@ def _panel(upper: Axes, lower: Axes, one: Any) -> None:
         axes.grid(True, axis="y")
         axes.margins(x=0.04)
         axes.ticklabel_format(axis="y", useOffset=False)
-    theory = f"\ntheory {law.theory:g}" if np.isfinite(law.theory) else "\n"
-    upper.set_title(f"exponent {value_with_uncertainty(law.exponent, law.u_exponent)}{theory}", fontsize=9)
+    theory = f"\ntheory {style.signed(f'{law.theory:g}')}" if np.isfinite(law.theory) else "\n"
+    exponent = style.signed(value_with_uncertainty(law.exponent, law.u_exponent))
+    upper.set_title(f"exponent {exponent}{theory}", fontsize=9)
 
 
 @style.styled
@@ -103,7 +104,9 @@ def groups_side_by_side(series: Sequence[Any], emulated: str = "no") -> Figure:
     grid[0].set_yticks(range(len(names)), names)
     grid[0].set_ylim(len(names) - 0.5, -0.6)
     handles = [style.mark("o", LAW, "mean of a group"), style.mark("D", THEORY, "stands apart")]
-    figure.legend(handles=handles, loc="outside upper left", ncols=2)
+    if any(one.table["group"].duplicated().any() for one in series):
+        handles.insert(1, style.mark(".", style.GREY, "its recordings"))
+    figure.legend(handles=handles, loc="outside upper left", ncols=3)
     return style.footnote(
         figure,
         "bars: ± 2 standard uncertainties; grey line: mean of all",

@@ -160,6 +160,11 @@ def degrees(radians: ArrayLike) -> Floats:
     return np.degrees(np.asarray(radians, float))
 
 
+def signed(number: str) -> str:
+    """A number's text with the minus sign that the axes have."""
+    return number.replace("-", "−")
+
+
 def symmetric(axes: Axes, values: ArrayLike, room: float = 1.12) -> Axes:
     """The axes with zero in the middle and all ``values`` in view."""
     reach = room * float(np.nanmax(np.abs(values))) or 1.0

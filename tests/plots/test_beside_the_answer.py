@@ -1,0 +1,49 @@
+"""The pictures beside an answer: what is written in them can be read, and what they do not show is not spoken of."""
+
+import numpy as np
+import pytest
+from written import boxes, in_the_way
+
+import swingdown
+from swingdown.plots.curves import backbone, resonances
+
+TIMES = np.arange(2001) / 100
+LAWS = {
+    "viscous": {"viscous_ratio": 0.008},
+    "quadratic_drag": {"quadratic_coefficient": 0.04},
+    "viscous+load_coulomb": {"viscous_ratio": 0.004, "load_friction": 0.004},
+}
+
+
+@pytest.fixture(scope="module", params=LAWS)
+def answer(request):
+    swing = swingdown.simulate(
+        request.param, TIMES, 0.35, noise=1e-3, seed=1, natural_frequency=7.25, **LAWS[request.param]
+    )
+    return swingdown.fit(swing, fitted=[request.param])
+
+
+def test_the_qualities_beside_the_damping_ratio_can_be_read(answer):
+    """From a ratio that hardly changes to one that begins near zero, where the quality knows no end."""
+    figure = backbone(answer.curves())
+    assert not in_the_way(figure)
+    (scale,) = (one for axes in figure.axes for one in axes.child_axes)
+    told = [float(one.get_text()) for one in scale.get_yticklabels()]
+    assert len(told) >= 2 and min(told) > 0
+    np.testing.assert_allclose(told, scale.get_yticks())
+
+
+def test_a_resonance_beyond_the_ring_down_is_told_and_leaves_the_legend_its_room(answer):
+    small, large = (resonances(answer.resonance(drive)) for drive in (None, [0.5, 1.5, 3.0]))
+    assert not in_the_way(small) and not in_the_way(large)
+    for figure, there in ((small, False), (large, True)):
+        words = " ".join(text for text, _ in boxes(figure))
+        assert ("peaks beyond the ring-down" in words) is there
+
+
+def test_a_part_where_no_pendulum_stays_is_spoken_of_where_it_is_drawn(answer):
+    for drive in (None, [0.5, 1.5, 3.0]):
+        figure = resonances(answer.resonance(drive))
+        lines = [line for line in figure.axes[0].lines if line.get_linestyle() == "--"]
+        drawn = any(np.isfinite(line.get_xdata()).any() for line in lines)
+        assert ("no pendulum stays" in figure.get_supxlabel()) is drawn
