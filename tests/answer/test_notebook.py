@@ -11,6 +11,7 @@ import pytest
 import xarray as xr
 
 import swingdown
+from swingdown.engine.trajectory import simulate as trajectory
 from swingdown.errors import InputError
 
 TIMES = np.arange(1201) / 100
@@ -57,6 +58,12 @@ def test_one_object_goes_from_a_file_to_a_simulation(file, plain):
     assert (
         swingdown.fit(recording, **FEW)["period"] == swingdown.fit(file, **FEW)["period"] == answer["period"]
     )
+
+
+def test_a_swing_goes_on_from_where_it_was_recorded_and_not_before(plain):
+    with pytest.raises(InputError, match="before the recording does.*give an angle"):
+        plain.simulate([-0.5, 1.0])
+    assert plain.simulate([-0.5, 1.0], angle=0.1).values[0] == pytest.approx(0.1)
 
 
 def test_after_an_explanation_the_simulation_is_that_of_the_model_it_ended_with(file):
@@ -207,6 +214,7 @@ def test_a_swing_of_ones_own_parameters_is_the_same_for_the_same_seed():
         made(), swingdown.simulate("viscous", TIMES, 20.0535 * UNITS.degree, **VALUES), atol=1e-6
     )
     model = swingdown.Model("viscous", VALUES)
+    assert np.array_equal(made(), trajectory(model, TIMES, 0.35)), "at rest and without noise"
     assert np.array_equal(made(), swingdown.simulate(model, TIMES, 0.35))
     with pytest.raises(InputError, match="no value for viscous_ratio"):
         swingdown.simulate("viscous", TIMES, 0.35, natural_frequency=7.25)

@@ -20,6 +20,14 @@ def test_exact_points_give_the_exponent_and_the_uncertainty_of_a_straight_line()
     assert np.isnan(law.u_offset) and law.scatter.sentence == ""
 
 
+def test_theorys_law_goes_through_the_points_that_are_known_well():
+    """The longest alone is known well, and the others 5 % off: theory's line goes through the longest."""
+    known = np.where(LENGTHS.max() == LENGTHS, 1e-5, 0.05) * PERIODS
+    periods = np.where(LENGTHS.max() == LENGTHS, 1.0, 1.05) * PERIODS
+    law = power_law(LENGTHS, periods, 0.0, known, theory=0.5)
+    assert law.by_theory(LENGTHS.max()) == pytest.approx(PERIODS.max(), rel=1e-4)
+
+
 def test_an_error_of_the_length_counts_half_as_one_of_the_period():
     along, across = (
         power_law(LENGTHS, PERIODS, 0.0, 1e-3 * PERIODS),

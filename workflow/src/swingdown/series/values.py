@@ -165,7 +165,7 @@ def from_table(path: Path, labels: Mapping[str, str]) -> tuple[Values, dict[str,
         for key in by_label.get(named, by_label.get(Path(named).stem, [])):
             own, words = _of_line(row, table, columns, f"{path}, line {line}")
             values[key], groups[key] = own, words
-    if not values and not groups:
+    if not values:
         raise InputError(path, "none of its files is here", "names of the files, as they stand in the folder", "correct its column `file`")  # fmt: skip
     return values, groups
 
