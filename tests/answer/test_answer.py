@@ -13,7 +13,7 @@ import swingdown
 from swingdown.engine.trajectory import simulate
 from swingdown.errors import InputError
 from swingdown.pendulum.model import Model
-from swingdown.studies.quantities import quantities
+from swingdown.studies.quantities import UNITS, quantities
 
 TIMES = np.arange(1201) / 100
 TRUTH = Model("viscous", {"natural_frequency": 7.25, "viscous_ratio": 0.008})
@@ -181,5 +181,6 @@ def test_first_answer_and_verdict_agree_where_they_have_one_model():
     assert first.label == last.label
     for name, (value, uncertainty, _) in last.quantities.items():
         before, error, _ = first.quantities[name]
-        assert value == pytest.approx(before, abs=0.02 * uncertainty)
-        assert uncertainty == pytest.approx(error, rel=0.02)
+        # of what depends on the law of damping both are means, over laws and over structures
+        assert value == pytest.approx(before, abs=(0.5 if name in UNITS else 0.02) * uncertainty)
+        assert uncertainty == pytest.approx(error, rel=0.5 if name in UNITS else 0.02)

@@ -7,7 +7,7 @@ from scipy.special import ellipk
 from swingdown.engine.trajectory import simulate
 from swingdown.fitting.least_squares import fit_trajectory
 from swingdown.pendulum.model import Model
-from swingdown.studies.quantities import cycle, decay_time, quantities, steady
+from swingdown.studies.quantities import Quantity, cycle, decay_time, over_models, quantities, steady
 
 OMEGA = 7.25
 
@@ -111,3 +111,19 @@ def test_a_value_that_is_hardly_known_ends_no_answer(label, values, unsure):
     found = quantities(model, 0.3, covariance)
     assert np.isfinite(found["period"].value) and np.isnan(found["period"].uncertainty)
     assert found[unsure].uncertainty == pytest.approx(30 * model.values[unsure])
+
+
+def test_a_value_of_several_models_is_their_mean_and_knows_how_far_they_are_apart():
+    one, other = Quantity(10.0, 0.3, "s"), Quantity(12.0, 0.4, "s")
+    told = over_models([(0.75, {"period": one}), (0.25, {"period": other})], ["period", "quality"])
+    assert list(told) == ["period"]
+    assert told["period"].value == pytest.approx(10.5)
+    assert told["period"].u == pytest.approx(np.sqrt(0.75 * (0.3**2 + 0.5**2) + 0.25 * (0.4**2 + 1.5**2)))
+
+
+def test_a_model_that_tells_no_value_does_not_count():
+    told = over_models(
+        [(0.5, {"period": Quantity(10.0, np.nan, "s")}), (0.1, {"period": Quantity(12.0, 0.4, "s")})],
+        ["period"],
+    )
+    assert told["period"] == Quantity(12.0, 0.4, "s")

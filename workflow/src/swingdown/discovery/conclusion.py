@@ -1,6 +1,7 @@
 """The model that a search ends with, fitted once more to the whole of every recording: its quantities, with their covariance."""
 
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import replace
 from typing import Any
 
@@ -10,40 +11,41 @@ from ..fitting.colour import uncertainty
 from ..fitting.result import Begin, Fit, SwingStart
 from ..pendulum.free_form import FreeForm
 from ..studies.experiment import largest_angles
-from ..studies.quantities import quantities, steady
+from ..studies.quantities import UNITS, Quantity, over_models, quantities, steady
 from .campaign import Campaign
 from .refit import FAILURES, refit
 from .state import Round
 
 
 def conclusion(state: Round, campaign: Campaign) -> dict[str, Any] | None:
-    """What the last model of a search says of its pendulum, as verdict.json has it; TrajectoryError where it cannot be fitted to the whole.
+    """What a search says of its pendulum, as verdict.json has it; TrajectoryError where the last model cannot be fitted to the whole.
 
-    ``model`` its label; ``amplitude_rad`` the largest fitted angle, at which ``quantities`` (value, standard_uncertainty, unit)
+    ``model`` the last model's label; ``amplitude_rad`` the largest fitted angle, at which ``quantities`` (value, standard_uncertainty, unit)
     hold; ``residual`` (rad, of a rate rad/s) the RMS that it leaves; ``covariance`` that of the ``parameters`` of its motion, in
     their units, with the residuals' colour and what the measurement leaves open. A search holds swings, or parts of a recording,
-    out of its fits; here nothing is. Effects that change with the time of the record (``left_out``) are in the fit and in no
-    quantity: a pendulum has none of these once for all.
+    out of its fits; here nothing is. Natural frequency, period, quality and decay time are means over the structures that the data leave.
+    Effects that change with the time of the record (``left_out``) are in the fit and in no quantity: a pendulum has none of these once
+    for all.
     """
-    whole = campaign.whole
-    fit = refit(Begin(state.fit.model, _begins(state, campaign)), whole, grown=False, ended=True)
-    pairs = [swing.pair for swing in whole]
-    known = uncertainty(fit, pairs).covariance
-    motion = steady(fit.model.motion)
-    amplitude = max(largest_angles(fit, pairs))
-    covariance = _of(motion.parameters, fit, known)
+    last = _Told(state.fit, state, campaign)
+    amplitude = last.amplitude
+    found = last.quantities(amplitude)
+    each = [
+        (share, found if fit is state.fit else _said(fit, state, campaign, amplitude))
+        for share, fit in state.counting
+    ]
     named = {
         p.name
-        for effect in motion.effects
+        for effect in last.motion.effects
         if not isinstance(effect, FreeForm)
         for p in effect.parameters
         if not p.each
     }
-    found = quantities(motion, amplitude, covariance)
+    found = found | over_models(each, UNITS)
     return {
-        "model": fit.model.label,
+        "model": last.fit.model.label,
         "amplitude_rad": amplitude,
-        "residual": fit.rms,
+        "residual": last.fit.rms,
         "quantities": {
             name: {
                 "value": _finite(one.value),
@@ -51,12 +53,39 @@ def conclusion(state: Round, campaign: Campaign) -> dict[str, Any] | None:
                 "unit": one.unit,
             }
             for name, one in found.items()
-            if name not in motion.parameters[1:] or name in named
+            if name not in last.motion.parameters[1:] or name in named
         },
-        "parameters": list(motion.parameters),
-        "covariance": [[_finite(cell) for cell in row] for row in covariance],
-        "left_out": [name for name in fit.model.motion.names if name not in motion.names],
+        "parameters": list(last.motion.parameters),
+        "covariance": [[_finite(cell) for cell in row] for row in last.covariance],
+        "left_out": [name for name in last.fit.model.motion.names if name not in last.motion.names],
     }
+
+
+class _Told:
+    """What a model that a search looked at says of the pendulum, fitted once more to the whole of every recording."""
+
+    def __init__(self, fit: Fit, state: Round, campaign: Campaign) -> None:
+        whole = campaign.whole
+        self.pairs = [swing.pair for swing in whole]
+        self.fit = refit(Begin(fit.model, _begins(fit, state, campaign)), whole, grown=False, ended=True)
+        self.motion = steady(self.fit.model.motion)
+        self.covariance = _of(self.motion.parameters, self.fit, uncertainty(self.fit, self.pairs).covariance)
+
+    @property
+    def amplitude(self) -> float:
+        """The largest fitted angle, rad."""
+        return max(largest_angles(self.fit, self.pairs))
+
+    def quantities(self, amplitude: float) -> dict[str, Quantity]:
+        """The quantities by name at an amplitude (rad)."""
+        return quantities(self.motion, amplitude, self.covariance)
+
+
+def _said(fit: Fit, state: Round, campaign: Campaign, amplitude: float) -> dict[str, Quantity]:
+    """The quantities of a model; none where it cannot be fitted to the whole."""
+    with suppress(*FAILURES):
+        return _Told(fit, state, campaign).quantities(amplitude)
+    return {}
 
 
 def concluded(states: Sequence[Round], campaign: Campaign) -> list[Round]:
@@ -68,10 +97,10 @@ def concluded(states: Sequence[Round], campaign: Campaign) -> list[Round]:
     return [*states[:-1], replace(states[-1], concluded=found)]
 
 
-def _begins(state: Round, campaign: Campaign) -> tuple[SwingStart, ...]:
-    """Where the fit of each whole swing begins: as the fit of its part that has its first sample did."""
+def _begins(fit: Fit, state: Round, campaign: Campaign) -> tuple[SwingStart, ...]:
+    """Where the fit of each whole swing begins: as that of its part that has its first sample did, held-out ones as in the last model."""
     parts = [
-        *zip(campaign.fit, state.fit.swings, strict=True),
+        *zip(campaign.fit, fit.swings, strict=True),
         *zip(campaign.holdout, state.holdout.swings, strict=True),
     ]
     found = []
@@ -79,11 +108,8 @@ def _begins(state: Round, campaign: Campaign) -> tuple[SwingStart, ...]:
         one = next(
             one for part, one in parts if part.name.startswith(swing.name) and part.times[0] == swing.times[0]
         )
-        found.append(
-            SwingStart(
-                {**state.fit.model.values, **one.model.values}, one.release_angle, one.release_velocity
-            )
-        )
+        own = {name: value for name, value in one.model.values.items() if name in fit.model.parameters}
+        found.append(SwingStart({**fit.model.values, **own}, one.release_angle, one.release_velocity))
     return tuple(found)
 
 

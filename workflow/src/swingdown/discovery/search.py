@@ -105,7 +105,7 @@ class _Search:
         ]
         state = replace(
             states[-1], reason=self._reason(last), findings=found, probabilities=pool.effects(), nothing=pool.nothing(),
-            spent=self.budget.spent,
+            spent=self.budget.spent, counting=tuple(pool.counting()),
         )  # fmt: skip
         if state.missing or state.found:
             pairs = [

@@ -49,6 +49,7 @@ class Round:
     spent: bool = False  # the search's budget
     unit_doubt: str = ""  # in words, where the swings are a pendulum's in another unit
     failed: str = ""  # why the search broke off, where it did
+    counting: tuple[tuple[float, Fit], ...] = ()  # how much each structure counts where a value is told
     concluded: dict[str, Any] | None = None  # what ``conclusion.conclusion`` gives
 
     @property

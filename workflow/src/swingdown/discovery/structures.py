@@ -145,6 +145,18 @@ class Pool:
         shares = np.exp(logs - np.logaddexp.reduce(logs))
         return dict(zip(self.known, map(float, shares), strict=True))
 
+    def counting(self) -> list[tuple[float, Fit]]:
+        """The fits of the structures that values are told from, with how much each counts, the first the most: by AIC in the place of BIC,
+        which leaves out what is too small to be seen and large enough to move a value (Burnham & Anderson, Sociol. Methods Res. 33, 261
+        (2004))."""
+        known = list(self.known.values())
+        free = np.array([len(one.fit.free) - len(one.fit.model.slack.names) for one in known])
+        softer = 0.5 * free * (np.log([self.noise.effective(one.fit.n) for one in known]) - 2)
+        logs = np.array([one.evidence for one in known]) + softer
+        shares = np.exp(logs - np.logaddexp.reduce(logs))
+        order = [k for k in np.argsort(-shares) if shares[k] >= POSSIBLE]
+        return [(float(shares[k]), known[k].fit) for k in order]
+
     def of(self, names: Iterable[str]) -> float:
         """The probability that at least one of these effects is there."""
         wanted = frozenset(names)

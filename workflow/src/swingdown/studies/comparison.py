@@ -82,13 +82,23 @@ def bic_effective(norms: xr.Dataset) -> Floats:
 
     The residual of the model with the lowest norm of a recording decides how many those are, for all models alike.
     """
+    misfit, independent = _misfit(norms)
+    return np.sum(misfit + _terms(norms) * np.log(independent), axis=1)
+
+
+def aic_effective(norms: xr.Dataset) -> Floats:
+    """The same of AIC, by which values of several models are weighed."""
+    misfit, _ = _misfit(norms)
+    return np.sum(misfit + 2 * _terms(norms), axis=1)
+
+
+def _misfit(norms: xr.Dataset) -> tuple[Floats, Floats]:
+    """-2 ln of the likelihood by model and recording but for a constant, and how many samples of each recording count as independent."""
     norm = norms["norm"].transpose("fitted", "recording")
     inflations = norms["variance_inflation"].transpose(*norm.dims).values
     inflation = np.take_along_axis(inflations, norm.values.argmin(axis=0)[np.newaxis], axis=0)
     independent = np.maximum(norms["samples"].values / inflation, 2.0)
-    return np.sum(
-        2 * independent * np.log(np.radians(norm.values)) + _terms(norms) * np.log(independent), axis=1
-    )
+    return 2 * independent * np.log(np.radians(norm.values)), independent
 
 
 def _terms(norms: xr.Dataset) -> Floats:

@@ -19,10 +19,10 @@ from ..paths import printable
 from ..pendulum.catalogue import ANGLE, RATE, READINGS, SHIPPED, Catalogue
 from ..pendulum.model import Model
 from ..rounding import value_with_uncertainty
-from .comparison import WORTH, bic_effective
+from .comparison import WORTH, aic_effective, bic_effective
 from .left_over import DOUBT, MUCH
 from .norms import as_text
-from .quantities import UNITS, Quantity, quantities
+from .quantities import UNITS, Quantity, over_models, quantities
 from .turning_points import NOT_DAMPED, as_told, passages_told, period_of_passages
 from .unscaled import as_seen, at_first_swing
 
@@ -37,6 +37,7 @@ _SUFFIX = {
     "rad": "_rad",
 }
 TOGETHER = "(joint)"  # stands for all recordings of a pendulum
+_COUNTS = 1e-3  # share of a model in a value, below which it is left out
 REFUSED = "refused"  # stands where a verdict would, for a file that could not be read
 
 
@@ -81,11 +82,14 @@ def rivals(norms: xr.Dataset, label: str, catalogue: Catalogue = SHIPPED) -> lis
 
 
 def weights(norms: xr.Dataset, catalogue: Catalogue = SHIPPED) -> dict[str, float]:
-    """By label how probable each model of damping is that can be a pendulum's, all as likely beforehand: exp(-BIC / 2), together 1
-    (Raftery, Sociol. Methodol. 25, 111 (1995))."""
-    labels, evidence, usable = _evidence(norms, catalogue)
-    found = np.exp(-(evidence[usable] - evidence[usable].min()) / 2)
-    return {labels[k]: float(one) for k, one in zip(usable, found / found.sum(), strict=True)}
+    """By label how much each model of damping that can be a pendulum's counts where a value is told, together 1: exp(-AIC / 2), with what
+    counts less than a thousandth left out (Burnham & Anderson, Sociol. Methods Res. 33, 261 (2004)). BIC, which chooses the model that is
+    named, leaves out terms that are too small to be seen and large enough to move a value by its uncertainty."""
+    labels, _, usable = _evidence(norms, catalogue)
+    misfit = aic_effective(norms)[usable]
+    found = np.exp(-(misfit - misfit.min()) / 2)
+    found[found < _COUNTS * found.sum()] = 0.0
+    return {labels[k]: float(one) for k, one in zip(usable, found / found.sum(), strict=True) if one > 0}
 
 
 def over_laws(
@@ -96,21 +100,8 @@ def over_laws(
 
     ``norms`` (fitted, parameter, parameter_2) of one recording.
     """
-    found: dict[str, list[tuple[float, Quantity]]] = {}
-    for label, share in weight.items():
-        for name, one in described(norms, label, catalogue, amplitude)[1].items():
-            if name in UNITS and np.isfinite([one.value, one.uncertainty]).all():
-                found.setdefault(name, []).append((share, one))
-    told = {}
-    for name, several in found.items():
-        shares = np.array([share for share, _ in several])
-        shares = shares / shares.sum() if shares.any() else np.full(shares.size, 1 / shares.size)
-        values, errors = (
-            np.array([getattr(one, key) for _, one in several]) for key in ("value", "uncertainty")
-        )
-        mean = float(shares @ values)
-        told[name] = Quantity(mean, float(np.sqrt(shares @ (errors**2 + (values - mean) ** 2))), UNITS[name])
-    return told
+    each = [(share, described(norms, label, catalogue, amplitude)[1]) for label, share in weight.items()]
+    return over_models(each, UNITS)
 
 
 def described(
@@ -240,8 +231,9 @@ def _row(
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always", TrajectoryWarning)
         amplitude, derived = described(fitted, label, catalogue)
-        if points:  # so few that several laws may describe them
-            derived |= over_laws(fitted, weights(own, catalogue), amplitude, catalogue)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", TrajectoryWarning)  # of the model that is named they are told
+        derived |= over_laws(fitted, weights(own, catalogue), amplitude, catalogue)
     doubts = dict.fromkeys(str(one.message) for one in caught)
     for text in doubts:
         warnings.warn(text, TrajectoryWarning, stacklevel=3)

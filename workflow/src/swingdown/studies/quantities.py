@@ -4,7 +4,7 @@ All are of the fitted model, started at rest from a stated amplitude: a pendulum
 quality at each.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -54,6 +54,27 @@ class Quantity(NamedTuple):
 
     def __float__(self) -> float:
         return float(self.value)
+
+
+def over_models(
+    each: Sequence[tuple[float, Mapping[str, Quantity]]], names: Iterable[str]
+) -> dict[str, Quantity]:
+    """By name the means of quantities over models: for each, how much it counts, and what it says. A mean's uncertainty has that of each
+    model, and how far they are apart. What no model tells with an uncertainty is left out."""
+    told = {}
+    for name in names:
+        known = [(share, found[name]) for share, found in each if name in found]
+        known = [one for one in known if np.isfinite([one[1].value, one[1].uncertainty]).all()]
+        if not known:
+            continue
+        shares = np.array([share for share, _ in known]) / sum(share for share, _ in known)
+        values, errors = (
+            np.array([getattr(one, key) for _, one in known]) for key in ("value", "uncertainty")
+        )
+        mean = float(shares @ values)
+        spread = float(np.sqrt(shares @ (errors**2 + (values - mean) ** 2)))
+        told[name] = Quantity(mean, spread, known[0][1].unit)
+    return told
 
 
 class Cycle(NamedTuple):
