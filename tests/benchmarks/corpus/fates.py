@@ -1,9 +1,9 @@
 """What `swingdown FILE --quick` makes of each recording of the corpus, as a table in Markdown.
 
     .venv/bin/python tests/benchmarks/corpus/fates.py FOLDER --split learn [--only TEXT] [--out ROWS.json]
-    .venv/bin/python tests/benchmarks/corpus/fates.py --table learn.json apart.json > docs/corpus.md
+    .venv/bin/python tests/benchmarks/corpus/fates.py --table ROWS.json ... --onto docs/corpus.md > page.md
 
-FOLDER is what fetch.py filled. Each file is one process, called as a user would call it. A file's fate is one of
+FOLDER is what fetch.py filled. Of files that are in no ROWS.json, the page keeps the rows that ``--onto`` has of them. Each file is one process, called as a user would call it. A file's fate is one of
 
 - answered: a period, and it is the pendulum's: within the tolerance of the period that a person counted in the plot;
 - asked: no number, but a question that a person would have to ask too (the file's `question` in files.csv); where that has
@@ -26,10 +26,11 @@ from pathlib import Path
 import pandas as pd
 
 sys.path.insert(0, str(Path(__file__).parent))
-from fetch import listed, place
+from fetch import SPLITS, listed, place
 
 COMMAND = Path(sys.executable).with_name("swingdown")
 FATES = ["answered", "asked", "refused", "wrong"]
+TITLES = {"learn": "Open while the reading was mended", "apart": "Kept apart at first", "fresh": "Read once"}
 
 
 @dataclass
@@ -129,6 +130,25 @@ def counted(row):
     return f"{row['period_s']}{last} ± {row['tolerance_s']}, {row['check']}"
 
 
+def line(r):
+    """Return a file's row of the table."""
+    told = r["said"] + (f" → `{r['options']}`: {r['read']}" if r["read"] and r["said"] else r["read"])
+    return (
+        f"| {cell(r['repository'] + ' ' + r['path'], 150)} | {cell(r['what'])}, {cell(r['recorder'])} | {cell(told, 220)} "
+        f"| {r['answer']} | {counted(r)} | {r['fate']} |"
+    )
+
+
+def kept(page):
+    """Return the rows that a page has, as they would be had they just been read: of each file its line and its fate."""
+    lines = {one.split(" | ")[0]: one for one in page.splitlines() if one.endswith(" |")}
+    found = []
+    for row in listed(None):
+        if one := lines.get("| " + cell(row["repository"] + " " + row["path"], 150)):
+            found.append({**row, "line": one, "fate": one.rsplit("|", 2)[1].strip()})
+    return found
+
+
 def summary(rows, name):
     """Return the lines that count the fates of some rows."""
     count = collections.Counter(r["fate"] for r in rows)
@@ -147,51 +167,40 @@ def page(rows):
         + "---|" * (len(FATES) + 3)
     )
     lines = [Path(__file__).with_name("head.md").read_text(encoding="utf-8").rstrip(), "", head]
-    for split, name in (
-        ("learn", "**open while the reading was mended**"),
-        ("apart", "**kept apart at first**"),
-    ):
-        part = [r for r in rows if r["split"] == split]
-        if part:
-            lines.append(summary(part, name))
+    parts = {split: [r for r in rows if r["split"] == split] for split in SPLITS}
+    lines += [summary(part, f"**{TITLES[split].lower()}**") for split, part in parts.items() if part]
     for recorder in sorted({r["recorder"] for r in rows}):
         lines.append(summary([r for r in rows if r["recorder"] == recorder], recorder))
-    for split, title in (("learn", "Open"), ("apart", "Kept apart at first")):
-        part = [r for r in rows if r["split"] == split]
-        if not part:
-            continue
-        lines += [
-            "",
-            f"## {title}",
-            "",
-            "| file | what, recorder | read or said | answer (s) | counted (s) | fate |",
-            "|---|---|---|---|---|---|",
-        ]
-        for r in part:
-            told = r["said"] + (f" → `{r['options']}`: {r['read']}" if r["read"] and r["said"] else r["read"])
-            lines.append(
-                f"| {cell(r['repository'] + ' ' + r['path'], 150)} | {cell(r['what'])}, {cell(r['recorder'])} | {cell(told, 220)} "
-                f"| {r['answer']} | {counted(r)} | {r['fate']} |"
-            )
+    for split, part in parts.items():
+        if part:
+            lines += [
+                "",
+                f"## {TITLES[split]}",
+                "",
+                "| file | what, recorder | read or said | answer (s) | counted (s) | fate |",
+                "|---|---|---|---|---|---|",
+            ]
+        part = sorted(part, key=lambda r: (r["repository"].lower(), r["path"].lower()))
+        lines += [r["line"] if "line" in r else line(r) for r in part]
     return "\n".join(lines) + "\n"
 
 
 def main(argv=None):
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("folder", nargs="?")
-    parser.add_argument("--split", choices=["learn", "apart"])
+    parser.add_argument("--split", choices=SPLITS)
     parser.add_argument("--only", default="", help="files whose repository or path holds this text")
     parser.add_argument("--seconds", type=float, default=180, help="at most for one call")
     parser.add_argument("--out", help="file for the rows (JSON)")
     parser.add_argument(
         "--table", nargs="+", metavar="ROWS.json", help="print the page of these rows, and run nothing"
     )
+    parser.add_argument("--onto", help="a page whose rows of other files are kept")
     args = parser.parse_args(argv)
     if args.table:
-        print(
-            page([r for name in args.table for r in json.loads(Path(name).read_text(encoding="utf-8"))]),
-            end="",
-        )
+        old = kept(Path(args.onto).read_text(encoding="utf-8")) if args.onto else []
+        new = [r for name in args.table for r in json.loads(Path(name).read_text(encoding="utf-8"))]
+        print(page(list({(r["repository"], r["path"]): r for r in old + new}.values())), end="")
         return
     rows = []
     for row in listed(args.split):

@@ -1,6 +1,6 @@
 """The recordings of files.csv in a folder: SPLIT/OWNER+NAME/PATH, each checked against its SHA-256.
 
-    .venv/bin/python tests/benchmarks/corpus/fetch.py FOLDER [--split learn|apart] [--mirrors FOLDER]
+    .venv/bin/python tests/benchmarks/corpus/fetch.py FOLDER [--split learn|apart|fresh] [--mirrors FOLDER]
 
 Each file comes from its repository's public address at the commit that files.csv names; most of them state no licence,
 so none is kept here. ``--mirrors`` takes them from git mirrors on this machine instead, OWNER+NAME/repo or OWNER+NAME.
@@ -15,6 +15,7 @@ import tempfile
 from pathlib import Path
 
 LIST = Path(__file__).with_name("files.csv")
+SPLITS = ["learn", "apart", "fresh"]  # open while the reading was mended; apart at first; read once
 
 
 def listed(split):
@@ -77,7 +78,7 @@ def fetched(rows, folder, mirrors=None):
 def main(argv=None):
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("folder")
-    parser.add_argument("--split", choices=["learn", "apart"])
+    parser.add_argument("--split", choices=SPLITS)
     parser.add_argument("--mirrors")
     args = parser.parse_args(argv)
     rows = listed(args.split)
