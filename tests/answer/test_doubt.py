@@ -1,5 +1,6 @@
 """Other people's files that are no free swing, or whose zero is elsewhere: a right number, or a refusal that says what is wrong."""
 
+import re
 import warnings
 
 import numpy as np
@@ -9,11 +10,12 @@ import yaml
 
 import swingdown
 from swingdown.__main__ import main
+from swingdown.answer.given import swings
 from swingdown.answer.options import as_options
 from swingdown.engine.trajectory import simulate
 from swingdown.errors import InputError
 from swingdown.pendulum.model import Model
-from swingdown.studies.doubt import DoubtfulFit, NotFree
+from swingdown.studies.doubt import DoubtfulFit, NotFree, check_free, fit_any
 from swingdown.studies.pendulums import by_verdict
 
 TRUTH = {"natural_frequency": 6.2, "viscous_ratio": 0.006}
@@ -151,6 +153,33 @@ def test_what_a_motor_drives_gives_no_number():
         swingdown.fit(np.arange(0, 30, 0.05), driven, unit="rad")
 
 
+def test_of_what_a_hand_moves_first_it_is_told_from_where_on_it_swings():
+    times = np.arange(0, 40, 0.02)
+    jerks = (
+        np.convolve(np.random.default_rng(5).standard_normal(times.size + 49), np.hanning(50), "valid") / 10
+    )
+    freely = 0.4 * np.exp(-0.01 * times) * np.cos(5 * times)
+    with pytest.raises(NotFree, match="it does not move as a pendulum") as caught:
+        swingdown.fit(times, np.where(times < 15, jerks, freely), unit="rad")
+    begin, end = map(
+        float, re.search(r"from (\S+) to (\S+) s alone its swings are in step", str(caught.value)).groups()
+    )
+    assert 14.5 < begin < 16.5 and end > 38
+    swingdown.fit(times[times > begin], freely[times > begin], unit="rad")
+
+
+def test_what_passes_its_middle_unevenly_has_no_period():
+    """A sensor's whims beside a pendulum at rest, of which some model leaves little enough."""
+    jolts = np.cumsum(np.random.default_rng(5).choice([0.2, 0.7, 1.6], 20))
+    jolts = jolts[jolts < TIMES[-1]]
+    uneven = 0.3 * np.sin(np.pi * np.interp(TIMES, [0, *jolts], np.arange(len(jolts) + 1.0)))
+    fits = fit_any(swings(TIMES, swing(), "rad")[0], [Model("viscous")]).assign(share_left=("fitted", [0.17]))
+    with pytest.warns(DoubtfulFit):
+        check_free(fits, swings(TIMES, swing(), "rad")[0], "viscous")
+    with pytest.raises(NotFree, match="it passes its middle unevenly"):
+        check_free(fits, swings(TIMES, uneven, "rad")[0], "viscous")
+
+
 def test_it_spoils_only_its_own_row_of_a_class(tmp_path, first, capsys):
     (tmp_path / "class").mkdir()
     written(tmp_path / "class" / "driven.csv", "t_s,angle_rad", *isochronous())
@@ -269,6 +298,14 @@ def test_a_stated_unit_is_never_overruled_and_nothing_is_named_whose_work_is_tha
     assert str(found).startswith("What stops it is not established")
     assert "\nBeware: the unit is in doubt" in str(found)
     assert "57.3 times" in found.verdict["sentence"] and "57.3 times" in found.row["remark"]
+
+
+def test_degrees_without_a_word_that_no_model_follows_are_asked_about():
+    """Two coupled pendulums: their beats are of no damping, in any unit."""
+    times = np.arange(0, 45, 0.025)
+    beat = 2.7 * np.cos(4.06 * times) + 0.2 * np.cos(3.9 * times + 1)
+    with pytest.raises(InputError, match="no unit is stated, and the unit is in doubt"):
+        swingdown.fit(times, beat * np.exp(-0.004 * times))
 
 
 def test_swings_too_small_to_tell_their_unit_say_so_where_nobody_does():

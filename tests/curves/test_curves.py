@@ -167,3 +167,10 @@ def test_too_few_swings_have_no_curves():
     angles, _ = recorded("viscous", {"viscous_ratio": 0.006}, 0.5, times=np.arange(0, 3.2, 0.01))
     with pytest.raises(InputError, match="half-swings above the noise"):
         curves(angles)
+
+
+def test_swings_beyond_half_a_turn_have_no_curves():
+    """Degrees that nobody said are some: 3.3° are no 3.3 rad."""
+    angles, _ = recorded("viscous", {"viscous_ratio": 0.003}, 3.3, restoring="linear")
+    with pytest.raises(InputError, match=r"its swings reach 18\d°.*restoring: linear"):
+        curves(angles)

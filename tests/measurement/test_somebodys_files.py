@@ -208,3 +208,33 @@ def test_of_columns_without_names_one_that_swings_twice_a_period_is_asked_about(
     with pytest.raises(InputError, match="twice as fast as the second.*signal_column"):
         take(rows(TIME, 900 + 100 * SWING**2, 50 + 40 * SWING))
     assert "`column 2`" in take(rows(TIME, SWING, 900 + 100 * SWING**2)).attrs["taken"]
+
+
+@pytest.mark.parametrize(("factor", "unit"), [(1, "rad/s"), (180 / np.pi, "deg/s")])
+def test_of_a_rate_without_a_unit_it_is_the_one_that_a_pendulum_can_turn_in(take, factor, unit):
+    made = take("time,angular_velocity\n" + rows(TIME, factor * np.gradient(SWING, TIME)))
+    assert made["signal"].attrs["units"] == unit
+    assert "angular_velocity" in made.attrs["taken"] and "no unit is stated" in made.attrs["taken"]
+
+
+def test_where_no_column_rises_the_samples_a_second_are_asked_for(take):
+    text = "x,y\n" + rows(SWING, 0.1 * np.cos(7 * TIME))
+    with pytest.raises(InputError, match="none rises from row to row.*rate_hz"):
+        take(text)
+    assert take(text, rate_hz=60)["time"].values == pytest.approx(TIME)
+
+
+def test_arbitrary_units_are_of_no_known_scale(take):
+    made = take("Time (s),Angle Sensor (au)\n" + rows(TIME, 512 + 300 * SWING))
+    assert (
+        made["signal"].attrs["units"]
+        == take("t,adc\n" + rows(TIME, 512 + 300 * SWING))["signal"].attrs["units"]
+    )
+
+
+def test_where_no_name_says_what_swings_a_refusal_names_the_other_columns(take):
+    with pytest.raises(
+        InputError,
+        match="or name the column of the angle in the cell signal_column of the sheet: t, cart, bob",
+    ):
+        take("t,cart,bob\n" + rows(TIME, 0 * TIME, SWING))

@@ -180,7 +180,7 @@ def free(swings: Sequence[HalfSwings], restoring: str = "sine") -> Free:
     for _ in range(_ROUNDS):
         every = np.concatenate([one.amplitude for one in courses])
         low, high = float(every.min()), float(every.max())
-        table = np.geomspace(low * 0.98, high * 1.02, _TABLE)
+        table = np.geomspace(low * 0.98, _beyond(high, ideal, swings[0].recording), _TABLE)
         basis = friction(ideal, every)
         rows = losses(ideal, basis, table)
         beyond = Beyond.none(table) if before is None else before
@@ -205,6 +205,20 @@ def free(swings: Sequence[HalfSwings], restoring: str = "sine") -> Free:
         low,
         high,
     )
+
+
+def _beyond(high: float, ideal: Ideal, recording: str) -> float:
+    """A little more than the largest amplitude (rad); InputError for one that no pendulum swings back and forth by."""
+    if ideal.restoring == "linear":
+        return high * 1.02
+    if high >= np.pi:
+        raise InputError(
+            recording,
+            f"its swings reach {np.degrees(high):.3g}°",
+            "swings to less than 180°",
+            "correct its unit; of a wheel on a spring say restoring: linear",
+        )
+    return min(high * 1.02, (high + np.pi) / 2)
 
 
 def _first_course(one: HalfSwings) -> Course:

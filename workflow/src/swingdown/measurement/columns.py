@@ -174,7 +174,7 @@ def _swing(
             return pair
         return [_checked(chosen, others, place, stated)]
     # what drives a pendulum is none, while there is another column
-    others = [one for one in others if not _DRIVES.search(one.name.replace("_", " "))] or others
+    others = [one for one in others if not _drives(one.name)] or others
     if not others:
         raise InputError(
             place, "the file has 1 column(s)", "a column of time and one of the signal", "export both"
@@ -196,6 +196,10 @@ def _swing(
     return [_checked(first, others, place, "")]
 
 
+def _drives(name: str) -> bool:
+    return bool(_DRIVES.search(name.replace("_", " ")))
+
+
 def _has_signal_unit(one: Meaning) -> bool:
     return bool(one.unit) and one.kind in (VOLTAGE, COUNTS)
 
@@ -208,7 +212,12 @@ def axes_beside(names: Sequence[str], chosen: Meaning, beside: Mapping[str, str]
     """The columns that hold the rates about a gyroscope's axes, of the unit of the ``chosen`` one, that among them; how fast it
     turns without saying which way is none of them."""
     columns = [meaning(name, beside.get(name, "")) for name in names]
-    return [one.name for one in columns if _is_rate(one) and one.unit == chosen.unit]
+    beside_it = [
+        one
+        for one in columns
+        if one.kind == RATE and one.unit == chosen.unit and one.written == chosen.written
+    ]
+    return [one.name for one in beside_it if not _SIZE_ALONE.search(one.name) and not _drives(one.name)]
 
 
 def _is_coordinate(one: Meaning) -> bool:
@@ -246,7 +255,7 @@ def _checked(one: Meaning, others: list[Meaning], place: str, stated: str) -> Me
         )
     if stated or (one.unit and one.kind in (ANGLE, VOLTAGE, COUNTS, RATE)):
         return one
-    if one.kind == LENGTH or (one.kind in (ANGLE, UNTOLD) and not one.written):
+    if one.kind == LENGTH or (one.kind in (ANGLE, RATE, UNTOLD) and not one.written):
         return one
     mends = {
         RATE: "write rad/s or deg/s in the cell signal_unit of the sheet, or convert the column to one of them",

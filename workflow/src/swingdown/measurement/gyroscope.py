@@ -36,6 +36,12 @@ def turning_most(names: Sequence[str], values: Sequence[Floats]) -> tuple[int, l
     return most, told
 
 
+def rate_unit(times: Floats, signal: Floats) -> str:
+    """``rad/s``, or ``deg/s`` where no pendulum turns so fast in its period: the unit of an angular rate that nobody states."""
+    period = half_swings(signal).period(times)
+    return "deg/s" if float(np.abs(signal).max()) * period > 2 * pi * FASTEST else "rad/s"
+
+
 def check_rate(times: Floats, signal: Floats, unit: str, place: str) -> list[str]:
     """Remarks on an angular rate (``unit`` rad/s or deg/s), each one line; InputError where no pendulum turns so fast."""
     rate, swings = signal * TO_RAD_PER_S[unit], half_swings(signal)

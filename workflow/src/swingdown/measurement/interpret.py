@@ -26,7 +26,7 @@ from .columns import (
     meaning,
     place_of,
 )
-from .gyroscope import TO_RAD_PER_S, turning_most
+from .gyroscope import TO_RAD_PER_S, rate_unit, turning_most
 from .judge import Reading
 from .plausibility import half_swings
 from .positions import (
@@ -54,7 +54,7 @@ _RISES = 0.95  # of the rows: so often a time is no earlier than in the row befo
 MOST_LOST = 0.2  # of the positions: a tracker that loses more follows no bob
 TWICE = 0.2  # by which the ratio of two periods may be off 2
 RELATIVE = "relative"  # in the cell scale: nobody knows it
-_RAW = re.compile(r"(?i)\b(adc|raw|analog\w*|a0|sensor ?value|poti?|potentiometer)\b")
+_RAW = re.compile(r"(?i)\b(adc|raw|analog\w*|a0|sensor ?value|poti?|potentiometer|au|a\.u|arb)\b")
 
 
 class Uncalibrated(InputError):
@@ -149,6 +149,14 @@ def _rising(table: Table, row: Mapping[str, Any]) -> tuple[Table, Mapping[str, A
     steps = {key: np.diff(numbers(first[key], table.decimal)) for key in table.names}
     rising = [key for key, own in steps.items() if np.nansum(own) > 0 and np.mean(own >= 0) > _RISES]
     table = table._replace(pieces=itertools.chain([first], pieces))
+    falls = np.mean(steps[table.names[0]] <= 0) > _RISES
+    if not rising and not falls and len(table.names) > 1 and len(first) >= SHORTEST:
+        raise InputError(
+            f"{row['file']}, {place_of(table.names[0])}",
+            "no column says that it is the time, and none rises from row to row",
+            "a column of time, or the samples a second",
+            "write the samples a second in the cell rate_hz of the sheet, or name the column of the time in its cell time_column",
+        )
     if table.names[0] in rising or len(rising) != 1:
         return table, row, []
     told = f"no column says that it is the time, and `{rising[0]}` alone rises from row to row: taken for it"
@@ -220,12 +228,12 @@ def _signal(
             check_no_positions(values[0], beside[0], f"{file}, {names[0]} and {unsaid[0]} ({place})")
     taken, told = turning_most(names, values[: len(names)])
     about = {"counts_per_revolution": row["counts_per_revolution"]} if columns.unit == "counts" else {}
-    reading = _reading(row, columns, values[taken], restoring, where)
+    reading = _reading(row, columns, times, values[taken], restoring, where)
     return Interpreted(times, values[taken], reading, remarks + told, about, names[taken])
 
 
 def _reading(
-    row: Mapping[str, Any], columns: _Columns, signal: Floats, restoring: str, where: str
+    row: Mapping[str, Any], columns: _Columns, times: Floats, signal: Floats, restoring: str, where: str
 ) -> Reading:
     """What a column is read as: by its unit, the sheet's scale, or its name where that is one of raw readings."""
     unit, scale = columns.unit, _stated_scale(row, where)
@@ -238,6 +246,8 @@ def _reading(
         return Reading(unit, True, 0.0, restoring)
     if unit:
         return Reading(unit, True, in_rad(unit), restoring)
+    if columns.found[0].kind == RATE:
+        return Reading(rate_unit(times, signal), False, 0.0, restoring)
     if scale is not None:
         return Reading(NO_SCALE, True, scale, restoring)
     if _RAW.search(columns.found[0].name.replace("_", " ")):

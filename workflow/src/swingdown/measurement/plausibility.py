@@ -13,6 +13,11 @@ DRIFTED = 0.05  # rad; what the amplitude does to the middle of an eccentric sen
 GROWS = 1.15  # times: from its first third to its last
 NARROWS = 0.95  # times: the spread of the signal, as above; a motor's is nearer to 1
 SHRINKS = 0.002  # of the swing: less says nothing of what stops it
+STEADY = 0.15  # of a period: half-swings in step have theirs so near to the usual one
+ENOUGH, ALL = (
+    8,
+    0.95,
+)  # half-swings in a row, and the share of all of them, of which there is something to tell
 DEAD_ZONE = 0.05  # of the range: crossings of the middle by noise alone do not count
 TO_RAD = {"rad": 1.0, "deg": pi / 180}
 
@@ -63,6 +68,24 @@ def passages(times: Floats, signal: Floats, middle: float) -> Floats:
             k = int(other[-1])
             found.append(times[k] + (times[k + 1] - times[k]) * away[k] / (away[k] - away[k + 1]))
     return np.array(found)
+
+
+def free_part(times: Floats, signal: Floats) -> tuple[float, float] | None:
+    """From when until when (s) the most half-swings in a row are in step, none wider than GROWS times one before it; None where those are
+    fewer than ENOUGH, or nearly all."""
+    swings = half_swings(signal)
+    sizes, begins = np.abs(np.diff(swings.turns)), times[swings.starts]
+    periods = begins[2:] - begins[:-2]
+    best, first = (0, 0), 0
+    for last in range(1, len(periods) + 1):
+        here = slice(first, last)
+        usual, least = float(np.median(periods[here])), float(sizes[here].min())
+        if abs(periods[last - 1] - usual) > STEADY * usual or sizes[last - 1] > GROWS * least:
+            first = last
+        elif last - first > best[1] - best[0]:
+            best = first, last
+    found = best[1] - best[0]
+    return (float(begins[best[0]]), float(begins[best[1]])) if ENOUGH <= found < ALL * len(periods) else None
 
 
 def check_shrinks(signal: Floats, place: str) -> list[str]:

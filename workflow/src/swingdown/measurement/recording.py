@@ -11,7 +11,7 @@ import xarray as xr
 from .. import dataset
 from ..errors import InputError
 from . import phyphox
-from .columns import place_of
+from .columns import TIME, UNTOLD, meaning, place_of
 from .interpret import Interpreted, interpret
 from .judge import Judged, Reading, check_used, judge, used_part
 from .passages import ask_periods, passages
@@ -69,13 +69,19 @@ def ingest(
         except (SeveralRuns, SeveralReleases):
             raise
         except InputError as problem:
-            if "no header" not in table.layout or len(table.names) < 3 or row["signal_column"]:
+            if row["signal_column"] or not _says_nothing(table):
                 raise
             # what is taken for the swing may be another column
             also = f"; or name the column of the angle in the cell signal_column of the sheet: {', '.join(table.names)}"
             raise type(problem)(
                 problem.where, problem.problem, problem.expected, problem.mend + also
             ) from None
+
+
+def _says_nothing(table: Table) -> bool:
+    """True of three columns or more of which none says that it holds the swing."""
+    told = [meaning(name, table.units.get(name, "")) for name in table.names]
+    return len(told) > 2 and all(one.kind in (TIME, UNTOLD) and not one.axis for one in told)
 
 
 def _dataset(

@@ -167,7 +167,8 @@ def signed(number: str) -> str:
 
 def symmetric(axes: Axes, values: ArrayLike, room: float = 1.12) -> Axes:
     """The axes with zero in the middle and all ``values`` in view."""
-    reach = room * float(np.nanmax(np.abs(values))) or 1.0
+    sizes = np.abs(np.asarray(values, float))
+    reach = room * float(np.max(sizes[np.isfinite(sizes)], initial=0.0)) or 1.0
     axes.set_ylim(-reach, reach)
     return axes
 

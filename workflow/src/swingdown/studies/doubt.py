@@ -2,23 +2,29 @@
 
 import warnings
 from collections.abc import Iterable, Sequence
+from dataclasses import replace
 
 import numpy as np
 import xarray as xr
 
+from ..arrays import Swing
 from ..dataset import series_of
 from ..errors import InputError
-from ..measurement.plausibility import half_swings
+from ..measurement.plausibility import free_part, half_swings
 from ..pendulum.catalogue import SHIPPED, Catalogue
 from ..pendulum.model import PAPER_MODELS, SPRUNG, Model
+from ..rounding import value_with_uncertainty
 from .experiment import fit_recording
 from .left_over import DOUBT, MUCH
 from .norms import combine_recordings
 from .pendulums import described_by
-from .scale import DEGREE, scale_of
+from .scale import DEGREE, Scale, scale_of
+from .unscaled import of_first_swings
 
 LEFT = 0.25  # of the swing (RMS of means over a part of a period): what a damping without a name leaves of a pendulum's is less
 SURE = 3.0  # standard errors from 0
+UNEVEN = 0.1  # of the period: its standard uncertainty from the first swings of what no model follows
+BETTER = 0.8  # of what is left in rad: with so little left in degrees these may be the unit
 KEPT = 0.9  # of the first swings' size: the last ones of what does not shrink
 MEND = (
     "leave out what a hand moves or a motor drives (start_s and stop_s), and check that the column is its angle and the unit right; of a "
@@ -94,7 +100,8 @@ def unit_in_doubt(angles: Sequence[xr.Dataset], restoring: str = "sine") -> str:
     told = all(one.attrs.get("unit_told", "yes") == "yes" for one in angles)
     if told:
         return found.doubt(unit)
-    if not found.doubt():
+    doubt = found.doubt(unit) or _lacking(found, pairs).doubt(unit)
+    if not doubt:
         where_told = found.told or restoring != "sine"
         return (
             ""
@@ -104,11 +111,18 @@ def unit_in_doubt(angles: Sequence[xr.Dataset], restoring: str = "sine") -> str:
     names = ", ".join(str(one.attrs["recording"]) for one in angles)
     raise InputError(
         f"recording {names}",
-        f"no unit is stated, and {found.doubt(unit)}",
+        f"no unit is stated, and {doubt}",
         f"swings in {unit} or in {unit.replace('rad', 'deg')}, and a word which",
         "say which in the cell signal_unit of the sheet (`unit` of a call); of a wheel on a spring or a torsion pendulum, whose period is "
         "the same for all swings, say restoring: linear",
     )
+
+
+def _lacking(found: Scale, swings: Sequence[Swing]) -> Scale:
+    """What swings tell of a unit that nobody stated, in which much is left of them: where degrees leave less, these are asked about."""
+    whole = np.sqrt(np.mean(np.concatenate([values - values.mean() for _, values in swings]) ** 2))
+    asked = found.left_given > MUCH * whole and found.left < BETTER * found.left_given
+    return replace(found, factor=DEGREE) if asked else Scale()
 
 
 def fit_any(angle: xr.Dataset, fitted: Sequence[Model], start: str = "free") -> xr.Dataset:
@@ -141,7 +155,7 @@ def check_free(fits: xr.Dataset, given: xr.Dataset, label: str, catalogue: Catal
     if not left <= LEFT:
         raise NotFree(
             f"recording {name}",
-            f"it does not move as a pendulum that swings by itself: the best model of damping leaves {100 * left:.3g} % of it",
+            f"it does not move as a pendulum that swings by itself: the best model of damping leaves {100 * left:.3g} % of it{_where(given)}",
             f"at most {100 * LEFT:.0f} %",
             MEND,
         )
@@ -152,6 +166,7 @@ def check_free(fits: xr.Dataset, given: xr.Dataset, label: str, catalogue: Catal
     }
     if left > MUCH:
         _check_dies(given, left, losses.values())
+        _check_even(given)
         warnings.warn(DOUBT.format(percent=100 * left, name=name), DoubtfulFit, stacklevel=2)
     for size, (value, error) in losses.items():
         if value < -SURE * error:
@@ -161,6 +176,30 @@ def check_free(fits: xr.Dataset, given: xr.Dataset, label: str, catalogue: Catal
                 "a pendulum that dies away by itself",
                 MEND,
             )
+
+
+def _where(given: xr.Dataset) -> str:
+    """From when to when the most swings could be a pendulum's, as words that follow a refusal; empty where there is none."""
+    part = None if "half_swings" in given else free_part(given["time"].values, series_of(given).values)
+    return (
+        f"; from {part[0]:.3f} to {part[1]:.3f} s alone its swings are in step and do not grow"
+        if part
+        else ""
+    )
+
+
+def _check_even(given: xr.Dataset) -> None:
+    """NotFree where no period is seen: the passages through the middle that a model follows badly are at uneven distances."""
+    if "half_swings" in given:
+        return
+    first, error = of_first_swings(given["time"].values, series_of(given).values).values()
+    if error > UNEVEN * first:
+        raise NotFree(
+            f"recording {given.attrs['recording']}",
+            f"it passes its middle unevenly, each {value_with_uncertainty(first, error)} s of its first swings, and no model of damping follows it",
+            "swings of one period",
+            MEND,
+        )
 
 
 def _check_dies(given: xr.Dataset, left: float, losses: Iterable[Sequence[float]]) -> None:

@@ -34,7 +34,7 @@ class Scale:
 
     ``factor``: angles so many times as large are a pendulum's, as those given are not; 1 where nothing speaks against these.
     ``told``: the swings tell that they are not in degrees, or that they are. ``left`` and ``left_given`` are what damping leaves
-    (RMS, rad or rad/s) with these angles and with the given ones, both in the unit given.
+    (RMS, rad or rad/s) with these angles (with ``factor`` 1: as if they had been degrees) and with the given ones, in the unit given.
     """
 
     factor: float = 1.0
@@ -73,7 +73,7 @@ def scale_of(swings: Sequence[Swing], restoring: str = "sine", reading: str = AN
 def _scale_of(swings: Sequence[Swing], restoring: str, reading: str) -> Scale:
     if restoring != "sine" or (given := _fitted(swings, 1.0, reading)) is None:
         return Scale()
-    told = False
+    told, less = False, np.nan
     for factor in (DEGREE, 1 / DEGREE):
         other = _fitted(swings, factor, reading)
         if other is None:
@@ -83,9 +83,10 @@ def _scale_of(swings: Sequence[Swing], restoring: str, reading: str) -> Scale:
         samples = _independent(better, swings, by)
         evidence = 2 * samples * log(given.rms / left)
         told |= factor < 1 and abs(evidence) > _CLEAR**2
+        less = left if factor < 1 else less
         if evidence > _CLEAR**2 and _does_all(other, swings, factor, given.rms, samples):
             return Scale(factor, True, left, given.rms)
-    return Scale(told=told)
+    return Scale(told=told, left=less, left_given=given.rms)
 
 
 def _fitted(swings: Sequence[Swing], factor: float, reading: str, begin: Fit | None = None) -> Fit | None:
