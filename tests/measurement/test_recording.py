@@ -234,12 +234,6 @@ def test_a_column_with_few_numbers_is_refused(refused):
     refused("line 2, column theta_rad", "40 of 400 cells", "'bad'", text="t_s,theta_rad\n" + "".join(spoilt))
 
 
-def test_cells_that_hold_a_pair_of_numbers_are_told_to_be_split(refused):
-    rows = [f'{t},"({1392 + 90 * np.cos(7 * t):.0f}, 685)",40\n' for t in TIME]
-    text = "t_s,position,speed\n" + "".join(rows)
-    refused("column position", "'(1482, 685)'", "two columns, x and y", text=text, signal_column="position")
-
-
 def test_a_hole_that_hides_an_unknown_number_of_swings_asks(make, refused, tmp_path):
     """Where the period is known well enough the swings in it are counted."""
     time = np.concatenate([np.arange(300), np.arange(1300, 2300)]) / 100

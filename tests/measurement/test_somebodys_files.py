@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from exports import EXPORTS, SWING, TIME, rows
+from exports import EXPORTS, SWING, TIME, rows, video
 
 from swingdown.errors import InputError
 from swingdown.measurement.columns import meaning
@@ -238,3 +238,11 @@ def test_where_no_name_says_what_swings_a_refusal_names_the_other_columns(take):
         match="or name the column of the angle in the cell signal_column of the sheet: t, cart, bob",
     ):
         take("t,cart,bob\n" + rows(TIME, 0 * TIME, SWING))
+
+
+def test_cells_that_hold_a_pair_of_numbers_are_two_coordinates(take):
+    pairs = [f'{t:.5f},"({x:.5f}, {y:.5f})",40\n' for t, x, y in zip(TIME, *video(), strict=True)]
+    for cells in ({}, {"signal_column": "bob"}):
+        made = take("t_s,bob,frame\n" + "".join(pairs), **cells)
+        assert made["signal"].values == pytest.approx(SWING, abs=1e-3)
+        assert "`bob x` and `bob y`" in made.attrs["taken"]

@@ -42,7 +42,7 @@ from .positions import (
 )
 from .runs import clock_part, several_runs
 from .series import series
-from .table import Table, numbers
+from .table import Table, apart, numbers
 from .units import NO_SCALE, in_rad, time_factor
 
 UNIT_WORDS = {
@@ -95,6 +95,9 @@ class _Columns(NamedTuple):
 
 def interpret(table: Table, row: Mapping[str, Any], place: str, restoring: str) -> Interpreted:
     """The ``Interpreted`` columns of a table, by their header and the ``row`` of the sample sheet; InputError where they can be no swing."""
+    table = apart(table)
+    if (paired := f"{row['signal_column']} x") in table.names:
+        row = {**row, "signal_column": paired}
     table, row, rising = _rising(table, row)
     columns = _columns(table, row, place)
     names, unsaid = [one.name for one in columns.found], []

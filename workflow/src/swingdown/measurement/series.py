@@ -1,6 +1,5 @@
 """The numbers of a recording's columns within its window, read piece by piece; a row with a cell that is none is a missing sample."""
 
-import re
 from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
@@ -17,7 +16,6 @@ from .table import MISSING, numbers
 
 MOST_EMPTY = 0.5  # of the rows of a window: a column with fewer numbers is another one
 MOST_SPOILT = 0.05  # of them, with something else in a cell: a file that is damaged
-_PAIR = re.compile(r"[(\[]\s*[-+.\deE]+\s*[,; ]\s*[-+.\deE]+\s*[)\]]")  # a cell such as (1392, 685)
 MOST = 18_000_000  # samples that are held at once: with all that is asked of them, less than a gigabyte
 
 
@@ -102,9 +100,7 @@ class _Spoilt:
         first = f"the first {self.cell[:40]!r} in line {self.line}" if self.odd else "they are empty"
         if self.count > MOST_EMPTY * self.rows or self.odd > MOST_SPOILT * self.rows:
             mend = "mend the file, choose another column, or leave the part out with start_s and stop_s"
-            if _PAIR.fullmatch(self.cell):
-                mend = "each of these cells holds two numbers: write them in two columns, x and y, and export the file again"
-            elif not self.odd:
+            if not self.odd:
                 mend += (
                     f"; if the {self.rows - self.count} rows with a number are turning points alone, name the column in the cell signal_column "
                     "of the sheet and write half_swings (both sides) or turning_points (one side) in the cell signal_kind of the sheet"

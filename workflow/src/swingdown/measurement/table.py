@@ -1,5 +1,7 @@
 """The columns of somebody's file, before any of them is read, and their cells as numbers."""
 
+import itertools
+import re
 from collections.abc import Iterable
 from typing import Any, NamedTuple
 
@@ -11,6 +13,10 @@ from ..arrays import Floats
 WHOLE = ""  # the name of a table that is no run: all of the file
 STATES = {"blocked": 1, "unblocked": 0}  # of a light gate, as Capstone writes them
 MISSING = ("", "nan", "na", "n/a", "null", "none", "inf", "-inf", "-", "--", "---")
+
+
+_PAIR = re.compile(r"^\s*[(\[]\s*([-+.\deE]+)\s*[,; ]\s*([-+.\deE]+)\s*[)\]]\s*$")
+SEEN, HALF = 100, 0.5  # first rows, and the share of them with a pair that makes two columns
 
 
 class Table(NamedTuple):
@@ -25,6 +31,26 @@ class Table(NamedTuple):
     cut: bool = False  # the last line was cut while it was written
     remarks: tuple[str, ...] = ()  # to the user: on lines that are no rows, pauses, how a film was followed
     usual: dict[str, float] = {}  # cells of the sample sheet where it says nothing
+
+
+def apart(table: Table) -> Table:
+    """The table with two columns, `… x` and `… y`, for each whose cells hold a pair of numbers, as ``(1392, 685)``."""
+    pieces = iter(table.pieces)
+    first = next(pieces, None)
+    if first is None:
+        return table
+    pairs = [key for key in table.names if _pairs(first[key].head(SEEN)).notna().all(axis=1).mean() > HALF]
+    names = tuple(own for key in table.names for own in ([f"{key} x", f"{key} y"] if key in pairs else [key]))
+
+    def split(rows: pd.DataFrame) -> pd.DataFrame:
+        return rows.join([_pairs(rows[key]).set_axis([f"{key} x", f"{key} y"], axis=1) for key in pairs])
+
+    return table._replace(names=names, pieces=map(split, itertools.chain([first], pieces)))
+
+
+def _pairs(column: pd.Series) -> pd.DataFrame:
+    """What stands first and second in each cell that holds a pair of numbers, missing in the others."""
+    return column.astype(str).str.extract(_PAIR)
 
 
 def numbers(column: pd.Series, decimal: str) -> Floats:
