@@ -234,8 +234,10 @@ def test_a_column_with_few_numbers_is_refused(refused):
     refused("line 2, column theta_rad", "40 of 400 cells", "'bad'", text="t_s,theta_rad\n" + "".join(spoilt))
 
 
-def test_a_hole_that_hides_an_unknown_number_of_swings_asks(make, refused, tmp_path):
-    """Where the period is known well enough the swings in it are counted."""
+def test_beside_a_hole_that_hides_an_unknown_number_of_swings_the_longest_part_is_used(
+    make, refused, tmp_path
+):
+    """Where the period is known well enough the swings in it are counted; a part that somebody states is not made shorter."""
     time = np.concatenate([np.arange(300), np.arange(1300, 2300)]) / 100
     swing = np.exp(-0.02 * time) * np.cos(7 * time - 0.3)
     assert make(0.4 * swing, time).sizes["time"] == 1300
@@ -243,7 +245,11 @@ def test_a_hole_that_hides_an_unknown_number_of_swings_asks(make, refused, tmp_p
     # 100 s in which it slows down by a swing or so
     time = np.concatenate([np.arange(300), np.arange(10300, 11300)]) / 100
     phase = np.where(time < 50, 7 * time, 7 * time + 0.1 * (time - 50))
-    refused("hides about 1", "start_s = 103", signal=0.4 * np.cos(phase), time=time)
+    made = make(0.4 * np.cos(phase), time)
+    assert made.attrs["begins_s"] == 103 and "ends_s" not in made.attrs
+    assert "hides about 1" in made.attrs["remarks"] and "from 103.000 s on" in made.attrs["remarks"]
+    (tmp_path / "made.nc").unlink()
+    refused("hides about 1", "start_s = 103", signal=0.4 * np.cos(phase), time=time, start_s=0.5)
 
 
 def test_too_few_samples(refused):

@@ -1,6 +1,7 @@
 """What is asked of a swing before it is fitted, the same of a file and of arrays: unit, zero, spikes, hands, holes, an end."""
 
 from dataclasses import dataclass, field, replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -92,7 +93,7 @@ def judge(times: Floats, signal: Floats, reading: Reading, place: str) -> Judged
     if pushed:
         remarks.append(f"something other than the pendulum moves it at about {pushed[0]:.2f} s")
     if len(windows) == 1:
-        windows = [_in_step(windows[0], times, about)]
+        windows = [_without_holes(_in_step(windows[0], times, about), times, about)]
     return Judged(signal, reading, spikes, windows, zero, remarks)
 
 
@@ -115,6 +116,20 @@ def _in_step(window: Window, times: Floats, signal: Floats) -> Window:
     )
 
 
+def _without_holes(window: Window, times: Floats, signal: Floats) -> Window:
+    """The longest part of a window without a hole that hides swings nobody can count."""
+    part = within(window, times)
+    hidden = None if window.why else _uncounted(times[part], signal[part])
+    if hidden is None:
+        return window
+    begins, ends = hidden.part
+    return window._replace(
+        begins=begins if begins > times[part][0] else window.begins,
+        ends=ends if ends < times[part][-1] else window.ends,
+        why=f"{hidden.words()} (at {hidden.start:.2f} s): the longest part without such a hole is used",
+    )
+
+
 def check_used(times: Floats, judged: Judged, used: slice, place: str, partial: bool = False) -> list[str]:
     """Remarks on the part of a swing that is used; InputError where it is too short for a fit, grows, or hides swings in a hole.
 
@@ -134,8 +149,32 @@ def check_used(times: Floats, judged: Judged, used: slice, place: str, partial: 
     return remarks + check_continuous(times[used], judged.signal[used], place, judged.spikes.within(used))
 
 
+class _Uncounted(NamedTuple):
+    """A hole (s) that hides so many swings, and the longest part (s) without one."""
+
+    start: float
+    stop: float
+    swings: float
+    part: tuple[float, float]
+
+    def words(self) -> str:
+        return f"a hole of {self.stop - self.start:.3g} s hides about {self.swings:.0f} swings, and not how many exactly"
+
+
 def check_countable(times: Floats, signal: Floats, place: str) -> None:
-    """None where the swings in every hole can be counted from those on both sides; InputError with the longest whole part otherwise.
+    """None where the swings in every hole can be counted from those on both sides; InputError with the longest whole part otherwise."""
+    if hidden := _uncounted(times, signal):
+        first, last = hidden.part
+        raise InputError(
+            f"{place}, {hidden.start:.6g} s",
+            hidden.words(),
+            "holes in which swings can be counted",
+            f"use a part: from {first:.9g} to {last:.9g} s there is no such hole (start_s = {first:.9g}, stop_s = {last:.9g})",
+        )
+
+
+def _uncounted(times: Floats, signal: Floats) -> _Uncounted | None:
+    """The first hole in which the swings cannot be counted; None where there is none.
 
     The period before a hole and that after it, each with its standard uncertainty, tell how many swings it hides.
     """
@@ -160,12 +199,8 @@ def check_countable(times: Floats, signal: Floats, place: str) -> None:
         if unsure > COUNTED:
             edges = [times[0], *(edge for hole in deep for edge in hole), times[-1]]
             first, last = max(zip(edges[::2], edges[1::2], strict=True), key=lambda one: one[1] - one[0])
-            raise InputError(
-                f"{place}, {start:.6g} s",
-                f"a hole of {stop - start:.3g} s hides about {(stop - start) / period:.0f} swings, and not how many exactly",
-                "holes in which swings can be counted",
-                f"use a part: from {first:.9g} to {last:.9g} s there is no such hole (start_s = {first:.9g}, stop_s = {last:.9g})",
-            )
+            return _Uncounted(start, stop, (stop - start) / period, (float(first), float(last)))
+    return None
 
 
 def _period(halves: Floats) -> tuple[float, float] | None:
