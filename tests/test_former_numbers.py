@@ -11,6 +11,11 @@ import xarray as xr
 SAME = 1e-9  # relative; of standard errors, which take a matrix inverse, a thousand times as much
 
 
+# standard errors between two ends of one fit: it ends where a step promises 1e-10 of the sum of squares, with n samples
+# sqrt(1e-10 n) standard errors from the optimum; where within that depends on how a processor rounds
+STOPS = 2 * np.sqrt(1e-10 * 1001)
+
+
 @pytest.fixture
 def former(root):
     return lambda name: pd.read_csv(root / "tests/former" / f"{name}.csv")
@@ -22,7 +27,8 @@ def test_fits_of_measured_swings(small_study, former):
     before = former("parameters").set_index(keys)
     assert len(before) == 38
     now = now.loc[before.index]
-    np.testing.assert_allclose(now["value"], before["value"], rtol=SAME)
+    off = (now["value"] - before["value"]).abs() - SAME * before["value"].abs()
+    assert (off / before["standard_error"]).max() < STOPS
     np.testing.assert_allclose(now["standard_error"], before["standard_error"], rtol=1000 * SAME)
 
 

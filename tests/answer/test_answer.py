@@ -181,6 +181,11 @@ def test_first_answer_and_verdict_agree_where_they_have_one_model():
     assert first.label == last.label
     for name, (value, uncertainty, _) in last.quantities.items():
         before, error, _ = first.quantities[name]
-        # of what depends on the law of damping both are means, over laws and over structures
-        assert value == pytest.approx(before, abs=(0.5 if name in UNITS else 0.02) * uncertainty)
-        assert uncertainty == pytest.approx(error, rel=0.5 if name in UNITS else 0.02)
+        if (
+            name in UNITS
+        ):  # means over laws of damping, and over all that was looked at: the verdict has asked more
+            assert value == pytest.approx(before, abs=0.5 * uncertainty)
+            assert uncertainty > 0.95 * error
+        else:
+            assert value == pytest.approx(before, abs=0.02 * uncertainty)
+            assert uncertainty == pytest.approx(error, rel=0.02)

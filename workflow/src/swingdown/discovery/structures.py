@@ -152,7 +152,8 @@ class Pool:
         known = list(self.known.values())
         free = np.array([len(one.fit.free) - len(one.fit.model.slack.names) for one in known])
         softer = 0.5 * free * (np.log([self.noise.effective(one.fit.n) for one in known]) - 2)
-        logs = np.array([one.evidence for one in known]) + softer
+        more = self._each * np.array([len(one.key - self.base) for one in known])
+        logs = np.array([one.evidence for one in known]) + softer + more
         shares = np.exp(logs - np.logaddexp.reduce(logs))
         order = [k for k in np.argsort(-shares) if shares[k] >= POSSIBLE]
         return [(float(shares[k]), known[k].fit) for k in order]
