@@ -37,7 +37,7 @@ _SUFFIX = {
     "rad": "_rad",
 }
 TOGETHER = "(joint)"  # stands for all recordings of a pendulum
-_COUNTS = 1e-3  # share of a model in a value, below which it is left out
+_COUNTS = 0.01  # share of a model in a value, below which it is left out
 REFUSED = "refused"  # stands where a verdict would, for a file that could not be read
 
 
@@ -83,7 +83,7 @@ def rivals(norms: xr.Dataset, label: str, catalogue: Catalogue = SHIPPED) -> lis
 
 def weights(norms: xr.Dataset, catalogue: Catalogue = SHIPPED) -> dict[str, float]:
     """By label how much each model of damping that can be a pendulum's counts where a value is told, together 1: exp(-AIC / 2), with what
-    counts less than a thousandth left out (Burnham & Anderson, Sociol. Methods Res. 33, 261 (2004)). BIC, which chooses the model that is
+    counts less than a hundredth left out (Burnham & Anderson, Sociol. Methods Res. 33, 261 (2004)). BIC, which chooses the model that is
     named, leaves out terms that are too small to be seen and large enough to move a value by its uncertainty."""
     labels, _, usable = _evidence(norms, catalogue)
     misfit = aic_effective(norms)[usable]
