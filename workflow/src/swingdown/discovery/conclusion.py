@@ -7,10 +7,10 @@ from typing import Any
 
 import numpy as np
 
+from ..engine.trajectory import simulate
 from ..fitting.colour import uncertainty
 from ..fitting.result import Begin, Fit, SwingStart
 from ..pendulum.free_form import FreeForm
-from ..studies.experiment import largest_angles
 from ..studies.quantities import UNITS, Quantity, over_models, quantities, steady
 from .campaign import Campaign
 from .refit import FAILURES, refit
@@ -20,7 +20,7 @@ from .state import Round
 def conclusion(state: Round, campaign: Campaign) -> dict[str, Any] | None:
     """What a search says of its pendulum, as verdict.json has it; TrajectoryError where the last model cannot be fitted to the whole.
 
-    ``model`` the last model's label; ``amplitude_rad`` the largest fitted angle, at which ``quantities`` (value, standard_uncertainty, unit)
+    ``model`` the last model's label; ``amplitude_rad`` the largest angle of its motion, at which ``quantities`` (value, standard_uncertainty, unit)
     hold; ``residual`` (rad, of a rate rad/s) the RMS that it leaves; ``covariance`` that of the ``parameters`` of its motion, in
     their units, with the residuals' colour and what the measurement leaves open. A search holds swings, or parts of a recording,
     out of its fits; here nothing is. Natural frequency, period, quality and decay time are means over the structures that the data leave.
@@ -28,11 +28,9 @@ def conclusion(state: Round, campaign: Campaign) -> dict[str, Any] | None:
     for all.
     """
     last = _Told(state.fit, state, campaign)
-    amplitude = last.amplitude
-    found = last.quantities(amplitude)
+    found = last.quantities()
     each = [
-        (share, found if fit is state.fit else _said(fit, state, campaign, amplitude))
-        for share, fit in state.counting
+        (share, found if fit is state.fit else _said(fit, state, campaign)) for share, fit in state.counting
     ]
     named = {
         p.name
@@ -44,7 +42,7 @@ def conclusion(state: Round, campaign: Campaign) -> dict[str, Any] | None:
     found = found | over_models(each, UNITS)
     return {
         "model": last.fit.model.label,
-        "amplitude_rad": amplitude,
+        "amplitude_rad": last.amplitude,
         "residual": last.fit.rms,
         "quantities": {
             name: {
@@ -73,18 +71,22 @@ class _Told:
 
     @property
     def amplitude(self) -> float:
-        """The largest fitted angle, rad."""
-        return max(largest_angles(self.fit, self.pairs))
+        """The largest angle of the fitted motion, rad: what a sensor makes of it is another with each model."""
+        swings = zip(self.pairs, self.fit.swings, strict=True)
+        return max(
+            float(np.abs(simulate(one.model.motion, times, one.release_angle, one.release_velocity)).max())
+            for (times, _), one in swings
+        )
 
-    def quantities(self, amplitude: float) -> dict[str, Quantity]:
-        """The quantities by name at an amplitude (rad)."""
-        return quantities(self.motion, amplitude, self.covariance)
+    def quantities(self) -> dict[str, Quantity]:
+        """The quantities by name, of the largest swing."""
+        return quantities(self.motion, self.amplitude, self.covariance)
 
 
-def _said(fit: Fit, state: Round, campaign: Campaign, amplitude: float) -> dict[str, Quantity]:
+def _said(fit: Fit, state: Round, campaign: Campaign) -> dict[str, Quantity]:
     """The quantities of a model; none where it cannot be fitted to the whole."""
     with suppress(*FAILURES):
-        return _Told(fit, state, campaign).quantities(amplitude)
+        return _Told(fit, state, campaign).quantities()
     return {}
 
 
