@@ -24,7 +24,7 @@ def inadmissible(fit: Fit, added: str | None, noise: Noise) -> str:
     size, values = effect.size, fit.models[0].values
     if size is None:
         return ""
-    if values[size.name] <= size.lower + 1e-12:
+    if not is_there(fit, added):
         return f"{size.name} wants to be below {size.lower:g} {size.unit}"
     if _DETERMINED * fit.model.standard_errors.get(size.name, 0.0) > abs(values[size.name]):
         return f"{size.name} is not determined"
@@ -50,6 +50,12 @@ def inadmissible(fit: Fit, added: str | None, noise: Noise) -> str:
             if simpler.unseen and values[simpler.unseen] < noise.deviation:
                 return f"{simpler.unseen} is below the noise: {simpler.name} is all that is seen of it"
     return ""
+
+
+def is_there(fit: Fit, name: str) -> bool:
+    """True where the size of an effect did not end at the bound at which nothing of it is there."""
+    size = fit.model.catalogue[name].size
+    return size is None or fit.models[0].values[size.name] > size.lower + 1e-12
 
 
 def _vague(fit: Fit, name: str, value: float) -> bool:

@@ -11,17 +11,18 @@
 The discrepancy in every structure is that of Kennedy and O'Hagan, J. R. Stat. Soc. B 63, 425 (2001).
 """
 
-from collections.abc import Collection
+from collections.abc import Collection, Sequence
 from contextlib import suppress
 from dataclasses import replace
 
 from threadpoolctl import threadpool_limits
 
 from ..engine.trajectory import TrajectoryError
-from ..fitting.result import Fit
+from ..fitting.result import Begin, Fit
 from ..pendulum.catalogue import READINGS
-from ..pendulum.model import Model, as_model
+from ..pendulum.model import PAPER_MODELS, SPRUNG, Model, as_model
 from ..studies.scale import scale_of
+from .admissible import is_there
 from .budget import Budget
 from .campaign import Campaign
 from .candidates import without
@@ -105,8 +106,12 @@ class _Search:
         ]
         state = replace(
             states[-1], reason=self._reason(last), findings=found, probabilities=pool.effects(), nothing=pool.nothing(),
-            spent=self.budget.spent, counting=tuple(pool.counting()),
+            spent=self.budget.spent,
         )  # fmt: skip
+        laws = [law.split("+") for law in (SPRUNG if last.fit.model.restoring == "linear" else PAPER_MODELS)]
+        damping = {name for law in laws for name in law}
+        self._look_at_laws(last, laws, damping)
+        state = replace(state, counting=tuple(pool.counting(damping)))
         if state.missing or state.found:
             pairs = [
                 swing.pair for swing in self.campaign.whole or (*self.campaign.fit, *self.campaign.holdout)
@@ -195,6 +200,25 @@ class _Search:
             for old in self.pool.base - last.key:
                 with suppress(TrajectoryError):
                     self.pool.look(self._restored(last.fit, name, old))
+
+    def _look_at_laws(self, last: Structure, laws: Sequence[Sequence[str]], damping: Collection[str]) -> None:
+        """Each law of damping in the place of the model's own, beside what else it has. What is missing is judged already; a value is told
+        from all of them, for the base may be as good as another law and have a Q that is not."""
+        model, begin = last.fit.model, last.fit.begin
+        for law in laws:
+            one = model.with_effects((*law, *(name for name in model.names if name not in damping)))
+            if self.budget.spent or one.names == model.names:
+                continue
+            starts = tuple(
+                swing._replace(values={name: swing.values.get(name, 0.0) for name in one.parameters})
+                for swing in begin.swings
+            )
+            with suppress(TrajectoryError):
+                fit = refit(Begin(one, starts), self.campaign.fit, seen=True, ended=True)
+                if all(
+                    is_there(fit, name) for name in law
+                ):  # else it is the law without it, whose values are better known
+                    self.pool.look(fit)
 
     def _restored(self, fit: Fit, name: str, old: str) -> Fit:
         """The fit with an effect of the base again in the place of another one."""

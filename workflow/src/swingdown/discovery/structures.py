@@ -145,18 +145,29 @@ class Pool:
         shares = np.exp(logs - np.logaddexp.reduce(logs))
         return dict(zip(self.known, map(float, shares), strict=True))
 
-    def counting(self) -> list[tuple[float, Fit]]:
-        """The fits of the structures that values are told from, with how much each counts, the first the most: by AIC in the place of BIC,
-        which leaves out what is too small to be seen and large enough to move a value (Burnham & Anderson, Sociol. Methods Res. 33, 261
-        (2004))."""
-        known = list(self.known.values())
-        free = np.array([len(one.fit.free) - len(one.fit.model.slack.names) for one in known])
-        softer = 0.5 * free * (np.log([self.noise.effective(one.fit.n) for one in known]) - 2)
-        more = self._each * np.array([len(one.key - self.base) for one in known])
-        logs = np.array([one.evidence for one in known]) + softer + more
-        shares = np.exp(logs - np.logaddexp.reduce(logs))
-        order = [k for k in np.argsort(-shares) if shares[k] >= POSSIBLE]
-        return [(float(shares[k]), known[k].fit) for k in order]
+    def counting(self, laws: Collection[str]) -> list[tuple[float, Fit]]:
+        """The fits of the structures that values are told from, with how much each counts.
+
+        What they have beside the effects of the ``laws`` of damping counts by its probability, and the laws beside it by AIC: BIC leaves
+        out what is too small to be seen and large enough to move a value (Burnham & Anderson, Sociol. Methods Res. 33, 261 (2004)).
+        """
+        chances, beside = self.probabilities(), {key: key - frozenset(laws) for key in self.known}
+        found = []
+        for rest in set(beside.values()):
+            group = [one for key, one in self.known.items() if beside[key] == rest]
+            logs = np.array([one.evidence + self._aic_for_bic(one) for one in group])
+            shares = np.exp(logs - np.logaddexp.reduce(logs)) * sum(chances[one.key] for one in group)
+            found += [
+                (float(share), one.fit) for share, one in zip(shares, group, strict=True) if share >= POSSIBLE
+            ]
+        return found
+
+    def _aic_for_bic(self, one: Structure) -> float:
+        """What the logarithm of a structure's evidence gains where its effects are not counted by BIC, nor by the odds of a name."""
+        free = len(one.fit.free) - len(one.fit.model.slack.names)
+        return (
+            0.5 * free * (np.log(self.noise.effective(one.fit.n)) - 2) + len(one.key - self.base) * self._each
+        )
 
     def of(self, names: Iterable[str]) -> float:
         """The probability that at least one of these effects is there."""
