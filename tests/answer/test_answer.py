@@ -179,12 +179,15 @@ def test_first_answer_and_verdict_agree_where_they_have_one_model():
     angles = simulate(Model(("viscous", "load_coulomb"), truth), times, 0.5) + noise
     first, last = swingdown.fit(times, angles), swingdown.explain(times, angles)
     assert first.label == last.label
+    expected = quantities(Model(("viscous", "load_coulomb"), truth), last.row["amplitude_rad"])
     for name, (value, uncertainty, _) in last.quantities.items():
         before, error, _ = first.quantities[name]
         # means over laws of damping, which the verdict asks on parts of the recording, and beside whatever else may be there
-        near, wide = (0.5, 0.5) if name in UNITS else (0.02, 0.02)
-        assert value == pytest.approx(before, abs=near * uncertainty)
-        assert uncertainty == pytest.approx(error, rel=wide)
+        share = 0.5 if name in UNITS else 0.02
+        assert value == pytest.approx(before, abs=share * uncertainty)
+        assert uncertainty == pytest.approx(error, rel=share)
+        right = expected[name].value
+        assert abs(value - right) < 2.5 * uncertainty and abs(before - right) < 2.5 * error
 
 
 def test_a_verdict_that_misses_nothing_knows_that_another_law_would_do():

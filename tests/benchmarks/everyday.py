@@ -61,6 +61,8 @@ def told(times, angle, verdict):
         return answer.quantities, float(answer.table["amplitude_rad"].iloc[0])
     answer = swingdown.explain(times, angle, unit="rad")
     found = answer.verdict["conclusion"]
+    if found is None:
+        raise TrajectoryError("no model follows the whole")
     return {
         name: swingdown.Quantity(one["value"], one["standard_uncertainty"], one["unit"])
         for name, one in found["quantities"].items()
@@ -75,7 +77,7 @@ def pulls(truth, count, draws, verdict):
         angle = simulate(model, times, release) + noise * draws.standard_normal(times.size)
         try:
             found, amplitude = told(times * (1 + draws.uniform(-CLOCK, CLOCK)), angle, verdict)
-        except (InputError, TrajectoryError, TypeError):
+        except (InputError, TrajectoryError):
             silent += 1
             continue
         right = quantities(steady(model), amplitude, None)

@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -69,7 +70,7 @@ class _Told:
         self.motion = steady(self.fit.model.motion)
         self.covariance = _of(self.motion.parameters, self.fit, uncertainty(self.fit, self.pairs).covariance)
 
-    @property
+    @cached_property
     def amplitude(self) -> float:
         """The largest angle of the fitted motion, rad: what a sensor makes of it is another with each model."""
         swings = zip(self.pairs, self.fit.swings, strict=True)

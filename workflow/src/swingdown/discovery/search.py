@@ -7,11 +7,12 @@
 4. Fit the most probable structure without each of its effects, and with others in the place of each: what else would do.
 5. Judge each effect that it adds by three numbers (``judge``). Swings that are held out are asked here, and nowhere before. Effects
    that take away too little of what is missing are left out one by one, where any is left that takes away enough.
+6. Fit each law of damping beside what else the structure has: the pendulum's values are told from all of them (``conclusion``).
 
 The discrepancy in every structure is that of Kennedy and O'Hagan, J. R. Stat. Soc. B 63, 425 (2001).
 """
 
-from collections.abc import Collection, Sequence
+from collections.abc import Collection
 from contextlib import suppress
 from dataclasses import replace
 
@@ -108,10 +109,6 @@ class _Search:
             states[-1], reason=self._reason(last), findings=found, probabilities=pool.effects(), nothing=pool.nothing(),
             spent=self.budget.spent,
         )  # fmt: skip
-        laws = [law.split("+") for law in (SPRUNG if last.fit.model.restoring == "linear" else PAPER_MODELS)]
-        damping = {name for law in laws for name in law}
-        self._look_at_laws(last, laws, damping)
-        state = replace(state, counting=tuple(pool.counting(damping)))
         if state.missing or state.found:
             pairs = [
                 swing.pair for swing in self.campaign.whole or (*self.campaign.fit, *self.campaign.holdout)
@@ -120,7 +117,7 @@ class _Search:
             state = replace(
                 state, unit_doubt=scale.doubt(READINGS[self.campaign.reading]), next_swing=self._next(state)
             )
-        return [*states[:-1], state]
+        return [*states[:-1], replace(state, counting=tuple(self._counting(last)))]
 
     def _reason(self, last: Structure) -> str:
         """Why nothing more was chosen."""
@@ -201,10 +198,11 @@ class _Search:
                 with suppress(TrajectoryError):
                     self.pool.look(self._restored(last.fit, name, old))
 
-    def _look_at_laws(self, last: Structure, laws: Sequence[Sequence[str]], damping: Collection[str]) -> None:
-        """Each law of damping in the place of the model's own, beside what else it has. What is missing is judged already; a value is told
-        from all of them, for the base may be as good as another law and have a Q that is not."""
+    def _counting(self, last: Structure) -> list[tuple[float, Fit]]:
+        """What values are told from: each law of damping in the place of the model's own, beside what else the structures have."""
         model, begin = last.fit.model, last.fit.begin
+        laws = [law.split("+") for law in (SPRUNG if model.restoring == "linear" else PAPER_MODELS)]
+        damping = {name for law in laws for name in law}
         for law in laws:
             one = model.with_effects((*law, *(name for name in model.names if name not in damping)))
             if self.budget.spent or one.names == model.names:
@@ -215,10 +213,10 @@ class _Search:
             )
             with suppress(TrajectoryError):
                 fit = refit(Begin(one, starts), self.campaign.fit, seen=True, ended=True)
-                if all(
-                    is_there(fit, name) for name in law
-                ):  # else it is the law without it, whose values are better known
+                # with nothing of an effect it is the law without it, whose values are better known
+                if all(is_there(fit, name) for name in law):
                     self.pool.look(fit)
+        return self.pool.counting(damping)
 
     def _restored(self, fit: Fit, name: str, old: str) -> Fit:
         """The fit with an effect of the base again in the place of another one."""

@@ -153,7 +153,9 @@ class Pool:
         """
         chances, beside = self.probabilities(), {key: key - frozenset(laws) for key in self.known}
         found = []
-        for rest in set(beside.values()):
+        for rest in dict.fromkeys(
+            beside.values()
+        ):  # in the order in which they were looked at: the last digits stay
             group = [one for key, one in self.known.items() if beside[key] == rest]
             logs = np.array([one.evidence + self._aic_for_bic(one) for one in group])
             shares = np.exp(logs - np.logaddexp.reduce(logs)) * sum(chances[one.key] for one in group)

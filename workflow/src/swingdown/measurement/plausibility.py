@@ -14,10 +14,8 @@ GROWS = 1.15  # times: from its first third to its last
 NARROWS = 0.95  # times: the spread of the signal, as above; a motor's is nearer to 1
 SHRINKS = 0.002  # of the swing: less says nothing of what stops it
 STEADY = 0.15  # of a period: half-swings in step have theirs so near to the usual one
-ENOUGH, ALL = (
-    8,
-    0.95,
-)  # half-swings in a row, and the share of all of them, of which there is something to tell
+ENOUGH = 8  # half-swings in step of which there is something to tell
+ALL = 0.95  # of the half-swings: with so many in step there is nothing to tell
 DEAD_ZONE = 0.05  # of the range: crossings of the middle by noise alone do not count
 TO_RAD = {"rad": 1.0, "deg": pi / 180}
 

@@ -13,8 +13,6 @@ from ..arrays import Floats
 WHOLE = ""  # the name of a table that is no run: all of the file
 STATES = {"blocked": 1, "unblocked": 0}  # of a light gate, as Capstone writes them
 MISSING = ("", "nan", "na", "n/a", "null", "none", "inf", "-inf", "-", "--", "---")
-
-
 _PAIR = re.compile(r"^\s*[(\[]\s*([-+.\deE]+)\s*[,; ]\s*([-+.\deE]+)\s*[)\]]\s*$")
 SEEN, HALF = 100, 0.5  # first rows, and the share of them with a pair that makes two columns
 
@@ -39,13 +37,16 @@ def apart(table: Table) -> Table:
     first = next(pieces, None)
     if first is None:
         return table
+    table = table._replace(pieces=itertools.chain([first], pieces))
     pairs = [key for key in table.names if _pairs(first[key].head(SEEN)).notna().all(axis=1).mean() > HALF]
+    if not pairs:
+        return table
     names = tuple(own for key in table.names for own in ([f"{key} x", f"{key} y"] if key in pairs else [key]))
 
     def split(rows: pd.DataFrame) -> pd.DataFrame:
         return rows.join([_pairs(rows[key]).set_axis([f"{key} x", f"{key} y"], axis=1) for key in pairs])
 
-    return table._replace(names=names, pieces=map(split, itertools.chain([first], pieces)))
+    return table._replace(names=names, pieces=map(split, table.pieces))
 
 
 def _pairs(column: pd.Series) -> pd.DataFrame:
