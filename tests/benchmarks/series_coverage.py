@@ -1,6 +1,6 @@
 """How often theory's exponent lies inside two standard uncertainties, in series of computed recordings that are fitted as files are.
 
-    .venv/bin/python tests/benchmarks/series.py [SERIES]
+    .venv/bin/python tests/benchmarks/series_coverage.py [SERIES]
 
 Each series has five recordings of 15 s with noise, of a viscous pendulum let go at 10 to 25 degrees: T over lengths with errors of a
 millimetre, decay rate over the area of a sail (one of them none), decay rate over the mass. The errors of what was varied are stated, or
