@@ -22,9 +22,6 @@ min_version("9.0")
 # A full disk is told once, by what needs the room, and not by every line that Snakemake's own log cannot keep.
 logging.raiseExceptions = False
 
-# A study without a C compiler would take days: its jobs refuse.
-os.environ.setdefault("SWINGDOWN_ENGINE", "compiled")
-
 # Settings that name recordings are a study of one's own and inherit nothing of the bench from this folder; any others
 # change single settings of the paper's study. `recordings: null` is a study without any.
 if "recordings" not in config:

@@ -42,7 +42,7 @@ def shared_data():
 
 @pytest.fixture(autouse=True)
 def environment_as_it_was():
-    """A study that is planned in this process sets variables (``SWINGDOWN_ENGINE``): no later test starts its processes with them."""
+    """A study that is planned in this process sets variables (``SWINGDOWN_PREFORK``): no later test starts its processes with them."""
     before = dict(os.environ)
     yield
     for name in os.environ.keys() - before.keys():

@@ -12,11 +12,11 @@ from swingdown.fitting.covariance import inverse_of
 FREE = np.inf
 
 
-def problem(size, upper=FREE, in_python=False):
+def problem(size, upper=FREE):
     """What ``inverse_of`` needs of a fit's problem: so many variables below a bound."""
     bounds = interface.Bounds(np.full(size, -FREE), np.full(size, float(upper)))
     c = SimpleNamespace(bounds=tuple(map(interface.doubles, bounds)))
-    compiled = SimpleNamespace(library=engine(), in_python=in_python)
+    compiled = SimpleNamespace(library=engine())
     return SimpleNamespace(compiled=[compiled], c=c, lower=bounds.lower, upper=bounds.upper)
 
 
@@ -43,7 +43,7 @@ def test_the_engine_inverts_as_numpy_does(size):
 def test_with_and_without_the_engine_it_is_the_same():
     matrix, at = normal(5), np.zeros(5)
     assert inverse_of(problem(5), matrix, at, quickly=True) == pytest.approx(
-        inverse_of(problem(5, in_python=True), matrix, at), rel=1e-9
+        inverse_of(problem(5), matrix, at), rel=1e-9
     )
 
 

@@ -17,10 +17,6 @@ _NAMES = ("gcc", "cc", "clang")
 MEND = "install gcc or clang, or set CC to a C compiler; it is needed once, at the first use on a machine"
 
 
-class NoCompiler(EngineError):
-    """No C compiler on a machine that has never had one."""
-
-
 class Compiler(NamedTuple):
     """A compiler's command, and what tells it from others and from its own older versions."""
 
@@ -48,10 +44,10 @@ def find() -> Compiler | None:
 
 
 def found() -> Compiler:
-    """As ``find``, but NoCompiler where there is none."""
+    """As ``find``, but EngineError where there is none."""
     compiler = find()
     if compiler is None:
-        raise NoCompiler("engine", f"there is no C compiler ({', '.join(_NAMES)})", mend=MEND)
+        raise EngineError("engine", f"there is no C compiler ({', '.join(_NAMES)})", mend=MEND)
     return compiler
 
 

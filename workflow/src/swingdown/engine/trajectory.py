@@ -1,6 +1,5 @@
 """Trajectories of a model: the angle over time, exact at velocity reversals and with sticking, and its sensitivities."""
 
-import os
 import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -14,8 +13,7 @@ from ..arrays import Floats
 from ..errors import InputError
 from ..pendulum.catalogue import RATE, READINGS, SHIPPED, Catalogue
 from ..pendulum.model import Model
-from . import build, interface, uncompiled
-from .compiler import NoCompiler
+from . import build, interface
 from .rows import entries
 
 _STATUS = {
@@ -46,10 +44,6 @@ class ImpossibleValue(InputError, TrajectoryError):
     """A model with a value that it cannot have: an input to mend, and to a search one more model without a trajectory."""
 
 
-class EngineWarning(UserWarning):
-    """That trajectories are computed slowly, for want of a C compiler; the message tells the mend."""
-
-
 class TrajectoryWarning(UserWarning):
     """A trajectory that follows the model to the letter, where the model is none of a pendulum; the message says why."""
 
@@ -76,33 +70,23 @@ def _loaded(catalogue: Catalogue) -> tuple[Any, dict[tuple[str, str], int]]:
     """The compiled engine for a catalogue, and the row of each effect and form in its table."""
     effects, gravity = catalogue.known, tuple(catalogue.gravity.values())
     rows = {(e.name, form): k for k, (e, form) in enumerate(entries(effects, gravity))}
-    try:
-        return build.load(effects, gravity), rows
-    except NoCompiler:
-        if os.environ.get("SWINGDOWN_ENGINE") == "compiled":
-            raise
-        warnings.warn(uncompiled.SLOWLY, EngineWarning, stacklevel=5)
-        return uncompiled.Uncompiled(), rows
+    return build.load(effects, gravity), rows
 
 
 def engine(catalogue: Catalogue = SHIPPED) -> Any:
     """The compiled engine for a catalogue (compiled at the first use on a machine); EngineError where there is no compiler."""
-    library = _loaded(catalogue.whole)[0]
-    if isinstance(library, uncompiled.Uncompiled):
-        raise uncompiled.refusal()
-    return library
+    return _loaded(catalogue.whole)[0]
 
 
 class Compiled:
     """A model as the engine takes it: which effects act where, and where each one's parameters and states begin.
 
-    ``library`` is the engine that knows these effects; ``in_python``: it is none, for want of a compiler.
+    ``library`` is the engine that knows these effects.
     """
 
     def __init__(self, model: Model, duration: float) -> None:
         self.duration = duration = model.record or duration
         self.library, rows = _loaded(model.catalogue.whole)
-        self.in_python = isinstance(self.library, uncompiled.Uncompiled)
         parts: dict[str, list[tuple[int, int, int]]] = {
             "motions": [(rows[model.gravity.name, "consistent"], 1, 0)],
             "sensors": [],
@@ -172,7 +156,7 @@ def _run(
     if rough and chosen and library.RELEASE_ANGLE not in chosen:  # how errors grow is told by its slope
         chosen.append(library.RELEASE_ANGLE)
     angles, slopes = np.empty(times.size), np.empty((len(chosen), times.size))
-    coarseness = float(library.COARSE) if rough and not compiled.in_python else 1.0
+    coarseness = float(library.COARSE) if rough else 1.0
     report = _follow(compiled, values, release, times, chosen, angles, slopes if free else None, coarseness)
     effort = Effort(
         report.panels, report.rejected, report.evaluations, report.reversals, report.error,
@@ -194,15 +178,10 @@ def _follow(
     coarseness: float = 1.0,
 ) -> Any:
     model = compiled.model
-    if compiled.in_python:
-        status, report = uncompiled.swing_trajectory(
-            model, compiled.duration, values, release, times, chosen, angles, slopes
-        )
-    else:
-        code, report = interface.swing_trajectory(
-            compiled.library, compiled.c, values, release, times, chosen, angles, slopes, coarseness
-        )
-        status = interface.status_name(code)
+    code, report = interface.swing_trajectory(
+        compiled.library, compiled.c, values, release, times, chosen, angles, slopes, coarseness
+    )
+    status = interface.status_name(code)
     if status != "DONE":
         stated = ", ".join(
             f"{name} {value:.6g}" for name, value in zip(model.parameters, values, strict=True)
@@ -282,14 +261,7 @@ def simulate_each(model: Model, times: Any, values: Any) -> Floats:
     angles = np.full((len(values), times.size), np.nan)
     finite = np.flatnonzero(np.isfinite(values).all(axis=1))
     rows, found = values[finite], np.empty((finite.size, times.size))
-    if not compiled.in_python:
-        interface.swing_trajectories(compiled.library, compiled.c, rows, times, found)
-    else:
-        for row, series in zip(rows, found, strict=True):
-            try:
-                _follow(compiled, row[:-2], row[-2:], times, (), series, None)
-            except TrajectoryError:
-                series[:] = np.nan
+    interface.swing_trajectories(compiled.library, compiled.c, rows, times, found)
     angles[finite] = found
     return angles
 

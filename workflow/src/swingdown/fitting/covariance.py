@@ -41,7 +41,7 @@ def inverse_of(problem: Problem, hessian: Floats, best: Floats, quickly: bool = 
     goes on from a fit's covariance then ends elsewhere, by up to 1e-5 of a standard error.
     """
     compiled = problem.compiled[0]
-    if quickly and not compiled.in_python:
+    if quickly:
         whole = np.empty(hessian.shape)
         if interface.invert_normal(compiled.library, best, problem.c.bounds, hessian, whole) < _SINGULAR:
             return whole

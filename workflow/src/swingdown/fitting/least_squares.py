@@ -12,7 +12,6 @@ from ..arrays import Floats
 from ..engine import interface
 from ..engine.trajectory import TrajectoryError, simulate_compiled, warn_of_drive
 from ..pendulum.model import Model, as_model
-from . import uncompiled
 from .covariance import covariance_of
 from .problem import Problem, Swings
 from .result import Fit, SwingFit
@@ -62,16 +61,12 @@ def fit_jointly(
         model = replace(model, record=max(float(times[-1] - times[0]) for times, _ in swings))
     own = (model.each if len(swings) > 1 else ()) if own is None else tuple(own)
     problem = Problem(model, swings, start, bounded, own, fixed)
-    slowly = problem.compiled[0].in_python
-    found, agreeing, tried = None if slowly or guess is not None else _in_segments(problem, most), 1, 1
+    found, agreeing, tried = None if guess is not None else _in_segments(problem, most), 1, 1
     in_segments = found is not None
     if found is None:
         starts, from_data = problem.starts(guess, seen)
         first = len(starts) - from_data + 1 if from_data else 0
-        if slowly:
-            found, agreeing, tried = uncompiled.least_squares(problem, starts, most, tolerance)
-        else:
-            found, agreeing, tried = _from_all(problem, starts, first, most, tolerance, grown, rough)
+        found, agreeing, tried = _from_all(problem, starts, first, most, tolerance, grown, rough)
     rss, best, hessian, _, outcome, angles = found
     if outcome.converged < 0:
         raise TrajectoryError(f"model {model.label}: no start of {tried} gives a trajectory")
