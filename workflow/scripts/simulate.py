@@ -3,12 +3,12 @@
 import swingdown.prefork  # noqa: F401  # first of all: it may take the job over
 
 from swingdown import console, dataset
-from swingdown.studies.simulation import realizations
+from swingdown.studies.simulation import Settings, realizations
 
 
 def simulate(simulation, model, seed, output):
     settings = {key: value for key, value in simulation.items() if key not in ("fitted", "start")}
-    data = realizations(**settings, **model, seed=seed)
+    data = realizations(Settings(**settings, **model, seed=seed))
     dataset.write(data, output)
     counts = data.sizes
     return (

@@ -42,9 +42,8 @@ def calibrate(
     means = [mean_of_samples(record["signal"].values) for record in towers]
     if rest is not None and rest.attrs["campaign"] not in apparatus["campaigns"]:
         rest = None  # another pendulum's
-    still = _mean_at_rest(rest)
-    noise = _noise(towers, rest)
-    dataset, propagation = from_means(apparatus, means, still, noise, draws, seed)
+    read = layout.Read(means, _mean_at_rest(rest), _noise(towers, rest))
+    dataset, propagation = from_means(apparatus, read, draws, seed)
     emulated = apparatus["emulated"] or any(
         record.attrs["emulated"] == "yes" for record in [*towers, rest] if record is not None
     )
@@ -58,13 +57,13 @@ def calibrate(
 
 
 def from_means(
-    apparatus: Apparatus, means: Sequence[Mean], still: Mean | None, noise: float, draws: int, seed: int
+    apparatus: Apparatus, read: layout.Read, draws: int, seed: int
 ) -> tuple[xr.Dataset, Propagation]:
     """The calibration dataset and the first-order propagation from the mean voltages on the towers and at rest.
 
-    ``means`` in the order of the apparatus's points, ``still`` that at rest or None, ``noise`` the standard deviation (V) of
-    a sample. InputError if fewer than three points can be used.
+    InputError if fewer than three points can be used.
     """
+    means = read.towers
     points = modes.judge(apparatus, draws, seed)
     used = [k for k in range(len(means)) if not points.refused[k]]
     if len(used) < FEWEST:
@@ -76,13 +75,13 @@ def from_means(
         )
     chosen = apparatus.copy()
     chosen["points"] = [apparatus["points"][k] for k in used]
-    chain = measurement(chosen, [means[k] for k in used], still, noise)
+    chain = measurement(chosen, [means[k] for k in used], read.rest, read.noise)
     results = {
-        "paper": modes.paper(chosen, chain, still),
+        "paper": modes.paper(chosen, chain, read.rest),
         "gum": modes.gum(chain),
-        "monte-carlo": modes.monte_carlo(chain, apparatus, noise, draws, seed),
+        "monte-carlo": modes.monte_carlo(chain, apparatus, read.noise, draws, seed),
     }
-    dataset = layout.dataset(apparatus, points, results, means, chain, used, noise, still)
+    dataset = layout.dataset(apparatus, points, results, read, chain, used)
     dataset.attrs |= {
         "apparatus": apparatus["name"],
         "campaigns": ",".join(apparatus["campaigns"]),

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from types import SimpleNamespace
+from typing import NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -15,17 +16,24 @@ from .deviation import KINDS, deviation_lines
 from .modes import COVERAGE, MODES
 
 
+class Read(NamedTuple):
+    """Mean voltages on the ``towers``, in the order of the apparatus's points, and at ``rest`` (None: not recorded), and the standard
+    deviation (V) of the ``noise`` of a sample."""
+
+    towers: Sequence[Mean]
+    rest: Mean | None
+    noise: float
+
+
 def dataset(
     apparatus: Apparatus,
     points: SimpleNamespace,
     results: Mapping[str, SimpleNamespace],
-    means: Sequence[Mean],
+    read: Read,
     chain: Chain,
     used: list[int],
-    noise: float,
-    still: Mean | None,
 ) -> xr.Dataset:
-    n = len(means)
+    means, n = read.towers, len(read.towers)
 
     def each(pick: Callable[[SimpleNamespace], ArrayLike]) -> Floats:
         return np.array([pick(results[mode]) for mode in MODES])
@@ -78,7 +86,7 @@ def dataset(
         "coverage_factor": ("mode", each(lambda r: r.factor), "1",
                             "k of U = k u for 95 %; mode paper: 1, its uncertainties being limits"),
         "effective_dof": ("mode", each(lambda r: r.dof), "1", "degrees of freedom of an angle (Welch-Satterthwaite)"),
-        "noise_voltage": ((), noise, "V", "standard deviation of a single sample with nothing moving"),
+        "noise_voltage": ((), read.noise, "V", "standard deviation of a single sample with nothing moving"),
         "encoder_up_to": ("range", [e["up_to"] for e in apparatus["encoder"]["limits"]], "V", "upper end of a range"),
         "encoder_limit": ("range", [e["limit"] for e in apparatus["encoder"]["limits"]], "V", "limit of the encoder's error"),
         "grid_angle": ("grid", drawn.grid[0], "rad", "mean angle of one sample by Monte Carlo"),
@@ -149,7 +157,7 @@ def dataset(
         "coverage": COVERAGE,
         "coverage_applies_to": "gum, monte-carlo; the limits of mode paper hold some 90 % of angles (docs/trust.md)",
     }
-    if still is not None:
+    if read.rest is not None:
         difference = gum.line.inverse(0.0)[0] - gum.values[2]
         attrs["zero_difference_over_u"] = float(abs(difference) / gum.line.inverse(0.0)[1])
     return xr.Dataset(variables, coords, attrs)

@@ -60,24 +60,18 @@ def dimension(
     end: ArrayLike,
     text: str,
     offset: ArrayLike = (0, 0),
-    at: float = 0.5,
     reach: float = 0.0,
-    ha: str = "center",
-    va: str = "center",
-    size: float = 10,
-    line: str | None = None,
+    colour: str = style.GREY,
 ) -> None:
     """A dimension line from ``start`` to ``end`` moved by ``offset``, with thin lines back to what it measures."""
     start, end, offset = np.asarray(start, float), np.asarray(end, float), np.asarray(offset, float)
-    colour = line or style.GREY
     if offset.any():
         past = offset * (1 + reach)
         for point in (start, end):
             axes.plot(*zip(point, point + past, strict=True), color=colour, lw=0.5, zorder=1)
     arrow(axes, start + offset, end + offset, colour, width=0.8, head=7, both=True)
-    x, y = start + offset + at * (end - start)
-    box = {"facecolor": "white", "edgecolor": "none", "pad": 1.2}
-    label(axes, x, y, text, size=size, ha=ha, va=va, bbox=box)
+    x, y = offset + (start + end) / 2
+    label(axes, x, y, text, size=12, bbox={"facecolor": "white", "edgecolor": "none", "pad": 1.2})
 
 
 def ground(axes: Axes, x0: float, x1: float, y: float, depth: float, colour: str = style.GREY) -> None:

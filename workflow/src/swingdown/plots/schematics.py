@@ -61,7 +61,7 @@ def _pendulum(axes: Axes) -> None:
     _bob(axes, _ALONG)
     axes.add_patch(Arc((0, 0), 0.9, 0.9, theta1=-90, theta2=-90 + 33, color=style.INK, lw=1))
     label(axes, 0.53 * np.sin(_SWING / 2), -0.53 * np.cos(_SWING / 2), r"$\theta$", size=13)
-    dimension(axes, (0, 0), _ALONG, r"$L$", offset=0.17 * _ACROSS, reach=0.18, size=12)
+    dimension(axes, (0, 0), _ALONG, r"$L$", offset=0.17 * _ACROSS, reach=0.18)
     middle, spread = np.radians(51), np.radians(7)
     start, end = (np.array([np.sin(turn), -np.cos(turn)]) for turn in (middle - spread, middle + spread))
     arrow(axes, start, end, MOTION, 1.6, 11, connectionstyle="arc3,rad=0.06")
@@ -154,25 +154,23 @@ def _layout(axes: Axes) -> None:
     label(axes, *xy(shaft + 1.27 * np.array([np.sin(tilt / 2), -np.cos(tilt / 2)])), r"$\theta$", MOTION, 14)
     measured = style.COLOURS["quadratic_drag"]
     across = np.array([-reach[1], reach[0]]) * -1
-    dimension(axes, shaft, bob, r"$l_\mathrm{arm}$", 0.6 * across, reach=0.12, size=12, line=measured)
+    dimension(axes, shaft, bob, r"$l_\mathrm{arm}$", 0.6 * across, reach=0.12, colour=measured)
     left = -3.3
     axes.plot([left - 0.12, bob[0]], [base, base], color=measured, lw=0.5, zorder=1)
     axes.plot([left - 0.12, bob[0]], [base + 2 * bob_radius] * 2, color=measured, lw=0.5, zorder=1)
-    dimension(axes, (left, 0), (left, base), r"$h_\mathrm{cal}$", size=12, line=measured)
-    dimension(
-        axes, (left, base), (left, base + 2 * bob_radius), r"$d_\mathrm{bob}$", size=12, at=0.5, line=measured
-    )
+    dimension(axes, (left, 0), (left, base), r"$h_\mathrm{cal}$", colour=measured)
+    dimension(axes, (left, base), (left, base + 2 * bob_radius), r"$d_\mathrm{bob}$", colour=measured)
     axes.plot([shaft[0], 2.42], [top, top], color=measured, lw=0.5, zorder=1)
-    dimension(axes, (2.3, 0), (2.3, top), r"$h_\mathrm{over}$", size=12, line=measured)
+    dimension(axes, (2.3, 0), (2.3, top), r"$h_\mathrm{over}$", colour=measured)
     for side in (-1, 1):
         axes.plot([shaft[0] + side * shaft_radius] * 2, [shaft[1], 4.42], color=measured, lw=0.5, zorder=1)
-    dimension(axes, (shaft[0] - shaft_radius, 4.32), (shaft[0] + shaft_radius, 4.32), "", line=measured)
+    dimension(axes, (shaft[0] - shaft_radius, 4.32), (shaft[0] + shaft_radius, 4.32), "", colour=measured)
     label(axes, shaft[0] + shaft_radius + 0.1, 4.38, r"$d_\mathrm{shaft}$", size=12, ha="left")
     axes.plot([shaft[0], 1.67], [shaft[1]] * 2, color=style.GREY, lw=0.5, zorder=5)
     axes.plot([bob[0], 1.02], [bob[1]] * 2, color=style.GREY, lw=0.8, ls=DASHED, zorder=5)
-    dimension(axes, (1.55, 0), (1.55, shaft[1]), r"$h_\mathrm{shaft}$", size=12)
-    dimension(axes, (0.9, bob[1]), (0.9, shaft[1]), r"$\Delta h$", size=12)
-    dimension(axes, (-0.75, 0), (-0.75, bob[1]), r"$h_\mathrm{bob}$", size=12)
+    dimension(axes, (1.55, 0), (1.55, shaft[1]), r"$h_\mathrm{shaft}$")
+    dimension(axes, (0.9, bob[1]), (0.9, shaft[1]), r"$\Delta h$")
+    dimension(axes, (-0.75, 0), (-0.75, bob[1]), r"$h_\mathrm{bob}$")
 
 
 def _length_table(axes: Axes, apparatus: Mapping[str, Any]) -> None:

@@ -5,6 +5,7 @@ shows that one consistent reading exists and confirms nothing independently; ``I
 """
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -37,37 +38,71 @@ INFERRED_NOTE = (
 )
 
 
-def realizations(*, simulated: Sequence[str], natural_frequency: float, viscous_ratio: float, quadratic_coefficient: float, load_friction: float, release_angle_deg: float, sampling_rate_hz: float, duration_s: float, snr: float, noise: str, stream: str, realizations: int, seed: int, restoring: str = "sine", form: str = "consistent") -> xr.Dataset:  # fmt: skip
-    """A Dataset with ``truth`` (simulated, time) and ``noisy`` (simulated, realization, time), both in rad.
+@dataclass(frozen=True, kw_only=True)
+class Settings:
+    """What is simulated: ``simulated`` model labels and their values (``natural_frequency`` rad/s, the others in the catalogue's units),
+    released from rest at ``release_angle_deg`` (degrees), sampled over ``duration_s`` (s) at ``sampling_rate_hz`` (Hz), both ends included.
 
-    Each model of ``simulated`` is released from rest at ``release_angle_deg`` (degrees) and sampled over ``duration_s`` (s)
-    at ``sampling_rate_hz`` (Hz), both ends included. ``stream`` is ``R``, drawn straight through all realisations of the
-    first model, then of the second and so on as in one R session, or ``numpy``, where each realisation depends on seed,
-    model and index alone. All settings are attributes. InputError for a setting that cannot be used.
+    ``noise`` and ``snr`` as in ``noise.add_noise``. ``stream`` is ``R``, drawn straight through all realisations of the first model, then of
+    the second and so on as in one R session, or ``numpy``, where each realisation depends on seed, model and index alone.
     """
-    settings: dict[str, Any] = {
-        "natural_frequency": natural_frequency, "viscous_ratio": viscous_ratio, "quadratic_coefficient": quadratic_coefficient,
-        "load_friction": load_friction, "release_angle_deg": release_angle_deg, "sampling_rate_hz": sampling_rate_hz,
-        "duration_s": duration_s, "snr": snr, "noise": noise, "stream": stream, "seed": seed, "restoring": restoring, "form": form,
-    }  # fmt: skip
-    if realizations < 1:
-        raise InputError("simulation.realizations", f"{realizations}", "1 or more")
-    times = np.arange(round(duration_s * sampling_rate_hz) + 1) / sampling_rate_hz
-    draws = _draws(stream, seed, times.size)
+
+    simulated: Sequence[str]
+    natural_frequency: float
+    viscous_ratio: float
+    quadratic_coefficient: float
+    load_friction: float
+    release_angle_deg: float
+    sampling_rate_hz: float
+    duration_s: float
+    snr: float
+    noise: str
+    stream: str
+    realizations: int
+    seed: int
+    restoring: str = "sine"
+    form: str = "consistent"
+
+    def attributes(self) -> dict[str, Any]:
+        """The settings that no dimension of a dataset tells."""
+        return {
+            name: value for name, value in vars(self).items() if name not in ("simulated", "realizations")
+        }
+
+
+def realizations(chosen: Settings) -> xr.Dataset:
+    """A Dataset with ``truth`` (simulated, time) and ``noisy`` (simulated, realization, time), both in rad; the settings are its attributes.
+
+    InputError for a setting that cannot be used.
+    """
+    settings = chosen.attributes()
+    if chosen.realizations < 1:
+        raise InputError("simulation.realizations", f"{chosen.realizations}", "1 or more")
+    times = np.arange(round(chosen.duration_s * chosen.sampling_rate_hz) + 1) / chosen.sampling_rate_hz
+    draws = _draws(chosen.stream, chosen.seed, times.size)
     truth, noisy = [], []
-    for label in simulated:
-        model = Model(tuple(label.split("+")), restoring=restoring, form=form)
+    for label in chosen.simulated:
+        model = Model(tuple(label.split("+")), restoring=chosen.restoring, form=chosen.form)
         known = {name: settings[name] for name in model.parameters if name in settings}
-        truth.append(simulate(model.with_values(known), times, np.radians(release_angle_deg)))
-        noisy.append([add_noise(noise, truth[-1], snr, draws(label, k)) for k in range(realizations)])
+        truth.append(simulate(model.with_values(known), times, np.radians(chosen.release_angle_deg)))
+        noisy.append(
+            [
+                add_noise(chosen.noise, truth[-1], chosen.snr, draws(label, k))
+                for k in range(chosen.realizations)
+            ]
+        )
     data = xr.Dataset(
         {
             "truth": (("simulated", "time"), np.array(truth)),
             "noisy": (("simulated", "realization", "time"), np.array(noisy)),
         },
         {
-            "simulated": ("simulated", list(simulated), {"long_name": "simulated model"}),
-            "realization": ("realization", np.arange(1, realizations + 1), {"long_name": "noisy copy"}),
+            "simulated": ("simulated", list(chosen.simulated), {"long_name": "simulated model"}),
+            "realization": (
+                "realization",
+                np.arange(1, chosen.realizations + 1),
+                {"long_name": "noisy copy"},
+            ),
             "time": ("time", times),
         },
         settings | {"source": "simulated", "emulated": "no", "inferred": INFERRED_NOTE},

@@ -19,6 +19,7 @@ from scipy.special import stdtrit
 from ..arrays import Floats, Swing
 from ..calibration import from_means
 from ..calibration.geometry import arm_angle
+from ..calibration.layout import Read
 from ..fitting.colour import Uncertainty, uncertainty
 from ..fitting.least_squares import fit_jointly
 from ..fitting.prediction import predict_reading
@@ -115,7 +116,7 @@ def bench(apparatus: Apparatus, seed: Sequence[int], smooth: bool = True, draws:
     rest = read(
         ZERO + float(rng.uniform(-1, 1)) * apparatus["rest"]["limit"] / SLOPE
     )  # errors are counted from there
-    calibration, _ = from_means(measured, towers, rest, NOISE, draws, seed[0])
+    calibration, _ = from_means(measured, Read(towers, rest, NOISE), draws, seed[0])
     calibration.attrs |= {"emulated": "yes", "mode": "gum"}
     return Bench(calibration, volts)
 
