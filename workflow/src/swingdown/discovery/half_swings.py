@@ -7,6 +7,7 @@ import pandas as pd
 
 from ..arrays import Floats, Swing
 from ..pendulum.catalogue import ANGLE, RATE
+from ..pendulum.ideal import lengthening
 
 COLUMNS = ["time_s", "amplitude_rad", "energy_loss", "period_ratio", "midpoint_rad"]
 _QUANTITIES = ("energy_loss", "period_ratio", "midpoint_rad")
@@ -64,7 +65,7 @@ def half_swings(
             where = np.sign(where) * 2 * np.arcsin(np.minimum(np.abs(where) / 2, 1.0))
     amplitude = np.abs(np.diff(where)) / 2
     if restoring == "sine":
-        height, mean = 1 - np.cos(where), _slower(amplitude)
+        height, mean = 1 - np.cos(where), 1 / lengthening(amplitude)
     else:
         height, mean = where**2 / 2, np.ones_like(amplitude)
     middle = (where[:-2] + 2 * where[1:-1] + where[2:]) / 4 * (np.nan if reading == RATE else 1.0)
@@ -77,14 +78,6 @@ def half_swings(
             "midpoint_rad": [*middle, middle[-1]],
         }
     )
-
-
-def _slower(amplitude: Floats) -> Floats:
-    """The frequency of undamped swings of these amplitudes (rad, below pi) over that of small ones: agm(1, cos(amplitude / 2))."""
-    mean, root = np.ones_like(amplitude), np.cos(amplitude / 2)
-    for _ in range(6):
-        mean, root = (mean + root) / 2, np.sqrt(mean * root)
-    return mean
 
 
 def beside(
