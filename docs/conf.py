@@ -21,7 +21,7 @@ try:
     release = installed("swingdown")
 except PackageNotFoundError:
     release = ""  # in the environment that builds the site the package is a folder
-extensions = ["myst_parser", "sphinx.ext.autodoc"]
+extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon"]
 root_doc = "docs/index"
 include_patterns = [
     "README.md", "CONTRIBUTING.md", "CHANGELOG.md", "config/README.md", "docs/**", "resources/*/README.md",
@@ -34,6 +34,8 @@ myst_heading_anchors = 4  # links such as own-file.md#the-same-by-hand
 myst_links_external_new_tab = False
 autodoc_typehints = "signature"
 autodoc_member_order = "bysource"
+napoleon_google_docstring = False  # sections are written as numpy has them
+napoleon_use_ivar = True
 
 html_theme = "furo"
 html_title = f"swingdown {release}".strip()

@@ -4,9 +4,14 @@ MAKE_ANEW = "delete it and give the same command again, which makes it anew"  # 
 
 
 class InputError(ValueError):
-    """An input that cannot be used, told as: where, what is wrong, what was expected, the mend.
+    """An input that cannot be used: where, what is wrong, what was expected, the mend.
 
-    ``where`` names the file, row, column or key; the other parts are plain sentences without a final full stop.
+    Parameters
+    ----------
+    where
+        The file, row, column or key.
+    problem, expected, mend
+        Plain sentences without a final full stop.
     """
 
     def __init__(self, where: object, problem: str, expected: str = "", mend: str = "") -> None:
@@ -15,7 +20,7 @@ class InputError(ValueError):
 
 
 class EngineError(RuntimeError):
-    """An engine that cannot be built or loaded, told as an ``InputError`` is: where, what is wrong, what was expected, the mend."""
+    """An engine that cannot be built or loaded; its parts are those of an ``InputError``."""
 
     def __init__(self, where: object, problem: str, expected: str = "", mend: str = "") -> None:
         self.where, self.problem, self.expected, self.mend = str(where), problem, expected, mend

@@ -61,16 +61,40 @@ def fit(
 ) -> Answer:
     """The ``Answer`` of models of damping fitted to one swing or several of one pendulum: period, quality, decay, the best model.
 
-    ``times`` (s) and ``angles`` are arrays, lists or pandas Series; or ``angles`` is left out and ``times`` is a Series (its
-    index is the time), a DataFrame with a column of time and one of the angle, a DataArray or Dataset of xarray, a ``Recording``, or
-    the path of a file. Lists of arrays are several swings. ``unit`` is ``rad`` or ``deg``, or of angular rates ``rad/s``
-    or ``deg/s``; without it a header, the attribute ``units`` or a quantity of pint decides, else rad; times are taken in their stated unit too,
-    else in s. Masked samples are missing ones.
-    ``fitted`` are labels of models, ``effects`` effects of one's own as the settings' key ``effects`` has them.
-    ``kind`` is ``swing``, or of turning points alone ``turning_points`` (one a period) or ``half_swings``; without it the values tell.
-    Passages through a light gate are ``passages`` (two a period) or ``periods`` (one): ``times`` alone, or with speeds for ``angles``.
-    ``restoring`` is ``sine`` of a pendulum, or ``linear`` of a wheel on a spring or a torsion pendulum, whose friction in a bearing is a
-    constant one. InputError for what no pendulum does, and for a swing that is too short.
+    Parameters
+    ----------
+    times
+        Times in s (in their own unit where they bring one along), as an array, a list or a Series. Without ``angles``: a Series
+        whose index is the time, a DataFrame with columns of time and angle, a DataArray or Dataset, a ``Recording``, or a path.
+        A list of these is several swings. Masked samples, NaN and ``pd.NA`` are missing samples.
+    angles
+        The angle at each time, of the same shape as ``times``; of passages the speeds, where they are known.
+    unit
+        Unit of the angles (``rad``, ``deg``) or angular rates (``rad/s``, ``deg/s``). Default: that of a header, of the attribute
+        ``units`` or of a quantity of pint, else rad.
+    fitted
+        Labels of the models to fit, such as ``viscous+load_coulomb``.
+    effects
+        Effects of your own, as the settings' key ``effects`` has them.
+    names
+        Names of the swings.
+    restoring
+        ``sine`` for a pendulum; ``linear`` for a wheel on a spring or a torsion pendulum.
+    kind
+        ``swing`` (samples), ``turning_points`` (one a period), ``half_swings`` (turning points of both sides), ``passages`` (two a
+        period) or ``periods`` (one). Default: the values decide between the first three.
+
+    Returns
+    -------
+    Answer
+        Without a verdict.
+
+    Raises
+    ------
+    InputError
+        If the arguments cannot be read, or a swing is too short.
+    NotFree
+        An InputError: if no model of damping follows the motion.
     """
     if (recorded := _recorded(times, angles, unit, kind, restoring)) is not None:
         return recorded.fit(fitted=fitted, effects=effects)
@@ -102,9 +126,21 @@ def of_swings(
     restoring: str = "sine",
     checked: bool = True,
 ) -> Answer:
-    """The ``Answer`` of ``fit`` on angle datasets (``measurement.angle.to_angle``) of one pendulum.
+    """The ``Answer`` of ``fit`` on angle datasets of one pendulum.
 
-    NotFree for what no model of damping follows; not where it is not to be ``checked``, as before a search for what is missing.
+    Parameters
+    ----------
+    given
+        Angle datasets (``measurement.angle.to_angle``), one a recording.
+    fitted, effects, restoring
+        As in ``fit``.
+    checked
+        Whether a motion that no model follows is refused; false before a search.
+
+    Raises
+    ------
+    NotFree
+        If ``checked`` and no model of damping follows the motion.
     """
     if restoring == "linear" and fitted is PAPER_MODELS:
         fitted = SPRUNG
@@ -186,10 +222,31 @@ def explain(
     names: Sequence[str] | None = None,
     restoring: Restoring = "sine",
 ) -> Answer:
-    """The ``Answer`` of ``fit`` with a verdict: what the model ``base`` lacks, found in at most ``rounds`` moves.
+    """The ``Answer`` of ``fit`` with a verdict: what the model ``base`` lacks.
 
-    The search takes some seconds for a swing that an effect of the catalogue explains, and up to minutes for one that none
-    does. What no model of damping follows is refused only if the search names nothing. Other arguments and errors as in ``fit``, and EngineError where there is no C compiler; a single swing needs nine half-swings, so that some can be held out.
+    The search takes seconds where an effect of the catalogue explains the swings, and up to minutes where none does.
+
+    Parameters
+    ----------
+    times, angles, unit, fitted, effects, names, restoring
+        As in ``fit``. A single swing needs nine half-swings, so that some can be held out.
+    base
+        Names of the effects that the search starts from.
+    rounds
+        The most moves of the search: additions, exchanges, drops.
+
+    Returns
+    -------
+    Answer
+        ``answer.verdict`` has the contents of ``verdict.json``. Model and quantities are those of the search's last model, after
+        ``unknown`` those of ``fit``.
+
+    Raises
+    ------
+    InputError
+        As in ``fit``; a motion that no damping follows only if the search names nothing.
+    EngineError
+        If there is no compiled engine and no C compiler.
     """
     if (recorded := _recorded(times, angles, unit, "", restoring)) is not None:
         return recorded.explain(base=base, rounds=rounds, fitted=fitted, effects=effects)
@@ -206,7 +263,15 @@ def explained(
     effects: Mapping[str, Any] | None = None,
     restoring: str = "sine",
 ) -> Answer:
-    """The ``Answer`` of ``explain`` on angle datasets (``measurement.angle.to_angle``) of one pendulum."""
+    """The ``Answer`` of ``explain`` on angle datasets (``measurement.angle.to_angle``) of one pendulum.
+
+    Parameters
+    ----------
+    given
+        Angle datasets, one a recording.
+    base, rounds, fitted, effects, restoring
+        As in ``explain``, and so are the errors.
+    """
     engine(catalogue(effects))  # without a compiled one even the fits before the search take minutes
     first = of_swings(given, fitted, effects, restoring, checked=False)
     whole = searchable("pendulum", first.swings)
@@ -257,7 +322,13 @@ def _of_none_compared() -> Iterator[None]:
 
 
 def searchable(name: str, given: Sequence[xr.Dataset]) -> Campaign:
-    """The ``Campaign`` of these angle datasets; InputError where they are too little to hold any out."""
+    """The ``Campaign`` of angle datasets, with some swings held out.
+
+    Raises
+    ------
+    InputError
+        If the swings are too few or too short to hold any out.
+    """
     check_sampled(name, given)
     made = [Swing(str(one.attrs["recording"]), one["time"].values, series_of(one).values) for one in given]
     return replace(campaign(name, made), slack=of_angles(given), reading=reading_of(name, given))

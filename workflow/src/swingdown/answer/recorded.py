@@ -27,7 +27,7 @@ Paths = str | PathLike[str] | Sequence[str | PathLike[str]]
 
 
 class Told(TypedDict, total=False):
-    """What of a file can be said where the file does not say it."""
+    """What you may state of a file that does not state it itself."""
 
     unit: str
     """Of the angle or its rate: rad, deg, counts, V, rad/s or deg/s."""
@@ -73,8 +73,18 @@ _CELLS = {
 class Recording:
     """What files hold of one pendulum.
 
-    ``swings``: its angles (rad) as datasets over the time (s), one a recording or release. ``taken``: how each file was read.
-    ``remarks``: what is to be known of them. ``restoring``: ``sine`` of a pendulum, ``linear`` of a wheel on a spring.
+    Attributes
+    ----------
+    swings
+        Datasets of the angles (rad) over the time (s), one a recording or release.
+    taken
+        How each file was read, a line each.
+    remarks
+        What was noticed in the recordings, a line each.
+    restoring
+        ``sine`` for a pendulum, ``linear`` for a wheel on a spring.
+    rows
+        By recording, what is stated of it, as a row of the sample sheet.
     """
 
     swings: tuple[xr.Dataset, ...]
@@ -87,7 +97,18 @@ class Recording:
     def fit(
         self, *, fitted: Sequence[str] | None = None, effects: Mapping[str, Any] | None = None
     ) -> "Answer":
-        """The ``Answer`` of ``swingdown.fit``, whose arguments and errors these are."""
+        """The ``Answer`` of ``swingdown.fit`` on this recording.
+
+        Parameters
+        ----------
+        fitted, effects
+            As in ``swingdown.fit``, and so are the errors.
+
+        Returns
+        -------
+        Answer
+            With g, where a length is stated.
+        """
         from . import PAPER_MODELS, of_swings
 
         return self._with_g(of_swings(self.swings, fitted or PAPER_MODELS, effects, self.restoring))
@@ -100,7 +121,18 @@ class Recording:
         fitted: Sequence[str] | None = None,
         effects: Mapping[str, Any] | None = None,
     ) -> "Answer":
-        """The ``Answer`` of ``swingdown.explain``, whose arguments and errors these are."""
+        """The ``Answer`` of ``swingdown.explain`` on this recording.
+
+        Parameters
+        ----------
+        base, rounds, fitted, effects
+            As in ``swingdown.explain``, and so are the errors.
+
+        Returns
+        -------
+        Answer
+            With a verdict, and with g where a length is stated.
+        """
         from . import BASE, PAPER_MODELS, explained
 
         return self._with_g(
@@ -113,15 +145,27 @@ class Recording:
         return replace(answer, table=table) if found else answer
 
     def to_dataframe(self) -> pd.DataFrame:
-        """A row a sample: ``recording``, ``time_s``, and ``angle_rad`` (of an angular rate ``rate_rad_per_s``)."""
+        """A DataFrame with a row for each sample.
+
+        Returns
+        -------
+        pandas.DataFrame
+            Columns ``recording``, ``time_s``, and ``angle_rad`` or ``rate_rad_per_s``.
+        """
         return table_of(self.swings)
 
     def to_xarray(self) -> xr.Dataset:
-        """The samples of all swings over ``sample``: ``angle`` (rad; of an angular rate ``rate``, rad/s), with ``time`` (s) and ``recording``."""
+        """A Dataset of the samples of all swings, one after the other.
+
+        Returns
+        -------
+        xarray.Dataset
+            ``angle`` (rad) or ``rate`` (rad/s) over ``sample``, with the coordinates ``time`` (s) and ``recording``.
+        """
         return samples_of(self.swings)
 
     def plot(self) -> "Drawn":
-        """A matplotlib Figure that a notebook draws: the angle over the time."""
+        """A matplotlib Figure of the angle over the time, which a notebook shows."""
         from ..plots.answer import swings_alone
 
         return swings_alone(shown_alone(self.swings), {"emulated": self._emulated})
@@ -143,11 +187,21 @@ def _line(swing: xr.Dataset) -> str:
 
 
 def read(path: Paths, *, restoring: Restoring = "sine", **told: Unpack[Told]) -> Recording:
-    """The ``Recording`` in a file, or in several of one pendulum: any file that the command ``swingdown`` takes.
+    """The ``Recording`` in a file, or in several files of one pendulum.
 
-    What the file does not say can be ``told`` (``Told`` lists it): ``unit="deg"``, ``column="theta"``, ``time_unit="ms"``, ``start=1.5``. ``restoring`` is ``sine``
-    of a pendulum, or ``linear`` of a wheel on a spring or a torsion pendulum. InputError names the file, its line, what is wrong and
-    the mend; of a file with several runs it names these, for ``run``.
+    Parameters
+    ----------
+    path
+        Any file that the command ``swingdown`` takes, or a list of files.
+    restoring
+        ``sine`` for a pendulum; ``linear`` for a wheel on a spring or a torsion pendulum.
+    **told
+        What the file does not state itself: ``unit="deg"``, ``column="theta"``, ``time_unit="ms"``, ``start=1.5`` (s); ``Told`` lists all.
+
+    Raises
+    ------
+    InputError
+        With the file, its line, what is wrong and the mend. For a file with several runs it lists them, for ``run``.
     """
     given = [path] if isinstance(path, str | PathLike) else list(path)
     paths, passed = own.files(_no_folders(given))
@@ -215,7 +269,15 @@ def shown_alone(swings: Sequence[xr.Dataset]) -> list[Shown]:
 
 
 def samples_of(swings: Sequence[xr.Dataset], **more: np.ndarray) -> xr.Dataset:
-    """The samples of swings one after the other over ``sample``, and beside them ``more`` series of as many values."""
+    """A Dataset of the samples of swings, one after the other, over ``sample``.
+
+    Parameters
+    ----------
+    swings
+        Angle datasets.
+    **more
+        Further series, of shape (sample,).
+    """
     series = [series_of(one) for one in swings]
     about = {"units": str(series[0].attrs["units"])}
     name = "angle" if about["units"] == "rad" else "rate"

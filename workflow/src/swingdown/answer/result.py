@@ -34,7 +34,17 @@ if TYPE_CHECKING:
 
 
 class Begin(NamedTuple):
-    """How a swing begins as it was fitted: time (s) of its first sample, angle (rad) and angular velocity (rad/s) there, its length (s)."""
+    """How a fitted swing begins.
+
+    Attributes
+    ----------
+    time
+        Time of its first sample, in s.
+    angle, velocity
+        Angle (rad) and angular velocity (rad/s) there.
+    duration
+        Its length, in s.
+    """
 
     time: float
     angle: float
@@ -44,12 +54,28 @@ class Begin(NamedTuple):
 
 @dataclass(frozen=True)
 class Answer:
-    """What was found of one pendulum.
+    """The fits of one pendulum, its quantities with uncertainties, and, after ``explain``, the verdict.
 
-    ``swings``: its angles (rad) as datasets, the release cut off where it was held in a hand. ``fits``: every model of damping
-    fitted to each swing (``studies.experiment``). ``table``: a row for each swing, and one for all together where there are
-    several, as ``studies.pendulums`` makes them. ``fitted``: the model that describes it, with the covariance of its parameters. ``verdict``:
-    as verdict.json has it; None after ``fit``. ``begins``: how each swing begins, by the name of its recording.
+    Attributes
+    ----------
+    swings
+        Datasets of the angles (rad) over the time (s), without what a hand held.
+    fits
+        Every model of damping fitted to each swing (``studies.experiment``).
+    table
+        A row for each swing, and a last one for all together where there are several (``studies.pendulums``).
+    shown
+        The swings with the fit, as pictures show them.
+    verdict
+        The contents of ``verdict.json``; None after ``fit``.
+    catalogue
+        The effects that the models are made of.
+    fitted_model
+        As ``model``, or None.
+    begins
+        How each swing begins, by recording.
+    fitted
+        The model that describes the pendulum, with the covariance of its parameters.
     """
 
     swings: tuple[xr.Dataset, ...]
@@ -64,38 +90,53 @@ class Answer:
 
     @property
     def row(self) -> Mapping[str, Any]:
-        """The table's row of the pendulum: of its swing, or of all its swings together."""
+        """The table's row of the pendulum: of its only swing, or of all its swings together."""
         return self.table.iloc[-1].to_dict()
 
     @property
     def model(self) -> Model:
-        """The model that describes the pendulum, with its fitted values and standard errors; InputError where passages alone tell none."""
+        """The ``Model`` that describes the pendulum, with fitted values and standard errors.
+
+        Raises
+        ------
+        InputError
+            If only passages without speeds are given.
+        """
         if self.fitted_model is None:
             raise InputError("model", f"the damping is {self.label}", "a swing, turning points, or passages with speeds")  # fmt: skip
         return self.fitted_model
 
     @property
     def label(self) -> str:
-        """What the answer's table calls its model: names joined by ``+``, or why the damping cannot be told."""
+        """The label of the model, names joined by ``+``, or why the damping is not known."""
         return str(self.row["model"])
 
     @property
     def sentence(self) -> str:
-        """What stops the pendulum, its period and its quality, in a sentence."""
+        """A sentence: what stops the pendulum, its period and its quality."""
         return headline(self.row, self.verdict, self.catalogue, self.restoring)
 
     @property
     def restoring(self) -> str:
-        """What pulls it back: ``sine`` or ``linear``."""
+        """The restoring torque: ``sine`` or ``linear``."""
         return str(self.fits.attrs.get("restoring", "sine"))
 
     @property
     def quantities(self) -> dict[str, Quantity]:
-        """Each quantity by name, with ``value``, ``u`` (standard uncertainty) and ``unit``; at the amplitude ``row["amplitude_rad"]``."""
+        """Each ``Quantity`` by name, with ``value``, ``u`` (standard uncertainty) and ``unit``.
+
+        They hold at the amplitude ``row["amplitude_rad"]``.
+        """
         return {one.name: one.quantity for one in quantity_rows(self.row, self.verdict)}
 
     def __getitem__(self, name: str) -> Quantity:
-        """The quantity of that name: ``answer["period"]``; InputError with the known names otherwise."""
+        """The ``Quantity`` of a name: ``answer["period"]``.
+
+        Raises
+        ------
+        InputError
+            If there is none of that name; it lists the names.
+        """
         found = self.quantities
         if name not in found:
             raise InputError(f"quantity {name!r}", "the answer has none of that name", ", ".join(found))
@@ -103,7 +144,7 @@ class Answer:
 
     @property
     def remarks(self) -> list[str]:
-        """What is to be known of the swings as given and of what is said of them, a line each."""
+        """What was noticed in the swings and their fits, a line each."""
         doubts = [str(row["remark"]) for row in self.table.to_dict("records") if row["remark"]]
         return [*self._as_given, *dict.fromkeys(doubts)]
 
@@ -115,7 +156,15 @@ class Answer:
         return [f"{name}: {text}" for name, text in told]
 
     def with_verdict(self, found: Mapping[str, Any], shown: tuple[Shown, ...] = ()) -> "Answer":
-        """The same answer with a verdict, and with what its last model makes of the swings, where that is given."""
+        """The same answer with a verdict.
+
+        Parameters
+        ----------
+        found
+            The contents of ``verdict.json``.
+        shown
+            The swings with the fit of the search's last model.
+        """
         table = self.table.copy().astype(object)
         row = by_verdict(self.table.iloc[-1].to_dict(), found)
         table = pd.concat([table.iloc[:-1], pd.DataFrame([row])], ignore_index=True)
@@ -132,11 +181,30 @@ class Answer:
         noise: float = 0.0,
         seed: int = 0,
     ) -> xr.DataArray:
-        """The swing of the answer's model at these times (s; by default those of the recording) as a DataArray in rad, of an angular rate in rad/s.
+        """The swing of the answer's model, as a DataArray over ``time`` (s).
 
-        Without an ``angle`` it goes on as the ``recording`` (by default the first) begins, whose clock the times are of. With one it is let go from there (rad)
-        at the first of the times, at ``velocity`` (rad/s). ``noise`` (rad) is the standard deviation of what is added, drawn by ``seed``.
-        InputError for times before the recording, for a recording that is not there, and where there is no model.
+        Parameters
+        ----------
+        times
+            Times in s, of shape (time,). Default: those of the recording.
+        angle
+            Angle (rad) from which the pendulum is let go at the first time. Default: the swing starts as the recording does.
+        velocity
+            Angular velocity (rad/s) there.
+        recording
+            The recording whose start and clock are used. Default: the first.
+        noise, seed
+            Standard deviation (rad; rad/s of an angular rate) and seed of the noise to add.
+
+        Returns
+        -------
+        xarray.DataArray
+            ``angle`` (rad) or ``rate`` (rad/s), of shape (time,).
+
+        Raises
+        ------
+        InputError
+            If times precede the recording, the recording is unknown, or there is no model.
         """
         name = next(iter(self.begins), "") if recording is None else recording
         if name not in self.begins:
@@ -157,7 +225,13 @@ class Answer:
         return str(self)
 
     def plot(self) -> "Drawn":
-        """A matplotlib Figure that a notebook draws: the swings with the fit, and what it leaves. InputError for passages without speeds: they hold no angle."""
+        """A matplotlib Figure of the swings with the fit and the residual, which a notebook shows.
+
+        Raises
+        ------
+        InputError
+            If only passages without speeds are given: they hold no angle.
+        """
         if not self.shown:
             raise InputError(
                 "plot",
@@ -170,7 +244,13 @@ class Answer:
         return swings_with_fit(self.shown, noise, {"emulated": self.row["emulated"]}, short(self.row))
 
     def to_dataframe(self) -> pd.DataFrame:
-        """A row for each quantity, by name: ``value``, ``u`` (standard uncertainty), ``unit``, ``text``, and at which amplitude it ``holds``."""
+        """A DataFrame with a row for each quantity.
+
+        Returns
+        -------
+        pandas.DataFrame
+            Columns ``value``, ``u`` (standard uncertainty), ``unit``, ``text`` and ``holds`` (at which amplitude), over ``quantity``.
+        """
         rows = quantity_rows(self.row, self.verdict)
         columns = {
             "value": [one.value for one in rows],
@@ -182,8 +262,14 @@ class Answer:
         return pd.DataFrame(columns, index=pd.Index([one.name for one in rows], name="quantity"))
 
     def to_xarray(self) -> xr.Dataset:
-        """The samples (``angle``, of an angular rate ``rate``; ``fit``, ``residual``; with ``time`` in s and ``recording``) over ``sample``, and ``value`` and
-        ``standard_uncertainty`` over ``quantity``, with units. Without samples where passages hold no angle."""
+        """A Dataset of the samples with fit and residual, and of the quantities.
+
+        Returns
+        -------
+        xarray.Dataset
+            Over ``sample``: ``angle`` (rad) or ``rate`` (rad/s), ``fit``, ``residual``, with ``time`` (s) and ``recording``. Over
+            ``quantity``: ``value`` and ``standard_uncertainty``, with ``unit``. No samples where passages hold no angle.
+        """
         rows = quantity_rows(self.row, self.verdict)
         found = xr.Dataset(
             {
@@ -204,31 +290,62 @@ class Answer:
         return samples.merge(found).assign_attrs(found.attrs)
 
     def curves(self) -> xr.Dataset:
-        """Period, loss, damping and torques against amplitude, angle and speed, free of a model and of the model, with bands of 95 %.
+        """A Dataset of period, loss, damping and torques against amplitude, angle and speed, with bands of 95 %.
 
-        The Dataset is that of ``curves.dataset.curves``. InputError for fewer than eight half-swings, and for passages without speeds.
+        Returns
+        -------
+        xarray.Dataset
+            As ``curves.dataset.curves``: free of a model, and of the model.
+
+        Raises
+        ------
+        InputError
+            If there are fewer than eight half-swings, or only passages without speeds.
         """
         model, covariance = self.fitted or (None, None)
         return curves_of(self.swings, model, covariance, self.restoring)
 
     def resonance(self, drive: ArrayLike | None = None, kind: str = "torque") -> xr.Dataset:
-        """Amplitude and phase of the steady swing against the frequency of a drive (rad/s²), as this ring-down foretells them.
+        """A Dataset of amplitude and phase of the steady swing against the frequency of a drive, predicted from the ring-down.
 
-        Arguments, Dataset and errors are those of ``curves.resonance.resonance``; ``plots.curves.resonances`` draws it.
+        Parameters
+        ----------
+        drive
+            Amplitudes of the drive in rad/s², of shape (drive,). Default: some that suit the ring-down.
+        kind
+            ``torque`` (over the inertia), or ``pivot`` (sideways acceleration of the pivot over the length).
+
+        Returns
+        -------
+        xarray.Dataset
+            As ``curves.resonance.resonance``; ``plots.curves.resonances`` draws it.
+
+        Raises
+        ------
+        InputError
+            If the drive is too weak for the amplitudes of the ring-down.
         """
         return resonance(self.curves(), drive, kind)
 
     def laws(self) -> list[Laws]:
-        """What each law of damping leaves of each recording, as ``curves.laws.laws`` gives it; ``curves.laws.table`` makes a table of it.
+        """The residual and the evidence of each law of damping, for each recording.
 
-        InputError for passages without speeds.
+        Returns
+        -------
+        list of Laws
+            As ``curves.laws.laws``; ``curves.laws.table`` makes a table of them.
+
+        Raises
+        ------
+        InputError
+            If only passages without speeds are given.
         """
         known = [self.fits.isel(recording=k) for k in range(len(self.swings))]
         pairs = zip(self.swings, known, strict=True)
         return [laws(angle, one, self.restoring, self.catalogue) for angle, one in pairs]
 
     def to_dict(self) -> dict[str, Any]:
-        """Plain numbers, texts and lists: sentence, quantities, model, verdict."""
+        """A dict of plain numbers, texts and lists: sentence, quantities, model, verdict."""
         row = self.row
         return {
             "sentence": self.sentence,

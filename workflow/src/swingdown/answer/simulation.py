@@ -30,14 +30,37 @@ def simulate(
     seed: int = 0,
     **values: float,
 ) -> xr.DataArray:
-    """The swing of a pendulum let go at the first of the times, as a DataArray over ``time`` (s), in rad; ``fit`` takes it as it is.
+    """The swing of a pendulum as a DataArray over ``time`` (s), in rad; ``fit`` accepts it.
 
-    ``model`` is a ``Model`` or an answer with its fitted values, or a label such as ``"viscous+load_coulomb"`` with ``values`` by the
-    parameters' names (``natural_frequency=7.25`` in rad/s, ``viscous_ratio=0.01``, ``load_friction=0.003``), which go before those that a model has.
-    ``times`` in s, increasing; ``angle`` in rad and ``velocity`` in rad/s at the release; quantities of pint bring their units along.
-    ``restoring`` (of a label) is ``sine`` or ``linear``. ``noise`` (rad) is the standard deviation of what is added, drawn by ``seed``: the same
-    seed gives the same numbers. Of a model that reads angular rates (rad/s) the noise is one of these. InputError for a parameter
-    that is missing or unknown, for bad times, and where no pendulum moves so.
+    Parameters
+    ----------
+    model
+        A ``Model``, an answer with its fitted values, or a label such as ``"viscous+load_coulomb"``.
+    times
+        Increasing times in s, of shape (time,).
+    angle
+        Angle at the first time, in rad. Quantities of pint bring their units along.
+    velocity
+        Angular velocity at the first time, in rad/s.
+    restoring
+        Of a label: ``sine`` or ``linear``.
+    noise
+        Standard deviation of the noise to add, in rad (in rad/s for a model that reads angular rates).
+    seed
+        Seed of the noise: the same seed gives the same numbers.
+    **values
+        Values by parameter name, in the parameters' units: ``natural_frequency=7.25`` (rad/s), ``viscous_ratio=0.01``. They replace
+        those of the model.
+
+    Returns
+    -------
+    xarray.DataArray
+        ``angle`` (rad) or ``rate`` (rad/s), of shape (time,).
+
+    Raises
+    ------
+    InputError
+        If a parameter is missing or unknown, if times are not increasing, or if no pendulum moves so.
     """
     known: Any = getattr(model, "model", model)
     if not isinstance(known, Model):
@@ -50,7 +73,24 @@ def simulate(
 def swing_of(
     model: Model, times: Any, begin: tuple[float | None, Any, float], noise: float, seed: int
 ) -> xr.DataArray:
-    """The swing of a model from ``begin``: time (s; None: the first of the times), angle (rad) and angular velocity (rad/s)."""
+    """The swing of a model as a DataArray over ``time`` (s).
+
+    Parameters
+    ----------
+    model
+        The model with its values.
+    times
+        Times in s.
+    begin
+        Time (s; None: the first of ``times``), angle (rad) and angular velocity (rad/s) of the start.
+    noise, seed
+        As in ``simulate``.
+
+    Raises
+    ------
+    InputError
+        If times precede the start, or no pendulum moves so.
+    """
     at = labelled.times(times)
     since, angle, velocity = begin
     start = float(np.ravel(labelled.angles(angle)[0])[0])

@@ -30,18 +30,32 @@ SPRUNG = tuple(label.replace("load_coulomb", "constant_coulomb") for label in PA
 class Model:
     """A pendulum with chosen effects: ``theta'' = gravity + the sum of its torques``, and what its sensor does.
 
-    ``names`` is a label such as ``viscous+load_coulomb`` or a sequence of names, kept in the order of the ``catalogue`` they
-    are taken from; ``effects`` are the entries themselves. ``values`` and ``standard_errors`` go by parameter name, in each
-    parameter's unit. ``restoring`` is ``sine`` or ``linear``; ``form`` is ``consistent`` or ``printed`` (the paper's Table 1
-    to the letter). An unknown effect, form or parameter raises InputError.
+    Parameters
+    ----------
+    names
+        A label such as ``viscous+load_coulomb``, or a sequence of names. They are kept in the order of the catalogue.
+    values, standard_errors
+        By parameter name, in each parameter's unit.
+    restoring
+        ``sine`` or ``linear``.
+    form
+        ``consistent``, or ``printed`` (the paper's Table 1 to the letter).
+    catalogue
+        The catalogue that the effects are taken from.
+    slack
+        What the measurement leaves open of the reading. Its effects act, but belong neither to ``names`` nor to ``label``, unless
+        they are named.
+    record
+        The ``duration`` (s) in formulas, the same for all recordings, so that a drift is one in time. None: each recording's own.
+    own_frequency
+        Whether each recording has a natural frequency of its own, as of a pendulum that was taken down between them.
+    own
+        Other parameters that each recording has for itself.
 
-    ``slack`` is what the measurement leaves open of the reading: its effects act, and their parameters are the last but for
-    those of the catalogue's later entries, but they are no part of what the pendulum is said to be: neither of its ``names``
-    nor of its ``label``. One that is also among the names is the model's own.
-
-    ``record`` (s) is the ``duration`` that formulas speak of, for every recording the same: what drifts, drifts in time, however
-    long one records. None: that of each recording by itself. With ``own_frequency`` each recording has a natural frequency of
-    its own, as of a pendulum that was taken down between them; ``own`` names other parameters that each has for itself.
+    Raises
+    ------
+    InputError
+        If an effect, form or parameter is unknown.
     """
 
     names: tuple[str, ...]
