@@ -19,10 +19,17 @@ _LEAST = 1e-9  # no uncertainty is known so well that a probability below means 
 
 @dataclass(frozen=True)
 class Comparison:
-    """Groups held against each other: chi2 of equality, its degrees of freedom and p, and the groups that stand apart.
+    """Groups compared with each other.
 
-    ``table``: a row for each group with its name, number of recordings, weighted mean, standard uncertainty (widened where recordings
-    scatter within their groups), and ``pull``, how many standard uncertainties it is from the mean of the others.
+    Attributes
+    ----------
+    chi2, dof, p
+        Chi² of equality, its degrees of freedom, and the probability of so much difference by the uncertainties alone.
+    apart
+        The groups that stand apart.
+    table
+        A row for each group: name, number of recordings, weighted mean, standard uncertainty, and ``pull``, its distance from the
+        mean of the others in standard uncertainties.
     """
 
     chi2: float
@@ -33,7 +40,7 @@ class Comparison:
 
     @property
     def sentence(self) -> str:
-        """What is said of them."""
+        """A sentence: which groups agree, with chi² and p."""
         if self.p < BEYOND and (self.table["recordings"] == 1).all():
             return f"{self._said()}; each has one recording, and how far a repetition scatters is not in their uncertainties"
         return self._said()
@@ -58,15 +65,26 @@ class Comparison:
         return f"{some}, which agree with each other ({chance} for all)"
 
     def to_dict(self) -> dict[str, Any]:
-        """Plain numbers and texts."""
+        """A dict of plain numbers and texts."""
         return {"chi2": self.chi2, "dof": self.dof, "p": self.p, "apart": list(self.apart), "groups": self.table.to_dict("records")}  # fmt: skip
 
 
 def compare(groups: Sequence[str], values: ArrayLike, uncertainties: ArrayLike) -> Comparison:
-    """The ``Comparison`` of values with their standard uncertainties (above 0) by the group that each belongs to.
+    """The ``Comparison`` of values by group.
 
-    Recordings of a group are brought to a weighted mean. Where recordings scatter within their groups beyond their errors, all groups'
-    uncertainties are widened alike, for they measure in one way. InputError for fewer than two groups and for a value without an uncertainty.
+    Recordings of a group give a weighted mean. If they scatter beyond their errors, all uncertainties are widened alike.
+
+    Parameters
+    ----------
+    groups
+        The group of each value, of shape (value,).
+    values, uncertainties
+        Values and their standard uncertainties (above 0), of shape (value,), in one unit.
+
+    Raises
+    ------
+    InputError
+        For fewer than two groups, and for a value without an uncertainty.
     """
     values, uncertainties = np.asarray(values, dtype=float), np.asarray(uncertainties, dtype=float)
     names = list(dict.fromkeys(map(str, groups)))

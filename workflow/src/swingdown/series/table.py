@@ -49,10 +49,18 @@ THEORY = {
 
 @dataclass(frozen=True)
 class Series:
-    """One quantity against one thing that was varied, or between groups.
+    """One quantity against what was varied, or between groups.
 
-    ``table``: a row for each recording: recording, label, x, u_x (0: none is stated) or group, y, u_y, and of a law residual and by_theory
-    (what theory's law says). ``law``, ``gravity`` and ``comparison`` are None where they do not apply.
+    Attributes
+    ----------
+    by, unit
+        What was varied, and its unit.
+    quantity
+        The quantity, one of ``KINDS``.
+    table
+        A row for each recording: recording, label, x and u_x (0: not stated) or group, y, u_y; of a law also residual and by_theory.
+    law, gravity, comparison
+        The power law, g, and the comparison of groups; None where they do not apply.
     """
 
     by: str
@@ -65,7 +73,7 @@ class Series:
 
     @property
     def sentence(self) -> str:
-        """What is said of it."""
+        """A sentence: the power law with theory's and g, or which groups agree."""
         kind = KINDS[self.quantity]
         if self.comparison:
             return f"{kind.words} by {self.by}: {self.comparison.sentence}"
@@ -90,7 +98,7 @@ class Series:
         return f"the uncertainty of {self.by} was not given" if not (self.table["u_x"] > 0).any() else ""
 
     def to_dict(self) -> dict[str, Any]:
-        """Plain numbers and texts."""
+        """A dict of plain numbers and texts."""
         return {
             "by": self.by, "unit": self.unit, "quantity": self.quantity, "sentence": self.sentence,
             "power_law": self.law.to_dict() if self.law else None,
@@ -100,9 +108,14 @@ class Series:
 
 
 def quantities_in(table: pd.DataFrame) -> pd.DataFrame:
-    """A table of ``studies.pendulums`` as a row for each recording with y and u_y of each quantity (``KINDS``); NaN where it has none.
+    """A DataFrame with a row for each recording: y and u_y of each quantity (``KINDS``), NaN where it has none.
 
-    The period is that of small undamped swings, which the fit has freed of the amplitude; of passages that as recorded.
+    The period is that of small undamped swings; of passages that as recorded.
+
+    Parameters
+    ----------
+    table
+        A table of ``studies.pendulums``.
     """
     one = table[table["recording"] != "(joint)"]
     found = pd.DataFrame({"recording": one["recording"], "label": one["label"]})
@@ -126,11 +139,25 @@ def series_of(
     groups: Mapping[str, Mapping[str, str]] | None = None,
     by: str = "",
 ) -> list[Series]:
-    """The ``Series`` of a table of ``studies.pendulums``, by what was varied, and between groups.
+    """The list of ``Series`` in a table: against what was varied, and between groups.
 
-    ``values`` (in the SI's units) and ``groups`` are by recording, then by column. ``by`` chooses a column; without it all are taken that at
-    least three recordings have, at three values, and all groups. A recording without a quantity or its uncertainty is left out.
-    InputError where ``by`` is no such column.
+    A recording without a quantity or its uncertainty is left out.
+
+    Parameters
+    ----------
+    table
+        A table of ``studies.pendulums``.
+    values
+        By recording, then by column, in SI units.
+    groups
+        By recording, then by column.
+    by
+        The column to use. Default: every column with three values in three recordings, and all groups.
+
+    Raises
+    ------
+    InputError
+        If ``by`` is no such column.
     """
     measured = quantities_in(table)
     columns = list(dict.fromkeys(column for own in values.values() for column in own))

@@ -37,9 +37,12 @@ Values = dict[str, dict[str, Stated]]  # by recording, then by column
 
 
 def from_names(labels: Mapping[str, str]) -> tuple[Values, dict[str, dict[str, str]], list[str]]:
-    """What the names of files say (``l=0.40``, ``500g``, ``40cm``, ``left``), by recording: values, groups, and how they were read.
+    """Values and groups that file names state (``l=0.40``, ``500g``, ``left``), by recording, and how they were read.
 
-    ``labels`` are the files' names without their endings. A name that says one column twice says nothing of it.
+    Parameters
+    ----------
+    labels
+        The files' names without their endings, by recording. A name that states one column twice is not used for it.
     """
     values: Values = {}
     groups: dict[str, dict[str, str]] = {}

@@ -20,7 +20,15 @@ _TWO = 0.9545  # what a normal distribution holds inside two standard deviations
 
 @dataclass(frozen=True)
 class Scatter:
-    """How the points lie about a law: chi2 of the stated errors, its degrees of freedom and probability, the Birge ratio."""
+    """How points scatter about a law.
+
+    Attributes
+    ----------
+    chi2
+        Chi² by the stated errors.
+    dof
+        Its degrees of freedom.
+    """
 
     chi2: float
     dof: int
@@ -52,7 +60,7 @@ class Scatter:
 
     @property
     def sentence(self) -> str:
-        """What is said of it, where there is more of it than the stated errors make."""
+        """A sentence, if the points scatter by more than the stated errors; else an empty text."""
         if not self.widening > 1:
             return ""
         return f"the points scatter {self.birge:.2g} times as far as their errors say, and the uncertainty is widened to that"
@@ -61,12 +69,17 @@ class Scatter:
 def settled(
     x: Floats, y: Floats, u_x: Floats, u_y: Floats, share: Floats
 ) -> tuple[Line, Floats, Scatter, float]:
-    """York's line through points, the covariance of (intercept, slope), how the points scatter by their stated errors, and the
-    further error.
+    """York's line through points, the covariance of (intercept, slope), the ``Scatter``, and a further error of y.
 
-    Where all errors are stated and do not explain the scatter, all are taken to be too small alike (Birge). Where none of x is stated, each
-    y gets a further error in proportion to ``share`` so that chi2 is its expectation (Paule and Mandel 1982): else the points with the
-    smallest errors of y alone would draw the line.
+    If the stated errors do not explain the scatter, all are widened alike (Birge). If none of x is stated, each y gets a
+    further error in proportion to ``share`` so that chi² is its expectation (Paule and Mandel 1982).
+
+    Parameters
+    ----------
+    x, y, u_x, u_y
+        Points and their standard errors, of shape (point,).
+    share
+        Of each y, the unit of the further error, of shape (point,).
     """
     line = fit_line(x, y, u_x, u_y)
     scatter = Scatter(line.chi2, line.dof)
@@ -86,10 +99,23 @@ def settled(
 
 @dataclass(frozen=True)
 class PowerLaw:
-    """y = offset + factor (x / at)^exponent with standard uncertainties, widened where the points scatter (``Scatter.widening``).
+    """A power law, y = offset + factor (x / at)^exponent, with standard uncertainties.
 
-    ``offset`` is 0 and its uncertainty NaN unless a point at x = 0 tells it. ``theory`` is the exponent that theory says (NaN: none), and
-    ``theory_factor`` and ``theory_offset`` the law with that exponent through the same points. ``residuals`` are y less the law.
+    Attributes
+    ----------
+    exponent, factor, offset
+        The law, each with its uncertainty (``u_…``), widened where the points scatter. ``offset`` is 0 and ``u_offset`` NaN where
+        it is not fitted.
+    at
+        The x at which ``factor`` holds.
+    scatter
+        The ``Scatter`` of the points.
+    residuals
+        y less the law, of shape (point,).
+    theory
+        The exponent of theory; NaN for none.
+    theory_factor, theory_offset
+        The law with that exponent through the same points.
     """
 
     exponent: float
@@ -109,16 +135,16 @@ class PowerLaw:
         return self.offset + self.factor * (np.asarray(x, float) / self.at) ** self.exponent
 
     def by_theory(self, x: ArrayLike) -> Floats:
-        """The law with theory's exponent."""
+        """The law with theory's exponent at x."""
         return self.theory_offset + self.theory_factor * (np.asarray(x, float) / self.at) ** self.theory
 
     @property
     def away(self) -> float:
-        """How many standard uncertainties the exponent is from theory's."""
+        """The distance of the exponent from theory's, in standard uncertainties."""
         return abs(self.exponent - self.theory) / self.u_exponent
 
     def to_dict(self) -> dict[str, Any]:
-        """Plain numbers; None for what there is not."""
+        """A dict of plain numbers; None for what is not known."""
         found = {
             name: getattr(self, name)
             for name in ("exponent", "u_exponent", "factor", "u_factor", "at", "offset", "u_offset", "theory")
@@ -133,10 +159,23 @@ class PowerLaw:
 def power_law(
     x: ArrayLike, y: ArrayLike, u_x: ArrayLike, u_y: ArrayLike, theory: float = np.nan, offset: bool = False
 ) -> PowerLaw:
-    """The ``PowerLaw`` through points with independent errors in both coordinates: a line of York's through their logarithms.
+    """The ``PowerLaw`` through points with independent errors in both coordinates (York et al. 2004, on logarithms).
 
-    Errors are standard ones, scalars or one a point, 0 in one coordinate allowed. Points at x = 0 tell an ``offset``: then the law with
-    it is fitted, along both errors; with ``offset`` also where none is at 0, of at least four points. InputError for fewer than three different x above 0, values below 0, and points without any error.
+    Parameters
+    ----------
+    x, y
+        The points, of shape (point,), in any units.
+    u_x, u_y
+        Standard errors, scalars or one a point; 0 is allowed in one coordinate.
+    theory
+        The exponent of theory, for comparison.
+    offset
+        Whether to fit an offset where no point is at x = 0; that takes four points. Points at x = 0 always give one.
+
+    Raises
+    ------
+    InputError
+        For fewer than three different x above 0, values below 0, and points without any error.
     """
     x, y = (np.asarray(one, dtype=float) for one in (x, y))
     u_x, u_y = (np.broadcast_to(np.asarray(one, dtype=float), x.shape) for one in (u_x, u_y))
@@ -198,7 +237,19 @@ def _with_offset(x: Floats, y: Floats, u_x: Floats, u_y: Floats, theory: float, 
 
 @dataclass(frozen=True)
 class LengthsAndPeriods:
-    """g (m/s^2) from the slope of the squared periods over the lengths, and by how much the lengths are too short (m)."""
+    """g from lengths and periods.
+
+    Attributes
+    ----------
+    g, u_g
+        In m/s², with its standard uncertainty.
+    short, u_short
+        By how much all lengths are too short, in m.
+    line
+        The line of T² over the length.
+    scatter
+        The ``Scatter`` of the points.
+    """
 
     g: float
     u_g: float
@@ -209,7 +260,7 @@ class LengthsAndPeriods:
 
     @property
     def sentence(self) -> str:
-        """What is said of them."""
+        """A sentence with g, and with a common error of the lengths where it exceeds two standard uncertainties."""
         told = f"g = {plus_minus(self.g, self.u_g)} m/s² by the slope of T² over the length"
         far = abs(self.short) > 2 * self.u_short
         if far:
@@ -218,17 +269,28 @@ class LengthsAndPeriods:
         return told
 
     def to_dict(self) -> dict[str, Any]:
-        """Plain numbers."""
+        """A dict of plain numbers."""
         return {"g_m_per_s2": self.g, "u_g_m_per_s2": self.u_g, "lengths_too_short_by_m": self.short, "u_lengths_too_short_by_m": self.u_short, "birge_ratio": self.scatter.birge}  # fmt: skip
 
 
 def gravity_of_lengths(
     lengths: ArrayLike, periods: ArrayLike, u_lengths: ArrayLike, u_periods: ArrayLike
 ) -> LengthsAndPeriods:
-    """``LengthsAndPeriods`` of bobs on strings, from lengths (m) and periods of small swings (s) with their standard uncertainties.
+    """The ``LengthsAndPeriods`` of bobs on strings: g is the slope of T² over the length.
 
-    The line need not go through 0: lengths that are measured to another point than the bob's middle are all wrong alike, which leaves
-    the slope as it is. InputError for fewer than three points.
+    The line need not go through 0: an error that all lengths share leaves the slope as it is.
+
+    Parameters
+    ----------
+    lengths, u_lengths
+        In m, with standard uncertainties, of shape (point,).
+    periods, u_periods
+        Of small swings, in s, with standard uncertainties, of shape (point,).
+
+    Raises
+    ------
+    InputError
+        For fewer than three points.
     """
     lengths, periods = np.asarray(lengths, dtype=float), np.asarray(periods, dtype=float)
     u_x = np.broadcast_to(np.asarray(u_lengths, dtype=float), lengths.shape)

@@ -27,7 +27,17 @@ _OF_TIME = {"t", "duration"}
 
 
 class Quantity(NamedTuple):
-    """A number with its standard uncertainty (NaN where that is not known) and unit; it prints as ``0.87148(26) s``."""
+    """A number with its standard uncertainty and unit; it prints as ``0.87148(26) s``.
+
+    Attributes
+    ----------
+    value
+        The number, in ``unit``.
+    uncertainty
+        Its standard uncertainty, in ``unit``; NaN if unknown.
+    unit
+        Such as ``s``; ``1`` for a plain number.
+    """
 
     value: float
     uncertainty: float
@@ -40,7 +50,13 @@ class Quantity(NamedTuple):
 
     @property
     def ufloat(self) -> Any:
-        """A number of the package ``uncertainties``, without the unit; ImportError where that is not installed."""
+        """A number of the package ``uncertainties``, without the unit.
+
+        Raises
+        ------
+        ImportError
+            If that package is not installed.
+        """
         from uncertainties import ufloat
 
         return ufloat(self.value, self.uncertainty)
