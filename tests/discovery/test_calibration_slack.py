@@ -49,7 +49,7 @@ def slack():
 def test_what_the_calibration_leaves_open_is_not_missing(slack, tmp_path):
     found = seen(1.5 * DEVIATION, slack, tmp_path)
     assert found["status"] == "consistent" and found["effects"] == []
-    assert "once what the calibration leaves open is used" in found["sentence"]
+    assert "within the calibration's uncertainty" in found["sentence"]
     gain = found["nuisance"]["sensor_gain"]
     assert gain["value"] == pytest.approx(1.5 * DEVIATION, abs=3 * gain["standard_error"])
     assert gain["before"] == DEVIATION

@@ -84,7 +84,7 @@ def test_what_is_there_without_the_change_stays_beside_the_power():
     assert found.law.offset == pytest.approx(0.003, abs=3 * found.law.u_offset)
     told = follows(found.to_dict("current_A"))
     assert told.startswith("Viscous follows the current (P > 0.999): it goes as its power 2.0")
-    assert "that stay" in told
+    assert "plus a constant" in told
 
 
 def test_a_length_changes_the_frequency_and_nothing_else():

@@ -199,7 +199,7 @@ def _none_of(refused: Sequence[own.Refused]) -> InputError:
         return _refusal(refused[0])
     return InputError(
         refused[0].file,
-        f"none of {len(refused)} files can be used; why is told above, file by file",
+        f"none of {len(refused)} files can be used; the reasons are above, file by file",
         "a recording of a swinging pendulum",
         "mend one of them",
     )

@@ -237,7 +237,7 @@ def exponential_words(found: Sequence[Laws], curves: xr.Dataset | None = None) -
     if answer == "yes":
         told = f"Exponential: yes, no law describes the decay better than {best}"
     elif answer == "open":
-        told = f"Exponential: not told, {best} describe{many} the decay better by {excess:.1f} of BIC, and {WORTH:g} would be strong"
+        told = f"Exponential: not decided, {best} describe{many} the decay better by {excess:.1f} of BIC, and {WORTH:g} would be strong"
     else:
         told = f"Exponential: no, {best} describe{many} the decay better (BIC falls by {_whole(excess)})"
     return f"{told}{_change(curves)}."

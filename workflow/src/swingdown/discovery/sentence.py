@@ -22,10 +22,10 @@ def sentence(found: Mapping[str, Any], catalogue: Catalogue = SHIPPED) -> str:
     end = (
         _frequencies(found)
         + _misspecified(found)
-        + (" The search stopped where its time was spent." if found["stopped"] else "")
+        + (" The search stopped: its CPU time was used up." if found["stopped"] else "")
     )
     if found["status"] == "consistent":
-        slack = ", once what the calibration leaves open is used" if _used(found.get("nuisance", {})) else ""
+        slack = " within the calibration's uncertainty" if _used(found.get("nuisance", {})) else ""
         noise = found.get("noise_rms_rad") or found.get("noise_rms_rad_per_s") or np.nan
         text = (
             f"Nothing is missing{slack}: the model leaves {fit[-1]:.3g} times the noise "
@@ -71,7 +71,7 @@ def follows(difference: Mapping[str, Any]) -> str:
     beside = ""
     if law["u_offset"] is not None:
         unit = "" if difference["unit"] == "1" else f" {difference['unit']}"
-        beside = f", beside {plus_minus(law['offset'], law['u_offset'], 'one')}{unit} that stay"
+        beside = f", plus a constant {plus_minus(law['offset'], law['u_offset'], 'one')}{unit}"
     power = plus_minus(difference["exponent"], difference["exponent_standard_error"], "one")
     return f"{said}: it goes as its power {power}{beside}."
 
@@ -134,7 +134,7 @@ def _frequencies(found: Mapping[str, Any]) -> str:
 def _misspecified(found: Mapping[str, Any]) -> str:
     names = found["misspecified"]
     return (
-        f" {_listed(names)} would be negative if it could: a sign that the model is not the pendulum's."
+        f" {_listed(names)} would be negative if it could: the model does not fit this pendulum."
         if names
         else ""
     )
@@ -163,7 +163,7 @@ def _described(one: Mapping[str, Any], effect: Effect) -> str:
     return (
         _spoken(name)
         + (f" ({', '.join(told)})" if told else "")
-        + (f", or {rivals}, which the data do not tell apart," if ties else "")
+        + (f", or {rivals}, which the data do not distinguish," if ties else "")
     )
 
 

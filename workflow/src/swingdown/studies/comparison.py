@@ -143,7 +143,7 @@ def _verdict(row: Any) -> str:
     by = f"mean paired difference {plus_minus(abs(row.mean_difference), row.standard_error)} degrees {over}"
     if row.p_holm >= LEVEL:
         if row.n < _FEW:
-            return f"{a} and {b} are not told apart, {row.n} swings are few: {by}"
+            return f"{a} and {b} are not distinguished by {row.n} swings: {by}"
         return f"{a} and {b} are indistinguishable: {by}"
     return f"{lower} is closer to the data than {higher}: {by}"
 

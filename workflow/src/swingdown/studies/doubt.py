@@ -80,7 +80,7 @@ def ask_pull(fits: xr.Dataset, angle: xr.Dataset, label: str) -> None:
     if scale_of([(angle["time"].values, series.values)], "sine", str(series.name)).factor == DEGREE:
         raise NotFree(
             f"recording {angle.attrs['recording']}",
-            f"its period is the same for large swings and small ones, as weight makes none: damping leaves {100 * left:.3g} % of it",
+            f"its period does not depend on the amplitude, so weight does not pull it back: damping leaves {100 * left:.3g} % of it",
             "a pendulum that weight pulls back, or a word on what else does",
             "of a wheel on a spring or a torsion pendulum say restoring: linear; otherwise correct the unit in the cell signal_unit of the "
             "sheet",
@@ -137,7 +137,7 @@ def breaks_off(where: str) -> InputError:
     """What is told of a fit that breaks off."""
     return InputError(
         where,
-        "no pendulum moves so: whatever its values, no model of one follows it to the end",
+        "no model of a pendulum follows this motion to its end, whatever its values",
         "the motion of a pendulum that swings by itself",
         MEND,
     )

@@ -230,7 +230,7 @@ def _law(model: str, alike: Sequence[str]) -> str:
     if not alike:
         return ""
     others = ", or ".join(model_words(one) for one in alike)
-    return f"{model_words(model)} is not told apart from {others}: they describe the amplitudes as well, and period, quality and decay are means over the laws"
+    return f"the data do not distinguish {model_words(model)} from {others}: period, quality and decay are means over the laws"
 
 
 def _scatter(own: xr.Dataset, scale: float, unit: str) -> str:
@@ -263,5 +263,5 @@ def _dependence(own: xr.Dataset, row: Mapping[str, Any], unit: str) -> str:
     period = 2 * np.pi / frequency
     told = f"small swings take {value_with_uncertainty(period, period * u / frequency)} s"
     if error > _SEEN:
-        return f"{told}; how the period depends on the amplitude is not seen"
+        return f"{told}; the period shows no dependence on the amplitude"
     return f"{told}; the period grows with the amplitude {value_with_uncertainty(share, error)} times as weight makes it"

@@ -126,7 +126,7 @@ def short(row: Mapping[str, Any], verdict: Mapping[str, Any] | None = None) -> s
 _SYMBOLS = {"period": "T", "quality": "Q"}
 _ENDINGS = {
     "consistent": " Nothing else is needed.",
-    "ambiguous": " Something else acts, and the data do not tell what.",
+    "ambiguous": " Something else acts; the data leave open what.",
     "partial": " Something remains that has no name here.",
 }
 

@@ -25,7 +25,7 @@ def findings(material: Material) -> Section:
             f"Simulation: {inside.sum()} of the {len(compared)} mean norms of the paper's Table 2 are reproduced within its own "
             "standard deviation, with settings inferred from that table."
             if len(compared)
-            else f"Simulation: {len(table)} mean norms, none of which the paper tells."
+            else f"Simulation: {len(table)} mean norms, which the paper does not report."
         )
     return Section("Findings", [Findings(lines)] if lines else [])
 

@@ -106,7 +106,7 @@ def _effects(
         Column("unit"),
         Column("BIC gained", style="n"),
         Column("probability", "%", "n"),
-        Column("not told apart from"),
+        Column("not distinguished from"),
     ]
     rows = [
         [
