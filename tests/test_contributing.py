@@ -1,4 +1,4 @@
-"""The changes that CONTRIBUTING.md works through can be made as they stand there, and do what it says."""
+"""The changes that CONTRIBUTING.md works through (docs/changes) can be made as they stand there, and do what it says."""
 
 import os
 import re
@@ -11,9 +11,10 @@ import pytest
 
 @pytest.fixture(scope="module")
 def changes(root):
-    """All diffs of CONTRIBUTING.md as one patch."""
+    """All patches that CONTRIBUTING.md links to, as one."""
     text = (root / "CONTRIBUTING.md").read_text(encoding="utf-8")
-    return "".join(re.findall(r"^```diff\n(.*?)^```$", text, re.DOTALL | re.MULTILINE))
+    linked = re.findall(r"\]\((\S+\.patch)\)", text)
+    return "".join((root / patch).read_text(encoding="utf-8") for patch in linked)
 
 
 def git_apply(changes, folder, *options):
