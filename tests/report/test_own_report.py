@@ -246,6 +246,21 @@ def test_in_a_browser_the_table_sorts_and_fits_a_phone_by_day_and_night(made, br
     assert evidence < 5 * 900
 
 
+def test_what_an_answer_rests_on_is_folded_away_until_it_is_asked_for_or_printed(made, browser):
+    material, folder = made
+    opened = browser.new_page()
+    opened.goto(written(material(1), folder).as_uri())
+    answer, versions = opened.locator("#quantities-swing-1"), opened.locator("#versions")
+    assert answer.is_visible() and not versions.is_visible()
+    opened.get_by_role("link", name="Versions").click()
+    assert versions.is_visible() and not opened.locator("#settings pre").is_visible()
+    opened.reload()  # with the place in its address
+    assert versions.is_visible()
+    opened.pdf()
+    assert opened.locator("#settings pre").is_visible()
+    opened.close()
+
+
 def test_a_trace_can_be_looked_at_closely_and_is_a_picture_on_paper(made, browser):
     material, folder = made
     path = written(material(1), folder)

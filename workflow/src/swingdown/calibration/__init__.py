@@ -32,11 +32,24 @@ def calibrate(
 ) -> tuple[xr.Dataset, pd.DataFrame]:
     """The calibration dataset and the uncertainty budget (DataFrame) of an apparatus.
 
-    ``apparatus`` as read by ``read_apparatus``; ``rest`` the recording dataset of the pendulum hanging still,
-    or None: then the line's own zero is used. ``mode`` is only noted, as the one that is used downstream. A
-    point is flagged where the intervals of GUM and Monte Carlo differ by more than a tenth of a standard
-    uncertainty, or where some draws have the drop longer than the arm; where more than 1 % have, the point is
-    left out of the line. InputError if fewer than three points are left, or if a recording is none in volts.
+    A point is flagged where the intervals of GUM and Monte Carlo differ by more than a tenth of a standard uncertainty, or where
+    some draws have the drop longer than the arm. Where more than 1 % have, it is left out of the line.
+
+    Parameters
+    ----------
+    apparatus
+        As ``read_apparatus`` returns it.
+    rest
+        The recording of the pendulum hanging still. Default: the line's own zero.
+    draws, seed
+        Of the Monte-Carlo mode.
+    mode
+        The one that is used downstream; all are computed.
+
+    Raises
+    ------
+    InputError
+        If fewer than three points are left, or a recording is not in volts.
     """
     towers = [tower(apparatus, number) for number in range(1, len(apparatus["points"]) + 1)]
     means = [mean_of_samples(record["signal"].values) for record in towers]

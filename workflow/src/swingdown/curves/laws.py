@@ -98,8 +98,21 @@ def laws(
 ) -> Laws:
     """The ``Laws`` of an angle dataset, sampled or of turning points.
 
-    ``known`` (fitted, parameter) are fits of ``studies.experiment.fit_recording`` to it, from which its own begin. InputError for passages
-    without speeds, and for a swing too short to fit.
+    Parameters
+    ----------
+    angle
+        The angle dataset.
+    known
+        Fits of ``studies.experiment.fit_recording`` to it (fitted, parameter), from which these start.
+    restoring
+        ``sine`` or ``linear``.
+    catalogue
+        The effects.
+
+    Raises
+    ------
+    InputError
+        For passages without speeds, and for a swing too short to fit.
     """
     if are_points(angle):
         return _of_points(angle, restoring, catalogue)

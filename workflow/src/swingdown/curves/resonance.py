@@ -27,16 +27,29 @@ _SURE = 1.96  # standard uncertainties of a band of 95 %
 def resonance(curves: xr.Dataset, drive: ArrayLike | None = None, kind: str = "torque") -> xr.Dataset:
     """A Dataset of the steady swings under a drive: ``frequency`` (Hz), ``phase`` (rad) and ``stable`` over ``amplitude`` (rad).
 
-    ``curves`` are those of ``curves.dataset.curves``. ``drive`` is the amplitude (rad/s²) of a torque over the inertia, or with
-    ``kind="pivot"`` of the pivot's sideways acceleration over the length; one or several, by default up to three that peak within the ring-down.
-    Dimensions: ``drive``, ``source`` (``free`` of a model, ``model``), ``side`` (``below`` the backbone and ``above`` it: each amplitude but
-    the largest has a frequency on both) and ``point``. ``frequency_low`` and ``frequency_high`` are the ends of the band of 95 %. The phase is
-    how far the swing lags behind the drive, 0 to pi. What is not ``stable`` lies between two folds: no pendulum stays there.
-    ``peak_amplitude`` and ``peak_frequency`` are nan where the peak is beyond the amplitudes of the ring-down, and the curve ends there.
+    Harmonic balance (Nayfeh and Mook, Nonlinear Oscillations (1979), 4.1): the drive balances period and damping ratio at each
+    amplitude. Harmonics are left out.
 
-    Harmonic balance (Nayfeh and Mook, Nonlinear Oscillations (1979), 4.1): the drive is held against the period and the damping ratio at
-    each amplitude; harmonics of the swing are left out, and off the backbone friction is taken as that of the same ratio.
-    InputError for readings without a unit of angles or without times, and a drive that is not above 0 or too weak for the ring-down.
+    Parameters
+    ----------
+    curves
+        As ``curves.dataset.curves`` returns them.
+    drive
+        Amplitudes in rad/s². Default: up to three that peak within the ring-down.
+    kind
+        ``torque`` (over the inertia) or ``pivot`` (the pivot's sideways acceleration over the length).
+
+    Returns
+    -------
+    xarray.Dataset
+        Over ``drive``, ``source`` (``free`` of a model, ``model``), ``side`` (``below`` and ``above`` the backbone) and ``point``.
+        ``frequency_low`` and ``frequency_high`` are the 95 % band. ``phase`` is the lag behind the drive, 0 to pi. What is not
+        ``stable`` lies between two folds. ``peak_amplitude`` and ``peak_frequency`` are NaN where the peak is beyond the ring-down.
+
+    Raises
+    ------
+    InputError
+        For readings without a unit of angles or without times, and for a drive that is not above 0 or too weak.
     """
     if kind not in KINDS:
         raise InputError("argument kind", f"unknown kind {kind!r}", " or ".join(KINDS), "correct it")

@@ -214,12 +214,28 @@ def simulate_compiled(compiled: Compiled, times: Floats, values: Floats, release
 
 
 def simulate(model: Model, times: Any, release_angle: float, release_velocity: float = 0.0) -> Floats:
-    """The angle read at each time, in rad (of a model that reads rates the angular velocity, rad/s); an array like ``times``.
+    """The reading at each time, in rad (of a model that reads rates rad/s), of the shape of ``times``.
 
-    ``times`` in s, increasing, the release at the first; ``release_angle`` in rad, ``release_velocity`` in rad/s.
-    Raises InputError for bad times or a model without values, TrajectoryError where the accuracy cannot be kept or the
-    motion from rest is not unique. A TrajectoryWarning tells of friction that drives the pendulum, and of motions beyond 150° on whose way
-    errors grow to more than 1e-6 of the unit, with their size: by how much a finer trajectory differs.
+    Parameters
+    ----------
+    model
+        The model with its values.
+    times
+        Increasing times in s; the release is at the first.
+    release_angle, release_velocity
+        In rad and rad/s.
+
+    Raises
+    ------
+    InputError
+        For bad times, or a model without values.
+    TrajectoryError
+        If the accuracy cannot be kept, or the motion from rest is not unique.
+
+    Warns
+    -----
+    TrajectoryWarning
+        If friction drives the pendulum, or a motion beyond 150° is off by more than 1e-6 of the unit, with the size of the error.
     """
     angles, _, effort = _run(model, times, release_angle, release_velocity, ())
     if effort.largest_angle > _FAR_UP:
@@ -247,10 +263,16 @@ def _warn_of_growth(model: Model, times: Floats, release: Sequence[float], angle
 
 
 def simulate_each(model: Model, times: Any, values: Any) -> Floats:
-    """The angles (rad) of one model with other values in each row: an array of shape (rows, n).
+    """The readings of one model with other values in each row, in rad (or rad/s), of shape (rows, n).
 
-    ``values`` has, row by row, the model's parameters, the release angle (rad) and velocity (rad/s). A row whose
-    trajectory cannot be computed is NaN throughout.
+    Parameters
+    ----------
+    model
+        The model; its own values are not used.
+    times
+        Increasing times in s, of shape (n,).
+    values
+        In each row the model's parameters, the release angle (rad) and velocity (rad/s). A row without a trajectory gives NaN.
     """
     times, values = checked_times(times), np.ascontiguousarray(values, dtype=float)
     if values.ndim != 2 or values.shape[1] != len(model.parameters) + 2:
@@ -274,19 +296,29 @@ def sensitivities(
     free: Sequence[str] | None = None,
     rough: bool = False,
 ) -> tuple[Floats, Floats]:
-    """The angle (rad) and its derivatives by each free value: arrays of shapes (n,) and (len(free), n).
+    """The reading (rad) and its derivatives by each free value, of shapes (n,) and (len(free), n).
 
-    ``free`` names parameters of the model, ``release_angle`` or ``release_velocity``; all of them by default. The
-    units of a row are rad over the parameter's unit. Exact (the variational equations), the jump at reversals included.
+    The derivatives are exact (variational equations), the jump at reversals included. At rest the derivative by
+    ``release_velocity`` is that of a push the way the pendulum leaves; it is 0 where friction holds the pendulum.
 
-    Of a release at rest the derivative by ``release_velocity`` is one-sided where there is friction: that of a push the way the
-    pendulum leaves anyway; none at all where friction holds it.
-    Where they need only be ``rough``, models that take many panels take less time, and angles are off by up to a micro-radian.
+    Parameters
+    ----------
+    model, times, release_angle, release_velocity
+        As in ``simulate``.
+    free
+        Names of parameters, ``release_angle`` or ``release_velocity``. Default: all. A row is in rad over the value's unit.
+    rough
+        Whether models of many panels may be off by up to 1e-6 rad, to save time.
+
+    Raises
+    ------
+    InputError, TrajectoryError
+        As in ``simulate``.
     """
     free = (*model.parameters, "release_angle", "release_velocity") if free is None else tuple(free)
     return _run(model, times, release_angle, release_velocity, free, rough)[:2]
 
 
 def effort(model: Model, times: Any, release_angle: float, release_velocity: float = 0.0) -> Effort:
-    """What the trajectory takes: an ``Effort``."""
+    """The ``Effort`` of a trajectory; arguments and errors as of ``simulate``."""
     return _run(model, times, release_angle, release_velocity, ())[2]

@@ -112,11 +112,17 @@ def half_width(limited: float) -> float:
 
 
 def uncertainty(fit: Fit, swings: Swings) -> Uncertainty:
-    """The ``Uncertainty`` of a fit's values; ``swings`` are the (times in s, angles in rad) that were fitted.
+    """The ``Uncertainty`` of a fit's values.
 
-    The sandwich A S A: A the inverse of J'J with what is known beforehand, S = J' R J with the autocovariance R that the
-    residuals' autoregressive model has (White, Econometrica 48, 817 (1980), with a parametric middle). Swings count as
-    independent. Where readings come in steps, S has what their rounding adds.
+    The sandwich A S A: A is the inverse of J'J with what is known beforehand, S = J' R J with the autocovariance R of the
+    residuals' autoregressive model (White, Econometrica 48, 817 (1980)). Where readings come in steps, S has what rounding adds.
+
+    Parameters
+    ----------
+    fit
+        The fit.
+    swings
+        The (times in s, angles in rad) that were fitted; they count as independent.
     """
     held = ~np.isfinite(np.diag(fit.covariance))
     scale = np.sqrt(np.where(held, 1.0, np.diag(fit.covariance)))

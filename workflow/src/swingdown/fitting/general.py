@@ -14,7 +14,19 @@ from ..errors import InputError
 
 @dataclass(frozen=True)
 class Minimum:
-    """Where a sum of squares is least: the variables ``x``, the sum ``rss`` there and J'J (``normal``), and how it was reached."""
+    """A minimum of a sum of squares.
+
+    Attributes
+    ----------
+    x
+        The variables there, of shape (n,).
+    rss
+        The sum of squares.
+    normal
+        J'J there, of shape (n, n).
+    converged, evaluations
+        Whether the point is stationary, and how many evaluations it took.
+    """
 
     x: np.ndarray
     rss: float
@@ -34,13 +46,26 @@ def least_squares(
 ) -> Minimum:
     """The ``Minimum`` of a sum of squares within bounds, from ``start``.
 
-    ``residuals_and_jacobian`` takes the variables (n,) and returns the residuals (m,) and their derivatives (m, n); a
-    residual that is not finite marks a point that cannot be computed, and the search steps back from it. ``lower`` and
-    ``upper`` (n,) are bounds held by an active set. ``tolerance`` is the relative fall of the sum below which it is
-    stationary, ``most`` the largest number of evaluations. ``converged`` is True only at a stationary point.
-    Raises InputError where the start cannot be computed or shapes do not agree, and whatever the function raises.
-    Levenberg-Marquardt with Nielsen's damping (Madsen, Nielsen and Tingleff, Methods for Non-Linear Least Squares
-    Problems, 2004).
+    Levenberg-Marquardt with Nielsen's damping (Madsen, Nielsen and Tingleff, Methods for Non-Linear Least Squares Problems, 2004).
+
+    Parameters
+    ----------
+    residuals_and_jacobian
+        Takes the variables (n,) and returns residuals (m,) and derivatives (m, n). From a residual that is not finite the search
+        steps back.
+    start
+        The variables to start from, of shape (n,).
+    lower, upper
+        Bounds, of shape (n,).
+    most
+        The most evaluations.
+    tolerance
+        The relative fall of the sum below which the point is stationary.
+
+    Raises
+    ------
+    InputError
+        If the start cannot be computed, or shapes do not agree.
     """
     x = np.array(start, dtype=float, ndmin=1)
     size = x.size

@@ -89,7 +89,17 @@ def _labelled(label: str) -> Model:
 
 
 def fit_trajectory(model: Model | str, times: Any, angle: Any, **options: Any) -> Fit:
-    """The ``Fit`` of a model to one swing (times in s, angles in rad); options as in ``fit_jointly``."""
+    """The ``Fit`` of a model to one swing.
+
+    Parameters
+    ----------
+    model
+        A Model (its values are not used) or a label.
+    times, angle
+        In s and rad, of shape (n,).
+    **options
+        As in ``fit_jointly``, and so are the errors.
+    """
     return fit_jointly(model, [(times, angle)], **options)
 
 
@@ -104,9 +114,22 @@ def fit_at(
     evaluations: int,
     angles: Sequence[Floats] | None = None,
 ) -> Fit:
-    """The ``Fit`` at the free variables ``best``, however they were found; ``covariance`` and its systematic part.
+    """The ``Fit`` at free values that were determined elsewhere.
 
-    ``angles`` (rad) are those of each swing there, where they are known.
+    Parameters
+    ----------
+    problem
+        The swings and the model that were fitted.
+    method, message
+        What the fit states of itself.
+    best
+        The free values, of shape (free,).
+    covariance
+        Their covariance, and its systematic part by source.
+    rss, converged, evaluations
+        Of the minimum.
+    angles
+        The fitted angles (rad) of each swing, where they are known.
     """
     names, slots = problem.model.parameters, problem.slots(best)
     whole, systematic = covariance

@@ -27,8 +27,14 @@ def fit_nelder_mead(
 ) -> Fit:
     """The ``Fit`` of a model to one swing by the Nelder-Mead simplex, as in the paper, restarted until stationary.
 
-    Options as in ``fit_trajectory``. A simplex with steps in proportion to each value is started again from where the
-    last one ended until that gains less than 1e-8 of the sum of squares; ``message`` says how many it took.
+    A simplex is started again from where the last one ended until that gains less than 1e-8 of the sum of squares.
+
+    Parameters
+    ----------
+    model, times, angle, start, guess, bounded
+        As in ``fit_trajectory``, and so are the errors.
+    restarts
+        The most restarts; ``message`` says how many it took.
     """
     from scipy.optimize import minimize  # here, because it takes longer to import than most fits to run
 

@@ -9,11 +9,16 @@ Found = TypeVar("Found")
 
 
 def fit_nested(models: Sequence[Model], fit: Callable[[Model, list[Found]], Found]) -> list[Found]:
-    """The fits of these models, in their order.
+    """The fits of these models, in their order, none with a higher sum of squares than a model inside it.
 
-    ``fit(model, guesses)`` fits one model, also of no guesses from the decay seen in the data. Smaller models go first, and a larger one is started from every
-    optimum of its sub-models besides its own starts: its sum of squares cannot then end above theirs, which the paper's
-    Table 3 violates (κv,q,c .13249 against κq,c .13102).
+    Smaller models go first, and a larger one also starts from every optimum of its sub-models.
+
+    Parameters
+    ----------
+    models
+        The models to fit.
+    fit
+        ``fit(model, guesses)`` returns the fit of one model; without guesses it starts from the decay in the data.
     """
     fits: dict[str, Found] = {}
     for model in sorted(models, key=lambda model: len(model.names)):

@@ -12,10 +12,16 @@ from .result import Fit
 
 
 def predict_reading(fit: Fit, known: Uncertainty, times: Any, swing: int = 0) -> tuple[Floats, Floats]:
-    """The reading (rad) of one of the fitted swings at ``times`` (s) and its standard uncertainty, a sample's noise left out.
+    """The reading (rad) of a fitted swing and its standard uncertainty, both of the shape of ``times``, without a sample's noise.
 
-    ``times`` begin with the swing's first sample, at which it is released. The same recorder's clock is taken to go on: what
-    it is wrong by, fitted values have taken in.
+    Parameters
+    ----------
+    fit, known
+        The fit and the ``Uncertainty`` of its values.
+    times
+        In s; the first is that of the swing's release. The same clock is taken to go on.
+    swing
+        Which of the fitted swings.
     """
     times = checked_times(times)
     one = fit.swings[swing]

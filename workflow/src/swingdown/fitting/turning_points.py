@@ -100,10 +100,23 @@ class _Course(NamedTuple):
 
 
 def fit_turns(model: Model, turns: Turns, inside: Sequence[TurnsFit] = (), clock: float = 0.0) -> TurnsFit:
-    """The ``TurnsFit`` of a model, from the optima of those ``inside`` it besides its own start.
+    """The ``TurnsFit`` of a model to turning points.
 
-    ``clock`` is the standard uncertainty of the clock's rate, as a share. InputError for too few turning points, and
-    where no start can be computed.
+    Parameters
+    ----------
+    model
+        The model; its values are not used.
+    turns
+        The turning points.
+    inside
+        Fits of models inside it, from whose optima it starts too.
+    clock
+        Standard uncertainty of the clock's rate, as a share.
+
+    Raises
+    ------
+    InputError
+        For too few turning points, and where no start can be computed.
     """
     fewest = len(model.effects) + 3  # a first angle, and two more to tell their scatter
     if turns.angles.size < fewest:

@@ -30,15 +30,25 @@ UNIFORM_95 = 0.95 * sqrt(3)  # half width of the interval that holds 95 % of a u
 
 
 def to_angle(recording: xr.Dataset, calibration: xr.Dataset | None = None, mode: str = "gum") -> xr.Dataset:
-    """The angle dataset of a recording: ``angle``, its uncertainties and its 95 % bound (all rad, over
-    ``time``). Of an angular rate the variables are ``rate`` and so on, in rad/s (``dataset.series_of`` finds either).
+    """The angle dataset of a recording: ``angle``, its uncertainties and its 95 % bound, in rad over ``time`` (s).
 
-    A recording in volts needs the ``calibration`` dataset; its ``mode`` (paper, gum, monte-carlo) sets the
-    uncertainty. In counts, or in rad or deg in steps, the only uncertainty known is that of the resolution
-    (step / sqrt 12); in rad or deg without steps it is the noise seen in the recording itself, with its colour. Of
-    systematic errors only what the sheet's tolerances say is then known: the attribute ``systematic`` tells.
-    ``reading_slack`` (nuisance, source) says what each source does to the reading's gain, zero and curvature,
-    which fits leave open. Samples that the recording marks as spikes are left out: their times are missing. InputError for volts without a calibration, or with one of another campaign.
+    Of an angular rate the variables are ``rate`` and so on, in rad/s (``dataset.series_of`` returns either). ``reading_slack``
+    (nuisance, source) has the effect of each source on gain, zero and curvature, which fits leave open. Spikes are left out.
+
+    Parameters
+    ----------
+    recording
+        As ``recording.ingest`` returns it. Its random uncertainty is that of the resolution (step / sqrt 12), or else of the noise
+        in the recording; its systematic one that of the sheet's tolerances.
+    calibration
+        The calibration dataset, for a recording in volts.
+    mode
+        ``paper``, ``gum`` or ``monte-carlo``: the uncertainty of a calibrated angle.
+
+    Raises
+    ------
+    InputError
+        For volts without a calibration, or with one of another campaign.
     """
     if points_recording.are_points(recording):
         return points_recording.to_angle(recording)

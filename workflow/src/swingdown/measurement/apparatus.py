@@ -74,11 +74,20 @@ _SHARED = ("over_shaft", "shaft_diameter", "bob_diameter", "arm")
 
 
 def read_apparatus(path: str | Path, check_files: bool = True) -> Apparatus:
-    """The sheet as nested dicts, defaults filled in: campaigns, lengths (m), points, encoder (V), rest (rad).
+    """The ``Apparatus`` of a sheet, defaults filled in.
 
-    InputError with file and key for an unknown key, a limit that is not above 0, fewer than three points, a
-    point whose record is not there (unless ``check_files`` is False), and a height at which the bob cannot
-    rest: with the bob's centre above the shaft, or further below it than the arm is long.
+    Parameters
+    ----------
+    path
+        The sheet (YAML).
+    check_files
+        Whether the records of the points must be there.
+
+    Raises
+    ------
+    InputError
+        With file and key: an unknown key, a limit that is not above 0, fewer than three points, a missing record, or a height
+        at which the bob cannot rest.
     """
     found = find(path)
     if not found.is_file():

@@ -17,10 +17,20 @@ _ITERATIONS = 200
 
 @dataclass(frozen=True)
 class Line:
-    """y = intercept + slope x, with the 2 x 2 ``covariance`` of (intercept, slope) in the units of x and y.
+    """A line, y = intercept + slope x.
 
-    The covariance is that of York et al. (2004): evaluated at the points as adjusted to the line and not
-    scaled by chi2 / dof. ``adjusted`` are the abscissae of the adjusted points, ``residuals`` y - line(x).
+    Attributes
+    ----------
+    intercept, slope
+        In the units of x and y.
+    covariance
+        Of (intercept, slope), of shape (2, 2), by York et al. (2004): at the adjusted points, not scaled by chi2 / dof.
+    chi2, dof, iterations
+        Of the fit.
+    adjusted
+        Abscissae of the adjusted points, of shape (point,).
+    residuals
+        y - line(x), of shape (point,).
     """
 
     intercept: float
@@ -55,13 +65,23 @@ class Line:
 def fit_line(
     x: ArrayLike, y: ArrayLike, sd_x: ArrayLike, sd_y: ArrayLike, correlation: ArrayLike = 0.0
 ) -> Line:
-    """The Line through points whose errors are independent from point to point.
+    """The ``Line`` through points whose errors are independent from point to point.
 
-    ``sd_x`` and ``sd_y`` are standard deviations (scalars or one a point, zero in one coordinate allowed),
-    ``correlation`` that between the two errors of a point. York, Evensen, López Martínez and De Basabe
-    Delgado, Am. J. Phys. 72, 367 (2004), written with variances instead of weights so that a standard
-    deviation may be zero. InputError for fewer than three points, points without any error, or points on a
-    vertical.
+    York, Evensen, López Martínez and De Basabe Delgado, Am. J. Phys. 72, 367 (2004), written with variances.
+
+    Parameters
+    ----------
+    x, y
+        The points, of shape (point,).
+    sd_x, sd_y
+        Standard deviations, scalars or one a point; 0 is allowed in one coordinate.
+    correlation
+        Correlation between the two errors of a point.
+
+    Raises
+    ------
+    InputError
+        For fewer than three points, points without any error, or points on a vertical.
     """
     x, y = _checked(x, y)
     sd_x, sd_y, r = (np.broadcast_to(np.asarray(v, dtype=float), x.shape) for v in (sd_x, sd_y, correlation))
@@ -96,12 +116,21 @@ def fit_line(
 
 
 def fit_line_correlated(x: ArrayLike, y: ArrayLike, covariance_x: ArrayLike, covariance_y: ArrayLike) -> Line:
-    """The Line through points whose errors are correlated from point to point, x and y independent of each
-    other.
+    """The ``Line`` through points whose errors are correlated from point to point (ISO/TS 28037, clause 10).
 
-    ``covariance_x`` and ``covariance_y`` are n x n (one of them may be zero). Generalised least squares as in
-    ISO/TS 28037, clause 10: the points are adjusted along their covariances until they lie on the line. With
-    diagonal matrices it is ``fit_line``. InputError as there, and for covariances that cannot be inverted.
+    Errors of x and y are independent of each other. With diagonal covariances it is ``fit_line``.
+
+    Parameters
+    ----------
+    x, y
+        The points, of shape (n,).
+    covariance_x, covariance_y
+        Of shape (n, n); one of them may be zero.
+
+    Raises
+    ------
+    InputError
+        As in ``fit_line``, and for covariances that cannot be inverted.
     """
     x, y = _checked(x, y)
     covariance_x, covariance_y = np.asarray(covariance_x, dtype=float), np.asarray(covariance_y, dtype=float)
@@ -135,9 +164,18 @@ def solve_lines(
 ) -> tuple[Floats, Floats, Floats]:
     """Intercepts, slopes and adjusted abscissae of lines through many draws of the same points.
 
-    ``x`` and ``y`` have the points along their last axis. ``weight`` (n x n) is the inverse of the combined
-    covariance at the line's slope: it belongs to the procedure and is the same for every draw. ``slope``
-    starts the ``rounds`` in which the points are adjusted to the line.
+    Parameters
+    ----------
+    x, y
+        The draws, with the points along the last axis.
+    covariance_x
+        Of shape (n, n).
+    weight
+        Inverse of the combined covariance at the line's slope, of shape (n, n), the same for every draw.
+    slope
+        The slope to start from.
+    rounds
+        How often the points are adjusted to the line.
     """
     tilt = np.asarray(slope, dtype=float)[..., None]
     intercept = np.sum((y - tilt * x) @ weight, axis=-1, keepdims=True) / weight.sum()

@@ -35,13 +35,22 @@ class Circle(NamedTuple):
 
 
 def fit_circle(x: Floats, y: Floats, place: str = "positions") -> Circle:
-    """The circle with the least squared distances from the points; x, y and the result in one unit.
+    """The ``Circle`` with the least squared distances from the points, in their unit.
 
-    It starts from Taubin's algebraic fit (IEEE Trans. PAMI 13, 1115 (1991)) in the form of Chernov, *Circular
-    and Linear Regression* (2010), and minimises the true distances from there. Points far beside it, as a tracker leaves them that
-    lost the bob, do not count (``lost``). The uncertainties are those of least squares
-    with the scatter as seen; errors that neighbouring samples share are not in them. InputError for points that
-    lie on a straight line, on too short an arc, or on no circle.
+    It starts from Taubin's algebraic fit (IEEE Trans. PAMI 13, 1115 (1991); Chernov, *Circular and Linear Regression*, 2010).
+    Points far beside it do not count (``lost``). The uncertainties hold the scatter, not errors that neighbours share.
+
+    Parameters
+    ----------
+    x, y
+        Of shape (n,), in one unit.
+    place
+        What errors call them.
+
+    Raises
+    ------
+    InputError
+        For points on a straight line, on too short an arc, or on no circle.
     """
     kept = np.ones(x.size, dtype=bool)
     for _ in range(_PASSES):

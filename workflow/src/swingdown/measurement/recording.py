@@ -39,14 +39,25 @@ STATIC = Judged(np.empty(0), Reading("rad", False), Spikes(np.empty(0, dtype=boo
 def ingest(
     row: Mapping[str, Any] | pd.Series, sheet: str = "sample sheet", restoring: str = "sine"
 ) -> xr.Dataset:
-    """The dataset of one recording: ``signal(time)`` as recorded, ``time`` in seconds, provenance.
+    """The dataset of one recording: ``signal(time)`` as recorded, ``time`` in s, provenance.
 
-    ``row`` is a row of ``sheet.read_sheet``, or a mapping of the same with the key ``recording``; ``restoring`` is what pulls the
-    pendulum back, ``sine`` or ``linear``. Leading lines ``# key: value`` of a CSV file are its own account of itself; ``emulated`` and ``source`` are kept.
-    Rows out of order are put in order, rows without a number are missing samples; the attribute ``remarks`` tells. InputError names file
-    and row, column or time for: a file or column that is missing, a checksum that does not match, a clock that counts anew, a hole that
-    hides an unknown number of swings, a recording that says it is partial where the sheet's column ``partial`` does not allow it,
-    fewer than 10 samples, and a signal that is constant (unless the role is static) or saturated.
+    Rows out of order are put in order, rows without a number are missing samples; the attribute ``remarks`` reports it. Leading
+    lines ``# key: value`` of a CSV file are kept: ``emulated`` and ``source``.
+
+    Parameters
+    ----------
+    row
+        A row of ``sheet.read_sheet``, or a mapping of the same with the key ``recording``.
+    sheet
+        The sheet's name, for errors.
+    restoring
+        ``sine`` or ``linear``.
+
+    Raises
+    ------
+    InputError
+        With file and row, column or time: a missing file or column, a wrong checksum, a clock that starts anew, a hole that hides
+        an unknown number of swings, a partial recording, fewer than 10 samples, a constant or saturated signal.
     """
     row = {"recording": getattr(row, "name", None), **row}
     place = (
@@ -162,7 +173,13 @@ def _by_itself(
 
 
 def read_recording(path: str | Path) -> xr.Dataset:
-    """The dataset of a recording on disk; InputError if it lost samples or was not finished."""
+    """The dataset of a recording on disk.
+
+    Raises
+    ------
+    InputError
+        If it lost samples or was not finished.
+    """
     recording = dataset.read(path)
     expected, found = recording.attrs.get("expected_samples"), recording.sizes.get("time", 0)
     if expected != found:

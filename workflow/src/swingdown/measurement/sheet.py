@@ -23,11 +23,20 @@ TIME_UNITS = {"s": 1.0, "ms": 1e-3, "us": 1e-6}
 def read_sheet(path: str | Path, check_files: bool = True) -> pd.DataFrame:
     """A DataFrame indexed by recording: the sheet's columns with defaults filled in, and each row's ``line``.
 
-    A unit that neither its cell nor the named column tells is "": the file's own column name then decides.
-    Text columns hold str ("" = none), numbers float (NaN = none); ``file`` stays as written (``paths.find``
-    finds it). ``.attrs["sheet"]`` is the sheet's path. Whatever is not as ``config/README.md`` says raises
-    InputError with the sheet, line and column. ``check_files=False`` leaves out the check that each file is
-    there.
+    Text columns hold str ("" = none), numbers float (NaN = none). A unit of "" is that of the file's own column. ``file`` stays
+    as written (``paths.find`` looks it up). ``.attrs["sheet"]`` is the sheet's path.
+
+    Parameters
+    ----------
+    path
+        The sample sheet.
+    check_files
+        Whether each file must be there.
+
+    Raises
+    ------
+    InputError
+        With sheet, line and column.
     """
     found = find(path)
     if not found.is_file():

@@ -21,12 +21,22 @@ KINDS = ("random", "systematic")
 
 @dataclass(frozen=True)
 class Input:
-    """An input quantity: its best value and what is known of its error.
+    """An input quantity: its best value and its uncertainty.
 
-    ``standard_uncertainty`` is in the unit of the value; ``distribution`` is normal, uniform, triangular,
-    arcsine or t (with ``dof`` degrees of freedom, scaled to the standard uncertainty). ``limit`` is the
-    stated half width, if the uncertainty comes from one. ``kind``: ``random`` errors differ from sample to
-    sample, ``systematic`` ones are shared by all samples.
+    Attributes
+    ----------
+    name, unit
+        What it is.
+    value, standard_uncertainty
+        In that unit.
+    distribution
+        ``normal``, ``uniform``, ``triangular``, ``arcsine``, or ``t`` with ``dof`` degrees of freedom.
+    dof
+        Degrees of freedom.
+    limit
+        The stated half width that the uncertainty comes from, or None.
+    kind
+        ``random`` errors differ from sample to sample, ``systematic`` ones are shared by all.
     """
 
     name: str
@@ -59,8 +69,12 @@ class Input:
 
 
 def from_limit(name: str, value: float, limit: float, distribution: str = "uniform", **more: Any) -> Input:
-    """The Input whose true value lies within ``limit`` of ``value``; InputError for a limit that is not above
-    0.
+    """The ``Input`` whose true value lies within ``limit`` of ``value``.
+
+    Raises
+    ------
+    InputError
+        For a limit that is not above 0.
     """
     if not limit > 0:
         raise InputError(
@@ -78,11 +92,22 @@ def from_limit(name: str, value: float, limit: float, distribution: str = "unifo
 
 @dataclass(frozen=True)
 class Propagation:
-    """First-order result: ``value`` (m), ``sensitivity`` (m x n), ``covariance`` (m x m), in the inputs'
-    order.
+    """A first-order propagation of n inputs to m outputs.
 
-    ``contributions`` (m x n) are sensitivity times standard uncertainty; ``dof`` (m) effective degrees of
-    freedom.
+    Attributes
+    ----------
+    inputs
+        The inputs, in their order.
+    value
+        Of shape (m,).
+    sensitivity
+        Of shape (m, n).
+    covariance
+        Of shape (m, m).
+    contributions
+        Sensitivity times standard uncertainty, of shape (m, n).
+    dof
+        Effective degrees of freedom, of shape (m,).
     """
 
     inputs: tuple
@@ -105,12 +130,19 @@ class Propagation:
 def propagate_gum(
     function: Callable[[Floats], ArrayLike], inputs: Sequence[Input], correlation: ArrayLike | None = None
 ) -> Propagation:
-    """The Propagation of ``inputs`` through ``function`` to first order (JCGM 100, 5.1 and 5.2).
+    """The ``Propagation`` of ``inputs`` through ``function`` to first order (JCGM 100, 5.1 and 5.2).
 
-    ``function`` takes an array with the inputs along its first axis, and draws along the second if there is one,
-    and gives one output or several along its first axis, draws along the last. Sensitivities are central
-    differences over a third of a standard uncertainty, extrapolated once. ``correlation`` is that of the inputs (n x n; default none). The
-    degrees of freedom follow Welch and Satterthwaite, which holds for independent inputs only.
+    Sensitivities are central differences over a third of a standard uncertainty, extrapolated once. Degrees of freedom follow
+    Welch and Satterthwaite, which holds for independent inputs only.
+
+    Parameters
+    ----------
+    function
+        Takes the inputs along the first axis, and returns one output or several along the first axis; draws are along the last.
+    inputs
+        The n input quantities.
+    correlation
+        Of the inputs, of shape (n, n). Default: none.
     """
     values = np.array([i.value for i in inputs])
     u = np.array([i.standard_uncertainty for i in inputs])
@@ -148,12 +180,16 @@ def propagate_monte_carlo(
     seed: int | Sequence[int],
     correlation: ArrayLike | None = None,
 ) -> Floats:
-    """The outputs of ``function`` for ``draws`` joint draws of the inputs (JCGM 101), draws along the last
-    axis.
+    """The outputs of ``function`` for joint draws of the inputs (JCGM 101), draws along the last axis.
 
-    ``function`` as in ``propagate_gum``. The same seed gives the same draws. Correlated inputs are drawn as
-    multivariate normal ones, which they must then be. An output that is not a number for some draws is left
-    so.
+    Parameters
+    ----------
+    function, inputs, correlation
+        As in ``propagate_gum``. Correlated inputs are drawn as multivariate normal ones, which they must be.
+    draws
+        How many draws.
+    seed
+        The same seed gives the same draws.
     """
     return np.asarray(function(draw_inputs(inputs, draws, seed, correlation)))
 
@@ -226,11 +262,15 @@ class Mean:
 
 
 def mean_of_samples(samples: ArrayLike) -> Mean:
-    """The Mean of equally spaced samples, its Type A uncertainty widened for autocorrelation.
+    """The ``Mean`` of equally spaced samples, its Type A uncertainty widened for autocorrelation.
 
-    The correlation time sums the autocorrelation up to the first lag where the sum of two neighbours is not
-    positive (Geyer 1992). A sum below that of white noise is not used: anticorrelated samples gain nothing
-    here.
+    The correlation time sums the autocorrelation up to the first lag where the sum of two neighbours is not positive (Geyer
+    1992). Anticorrelation narrows nothing.
+
+    Parameters
+    ----------
+    samples
+        Of shape (n,), in any unit.
     """
     x = np.asarray(samples, dtype=float)
     n = len(x)

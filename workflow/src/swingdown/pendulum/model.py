@@ -212,7 +212,17 @@ def models(
     restoring: str = "sine",
     form: str = "consistent",
 ) -> list[Model]:
-    """The models of these labels, built from the catalogue with a study's own effects (the settings' key ``effects``)."""
+    """The models of these labels, from the catalogue with a study's own effects.
+
+    Parameters
+    ----------
+    labels
+        Such as ``viscous+load_coulomb``.
+    own
+        The settings' key ``effects``.
+    restoring, form
+        As of ``Model``, and so are the errors.
+    """
     entries = catalogue(own)
     return [Model(label, {}, {}, restoring, form, entries) for label in labels]  # type: ignore[arg-type]
 
@@ -257,7 +267,13 @@ def write_model(model: Model, path: Path | str) -> Path:
 
 
 def read_model(path: Path | str, catalogue: Catalogue = SHIPPED) -> Model:
-    """The model that a model file states; InputError names the file and the key that is wrong."""
+    """The ``Model`` that a model file states.
+
+    Raises
+    ------
+    InputError
+        With the file and the key that is wrong.
+    """
     content = parse_yaml(read_text(path), path)
     if not isinstance(content, dict) or "effects" not in content:
         raise InputError(path, "not a model file", "a mapping with the key 'effects'")

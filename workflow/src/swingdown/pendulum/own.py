@@ -15,11 +15,18 @@ _SYMBOL = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
 def own_effects(entries: Mapping[str, Any], where: str = "config, key effects") -> tuple[Effect, ...]:
     """The effects of the settings' key ``effects``, in their order.
 
-    ``entries`` maps a name to its ``torque`` (rad/s^2, in theta, thetadot, t, duration, omega_n and the parameters'
-    symbols), its ``parameters`` and an ``explanation``. Each parameter has a ``unit`` and may have ``lower``, ``upper``,
-    ``typical`` (its usual size) and ``start`` (values to start fits from, needed for those in which the torque is not
-    linear). InputError for a formula that is not whitelisted arithmetic, a symbol that it does not use, and a missing
-    ``start``; a name that is taken is the catalogue's to refuse.
+    Parameters
+    ----------
+    entries
+        By name: ``torque`` (rad/s^2, in theta, thetadot, t, duration, omega_n and the parameters' symbols), ``parameters`` and
+        ``explanation``. A parameter has a ``unit`` and may have ``lower``, ``upper``, ``typical`` and ``start``.
+    where
+        What errors call it.
+
+    Raises
+    ------
+    InputError
+        For a formula that is not whitelisted arithmetic, a symbol that it does not use, and a missing ``start``.
     """
     return tuple(_effect(name, entry, f"{where}.{name}") for name, entry in entries.items())
 

@@ -16,7 +16,7 @@ from .sections.findings import findings
 from .sections.left_out import left_out, notice
 from .sections.missing import missing
 from .sections.origin import origin
-from .sections.own import answer, damping, evidence
+from .sections.own import amplitude, answer, damping, evidence
 from .sections.series import series
 from .sections.settings import settings
 from .sections.simulation import simulation
@@ -39,7 +39,25 @@ def sweeps(material: Material) -> Section:
 
 
 SECTIONS = (findings, left_out, missing, simulation, apparatus, experiment, sweeps, settings, origin)
-OWN = (answer, series, left_out, evidence, damping, calibration, settings, origin)  # of a study of one's own
+OWN = (
+    answer,
+    series,
+    left_out,
+    evidence,
+    amplitude,
+    damping,
+    calibration,
+    settings,
+    origin,
+)  # of a study of one's own
+FOLDED = (
+    evidence,
+    amplitude,
+    damping,
+    calibration,
+    settings,
+    origin,
+)  # what the answers rest on, until somebody asks
 
 
 def sections(material: Material) -> list[Section]:
@@ -47,8 +65,12 @@ def sections(material: Material) -> list[Section]:
 
     Tables and figures that rest on emulated recordings say so.
     """
-    made = [make(material) for make in (OWN if material.own else SECTIONS)]
-    return [_labelled(section, material) for section in made if section and section.items]
+    made = [(make, make(material)) for make in (OWN if material.own else SECTIONS)]
+    return [
+        replace(_labelled(section, material), folded=material.own and make in FOLDED)
+        for make, section in made
+        if section and section.items
+    ]
 
 
 def _labelled(section: Section, material: Material) -> Section:

@@ -126,10 +126,11 @@ Item = Text | Findings | Listing | Table | Figure
 
 @dataclass(frozen=True)
 class Section:
-    """A heading and what stands under it."""
+    """A heading and what stands under it; ``folded`` is what a reader opens who asks for it."""
 
     title: str
     items: list[Item]
+    folded: bool = False
 
     @property
     def anchor(self) -> str:

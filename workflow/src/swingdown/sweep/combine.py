@@ -27,10 +27,22 @@ _BLOCK = 1 << 15  # draws of a cell that lie together in the file
 def combine(sweep, paths, output):
     """The path of the netCDF written: every draw of every cell, and the cells' probabilities (``summary``).
 
-    Dimensions are the axes' names in the order of the config, ``realization``, and what the variables are listed by
-    (``fitted``); coordinates have units, the settings and seeds are attributes and ``noise_key``, ``reason`` says why a cell
-    could not be made. Of a Zarr store the draws stay where they are, and ``row`` tells where each is. InputError where a draw is
-    missing or there twice, naming the cell.
+    Dimensions are the axes' names, ``realization``, and what the variables are listed by (``fitted``). ``noise_key`` has the
+    seeds, ``reason`` why a cell could not be made. Draws of a Zarr store stay there, and ``row`` is where each is.
+
+    Parameters
+    ----------
+    sweep
+        The ``table.Sweep``.
+    paths
+        The chunks.
+    output
+        The path to write.
+
+    Raises
+    ------
+    InputError
+        With the cell whose draw is missing or there twice.
     """
     output = Path(output)
     key_of = cell_keys(sweep.computes, sweep.settings, sweep.keys)

@@ -160,9 +160,19 @@ SHIPPED = Catalogue()
 
 
 def catalogue(own: Mapping[str, Any] | None = None, where: str = "config, key effects") -> Catalogue:
-    """The catalogue with a study's own effects (its settings' key ``effects``) after the shipped ones.
+    """The ``Catalogue`` with a study's own effects after the shipped ones; the same settings give the same object.
 
-    The same settings give the same object. InputError as ``own_effects`` and ``Catalogue`` raise it.
+    Parameters
+    ----------
+    own
+        The settings' key ``effects``.
+    where
+        What errors call it.
+
+    Raises
+    ------
+    InputError
+        As of ``own_effects`` and ``Catalogue``.
     """
     return _with_own(json.dumps(own), where) if own else SHIPPED
 

@@ -72,7 +72,7 @@ def missing(material: Material) -> Section:
 
 
 def _added(found: dict[str, Any]) -> Table:
-    caption = f"What is asserted to be missing from the model of {found['campaign']}; in parentheses the standard error in units of the last digits."
+    caption = f"Effects that are missing from the model of {found['campaign']}; in parentheses the standard error in units of the last digits."
     notes = (
         f"Moves: {'; '.join(found['moves']).replace('_', ' ')}. {found['split'].capitalize()}.",
         *_stopped(found),
@@ -81,9 +81,7 @@ def _added(found: dict[str, Any]) -> Table:
 
 
 def _helping(found: dict[str, Any]) -> Table:
-    caption = (
-        f"What imitates part of what is missing from the model of {found['campaign']} and is not asserted."
-    )
+    caption = f"Effects that may be part of what is missing from the model of {found['campaign']}, without enough evidence."
     doubts = [f"{one['name']}: {one['doubt']}".replace("_", " ") for one in found["stand_ins"]]
     notes = (
         f"Not asserted because: {'; '.join(doubts)}.",
@@ -93,7 +91,7 @@ def _helping(found: dict[str, Any]) -> Table:
 
 
 def _stopped(found: dict[str, Any]) -> tuple[str, ...]:
-    return ("The search stopped where its time (discovery.budget_s) was spent.",) if found["stopped"] else ()
+    return ("The search stopped: its CPU time (discovery.budget_s) was used up.",) if found["stopped"] else ()
 
 
 def _effects(
@@ -104,7 +102,7 @@ def _effects(
         Column("parameter"),
         Column("value", style="n"),
         Column("unit"),
-        Column("BIC gained", style="n"),
+        Column("ΔBIC", style="n"),
         Column("probability", "%", "n"),
         Column("not distinguished from"),
     ]
@@ -153,7 +151,7 @@ def _where(found: dict[str, Any]) -> Table:
         caption,
         columns,
         rows,
-        ("Groups overlap: shares do not add up. “At the end” is told where something remains.",),
+        ("Groups overlap: shares do not add up. “At the end” is given where something remains.",),
         link=f"discovery/{found['campaign']}/verdict.json",
         rule="discover_verdict",
         of=(found["campaign"],),

@@ -40,7 +40,10 @@ _FITTED = (
 
 
 def answer(material: Material) -> Section | None:
-    """Of each pendulum the verdict in a sentence and how sure it is, the recording with its fit, its quantities, the missing torque."""
+    """Of each pendulum the verdict in a sentence and how sure it is, the recording with its fit, its quantities, the missing torque.
+
+    What else there is of it is folded away below.
+    """
     table = material.tables.get("pendulums")
     if table is None:
         return None
@@ -62,8 +65,6 @@ def answer(material: Material) -> Section | None:
         items += _drawn(material, str(campaign), "difference", "What follows the change", _FOLLOWS)
         drawn = _drawn(material, str(campaign), "answer", "Recording and fit", _FITTED)
         items += [_zoomable(figure, material, found) for figure in drawn]
-        items += _drawn(material, str(campaign), "curves", "Against the amplitude", _CURVES)
-        items += _drawn(material, str(campaign), "laws", "Laws of damping", _LAWS)
         items += (
             [_quantities(rows, found)] if len(rows) == 1 else [_recordings(rows, material, str(campaign))]
         )
@@ -98,7 +99,7 @@ def _sure(found: Mapping[str, Any]) -> Markup:
     for one in found["effects"]:
         words = one["name"].replace("_", " ")
         parts.append(
-            f"With {words} BIC falls by {numbers.whole(one['delta_bic'])}; 10 is called very strong."
+            f"With {words} ΔBIC is {numbers.whole(one['delta_bic'])}; above 10 is very strong evidence."
         )
     place = f"discovery/{found['campaign']}/verdict.json"
     link = Markup('<a href="{0}">{0}</a>, rule discover_verdict').format(place)
@@ -175,7 +176,7 @@ def _of_model(row: Mapping[str, Any]) -> str:
         return (
             f"The model that the search ended with, {words}, fitted to the whole of every recording; {leaves}"
         )
-    return f"Of the models of damping the one with {words} describes the recording best; {leaves}"
+    return f"The model of damping with {words} describes the recording best; {leaves}"
 
 
 def _symbol(model: str) -> Cell:
@@ -272,6 +273,21 @@ def _why(row: Mapping[str, Any]) -> Cell:
     if kind in ("", REFUSED):
         return text
     return Markup('<a href="discovery/{}/verdict.json">{}</a>').format(row["campaign"], text)
+
+
+def amplitude(material: Material) -> Section | None:
+    """Of each pendulum, where they are few, its curves against the amplitude and what the laws of damping leave."""
+    table = material.tables.get("pendulums")
+    if table is None:
+        return None
+    campaigns = dict.fromkeys(table[table["verdict"] != REFUSED]["campaign"].astype(str))
+    if len(campaigns) > FEW:
+        return None
+    items: list[Item] = []
+    for campaign in campaigns:
+        items += _drawn(material, campaign, "curves", "Curves", _CURVES)
+        items += _drawn(material, campaign, "laws", "Laws of damping", _LAWS)
+    return Section("Against the amplitude", items)
 
 
 def evidence(material: Material) -> Section | None:
