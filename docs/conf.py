@@ -10,6 +10,8 @@ from importlib.metadata import PackageNotFoundError
 from importlib.metadata import version as installed
 from pathlib import Path
 
+from sphinx.ext.napoleon import Config, NumpyDocstring
+
 sys.path.insert(0, str(Path(__file__).parents[1] / "workflow" / "src"))
 
 suppress_warnings = ["myst.header"]  # pages may go from a title to smaller headings at once
@@ -21,7 +23,7 @@ try:
     release = installed("swingdown")
 except PackageNotFoundError:
     release = ""  # in the environment that builds the site the package is a folder
-extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon"]
+extensions = ["myst_parser", "sphinx.ext.autodoc"]
 root_doc = "docs/index"
 include_patterns = [
     "README.md", "CONTRIBUTING.md", "CHANGELOG.md", "config/README.md", "docs/**", "resources/*/README.md",
@@ -34,8 +36,6 @@ myst_heading_anchors = 4  # links such as own-file.md#the-same-by-hand
 myst_links_external_new_tab = False
 autodoc_typehints = "signature"
 autodoc_member_order = "bysource"
-napoleon_google_docstring = False  # sections are written as numpy has them
-napoleon_use_ivar = True
 
 html_theme = "furo"
 html_title = f"swingdown {release}".strip()
@@ -45,7 +45,12 @@ html_copy_source = False
 
 
 def setup(app):
-    """Docstrings may write a plural such as ``Fit``s, which reStructuredText wants told apart."""
+    """Docstrings have sections as numpy has them, and may write a plural such as ``Fit``s, which reStructuredText wants told apart."""
+    written = Config(napoleon_use_ivar=True)
+
+    def sections(app, what, name, obj, options, lines):
+        if what not in ("attribute", "data", "property"):  # of these a colon would end a type
+            lines[:] = NumpyDocstring(lines, written, app, what, name, obj, options).lines()
 
     def plurals(app, what, name, obj, options, lines):
         text = re.sub(
@@ -53,4 +58,5 @@ def setup(app):
         )
         lines[:] = text.split("\n")
 
+    app.connect("autodoc-process-docstring", sections)
     app.connect("autodoc-process-docstring", plurals)
