@@ -312,16 +312,20 @@ def table(found: xr.Dataset) -> pd.DataFrame:
 
     Single swings are rows of the source ``swing``, without a band. What is not known (nan) has no row.
     """
-    parts = []
+    words: list[tuple[str, ...]] = []
+    numbers: list[Floats] = []
     for name, (against, unit, _) in CURVES.items():
-        for source in SOURCES:
-            chosen = found.sel(source=source)
-            columns = {end.strip("_") or "value": chosen[name + end].values for end in _ENDINGS}
-            parts.append(pd.DataFrame({"quantity": name, "source": source, "against": against, "at": found[against].values, "at_unit": found[against].attrs["units"], **columns, "unit": unit}))  # fmt: skip
+        at, at_unit = found[against].values, found[against].attrs["units"]
+        values = [found[name + end].values for end in _ENDINGS]
+        for k, source in enumerate(SOURCES):
+            words += [(name, source, against, at_unit, unit)] * at.size
+            numbers.append(np.column_stack([at, *(one[k] for one in values)]))
+    at, at_unit = found["swing_amplitude"].values, found["swing_amplitude"].attrs["units"]
     for name in ("period", "loss"):
-        single = {"value": found[f"swing_{name}"].values, "u": found[f"swing_{name}_u"].values}
-        amplitude = found["swing_amplitude"]
-        parts.append(pd.DataFrame({"quantity": name, "source": "swing", "against": "amplitude", "at": amplitude.values, "at_unit": amplitude.attrs["units"], **single, "unit": CURVES[name].unit}))  # fmt: skip
-    whole = pd.concat([one for one in parts if len(one)], ignore_index=True).dropna(subset=["value"])
-    whole.insert(0, "campaign", found.attrs["campaign"])
-    return whole[COLUMNS]
+        words += [(name, "swing", "amplitude", at_unit, CURVES[name].unit)] * at.size
+        single = found[f"swing_{name}"].values, found[f"swing_{name}_u"].values
+        numbers.append(np.column_stack([at, *single, np.full((at.size, 2), np.nan)]))
+    whole = pd.DataFrame(words, columns=["quantity", "source", "against", "at_unit", "unit"])
+    whole[["at", *(end.strip("_") or "value" for end in _ENDINGS)]] = np.vstack(numbers)
+    whole["campaign"] = found.attrs["campaign"]
+    return whole.dropna(subset=["value"])[COLUMNS]

@@ -156,19 +156,29 @@ def _zero(known: xr.Dataset | None) -> float:
 def _fits(models: Sequence[Model], times: Floats, values: Floats, known: xr.Dataset | None) -> list[Fit]:
     """The fits of these models: those that are known are where they begin, the others begin where the laws they contain ended."""
     swing = [(times, values)]
-    begun = {} if known is None else {str(one): known.sel(fitted=one) for one in known["fitted"].values}
+    begun = {} if known is None else _begun(known[["value", "release_angle", "release_velocity"]])
 
     def fit(model: Model, inside: list[Fit]) -> Fit:
         if (row := begun.get(model.label)) is None:
             return fit_jointly(
                 model, swing, guess=inside or None, seen=not inside, grown=not inside, bounded=True
             )
-        own = row["value"].sel(parameter=list(model.parameters)).values.tolist()
-        at = dict(zip(model.parameters, own, strict=True))
-        start = SwingStart(at, float(row["release_angle"]), float(row["release_velocity"]))
+        at = {name: row[name] for name in model.parameters}
+        start = SwingStart(at, row["release_angle"], row["release_velocity"])
         return fit_jointly(model, swing, guess=Begin(model, (start,)), seen=False, grown=False, bounded=True)
 
     return fit_nested(models, fit)
+
+
+def _begun(known: xr.Dataset) -> dict[str, dict[str, float]]:
+    """By label the values of fits, and how the swing begins in them."""
+    names = [*map(str, known["parameter"].values), "release_angle", "release_velocity"]
+    release = [known[name].values[:, np.newaxis] for name in names[-2:]]
+    rows = np.hstack([known["value"].transpose("fitted", "parameter").values, *release])
+    return {
+        str(label): dict(zip(names, row.tolist(), strict=True))
+        for label, row in zip(known["fitted"].values, rows, strict=True)
+    }
 
 
 def _held_out(fit: Fit, times: Floats, values: Floats) -> float:

@@ -64,20 +64,23 @@ def regression(
     gram, right, power = columns.T @ columns, columns.T @ target, float(target @ target)
     n, first, size = target.size, laws.shape[1], curve.shape[1]
     freedom = max(n - besides.shape[1], 1)
-    found = []
-    for width in _WIDTHS:
-        root = np.linalg.cholesky(kernel(nodes, width))
-        for share in np.geomspace(least, 1.0, _SIZES):
-            found.append(
-                _one(gram, right, power, root, scale * np.array([_SHARE, share]), (first, size), freedom)
-            )
-    weights = np.exp([one[0] for one in found] - logsumexp([one[0] for one in found]))
-    mean = sum(w * one[1] for w, one in zip(weights, found, strict=True))
-    covariance = sum(
-        w * (one[2] + np.outer(one[1] - mean, one[1] - mean)) for w, one in zip(weights, found, strict=True)
+    roots = np.linalg.cholesky([kernel(nodes, width) for width in _WIDTHS])
+    whole = np.zeros((len(_WIDTHS), _SIZES, len(gram), len(gram)))
+    whole[..., :, :] = np.eye(len(gram))
+    whole[..., :first, :first] *= scale * _SHARE
+    shares = scale * np.geomspace(least, 1.0, _SIZES)
+    whole[..., first : first + size, first : first + size] = (
+        shares[:, np.newaxis, np.newaxis] * roots[:, np.newaxis]
     )
-    noise = float(np.sqrt(sum(w * one[3] for w, one in zip(weights, found, strict=True))))
-    free = max(float(sum(w * one[4] for w, one in zip(weights, found, strict=True))), _FEWEST)
+    likelihood, means, covariances, variances, frees = _each(
+        gram, right, power, whole.reshape(-1, *gram.shape), first + size, freedom
+    )
+    weights = np.exp(likelihood - logsumexp(likelihood))
+    mean = weights @ means
+    away = means - mean
+    covariance = np.tensordot(weights, covariances, 1) + (away.T * weights) @ away
+    noise = float(np.sqrt(weights @ variances))
+    free = max(float(weights @ frees), _FEWEST)
     residual = target - columns @ mean
     covariance = covariance * _slow(residual)
     return Posterior(mean, covariance, free, residual, noise)
@@ -89,34 +92,34 @@ def kernel(nodes: Floats, width: float) -> Floats:
     return np.exp(-0.5 * apart**2) + 1e-8 * np.eye(nodes.size)
 
 
-def _one(
-    gram: Floats,
-    right: Floats,
-    power: float,
-    root: Floats,
-    sizes: Floats,
-    counts: tuple[int, int],
-    freedom: int,
-) -> tuple[float, Floats, Floats, float, float]:
-    """Logarithm of the marginal likelihood, mean, covariance, variance of the noise and its degrees of freedom for one size and width."""
-    first, size = counts
-    whole = np.eye(len(gram))
-    whole[:first, :first] *= sizes[0]
-    whole[first : first + size, first : first + size] = sizes[1] * root
-    known = np.zeros(len(gram))
-    known[: first + size] = 1.0
-    inside = whole.T @ gram @ whole
-    normal = inside + np.diag(known)
-    ridge = np.sqrt(np.diag(normal))
-    lower = np.linalg.cholesky(normal / np.outer(ridge, ridge) + 1e-13 * np.eye(len(gram)))
-    solved = np.linalg.solve(lower, (whole.T @ right) / ridge)
-    variance = max(power - float(solved @ solved), 1e-12 * power) / freedom
-    inverse = np.linalg.solve(lower, np.diag(1 / ridge))
-    covariance = inverse.T @ inverse
-    mean = whole @ (inverse.T @ solved)
-    likelihood = -float(np.log(np.diag(lower)).sum() + np.log(ridge).sum()) - 0.5 * freedom * np.log(variance)
-    used = float(np.einsum("ij,ji->", covariance, inside)) - (len(gram) - first - size)
-    return likelihood, mean, variance * (whole @ covariance @ whole.T), variance, freedom - used
+def _each(
+    gram: Floats, right: Floats, power: float, whole: Floats, known: int, freedom: int
+) -> tuple[Floats, ...]:
+    """Logarithms of the marginal likelihood, means, covariances, variances of the noise and its degrees of freedom for each size and width.
+
+    ``whole`` (case, coefficient, coefficient) are roots of the coefficients' covariances, of which the first ``known`` have any.
+    """
+    inside = np.swapaxes(whole, 1, 2) @ gram @ whole
+    normal = inside + np.diag(np.where(np.arange(len(gram)) < known, 1.0, 0.0))
+    ridge = np.sqrt(np.diagonal(normal, axis1=1, axis2=2))
+    scaled = normal / (ridge[:, :, np.newaxis] * ridge[:, np.newaxis])
+    lower = np.linalg.cholesky(scaled + 1e-13 * np.eye(len(gram)))
+    inverse = np.linalg.solve(lower, np.eye(len(gram)) / ridge[:, np.newaxis])
+    solved = (inverse @ (np.swapaxes(whole, 1, 2) @ right)[..., np.newaxis])[..., 0]
+    variance = np.maximum(power - np.sum(solved**2, axis=1), 1e-12 * power) / freedom
+    back = whole @ np.swapaxes(inverse, 1, 2)
+    means = (back @ solved[..., np.newaxis])[..., 0]
+    logarithms = np.log(np.diagonal(lower, axis1=1, axis2=2)).sum(axis=1) + np.log(ridge).sum(axis=1)
+    likelihood = -logarithms - 0.5 * freedom * np.log(variance)
+    covariances = np.swapaxes(inverse, 1, 2) @ inverse
+    used = np.einsum("kij,kji->k", covariances, inside) - (len(gram) - known)
+    return (
+        likelihood,
+        means,
+        variance[:, np.newaxis, np.newaxis] * (back @ np.swapaxes(back, 1, 2)),
+        variance,
+        freedom - used,
+    )
 
 
 def _slow(residual: Floats) -> float:

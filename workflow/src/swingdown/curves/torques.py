@@ -5,6 +5,7 @@ is a function of the speed alone, d(v); a restoring torque that differs from the
 """
 
 from collections.abc import Callable
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -13,6 +14,7 @@ from ..arrays import Floats
 from ..pendulum.ideal import lengthening
 
 _ANGLES = 32  # of Gauss and Legendre, from the middle to the turning point
+_INNER = 12  # from an angle to the turning point
 _NODES = 20  # of a curve over the logarithm of speed or angle
 _STEPS = 60  # of a half-swing, by Runge and Kutta: it ends within 1e-7 of where it does
 _BELOW = 4.0  # times below the smallest swing where that curve begins; a smaller one is flat
@@ -83,8 +85,14 @@ def stiffness(amplitudes: Floats) -> Basis:
     return Basis((0, 2), float(np.sqrt(low * high)), nodes, 0)
 
 
+@lru_cache
+def _gauss(size: int) -> tuple[Floats, Floats]:
+    """Places from -1 to 1 and weights of Gauss and Legendre."""
+    return np.polynomial.legendre.leggauss(size)
+
+
 def _phases() -> tuple[Floats, Floats]:
-    place, weight = np.polynomial.legendre.leggauss(_ANGLES)
+    place, weight = _gauss(_ANGLES)
     return (place + 1) * np.pi / 4, weight * np.pi / 4
 
 
@@ -106,7 +114,7 @@ def durations(ideal: Ideal, basis: Basis, amplitudes: Floats) -> Floats:
     passed = amplitudes[:, np.newaxis] * np.cos(phase) / np.sqrt(2 * left) * weight  # time at each angle
     time = passed / passed.sum(axis=1, keepdims=True)
     # the work of each curve between the angle and the turning point, by Gauss and Legendre on every such stretch
-    inner, share = np.polynomial.legendre.leggauss(12)
+    inner, share = _gauss(_INNER)
     stretch = (amplitudes[:, np.newaxis] - angle)[..., np.newaxis]
     place = angle[..., np.newaxis] + stretch * (inner + 1) / 2
     torque = ideal.torque(place) * share

@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.stats import chi2
+from scipy.special import chdtrc
 
 from ..arrays import Floats
 from ..pendulum.catalogue import ANGLE
@@ -50,7 +50,7 @@ def groups(frame: Frame, noise: Noise) -> list[Group]:
 
     def group(name: str, squares: float, freedom: int, p: Callable[[float], float] | None = None) -> Group:
         statistic = squares / noise.slow_variance
-        plain = float(chi2.sf(statistic, freedom)) if freedom else 1.0
+        plain = float(chdtrc(freedom, statistic)) if freedom else 1.0
         chance = plain if p is None else p(statistic)
         return Group(name, statistic, freedom, chance, min(1.0, squares / beyond))
 
@@ -63,7 +63,7 @@ def groups(frame: Frame, noise: Noise) -> list[Group]:
             "line",
             squares,
             count,
-            lambda s: float(-np.expm1(looked * np.log1p(-min(chi2.sf(s, count), 1 - 1e-16)))),
+            lambda s: float(-np.expm1(looked * np.log1p(-min(chdtrc(count, s), 1 - 1e-16)))),
         ),
     )
     return found

@@ -22,8 +22,8 @@ def allowing(
     clock's uncertainty into its covariance.
     """
     for _ in range(_ROUNDS if slack.names else 1):
-        noise = uncertainty(fit, swings).noise
-        model = fit.model.with_slack(slack.weighed(noise))
+        weighed = slack.weighed(uncertainty(fit, swings).noise) if slack.names else slack
+        model = fit.model.with_slack(weighed)
         begin = Begin(model, fit.begin.swings)
         fit = fit_jointly(
             model,

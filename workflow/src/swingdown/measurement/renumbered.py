@@ -1,8 +1,9 @@
 """Samples that are lost, or written twice, at even distances while the time is numbered on: the samples then step unevenly."""
 
+from functools import lru_cache
+
 import numpy as np
-from scipy.signal import savgol_coeffs
-from scipy.stats import t as student
+from scipy.special import stdtr
 
 from ..arrays import Floats
 from ..quantisation import quantisation_step
@@ -29,17 +30,18 @@ def lost_evenly(even: Even, period: float) -> list[str]:
     signal = even.signal[:ENOUGH]
     left = np.zeros(width)
     left[width // 2] = 1.0
-    left -= savgol_coeffs(width, 4, use="dot")
+    smoothed, sloped = _of_polynomial(width)
+    left -= smoothed
     rest = np.correlate(signal, left, mode="valid")
-    speed = np.correlate(signal, savgol_coeffs(width, 4, deriv=1, use="dot"), mode="valid")
+    speed = np.correlate(signal, sloped, mode="valid")
     if np.sqrt(np.mean(speed**2)) < quantisation_step(even.signal):
         return []
     looks = LONGEST * (LONGEST + 1) - 2
-    _, size, chance, every = max(
+    _, size, student, draws, every = max(
         (*_sawtooth(rest, speed, left, every), every) for every in range(2, LONGEST + 1)
     )
     lost = round(size * every / (every - size)) if size <= every / 2 else 0
-    if not lost or chance > np.log(BY_CHANCE / looks):
+    if not lost or stdtr(draws - 1, -student) > BY_CHANCE / looks:
         return []
     count, of = abs(lost), every + max(lost, 0)
     return [
@@ -49,15 +51,23 @@ def lost_evenly(even: Even, period: float) -> list[str]:
     ]
 
 
-def _sawtooth(rest: Floats, speed: Floats, left: Floats, every: int) -> tuple[float, float, float]:
+@lru_cache(maxsize=50)
+def _of_polynomial(width: int) -> tuple[Floats, Floats]:
+    """The weights of so many samples in the middle value of a polynomial of fourth order through them, and in its slope there."""
+    place = np.arange(width) - width // 2
+    weights = np.linalg.pinv(np.vander(place, 5, increasing=True).astype(float))
+    return weights[0], weights[1]
+
+
+def _sawtooth(rest: Floats, speed: Floats, left: Floats, every: int) -> tuple[float, float, float, float]:
     """What the likeliest sawtooth of ``every`` samples takes from the squares of ``rest``, its size in samples (below 0 where they come
-    early), and the logarithm of the probability that noise makes as large a one there.
+    early), Student's t of it, and the teeth that tell it.
 
     Each tooth is a draw of its own, whatever the noise and the swing: the scatter of what they tell gives Student's t.
     """
     count = rest.size // every
     if count < 3:
-        return 0.0, 0.0, 0.0
+        return 0.0, 0.0, 0.0, 2.0
     teeth = -np.correlate((np.arange(every + left.size - 1) % every) / every, left, mode="valid")
     places = teeth[(np.arange(every)[:, None] + np.arange(every)) % every].T
     part = slice(count * every)
@@ -65,14 +75,13 @@ def _sawtooth(rest: Floats, speed: Floats, left: Floats, every: int) -> tuple[fl
     worth = (speed**2)[part].reshape(count, every) @ places**2
     total, weight = told.sum(axis=0), worth.sum(axis=0)
     if not weight.all():
-        return 0.0, 0.0, 0.0
+        return 0.0, 0.0, 0.0, 2.0
     # of two samples a sawtooth is its own mirror image
     taken = (np.maximum(total, 0) if every == 2 else total) ** 2 / weight
     best = int(np.argmax(taken))
     size = float(total[best] / weight[best])
     draws = weight[best] ** 2 / float(np.sum(worth[:, best] ** 2))  # teeth, each as much as it tells
     if draws < 3:
-        return 0.0, 0.0, 0.0
+        return 0.0, 0.0, 0.0, 2.0
     scatter = np.sqrt(draws / (draws - 1) * np.sum((told[:, best] - size * worth[:, best]) ** 2))
-    chance = float(student.logsf(abs(total[best]) / scatter, draws - 1)) if scatter else -np.inf
-    return float(taken[best]), size, chance
+    return float(taken[best]), size, abs(total[best]) / scatter if scatter else np.inf, draws

@@ -19,6 +19,7 @@ from .text import charset, pieces_of
 
 FEWEST = 10  # rows; a smaller table beside a larger one is none of a swing
 KEPT = 40  # lines above a table that may name its columns, and rows of it from which a header is told
+HEADED = 3 * KEPT  # lines in which a table begins
 MOST_ODD = 1_000_000  # lines that are no rows of numbers; a file with more of them is no table
 BEYOND = "\0beyond the last column"
 
@@ -79,13 +80,24 @@ class _Finder:
 
     def take(self, first: int, piece: bytes) -> None:
         """Goes on with the lines of a piece."""
-        if not self._as_a_whole(first, piece):
-            before = first - 1
-            for number, line in _filled_lines(first, piece):
-                self.empty |= number > before + 1
-                before = number
-                self._line(number, line.decode(self.charset, errors="replace"))
-            self.empty |= first + piece.count(b"\n") > before + 1
+        if self._as_a_whole(first, piece):
+            return
+        if not self.blocks and (
+            end := _after(piece, HEADED)
+        ):  # where a table begins, what follows may be plain
+            self._by_the_line(first, piece[:end])
+            first, piece = first + HEADED, piece[end:]
+            if self.blocks and len(self.blocks[-1].sample) == KEPT and self._as_a_whole(first, piece):
+                return
+        self._by_the_line(first, piece)
+
+    def _by_the_line(self, first: int, piece: bytes) -> None:
+        before = first - 1
+        for number, line in _filled_lines(first, piece):
+            self.empty |= number > before + 1
+            before = number
+            self._line(number, line.decode(self.charset, errors="replace"))
+        self.empty |= first + piece.count(b"\n") > before + 1
 
     def _as_a_whole(self, first: int, piece: bytes) -> bool:
         """True where all lines are rows of the table that goes on, and are taken."""
@@ -222,6 +234,15 @@ class _Finder:
             last = self.blocks.pop()
             self.blocks[-1].below += [*last.lines, *last.below]
         return self.blocks
+
+
+def _after(piece: bytes, count: int) -> int:
+    """Where so many lines of a piece end; 0 where it has no more."""
+    end = 0
+    for _ in range(count):
+        if not (end := piece.find(b"\n", end) + 1):
+            return 0
+    return end if end < len(piece) else 0
 
 
 def _filled_lines(first: int, piece: bytes) -> Iterator[tuple[int, bytes]]:

@@ -45,6 +45,13 @@ def parse(text: str, names: Iterable[str], where: str = "formula") -> Any:
         ) from None
 
 
+@lru_cache(maxsize=500)
+def names_in(text: str) -> frozenset[str]:
+    """The names of what a formula that was read before goes by: without its functions and ``pi``."""
+    nodes = ast.walk(ast.parse(text, mode="eval"))
+    return frozenset(node.id for node in nodes if isinstance(node, ast.Name)) - {*FUNCTIONS, "pi"}
+
+
 def evaluate(text: str, /, **values: Any) -> Any:
     """The number or array that the formula ``text`` takes at these values (numbers or arrays) of all its names."""
     return _compiled(text, frozenset(values))(values)

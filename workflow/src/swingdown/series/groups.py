@@ -7,8 +7,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 from numpy.typing import ArrayLike
-from scipy.stats import chi2 as chi2_distribution
-from scipy.stats import norm
+from scipy.special import chdtrc, ndtr
 
 from ..arrays import Floats
 from ..errors import InputError
@@ -107,17 +106,17 @@ def compare(groups: Sequence[str], values: ArrayLike, uncertainties: ArrayLike) 
     table["pull"] = [_pull(means, errors, k) for k in range(len(names))]
     apart: list[int] = []
     left = np.arange(len(names))
-    while len(left) > 2 and chi2_distribution.sf(_chi2(means[left], errors[left]), len(left) - 1) < BEYOND:
+    while len(left) > 2 and chdtrc(len(left) - 1, _chi2(means[left], errors[left])) < BEYOND:
         pulls = [abs(_pull(means[left], errors[left], k)) for k in range(len(left))]
         worst = int(np.argmax(pulls))
-        if 2 * norm.sf(pulls[worst]) * len(left) >= BEYOND:  # the worst of so many
+        if 2 * ndtr(-pulls[worst]) * len(left) >= BEYOND:  # the worst of so many
             break
         apart.append(int(left[worst]))
         left = np.delete(left, worst)
-    agree = chi2_distribution.sf(_chi2(means[left], errors[left]), len(left) - 1) >= BEYOND
+    agree = chdtrc(len(left) - 1, _chi2(means[left], errors[left])) >= BEYOND
     told = tuple(names[k] for k in sorted(apart)) if agree else ()
     dof = len(names) - 1
-    return Comparison(chi2, dof, float(chi2_distribution.sf(chi2, dof)), told, table)
+    return Comparison(chi2, dof, float(chdtrc(dof, chi2)), told, table)
 
 
 def _mean(values: Floats, errors: Floats) -> tuple[float, float, Scatter]:

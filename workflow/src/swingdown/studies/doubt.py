@@ -16,8 +16,7 @@ from ..pendulum.model import PAPER_MODELS, SPRUNG, Model
 from ..rounding import value_with_uncertainty
 from .experiment import fit_recording
 from .left_over import DOUBT, MUCH
-from .norms import combine_recordings
-from .pendulums import described_by
+from .pendulums import describes
 from .scale import DEGREE, Scale, scale_of
 from .unscaled import of_first_swings
 
@@ -55,17 +54,17 @@ def ask_free(fits: xr.Dataset, angle: xr.Dataset, fitted: Sequence[Model], start
     """
     known, restoring, form = fitted[0].catalogue, fitted[0].restoring, fitted[0].form
     try:
-        check_free(fits, angle, described_by(combine_recordings([fits]), known), known)
+        check_free(fits, angle, label := describes(fits, known), known)
     except NotFree:
         usual = SPRUNG if restoring == "linear" else PAPER_MODELS
         if {model.label for model in fitted} >= set(usual):
             raise
         general = [Model(tuple(label.split("+")), {}, {}, restoring, form, known) for label in usual]
         more = fit_any(angle, general, start)
-        check_free(more, angle, described_by(combine_recordings([more]), known), known)
+        check_free(more, angle, label := describes(more, known), known)
         fits = more
     if restoring == "sine":
-        ask_pull(fits, angle, described_by(combine_recordings([fits]), known))
+        ask_pull(fits, angle, label)
 
 
 def ask_pull(fits: xr.Dataset, angle: xr.Dataset, label: str) -> None:
@@ -73,7 +72,7 @@ def ask_pull(fits: xr.Dataset, angle: xr.Dataset, label: str) -> None:
 
     What weight pulls back is the slower the wider it swings; a spring's period is the same, as that of swings much smaller.
     """
-    left = float(fits.sel(fitted=label)["share_left"])
+    left = float(fits["share_left"].sel(fitted=label))
     if not left > MUCH or angle.attrs.get("unit_told", "yes") != "yes" or "half_swings" in angle:
         return
     series = series_of(angle)
@@ -150,7 +149,8 @@ def check_free(fits: xr.Dataset, given: xr.Dataset, label: str, catalogue: Catal
     ``fits`` are those of ``studies.experiment.fit_recording`` to the angles ``given``. What is moved by a hand or a motor, or is no
     angle at all, has a least squares fit like anything else, and its values are no pendulum's.
     """
-    name, own = str(given.attrs["recording"]), fits.sel(fitted=label)
+    name = str(given.attrs["recording"])
+    own = fits[["share_left", "value", "standard_error"]].sel(fitted=label)
     left = float(own["share_left"])
     if not left <= LEFT:
         raise NotFree(

@@ -146,7 +146,8 @@ def combine_recordings(datasets: Iterable[xr.Dataset]) -> xr.Dataset:
         raise InputError(
             "experiment/norms", f"recording {sorted(twice)[0]!r} is there twice", "each recording once"
         )
-    combined = _combined([_with_recording(dataset) for dataset in datasets], "recording", "experiment/norms")
+    parts = [_with_recording(dataset) for dataset in datasets]
+    combined = parts[0].copy() if len(parts) == 1 else _combined(parts, "recording", "experiment/norms")
     emulated = "yes" if "yes" in combined["emulated"].values else "no"
     for name in ("norm", "error_bound_norm"):  # of angles and of rates, side by side
         if name in combined and "units" not in combined[name].attrs:

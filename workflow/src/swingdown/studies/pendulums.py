@@ -38,6 +38,7 @@ _SUFFIX = {
 }
 TOGETHER = "(joint)"  # stands for all recordings of a pendulum
 _COUNTS = 0.01  # share of a model in a value, below which it is left out
+_EVIDENCE = ["norm", "variance_inflation", "samples", "value"]  # what evidence is told by
 REFUSED = "refused"  # stands where a verdict would, for a file that could not be read
 
 
@@ -54,6 +55,11 @@ def described_by(norms: xr.Dataset, catalogue: Catalogue = SHIPPED) -> str:
         k for k in usable if evidence[k] - lowest <= WORTH
     ] or usable  # of passages without speeds there is no evidence
     return labels[min(near, key=lambda k: (labels[k].count("+"), evidence[k]))]
+
+
+def describes(fits: xr.Dataset, catalogue: Catalogue = SHIPPED) -> str:
+    """The label of ``described_by`` of one recording, by its ``fits`` of ``experiment.fit_recording``."""
+    return described_by(fits[_EVIDENCE].expand_dims("recording"), catalogue)
 
 
 def _evidence(norms: xr.Dataset, catalogue: Catalogue) -> tuple[list[str], Floats, list[int]]:
@@ -93,14 +99,22 @@ def weights(norms: xr.Dataset, catalogue: Catalogue = SHIPPED) -> dict[str, floa
 
 
 def over_laws(
-    norms: xr.Dataset, weight: Mapping[str, float], amplitude: float, catalogue: Catalogue = SHIPPED
+    norms: xr.Dataset,
+    weight: Mapping[str, float],
+    amplitude: float,
+    catalogue: Catalogue = SHIPPED,
+    known: Mapping[str, Mapping[str, Quantity]] | None = None,
 ) -> dict[str, Quantity]:
     """Natural frequency, period, quality and decay time by name at an amplitude (rad), whichever law of damping holds: the means over the
     laws by their ``weight``; the uncertainty has that of each, and how far they are apart.
 
-    ``norms`` (fitted, parameter, parameter_2) of one recording.
+    ``norms`` (fitted, parameter, parameter_2) of one recording; ``known`` the quantities of models by label, where they are known.
     """
-    each = [(share, described(norms, label, catalogue, amplitude)[1]) for label, share in weight.items()]
+    known = known or {}
+    each = [
+        (share, known.get(label) or described(norms, label, catalogue, amplitude)[1])
+        for label, share in weight.items()
+    ]
     return over_models(each, UNITS)
 
 
@@ -120,15 +134,17 @@ def described(
 
 def values_of(norms: xr.Dataset, label: str, catalogue: Catalogue = SHIPPED) -> tuple[Model, Floats]:
     """The model ``label`` with the values that were fitted, and the covariance of its parameters; ``norms`` as of ``described``."""
-    one = norms.sel(fitted=label)
     options = {key: str(norms.attrs[key]) for key in ("restoring", "form") if key in norms.attrs}
-    model = Model(tuple(label.split("+")), catalogue=catalogue, **options).of(reading_of(one))  # type: ignore[arg-type]
-    at = {"parameter": list(model.parameters)}
-    model = model.with_values(
-        dict(zip(model.parameters, map(float, one["value"].sel(at).values), strict=True))
+    model = Model(tuple(label.split("+")), catalogue=catalogue, **options).of(reading_of(norms))  # type: ignore[arg-type]
+    # by position: a selection by name of a whole dataset takes longer than a fit
+    known, own = as_text(norms["parameter"]), as_text(norms["fitted"]).index(label)
+    at = [known.index(name) for name in model.parameters]
+    values, covariance = (
+        norms[key].isel(fitted=own).transpose(*dims, ...).values
+        for key, dims in (("value", ("parameter",)), ("covariance", ("parameter", "parameter_2")))
     )
-    covariance: Floats = one["covariance"].sel(at | {"parameter_2": list(model.parameters)}).values
-    return model, covariance
+    model = model.with_values(dict(zip(model.parameters, map(float, values[at]), strict=True)))
+    return model, covariance[np.ix_(at, at)]
 
 
 def pendulums(
@@ -233,7 +249,7 @@ def _row(
         amplitude, derived = described(fitted, label, catalogue)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", TrajectoryWarning)  # of the model that is named they are told
-        derived |= over_laws(fitted, weights(own, catalogue), amplitude, catalogue)
+        derived |= over_laws(fitted, weights(own, catalogue), amplitude, catalogue, {label: derived})
     doubts = dict.fromkeys(str(one.message) for one in caught)
     for text in doubts:
         warnings.warn(text, TrajectoryWarning, stacklevel=3)

@@ -6,8 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 from scipy.optimize import brentq, least_squares
-from scipy.stats import chi2 as chi2_distribution
-from scipy.stats import t as student
+from scipy.special import chdtrc, stdtrit
 
 from ..arrays import Floats
 from ..errors import InputError
@@ -41,7 +40,7 @@ class Scatter:
     @property
     def p(self) -> float:
         """The probability of so much scatter by the stated errors alone."""
-        return float(chi2_distribution.sf(self.chi2, self.dof)) if self.dof else float("nan")
+        return float(chdtrc(self.dof, self.chi2)) if self.dof else float("nan")
 
     @property
     def refuted(self) -> bool:
@@ -51,7 +50,7 @@ class Scatter:
     @property
     def few(self) -> float:
         """Student's factor for so few points where their scatter alone tells the uncertainty, so that two standard ones hold 95 %."""
-        return float(student.ppf((1 + _TWO) / 2, self.dof) / 2) if self.refuted else 1.0
+        return float(stdtrit(self.dof, (1 + _TWO) / 2) / 2) if self.refuted else 1.0
 
     @property
     def widening(self) -> float:

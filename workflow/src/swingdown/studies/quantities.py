@@ -13,6 +13,7 @@ from ..arrays import Floats
 from ..engine.trajectory import TrajectoryError, simulate
 from ..fitting.guess import amplitude_factor
 from ..pendulum.effect import NATURAL_FREQUENCY, Effect
+from ..pendulum.formula import names_in
 from ..pendulum.model import Model
 from ..rounding import value_with_uncertainty
 
@@ -107,7 +108,11 @@ def cycle(model: Model, amplitude: float) -> Cycle:
     The decrement is twice the logarithm of one turning point's distance over the next one's, from side to side: where the
     swing's middle lies does not matter.
     """
-    model = model.motion  # what the sensor makes of it is none of the pendulum's
+    return _cycle(model.motion, amplitude)  # what the sensor makes of it is none of the pendulum's
+
+
+def _cycle(model: Model, amplitude: float) -> Cycle:
+    """The same of a model that is nothing but its motion."""
     frequency = model.values[NATURAL_FREQUENCY.name]
     nothing = Cycle(np.nan, np.nan, amplitude)
     if not frequency > 0:
@@ -137,8 +142,9 @@ def steady(model: Model) -> Model:
 
 def _named_in(effect: Effect) -> set[str]:
     """The names in an effect's formulas of motion."""
-    found = effect.expressions()
-    return {one.name for part in (*found.motion.values(), *found.rates) for one in part.free_symbols}
+    texts = [effect.term] if effect.acts_on == "torque" else []
+    texts += [text for text in (effect.inertia, *(state.rate for state in effect.states)) if text]
+    return {name for text in texts for name in names_in(text)}
 
 
 def _vertex(times: Floats, values: Floats, k: int) -> tuple[float, float]:
@@ -155,13 +161,18 @@ def decay_time(model: Model, amplitude: float) -> float:
     The time a period takes over what is lost in it, as a function of the amplitude (a polynomial through a few), summed over
     the logarithm of the amplitude: for a loss that is small in a period, the fall of the turning points.
     """
-    start = cycle(model, amplitude)
+    return _decay_time(model.motion, amplitude)
+
+
+def _decay_time(model: Model, amplitude: float, start: Cycle | None = None) -> float:
+    """The same of a model that is nothing but its motion; ``start`` is its cycle from there, where it is known."""
+    start = start or _cycle(model, amplitude)
     if not np.isfinite(start.decrement):
         return float("nan")
     top = np.log(amplitude)
     above = min(float(top) + start.decrement / 2, float(np.log(3.0)))
     nodes = [
-        cycle(model, float(np.exp(at))) for at in np.linspace(top - 1, max(above, float(top)), _AMPLITUDES)
+        _cycle(model, float(np.exp(at))) for at in np.linspace(top - 1, max(above, float(top)), _AMPLITUDES)
     ]
     if not all(np.isfinite(one.decrement) for one in nodes):
         return float("nan")
@@ -184,12 +195,13 @@ def quantities(model: Model, amplitude: float, covariance: Floats | None = None)
     parameter whose variance is NaN was held, and counts as known. Uncertainties are propagated linearly (JCGM 100, 5.2), and are NaN
     where a value is so little known that a step of a tenth of its error leads to where no pendulum is.
     """
-    values = np.array(model.vector())
+    values, motion = np.array(model.vector()), model.motion
+    moving = [model.parameters.index(name) for name in motion.parameters]
 
     def derived(at: Floats) -> Floats:
-        one = model.with_values(dict(zip(model.parameters, map(float, at), strict=True)))
-        first = cycle(one, amplitude)
-        return np.array([at[0], first.period, np.pi / first.decrement, decay_time(one, amplitude)])
+        one = motion.with_values(dict(zip(motion.parameters, map(float, at[moving]), strict=True)))
+        first = _cycle(one, amplitude)
+        return np.array([at[0], first.period, np.pi / first.decrement, _decay_time(one, amplitude, first)])
 
     found, errors = derived(values), np.full(len(UNITS), np.nan)
     own = np.full(values.size, np.nan)
