@@ -210,7 +210,38 @@ class Readings:
     pending = 0, ()
 
 
-FORMATS = {"frames": Frames, "csv": Lines, "readings": Readings}
+class Timed:
+    """What a device with a clock of its own gives, with the time of each reading: time (s) and value, both as IEEE 754 doubles, low byte first.
+
+    Like ``Readings`` it never leaves this computer. A gap is told by the times alone.
+    """
+
+    _ONE = struct.Struct("<dd")
+    sequence_modulus, tick, tick_modulus, resolution = None, 1.0, None, None
+
+    def __init__(self, settings=None):
+        self._rest = b""
+
+    @classmethod
+    def encoded(cls, times, values):
+        """The bytes of readings at these times (s)."""
+        return b"".join(cls._ONE.pack(*pair) for pair in zip(times, values, strict=True))
+
+    def feed(self, data):
+        """The samples that are whole now, as a list."""
+        data = self._rest + data
+        whole = len(data) // self._ONE.size * self._ONE.size
+        self._rest = data[whole:]
+        return [
+            Sample(None, at, value)
+            for at, value in self._ONE.iter_unpack(data[:whole])
+            if math.isfinite(at) and math.isfinite(value)
+        ]
+
+    pending = 0, ()
+
+
+FORMATS = {"frames": Frames, "csv": Lines, "readings": Readings, "timed": Timed}
 
 
 def parser(settings):

@@ -43,7 +43,7 @@ def job(config: dict, again: bool = False) -> Job:
     still = height is not None or config.get("role") == "static"
     if still:
         settings |= {"trigger": None, "duration_s": settings["still_s"], "still": True}
-    settings["format"] = source.format_of(settings)
+    settings = source.completed(settings)
     format = parser(settings)
     if format.sequence_modulus and settings["timeout_s"] * settings["rate_hz"] > format.sequence_modulus / 4:
         most = format.sequence_modulus / 4 / settings["rate_hz"]

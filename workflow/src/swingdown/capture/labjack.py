@@ -19,8 +19,15 @@ class Gone(OSError):
     """The device stopped answering."""
 
 
+def known(settings: dict) -> dict:
+    """What of the config's ``capture`` the device itself decides: the format."""
+    return {"format": "readings"}
+
+
 class Stream:
     """A stream that runs; see ``source``."""
+
+    what, events = "", ()
 
     def __init__(self, ljm, handle, name, rate, scans):
         self._ljm, self._handle, self.name, self.rate, self._scans = ljm, handle, name, rate, scans

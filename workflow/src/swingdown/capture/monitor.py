@@ -115,7 +115,7 @@ def watch(settings, show, stop):
 
     ``settings`` is the config's ``capture``. InputError where the source cannot be used or goes away.
     """
-    settings = settings | {"format": source.format_of(settings)}
+    settings = source.completed(settings)
     opened = source.connect(settings)
     if opened.rate:
         settings["rate_hz"] = opened.rate

@@ -92,6 +92,7 @@ class Port:
     """A port that is open, as a source (``source``); ``read`` raises one of ``GONE`` when it is unplugged."""
 
     rate = None  # a line knows no clock
+    what, events = "", ()
 
     def __init__(self, name, opened):
         self.name, self._opened = name, opened

@@ -200,7 +200,10 @@ class Recorder:
         start = next(k for k in range(at + 1) if rows[k].time >= noticed.time - before)
         around = rows[start:]
         values = [row.value * self.scale for row in around]
-        self.zero = release([row.time for row in around], values, at - start, self.trigger["threshold"])
+        power = 1 if self.settings["signal_unit"] == "rad/s" else 2
+        self.zero = release(
+            [row.time for row in around], values, at - start, self.trigger["threshold"], power
+        )
         if self.timed:
             del rows[: next(k for k in range(at + 1) if rows[k].time >= self.zero - before - 1e-9)]
         else:

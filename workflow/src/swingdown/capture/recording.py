@@ -43,6 +43,8 @@ def record(job, opened, listener, views=(), stop=None):
     if opened.rate:
         settings["rate_hz"] = opened.rate
     about = {**job.about, "source": told_source(settings, opened.name)}
+    if opened.what:
+        about["remarks"] = [opened.what]
     job = replace(job, settings=settings, about=about)
     kept = {
         "settings": settings,
@@ -57,6 +59,8 @@ def record(job, opened, listener, views=(), stop=None):
         _run(recorder, listener, journal, views, stop or threading.Event())
     finally:
         journal.close()
+    if events := [text for at, text in opened.events if at >= began]:
+        job = replace(job, about={**job.about, "remarks": [*job.about.get("remarks", ()), *events]})
     return _close(job, recorder, journal.remove)
 
 

@@ -17,6 +17,7 @@ SIGNALS = {  # unit: variable, what it is
     "rad": ("angle", "angle as recorded"),
     "deg": ("angle", "angle as recorded"),
     "counts": ("counts", "counts as recorded"),
+    "rad/s": ("rate", "angular rate as recorded"),
 }
 
 
@@ -65,7 +66,7 @@ def to_dataset(recorder, about):
         "status": recorder.status,
         "partial": "yes" if problems else "no",
         "problems": "; ".join(problems),
-        "remarks": "; ".join(verdict.remarks(recorder)),
+        "remarks": "; ".join([*about.pop("remarks", ()), *verdict.remarks(recorder)]),
         "expected": recorder.expected,
         "received": len(rows),
         "lost": len(missing) - damaged,

@@ -52,12 +52,12 @@ class Watch:
         return None
 
 
-def release(times: npt.ArrayLike, values: npt.ArrayLike, at: int, threshold: float) -> float:
+def release(times: npt.ArrayLike, values: npt.ArrayLike, at: int, threshold: float, power: int = 2) -> float:
     """The time of the first sample that the bob was free at, or the last before, given that it was noticed at index ``at``.
 
     ``times`` (s) and ``values`` of the rows around the release; those in the first half of the time before ``at`` were taken
-    while it was held. From rest a pendulum leaves its level with the square of the time: of all moments it is the one from
-    which such a parabola follows the values best.
+    while it was held. From rest a pendulum leaves its level with the square of the time, and its angular rate with the time (``power`` 1): of
+    all moments it is the one from which such a curve follows the values best.
     """
     times, values = np.asarray(times, float), np.asarray(values, float)
     held = values[: max(at // 2, 1)]
@@ -68,7 +68,7 @@ def release(times: npt.ArrayLike, values: npt.ArrayLike, at: int, threshold: flo
         first -= 1
     begun = np.linspace(times[at // 2], times[first], _MOMENTS)
     t, away = times[at // 2 :], away[at // 2 :]
-    shapes = np.maximum(t - begun[:, None], 0.0) ** 2
+    shapes = np.maximum(t - begun[:, None], 0.0) ** power
     sizes = shapes @ away / np.maximum(np.sum(shapes**2, axis=1), 1e-300)
     left = np.sum((away - sizes[:, None] * shapes) ** 2, axis=1)
     return float(times[np.searchsorted(times, begun[np.argmin(left)] - 1e-9)])
