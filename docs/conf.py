@@ -46,7 +46,7 @@ html_copy_source = False
 
 def setup(app):
     """Docstrings have sections as numpy has them, and may write a plural such as ``Fit``s, which reStructuredText wants told apart."""
-    written = Config(napoleon_use_ivar=True)
+    written = Config(napoleon_custom_sections=[("Attributes", "params_style")])  # their names lead nowhere
 
     def sections(app, what, name, obj, options, lines):
         if what not in ("attribute", "data", "property"):  # of these a colon would end a type
