@@ -126,11 +126,14 @@ def tower(apparatus: Apparatus, number: int) -> xr.Dataset:
 
 
 def budget(propagation: Propagation) -> pd.DataFrame:
-    """The uncertainty budget, a row for each output and source: limit, divisor, u, sensitivity, contribution,
-    share.
+    """The uncertainty budget, a row for each output and source: limit, divisor, u, sensitivity, contribution, share.
 
-    ``share`` is the source's part of the output's variance; ``contribution`` = sensitivity times u, in the
-    unit of the output.
+    ``contribution`` is sensitivity times u, in the output's unit; ``share`` the source's part of the output's variance.
+
+    Parameters
+    ----------
+    propagation
+        The first-order propagation, as ``from_means`` returns it.
     """
     units = dict(zip(OUTPUTS, ("rad", "rad/V", "V", "rad", "rad"), strict=True))
     rows = []

@@ -89,14 +89,29 @@ def curves(
     covariance: Floats | None = None,
     restoring: str = "sine",
 ) -> xr.Dataset:
-    """A Dataset of a pendulum's curves over ``amplitude`` and ``angle`` (rad) and ``speed`` (rad/s), by ``source``: ``free`` of a model, and of the ``model``.
+    """A Dataset of a pendulum's curves over ``amplitude`` and ``angle`` (rad) and ``speed`` (rad/s).
 
-    ``angles`` are angle datasets of its recordings, sampled or of turning points; ``covariance`` is that of the model's parameters. Each of
-    ``period`` (s), ``frequency`` (Hz), ``loss`` (share of the amplitude, a swing), ``damping_ratio``, ``quality``, ``restoring`` and ``friction``
-    (rad/s²) has its standard uncertainty (``_u``) and the ends of its band of 95 % (``_low``, ``_high``). The period is twice the time between
-    passages through the middle; of turning points and angular rates between turning points. Single swings as measured are in
-    ``swing_period`` and ``swing_loss`` over ``swing``, with standard uncertainties. The free curves know of noise and of any law; the model's of its parameters alone. What readings without a
-    unit of angles or without times do not hold is nan. InputError for recordings with too few half-swings.
+    Parameters
+    ----------
+    angles
+        Angle datasets of its recordings, sampled or of turning points.
+    model, covariance
+        The model and the covariance of its parameters, for the curves of the model.
+    restoring
+        ``sine`` or ``linear``.
+
+    Returns
+    -------
+    xarray.Dataset
+        By ``source``, ``free`` of a model and ``model``: ``period`` (s), ``frequency`` (Hz), ``loss`` (share of the amplitude, a
+        swing), ``damping_ratio``, ``quality``, ``restoring`` and ``friction`` (rad/s²), each with standard uncertainty (``_u``) and
+        95 % band (``_low``, ``_high``). ``swing_period`` and ``swing_loss`` are single swings, over ``swing``. NaN where the readings
+        have no unit of angles or no times.
+
+    Raises
+    ------
+    InputError
+        For recordings with too few half-swings.
     """
     swings, problems = [], []
     for one in angles:

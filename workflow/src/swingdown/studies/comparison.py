@@ -23,14 +23,17 @@ _Model = tuple[str, Mapping[str, Floats]]  # a model's name, and its arrays over
 
 
 def comparison(norms: xr.Dataset) -> pd.DataFrame:
-    """A row for each campaign and pair of models: campaign, model_a, model_b, mean_difference, standard_error, t, p, p_holm,
-    wilcoxon_p, delta_bic, delta_bic_effective, n, unit, verdict.
+    """A DataFrame with a row for each campaign and pair of models.
 
-    ``mean_difference`` (degrees) is the mean over recordings of norm a minus norm b, each pair from the same recording;
-    t and p are Student's for it, ``p_holm`` is p corrected for the number of pairs, ``wilcoxon_p`` makes no assumption of
-    normal scatter. ``delta_bic`` is BIC a minus BIC b, summed over recordings, with residuals taken for independent;
-    ``delta_bic_effective`` counts only n / variance_inflation samples. Of nested models the larger always has the lower
-    norm, so there the verdict asks whether that BIC falls by more than 6. With one recording t, p and Wilcoxon are NaN.
+    Columns: campaign, model_a, model_b, mean_difference, standard_error, t, p, p_holm, wilcoxon_p, delta_bic,
+    delta_bic_effective, n, unit, verdict. ``mean_difference`` (degrees) is the mean of norm a minus norm b over recordings, with
+    Student's t and p; ``p_holm`` is corrected for the number of pairs. ``delta_bic_effective`` counts n / variance_inflation
+    samples. For nested models the verdict asks whether that BIC falls by more than 6. One recording gives NaN for t and p.
+
+    Parameters
+    ----------
+    norms
+        As ``norms.combine_recordings`` returns them.
     """
     tables = [_campaign(str(name), chosen) for name, chosen in norms.groupby("campaign", squeeze=False)]
     return pd.concat(tables, ignore_index=True)
@@ -87,7 +90,7 @@ def bic_effective(norms: xr.Dataset) -> Floats:
 
 
 def aic_effective(norms: xr.Dataset) -> Floats:
-    """The same of AIC, by which values of several models are weighed."""
+    """AIC by model as ``bic_effective`` has BIC; the weights of models follow from it."""
     misfit, _ = _misfit(norms)
     return np.sum(misfit + 2 * _terms(norms), axis=1)
 

@@ -46,17 +46,27 @@ def fit_recording(
 ) -> xr.Dataset:
     """A Dataset (fitted, parameter, parameter_2, time) of models fitted to one swing by trajectory least squares.
 
-    ``angle`` is a Dataset of ``results/angles``: ``angle(time)`` in rad with its random uncertainty and its bound. A
-    model with more terms starts from the optima of those it contains besides its own starts. ``norm`` (degrees) is the
-    RMS of data minus fit, ``error_bound_norm`` (degrees) the paper's benchmark, the RMS of the angle's bound.
+    What the calibration leaves open of the reading is fitted with the model: ``nuisance_value``, ``nuisance_standard_error``, and
+    ``nuisance_prior``, its prior. ``norm`` (degrees) is the RMS of the residual, ``error_bound_norm`` (degrees) that of the angle's
+    bound. ``standard_error`` is random (with the colour of the residuals, ``fitting.colour``) and systematic together;
+    ``systematic`` has it by source. ``reduced_chi2`` uses the *random* uncertainty, NaN where it is unknown. BIC and AICc take
+    residuals for independent; ``variance_inflation`` is by how much that is too good.
 
-    What the calibration leaves open of the reading (gain, zero, curvature: the coordinate ``nuisance``) is fitted with the
-    model within what is known of it; ``nuisance_value`` and ``nuisance_standard_error`` tell where it ended,
-    ``nuisance_prior`` what was known. ``standard_error`` is random and systematic together: the random part knows the
-    colour of the residuals (``fitting.colour``), the systematic one comes from the slack's sources and the clock,
-    ``systematic`` by source. ``reduced_chi2`` weighs the residuals with the *random* uncertainty of the angle; NaN where
-    that is not known. BIC and AICc take residuals for independent, which those of an incomplete model are not;
-    ``variance_inflation`` tells by how much that is too good. InputError for a swing too short to fit.
+    Parameters
+    ----------
+    angle
+        A Dataset of ``results/angles``: ``angle(time)`` in rad with its random uncertainty and its bound.
+    fitted
+        Labels or models. A larger model starts from the optima of those inside it, too.
+    start
+        ``free`` (release angle and velocity fitted) or ``rest``.
+    bounded
+        Whether parameters keep within the catalogue's bounds.
+
+    Raises
+    ------
+    InputError
+        For a swing too short to fit.
     """
     if are_points(angle):
         return _of_points(angle, [as_model(one) for one in fitted], start, bounded)
@@ -120,9 +130,19 @@ def fit_campaign(
 ) -> xr.Dataset:
     """A Dataset (fitted, recording, parameter, parameter_2) of models fitted to all swings of a campaign together.
 
-    ``angles`` is a list of Datasets as ``fit_recording`` takes them. The parameters are shared, each swing has its own
-    release. ``rms`` (rad) and ``norm`` (degrees) are given for each swing; the rest as there. InputError if there is no
-    swing, or one too short to fit.
+    The parameters are shared, each swing has its own release. ``rms`` (rad) and ``norm`` (degrees) are by swing.
+
+    Parameters
+    ----------
+    angles
+        Datasets as ``fit_recording`` takes them.
+    fitted, start, bounded
+        As in ``fit_recording``.
+
+    Raises
+    ------
+    InputError
+        If there is no swing, or one too short to fit.
     """
     if not angles:
         raise InputError(

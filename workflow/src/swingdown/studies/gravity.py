@@ -42,11 +42,18 @@ _COLUMNS = (
 
 @dataclass(frozen=True)
 class Gravity:
-    """g (m/s^2) with its standard uncertainty, NaN where a length was given without one.
+    """g with its uncertainty.
 
-    ``budget`` has a row for each input: quantity, value, standard_uncertainty, unit, sensitivity, contribution_m_per_s2 (absolute, to
-    the standard uncertainty) and a note. ``of`` says what the pendulum was taken for, ``u_without_length`` is the standard uncertainty
-    that all inputs but the lengths make.
+    Attributes
+    ----------
+    value, uncertainty
+        In m/s²; the uncertainty is NaN where a length has none.
+    u_without_length
+        The standard uncertainty by all inputs but the lengths.
+    of
+        What the pendulum was taken for.
+    budget
+        A row for each input: quantity, value, standard_uncertainty, unit, sensitivity, contribution_m_per_s2, note.
     """
 
     value: float
@@ -87,11 +94,20 @@ def gravity(
     amplitude: float = np.nan,
     period: float = np.nan,
 ) -> Gravity:
-    """``Gravity`` of a bob on a string without mass, from the frequency (rad/s) of its small undamped swings and its length (m).
+    """The ``Gravity`` of a bob on a string without mass. Errors of the inputs count as independent.
 
-    The length reaches from the pivot to the bob's middle. ``bob_diameter`` (m) of a ball adds its inertia, ``bob_density`` (kg/m^3) the air
-    that carries it and is carried along. With the ``period`` (s) at the ``amplitude`` (rad) the budget also tells the corrections that
-    the fit has made. Errors of the inputs count as independent.
+    Parameters
+    ----------
+    natural_frequency
+        Of small undamped swings, in rad/s.
+    length
+        From the pivot to the bob's middle, in m.
+    bob_diameter
+        Of a ball, in m: adds its inertia.
+    bob_density
+        In kg/m³: adds the air's buoyancy and inertia.
+    amplitude, period
+        In rad and s: the budget then has the correction for the amplitude.
     """
     inputs = {"length": length, "natural frequency": natural_frequency}
     if bob_diameter:
@@ -115,10 +131,19 @@ def gravity(
 
 
 def gravity_of_two_pivots(frequencies: Sequence[Stated], distances: Sequence[Stated]) -> Gravity:
-    """``Gravity`` of one rigid body about two pivots in line with its centre of mass (Kater, Bessel 1828).
+    """The ``Gravity`` of one rigid body about two pivots in line with its centre of mass (Kater, Bessel 1828).
 
-    ``frequencies`` (rad/s) are those of small undamped swings about each pivot, ``distances`` (m) those from each to the centre of mass. The
-    body's inertia need not be known. InputError where the distances are equal, or do not go together with the frequencies.
+    Parameters
+    ----------
+    frequencies
+        Of small undamped swings about each pivot, in rad/s.
+    distances
+        From each pivot to the centre of mass, in m.
+
+    Raises
+    ------
+    InputError
+        If the distances are equal, or contradict the frequencies.
     """
     (one, other), (near, far) = frequencies, distances
     inputs = {
@@ -185,11 +210,23 @@ def _corrections(frequency: float, amplitude: float, period: float) -> list[dict
 def with_gravity(
     table: pd.DataFrame, stated: Mapping[str, Mapping[str, Any]], restoring: str = "sine"
 ) -> tuple[pd.DataFrame, dict[str, Gravity]]:
-    """A table of ``pendulums`` with g in the rows whose length is stated, and the ``Gravity`` of each by recording.
+    """A table of ``pendulums`` with g where a length is stated, and the ``Gravity`` of each by recording.
 
-    ``stated`` has the cells of the sample sheet by recording; those of all recordings together hold where they all state the same.
-    Nothing is added for a spring, for a length in pixels, and where the period at no amplitude is known. InputError for a cell that is no
-    length.
+    Nothing is added for a spring, for a length in pixels, and where the period at no amplitude is known.
+
+    Parameters
+    ----------
+    table
+        A table of ``studies.pendulums``.
+    stated
+        The cells of the sample sheet, by recording.
+    restoring
+        ``sine`` or ``linear``.
+
+    Raises
+    ------
+    InputError
+        For a cell that is no length.
     """
     rows, found = [], {}
     for row in table.to_dict("records"):

@@ -49,10 +49,23 @@ STREAMS = ("R", "numpy")
 
 
 def add_noise(kind: str, angle: ArrayLike, snr: float, normals: Floats) -> Floats:
-    """The noisy angle (rad, shape of ``angle``) by the noise model named ``kind``.
+    """The noisy angle (rad), of the shape of ``angle``.
 
-    ``normals`` are standard normal draws of the same shape. InputError for an unknown kind or an ``snr`` that
-    is not above 0.
+    Parameters
+    ----------
+    kind
+        ``proportional``, ``additive`` or ``quantisation``.
+    angle
+        In rad.
+    snr
+        Signal over noise, above 0.
+    normals
+        Standard normal draws of the same shape.
+
+    Raises
+    ------
+    InputError
+        For an unknown kind, or an ``snr`` that is not above 0.
     """
     if kind not in NOISES:
         raise InputError("simulation.noise", f"unknown noise {kind!r}", " or ".join(NOISES))

@@ -77,13 +77,15 @@ def _estimate(
 
 
 def parameter_budget(fits: Iterable[xr.Dataset]) -> pd.DataFrame:
-    """Where the uncertainty of each campaign's values comes from: a row for each value and source: campaign, fitted, parameter,
-    source, contribution, share, unit.
+    """A DataFrame of where the uncertainty of each campaign's values comes from, a row for each value and source.
 
-    ``fits`` are the datasets of ``results/experiment/joint``, and of pendulums of one swing those of ``experiment/fits``.
-    ``contribution`` is what one standard uncertainty of the source does to the value, in its unit; ``share`` its part of the
-    variance. The source ``random`` is noise and what the model misses. Sources of less than a thousandth of the variance are
-    left out.
+    Columns: campaign, fitted, parameter, source, contribution (in the value's unit), share (of the variance), unit. ``random`` is
+    noise and what the model misses. Sources of less than a thousandth of the variance are left out.
+
+    Parameters
+    ----------
+    fits
+        Datasets of ``results/experiment/joint``, and for pendulums of one swing of ``experiment/fits``.
     """
     rows = []
     for one in fits:

@@ -76,8 +76,15 @@ class Quantity(NamedTuple):
 def over_models(
     each: Sequence[tuple[float, Mapping[str, Quantity]]], names: Iterable[str]
 ) -> dict[str, Quantity]:
-    """By name the means of quantities over models: for each, how much it counts, and what it says. A mean's uncertainty has that of each
-    model, and how far they are apart. What no model tells with an uncertainty is left out."""
+    """By name the means of quantities over models, whose uncertainty holds that of each model and their spread.
+
+    Parameters
+    ----------
+    each
+        The weight of each model, and its quantities.
+    names
+        The quantities to take. One that no model has with an uncertainty is left out.
+    """
     told = {}
     for name in names:
         known = [(share, found[name]) for share, found in each if name in found]
@@ -186,14 +193,20 @@ UNITS = {"natural_frequency": "rad/s", "period": "s", "quality": "1", "decay_tim
 
 
 def quantities(model: Model, amplitude: float, covariance: Floats | None = None) -> dict[str, Quantity]:
-    """By name the natural frequency (rad/s), and at this amplitude (rad) the period (s), quality (1) and decay time (s), then
-    the model's other parameters; each a ``Quantity``.
+    """By name the ``Quantity`` of natural frequency (rad/s), period (s), quality (1), decay time (s), and the model's other parameters.
 
-    The natural frequency is that of small undamped swings. The period is that of the first whole swing from rest. The
-    quality is pi over that swing's logarithmic decrement: 2 pi times the energy over what a period loses, where that is
-    little. The decay time is that of ``decay_time``. ``covariance`` is that of the model's parameters in their order; a
-    parameter whose variance is NaN was held, and counts as known. Uncertainties are propagated linearly (JCGM 100, 5.2), and are NaN
-    where a value is so little known that a step of a tenth of its error leads to where no pendulum is.
+    The natural frequency is that of small undamped swings, the period that of the first whole swing from rest, the quality pi
+    over that swing's logarithmic decrement. Uncertainties are propagated linearly (JCGM 100, 5.2); NaN where a step of a tenth
+    of an error leads to where no pendulum is.
+
+    Parameters
+    ----------
+    model
+        The model with its values.
+    amplitude
+        The release angle (rad) at which they hold.
+    covariance
+        Of the model's parameters in their order. A NaN variance marks a value that was held.
     """
     values, motion = np.array(model.vector()), model.motion
     moving = [model.parameters.index(name) for name in motion.parameters]
