@@ -10,7 +10,7 @@ from hashlib import sha256
 from pathlib import Path
 from typing import NoReturn
 
-from .errors import EngineError, InputError
+from .errors import Refusal
 from .paths import printable, write_text
 
 RULE = "-" * 78
@@ -23,7 +23,7 @@ _INDENT = "        "  # under the "[ 3/48] " that starts a job's line
 def job(log: str | Path | None = None) -> Iterator[Callable[[object], None]]:
     """A function ``say(text)`` that prints a finding in the terminal and in the file ``log``.
 
-    An input that cannot be used, an engine that cannot be built, or a full disk, is told in one block in both places and ends the process with exit
+    A refusal (``errors``), or a full disk, is told in one block in both places and ends the process with exit
     code 1. Any other error is a fault of the program: its traceback goes to both places.
     """
     told = []
@@ -39,7 +39,7 @@ def job(log: str | Path | None = None) -> Iterator[Callable[[object], None]]:
     try:
         with warnings_once(say):
             yield say
-    except (InputError, EngineError) as error:
+    except Refusal as error:
         _stop(block(error), log, told)
     except OSError as error:
         if not any(words in str(error) for words in ("the disk is full", "cannot be written")):
@@ -67,12 +67,11 @@ def warnings_once(say: Callable[[object], None]) -> Iterator[None]:
             say(f"Beware: {told[0]}" + (f" ({more} more such)" if more else ""))
 
 
-def block(error: InputError | EngineError) -> str:
-    """The text of an InputError or EngineError laid out for the eye: a line each for where, problem, expected and mend."""
+def block(error: Refusal) -> str:
+    """The text of a refusal laid out for the eye: a line each for where, problem, expected and mend."""
     parts = ("where", "problem", "expected", "mend")
     lines = [f"{part + ':':10} {getattr(error, part)}" for part in parts if getattr(error, part)]
-    what = "The engine cannot be built." if isinstance(error, EngineError) else "This input cannot be used."
-    return framed(what, *lines)
+    return framed(error.heading, *lines)
 
 
 def framed(*lines: str) -> str:

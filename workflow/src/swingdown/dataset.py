@@ -8,11 +8,11 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-import netCDF4
 import numpy as np
 import xarray as xr
 
 from .errors import MAKE_ANEW, InputError
+from .extras import needed
 from .paths import written_whole
 from .sealed import check_behind, seal_behind
 
@@ -30,7 +30,7 @@ def write(dataset: xr.Dataset, path: str | Path) -> Path:
     source, a name for each variable) is added where the dataset does not say it itself. A float variable without ``units`` and ``long_name`` raises ValueError; a full disk raises
     OSError (ENOSPC) with the space wanted and free. Nothing is left behind by a write that fails.
     """
-    path = Path(path)
+    path, netcdf = Path(path), needed("netCDF4")
     if lost := [f"{name}: no {key}" for name, key in _unlabelled(dataset)]:
         raise ValueError(f"{path} is not written. {'; '.join(lost)}")
     dataset = _described(_with_plain_text(dataset), path)
@@ -51,9 +51,8 @@ def write(dataset: xr.Dataset, path: str | Path) -> Path:
             dataset.to_netcdf(
                 partial, engine="netcdf4", format="NETCDF4", encoding=encoding, unlimited_dims=()
             )
-            with netCDF4.Dataset(
-                partial, "a"
-            ) as file:  # last of all: a killed writer leaves a file that opens cleanly
+            # last of all: a killed writer leaves a file that opens cleanly
+            with netcdf.Dataset(partial, "a") as file:
                 file.setncattr(SEALED, "SHA-256 behind the end")
                 file.setncattr("complete", np.int32(1))
             seal_behind(partial)
@@ -94,6 +93,7 @@ def read(path: str | Path) -> xr.Dataset:
             "a dataset written by an earlier step",
             "give the same command again",
         )
+    needed("netCDF4")
     with reading(path):
         dataset = xr.load_dataset(path, engine="netcdf4", decode_times=False, decode_timedelta=False)
     if dataset.attrs.get("complete") != 1:
@@ -112,7 +112,7 @@ def check_sealed(path: str | Path) -> None:
     """None where a file's bytes are those that were written, or it was written without a seal; InputError where they are not."""
     if check_behind(Path(path)):
         return
-    with netCDF4.Dataset(path) as file:
+    with needed("netCDF4").Dataset(path) as file:
         if SEALED in file.ncattrs():
             raise InputError(
                 path,
@@ -124,7 +124,8 @@ def check_sealed(path: str | Path) -> None:
 
 def attributes(path: str | Path) -> dict[str, Any]:
     """The attributes of a file written by ``write``, as a dict; its data are not read. InputError for a damaged one."""
-    with reading(path), netCDF4.Dataset(path) as file:
+    netcdf = needed("netCDF4")
+    with reading(path), netcdf.Dataset(path) as file:
         return {name: file.getncattr(name) for name in file.ncattrs()}
 
 

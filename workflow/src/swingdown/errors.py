@@ -1,10 +1,10 @@
-"""What is raised when an input cannot be used."""
+"""What is raised when something cannot be done: told to people in four parts, and to programs by class and code."""
 
 MAKE_ANEW = "delete it and give the same command again, which makes it anew"  # the mend of a damaged result
 
 
-class InputError(ValueError):
-    """An input that cannot be used: where, what is wrong, what was expected, the mend.
+class Refusal(Exception):
+    """Something that cannot be done: where, what is wrong, what was expected, the mend.
 
     Parameters
     ----------
@@ -12,25 +12,34 @@ class InputError(ValueError):
         The file, row, column or key.
     problem, expected, mend
         Plain sentences without a final full stop.
+    code
+        What a program goes by, "" where none needs to: no text is searched for what it means.
     """
 
-    def __init__(self, where: object, problem: str, expected: str = "", mend: str = "") -> None:
+    heading = "This cannot be done."
+
+    def __init__(
+        self, where: object, problem: str, expected: str = "", mend: str = "", code: str = ""
+    ) -> None:
         self.where, self.problem, self.expected, self.mend = str(where), problem, expected, mend
-        super().__init__(_sentences(where, problem, expected, mend))
+        self.code = code
+        parts = [f"{where}: {problem}.", expected and f"Expected: {expected}.", mend and f"Mend: {mend}."]
+        super().__init__(" ".join(filter(None, parts)))
 
 
-class EngineError(RuntimeError):
-    """An engine that cannot be built or loaded; its parts are those of an ``InputError``."""
+class InputError(Refusal, ValueError):
+    """An input that cannot be used; its parts are those of a ``Refusal``."""
 
-    def __init__(self, where: object, problem: str, expected: str = "", mend: str = "") -> None:
-        self.where, self.problem, self.expected, self.mend = str(where), problem, expected, mend
-        super().__init__(_sentences(where, problem, expected, mend))
+    heading = "This input cannot be used."
 
 
-def _sentences(where: object, problem: str, expected: str, mend: str) -> str:
-    parts = [f"{where}: {problem}."]
-    if expected:
-        parts.append(f"Expected: {expected}.")
-    if mend:
-        parts.append(f"Mend: {mend}.")
-    return " ".join(parts)
+class EngineError(Refusal, RuntimeError):
+    """An engine that cannot be built or loaded; its parts are those of a ``Refusal``."""
+
+    heading = "The engine cannot be built."
+
+
+class PackageError(Refusal, ImportError):
+    """A package that is needed and not installed; its parts are those of a ``Refusal``."""
+
+    heading = "A package is not installed."

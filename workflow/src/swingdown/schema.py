@@ -7,12 +7,15 @@ import sys
 from collections.abc import Iterable
 from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-import jsonschema
 import yaml
 
 from .errors import InputError
+from .extras import needed
+
+if TYPE_CHECKING:
+    import jsonschema
 
 SCHEMAS = Path(__file__).with_name("schemas")
 _KINDS = {
@@ -136,7 +139,7 @@ def check(content: Any, schema: str, where: object, part: str = "key") -> dict[s
     )
     if faults:
         raise _refusal(faults[0], rules(schema), where, part)
-    return _filled(copy.deepcopy(content), rules(schema))
+    return filled(content, schema)
 
 
 def as_said(content: Any, schema: str, keys: Iterable[str]) -> Any:
@@ -168,28 +171,33 @@ def rules(schema: str) -> dict[str, Any]:
     return yaml.safe_load((SCHEMAS / schema).read_text(encoding="utf-8"))
 
 
-_TYPES = jsonschema.Draft202012Validator.TYPE_CHECKER
-
-
 def _is_number(checker: object, value: object) -> bool:
     """A number that a float can hold: neither infinite nor an integer of hundreds of digits."""
     numeric = isinstance(value, int | float) and not isinstance(value, bool)
     return numeric and abs(value) <= sys.float_info.max  # type: ignore[arg-type]
 
 
-def _is_integer(checker: object, value: object) -> bool:
-    return _TYPES.is_type(value, "integer") and _is_number(checker, value)
+@cache
+def _kind() -> Any:
+    """JSON Schema's validator, for which a number is a finite one."""
+    library = needed("jsonschema")
+    known = library.Draft202012Validator
 
+    def is_integer(checker: object, value: object) -> bool:
+        return known.TYPE_CHECKER.is_type(value, "integer") and _is_number(checker, value)
 
-_Validator = jsonschema.validators.extend(
-    jsonschema.Draft202012Validator,
-    type_checker=_TYPES.redefine_many({"number": _is_number, "integer": _is_integer}),
-)
+    checker = known.TYPE_CHECKER.redefine_many({"number": _is_number, "integer": is_integer})
+    return library.validators.extend(known, type_checker=checker)
 
 
 @cache
-def _validator(schema: str) -> jsonschema.Draft202012Validator:
-    return _Validator(rules(schema))
+def _validator(schema: str) -> Any:
+    return _kind()(rules(schema))
+
+
+def filled(content: dict[str, Any], schema: str) -> dict[str, Any]:
+    """A copy of ``content`` with the defaults of ``schemas/<schema>`` filled in; nothing of it is checked."""
+    return _filled(copy.deepcopy(content), rules(schema))
 
 
 def _filled(content: dict[str, Any], schema: dict[str, Any]) -> dict[str, Any]:
@@ -208,7 +216,7 @@ def _filled(content: dict[str, Any], schema: dict[str, Any]) -> dict[str, Any]:
 
 
 def _refusal(
-    fault: jsonschema.ValidationError, schema: dict[str, Any], where: object, part: str
+    fault: "jsonschema.ValidationError", schema: dict[str, Any], where: object, part: str
 ) -> InputError:
     """The InputError that tells a jsonschema error: which key, what was expected, the mend."""
     key = "".join(
@@ -245,7 +253,7 @@ def _refusal(
 
 
 def _missing(
-    fault: jsonschema.ValidationError, schema: dict[str, Any], where: object, part: str, place: str
+    fault: "jsonschema.ValidationError", schema: dict[str, Any], where: object, part: str, place: str
 ) -> InputError:
     lost = next(name for name in fault.validator_value if name not in fault.instance)
     rule = fault.schema.get("properties", schema["properties"]).get(lost, {})
@@ -270,7 +278,7 @@ def _no_number(value: object, rule: dict[str, Any], place: str) -> InputError:
 
 
 def _unknown_key(
-    fault: jsonschema.ValidationError, schema: dict[str, Any], where: object, key: str
+    fault: "jsonschema.ValidationError", schema: dict[str, Any], where: object, key: str
 ) -> InputError:
     known = fault.schema["properties"]
     name = next(name for name in fault.instance if name not in known)

@@ -5,6 +5,7 @@ from functools import lru_cache, partial
 from pathlib import Path
 from typing import Any
 
+from ..extras import needed
 from ..pendulum.effect import Effect
 from . import cache, compiler, interface, prebuilt
 
@@ -69,7 +70,8 @@ def header(catalogue: Effects, gravity: Effects) -> str:
     name = _header_name(catalogue, gravity)
 
     def make(path: Path) -> None:
-        from . import generate  # sympy takes half a second, and only a changed catalogue needs it
+        needed("sympy")  # it takes half a second, and only a changed catalogue needs it
+        from . import generate
 
         path.write_text(generate.source(catalogue, gravity))
 

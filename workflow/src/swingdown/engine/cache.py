@@ -7,18 +7,23 @@ damage, and not who wrote it.
 import hashlib
 import os
 import shlex
+import sys
 import tempfile
 from collections.abc import Callable, Iterator
 from pathlib import Path
-
-import platformdirs
 
 from ..errors import EngineError
 
 
 def folder() -> Path:
-    """The folder that keeps compiled engines: SWINGDOWN_CACHE if set, else the user's cache folder."""
-    return Path(os.environ.get("SWINGDOWN_CACHE") or platformdirs.user_cache_dir("swingdown"))
+    """The folder that keeps compiled engines: SWINGDOWN_CACHE if set, else the user's cache folder, as each system has it."""
+    if own := os.environ.get("SWINGDOWN_CACHE"):
+        return Path(own)
+    if sys.platform == "win32":
+        return Path(os.environ.get("LOCALAPPDATA") or Path.home() / "AppData/Local") / "swingdown" / "Cache"
+    if sys.platform == "darwin":
+        return Path.home() / "Library/Caches/swingdown"
+    return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "swingdown"
 
 
 def key(*parts: str) -> str:

@@ -11,12 +11,12 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from typing import Any, BinaryIO
 
-import netCDF4
 import numpy as np
 import pandas as pd
 import xarray as xr
 
 from ..errors import InputError
+from ..extras import needed
 from ..paths import find, is_url
 from . import phyphox
 from .archive import unpacked
@@ -173,9 +173,10 @@ def check_sha256(source: BinaryIO, expected: str, name: str, place: str) -> str:
 
 def _netcdf(source: BinaryIO, row: Mapping[str, Any]) -> Table:
     name, time_column = row["file"], row.get("time_column", "")
+    library = needed("netCDF4")
     _check_opens(source, name)
     try:
-        with netCDF4.Dataset(name, memory=source.read()) as file:
+        with library.Dataset(name, memory=source.read()) as file:
             store = xr.backends.NetCDF4DataStore(file)
             data = xr.open_dataset(store, decode_times=False, decode_timedelta=False).load()
     except MemoryError:

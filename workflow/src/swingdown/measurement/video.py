@@ -6,7 +6,6 @@ nor what is behind the bob changes the area and its centre. A frame in which the
 another area and is left out, with its neighbours.
 """
 
-import importlib
 import math
 import shutil
 import tempfile
@@ -23,6 +22,7 @@ from scipy.optimize import least_squares
 
 from ..arrays import Floats
 from ..errors import InputError
+from ..extras import needed
 from .elements import Columns
 from .positions import TIGHT
 
@@ -96,21 +96,9 @@ def _on_disk(source: BinaryIO, name: str) -> Iterator[str]:
         yield copy.name
 
 
-def _opencv() -> Any:
-    try:
-        return importlib.import_module("cv2")
-    except ImportError as error:
-        raise InputError(
-            "a film",
-            "a bob is followed in it by OpenCV, which is not installed",
-            "the optional extra `video`",
-            "pip install swingdown[video], or follow the bob with Tracker and give its project",
-        ) from error
-
-
 @lru_cache(maxsize=64)
 def _tracked(path: str, name: str, size: int, changed: int) -> Track:
-    cv2 = _opencv()
+    cv2 = needed("cv2")
     first, samples = _samples(cv2, path, name)
     look = _look(cv2, samples, name)
     times, found = [], []

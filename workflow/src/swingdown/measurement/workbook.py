@@ -8,6 +8,7 @@ import sys
 from typing import BinaryIO
 
 from ..errors import InputError
+from ..extras import needed
 
 MEMORY = (
     4_000_000_000  # bytes that reading may take: a sheet of a million rows and ten columns takes a quarter
@@ -38,6 +39,7 @@ def sheet(source: BinaryIO, name: str, wanted: str = "") -> tuple[list[str], byt
 
     InputError for a file that is no workbook, and for a sheet that cannot be held.
     """
+    needed("python_calamine")
     source.seek(0)
     try:
         done = subprocess.run(

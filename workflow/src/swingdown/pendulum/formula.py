@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from ..errors import InputError
+from ..extras import needed
 
 # what a formula may call, by its name there and in sympy; numpy has the same names but for abs
 FUNCTIONS = {
@@ -25,9 +26,7 @@ _LARGEST = 1e300  # of a number on its own, as a double still holds it with room
 
 def symbol(name: str) -> Any:
     """The sympy symbol that stands for ``name`` in every formula (real, so that abs and sign differentiate)."""
-    import sympy  # takes half a second, and only what is compiled or differentiated needs it
-
-    return sympy.Symbol(name, real=True)
+    return needed("sympy").Symbol(name, real=True)
 
 
 def parse(text: str, names: Iterable[str], where: str = "formula") -> Any:
@@ -45,11 +44,19 @@ def parse(text: str, names: Iterable[str], where: str = "formula") -> Any:
         ) from None
 
 
+<<<<<<< HEAD
 @lru_cache(maxsize=500)
 def names_in(text: str) -> frozenset[str]:
     """The names of what a formula that was read before goes by: without its functions and ``pi``."""
     nodes = ast.walk(ast.parse(text, mode="eval"))
     return frozenset(node.id for node in nodes if isinstance(node, ast.Name)) - {*FUNCTIONS, "pi"}
+=======
+def names_in(text: str) -> set[str]:
+    """The names that stand for numbers in a formula that was read before."""
+    nodes = list(ast.walk(ast.parse(text, mode="eval")))
+    called = [node.func for node in nodes if isinstance(node, ast.Call)]
+    return {node.id for node in nodes if isinstance(node, ast.Name) and node not in called} - {"pi"}
+>>>>>>> 035ace3 (Packages that only some uses need are imported where they are used)
 
 
 def evaluate(text: str, /, **values: Any) -> Any:
@@ -104,8 +111,7 @@ def _check(node: ast.AST, names: frozenset[str], text: str, where: str) -> None:
 
 def _expression(node: ast.expr, text: str, where: str) -> Any:
     """The sympy expression of a checked tree; InputError where a part of it is a number that is not real and finite."""
-    import sympy
-
+    sympy = needed("sympy")
     match node:
         case ast.Constant(value=int() as value) if abs(value) < 10**15:
             found = sympy.Integer(value)
