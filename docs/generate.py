@@ -190,7 +190,6 @@ def _default(rule: Mapping[str, Any]) -> str:
 
 def commands() -> Iterator[str]:
     """What can be typed, as the programs themselves tell it, in lines of Markdown."""
-    assert PROJECT is not None
     os.environ["COLUMNS"] = "100"
     head = [line[2:] for line in (PROJECT / "Makefile").read_text(encoding="utf-8").splitlines()]
     yield "# Commands\n"

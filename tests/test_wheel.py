@@ -6,13 +6,17 @@ import subprocess
 import sys
 import sysconfig
 import zipfile
+from importlib.metadata import distribution, requires
 from pathlib import Path
 
 import pytest
+from packaging.requirements import Requirement
+from packaging.utils import canonicalize_name
 
-from swingdown.engine import prebuilt
-
-SOURCES = ("pyproject.toml", "README.md", "LICENSE", "workflow/src")
+SOURCES = (
+    *("pyproject.toml", "setup.py", "README.md", "LICENSE", "Snakefile"),
+    *("config", "profiles", "resources/paper", "workflow"),
+)
 USE = """
 from pathlib import Path
 
@@ -32,9 +36,9 @@ from swingdown.report import contents, page, provenance, trace
 from swingdown.study.settings import complete
 
 print("package", Path(swingdown.__file__).parent)
-assert paths.PROJECT is None
+assert paths.PROJECT == Path(swingdown.__file__).parent / "project"
 assert all(path.read_text(encoding="utf-8") for path in (*trace.STYLE, *trace.PROGRAM))
-assert paths.find("config/config.yaml") == Path("config/config.yaml")
+assert paths.find("config/config.yaml") == paths.PROJECT / "config/config.yaml"
 
 truth = {"natural_frequency": 7.25, "viscous_ratio": 0.03, "load_friction": 0.012}
 times = np.arange(501) / 100
@@ -98,6 +102,11 @@ def test_the_wheel_holds_every_file_of_the_package(root, wheel):
     packages = ("swingdown", "snakemake_logger_plugin_swingdown")
     files = [path for name in packages for path in (source / name).rglob("*") if path.is_file()]
     wanted = {path.relative_to(source).as_posix() for path in files if "__pycache__" not in path.parts}
+    for folder in ("rules", "scripts", "report"):
+        wanted |= {
+            f"swingdown/project/workflow/{folder}/{one.name}"
+            for one in (root / "workflow" / folder).glob("*.*")
+        }
     assert {".c", ".h", ".yaml", ".j2", ".typed"} <= {Path(name).suffix for name in wanted}
     assert wanted <= set(zipfile.ZipFile(wheel).namelist())
 
@@ -160,18 +169,111 @@ print("fitted", fit_jointly("viscous+load_coulomb", [(times, angle)] * 2).conver
 """
 
 
-@pytest.mark.slow("a wheel is built")
-@pytest.mark.skipif(not prebuilt.levels(), reason="engines are carried for Linux on x86-64 alone")
-def test_a_wheel_that_carries_the_engine_needs_no_compiler(root, tmp_path):
-    build = [str(root / "tools/build-wheel"), str(tmp_path / "dist")]
+@pytest.fixture(scope="module")
+def carrying(root, tmp_path_factory):
+    """The wheel that carries the engine, as it is published."""
+    folder = tmp_path_factory.mktemp("carrying") / "dist"
+    build = [str(root / "tools/build-wheel"), str(folder)]
     done = subprocess.run(build, env=os.environ | {"PYTHON": sys.executable}, text=True, capture_output=True)
     assert done.returncode == 0, done.stdout + done.stderr
-    (wheel,) = (tmp_path / "dist").iterdir()
-    assert wheel.name.endswith("-py3-none-linux_x86_64.whl")
-    (python, _), clean = installed(wheel, tmp_path / "environment"), without_python(tmp_path)
+    (made,) = folder.iterdir()
+    return made
+
+
+@pytest.mark.slow("a wheel is built")
+def test_a_wheel_that_carries_the_engine_needs_no_compiler(carrying, tmp_path):
+    system = sysconfig.get_platform().replace("-", "_").replace(".", "_")
+    assert carrying.name.endswith(f"-py3-none-{system}.whl")
+    (python, _), clean = installed(carrying, tmp_path / "environment"), without_python(tmp_path)
     clean = {key: value for key, value in clean.items() if key != "CC"} | {"PATH": str(tmp_path)}
     done = subprocess.run([python, "-c", FIT], cwd=tmp_path, env=clean, text=True, capture_output=True)
     assert done.returncode == 0, done.stdout + done.stderr
     here = subprocess.run([sys.executable, "-c", FIT], text=True, capture_output=True)
     assert done.stdout == here.stdout and done.stdout.endswith("fitted True\n")
     assert not list((tmp_path / "cache").glob("engine-*"))
+
+
+def brought(name="swingdown"):
+    """The distributions that an installation without extras brings, by name."""
+    found, waiting = {}, [Requirement(one) for one in requires(name) or []]
+    while waiting:
+        one = waiting.pop()
+        key = canonicalize_name(one.name)
+        if key not in found and (one.marker is None or one.marker.evaluate({"extra": ""})):
+            found[key] = distribution(one.name)
+            waiting += [Requirement(more) for more in found[key].requires or []]
+    return found
+
+
+def test_an_installation_brings_few_packages():
+    assert len(brought()) <= 13, sorted(brought())
+
+
+def bare(wheel, environment):
+    """The Python of a new environment that holds the wheel and what it brings, and nothing else."""
+    python, site = installed(wheel, environment)
+    (site / "dependencies.pth").unlink()
+    for one in brought().values():
+        for name in {path.parts[0] for path in one.files or () if not path.parts[0].startswith("..")}:
+            if name != "__pycache__" and not (site / name).exists():
+                (site / name).symlink_to(Path(one.locate_file(name)).resolve())
+    return python
+
+
+@pytest.mark.slow("a search, by two ways")
+def test_a_file_goes_to_its_report_with_and_without_the_workflow(root, carrying, tmp_path):
+    clean = without_python(tmp_path)
+    verdicts = {}
+    for way, python in (
+        ("bare", bare(carrying, tmp_path / "bare")),
+        ("workflow", installed(carrying, tmp_path / "whole")[0]),
+    ):
+        folder = tmp_path / f"at-{way}"
+        folder.mkdir()
+        shutil.copy(root / "resources/example/anna.csv", folder)
+        command = [python, "-m", "swingdown", "anna.csv"]
+        done = subprocess.run(command, cwd=folder, env=clean, text=True, capture_output=True)
+        assert done.returncode == 0, done.stdout + done.stderr
+        results = folder / "anna-swingdown/results"
+        verdicts[way] = (results / "discovery/anna/verdict.json").read_bytes()
+        page = (results / "report.html").read_text(encoding="utf-8")
+        assert "Air drag (viscous) and friction that winds up before it slips (presliding) stop it" in page
+        assert "data-trace" in page and '<span class="source">' in page
+        assert ("<img" in page) == (way == "workflow")
+        assert ("pip install 'swingdown[workflow]'" in done.stdout) == (way == "bare")
+        check = [python, "-m", "swingdown", "verify", results]
+        assert subprocess.run(check, env=clean, capture_output=True).returncode == 0
+    assert verdicts["bare"] == verdicts["workflow"]
+
+
+WITHOUT = """
+from pathlib import Path
+import swingdown
+
+made = swingdown.fit("anna.csv")
+print(made.sentence)
+assert "<table>" in made._repr_html_()
+for act in (made.plot, lambda: swingdown.fit("a.xlsx"), lambda: swingdown.fit("anna.csv", effects={"own": {"torque": "-k*theta**3", "parameters": {"k": {}}}})):
+    try:
+        act()
+        print("done all the same")
+    except ImportError as problem:
+        print(problem)
+"""
+
+
+@pytest.mark.slow("a wheel is built")
+def test_without_an_extra_it_is_named(root, carrying, tmp_path):
+    python, clean = bare(carrying, tmp_path / "bare"), without_python(tmp_path)
+    shutil.copy(root / "resources/example/anna.csv", tmp_path)
+    with zipfile.ZipFile(tmp_path / "a.xlsx", "w") as book:
+        book.writestr("xl/workbook.xml", "<workbook/>")
+    done = subprocess.run([python, "-c", WITHOUT], cwd=tmp_path, env=clean, text=True, capture_output=True)
+    assert done.returncode == 0, done.stdout + done.stderr
+    sentence, *told = done.stdout.splitlines()
+    assert "T = 0.87" in sentence
+    assert [line.endswith("Mend: pip install 'swingdown[workflow]'.") for line in told] == [True] * 3, told
+    config = [python, "-m", "swingdown", "study.yaml"]
+    (tmp_path / "study.yaml").write_text("recordings: null\n")
+    done = subprocess.run(config, cwd=tmp_path, env=clean, text=True, capture_output=True)
+    assert done.returncode == 1 and "mend:      pip install 'swingdown[workflow]'" in done.stderr

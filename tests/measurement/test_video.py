@@ -9,7 +9,7 @@ import pytest
 from films import Scene, render
 
 from swingdown.answer.command import Wishes, answer
-from swingdown.errors import InputError
+from swingdown.errors import InputError, PackageError
 from swingdown.measurement import video
 from swingdown.measurement.positions import fit_circle, to_angles
 from swingdown.measurement.recording import ingest
@@ -198,5 +198,5 @@ def test_without_opencv_the_extra_is_named(monkeypatch, tmp_path):
     monkeypatch.setitem(sys.modules, "cv2", None)
     path = tmp_path / "a.mp4"
     path.write_bytes(b"x")
-    with pytest.raises(InputError, match=r"pip install swingdown\[video\]"):
+    with pytest.raises(PackageError, match=r"pip install 'swingdown\[video\]'"):
         ingest({**COLUMNS, "recording": "a", "campaign": "a", "file": str(path)})

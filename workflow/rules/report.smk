@@ -3,6 +3,7 @@
 #        and, where they lie there, the results of sweeps: the report shows them but never computes them
 # makes: results/report.html
 
+from swingdown.report.page import TEMPLATE
 from swingdown.report.sections import FEW
 
 # What the swings are drawn from in the page of one's own recordings: the last round's fit. Of a class there is no room for it.
@@ -28,7 +29,7 @@ rule page:
         fits=FITS,
         sweep_captions=SWEEP_CAPTIONS,
         told=told(),
-        template=f"{workflow.basedir}/workflow/src/swingdown/report/report.html.j2",
+        template=str(TEMPLATE),
     output:
         "results/report.html",
     log:

@@ -4,6 +4,8 @@
 
 from dataclasses import asdict
 
+from swingdown.report.page import TEMPLATE
+
 MAPS = {"identification": ["by_norm", "by_bic", "by_ten"], "detection": ["detection"]}
 MAPPED = [
     f"results/sweeps/{name}/figures/{map}" for name, sweep in SWEEPS.items() for map in MAPS[sweep.computes]
@@ -96,7 +98,7 @@ rule sweep_page:
         tables=expand("results/sweeps/{sweep}/summary.csv", sweep=SWEEPS),
         maps=[f"{path}.svg" for path in MAPPED],
         captions=here(SWEEP_CAPTIONS),
-        template=here(f"{workflow.basedir}/workflow/src/swingdown/report/report.html.j2"),
+        template=here(str(TEMPLATE)),
     output:
         "results/sweeps.html",
     log:

@@ -1,6 +1,7 @@
 """Packages that only some uses need: they come with an extra of the package, and each is imported where it is first used."""
 
 from importlib import import_module
+from importlib.util import find_spec
 from typing import Any
 
 from .errors import PackageError
@@ -20,6 +21,11 @@ EXTRAS = {
     "sympy": (_WORKFLOW, "an effect of one's own, or an engine compiled on this machine,"),
     "zarr": (_WORKFLOW, "a sweep into a Zarr store"),
 }
+
+
+def has(package: str) -> bool:
+    """Whether the package of an extra is installed."""
+    return find_spec(package) is not None
 
 
 def needed(module: str) -> Any:

@@ -15,14 +15,15 @@ from typing import Any
 from .errors import InputError
 
 
-def _checkout() -> Path | None:
-    """The folder with the workflow around this package; None where the package was installed by itself."""
-    folder = Path(__file__).resolve().parents[3]
-    inside = folder / "workflow" / "src" / "swingdown" / "paths.py"
-    return folder if inside.is_file() and (folder / "Snakefile").is_file() else None
+def _project() -> Path:
+    """The folder with the Snakefile: the clone around this package, or the package's own copy where it was installed by itself."""
+    package = Path(__file__).resolve().parent
+    clone = package.parents[2]
+    inside = clone / "workflow" / "src" / "swingdown" / "paths.py"
+    return clone if inside.is_file() and (clone / "Snakefile").is_file() else package / "project"
 
 
-PROJECT = _checkout()
+PROJECT = _project()
 _HOST = re.sub(r"[^A-Za-z0-9_-]", "_", socket.gethostname())
 _PARTIAL = re.compile(r"\..+\.(?:(?P<host>[A-Za-z0-9_-]+)-)?(?P<process>\d+)\.part")
 _A_DAY = 86400.0  # s
@@ -35,8 +36,7 @@ def is_url(name: object) -> bool:
 
 
 def find(name: str | Path) -> Path:
-    """The path of ``name``: in the working directory (or absolute) if it is there, else in the project's
-    folder, where the package lies in one.
+    """The path of ``name``: in the working directory (or absolute) if it is there, else in the project's folder.
 
     A study run with ``--directory elsewhere`` finds its own files first and the shipped ones after. A name
     found in neither place comes back unchanged, so that the caller's message shows what was written.
@@ -54,7 +54,7 @@ def find(name: str | Path) -> Path:
                 "a path",
                 "correct the path",
             ) from None
-    if PROJECT and not path.is_absolute() and not path.exists() and (PROJECT / path).exists():
+    if not path.is_absolute() and not path.exists() and (PROJECT / path).exists():
         return PROJECT / path
     return path
 

@@ -10,6 +10,7 @@ import xarray as xr
 
 from ..curves import dataset, laws, resonance
 from ..errors import InputError
+from ..extras import has
 from ..paths import for_spreadsheets, write_csv
 from ..studies.pendulums import NOT_DYING
 from .result import Answer
@@ -45,14 +46,15 @@ def write_beside(answers: Mapping[str, Answer], folder: Path, drives: Sequence[f
         if found:
             sentence = laws.exponential_words(found, drawn)
             told.append(f"{campaign}: {sentence}" if prefix else sentence)
-        _draw(folder, prefix, drawn, found, one)
+        if has("matplotlib"):
+            _draw(folder, prefix, drawn, found, one)
     for name, parts, columns in ((CURVES, curves, dataset.COLUMNS), (LAWS, compared, laws.COLUMNS)):
         whole = pd.concat(parts, ignore_index=True) if parts else pd.DataFrame(columns=columns)
         write_csv(for_spreadsheets(whole), folder / f"{name}.csv", float_format="%.9g")
     if driven:
         whole = pd.concat(driven, ignore_index=True)
         write_csv(for_spreadsheets(whole), folder / f"{RESONANCE}.csv", float_format="%.9g")
-    pictures = ", with a picture of each" if told else ""
+    pictures = ", with a picture of each" if told and has("matplotlib") else ""
     return [*told, f"against the amplitude: {CURVES}.csv; what each law of damping leaves: {LAWS}.csv{pictures}"] if compared or curves else told  # fmt: skip
 
 
@@ -60,17 +62,17 @@ def _foretold(
     curves: xr.Dataset, drives: Sequence[float], folder: Path, name: str, tables: list[pd.DataFrame]
 ) -> list[str]:
     """What is said of the steady swings of a pendulum under drives: drawn, and added to the ``tables``."""
-    from ..plots import save
-    from ..plots.curves import resonances
-
     before = f"{name}: " if name else ""
     try:
         found = resonance.resonance(curves, drives)
     except InputError as problem:
         return [f"{before}no resonance curve: {problem.problem}; expected: {problem.expected}"]
     tables.append(resonance.table(found))
-    picture = f"{name}-{RESONANCE}.png" if name else f"{RESONANCE}.png"
-    save(resonances(found), folder / picture)
+    if has("matplotlib"):
+        from ..plots import save
+        from ..plots.curves import resonances
+
+        save(resonances(found), folder / (f"{name}-{RESONANCE}.png" if name else f"{RESONANCE}.png"))
     return [f"{before}{line}" for line in resonance.words(found, "free")]
 
 

@@ -18,6 +18,7 @@ import pandas as pd
 from ..console import warnings_once
 from ..engine.trajectory import TrajectoryWarning
 from ..errors import InputError
+from ..extras import has
 from ..measurement.points_recording import NOT_IN_IT, are_points
 from ..measurement.programs import FILMS
 from ..paths import PROJECT, for_spreadsheets, printable, write_csv, written_whole
@@ -30,6 +31,7 @@ from ..studies.pendulums import in_order
 from ..studies.words import damping_words, details, lines, quantity_rows, said
 from ..study import own
 from . import Answer, of_swings, searchable
+from .alone import alone
 from .beside import write_beside
 from .lengths import PIVOTS, of_length, with_g, with_lengths, written
 from .options import as_options
@@ -160,11 +162,10 @@ def _study(given: Sequence[str], told: Mapping[str, Any], wishes: Wishes) -> Fou
     if not searched and not all(are_points(one.angle) for one in kept):
         _say("nothing here is long enough to be searched for what is missing; the first answer stands")
         return found
-    if PROJECT is None:
-        _say("the search and the report need the project's folder (a clone of it); the first answer stands")
-        return found
     _say("now looking for what is missing ...\n" if searched else "now writing the report ...\n")
-    code = run_workflow(PROJECT, config, folder, wishes.cores)
+    installed = has("snakemake")
+    code = run_workflow(PROJECT, config, folder, wishes.cores) if installed else 0
+    more = "" if installed else alone(kept, searched, answers, config, restoring)
     failed = [name for name in searched if not _verdict(folder, name).exists()]
     if code and failed and len(failed) < len(searched):
         _say(f"\nthe search did not end of {', '.join(failed)}; once more without")
@@ -190,6 +191,8 @@ def _study(given: Sequence[str], told: Mapping[str, Any], wishes: Wishes) -> Fou
     written(of_g, folder)
     if code == 0:
         _say(f"the report: {folder / 'results' / 'report.html'}")
+    if more:
+        _say(more)
     return Found(1 if code else 0, answers, left_out, folder, kept, of_g, of_all)
 
 

@@ -14,6 +14,7 @@ import xarray as xr
 from ..arrays import Shown
 from ..dataset import series_of
 from ..errors import InputError
+from ..extras import needed
 from ..studies.gravity import with_gravity
 from ..study import own
 from .options import as_arguments
@@ -166,6 +167,7 @@ class Recording:
 
     def plot(self) -> "Drawn":
         """A matplotlib Figure of the angle over the time, which a notebook shows."""
+        needed("matplotlib")
         from ..plots.answer import swings_alone
 
         return swings_alone(shown_alone(self.swings), {"emulated": self._emulated})

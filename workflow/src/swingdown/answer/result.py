@@ -20,6 +20,7 @@ from ..curves.laws import Laws, laws
 from ..curves.resonance import resonance
 from ..discovery.verdict import noise_rms
 from ..errors import InputError
+from ..extras import has, needed
 from ..pendulum.catalogue import SHIPPED, Catalogue
 from ..pendulum.model import Model
 from ..rounding import value_with_uncertainty
@@ -238,6 +239,7 @@ class Answer:
                 "passages without speeds hold no angle",
                 "a swing, turning points, or passages with speeds",
             )
+        needed("matplotlib")
         from ..plots.answer import swings_with_fit
 
         noise = noise_rms(self.verdict) if self.verdict else None
@@ -371,7 +373,7 @@ class Answer:
 
     def _repr_html_(self) -> str:
         picture = io.BytesIO()
-        if self.shown:
+        if self.shown and has("matplotlib"):
             self.plot().savefig(picture, format="png", dpi=110)
         source = base64.b64encode(picture.getvalue()).decode()
         image = f"<img alt='the swings with the fit' src='data:image/png;base64,{source}'>" if source else ""

@@ -2,13 +2,14 @@
 
 import json
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
 import pandas as pd
 
 from ..errors import InputError
+from ..extras import has
 from ..measurement.line import FEWEST
 from ..measurement.stated import Stated, read
 from ..paths import for_spreadsheets, write_csv, write_text
@@ -148,22 +149,26 @@ def written(found: Sequence[Series], folder: Path, emulated: str) -> list[str]:
     """The sentence of each series; its table, its numbers and its figures are written into the folder."""
     if not found:
         return []
-    from ..plots import save  # matplotlib takes a second, and a single file has no series
-    from ..plots.series import groups_side_by_side, over_what_was_varied
-
     write_csv(for_spreadsheets(as_table(found)), folder / TABLE)
     content = json.dumps([one.to_dict() for one in found], indent=1, ensure_ascii=False)
     write_text(folder / RECORD, content + "\n")
+    made = [TABLE, *(_draw(found, folder, emulated) if has("matplotlib") else ())]
+    return [*(one.sentence for one in found), f"the series: {', '.join(made)} in {folder}"]
+
+
+def _draw(found: Sequence[Series], folder: Path, emulated: str) -> Iterator[str]:
+    """The names of the figures, each when it is written into the folder."""
+    from ..plots import save  # matplotlib takes a second, and a single file has no series
+    from ..plots.series import groups_side_by_side, over_what_was_varied
+
     varied = [one for one in found if one.law]
     between = [one for one in found if one.comparison]
     several = len({one.by for one in varied}) > 1
-    made = [TABLE]
     for by in dict.fromkeys(one.by for one in varied):
         name = FIGURE.replace(".", f"-{by}.") if several else FIGURE
         save(over_what_was_varied([one for one in varied if one.by == by], emulated), folder / name)
-        made.append(name)
+        yield name
     if between:
         first = [one for one in between if one.by == between[0].by]
         save(groups_side_by_side(first, emulated), folder / GROUPS)
-        made.append(GROUPS)
-    return [*(one.sentence for one in found), f"the series: {', '.join(made)} in {folder}"]
+        yield GROUPS

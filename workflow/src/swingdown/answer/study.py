@@ -5,6 +5,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from ..errors import InputError
+from ..extras import needed
 from ..paths import PROJECT
 from ..study.settings import check_config
 from .command import run_workflow
@@ -13,15 +14,14 @@ from .command import run_workflow
 def study(config: str, targets: Sequence[str] = (), directory: str | None = None, cores: int = 2) -> int:
     """The exit code of the workflow with this config file, run in ``directory`` (by default the folder that the config lies in).
 
-    InputError for a config that is not there or no YAML (with the line), for a folder that cannot be written, and where there is no
-    project to run.
+    InputError for a config that is not there or no YAML (with the line), for a folder that cannot be written, and PackageError where Snakemake is not
+    installed.
     """
     path = Path(config)
     check_config(path)
     folder = Path(directory) if directory else path.resolve().parent
     check_writable(folder)
-    if PROJECT is None:
-        raise InputError(config, "the project's folder, which has the rules, is not around the package", "a clone of the project", "run it there")  # fmt: skip
+    needed("snakemake")
     return run_workflow(PROJECT, path, folder, cores, targets)
 
 

@@ -46,9 +46,9 @@ def carry(folder: Path, catalogue: Effects, gravity: Effects) -> None:
     parts = _parts(catalogue, gravity)
     folder.mkdir(parents=True, exist_ok=True)
     cache.put(folder / _header_name(catalogue, gravity), lambda path: path.write_text(parts["catalogue.h"]))
-    for level in prebuilt.LEVELS:
+    for level, flags in prebuilt.built().items():
         path = folder / prebuilt.file_name(_content(parts), level)
-        cache.put(path, partial(_compile, parts, (f"-march={level}",)))
+        cache.put(path, partial(_compile, parts, flags))
 
 
 def _parts(catalogue: Effects, gravity: Effects) -> dict[str, str]:

@@ -1,8 +1,8 @@
-"""Engines that a wheel may carry, so that the shipped catalogue needs no compiler: one for each level of x86-64 processors.
+"""Engines that a wheel may carry, so that the shipped catalogue needs no compiler: one for each level of processors.
 
 They lie in the folder ``carried`` beside this file, each under the name of all that it was made from, with its
-checksum, as in the cache; where one is older than the sources around it, it has another name and is not found. The levels are
-those of the x86-64 psABI. All give the same bits: a level changes how many numbers are computed at once, not how.
+checksum, as in the cache; where one is older than the sources around it, it has another name and is not found. On Linux the levels
+are those of the x86-64 psABI; any other machine has one. All give the same bits: a level changes how many numbers are computed at once, not how.
 """
 
 import platform
@@ -20,13 +20,26 @@ LEVELS = {
 
 
 def levels() -> list[str]:
-    """The levels that this machine's processor has, from the fastest on; none where it is no x86-64."""
-    if platform.system() != "Linux" or platform.machine() != "x86_64":
-        return []
+    """The levels that this machine's processor has, from the fastest on."""
+    if not _has_several():
+        return [_only()]
     there, names = set(compiler.processor().split()), list(LEVELS)
     return [
         name for k, name in enumerate(names) if all(there.issuperset(LEVELS[below]) for below in names[k:])
     ]
+
+
+def built() -> dict[str, tuple[str, ...]]:
+    """The levels that a wheel of this kind of machine carries, each with the compiler's flags for it."""
+    return {name: (f"-march={name}",) for name in LEVELS} if _has_several() else {_only(): ("",)}
+
+
+def _has_several() -> bool:
+    return platform.system() == "Linux" and platform.machine() == "x86_64"
+
+
+def _only() -> str:
+    return f"{platform.system()}-{platform.machine()}".lower()
 
 
 def library(content: str) -> Path | None:

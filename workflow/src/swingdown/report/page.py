@@ -8,9 +8,9 @@ from pathlib import Path
 from typing import NamedTuple
 
 import jinja2
-from docutils.core import publish_parts
-from markupsafe import Markup
+from markupsafe import Markup, escape
 
+from ..extras import needed
 from ..paths import printable
 from ..sealed import read_bytes, write_text
 from . import trace
@@ -95,7 +95,8 @@ class Table:
 class Figure:
     """A figure file and its caption (reStructuredText); ``link``, ``rule`` and ``of`` as of a ``Table``.
 
-    ``numbers`` are what ``trace.js`` draws in the place of the picture where the page is looked at on a screen.
+    ``numbers`` are what ``trace.js`` draws in the place of the picture where the page is looked at on a screen. Without the picture
+    (``path`` is empty) they are all there is.
     """
 
     label: str
@@ -141,10 +142,21 @@ class Section:
         return [item for item in self.items if isinstance(item, Table | Figure)]
 
 
+_MARKED = re.compile(
+    r"[*`|\\]|_\b|\n\s*\n|^\.\.", re.MULTILINE
+)  # what reStructuredText takes for more than words
+
+
 def rst(text: str) -> str:
     """The HTML of a caption in reStructuredText; mathematics becomes plain HTML, which needs no font of its own."""
+    if not _MARKED.search(text):
+        return str(escape(text.strip()))
     options = {"math_output": "HTML", "report_level": 3, "halt_level": 5, "file_insertion_enabled": False}
-    body = publish_parts(text, writer="html5", settings_overrides=options)["body"].strip()
+    body = (
+        needed("docutils.core")
+        .publish_parts(text, writer="html5", settings_overrides=options)["body"]
+        .strip()
+    )
     single = re.fullmatch(r"<p>(.*)</p>", body, re.DOTALL)
     return single[1] if single and "<p>" not in single[1] else body
 

@@ -31,7 +31,7 @@ def checksums(paths: Iterable[str | Path]) -> list[tuple[str, str]]:
 
     So the same study in another folder tells the same.
     """
-    homes = [Path.cwd(), *([PROJECT] if PROJECT else [])]
+    homes = [Path.cwd(), PROJECT]
     pairs = []
     for path in map(Path, paths):
         home = next((one for one in homes if path.absolute().is_relative_to(one)), path.absolute().parent)
@@ -41,9 +41,6 @@ def checksums(paths: Iterable[str | Path]) -> list[tuple[str, str]]:
 
 
 def _commit() -> str:
-    if not PROJECT:
-        return ""
-
     def git(*words: str) -> subprocess.CompletedProcess[str]:
         return subprocess.run(["git", "-C", str(PROJECT), *words], capture_output=True, text=True, timeout=20)
 

@@ -2,7 +2,7 @@
 
 import warnings
 from collections import Counter
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -164,7 +164,6 @@ def pendulums(
     ``emulated``, ``remark``: why its values are in doubt, where they are. ``left_out`` (as ``left_out.left_out`` gives it) tells there why a recording was not searched, and adds
     a row with the verdict ``refused`` for each file that could not be used.
     """
-    found = {str(one["campaign"]): one for one in verdicts}
     together = {str(one.attrs["campaign"]): one for one in joint}
     rows = []
     campaigns = as_text(norms["campaign"])
@@ -175,6 +174,14 @@ def pendulums(
             rows.append(_row(campaign, name, own, own.isel(recording=0), catalogue))
         if chosen.sizes["recording"] > 1 and campaign in together:
             rows.append(_row(campaign, TOGETHER, chosen, together[campaign], catalogue))
+    return judged(rows, verdicts, left_out)
+
+
+def judged(
+    rows: Sequence[dict[str, Any]], verdicts: Iterable[Mapping[str, Any]], left_out: pd.DataFrame | None
+) -> pd.DataFrame:
+    """The table of ``pendulums`` from its rows before anything was searched, with the verdicts and what was left out."""
+    found = {str(one["campaign"]): one for one in verdicts}
     told = {} if left_out is None else {str(one.recording): one for one in left_out.itertuples()}
     each = Counter(row["campaign"] for row in rows)
     rows = [

@@ -64,6 +64,8 @@ def answer(material: Material) -> Section | None:
             items += _drawn(material, str(campaign), "remainder", "What remains", _LEFT)
         items += _drawn(material, str(campaign), "difference", "What follows the change", _FOLLOWS)
         drawn = _drawn(material, str(campaign), "answer", "Recording and fit", _FITTED)
+        if not drawn and material.swings.get(str(campaign)):
+            drawn = [Figure(f"Recording and fit, {campaign}", "", _FITTED, of=(str(campaign),))]
         items += [_zoomable(figure, material, found) for figure in drawn]
         items += (
             [_quantities(rows, found)] if len(rows) == 1 else [_recordings(rows, material, str(campaign))]
