@@ -44,19 +44,11 @@ def parse(text: str, names: Iterable[str], where: str = "formula") -> Any:
         ) from None
 
 
-<<<<<<< HEAD
 @lru_cache(maxsize=500)
 def names_in(text: str) -> frozenset[str]:
     """The names of what a formula that was read before goes by: without its functions and ``pi``."""
     nodes = ast.walk(ast.parse(text, mode="eval"))
     return frozenset(node.id for node in nodes if isinstance(node, ast.Name)) - {*FUNCTIONS, "pi"}
-=======
-def names_in(text: str) -> set[str]:
-    """The names that stand for numbers in a formula that was read before."""
-    nodes = list(ast.walk(ast.parse(text, mode="eval")))
-    called = [node.func for node in nodes if isinstance(node, ast.Call)]
-    return {node.id for node in nodes if isinstance(node, ast.Name) and node not in called} - {"pi"}
->>>>>>> 035ace3 (Packages that only some uses need are imported where they are used)
 
 
 def evaluate(text: str, /, **values: Any) -> Any:

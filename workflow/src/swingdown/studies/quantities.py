@@ -149,15 +149,9 @@ def steady(model: Model) -> Model:
 
 def _named_in(effect: Effect) -> set[str]:
     """The names in an effect's formulas of motion."""
-<<<<<<< HEAD
     texts = [effect.term] if effect.acts_on == "torque" else []
     texts += [text for text in (effect.inertia, *(state.rate for state in effect.states)) if text]
     return {name for text in texts for name in names_in(text)}
-=======
-    torque = effect.term if effect.acts_on == "torque" else None
-    texts = (torque, effect.inertia, *(state.rate for state in effect.states))
-    return set().union(*(names_in(text) for text in texts if text))
->>>>>>> 035ace3 (Packages that only some uses need are imported where they are used)
 
 
 def _vertex(times: Floats, values: Floats, k: int) -> tuple[float, float]:
