@@ -36,6 +36,7 @@ myst_heading_anchors = 4  # links such as own-file.md#the-same-by-hand
 myst_links_external_new_tab = False
 autodoc_typehints = "signature"
 autodoc_member_order = "bysource"
+autodoc_preserve_defaults = True
 
 html_theme = "furo"
 html_title = f"swingdown {release}".strip()
@@ -49,8 +50,10 @@ def setup(app):
     written = Config(napoleon_custom_sections=[("Attributes", "params_style")])  # their names lead nowhere
 
     def sections(app, what, name, obj, options, lines):
-        if what not in ("attribute", "data", "property"):  # of these a colon would end a type
-            lines[:] = NumpyDocstring(lines, written, app, what, name, obj, options).lines()
+        kind = (
+            "method" if what in ("attribute", "data", "property") else what
+        )  # of these a colon would end a type
+        lines[:] = NumpyDocstring(lines, written, app, kind, name, obj, options).lines()
 
     def plurals(app, what, name, obj, options, lines):
         text = re.sub(

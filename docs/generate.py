@@ -42,7 +42,7 @@ ACTS = {
 ROOMS = {
     "swingdown": "From arrays to an answer", "swingdown.pendulum": "Effects and models", "swingdown.engine": "Trajectories",
     "swingdown.fitting": "Fits", "swingdown.measurement": "From a file to an angle", "swingdown.calibration": "From volts to an angle",
-    "swingdown.studies": "Studies, and what is told of a pendulum", "swingdown.discovery": "The search for what is missing",
+    "swingdown.studies": "Studies, and the quantities of a pendulum", "swingdown.discovery": "The search for what is missing",
     "swingdown.sweep": "Sweeps",
 }  # fmt: skip
 _LETTERS = {"theta": "θ", "thetadot": "θ̇", "thetaddot": "θ̈", "duration": "T"}
