@@ -29,7 +29,7 @@ def verify_results(results: str) -> int:
             + f"; {count} files are listed"
         )
         if differences["missing"] or differences["changed"]:
-            print("Mend: delete what was changed, and give the study's command again, which makes it anew")
+            print("Mend: delete what was changed, and give the study's command again")
         return 1
     print(f"{count} files, all as they were written")
     return 0
@@ -54,7 +54,7 @@ class _Parser(argparse.ArgumentParser):
         return f"; did you mean {', '.join(meant)}?" if meant else ""
 
     def error(self, message: str) -> NoReturn:
-        self.exit(2, f"{self.prog}: {message}\n(swingdown --help tells all options)\n")
+        self.exit(2, f"{self.prog}: {message}\n(swingdown --help lists all options)\n")
 
 
 class _Version(argparse.Action):
@@ -71,7 +71,7 @@ def _parser() -> argparse.ArgumentParser:
         usage="swingdown FILE… [FOLDER…] [options]\n       swingdown CONFIG.yaml [TARGET…] [--directory FOLDER]\n"
         "       swingdown verify RESULTS",
         description="From recordings of a swinging pendulum to its period, its damping, and what a model of it still lacks. "
-        "A config file is a study of one's own, which is run; `verify` holds a study's files against its manifest.",
+        "A config file is run as a study; `verify` compares a study's files with its manifest.",
     )
     add = parser.add_argument
     add("--version", action=_Version, nargs=0, help="show program's version number and exit")
@@ -94,37 +94,41 @@ def _parser() -> argparse.ArgumentParser:
     add(
         "--unit",
         choices=["rad", "deg", "counts", "rad/s", "deg/s"],
-        help="of the angle or the angular rate, where the file does not say it",
+        help="unit of the angle or angular rate, if the file does not state it",
     )
-    add("--counts-per-revolution", type=float, metavar="N", help="of an encoder in counts")
+    add("--counts-per-revolution", type=float, metavar="N", help="counts of an encoder for a turn")
     add(
         "--scale",
         metavar="DEG",
-        help="degrees that one unit of the signal is worth, of raw readings or volts; or two readings at known angles, as 512=0,700=30",
+        help="degrees for one unit of raw readings or volts; or two readings at known angles: 512=0,700=30",
     )
     add(
         "--length",
         metavar="L",
-        help="from the pivot to the middle of the bob: 0.583±0.001 (m), 58.3(1)cm. It gives g, and the angle where one coordinate of the bob was recorded (350px)",
+        help="distance from the pivot to the middle of the bob: 0.583±0.001 (m), 58.3(1)cm. It gives g, and the angle if one coordinate was recorded (350px)",
     )
-    add("--bob-diameter", metavar="D", help="of a ball, for its inertia in g: 30.0(1)mm")
-    add("--bob-density", metavar="RHO", help="of the bob, for the air's part in g: 7800 (kg/m^3), 7.8g/cm3")
+    add("--bob-diameter", metavar="D", help="diameter of a ball, to correct g for its inertia: 30.0(1)mm")
+    add(
+        "--bob-density",
+        metavar="RHO",
+        help="density of the bob, to correct g for the air: 7800 (kg/m^3), 7.8g/cm3",
+    )
     add(
         "--kater",
         nargs=2,
         metavar=("H1", "H2"),
-        help="g from two recordings of one rigid body about two pivots: the distance from each pivot to its centre of mass",
+        help="g from two recordings of a rigid body about two pivots: the distance from each pivot to the centre of mass",
     )
     add(
         "--by",
         metavar="COLUMN",
-        help="a series by length, mass, area, current, group or a column of one's own: in the sheet, in a CSV file beside the recordings with a column `file`, "
-        "or in their names (l=0.40, 500g); length±1mm gives each value that uncertainty",
+        help="a series by length, mass, area, current, group or a column of your own, in the sheet, in a CSV file beside the recordings with a "
+        "column `file`, or in their names (l=0.40, 500g); length±1mm gives each value that uncertainty",
     )
     add(
         "--values",
         metavar="FILE",
-        help="the CSV file of a series, with a column `file`, where it lies elsewhere",
+        help="the CSV file of a series, with a column `file`, if it lies elsewhere",
     )
     add(
         "--drive",
@@ -132,26 +136,29 @@ def _parser() -> argparse.ArgumentParser:
         type=float,
         default=[],
         metavar="A",
-        help="the resonance curve under torques of this amplitude over the inertia, in rad/s^2, as the ring-down foretells it",
+        help="resonance curves under torques of these amplitudes over the inertia, in rad/s^2, predicted from the ring-down",
     )
-    add("--column", metavar="NAME", help="of the angle, where the file has several")
+    add("--column", metavar="NAME", help="column of the angle, if the file has several")
     add(
         "--kind",
         choices=["swing", "turning_points", "half_swings", "passages", "periods"],
         help="what the values are: samples of the motion, its turning points of one side (one a period), or of both (each half-swing); "
         "passages through a light gate (two a period), or periods (one a period); "
-        "by default as the values tell",
+        "by default the values decide",
     )
-    add("--time-unit", choices=["s", "ms", "us"], help="of the time, where the file does not say it")
-    add("--time-column", metavar="NAME", help="of the time")
+    add("--time-unit", choices=["s", "ms", "us"], help="unit of the time, if the file does not state it")
+    add("--time-column", metavar="NAME", help="column of the time")
     add(
-        "--rate", type=float, metavar="HZ", help="samples a second of a file without times: one number a line"
+        "--rate",
+        type=float,
+        metavar="HZ",
+        help="samples a second of a file without times (one number a line)",
     )
     add(
         "--restoring",
         choices=["sine", "linear"],
         default="sine",
-        help="what pulls it back: sine of the angle, as weight does (default), or linear, as a spring does: of a wheel, a torsion pendulum",
+        help="what pulls it back: the sine of the angle, as weight does (default), or linear, as the spring of a wheel or torsion pendulum does",
     )
     add(
         "--start",

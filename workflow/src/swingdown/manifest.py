@@ -36,7 +36,7 @@ def write_manifest(
         raise InputError(
             broken[0],
             f"it, or its seal, is damaged, or was edited{more}",
-            "results as they were written, which a manifest tells",
+            "results that a manifest lists",
             MAKE_ANEW,
         )
     entries = [

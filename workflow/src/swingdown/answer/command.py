@@ -135,7 +135,7 @@ def _study(given: Sequence[str], told: Mapping[str, Any], wishes: Wishes) -> Fou
     answers, of_g = with_g(answers, kept, restoring)
     if any(one.row.get("changed") for one in kept):
         _say(
-            f"\n{changed.by} was changed between the recordings: no one period or quality is theirs; {FIRST} has a row for each"
+            f"\n{changed.by} was changed between the recordings: they share no period or quality; {FIRST} has a row for each"
         )
     else:
         _tell(answers)
@@ -170,7 +170,7 @@ def _study(given: Sequence[str], told: Mapping[str, Any], wishes: Wishes) -> Fou
     if code and failed and len(failed) < len(searched):
         _say(f"\nthe search did not end of {', '.join(failed)}; once more without")
         left_out += [
-            own.Refused(one.row["recording"], one.row["file"], f"the search did not end; results/logs/discover/{one.row['campaign']} tells why", "", "")
+            own.Refused(one.row["recording"], one.row["file"], f"the search did not end; results/logs/discover/{one.row['campaign']} has the reason", "", "")
             for one in kept
             if one.row["campaign"] in failed
         ]  # fmt: skip
@@ -180,7 +180,9 @@ def _study(given: Sequence[str], told: Mapping[str, Any], wishes: Wishes) -> Fou
     for campaign in searched:
         path = _verdict(folder, campaign)
         verdict = read_json(path) if path.exists() else None
-        _say(f"{campaign}: {'. '.join(said(verdict)) if verdict else 'no verdict; results/logs tells why'}")
+        _say(
+            f"{campaign}: {'. '.join(said(verdict)) if verdict else 'no verdict; results/logs has the reason'}"
+        )
         if not verdict:
             continue
         answers[campaign] = told_of = of_length(answers[campaign].with_verdict(verdict), kept, restoring)[0]

@@ -134,7 +134,7 @@ def _refused(url, error):
     if number in (errno.EBUSY, errno.EWOULDBLOCK) or "exclusively lock" in text or "busy" in text:
         return _error(
             f"{url} is in use by another program",
-            f"close it (a serial monitor, another capture); `fuser {url}` tells which it is",
+            f"close it (a serial monitor, another capture); `fuser {url}` names it",
         )
     return _error(f"{url} cannot be opened ({text})", "check the cable and capture.port")
 

@@ -107,6 +107,6 @@ def _told(wanted, done, failed, gone):
             "config, key recording",
             f"{sentence}; not whole, or not at all: {', '.join(failed) or 'the port went away'}",
             "recordings that are whole",
-            "what is told above; the recordings that are whole stay",
+            "what the lines above say; whole recordings stay",
         )
     return sentence

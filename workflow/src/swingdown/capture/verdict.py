@@ -24,7 +24,7 @@ def remarks(recorder) -> list[str]:
     compared = recorder.compared()
     if compared is None:
         return [
-            "too few arrivals to hold the board's clock against the host's: nobody has checked capture.rate_hz"
+            "too few arrivals to compare the board's clock with the host's: capture.rate_hz is not checked"
         ]
     found = []
     if compared.steady and compared.apart and not compared.wrong:

@@ -140,7 +140,7 @@ class Problem:
         if model.reading == RATE and start != "free":
             raise InputError(
                 f"fit of {model.label}, start", f"{start!r} takes the release from the first sample, and the recording is of an "
-                "angular rate, which does not tell it", "free", "fit the release too (experiment.start: free)",
+                "angular rate, which does not hold it", "free", "fit the release too (experiment.start: free)",
             )  # fmt: skip
         self.fixed = dict(fixed or {})
         if unknown := [name for name in (*own, *self.fixed) if name not in model.parameters]:

@@ -85,7 +85,7 @@ def _said(name: str, table: pd.DataFrame) -> Iterator[str]:
         why = "; ".join(sorted(set(table.loc[table["made"] == 0, "reason"].astype(str))))
         yield f"{name}: {lost} of {len(table)} cells could not be made ({why})."
     if "reached" in table and (short := int((table["reached"] == 0).sum())):
-        yield f"{name}: in {short} of {len(table)} cells no size of the hidden effect leaves what was asked for; the table tells what it leaves."
+        yield f"{name}: in {short} of {len(table)} cells no size of the hidden effect leaves what was asked for; the table has what it leaves."
     if "true_by_norm" in table:
         parts = (
             table.groupby("start", sort=False)

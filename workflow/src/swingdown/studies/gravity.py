@@ -160,7 +160,7 @@ def gravity_of_two_pivots(frequencies: Sequence[Stated], distances: Sequence[Sta
     if not (g > 0 and inertia > 0):
         raise InputError(
             "pivot_distance",
-            f"the distances {near.value:g} m and {far.value:g} m tell no g with periods of "
+            f"the distances {near.value:g} m and {far.value:g} m give no g with periods of "
             f"{2 * np.pi / one.value:.6g} s and {2 * np.pi / other.value:.6g} s",
             "one rigid body, and pivots at two different distances from its centre of mass",
             "correct the distances, or the order of the recordings",

@@ -67,7 +67,7 @@ def foreseen(sweep, computation):
             lost.setdefault(reason(error), []).append(values)
     for why, those in lost.items():
         first = ", ".join(f"{key} {value}" for key, value in zip(sweep.keys, those[0], strict=True))
-        yield f"  cannot be made: {len(those):,} of {tried:,} cells tried ({sweep.cells:,} in all): {why} (the first: {first}); they are told as such, and stop nothing"
+        yield f"  cannot be made: {len(those):,} of {tried:,} cells tried ({sweep.cells:,} in all): {why} (the first: {first}); they are reported as such, and stop nothing"
 
 
 def seconds(sweep, computation):

@@ -346,4 +346,4 @@ def combined(sweep, rows, chunks):
         )
         yield f"{len(part)} of {sweep.cells} cells could not be made: {why} (the first: {first})"
     if "reached" in rows and (short := int((rows["reached"] == 0).sum())):
-        yield f"in {short} of {sweep.cells} cells no size of the hidden effect leaves what was asked for: left_by_base tells what it does leave"
+        yield f"in {short} of {sweep.cells} cells no size of the hidden effect leaves what was asked for: left_by_base has what it leaves"
