@@ -37,6 +37,7 @@ myst_links_external_new_tab = False
 autodoc_typehints = "signature"
 autodoc_member_order = "bysource"
 autodoc_preserve_defaults = True
+python_maximum_signature_line_length = 100
 
 html_theme = "furo"
 html_title = f"swingdown {release}".strip()

@@ -224,12 +224,13 @@ def explain(
 ) -> Answer:
     """The ``Answer`` of ``fit`` with a verdict: what the model ``base`` lacks.
 
-    The search takes seconds where an effect of the catalogue explains the swings, and up to minutes where none does.
+    The search takes seconds where an effect of the catalogue explains the swings, and up to minutes where none does. A single
+    swing needs nine half-swings, so that some can be held out.
 
     Parameters
     ----------
     times, angles, unit, fitted, effects, names, restoring
-        As in ``fit``. A single swing needs nine half-swings, so that some can be held out.
+        As in ``fit``.
     base
         Names of the effects that the search starts from.
     rounds
