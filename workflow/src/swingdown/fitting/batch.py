@@ -33,19 +33,43 @@ def fit_batch(
 ) -> BatchFit:
     """The ``BatchFit`` of one model to each of many series of angles over the same times.
 
-    ``guess`` is the model with the values to start from, ``release_angle`` (rad) and ``release_velocity`` (rad/s) the
-    release to start from; ``series`` in rad, of shape (series, n). ``workers`` threads share the series; the numbers depend
-    neither on how many nor on a series' company. Where no effect has states, adds inertia, may be narrow or reads the angle
-    but by a gain and a zero, fits go side by side in the processor's vector lanes, in a sixth of the time (a third where
-    the motion depends on the velocity's sign); ``alone`` tells which did not, as where friction holds the pendulum at its
-    release. A single series takes longer so, up to twice as long.
+    Fits go side by side in vector lanes where no effect has states, adds inertia, may be narrow, or reads the angle but by a
+    gain and a zero. The numbers depend neither on the threads nor on a series' company. A single series takes up to twice as
+    long as by itself.
 
-    A step that promises to lower the sum of squares by less than ``tolerance`` of it is the last; with ``foretells`` it is
-    taken unseen, and the sum is what the slopes foretell. ``starts`` (series, values) has in each row the parameters, release
-    angle and velocity from which that series' fit starts, if not all from the guess. ``reference`` (n,) in rad: how far each
-    fit is from it is told. ``curvature`` (free, free) is what J'J lacks of the curvature of half the sum of squares, where
-    that is known beforehand, as of a model that does not fit: searches then end sooner. Side by side an angle is off by 2e-10 of the largest, and by at most ``coarseness`` times as much
-    where that does. Raises InputError for arrays that do not fit together.
+    Parameters
+    ----------
+    guess
+        The model with the values to start from.
+    times
+        In s, of shape (n,).
+    series
+        Angles in rad, of shape (series, n).
+    release_angle, release_velocity
+        The release to start from, in rad and rad/s.
+    start, bounded
+        As in ``fit_jointly``.
+    workers
+        Threads that share the series.
+    most
+        The most evaluations of a start.
+    tolerance
+        The relative fall of the sum of squares below which a step is the last.
+    foretells
+        Whether the last step is taken unseen; the sum is then what the slopes predict.
+    starts
+        In each row the parameters, release angle and velocity from which that series starts, of shape (series, values).
+    reference
+        Angles in rad, of shape (n,): ``off`` then has each fit's distance from them.
+    curvature
+        What J'J lacks of the curvature of half the sum of squares, of shape (free, free), where it is known beforehand.
+    coarseness
+        How many times as far as 2e-10 of the largest angle a lane may be off.
+
+    Raises
+    ------
+    InputError
+        For arrays that do not fit together.
     """
     times, series = checked_times(times), np.ascontiguousarray(series, dtype=float)
     if series.ndim != 2 or series.shape[1] != times.size or not np.all(np.isfinite(series)):

@@ -52,14 +52,24 @@ class Colour(NamedTuple):
 
 @dataclass(frozen=True)
 class Uncertainty:
-    """The uncertainty of a fit's values that knows the colour of its residuals, in the order of ``fit.free``.
+    """The uncertainty of a fit's values that holds the colour of its residuals, in the order of ``fit.free``.
 
-    ``random`` is their covariance by noise and by what the model misses, ``systematic`` (free, source) what the fit's
-    ``sources`` do, ``covariance`` both together. ``inflation``: the random variance over that of independent residuals,
-    geometric mean; n over this is the number of samples that count as independent. ``noise`` (rad): the standard deviation of
-    white noise with this spectrum at the pendulum's frequencies; ``dof``: degrees of freedom that its size is known to. ``limited``: the share of the clock's
-    part of ``systematic``, its last column, that is of an error within limits. NaN for
-    values that a bound holds, or that the swings leave open.
+    It is NaN for values that a bound holds, or that the swings leave open.
+
+    Attributes
+    ----------
+    random
+        Covariance by noise and by what the model misses.
+    systematic
+        The effect of the fit's ``sources``, of shape (free, source). ``covariance`` is both together.
+    inflation
+        The random variance over that of independent residuals; n over this is the number of independent samples.
+    noise
+        Standard deviation (rad) of white noise with this spectrum at the pendulum's frequencies.
+    dof
+        Degrees of freedom of that size.
+    limited
+        The share of the clock's part of ``systematic`` that is of an error within limits.
     """
 
     random: Floats
@@ -90,8 +100,13 @@ class Uncertainty:
 
 
 def half_width(limited: float) -> float:
-    """The k that holds 95 % of a sum of two errors, over its standard deviation: one within limits, of which any is as likely and of
-    which the standard deviation is the share ``limited`` of the whole, and a normal one."""
+    """The k of an interval of 95 % for the sum of a normal error and one within limits.
+
+    Parameters
+    ----------
+    limited
+        The share of the standard deviation that is of the error within limits.
+    """
     limit, normal = np.sqrt(3) * min(limited, 1.0), np.sqrt(max(0.0, 1 - limited**2))
     if limit < 1e-3:
         return _NORMAL

@@ -43,18 +43,42 @@ def fit_jointly(
 ) -> Fit:
     """The ``Fit`` of one model to several swings at once: shared parameters, each swing its own release.
 
-    ``model`` is a Model (its values are not used) or a label; ``swings`` a list of (times in s, angles in rad). ``start``:
-    ``free`` fits each release angle and velocity, ``rest`` starts each swing at rest at its first sample. ``guess``: a model
-    with values, a fit or a ``Begin``, or several, to start from besides the decay seen in the data; with a list of them, also
-    of none, one swing is not cut into segments (c/segments.h), which end closer to the minimum than others do. ``bounded`` keeps
-    parameters within the catalogue's bounds. ``own`` names parameters that each swing has for itself (by default those that
-    the catalogue says, such as a phase, where there are several swings); ``fixed`` holds values, by name, that are not
-    fitted. ``seen=False`` leaves out the starts from the decay where there are fits to start from, ``grown=False`` the one
-    that is found by fitting ever longer parts of the swings. ``most`` evaluations a start are spent, fewer where a
-    trajectory takes far more work than those of a pendulum usually do; ``converged`` tells. ``rough`` trajectories, of effects that take many
-    panels, are off by less than 1e-6 rad and take a quarter to nine tenths of the time: for fits that are only compared.
-    What drifts over a record drifts over the longest one. Raises InputError for swings that cannot be fitted and
-    TrajectoryError where no start gives a trajectory.
+    What drifts over a record drifts over the longest one.
+
+    Parameters
+    ----------
+    model
+        A Model (its values are not used) or a label.
+    swings
+        A list of (times in s, angles in rad).
+    start
+        ``free`` fits each release angle and velocity; ``rest`` starts at rest at the first sample.
+    guess
+        A model with values, a fit or a ``Begin``, or several, to start from besides the decay in the data. With a list, also an
+        empty one, a single swing is not cut into segments (c/segments.h).
+    bounded
+        Whether parameters keep within the catalogue's bounds.
+    own
+        Parameters that each swing has for itself. Default: those that the catalogue says, such as a phase.
+    fixed
+        Values, by name, that are not fitted.
+    seen
+        Whether to start from the decay where there are fits to start from.
+    grown
+        Whether to start from fits of ever longer parts of the swings.
+    most
+        The most evaluations of a start; ``converged`` says whether they sufficed.
+    tolerance
+        The relative fall of the sum of squares below which a step is the last.
+    rough
+        Whether trajectories of many panels may be off by up to 1e-6 rad, for fits that are only compared.
+
+    Raises
+    ------
+    InputError
+        For swings that cannot be fitted.
+    TrajectoryError
+        If no start gives a trajectory.
     """
     model = _labelled(model) if isinstance(model, str) else model
     if model.record is None and len(swings) > 1:

@@ -12,7 +12,15 @@ from ..pendulum.model import Model
 
 
 class SwingStart(NamedTuple):
-    """Where the fit of one swing begins: values by parameter name, release angle (rad) and velocity (rad/s)."""
+    """The start of the fit of one swing.
+
+    Attributes
+    ----------
+    values
+        By parameter name.
+    release_angle, release_velocity
+        In rad and rad/s.
+    """
 
     values: Mapping[str, float]
     release_angle: float
@@ -29,9 +37,20 @@ class Begin:
 
 @dataclass(frozen=True)
 class SwingFit:
-    """One swing's part in a fit: its model (shared values with its own), release (rad, rad/s), fitted series (rad), RMS (rad).
+    """One swing's part in a fit.
 
-    ``own`` holds, by name, the parameters that were not shared with other swings.
+    Attributes
+    ----------
+    model
+        The shared values with the swing's own.
+    release_angle, release_velocity
+        In rad and rad/s.
+    angle
+        The fitted series, in rad.
+    rms
+        Of its residual, in rad.
+    own
+        By name, the parameters that other swings do not share.
     """
 
     model: Model
@@ -44,13 +63,28 @@ class SwingFit:
 
 @dataclass(frozen=True)
 class Fit:
-    """A model fitted to one swing, or to several at once: shared parameters, each swing its own release.
+    """A model fitted to one swing, or to several at once.
 
-    ``free`` names the fitted values: the model's parameters, then ``release_angle`` (rad) and ``release_velocity``
-    (rad/s) where these are free, of each swing in turn. ``covariance`` is s^2 (J'J)^-1 with s^2 = rss / (n - k): it
-    takes the residuals for independent, plus what the model's slack and clock leave open: ``systematic`` (free, source) tells
-    what a standard uncertainty of each of ``sources`` does to each value. ``rss`` in rad^2, with what the nuisance values
-    are off from what is known of them. Of parameters that are not shared the model has the means.
+    Attributes
+    ----------
+    model
+        The model with the fitted values; the means of parameters that are not shared.
+    free
+        Names of the fitted values: parameters, then ``release_angle`` (rad) and ``release_velocity`` (rad/s) of each swing.
+    values
+        The fitted values, of shape (free,).
+    covariance
+        s^2 (J'J)^-1 with s^2 = rss / (n - k), plus what slack and clock leave open.
+    systematic
+        The effect of one standard uncertainty of each of ``sources`` on each value, of shape (free, source).
+    rss
+        Sum of squares, in rad^2, with the nuisance values' distance from their prior.
+    n
+        Number of samples.
+    swings
+        Each swing's part.
+    method, converged, message, evaluations
+        How it was reached.
     """
 
     model: Model
@@ -125,8 +159,21 @@ class Fit:
 
 @dataclass(frozen=True)
 class BatchFit:
-    """Many series fitted alike: ``values`` (series, free), and of each series rss (rad^2), converged, evaluations, and
-    whether it was fitted alone, not side by side with others; ``off``: RMS (rad) of the fit less the reference, if there was one."""
+    """Many series fitted alike.
+
+    Attributes
+    ----------
+    free
+        Names of the fitted values.
+    values
+        Of shape (series, free).
+    rss
+        Sums of squares, in rad^2, of shape (series,).
+    converged, evaluations, alone
+        Of each series; ``alone`` was not fitted side by side with others.
+    off
+        RMS (rad) of the fit less the reference, or None.
+    """
 
     free: tuple[str, ...]
     values: Floats
