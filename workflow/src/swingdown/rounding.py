@@ -14,10 +14,18 @@ _COARSEST = 2  # ... of the last digit shown above which a power of ten reads be
 def value_with_uncertainty(value: float, uncertainty: float, rule: str = "two") -> str:
     """A text such as ``1.418(45)``: the standard uncertainty in units of the last digits.
 
-    ``rule`` says how many digits of the uncertainty are shown: ``two`` (GUM 7.2.6), ``one``, ``pdg`` (Particle Data
-    Group: leading digits 100-354 two, 355-949 one, 950-999 rounded up to 1000 and two) or ``limit`` (a limit as it is
-    stated: two, or one where the second is a zero). ``value(?)`` where the uncertainty is not a number above 0.
-    ValueError for another rule.
+    Parameters
+    ----------
+    value, uncertainty
+        In one unit. An uncertainty that is not above 0 gives ``value(?)``.
+    rule
+        Digits of the uncertainty: ``two`` (GUM 7.2.6), ``one``, ``pdg`` (Particle Data Group) or ``limit`` (two, or one where the
+        second is a zero).
+
+    Raises
+    ------
+    ValueError
+        For another rule.
     """
     if (parts := _cut(value, uncertainty, rule)) is None:
         return _unknown(value, "(?)")
@@ -31,8 +39,10 @@ def value_with_uncertainty(value: float, uncertainty: float, rule: str = "two") 
 def plus_minus(value: float, uncertainty: float, rule: str = "two") -> str:
     """A text such as ``1.418 ± 0.045``, or ``(1.20 ± 0.34)e-7``: both numbers with the same decimals.
 
-    ``rule`` as for ``value_with_uncertainty``; digits before the point are never rounded away. ``value ± ?`` where the
-    uncertainty is not a number above 0.
+    Parameters
+    ----------
+    value, uncertainty, rule
+        As of ``value_with_uncertainty``. Digits before the point are never rounded away.
     """
     if (parts := _cut(value, uncertainty, rule, coarsest=0)) is None:
         return _unknown(value, " ± ?")

@@ -11,14 +11,18 @@ _FACTORS = tuple(2.0**k for k in range(8))
 
 
 def deviation_lines(line: Line, x: Floats, y: Floats, half_x: Floats, half_y: Floats) -> tuple[Floats, float]:
-    """Intercept and slope of a lower and an upper line for each of ``KINDS``, shape (3, 2, 2), and a box
-    factor.
+    """Intercept and slope of a lower and an upper line for each of ``KINDS``, of shape (3, 2, 2), and a box factor.
 
-    - ``extreme``: the least and the greatest slope of a line through every error box, of half sides ``half_x`` and
-      ``half_y``. Where no line passes through all boxes they are doubled until one does: the box factor says how far.
-    - ``one-sigma``: (intercept + u, slope - u) and (intercept - u, slope + u).
-    - ``covariance``: slope ± u about the line's centre, where intercept and slope do not correlate: the
-      asymptotes of the band that ``line.predict`` gives.
+    ``extreme`` has the least and the greatest slope of a line through every error box; boxes are enlarged by the box factor until
+    there is one. ``one-sigma`` is (intercept + u, slope - u) and (intercept - u, slope + u). ``covariance`` is slope ± u about the
+    line's centre.
+
+    Parameters
+    ----------
+    line
+        The line.
+    x, y, half_x, half_y
+        The points and the half sides of their boxes, of shape (point,).
     """
     u_intercept, u_slope = line.uncertainties
     centre = -line.covariance[0, 1] / line.covariance[1, 1]

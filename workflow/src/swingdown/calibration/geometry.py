@@ -14,11 +14,14 @@ def arm_angle(
     arm: Numbers,
     height: Numbers,
 ) -> Floats:
-    """The angle (rad) of the arm from the vertical; NaN where the drop is longer than the arm. Lengths in m.
+    """The angle (rad) of the arm from the vertical (Eqs. 7a, 8, 9, 10); NaN where the drop is longer than the arm.
 
-    Eqs. 7a, 8, 9, 10. ``height`` is of the tower the bob rests on, ``over_shaft`` of the shaft's top. A drop
-    longer than the arm is impossible and says that the lengths are not known well enough there: it is not
-    clipped.
+    Parameters
+    ----------
+    over_shaft, shaft_diameter, bob_diameter, arm
+        Height of the shaft's top, diameters, and length of the arm, in m.
+    height
+        Of the tower that the bob rests on, in m.
     """
     drop = drop_below_shaft(over_shaft, shaft_diameter, bob_diameter, height)
     ratio = drop / arm
@@ -41,9 +44,14 @@ def printed_bound(
 ) -> float:
     """The limit of error (rad) of the angle as Eq. 7b prints it, limits added as in Eqs. 9 and 10.
 
-    ``lengths`` and ``limits`` are over_shaft, shaft_diameter, bob_diameter and arm (m). Eq. 10's "½ δh_bob"
-    is read as ½ δd_bob. ``signed`` keeps the printed signs, by which the two terms cancel in part, so that
-    the bound is too small; False adds their sizes, the worst case.
+    Parameters
+    ----------
+    lengths, limits
+        Of over_shaft, shaft_diameter, bob_diameter and arm, in m. Eq. 10's "½ δh_bob" is read as ½ δd_bob.
+    height, height_limit
+        Of the tower, in m.
+    signed
+        Whether the printed signs stay, by which the two terms cancel in part. Otherwise their sizes add: the worst case.
     """
     over_shaft, shaft, bob, arm = lengths
     drop = drop_below_shaft(over_shaft, shaft, bob, height)

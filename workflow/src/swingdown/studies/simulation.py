@@ -40,11 +40,26 @@ INFERRED_NOTE = (
 
 @dataclass(frozen=True, kw_only=True)
 class Settings:
-    """What is simulated: ``simulated`` model labels and their values (``natural_frequency`` rad/s, the others in the catalogue's units),
-    released from rest at ``release_angle_deg`` (degrees), sampled over ``duration_s`` (s) at ``sampling_rate_hz`` (Hz), both ends included.
+    """The settings of a simulation study.
 
-    ``noise`` and ``snr`` as in ``noise.add_noise``. ``stream`` is ``R``, drawn straight through all realisations of the first model, then of
-    the second and so on as in one R session, or ``numpy``, where each realisation depends on seed, model and index alone.
+    Attributes
+    ----------
+    simulated
+        Labels of the models to simulate.
+    natural_frequency, viscous_ratio, quadratic_coefficient, load_friction
+        Their values, in the catalogue's units (rad/s, 1, s, 1).
+    release_angle_deg
+        Release from rest, in degrees.
+    sampling_rate_hz, duration_s
+        Sampling, in Hz and s, both ends included.
+    snr, noise
+        As of ``noise.add_noise``.
+    stream
+        ``R``: drawn through all realisations as in one R session. ``numpy``: each depends on seed, model and index alone.
+    realizations, seed
+        Noisy copies of each swing, and their seed.
+    restoring, form
+        As of ``Model``.
     """
 
     simulated: Sequence[str]
@@ -126,13 +141,23 @@ def simulation_norms(
     start: str = "rest",
     own: Mapping[str, Any] | None = None,
 ) -> xr.Dataset:
-    """A Dataset (simulated, fitted, realization, parameter): how far each fitted model is from one simulated truth.
+    """A Dataset (simulated, fitted, realization, parameter) of the distance of each fitted model from one simulated truth.
 
-    ``norm`` (degrees) is the RMS of fit minus noise-free truth, ``residual_norm`` that of noisy data minus fit; ``value``,
-    ``standard_error``, ``converged`` and ``evaluations`` go with it. Plain names are of the paper's Nelder-Mead, restarted
-    until stationary; those with the prefix ``least_squares_`` of trajectory least squares. ``realizations`` is what the
-    function of that name returns, ``simulated`` one of its models; the fits take its gravity and form of the terms. ``own``
-    are the study's own effects, as the settings' key ``effects`` states them.
+    ``norm`` (degrees) is the RMS of fit minus noise-free truth, ``residual_norm`` that of noisy data minus fit. Plain names are of
+    the paper's Nelder-Mead, those with the prefix ``least_squares_`` of trajectory least squares.
+
+    Parameters
+    ----------
+    realizations
+        As the function of that name returns it.
+    simulated
+        One of its models.
+    fitted
+        Labels of the models to fit.
+    start
+        ``rest`` or ``free``.
+    own
+        The settings' key ``effects``.
     """
     if simulated not in realizations["simulated"].values:
         raise InputError(

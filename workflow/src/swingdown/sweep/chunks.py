@@ -21,7 +21,15 @@ MOST_JOBS = 2000  # beyond that the workflow's own time and the file system are 
 
 @dataclass(frozen=True)
 class Chunk:
-    """One job: the settings that its cells share, the axes' keys, and its parts (a cell's values, first draw, draws)."""
+    """One job of a sweep.
+
+    Attributes
+    ----------
+    computes, settings, keys
+        What is computed, the settings that its cells share, the axes' keys.
+    parts
+        A cell's values, first draw and number of draws, each.
+    """
 
     computes: str
     settings: dict
@@ -58,9 +66,18 @@ class Chunk:
 
 @dataclass(frozen=True)
 class Dealt:
-    """What a sweep needs: chunks by name, their files' names less the ending, those new in the book, and those not computed.
+    """What a sweep needs.
 
-    ``outdated`` are the names of chunks whose results other code computed, by the version of that code.
+    Attributes
+    ----------
+    chunks
+        By name.
+    files
+        Their files' names without the ending.
+    new, missing
+        Those new in the book, and those not computed.
+    outdated
+        Names of chunks whose results other code computed, by the version of that code.
     """
 
     chunks: dict
@@ -87,12 +104,26 @@ def made(folder, ending="nc"):
 
 
 def deal(sweep, book, code="", again=False):
-    """The ``Dealt`` of a sweep: chunks of the book (a path, which need not exist) that hold what it wants, then new ones.
+    """The ``Dealt`` of a sweep: chunks of the book that hold what it wants, then new ones.
 
-    Chunks whose results are there, in the folder ``chunks`` beside the book, come first. One without results that holds more
-    than is wanted, or what another holds, is passed over: where a table was made smaller, its work is dealt out again. ``code``
-    is the version that computes what is missing; what other code computed counts as missing only where ``again`` is true.
-    InputError where there would be more than ``MOST_JOBS`` chunks.
+    Chunks with results, in the folder ``chunks`` beside the book, come first. One without results that holds more than is wanted
+    is passed over.
+
+    Parameters
+    ----------
+    sweep
+        The ``Sweep``.
+    book
+        The path of the book, which need not exist.
+    code
+        The version that computes what is missing.
+    again
+        Whether results of other code count as missing.
+
+    Raises
+    ------
+    InputError
+        For more than ``MOST_JOBS`` chunks.
     """
     there = made(Path(book).parent / "chunks", ENDING[sweep.format])
     chunks, open_parts = _held(sweep, book, there)

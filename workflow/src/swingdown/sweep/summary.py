@@ -275,9 +275,14 @@ def _texts(variable):
 
 @cache
 def interval(count: int, n: int) -> tuple[float, float]:
-    """(low, high): the 95 % interval of a probability seen ``count`` times in n draws, by Wilson's method; NaN for none.
+    """The 95 % interval (low, high) of a probability, by Wilson's method; NaN for n = 0.
 
-    Wilson, J. Am. Stat. Assoc. 22, 209 (1927); unlike the square root of p (1 - p) / n it does not vanish at 0 and 1.
+    Wilson, J. Am. Stat. Assoc. 22, 209 (1927).
+
+    Parameters
+    ----------
+    count, n
+        How often it was seen, in how many draws.
     """
     if not n:
         return math.nan, math.nan

@@ -37,9 +37,16 @@ _TAKEN = ("fitted", "realization", "cell")  # names of dimensions that every res
 
 @dataclass(frozen=True)
 class Axis:
-    """One axis: its key in the config, the name of its dimension, its values, unit and name in words.
+    """One axis of a sweep.
 
-    ``coupled`` are axes of other keys, as long, that change together with it and have no dimension of their own.
+    Attributes
+    ----------
+    key, dim
+        Its key in the config, and the name of its dimension.
+    values, units, long_name
+        Its values, their unit, and its name in words.
+    coupled
+        Axes of other keys, as long, that change together with it.
     """
 
     key: str
@@ -72,9 +79,22 @@ class Axis:
 
 @dataclass(frozen=True)
 class Sweep:
-    """A named table: what is computed, its axes, the other settings of every cell (by key), and how often each is drawn.
+    """A named table of cells.
 
-    ``chunk`` is the largest number of draws in one job, ``format`` what the draws are kept in: netcdf or zarr.
+    Attributes
+    ----------
+    name, computes
+        Its name, and what is computed.
+    axes
+        Its axes.
+    settings
+        The other settings of every cell, by key.
+    realizations
+        Draws of every cell.
+    chunk
+        The most draws in one job.
+    format
+        ``netcdf`` or ``zarr``.
     """
 
     name: str
@@ -113,8 +133,18 @@ class Sweep:
 def sweeps(config, where="config"):
     """The ``Sweep``s of a complete config, by name.
 
-    InputError for an axis that is no key of the config or that the computation does not depend on, for a value that the
-    key does not admit, and for a sweep that leaves open which model is simulated.
+    Parameters
+    ----------
+    config
+        The settings, defaults filled in.
+    where
+        What errors call it.
+
+    Raises
+    ------
+    InputError
+        For an axis that is no key or that the computation does not depend on, a value that the key does not admit, and a sweep that
+        leaves open which model is simulated.
     """
     base = {key: value for key, value in config.items() if key != "sweeps"}
     return {
