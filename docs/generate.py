@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import rule_graph
 import sympy
 from sympy.printing.mathml import MathMLPresentationPrinter
 
@@ -57,6 +58,9 @@ def write(folder: Path) -> None:
     """Writes all generated pages, each whole or not at all."""
     folder.mkdir(parents=True, exist_ok=True)
     pages = {"catalogue": catalogue(folder), "settings": settings(), "commands": commands(), "api": api()}
+    pages["rules"] = rule_graph.reference(PROJECT / "workflow/rules")
+    with written_whole(folder / "rules.svg") as partial:
+        partial.write_text(rule_graph.svg(rule_graph.asked(PROJECT)), encoding="utf-8")
     for room, title in ROOMS.items():
         pages[f"api_{room.rpartition('.')[2]}"] = _room(room, title)
     for name, lines in pages.items():
