@@ -23,6 +23,7 @@ ARGS ?=
 FILE ?=
 TESTS ?= tests
 VERSIONS ?=
+EXTRAS := capture,cluster,workflow
 # A file of tests stays in one process: what its tests share is made once.
 WORKERS := -n $(CORES) --dist loadfile --no-loadscope-reorder
 
@@ -56,7 +57,7 @@ $(READY):
 	else echo "uv did not manage; falling back to pip, which is slower ..." \
 	  && $(BIN)/python -m pip install -q --disable-pip-version-check --require-hashes -r requirements.lock; fi
 	@$(BIN)/python -m pip install -q --disable-pip-version-check --no-deps --no-build-isolation -e .
-	@$(if $(VERSIONS),$(BIN)/uv pip install -q --system-certs --python $(BIN)/python --no-build-isolation --upgrade --resolution $(VERSIONS) -e '.[capture,cluster,workflow]',:)
+	@$(if $(VERSIONS),$(BIN)/uv pip install -q --system-certs --python $(BIN)/python --no-build-isolation --upgrade --resolution $(VERSIONS) -e '.[$(EXTRAS)]',:)
 	@unset PYTHONDONTWRITEBYTECODE; ($(BIN)/python -c '$(IMPORT_ALL)'; $(BIN)/snakemake --dry-run --quiet all) > /dev/null 2>&1 || :
 	@touch $@
 
