@@ -2,7 +2,7 @@
 
     .venv/bin/python tests/benchmarks/clock_faults.py [DRAWS] [SOUND]
 
-Prints the tables of docs/bench.md. Boards and arrivals are those of tests/capture/arrivals.py: simulated, at 100 samples a second
+Prints tables, of which docs/bench.md gives the sum. Boards and arrivals are those of tests/capture/arrivals.py: simulated, at 100 samples a second
 (sound ones at 50, 100, 200 and 500, for 10 to 60 s, up to 0.4 % from the rate told). DRAWS for each fault, SOUND recordings for each
 kind of arrivals.
 """
