@@ -10,6 +10,22 @@ Numbers = float | Floats  # one, or one a point or draw
 Swing = tuple[Floats, Floats]  # times (s) and angles (rad), one as long as the other
 
 
+class DrivenSwing(tuple[Floats, Floats]):
+    """A ``Swing`` under a measured drive, which is a curve over its clock: a pair like any other, that brings its ``drive`` along."""
+
+    drive: Any
+
+    def __new__(cls, times: Floats, angles: Floats, drive: Any) -> "DrivenSwing":
+        found = super().__new__(cls, (times, angles))
+        found.drive = drive
+        return found
+
+
+def swing_under(drive: Any, times: Floats, angles: Floats) -> Swing:
+    """The pair of times (s) and angles (rad), with the drive where there is one."""
+    return (times, angles) if drive is None else DrivenSwing(times, angles, drive)
+
+
 class Shown(NamedTuple):
     """A swing, or a part of one, beside what a model makes of it: names, times (s), angles and fitted angles (rad).
 

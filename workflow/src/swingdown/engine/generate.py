@@ -3,6 +3,7 @@
 import sympy
 from sympy.printing.c import C99CodePrinter
 
+from ..pendulum.effect import INPUTS
 from ..pendulum.formula import symbol
 from . import collocation
 from .rows import entries
@@ -10,6 +11,7 @@ from .state_methods import localisation, state_methods
 
 _THETA, _VELOCITY, _ACCELERATION = symbol("theta"), symbol("thetadot"), symbol("thetaddot")
 _TIME, _DIRECTION, _OMEGA = symbol("t"), symbol("direction"), symbol("omega_n")
+_INPUTS = [symbol(name) for name in (*INPUTS, "input_jerk")]  # of the measured drive: it and its derivatives by time
 _SINE, _COSINE, _SPEED = symbol("sine_theta"), symbol("cosine_theta"), symbol("speed")
 _POINTS = {
     _THETA: "q->th",
@@ -18,6 +20,7 @@ _POINTS = {
     _TIME: "q->t",
     _SINE: "q->sn",
     _COSINE: "q->cs",
+    **{one: f"(q->u + {k} * q->stride)" for k, one in enumerate(_INPUTS)},
 }
 _FORMULA = "(const Points *q, const double *p, const double *sign, double *out, PlacedEffect at)"
 _PARTIALS = "(const Points *q, const double *p, const double *sign, const Partials *d, PlacedEffect at)"
@@ -139,6 +142,13 @@ def _function(name, signature, effect, assignments):
     ]
 
 
+def _by_parameter(expression, parameter):
+    """The derivative by a parameter; by a delay of the measured drive: what is later is changed by its own rate, backwards."""
+    if parameter.role != "delay":
+        return expression.diff(symbol(parameter.symbol))
+    return -sum(expression.diff(one) * rate for one, rate in zip(_INPUTS, _INPUTS[1:], strict=False))
+
+
 def _partials(outputs, inputs, parameters):
     """The assignments of all derivatives that are not zero: outputs and inputs as {row: expression or symbol}."""
     found = []
@@ -149,7 +159,7 @@ def _partials(outputs, inputs, parameters):
             (
                 f"PARTIAL_BY_PARAMETER({row}, at.first_parameter + {k})",
                 "=",
-                expression.diff(symbol(parameter.symbol)),
+                _by_parameter(expression, parameter),
             )
             for k, parameter in enumerate(parameters)
         ]
@@ -239,7 +249,7 @@ class _Outputs:
             "n_parameters": len(self.effect.parameters),
             "n_states": len(self.effect.states),
             "n_switches": len(self.switches),
-            "timed": int(any(expression.has(_TIME) for expression in motion)),
+            "timed": int(any(expression.has(_TIME, *_INPUTS) for expression in motion)),
             "inertial": int("1" in self.motion),
             "fractional_power": int(any(_with_shared_points(one).has(_SPEED) for one in motion)),
             "localised": max(localised, default=0),
@@ -252,6 +262,7 @@ def _of_each(expression):
     """Whether a formula has only what vectors of numbers have operators for: sums, whole powers, sines and cosines."""
     powers, calls = expression.atoms(sympy.Pow), expression.atoms(sympy.Function)
     whole = all(power.exp.is_Integer and abs(power.exp) <= 8 for power in powers)
+    whole = whole and not expression.free_symbols & set(_INPUTS)
     return whole and all(isinstance(call, (sympy.sin, sympy.cos)) for call in calls)
 
 

@@ -70,11 +70,14 @@ def model(
     play: int,
     duration: float,
     reads_rate: bool = False,
+    drive: tuple[Floats, Floats] | None = None,
+    delay: int = -1,
 ) -> Any:
     """A C ``Model``.
 
     ``motions``, ``sensors``, ``clocks``: (row, first parameter, first state) of each effect; ``play``: a parameter or -1;
-    ``duration`` in s; ``reads_rate``: what is read is the angular velocity.
+    ``duration`` in s; ``reads_rate``: what is read is the angular velocity; ``drive``: knots (n + 1, s) and coefficients (n, 4) of what
+    drives it; ``delay``: a parameter or -1.
     """
     kinds = {"motions": motions, "sensors": sensors, "clocks": clocks}
     arrays = {kind: ffi().new("PlacedEffect[]", placed) for kind, placed in kinds.items()}
@@ -82,8 +85,13 @@ def model(
     others = {
         "n_parameters": n_parameters, "n_states": n_states, "play": play, "duration": duration, "reads_rate": int(reads_rate),
     }  # fmt: skip
-    found = ffi().new("Model *", arrays | counts | others)
-    _arrays[found] = arrays
+    given = arrays | counts | others
+    if drive is not None:
+        knots, coefficients = drive
+        given["input"] = ffi().new("Input *", (len(coefficients), doubles(knots), doubles(coefficients)))
+        given["input_delay"] = delay
+    found = ffi().new("Model *", given)
+    _arrays[found] = arrays, given, drive
     return found
 
 

@@ -81,10 +81,11 @@ def engine(catalogue: Catalogue = SHIPPED) -> Any:
 class Compiled:
     """A model as the engine takes it: which effects act where, and where each one's parameters and states begin.
 
-    ``library`` is the engine that knows these effects.
+    ``library`` is the engine that knows these effects. ``duration`` in s; ``start``: the time (s) of the first sample, in the clock of
+    the model's drive. InputError for a model that takes a drive and has none.
     """
 
-    def __init__(self, model: Model, duration: float) -> None:
+    def __init__(self, model: Model, duration: float, start: float = 0.0) -> None:
         self.duration = duration = model.record or duration
         self.library, rows = _loaded(model.catalogue.whole)
         parts: dict[str, list[tuple[int, int, int]]] = {
@@ -92,7 +93,7 @@ class Compiled:
             "sensors": [],
             "clocks": [],
         }
-        play, parameter, state = -1, 1, 0
+        play, delay, parameter, state = -1, -1, 1, 0
         for effect in model.acting:
             part = (rows[effect.name, model.form if effect.printed else "consistent"], parameter, state)
             if effect.acts_on == "torque" or effect.states:
@@ -101,12 +102,25 @@ class Compiled:
                 parts[f"{effect.acts_on}s"].append(part)
             if effect.acts_on == "play":
                 play = parameter
+            delay = next((parameter + k for k, one in enumerate(effect.parameters) if one.role == "delay"), delay)
             parameter, state = parameter + len(effect.parameters), state + len(effect.states)
         self.model, self.n_parameters = model, parameter
         self.c = interface.model(
             **parts, n_parameters=parameter, n_states=state, play=play, duration=duration,
-            reads_rate=model.catalogue.reading == RATE,
+            reads_rate=model.catalogue.reading == RATE, drive=self._drive(start), delay=delay,
         )  # fmt: skip
+
+    def _drive(self, start: float) -> tuple[Floats, Floats] | None:
+        """The knots (s since the first sample) and coefficients of the drive that acts in the model; None of one that is free."""
+        model = self.model
+        if not model.takes_input:
+            return None
+        if model.drive is None:
+            raise InputError(
+                f"model {model.label}", "a measured drive acts in it, and none is given", "the drive, over the times that it is followed at",
+                "say input= and input_kind=, or leave the effect out",
+            )  # fmt: skip
+        return model.drive.knots - start, model.drive.coefficients
 
 
 def checked_times(times: Any) -> Floats:
@@ -132,7 +146,7 @@ def _run(
     rough: bool = False,
 ) -> tuple[Floats, Floats, Effort]:
     times = checked_times(times)
-    compiled = Compiled(model, float(times[-1] - times[0]))
+    compiled = Compiled(model, float(times[-1] - times[0]), float(times[0]))
     values = np.array(model.vector())
     if not (np.all(np.isfinite(values)) and np.isfinite(release_angle) and np.isfinite(release_velocity)):
         raise ImpossibleValue(
@@ -245,7 +259,7 @@ def simulate(model: Model, times: Any, release_angle: float, release_velocity: f
 
 def _warn_of_growth(model: Model, times: Floats, release: Sequence[float], angles: Floats) -> None:
     """Warn of ``angles`` on whose way small errors become large ones, by a finer trajectory of the same motion."""
-    compiled, finer = Compiled(model, float(times[-1] - times[0])), np.empty(times.size)
+    compiled, finer = Compiled(model, float(times[-1] - times[0]), float(times[0])), np.empty(times.size)
     try:
         _follow(compiled, np.array(model.vector()), release, times, (), finer, None, _FINER)
     except TrajectoryError:
@@ -279,7 +293,7 @@ def simulate_each(model: Model, times: Any, values: Any) -> Floats:
         raise InputError(
             f"model {model.label}", f"values of shape {values.shape}", f"(any, {len(model.parameters) + 2})"
         )
-    compiled = Compiled(model, float(times[-1] - times[0]))
+    compiled = Compiled(model, float(times[-1] - times[0]), float(times[0]))
     angles = np.full((len(values), times.size), np.nan)
     finite = np.flatnonzero(np.isfinite(values).all(axis=1))
     rows, found = values[finite], np.empty((finite.size, times.size))

@@ -94,7 +94,7 @@ def fit_batch(
     lower, upper = np.array(
         [limits(d, bounded) for d in guess.definitions] + [(-np.inf, np.inf)] * 2
     ).T.copy()
-    compiled = Compiled(guess, float(times[-1] - times[0]))
+    compiled = Compiled(guess, float(times[-1] - times[0]), float(times[0]))
     where = np.arange(size + 2, dtype=np.int32)
     where[len(free) :] = -1
     values, rss = np.zeros((count, len(free))), np.zeros(count)

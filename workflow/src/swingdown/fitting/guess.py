@@ -97,11 +97,11 @@ def first_guess(times: Any, angle: Any, restoring: str = "sine", reading: str = 
     amplitude = _median([reached[k] for k in used])
     frequency = pi / half / (amplitude_factor(amplitude) if restoring == "sine" else 1.0)
     loss = (reached[0] - reached[-1]) / (len(reached) - 1) if len(reached) > 1 else 0.01 * amplitude
-    release, velocity = _at_first(times, angle, half)
+    release, velocity = at_first(times, angle, half)
     return Guess(frequency, release, velocity, amplitude, loss)
 
 
-def _at_first(times: Floats, series: Floats, half: float) -> tuple[float, float]:
+def at_first(times: Floats, series: Floats, half: float) -> tuple[float, float]:
     """Value and slope (a second) at the first sample, of a parabola through an eighth of a half-swing."""
     few = max(4, min(times.size, int(times.searchsorted(times[0] + half / 8))))
     span = times[few - 1] - times[0]
@@ -134,7 +134,7 @@ def _guess_from_rate(times: Floats, rate: Floats, restoring: str) -> Guess:
     reached = np.array([_amplitude(one, frequency, restoring) for one in speeds])
     amplitude = float(np.median(reached[used]))
     loss = (reached[0] - reached[-1]) / max(1, reached.size - 1) if reached.size > 1 else 0.01 * amplitude
-    velocity, acceleration = _at_first(times, rate, half)
+    velocity, acceleration = at_first(times, rate, half)
     sine = float(np.clip(-acceleration / frequency**2, -1.0, 1.0))
     # beyond 90° the pull falls again: which side of it the release is on, the energy tells
     cosine = np.cos(reached[0]) + 0.5 * (velocity / frequency) ** 2 if restoring == "sine" else 1.0

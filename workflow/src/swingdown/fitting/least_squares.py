@@ -168,8 +168,9 @@ def fit_at(
             for row, compiled, (times, _) in zip(slots, problem.compiled, problem.swings, strict=True)
         ]
     swings = []
-    for row, series, (_, angle) in zip(slots, angles, problem.swings, strict=True):
+    for row, series, (_, angle), drive in zip(slots, angles, problem.swings, problem.drives, strict=True):
         one = model.with_values(dict(zip(names, row[:-2], strict=True))) if problem.own else model
+        one = one.driven_by(drive)
         left = series - angle
         rms = sqrt(left.dot(left) / left.size)
         own = {name: one.values[name] for name in problem.own}

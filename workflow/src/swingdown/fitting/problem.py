@@ -13,9 +13,11 @@ from ..engine import interface
 from ..engine.trajectory import Compiled, checked_times
 from ..errors import InputError
 from ..pendulum.catalogue import RATE, Catalogue
+from ..pendulum.drive import Drive
 from ..pendulum.effect import NATURAL_FREQUENCY, Parameter
 from ..pendulum.model import Model
 from ..pendulum.slack import Slack
+from .driven import driven_guesses, driven_release
 from .guess import first_guess
 from .result import Begin, Fit
 
@@ -109,15 +111,19 @@ def _compiled(
     restoring: str,
     form: str,
     duration: float,
+    start: float,
+    drive: Drive | None,
 ) -> Compiled:
     known = Slack(slack, contributions=np.zeros((len(slack), 0)))
-    return Compiled(Model(names, {}, {}, restoring, form, entries, known), duration)
+    return Compiled(Model(names, {}, {}, restoring, form, entries, known, drive=drive), duration, start)
 
 
-def compiled(model: Model, duration: float) -> Compiled:
-    """The model as the engine takes it, for a record of this ``duration`` (s)."""
-    duration = model.record or duration
-    return _compiled(model.catalogue, model.names, model.slack.names, model.restoring, model.form, duration)
+def compiled(model: Model, times: Floats, drive: Drive | None = None) -> Compiled:
+    """The model as the engine takes it, for a record of these ``times`` (s), under a measured drive where one acts in it."""
+    duration = model.record or float(times[-1] - times[0])
+    start, drive = (float(times[0]), drive) if model.takes_input else (0.0, None)
+    slack = model.slack.names
+    return _compiled(model.catalogue, model.names, slack, model.restoring, model.form, duration, start, drive)
 
 
 class Problem:
@@ -169,7 +175,11 @@ class Problem:
                 "fit", f"{self.n} samples for {len(self.free)} free values", "more samples than free values"
             )
         self.known = self._known() if model.slack.names else None
-        self.compiled = [compiled(model, float(times[-1] - times[0])) for times, _ in self.swings]
+        self.drives = [getattr(swing, "drive", model.drive) for swing in swings]
+        self.compiled = [
+            compiled(model, times, drive)
+            for (times, _), drive in zip(self.swings, self.drives, strict=True)
+        ]
         self._point_at_swings()
 
     def _known(self) -> interface.Knowledge | None:
@@ -240,6 +250,8 @@ class Problem:
         known = guess if isinstance(guess, (list, tuple)) else [] if guess is None else [guess]
         if not seen and known and not any(isinstance(one, Model) for one in known):
             return np.array([self._from_guess(one, ()) for one in known]), 0
+        if self.model.takes_input:
+            return self._driven_starts(known, seen)
         reading = self.model.reading
         found = [first_guess(times, angle, self.model.restoring, reading) for times, angle in self.swings]
         releases = [(g.release_angle, g.release_velocity) for g in found]
@@ -254,6 +266,20 @@ class Problem:
         starts = [split, *(alone if len(loss) > 1 else [])]
         from_data = [self.variables(values, releases) for values in starts]
         return np.array([*(self._from_guess(one, releases) for one in known), *from_data]), len(starts)
+
+    def _driven_starts(self, known: Sequence[Any], seen: bool) -> tuple[Floats, int]:
+        """The same of swings under a measured drive, from what each width of bumps shows of them (``driven``)."""
+        releases = [driven_release(*swing) for swing in self.swings]
+        given = [self._from_guess(one, releases) for one in known]
+        each = [
+            driven_guesses(self.model, times, angle, drive)
+            for (times, angle), drive in zip(self.swings, self.drives, strict=True)
+        ] if seen or not given else []
+        from_data = [
+            self.variables({name: _mean([one[name] for one in values]) for name in values[0]}, releases)
+            for values in zip(*each, strict=False)
+        ]
+        return np.array([*given, *from_data]), len(from_data)
 
     def _from_guess(self, guess: Model | Begin | Fit, releases: Iterable[Sequence[float]]) -> Floats:
         """The free variables of a model, with the releases seen in the data, or of a fit, with its own."""

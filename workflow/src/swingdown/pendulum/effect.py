@@ -1,8 +1,9 @@
 """What an effect is: its equation, its parameters and their roles, and all that is known of it beside others.
 
 A formula is written in ``theta`` (rad, 0 hanging straight down), ``thetadot`` (rad/s), ``t`` (s since the first
-sample), ``duration`` (s, of the record), ``omega_n`` (rad/s), the effect's own symbols and its own states. What it
-acts on decides what its term means:
+sample), ``duration`` (s, of the record), ``omega_n`` (rad/s), the effect's own symbols and its own states; of a pendulum whose
+drive was measured also ``input`` (``drive.KINDS``), ``input_rate`` and ``input_curve``, its first two derivatives by time. What
+it acts on decides what its term means:
 
 - ``torque``: added to the angular acceleration (rad/s^2);
 - ``sensor``: the reading, with ``theta`` the angle (or the reading of the sensor effect before it in the catalogue);
@@ -13,22 +14,27 @@ acts on decides what its term means:
 first-order equation of motion of its own, which may also use ``thetaddot``.
 """
 
+import re
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from math import inf
 from typing import Any, Literal, NamedTuple
 
-VARIABLES = {"theta": "1", "thetadot": "1/s", "t": "s", "duration": "s", "omega_n": "1/s"}
+INPUTS = {"input": "1", "input_rate": "1/s", "input_curve": "1/s**2"}
+VARIABLES = {"theta": "1", "thetadot": "1/s", "t": "s", "duration": "s", "omega_n": "1/s", **INPUTS}
 TERM_UNITS = {"torque": "1/s**2", "sensor": "1", "play": "1", "clock": "s"}
 
-Role = Literal["size", "shape", "phase", "range"]
+_INPUT = re.compile(r"\binput(_rate|_curve)?\b")
+
+Role = Literal["size", "shape", "phase", "range", "delay"]
 
 
 class Parameter(NamedTuple):
     """A number an effect has: its name in files, its symbol in formulas, unit, admissible bounds, and typical size.
 
     ``role`` tells what it does: the effect is linear in a ``size`` and nothing is left of it at zero; a ``shape`` decides
-    where or how fast it acts; a ``phase`` is an angle that turns a sine into a cosine; a ``range`` is given, never fitted.
+    where or how fast it acts; a ``phase`` is an angle that turns a sine into a cosine; a ``range`` is given, never fitted; a
+    ``delay`` is that of a measured drive.
     """
 
     name: str
@@ -177,7 +183,14 @@ class Effect:
         """All that the compiled engine depends on."""
         symbols = tuple(parameter.symbol for parameter in self.parameters)
         states = tuple((state.symbol, state.initial, state.rate) for state in self.states)
-        return self.name, self.term, self.printed, self.inertia, self.acts_on, symbols, states
+        late = tuple(parameter.symbol for parameter in self.with_role("delay"))
+        return self.name, self.term, self.printed, self.inertia, self.acts_on, symbols, states, late
+
+    @property
+    def takes_input(self) -> bool:
+        """True where a formula of it names the measured drive."""
+        formulas = (self.term, self.inertia or "", *(state.rate for state in self.states))
+        return any(_INPUT.search(one) for one in formulas)
 
     def expressions(self, form: str = "consistent") -> Formulas:
         """The ``Formulas`` in the chosen form (``consistent`` or ``printed``); InputError where one cannot be read."""

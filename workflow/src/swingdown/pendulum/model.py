@@ -15,6 +15,7 @@ from ..schema import parse_yaml
 from ..sealed import read_text, write_text
 from .catalogue import ANGLE, SHIPPED, Catalogue, catalogue
 from .catalogue.restoring import GRAVITY
+from .drive import Drive
 from .effect import NATURAL_FREQUENCY, Effect, Parameter
 from .slack import Slack
 
@@ -51,6 +52,8 @@ class Model:
         Whether each recording has a natural frequency of its own, as of a pendulum that was taken down between them.
     own
         Other parameters that each recording has for itself.
+    drive
+        What was measured of what drives it, in the clock of the times at which it is followed.
 
     Raises
     ------
@@ -68,6 +71,7 @@ class Model:
     record: float | None = field(default=None, repr=False, compare=False)
     own_frequency: bool = False
     own: tuple[str, ...] = ()
+    drive: Drive | None = field(default=None, repr=False, compare=False)
 
     def __post_init__(self) -> None:
         given: Any = self.names  # a label too
@@ -121,10 +125,21 @@ class Model:
     def motion(self) -> "Model":
         """The same pendulum without what sensor, clock and slack do: what it reads is the angle itself."""
         names = tuple(one.name for one in self.effects if one.acts_on == "torque")
-        bare = Model(names, {}, {}, self.restoring, self.form, self.catalogue.of(ANGLE), record=self.record)
+        bare = Model(
+            names, {}, {}, self.restoring, self.form, self.catalogue.of(ANGLE), record=self.record, drive=self.drive
+        )  # fmt: skip
         return bare.with_values(
             {name: value for name, value in self.values.items() if name in bare.parameters}
         )
+
+    @property
+    def takes_input(self) -> bool:
+        """True where a measured drive acts in it."""
+        return any(effect.takes_input for effect in self.effects)
+
+    def driven_by(self, drive: Drive | None) -> "Model":
+        """The same model under this drive."""
+        return self if drive is self.drive else replace(self, drive=drive)
 
     @property
     def gravity(self) -> Effect:
@@ -183,6 +198,7 @@ class Model:
             self.record,
             self.own_frequency,
             self.own,
+            self.drive,
         )
 
     def with_slack(self, slack: Slack) -> "Model":

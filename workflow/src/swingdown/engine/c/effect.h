@@ -10,6 +10,7 @@ typedef struct {
     int n, stride;
     const double *th, *v, *a, *t, *sn, *cs, *z; /* angle, velocity, acceleration, time, sine and cosine, states */
     double omega_n, duration, direction;
+    const double *u; /* the input and its first three derivatives by time, rows of `stride`; of a model that is driven */
 } Points;
 
 /* Partial derivatives of a formula's outputs, rows of `stride`.

@@ -15,6 +15,14 @@ typedef struct {
     int row, first_parameter, first_state;
 } PlacedEffect;
 
+/* A measured drive u(t), from one knot to the next a cubic: on piece k, between knots k and k + 1 (s since the first sample), four
+ * coefficients of the powers of the time since knot k, the lowest first. Before the first knot and beyond the last one the pieces
+ * there go on. */
+typedef struct {
+    int n_pieces;
+    const double *knots, *coefficients;
+} Input;
+
 /* A pendulum model. Parameter 0 is omega_n (rad/s). motions: what changes the motion or has states; sensors and clocks:
  * what changes the reading, in the order in which they act. */
 typedef struct {
@@ -23,6 +31,8 @@ typedef struct {
     int play;        /* parameter that is the width of play (rad) before the sensors, or -1 */
     int reads_rate;  /* 1: what is read is the angular velocity (rad/s), and there is no play; 0: the angle */
     double duration; /* of the record, s */
+    const Input *input; /* what drives it; or NULL */
+    int input_delay;    /* parameter: by how much (s) the drive acts later than its stamps say, or -1 */
 } Model;
 
 /* ---- Trajectories ---- */

@@ -3,12 +3,13 @@
 
 /* The effects' partial derivatives, added up: rows torque, inertia, states' rates. */
 static void add_partials(const System *s, const Panel *panel, const Partials *d) {
-    double sn[N], cs[N];
+    double sn[N], cs[N], u[INPUT_ROWS * N];
     for (int i = 0; i < N; i++) sine_cosine(panel->th[i], &sn[i], &cs[i]);
+    if (s->model->input) sample_input(s, N, panel->t, u);
     for (int k = 0; k < s->model->n_motions; k++) {
         const PlacedEffect at = s->model->motions[k];
         const Points q = {N, N, panel->th, panel->v, panel->u, panel->t, sn, cs, panel->z + at.first_state * N,
-                          s->p[0], s->model->duration, s->direction};
+                          s->p[0], s->model->duration, s->direction, u};
         EFFECTS[at.row].motion_partials(&q, s->p + at.first_parameter, s->sign + s->first_sign[k], d, at);
     }
 }

@@ -18,7 +18,7 @@
 /* Whether this is for the model; directed, timed: whether its motion depends on the velocity's sign, and on the time. */
 static int model_is_for_lockstep(const Model *m, int *directed, int *timed) {
     *directed = *timed = 0;
-    if (m->n_states || m->n_clocks || m->play >= 0 || m->reads_rate || m->n_motions > MAX_EFFECTS) return 0;
+    if (m->input || m->n_states || m->n_clocks || m->play >= 0 || m->reads_rate || m->n_motions > MAX_EFFECTS) return 0;
     for (int k = 0; k < m->n_motions; k++) {
         if (!EFFECTS[m->motions[k].row].lockstep) return 0;
         *directed |= EFFECTS[m->motions[k].row].directed;

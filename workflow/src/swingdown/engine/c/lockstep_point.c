@@ -8,7 +8,7 @@ static void add_sensor(const Lockstep *s, const double *p, PlacedEffect at, Affi
     const Effect *e = &EFFECTS[at.row];
     const double th[2] = {0.0, 1.0}, sn[2] = {0.0, sine(1.0)}, cs[2] = {1.0, cosine(1.0)}, zero[2] = {0.0};
     double read[2] = {0.0}, by[6] = {0.0}, by_parameter[MAX_PARAMETERS * 2] = {0.0};
-    const Points q = {2, 2, th, zero, zero, zero, sn, cs, zero, p[0], m->duration, 1.0};
+    const Points q = {2, 2, th, zero, zero, zero, sn, cs, zero, p[0], m->duration, 1.0, NULL};
     const Partials d = {by, by_parameter, 3, m->n_parameters, 2};
     e->reading(&q, p + at.first_parameter, NULL, read, at);
     e->reading_partials(&q, p + at.first_parameter, NULL, &d, at);

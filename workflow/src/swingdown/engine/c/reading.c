@@ -12,7 +12,7 @@ static void apply_clock(const InitialValueProblem *problem, PlacedEffect at, con
     const double *p = problem->parameters;
     double stamped[CHUNK], zero[CHUNK] = {0.0}, by[CHUNK] = {0.0}, by_parameter[MAX_PARAMETERS * CHUNK];
     memcpy(stamped, times, size * sizeof(double));
-    const Points q = {size, CHUNK, zero, zero, zero, stamped, zero, zero, zero, p[0], m->duration, 1.0};
+    const Points q = {size, CHUNK, zero, zero, zero, stamped, zero, zero, zero, p[0], m->duration, 1.0, NULL};
     memset(times, 0, size * sizeof(double));
     e->reading(&q, p + at.first_parameter, NULL, times, at);
     if (!slopes) return;
@@ -71,7 +71,7 @@ static void apply_sensor(const InitialValueProblem *problem, PlacedEffect at, co
     }
     for (int j = 0; readings->states && j < nz; j++)
         memcpy(states + j * CHUNK, readings->states + (size_t)j * problem->n_times + start, size * sizeof(double));
-    const Points q = {size, CHUNK, th, zero, zero, t, sn, cs, states + at.first_state * CHUNK, p[0], m->duration, 1.0};
+    const Points q = {size, CHUNK, th, zero, zero, t, sn, cs, states + at.first_state * CHUNK, p[0], m->duration, 1.0, NULL};
     memset(y, 0, size * sizeof(double));
     e->reading(&q, p + at.first_parameter, NULL, y, at);
     if (!readings->slopes) return;

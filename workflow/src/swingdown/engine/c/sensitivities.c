@@ -15,7 +15,7 @@ static void set_release(const System *s, PhasePoint *x, Sensitivities *d) {
         if (!e->n_states) continue;
         const double zero = 0.0;
         double by[MAX_STATES * 2] = {0.0}, by_parameter[MAX_STATES * MAX_PARAMETERS] = {0.0};
-        const Points q = {1, 1, &x->th, &x->v, &zero, &x->t, &sn, &cs, &zero, s->p[0], s->model->duration, 1.0};
+        const Points q = {1, 1, &x->th, &x->v, &zero, &x->t, &sn, &cs, &zero, s->p[0], s->model->duration, 1.0, NULL};
         const Partials partials = {by, by_parameter, 2, np, 1};
         e->initial(&q, s->p + at.first_parameter, NULL, x->z + at.first_state, at);
         e->initial_partials(&q, s->p + at.first_parameter, NULL, &partials, at);

@@ -8,7 +8,7 @@ static void set_linear_states(System *s) {
         const Effect *e = &EFFECTS[at.row];
         if (!e->n_states) continue;
         double row[3 * MAX_STATES] = {0.0}, by_parameter[3 * MAX_STATES * MAX_PARAMETERS] = {0.0};
-        const Points q = {1, 1, &zero, &zero, &zero, &zero, &zero, &zero, &zero, s->p[0], s->model->duration, s->direction};
+        const Points q = {1, 1, &zero, &zero, &zero, &zero, &zero, &zero, &zero, s->p[0], s->model->duration, s->direction, NULL};
         const Partials partials = {NULL, by_parameter, 0, np, 1};
         e->linear(&q, s->p + at.first_parameter, s->sign + s->first_sign[k], row, at);
         e->linear_partials(&q, s->p + at.first_parameter, s->sign + s->first_sign[k], &partials, at);

@@ -191,6 +191,12 @@ static int open_fit(Fit *fit, const FitProblem *problem) {
     return fit->residuals != NULL;
 }
 
+/* Panels that a swing's input asks for. */
+static double pieces_of_swing(const FitProblem *problem, int k) {
+    const double *times = problem->times[k];
+    return 2.0 * pieces_a_second(&problem->models[k]) * (times[problem->n_samples[k] - 1] - times[0]);
+}
+
 /* What a fit from x may spend. */
 static void set_budget(Fit *fit, const double *x, int most_evaluations) {
     const FitProblem *problem = fit->problem;
@@ -199,6 +205,7 @@ static void set_budget(Fit *fit, const double *x, int most_evaluations) {
     fit->least = INFINITY;
     fit->coarseness = fit->rough;
     fit->usual = usual_panels(problem->models) * (problem->n_swings + fabs(frequency) * fit->seconds / PI);
+    for (int k = 0; k < problem->n_swings; k++) fit->usual += pieces_of_swing(problem, k);
     fit->floor = 0.5 * fit->usual;
     fit->left = most_evaluations * fit->usual;
 }

@@ -36,15 +36,42 @@ static int set_up_system(System *s, const Model *model, const double *p, int n_f
     return 1;
 }
 
+#define SAME_KNOT 1e-9 /* of a piece: no panel is shorter */
+
+static double choose_piece(System *s, double t) {
+    const Input *input = s->model->input;
+    if (!input) return INFINITY;
+    const double delay = s->model->input_delay < 0 ? 0.0 : s->p[s->model->input_delay];
+    const double *knots = input->knots;
+    int k = s->piece;
+    while (k + 1 < input->n_pieces && t - delay > knots[k + 1] - SAME_KNOT * (knots[k + 2] - knots[k + 1])) k++;
+    s->piece = k;
+    return k + 1 < input->n_pieces ? knots[k + 1] + delay : INFINITY;
+}
+
+static void sample_input(const System *s, int n, const double *t, double *out) {
+    const Input *input = s->model->input;
+    const double delay = s->model->input_delay < 0 ? 0.0 : s->p[s->model->input_delay];
+    const double since = input->knots[s->piece] + delay, *c = input->coefficients + 4 * (size_t)s->piece;
+    for (int i = 0; i < n; i++) {
+        const double x = t[i] - since;
+        out[i] = c[0] + x * (c[1] + x * (c[2] + x * c[3]));
+        out[N + i] = c[1] + x * (2.0 * c[2] + x * 3.0 * c[3]);
+        out[2 * N + i] = 2.0 * c[2] + x * 6.0 * c[3];
+        out[3 * N + i] = 6.0 * c[3];
+    }
+}
+
 static void right_hand_side(const System *s, const MotionPoints *at, double *out, double *share) {
-    double sn[N], cs[N], sum[(1 + BLOCKS) * N]; /* torque, inertia, states' rates */
+    double sn[N], cs[N], u[INPUT_ROWS * N], sum[(1 + BLOCKS) * N]; /* torque, inertia, states' rates */
     const int nz = s->model->n_states;
     for (int i = 0; i < at->n; i++) sine_cosine(at->th[i], &sn[i], &cs[i]);
+    if (s->model->input) sample_input(s, at->n, at->t, u);
     memset(sum, 0, (2 + nz) * N * sizeof(double));
     for (int k = 0; k < s->model->n_motions; k++) {
         const PlacedEffect e = s->model->motions[k];
         const Points q = {at->n, N, at->th, at->v, at->a, at->t, sn, cs, at->z + e.first_state * N,
-                          s->p[0], s->model->duration, s->direction};
+                          s->p[0], s->model->duration, s->direction, u};
         EFFECTS[e.row].motion(&q, s->p + e.first_parameter, s->sign + s->first_sign[k], sum, e);
     }
     if (s->inertial)
@@ -75,12 +102,13 @@ static double rates_at(System *s, const PhasePoint *x, double direction, double 
 }
 
 static void switch_values(const System *s, const MotionPoints *at, double *out) {
-    double sn[N], cs[N];
+    double sn[N], cs[N], u[INPUT_ROWS * N];
     for (int i = 0; i < at->n; i++) sine_cosine(at->th[i], &sn[i], &cs[i]);
+    if (s->model->input) sample_input(s, at->n, at->t, u);
     for (int k = 0; k < s->model->n_motions; k++) {
         const PlacedEffect e = s->model->motions[k];
         const Points q = {at->n, N, at->th, at->v, at->v, at->t, sn, cs, at->z + e.first_state * N,
-                          s->p[0], s->model->duration, s->direction};
+                          s->p[0], s->model->duration, s->direction, u};
         if (EFFECTS[e.row].n_switches)
             EFFECTS[e.row].switches(&q, s->p + e.first_parameter, s->sign + s->first_sign[k], out + s->first_sign[k] * N, e);
     }

@@ -16,6 +16,7 @@ typedef struct {
     double sign[MAX_SWITCHES]; /* frozen, of every other argument of an abs() or sign() in the model */
     int first_sign[MAX_EFFECTS], n_switches;
     int timed, inertial, fractional_power, localised; /* any effect is (effect.h) */
+    int piece;                                        /* of the model's input, frozen as signs are */
     int stuck;                                        /* friction holds the pendulum: no acceleration */
     int lags;                                         /* states that are first-order lags */
     /* Blocks of unknowns: the acceleration, then the rates of the collocated states; row: of a block among all rates.
@@ -47,6 +48,13 @@ static void right_hand_side(const System *s, const MotionPoints *at, double *out
 /* The acceleration at one point for one direction of motion, and where wanted all rates in `out`, those of the states with
  * the acceleration found first. */
 static double rates_at(System *s, const PhasePoint *x, double direction, double *out);
+
+/* The piece of the input that acts from a time (s) on, put into the system; until when it does (infinite without an input). */
+static double choose_piece(System *s, double t);
+
+/* The input and its first three derivatives by time at n times, rows of N. */
+#define INPUT_ROWS 4
+static void sample_input(const System *s, int n, const double *t, double *out);
 
 /* The arguments of abs() and sign(), a row of N each; the same at one point. */
 static void switch_values(const System *s, const MotionPoints *at, double *out);

@@ -14,6 +14,7 @@
 
 #define OVERSHOOT 1.012 /* a panel reaches this far past the reversal that is expected */
 #define MOST_PANELS 100 /* a half-swing, beyond the first thousand: more is no pendulum's motion */
+#define PANELS_A_PIECE 20.0 /* of the input, beyond those of the swing */
 #define ATTEMPTS 60     /* at a panel */
 #define DRIVES 1e-4     /* of the acceleration: less drive by friction at rest is nothing that a swing would show */
 #define ORDER 14.0      /* of the error in the panel's length */
@@ -41,6 +42,7 @@ typedef struct {
     double omega, omega_at_release; /* rad/s, of the present swing, and of an undamped one from the release */
     double last_reversal;           /* s, or -1 where the pendulum has stuck since */
     double expected;                /* s from the panel's start to the next reversal, by omega */
+    double piece_ends;              /* s: until when the input is the same polynomial */
     double longest, refused;        /* panel that the last error estimates allow, and that they do not, s */
     Part parts[PARTS];              /* of this half-swing, and beyond where it is those of the last one */
     int in_parts;                   /* a half-swing may have many panels */
@@ -65,6 +67,12 @@ static int takes_many_panels(const Model *m) {
     return 0;
 }
 
+/* Pieces of the input, on each of which is a panel at least. */
+static double pieces_a_second(const Model *m) {
+    const Input *u = m->input;
+    return u ? u->n_pieces / (u->knots[u->n_pieces] - u->knots[0]) : 0.0;
+}
+
 static inline double sign_of(double x) { return x > 0.0 ? 1.0 : (x < 0.0 ? -1.0 : 0.0); }
 
 static void start_at_release(Trajectory *r, const InitialValueProblem *problem) {
@@ -87,7 +95,7 @@ static void start_at_release(Trajectory *r, const InitialValueProblem *problem) 
     r->longest = INFINITY;
     r->n_parts = r->part = 0;
     r->budget = isfinite(problem->most_panels) ? 50.0 : 1000.0;
-    r->budget_a_second = fmin(problem->most_panels, MOST_PANELS * r->omega / PI);
+    r->budget_a_second = fmin(problem->most_panels, MOST_PANELS * r->omega / PI) + PANELS_A_PIECE * pieces_a_second(problem->model);
 }
 
 /* The rates jump at a reversal, which for a change of a free value comes later by -dv/a; none moves a pendulum that sticks. */
@@ -214,7 +222,7 @@ static double attempt_panel(Trajectory *r, double *ratio) {
 static double first_length(Trajectory *r, double acceleration) {
     r->expected = r->s.stuck ? 3.0 / r->omega : time_to_reversal(r->s.direction, r->here.v, acceleration, r->omega);
     const double left = r->s.stuck ? r->expected : r->expected * OVERSHOOT;
-    const double h = left / fmax(1.0, ceil(left / r->longest));
+    const double h = fmin(left / fmax(1.0, ceil(left / r->longest)), r->piece_ends - r->here.t);
     return h > 1e-12 ? h : 1e-12;
 }
 
@@ -284,6 +292,7 @@ static int advance(Trajectory *r) {
     System *s = &r->s;
     Panel *panel = &r->panel;
     s->largest_angle = fmax(s->largest_angle, fabs(r->here.th));
+    r->piece_ends = choose_piece(s, r->here.t);
     if (r->here.v == 0.0 && leave_or_stick(r) == NOT_UNIQUE) return NOT_UNIQUE;
     if (s->stuck && !s->timed && !s->model->n_states) { /* nothing changes any more */
         read_rest(&r->record, r->here.th, r->d.th);
@@ -333,7 +342,7 @@ static int follow(const InitialValueProblem *problem, double *angles, double *sl
         return report->status = TOO_LARGE;
     report->status = open_record(&r.record, problem, angles, slopes);
     if (report->status == NO_MEMORY) return NO_MEMORY;
-    r.in_parts = takes_many_panels(problem->model);
+    r.in_parts = takes_many_panels(problem->model) && !problem->model->input;
     if (!open_parts(&r)) report->status = NO_MEMORY;
     start_at_release(&r, problem);
     while (r.record.next < problem->n_times && report->status == DONE) report->status = advance(&r);

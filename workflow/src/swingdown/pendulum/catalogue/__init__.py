@@ -17,6 +17,7 @@ from ..own import own_effects
 from .clock import CLOCK
 from .dissipation import DISSIPATION
 from .drive import DRIVE
+from .inputs import INPUTS
 from .restoring import GRAVITY, RESTORING
 from .sensor import GYROSCOPE, SENSOR
 
@@ -29,8 +30,8 @@ READINGS = {ANGLE: "rad", RATE: "rad/s"}
 class Catalogue:
     """The effects a pendulum may have, by name and in the order in which models list them; it never changes.
 
-    Iterating gives the effects that have a name; ``free_forms`` are the torques without one, which models may have too.
-    ``names`` are the names of the former. ``reading`` is what a sensor reads, a key of ``READINGS``: it decides what a sensor
+    Iterating gives the effects that a search may name; ``free_forms`` are the torques without a name and ``inputs`` those of a measured
+    drive, which models may have too. ``names`` are the names of the former. ``reading`` is what a sensor reads, a key of ``READINGS``: it decides what a sensor
     may have wrong. ``whole`` is the catalogue of angles that this one is part of. InputError for two effects or two parameters
     of one name.
     """
@@ -42,6 +43,7 @@ class Catalogue:
         "_places",
         "free_forms",
         "gravity",
+        "inputs",
         "names",
         "reading",
         "whole",
@@ -58,10 +60,11 @@ class Catalogue:
         self._of_rates: Catalogue | None = self if whole else None
         self.gravity: Mapping[str, Effect] = GRAVITY
         self.free_forms: tuple[FreeForm, ...] = FREE_FORMS
+        self.inputs: tuple[Effect, ...] = INPUTS
         self.names = tuple(effect.name for effect in entries)
         self._known: dict[str, Effect] = {}
         taken = {effect.name for effect in self.gravity.values()}
-        for effect in (*entries, *self.free_forms):
+        for effect in (*entries, *self.inputs, *self.free_forms):
             if effect.name in self._known or effect.name in taken:
                 raise InputError(
                     f"{where}.{effect.name}", f"the catalogue has an effect {effect.name!r}", "a name of its own", "rename it"
@@ -71,7 +74,7 @@ class Catalogue:
         self._parameters: dict[str, Parameter] = {NATURAL_FREQUENCY.name: NATURAL_FREQUENCY}
         for effect in self._known.values():
             for parameter in effect.parameters:
-                if parameter.name in self._parameters:
+                if parameter.name in self._parameters and not (effect in self.inputs and parameter == self._parameters[parameter.name]):
                     raise InputError(
                         f"{where}.{effect.name}", f"the catalogue has a parameter {parameter.name!r}",
                         "a name that no other effect's parameter has", "rename the effect or the symbol",
@@ -103,7 +106,7 @@ class Catalogue:
 
     @property
     def known(self) -> tuple[Effect, ...]:
-        """Every effect a model may have, those without a name last."""
+        """Every effect a model may have, those of a measured drive and those without a name last."""
         return tuple(self._known.values())
 
     @property
