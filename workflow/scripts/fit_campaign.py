@@ -19,7 +19,7 @@ def fit_campaign(angles, alone, campaign, fitted, start, output):
         if len(used) < 2:
             problem = f"{len(used)} of its {len(angles)} swings can be used"
             raise InputError(f"campaign {campaign}", problem, "two or more to be fitted together")
-        fits = experiment.fit_campaign(used, fitted, start=start)
+        fits = experiment.fit_campaign(used, experiment.with_drive(fitted, used), start=start)
     except InputError as problem:
         return refuse(problem, {"campaign": campaign}, output)
     dataset.write(fits, output)

@@ -6,7 +6,8 @@ from swingdown import console, dataset
 from swingdown.errors import InputError
 from swingdown.measurement.refused import doubted, problem_in, refuse
 from swingdown.pendulum.model import models, symbol
-from swingdown.studies.doubt import NotFree, ask_free, fit_any
+from swingdown.studies.doubt import NotFree, ask, fit_any
+from swingdown.studies.experiment import with_drive
 
 
 def fit_swing(angle, fitted, start, output):
@@ -14,12 +15,13 @@ def fit_swing(angle, fitted, start, output):
         return refuse(problem, dataset.attributes(angle), output, known=True)
     swing = dataset.read(angle)
     try:
+        fitted = with_drive(fitted, [swing])
         fits = fit_any(swing, fitted, start)
     except InputError as problem:
         return refuse(problem, swing.attrs, output)
     doubt = None
     try:
-        ask_free(fits, swing, fitted, start)
+        ask(fits, swing, fitted, start)
     except NotFree as problem:
         doubt = problem
     fits = doubted(fits, swing.attrs, doubt)

@@ -140,6 +140,31 @@ def _parser() -> argparse.ArgumentParser:
     )
     add("--column", metavar="NAME", help="column of the angle, if the file has several")
     add(
+        "--input",
+        metavar="COLUMN",
+        help="of what was measured of its drive; it acts in the model, and the swing is not asked whether it is free",
+    )
+    add(
+        "--input-kind",
+        choices=["torque", "pivot_acceleration", "pivot_position", "pivot_angle"],
+        help="what the input is: a torque, or of the pivot the horizontal acceleration or position, or of a wheel the angle of its spring's other end",
+    )
+    add(
+        "--input-unit",
+        metavar="UNIT",
+        help="of the input: rad/s^2 or any other of a torque, m/s^2 or g, m or mm, rad or deg",
+    )
+    add(
+        "--input-free",
+        metavar="WHAT",
+        help="what of the input's sensor is to be found: gain, delay, gain,delay, nothing",
+    )
+    add(
+        "--input-between",
+        choices=["curve", "line", "hold"],
+        help="what the input does between its samples (default: a smooth curve)",
+    )
+    add(
         "--kind",
         choices=["swing", "turning_points", "half_swings", "passages", "periods"],
         help="what the values are: samples of the motion, its turning points of one side (one a period), or of both (each half-swing); "
@@ -214,6 +239,11 @@ def _main(given: Sequence[str]) -> int:
         "signal_column": options.column,
         "signal_unit": options.unit,
         "signal_kind": options.kind,
+        "input_column": options.input,
+        "input_kind": options.input_kind,
+        "input_unit": options.input_unit,
+        "input_free": options.input_free,
+        "input_between": options.input_between,
         "start_s": options.start,
         "stop_s": options.stop,
         "counts_per_revolution": options.counts_per_revolution,

@@ -5,7 +5,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from os import PathLike
-from typing import Any, Literal, TypeAlias
+from typing import Any, Literal, TypeAlias, Unpack
 
 import numpy as np
 import pandas as pd
@@ -26,13 +26,13 @@ from ..measurement.slack import of_angles
 from ..pendulum.catalogue import READINGS, catalogue
 from ..pendulum.model import PAPER_MODELS, SPRUNG, Model, models
 from ..studies.doubt import NotFree, breaks_off, fit_any, fit_free, unit_in_doubt
-from ..studies.experiment import fit_campaign
+from ..studies.experiment import fit_campaign, with_drive
 from ..studies.norms import combine_recordings
 from ..studies.pendulums import described_by, joined, pendulums, values_of
 from ..studies.pendulums import reading_of as reading_in
 from ..studies.quantities import Quantity
 from ..study.own import SPRUNG_BASE
-from .given import swings
+from .given import Driven, asked, swings
 from .recorded import Recording, Restoring, Told, read
 from .result import Answer, Begin
 from .simulation import simulate
@@ -58,6 +58,7 @@ def fit(
     names: Sequence[str] | None = None,
     restoring: Restoring = "sine",
     kind: Kind = "",
+    **driven: Unpack[Driven],
 ) -> Answer:
     """The ``Answer`` of models of damping fitted to one swing or several of one pendulum: period, quality, decay, the best model.
 
@@ -83,6 +84,10 @@ def fit(
     kind
         ``swing`` (samples), ``turning_points`` (one a period), ``half_swings`` (turning points of both sides), ``passages`` (two a
         period) or ``periods`` (one). Default: the values decide between the first three.
+    **driven
+        Of a driven pendulum ``input``, the values of its drive at each time, and ``input_kind``, what it is: ``torque``,
+        ``pivot_acceleration``, ``pivot_position`` or ``pivot_angle``. Also ``input_unit``, ``input_free`` and ``input_between``
+        (``given.Driven`` tells them). The drive acts in every model, and the swing need not be a free one.
 
     Returns
     -------
@@ -96,9 +101,10 @@ def fit(
     NotFree
         An InputError: if no model of damping follows the motion.
     """
-    if (recorded := _recorded(times, angles, unit, kind, restoring)) is not None:
+    said = asked(driven)
+    if not said and (recorded := _recorded(times, angles, unit, kind, restoring)) is not None:
         return recorded.fit(fitted=fitted, effects=effects)
-    return of_swings(swings(times, angles, unit, names, kind, restoring), fitted, effects, restoring)
+    return of_swings(swings(times, angles, unit, names, kind, restoring, said), fitted, effects, restoring)
 
 
 def _recorded(
@@ -144,11 +150,13 @@ def of_swings(
     """
     if restoring == "linear" and fitted is PAPER_MODELS:
         fitted = SPRUNG
-    known = models(list(fitted), effects, restoring)
-    unit = unit_in_doubt(given, restoring)
+    known = with_drive(models(list(fitted), effects, restoring), given)
+    drive = known[0].drive
+    unit = "" if drive else unit_in_doubt(given, restoring)
+    fit_one = fit_free if checked or drive else fit_any
     try:
         with _of_none_compared():
-            each = [(fit_free if checked else fit_any)(one, known) for one in given]
+            each = [fit_one(one, known) for one in given]
             together = each[0] if len(given) == 1 else fit_campaign(given, known)
     except NotFree as problem:
         raise NotFree(

@@ -160,7 +160,8 @@ def _study(given: Sequence[str], told: Mapping[str, Any], wishes: Wishes) -> Fou
     if wishes.quick:
         return found
     if not searched and not all(are_points(one.angle) for one in kept):
-        _say("nothing here is long enough to be searched for what is missing; the first answer stands")
+        if not any("input" in one.angle for one in kept):  # of these it is told already
+            _say("nothing here is long enough to be searched for what is missing; the first answer stands")
         return found
     _say("now looking for what is missing ...\n" if searched else "now writing the report ...\n")
     installed = has("snakemake")

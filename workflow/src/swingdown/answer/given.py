@@ -1,7 +1,7 @@
 """Arrays, tables of pandas and arrays of xarray as swings in radians, checked as a file's are."""
 
-from collections.abc import Iterator, Sequence
-from typing import Any, NamedTuple
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any, Literal, NamedTuple, TypedDict
 
 import numpy as np
 import pandas as pd
@@ -12,6 +12,7 @@ from ..errors import InputError
 from ..measurement.angle import to_angle
 from ..measurement.clock import in_order, parts
 from ..measurement.columns import ANGLE, RATE, choose, meaning
+from ..measurement.driven import as_variables, judge_driven, stated
 from ..measurement.gyroscope import TO_RAD_PER_S
 from ..measurement.interpret import SHORTEST
 from ..measurement.judge import Judged, Reading, check_used, judge, used_part
@@ -25,6 +26,7 @@ from ..measurement.slack import tolerances, with_rate
 from ..measurement.spikes import as_variable
 from ..measurement.turning_points import KINDS, PASSAGES, PERIODS, SWING, points_in
 from ..measurement.units import NO_SCALE, in_rad
+from ..pendulum.drive import Drive, drive
 from .labelled import ANGLES, numbers
 from .labelled import angles as in_one_unit
 from .labelled import times as seconds
@@ -37,6 +39,21 @@ _MENDS = {
     "start_s": "leave that part out of the arrays",
     "role": "look at what was recorded",
 }
+
+
+class Driven(TypedDict, total=False):
+    """What can be said of a measured drive."""
+
+    input: Any
+    """Its values at the times of the swing, or a pair (times in s, values) of its own; of several swings a list."""
+    input_kind: Literal["torque", "pivot_acceleration", "pivot_position", "pivot_angle"]
+    """What it is: a torque over the inertia, or of the pivot the horizontal acceleration or position, or of a wheel the angle of its spring's other end."""
+    input_unit: str
+    """Of a torque rad/s^2, or any other with a gain to be found; of an acceleration m/s^2 or g; of a position m, cm or mm; of an angle rad or deg."""
+    input_free: Sequence[str] | str
+    """What of its sensor is to be found: gain, delay, or nothing."""
+    input_between: Literal["curve", "line", "hold"]
+    """What it does between its samples: a smooth curve through them, straight lines, or it keeps its last value."""
 
 
 class Series(NamedTuple):
@@ -55,9 +72,12 @@ def swings(
     names: Sequence[str] | None = None,
     kind: str = "",
     restoring: str = "sine",
+    driven: Mapping[str, Any] | None = None,
 ) -> list[xr.Dataset]:
     """Datasets of the angle in rad over the time in s, as ``measurement.angle.to_angle`` gives them: one a swing, and of a series
     with several releases one a release.
+
+    ``driven`` is what is said of their input (``Driven``); nothing of swings by themselves.
 
     What the arguments may be: ``answer.fit``. InputError names the swing and what is wrong with it.
     """
@@ -77,11 +97,93 @@ def swings(
         raise InputError(
             "argument names", f"{len(set(names))} names for {len(found)} swings", "one name each"
         )
+    if driven:
+        inputs = _inputs(driven["input"], len(found))
+        return [
+            _driven(name, one, drive, driven, unit, restoring)
+            for name, one, drive in zip(names, found, inputs, strict=True)
+        ]
     return [
         swing
         for name, one in zip(names, found, strict=True)
         for swing in _swings_in(name, *one, unit, kind, restoring)
     ]
+
+
+def asked(given: Mapping[str, Any]) -> dict[str, Any]:
+    """The arguments of a call that say something of an input, by name; InputError for an unknown one, and for words without an input."""
+    for name in given:
+        if name not in Driven.__annotations__:
+            raise InputError(
+                f"argument {name}",
+                "there is no such argument",
+                ", ".join(Driven.__annotations__),
+                "leave it out",
+            )
+    said = {name: value for name, value in given.items() if value is not None}
+    if said and "input" not in said:
+        raise InputError(
+            f"argument {next(iter(said))}",
+            "there is no input",
+            "input=, the values of the drive",
+            "say them, or leave it out",
+        )
+    return said
+
+
+def drive_over(times: Floats, driven: Mapping[str, Any]) -> Drive:
+    """The ``Drive`` that a call's arguments give, whose values are those at ``times`` (s) unless they bring their own."""
+    said = stated(driven, "arguments")
+    clock, values = _clocked(_inputs(driven["input"], 1)[0], times)
+    return drive(clock, said.factor * values, said.kind, said.between, said.free)
+
+
+def _inputs(given: Any, count: int) -> list[Any]:
+    """The input of each swing: one for all, or one each."""
+    each = list(given) if _several(given) and not (len(given) == 2 and count == 1) else [given] * count
+    if len(each) != count:
+        raise InputError("argument input", f"{len(each)} inputs for {count} swings", "one each")
+    return each
+
+
+def _clocked(given: Any, times: Floats) -> tuple[Floats, Floats]:
+    """The times (s) and values of an input: a pair of both, or values at the ``times`` of the swing."""
+    if isinstance(given, tuple) and len(given) == 2:
+        return seconds(given[0]), numbers(given[1], "the input")
+    values = numbers(given, "the input")
+    if values.shape != times.shape:
+        raise InputError(
+            "argument input", f"{values.size} values for {times.size} times", "one for each time, or a pair (times, values) of its own",
+        )  # fmt: skip
+    return times, values
+
+
+def _driven(
+    name: str, given: Series, drive: Any, driven: Mapping[str, Any], unit: str | None, restoring: str
+) -> xr.Dataset:
+    """The dataset of a swing under a measured drive."""
+    said = stated(driven, name)
+    times, values = given.times, given.values
+    if times.ndim != 1 or values.shape != times.shape:
+        raise InputError(name, f"{values.size} angles for {times.size} times", "one angle for each time")
+    clock, force = _clocked(drive, times)
+    there = np.isfinite(times) & np.isfinite(values)
+    if there.sum() < SHORTEST:
+        raise InputError(name, f"{there.sum()} samples", f"at least {SHORTEST}", "record longer")
+    taken = unit or given.stated or "rad"
+    reading = Reading(taken, bool(unit or given.stated), in_rad(taken), restoring)
+    judged = judge_driven(times[there], values[there], reading, name)
+    recording = xr.Dataset(
+        {
+            "signal": ("time", judged.signal, {"units": judged.reading.unit}),
+            **as_variables(clock, force, said, name),
+        },
+        {"time": ("time", times[there], {"units": "s", "long_name": "time as given"})},
+        _attributes(name, given.about)
+        | {"unit_told": judged.reading.told}
+        | ({"zero_rad": judged.zero} if judged.zero else {}),
+    )
+    return to_angle(recording).assign_attrs(remarks="; ".join(judged.remarks))
 
 
 def _passages(times: Any, speeds: Any, names: Sequence[str] | None, kind: str) -> xr.Dataset:

@@ -56,6 +56,16 @@ class Told(TypedDict, total=False):
     """Of a ball, for its inertia in g: ``30.0(1)mm``."""
     bob_density: str
     """Of the bob, for the air's part in g: ``7800`` (kg/m^3), ``7.8g/cm3``."""
+    input: str
+    """Name of the column of what was measured of its drive."""
+    input_kind: str
+    """What it is: torque, pivot_acceleration, pivot_position or pivot_angle."""
+    input_unit: str
+    """Of the input."""
+    input_free: str
+    """What of the input's sensor is to be found: gain, delay, both, or nothing."""
+    input_between: str
+    """What the input does between its samples: curve, line or hold."""
     run: str
     """Which run of a file with several."""
 
@@ -67,6 +77,7 @@ _CELLS = {
     "kind": "signal_kind",
     "start": "start_s",
     "stop": "stop_s",
+    "input": "input_column",
 }  # of the sample sheet; the others are called as there
 
 

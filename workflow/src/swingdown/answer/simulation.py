@@ -12,6 +12,7 @@ from ..errors import InputError
 from ..pendulum.catalogue import READINGS
 from ..pendulum.model import Model
 from . import labelled
+from .given import Driven, asked, drive_over
 
 if TYPE_CHECKING:
     from .result import Answer
@@ -28,7 +29,7 @@ def simulate(
     restoring: str = "sine",
     noise: float = 0.0,
     seed: int = 0,
-    **values: float,
+    **values: Any,
 ) -> xr.DataArray:
     """The swing of a pendulum as a DataArray over ``time`` (s), in rad; ``fit`` accepts it.
 
@@ -50,7 +51,8 @@ def simulate(
         Seed of the noise: the same seed gives the same numbers.
     **values
         Values by parameter name, in the parameters' units: ``natural_frequency=7.25`` (rad/s), ``viscous_ratio=0.01``. They replace
-        those of the model.
+        those of the model. ``input``, ``input_kind`` and more (``given.Driven``) are those of a measured drive: a label gets the
+        effect by which it acts, whose gain is a value like others where it is free.
 
     Returns
     -------
@@ -63,8 +65,13 @@ def simulate(
         If a parameter is missing or unknown, if times are not increasing, or if no pendulum moves so.
     """
     known: Any = getattr(model, "model", model)
+    said = asked({name: values.pop(name) for name in Driven.__annotations__ if name in values})
+    drive = drive_over(labelled.times(times), said) if said else None
     if not isinstance(known, Model):
-        known = Model(known, {}, {}, restoring)
+        names = known.split("+") if isinstance(known, str) else list(known)
+        known = Model((*names, *([drive.effect] if drive else [])), {}, {}, restoring)
+    if drive:
+        known = known.driven_by(drive)
     if values:
         known = known.with_values({**known.values, **values}, known.standard_errors)
     return swing_of(known, times, (None, angle, velocity), noise, seed)

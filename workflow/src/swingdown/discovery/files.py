@@ -14,6 +14,7 @@ from .. import dataset
 from ..engine.trajectory import TrajectoryError
 from ..errors import InputError
 from ..measurement.angle import UNSCALED
+from ..measurement.driven import NOT_SEARCHED, check_free
 from ..measurement.points_recording import NOT_IN_IT, are_points
 from ..measurement.refused import refuse
 from ..measurement.slack import of_angles
@@ -67,6 +68,7 @@ def check_sampled(name: str, angles: Sequence[xr.Dataset]) -> None:
             f"campaign {name}", NOT_IN_IT, "samples of the motion itself",
             "record the motion itself",
         )  # fmt: skip
+    check_free(angles, NOT_SEARCHED)
 
 
 def reading_of(name: str, angles: Sequence[xr.Dataset]) -> str:

@@ -102,7 +102,9 @@ class Compiled:
                 parts[f"{effect.acts_on}s"].append(part)
             if effect.acts_on == "play":
                 play = parameter
-            delay = next((parameter + k for k, one in enumerate(effect.parameters) if one.role == "delay"), delay)
+            delay = next(
+                (parameter + k for k, one in enumerate(effect.parameters) if one.role == "delay"), delay
+            )
             parameter, state = parameter + len(effect.parameters), state + len(effect.states)
         self.model, self.n_parameters = model, parameter
         self.c = interface.model(

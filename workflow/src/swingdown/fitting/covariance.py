@@ -93,7 +93,9 @@ def systematic_of(problem: Problem, inverse: Floats, best: Floats) -> Floats:
 def covariance_at(problem: Problem, best: Floats, rss: float) -> tuple[Floats, Floats]:
     """The same for the one swing of a problem, from the trajectory's own slopes there."""
     (times, _), (*values, release_angle, release_velocity) = problem.swings[0], problem.slots(best)[0]
-    model = problem.model.with_values(dict(zip(problem.model.parameters, values, strict=True))).driven_by(problem.drives[0])
+    model = problem.model.with_values(dict(zip(problem.model.parameters, values, strict=True))).driven_by(
+        problem.drives[0]
+    )
     _, slopes = sensitivities(model, times, release_angle, release_velocity, free=problem.free)
     hessian = slopes @ slopes.T
     return covariance_of(

@@ -13,7 +13,11 @@ from ..pendulum.formula import evaluate
 from ..pendulum.model import Model
 from .guess import Guess, at_first
 
-_NARROWEST, _WIDER, _WIDEST = 4, 2.0, 0.125  # samples of a bump's half width, from one to the next, and of the record
+_NARROWEST, _WIDER, _WIDEST = (
+    4,
+    2.0,
+    0.125,
+)  # samples of a bump's half width, from one to the next, and of the record
 _POWER = 6  # of a bump (1 - x^2)^n: its first two derivatives vanish at its ends, and so does what sampling them leaves
 
 
@@ -56,25 +60,31 @@ def _solved(model: Model, times: Floats, angle: Floats, drive: Drive) -> Iterato
     theta = np.interp(clock, times, angle)
     bare = model.driven_by(drive)
     effect = next(one for one in bare.effects if one.takes_input)
-    at = dict.fromkeys((one.symbol for one in effect.parameters), 0.0) | {one.symbol: 1.0 for one in effect.with_role("size")}
+    at = dict.fromkeys((one.symbol for one in effect.parameters), 0.0) | {
+        one.symbol: 1.0 for one in effect.with_role("size")
+    }
     u, _, curve = drive.derivatives(clock)
     forced = evaluate(effect.term, theta=theta, input=u, input_curve=curve, omega_n=1.0, **at)
     pull = -evaluate(model.gravity.term, theta=theta, omega_n=1.0)
-    width = _NARROWEST
+    centred, width = theta - theta.mean(), _NARROWEST
     while width < _WIDEST * times.size:
-        x = np.linspace(-1.0, 1.0, 2 * width + 1)
-        bump = np.polynomial.Polynomial([1.0, 0.0, -1.0]) ** _POWER
-        scale = width * (clock[1] - clock[0])
-        every = max(1, width // 4)
-
-        def weighed(values: Floats, order: int) -> Floats:
-            kernel = bump.deriv(order)(-x) / scale**order if order else bump(x)
-            return np.convolve(values, kernel, "valid")[::every]
-
-        centred = theta - theta.mean()
-        columns = [weighed(centred, 1), -weighed(pull, 0), weighed(forced, 0), weighed(np.ones_like(theta), 0)]
-        matrix = np.array(columns).T
-        c, square, b, _ = np.linalg.lstsq(matrix, weighed(centred, 2), rcond=None)[0]
+        scale = width * float(clock[1] - clock[0])
+        columns = [
+            _weighed(centred, width, scale, 1),
+            -_weighed(pull, width, scale),
+            _weighed(forced, width, scale),
+            _weighed(np.ones_like(theta), width, scale),
+        ]
+        wanted = _weighed(centred, width, scale, 2)
+        c, square, b, _ = np.linalg.lstsq(np.array(columns).T, wanted, rcond=None)[0]
         if square > 0 and np.isfinite([c, square, b]).all():
             yield float(np.sqrt(square)), max(float(c), 0.0), float(b)
         width = int(np.ceil(_WIDER * width))
+
+
+def _weighed(values: Floats, width: int, scale: float, order: int = 0) -> Floats:
+    """Sums of the values times a bump, or its derivative of that ``order``, so many samples to each side (``scale`` s), at one place after another."""
+    x = np.linspace(-1.0, 1.0, 2 * width + 1)
+    bump = np.polynomial.Polynomial([1.0, 0.0, -1.0]) ** _POWER
+    kernel = bump.deriv(order)(-x) / scale**order if order else bump(x)
+    return np.convolve(values, kernel, "valid")[:: max(1, width // 4)]

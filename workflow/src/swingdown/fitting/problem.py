@@ -175,10 +175,9 @@ class Problem:
                 "fit", f"{self.n} samples for {len(self.free)} free values", "more samples than free values"
             )
         self.known = self._known() if model.slack.names else None
-        self.drives = [getattr(swing, "drive", model.drive) for swing in swings]
+        self.drives: list[Any] = [getattr(swing, "drive", model.drive) for swing in swings]
         self.compiled = [
-            compiled(model, times, drive)
-            for (times, _), drive in zip(self.swings, self.drives, strict=True)
+            compiled(model, times, drive) for (times, _), drive in zip(self.swings, self.drives, strict=True)
         ]
         self._point_at_swings()
 
@@ -271,10 +270,14 @@ class Problem:
         """The same of swings under a measured drive, from what each width of bumps shows of them (``driven``)."""
         releases = [driven_release(*swing) for swing in self.swings]
         given = [self._from_guess(one, releases) for one in known]
-        each = [
-            driven_guesses(self.model, times, angle, drive)
-            for (times, angle), drive in zip(self.swings, self.drives, strict=True)
-        ] if seen or not given else []
+        each = (
+            [
+                driven_guesses(self.model, times, angle, drive)
+                for (times, angle), drive in zip(self.swings, self.drives, strict=True)
+            ]
+            if seen or not given
+            else []
+        )
         from_data = [
             self.variables({name: _mean([one[name] for one in values]) for name in values[0]}, releases)
             for values in zip(*each, strict=False)

@@ -12,6 +12,7 @@ from ..arrays import Floats
 from ..errors import InputError
 from ..quantisation import quantisation_step
 from . import points_recording
+from .driven import carried
 from .even import Even
 from .gyroscope import TO_RAD_PER_S
 from .noise_level import SPECTRUM, Noise, noise_by_times, noise_of
@@ -102,6 +103,7 @@ def to_angle(recording: xr.Dataset, calibration: xr.Dataset | None = None, mode:
                 bound, PAPER_BOUND if notes["mode"] == "paper" else BOUND.replace("angle", name)
             ),
             **as_variables(slack)[0],
+            **carried(recording),
         },
         {"time": recording["time"], **as_variables(slack)[1]},
         {

@@ -74,6 +74,8 @@ class Interpreted(NamedTuple):
     read: tuple[
         str, ...
     ] = ()  # in words: the columns, what they are where that is no angle, the clock, the layout
+    input: Floats | None = None  # what was measured of its drive
+    input_unit: str = ""  # that the file states of it
 
     def taken(self, reading: Reading) -> str:
         """One line on how the file was read, for what the signal turned out to be."""
@@ -99,14 +101,18 @@ def interpret(table: Table, row: Mapping[str, Any], place: str, restoring: str) 
     if (paired := f"{row['signal_column']} x") in table.names:
         row = {**row, "signal_column": paired}
     table, row, rising = _rising(table, row)
-    columns = _columns(table, row, place)
+    drives = _input_of(table, row, place)
+    columns = _columns(
+        table._replace(names=tuple(one for one in table.names if one not in drives)), row, place
+    )
     names, unsaid = [one.name for one in columns.found], []
     if columns.found[0].kind == RATE and not row["signal_column"]:
         names = axes_beside(table.names, columns.found[0], table.units) or names
-    if not row["signal_column"]:
+    if not row["signal_column"] and not drives:
         unsaid = _unsaid(table, names)
     where = f"{row['file']}, {place_of(columns.clock.name)} ({place})"
-    times, values, told = series(table, row, columns.clock.name, names, columns.time_unit or "s", unsaid[:1])
+    read = [*names, *drives]
+    times, values, told = series(table, row, columns.clock.name, read, columns.time_unit or "s", unsaid[:1])
     piece, chosen = _part(times, row, where)
     times, values, told = times[piece], [one[piece] for one in values], told + chosen
     if len(times) < SHORTEST:
@@ -118,6 +124,7 @@ def interpret(table: Table, row: Mapping[str, Any], place: str, restoring: str) 
         )
     ordered = in_order(times, values[0], where)
     times, values = ordered.times, [one[ordered.kept] for one in values]
+    drive = values.pop(len(names)) if drives else None
     remarks = rising + (["the last line has no end and was left out"] if table.cut else [])
     remarks += [
         *table.remarks,
@@ -136,8 +143,28 @@ def interpret(table: Table, row: Mapping[str, Any], place: str, restoring: str) 
         factor, "s (no unit is stated)"
     )
     return made._replace(
-        remarks=remarks + made.remarks, rate=ordered.rate, read=_read(table, columns, told_unit, made.times)
-    )
+        remarks=remarks + made.remarks, rate=ordered.rate, read=_read(table, columns, told_unit, made.times), input=drive,
+        input_unit=_written(table, drives[0]) if drives else "",
+    )  # fmt: skip
+
+
+def _written(table: Table, column: str) -> str:
+    """The unit that a column's header states, as the sheet writes it; "" for none."""
+    found = meaning(column, table.units.get(column, ""))
+    return (found.unit or found.written).replace("²", "^2").replace("s2", "s^2")
+
+
+def _input_of(table: Table, row: Mapping[str, Any], place: str) -> list[str]:
+    """The column of what was measured of the drive, as the row names it; none of a pendulum that swings by itself."""
+    wanted = row.get("input_column", "")
+    if not wanted:
+        return []
+    if wanted not in table.names:
+        raise InputError(
+            f"{row['file']} ({place}, column input_column)", f"the file has no column {wanted!r}", f"one of {', '.join(table.names)}",
+            "correct input_column in the sheet, or the file's header",
+        )  # fmt: skip
+    return [wanted]
 
 
 def _rising(table: Table, row: Mapping[str, Any]) -> tuple[Table, Mapping[str, Any], list[str]]:

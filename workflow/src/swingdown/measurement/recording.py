@@ -12,6 +12,7 @@ from .. import dataset
 from ..errors import InputError
 from . import phyphox
 from .columns import TIME, UNTOLD, meaning, place_of
+from .driven import UNITS, Stated, as_variables, judge_driven, stated
 from .interpret import Interpreted, interpret
 from .judge import Judged, Reading, check_used, judge, used_part
 from .passages import ask_periods, passages
@@ -98,11 +99,15 @@ def _says_nothing(table: Table) -> bool:
 def _dataset(
     row: Mapping[str, Any], table: Table, found: Interpreted, about: dict[str, Any], place: str
 ) -> xr.Dataset:
-    where = f"{row['file']}, {place_of(found.column)} ({place})"
+    where, said = f"{row['file']}, {place_of(found.column)} ({place})", None
     if row["role"] == "static":
         check_signal(found.times, found.signal, where, static=True)
         judged, kept = STATIC, dict[str, float]()
         signal, reading, remarks = found.signal, found.reading, found.remarks
+    elif (said := driven_so(row, found, place)) is not None:
+        judged, kept = judge_driven(found.times, found.signal, found.reading, where), dict[str, float]()
+        signal, reading, remarks = judged.signal, judged.reading, found.remarks + judged.remarks
+        remarks.append(f"driven by `{row['input_column']}`, {said}: it is not asked whether it swings freely")
     else:
         judged = judge(found.times, found.signal, found.reading, where)
         kept, told = _by_itself(found, judged, row, where)
@@ -146,10 +151,26 @@ def _dataset(
         {
             "signal": ("time", signal, {"units": unit, "long_name": LONG_NAMES[unit]}),
             **as_variable(judged.spikes.where),
+            **(
+                {}
+                if said is None or found.input is None
+                else as_variables(found.times, found.input, said, where)
+            ),
         },
         {"time": ("time", found.times, {"units": "s", "long_name": "time as recorded"})},
         attributes,
     )
+
+
+def driven_so(row: Mapping[str, Any], found: Interpreted, place: str) -> Stated | None:
+    """What is stated of a recording's input, by the sheet or else by the file; None of a free swing."""
+    if found.input is None:
+        return None
+    if row.get("input_unit"):
+        return stated(row, place)
+    said = stated({**row, "input_unit": ""}, place)
+    usable = found.input_unit in UNITS[said.kind] or (said.kind == "torque" and found.input_unit)
+    return stated({**row, "input_unit": found.input_unit}, place) if usable else said
 
 
 def _with_usual(row: Mapping[str, Any], table: Table) -> dict[str, Any]:

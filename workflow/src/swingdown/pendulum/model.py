@@ -255,8 +255,13 @@ def symbol(label: str, mathtext: bool = False) -> str:
 
 
 def model_words(label: str) -> str:
-    """A model's effects in words: ``viscous and load Coulomb``."""
-    names = [name.replace("_", " ").replace("coulomb", "Coulomb") for name in label.split("+")]
+    """A model's effects in words: ``viscous and load Coulomb``; a measured drive is none of its own."""
+    drives = {effect.name for effect in SHIPPED.inputs}
+    names = [
+        name.replace("_", " ").replace("coulomb", "Coulomb")
+        for name in label.split("+")
+        if name not in drives
+    ]
     return " and ".join([", ".join(names[:-1]), names[-1]] if len(names) > 1 else names)
 
 

@@ -40,9 +40,10 @@ class NotFree(InputError):
 
 
 def fit_free(angle: xr.Dataset, fitted: Sequence[Model], start: str = "free") -> xr.Dataset:
-    """The Dataset of ``experiment.fit_recording`` of a swing that a pendulum makes by itself; errors as ``ask_free`` and ``fit_any``."""
+    """The Dataset of ``experiment.fit_recording`` of a swing that a pendulum makes by itself or under a measured drive; errors as ``ask``
+    and ``fit_any``."""
     fits = fit_any(angle, fitted, start)
-    ask_free(fits, angle, fitted, start)
+    ask(fits, angle, fitted, start)
     return fits
 
 
@@ -130,6 +131,30 @@ def fit_any(angle: xr.Dataset, fitted: Sequence[Model], start: str = "free") -> 
         return fit_recording(angle, fitted, start=start)
     except (ArithmeticError, np.linalg.LinAlgError) as problem:
         raise breaks_off(f"recording {angle.attrs['recording']}") from problem
+
+
+def ask(fits: xr.Dataset, angle: xr.Dataset, fitted: Sequence[Model], start: str = "free") -> None:
+    """None for a swing that is what it is taken for: one that answers to its measured drive, or else a free one; NotFree otherwise."""
+    if "input" in angle:
+        ask_driven(fits, angle)
+    else:
+        ask_free(fits, angle, fitted, start)
+
+
+def ask_driven(fits: xr.Dataset, angle: xr.Dataset) -> None:
+    """None for a swing that answers to its measured drive as a pendulum does; NotFree where no model follows it, and a warning where one
+    does so badly."""
+    left = float(fits["share_left"].min())
+    if not left <= LEFT:
+        raise NotFree(
+            f"recording {angle.attrs['recording']}",
+            f"it does not answer to its input as a pendulum does: the best model of damping leaves {100 * left:.3g} % of it",
+            f"at most {100 * LEFT:.0f} %",
+            "check the columns and units of angle and input, and what the input is (input_kind)",
+        )
+    if left > MUCH:
+        words = DOUBT.format(percent=100 * left, name=angle.attrs["recording"])
+        warnings.warn(words, DoubtfulFit, stacklevel=2)
 
 
 def breaks_off(where: str) -> InputError:

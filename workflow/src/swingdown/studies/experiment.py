@@ -7,15 +7,16 @@ import numpy as np
 import xarray as xr
 
 from .. import dataset
-from ..arrays import Floats, Swing
+from ..arrays import Floats, Swing, swing_under
 from ..engine.trajectory import simulate
 from ..errors import InputError
 from ..fitting.colour import uncertainty
 from ..fitting.guess import first_guess
-from ..fitting.least_squares import fit_jointly, fit_trajectory
+from ..fitting.least_squares import fit_jointly
 from ..fitting.nested import fit_nested
 from ..fitting.result import Fit
 from ..fitting.slack import allowing
+from ..measurement.driven import drive_of, driven
 from ..measurement.points_recording import are_points
 from ..measurement.slack import of_angles
 from ..pendulum.catalogue import ANGLE
@@ -72,12 +73,13 @@ def fit_recording(
         return _of_points(angle, [as_model(one) for one in fitted], start, bounded)
     name, times, series = _swing(angle)
     models = _reading([as_model(one) for one in fitted], [angle])
+    drive = drive_of(angle)
+    pairs = [swing_under(drive, times, series)]
 
     def fit_one(model: Model, guess: list[Fit]) -> Fit:
-        return fit_trajectory(model, times, series, guess=guess, start=start, bounded=bounded)
+        return fit_jointly(model, pairs, guess=guess, start=start, bounded=bounded)
 
     slack = of_angles([angle])
-    pairs = [(times, series)]
     fits = [allowing(fit, pairs, slack, start=start, bounded=bounded) for fit in fit_nested(models, fit_one)]
     coords = model_coords(models)
     names = coords["parameter"][1]
@@ -93,7 +95,9 @@ def fit_recording(
     variables["error_bound_norm"] = ((), np.nan if bound is None else np.degrees(np.sqrt(np.mean(bound**2))))
     variables["samples"] = ((), times.size)
     badly = [one["share_left"] > MUCH for one in own]
-    if without_scale(angle) and not all(badly):
+    if drive is not None:
+        paces = {}
+    elif without_scale(angle) and not all(badly):
         paces = pace_of(angle, times, series)
     elif any(badly):
         paces = of_first_swings(times, series)
@@ -152,7 +156,10 @@ def fit_campaign(
             "add swings to the sample sheet",
         )
     swings = [_swing(angle) for angle in angles]
-    series = [(times, values) for _, times, values in swings]
+    series = [
+        swing_under(drive_of(angle), times, values)
+        for angle, (_, times, values) in zip(angles, swings, strict=True)
+    ]
     models = _reading([as_model(one) for one in fitted], angles)
     found = fit_nested(
         models, lambda model, guess: fit_jointly(model, series, guess=guess, start=start, bounded=bounded)
@@ -187,6 +194,14 @@ def fit_campaign(
     emulated = "yes" if "yes" in coords["emulated"][1] else "no"
     attrs = _options(models, start, bounded) | {"emulated": emulated, "campaign": coords["campaign"][1][0]}
     return _in_units(labelled(xr.Dataset(variables, coords, attrs)), models[0].reading)
+
+
+def with_drive(models: Sequence[Model], angles: Sequence[xr.Dataset]) -> list[Model]:
+    """The models with the effect by which the measured drive of these recordings acts; themselves where they swing freely."""
+    drive = driven(angles)
+    if drive is None:
+        return list(models)
+    return [model.with_effects((*model.names, drive.effect)).driven_by(drive) for model in models]
 
 
 def _reading(models: Sequence[Model], angles: Sequence[xr.Dataset]) -> list[Model]:
@@ -234,6 +249,8 @@ def _swing(angle: xr.Dataset) -> tuple[str, Floats, Floats]:
     """The recording's name, times (s) and angle (rad); InputError if it is too short to fit."""
     name = str(angle.attrs.get("recording", "recording"))
     times, series = angle["time"].values, dataset.series_of(angle).values
+    if drive_of(angle) is not None and times.size >= 4 * _ENOUGH:
+        return name, times, series
     crossings = np.count_nonzero(np.diff(np.signbit(series - np.median(series))))
     if times.size < 4 * _ENOUGH or crossings < _ENOUGH + 1:
         raise InputError(

@@ -115,7 +115,7 @@ def cycle(model: Model, amplitude: float) -> Cycle:
     The decrement is twice the logarithm of one turning point's distance over the next one's, from side to side: where the
     swing's middle lies does not matter.
     """
-    return _cycle(model.motion, amplitude)  # what the sensor makes of it is none of the pendulum's
+    return _cycle(left_alone(model.motion), amplitude)  # neither sensor nor drive is the pendulum's own
 
 
 def _cycle(model: Model, amplitude: float) -> Cycle:
@@ -142,8 +142,16 @@ def _cycle(model: Model, amplitude: float) -> Cycle:
 
 def steady(model: Model) -> Model:
     """The model without the effects that change with the time of the record: a drive, a damping that drifts."""
-    kept = [one.name for one in model.effects if not _named_in(one) & _OF_TIME]
-    bare = model.with_effects(kept)
+    return _without(model, lambda one: bool(_named_in(one) & _OF_TIME) or one.takes_input)
+
+
+def left_alone(model: Model) -> Model:
+    """The model without its measured drive: as it swings by itself."""
+    return _without(model, lambda one: one.takes_input) if model.takes_input else model
+
+
+def _without(model: Model, unwanted: Callable[[Effect], bool]) -> Model:
+    bare = model.with_effects([one.name for one in model.effects if not unwanted(one)])
     return bare.with_values({name: value for name, value in model.values.items() if name in bare.parameters})
 
 

@@ -74,7 +74,9 @@ class Catalogue:
         self._parameters: dict[str, Parameter] = {NATURAL_FREQUENCY.name: NATURAL_FREQUENCY}
         for effect in self._known.values():
             for parameter in effect.parameters:
-                if parameter.name in self._parameters and not (effect in self.inputs and parameter == self._parameters[parameter.name]):
+                if parameter.name in self._parameters and not (
+                    effect in self.inputs and parameter == self._parameters[parameter.name]
+                ):
                     raise InputError(
                         f"{where}.{effect.name}", f"the catalogue has a parameter {parameter.name!r}",
                         "a name that no other effect's parameter has", "rename the effect or the symbol",

@@ -23,7 +23,14 @@ _TERMS = {
     ),
 }  # fmt: skip
 _DELAY = Parameter(
-    "input_delay", "tau_u", "s", -inf, inf, "by how much the drive acts later than it is stamped", 0.01, role="delay"
+    "input_delay",
+    "tau_u",
+    "s",
+    -inf,
+    inf,
+    "by how much the drive acts later than it is stamped",
+    0.01,
+    role="delay",
 )
 
 
