@@ -115,7 +115,7 @@ def cycle(model: Model, amplitude: float) -> Cycle:
     The decrement is twice the logarithm of one turning point's distance over the next one's, from side to side: where the
     swing's middle lies does not matter.
     """
-    return _cycle(left_alone(model.motion), amplitude)  # neither sensor nor drive is the pendulum's own
+    return _cycle(left_alone(model.motion), amplitude)  # what sensor and drive do is none of the pendulum's
 
 
 def _cycle(model: Model, amplitude: float) -> Cycle:
@@ -176,7 +176,7 @@ def decay_time(model: Model, amplitude: float) -> float:
     The time a period takes over what is lost in it, as a function of the amplitude (a polynomial through a few), summed over
     the logarithm of the amplitude: for a loss that is small in a period, the fall of the turning points.
     """
-    return _decay_time(model.motion, amplitude)
+    return _decay_time(left_alone(model.motion), amplitude)
 
 
 def _decay_time(model: Model, amplitude: float, start: Cycle | None = None) -> float:
@@ -216,7 +216,7 @@ def quantities(model: Model, amplitude: float, covariance: Floats | None = None)
     covariance
         Of the model's parameters in their order. A NaN variance marks a value that was held.
     """
-    values, motion = np.array(model.vector()), model.motion
+    values, motion = np.array(model.vector()), left_alone(model.motion)
     moving = [model.parameters.index(name) for name in motion.parameters]
 
     def derived(at: Floats) -> Floats:
