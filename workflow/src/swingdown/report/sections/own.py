@@ -33,10 +33,7 @@ _CURVES = (
 )
 _FOLLOWS = "The size of the effect that goes with what was changed, in each recording; all else of the model is the same in all of them."
 _LAWS = "The turning points of the recording with what single laws of damping, and the one with the most evidence, make of them."
-_FITTED = (
-    "What was measured, what the last model makes of it, and what that leaves. Parts in green had no share in the fit but their own "
-    "release: they are what the verdict is held against."
-)
+_FITTED = "The recording, the fit of the last model, and the residual. Parts in green are held out: only their release is fitted."
 
 
 def answer(material: Material) -> Section | None:
@@ -95,8 +92,8 @@ def _sure(found: Mapping[str, Any]) -> Markup:
     """How sure a verdict is: what was held out of every fit, and what each effect gained."""
     noise = 1e3 * noise_rms(found)
     parts = [
-        f"Recordings, or parts, that were held out of every fit are met within {found['gap']['holdout'][-1]:.3g} times the noise of "
-        f"{noise:.3g} m{found.get('unit', 'rad')}; a complete model leaves 1."
+        f"The held-out residual is {found['gap']['holdout'][-1]:.3g} times the noise of {noise:.3g} m{found.get('unit', 'rad')}; a "
+        "complete model leaves 1."
     ]
     for one in found["effects"]:
         words = one["name"].replace("_", " ")
@@ -139,7 +136,7 @@ def _quantities(rows: pd.DataFrame, found: Mapping[str, Any] | None) -> Table:
         ]
         for one in quantity_rows(row, found)
     ]
-    columns = [Column("quantity"), Column("value", style="n"), Column("unit"), Column("holds")]
+    columns = [Column("quantity"), Column("value", style="n"), Column("unit"), Column("amplitude")]
     own = tuple(f"{one[:1].upper()}{one[1:]}." for one in notes(row))
     known: tuple[str, ...] = _NOTES[:-1] if row.get("model_of") == SEARCH else _NOTES
     if row["model"] in NO_MODEL:
@@ -153,9 +150,9 @@ def _quantities(rows: pd.DataFrame, found: Mapping[str, Any] | None) -> Table:
 _NOTES = (
     "In parentheses the standard uncertainty in units of the last digits: that of the fit, for residuals that need not be independent. "
     "Errors of the sensor's scale are not in it.",
-    "Period, Q and decay time are the fitted model's, let go at rest from the angle named. Q is π over the logarithmic decrement of "
+    "Period, Q and decay time are the fitted model's, let go at rest from this amplitude. Q is π over the logarithmic decrement of "
     "the first whole swing; the decay time is that in which the amplitude falls to 1/e.",
-    "Models of damping alone: where something is missing, their natural frequency and friction do some of the work of that.",
+    "Models of damping alone: where something is missing, their values absorb some of it.",
 )
 
 _SYMBOLS = (
@@ -224,9 +221,9 @@ def _table(
         Column("pendulum" if searched else "recording"),
         *([Column("verdict")] if searched else []),
         Column("period", "s", "n"),
-        Column("Q", style="n"),
-        Column("decay time", "s", "n"),
-        Column("at", "degrees", "n"),
+        Column("quality Q", style="n"),
+        Column("decay time (1/e)", "s", "n"),
+        Column("amplitude", "degrees", "n"),
         Column("natural frequency", "rad/s", "n"),
         Column("model"),
     ]
