@@ -40,9 +40,11 @@ UNITS = {written: meaning for meaning, all_ in _WRITTEN.items() for written in a
 _TIMES = re.compile(r"(?i)\b(t|time|zeit|temps|tiempo|tempo|timestamp|elapsed|millis|micros)\b")
 _ANGLES = re.compile(r"(?i)θ|φ|\b(theta|phi|angle|angular position|winkel|ángulo|angulo|ausschlag)\b")
 _DRIVES = re.compile(
-    r"(?i)\b(drive|driver|driving|motor|forcing|excitation|exciter|input|forzante|forzatura|erreger|antrieb|excitateur)\b"
+    r"(?i)\b(drive|driver|driving|motor|forcing|excitation|exciter|input|forzante|forzatura|erreger|antrieb|excitateur|torques?|tau|effort|"
+    r"forces?|pwm|control|command|cmd|set ?point|desired|reference)\b"
 )
 _SIZE_ALONE = re.compile(r"(?i)\b(abs|absolute|magnitude|norm|total|betrag)\b")
+_NUMBERS = re.compile(r"(?i)(frame|frames|frame ?(no|nr|number|index|id)|bild|bildnummer|fotograma|image|sample|samples|sample ?(no|number|index)|index|idx|n|no|nr)\.?")
 _COORDINATE = re.compile(r"(?i)^(?:.*[ _-])?(?:position[ _-]?)?([xy])(?:[ _-]?(?:position|pos))?$")
 
 
@@ -281,6 +283,11 @@ def _checked(one: Meaning, others: list[Meaning], place: str, stated: str) -> Me
         + (f"; the file has {', '.join(column.name for column in others)}" if len(others) > 1 else ""),
         mends.get(one.kind, "name the column of the angle in the cell signal_column of the sheet"),
     )
+
+
+def numbers_rows(name: str) -> bool:
+    """True for the name of a column that counts frames or samples and is no time."""
+    return bool(_NUMBERS.fullmatch(name.replace("_", " ").strip()))
 
 
 def place_of(name: str) -> str:

@@ -24,6 +24,7 @@ from .columns import (
     choose,
     known_unit,
     meaning,
+    numbers_rows,
     place_of,
 )
 from .gyroscope import TO_RAD_PER_S, rate_unit, turning_most
@@ -32,6 +33,7 @@ from .plausibility import half_swings
 from .positions import (
     Circle,
     along_a_line,
+    along_most,
     by_length,
     check_no_positions,
     fit_circle,
@@ -50,6 +52,7 @@ UNIT_WORDS = {
     "deg/s": "degrees a second, an angular rate", NO_SCALE: "readings of unknown scale",
 }  # fmt: skip
 SHORTEST = 10  # samples; fewer tell nothing about a swing
+_LOOKED_AT = 200_000  # rows of which each column is looked at before the swing is chosen
 _RISES = 0.95  # of the rows: so often a time is no earlier than in the row before, though a clock stumbles
 MOST_LOST = 0.2  # of the positions: a tracker that loses more follows no bob
 TWICE = 0.2  # by which the ratio of two periods may be off 2
@@ -100,7 +103,9 @@ def interpret(table: Table, row: Mapping[str, Any], place: str, restoring: str) 
     table = apart(table)
     if (paired := f"{row['signal_column']} x") in table.names:
         row = {**row, "signal_column": paired}
+    table, still = _moving(table, row)
     table, row, rising = _rising(table, row)
+    rising = still + rising
     drives = _input_of(table, row, place)
     columns = _columns(
         table._replace(names=tuple(one for one in table.names if one not in drives)), row, place
@@ -143,7 +148,8 @@ def interpret(table: Table, row: Mapping[str, Any], place: str, restoring: str) 
         factor, "s (no unit is stated)"
     )
     return made._replace(
-        remarks=remarks + made.remarks, rate=ordered.rate, read=_read(table, columns, told_unit, made.times), input=drive,
+        remarks=remarks + made.remarks, rate=ordered.rate, input=drive,
+        read=_read(table, columns, told_unit, made.times, "pivot_x" in made.about),
         input_unit=_written(table, drives[0]) if drives else "",
     )  # fmt: skip
 
@@ -167,11 +173,48 @@ def _input_of(table: Table, row: Mapping[str, Any], place: str) -> list[str]:
     return [wanted]
 
 
+def _moving(table: Table, row: Mapping[str, Any]) -> tuple[Table, list[str]]:
+    """The table without the columns that hold one value throughout, and a remark on them, where others move: they are no swing.
+
+    A long file is taken as it is, and so is a column that the sheet names, and one that is alone beside the time.
+    """
+    pieces, held, rows = iter(table.pieces), list[Any](), 0
+    for piece in pieces:
+        held.append(piece)
+        rows += len(piece)
+        if rows > _LOOKED_AT:
+            break
+    kept = table._replace(pieces=itertools.chain(held, pieces))
+    if row["role"] == "static" or not SHORTEST <= rows <= _LOOKED_AT:
+        return kept, []
+    named = {row["signal_column"], row["time_column"], row.get("input_column", "")}
+    values = {
+        name: np.concatenate([numbers(piece[name], table.decimal) for piece in held]) for name in table.names
+    }
+    still = [
+        name
+        for name, one in values.items()
+        if name not in named and np.isfinite(one).sum() >= SHORTEST and np.nanmax(one) == np.nanmin(one)
+    ]
+    moving = tuple(name for name in table.names if name not in still)
+    if not still or len(moving) < 2:
+        return kept, []
+    told = f"{', '.join(f'`{name}`' for name in still)} hold{'s' if len(still) == 1 else ''} one value throughout: left out"
+    return kept._replace(names=moving, pieces=[piece[list(moving)] for piece in held]), [told]
+
+
 def _rising(table: Table, row: Mapping[str, Any]) -> tuple[Table, Mapping[str, Any], list[str]]:
     """The table and the row with the column of the time, and a remark, where none says that it is one and another than the first rises."""
     kinds = [meaning(name, table.units.get(name, "")).kind for name in table.names]
     if row["time_column"] or TIME in kinds or kinds[0] != UNTOLD:
         return table, row, []
+    if numbers_rows(table.names[0]) and not row["time_unit"]:
+        raise InputError(
+            f"{row['file']}, {place_of(table.names[0])}",
+            "it counts frames or samples, and no column is a time",
+            "a column of time, or the samples a second",
+            "write the frames or samples a second in the cell rate_hz of the sheet",
+        )
     pieces = iter(table.pieces)
     first = next(pieces, None)
     if first is None:
@@ -238,7 +281,14 @@ def _signal(
             made = _coordinate(row, both, columns, times, line, restoring)
             on_a_line = "the positions lie on a line, which tells no pivot: how far along it is taken for one coordinate"
             return made._replace(remarks=[on_a_line, *made.remarks])
-        circle = fit_circle(values[0], values[1], both)
+        try:
+            circle = fit_circle(values[0], values[1], both)
+        except InputError:
+            if (line := along_most(values[0], values[1])) is None:
+                raise
+            made = _coordinate(row, both, columns, times, line, restoring)
+            told = "THE POSITIONS LIE ON NO CIRCLE: how far along the axis on which they move most is taken for one coordinate"
+            return made._replace(remarks=[told, *made.remarks])
         away = lost(values[0], values[1], circle)
         signal = to_angles(values[0], values[1], circle)
         about = {f"pivot_{key}": value for key, value in circle._asdict().items()}
@@ -274,6 +324,8 @@ def _reading(
         return Reading(unit, True, 0.0 if scale is None else scale, restoring)
     if unit in TO_RAD_PER_S:
         return Reading(unit, True, 0.0, restoring)
+    if scale is not None and np.isnan(scale):
+        return Reading(NO_SCALE, True, np.nan, restoring)  # asked for by ``relative``: period and decay alone
     if unit:
         return Reading(unit, True, in_rad(unit), restoring)
     if columns.found[0].kind == RATE:
@@ -385,11 +437,13 @@ def _unsaid(table: Table, names: list[str]) -> list[str]:
     return list(table.names[table.names.index(names[-1]) + 1 :])
 
 
-def _read(table: Table, columns: _Columns, time_unit: str, times: Floats) -> tuple[str, ...]:
+def _read(table: Table, columns: _Columns, time_unit: str, times: Floats, scaled: bool) -> tuple[str, ...]:
     """The words of ``Interpreted.taken``."""
     found, instead = columns.found, ""
-    if len(found) == 2:
+    if len(found) == 2 and scaled:
         instead = "positions, the angle about a fitted pivot"
+    elif len(found) == 2:
+        instead = "positions, how far along the axis on which they move"
     elif found[0].kind == LENGTH and not columns.unit:
         instead = "one coordinate"
     rate = 1 / float(np.median(np.diff(times)))

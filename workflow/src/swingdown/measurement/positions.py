@@ -12,6 +12,7 @@ from .plausibility import half_swings
 from .stated import UNITS, read
 
 LEAST_ARC = 0.1  # rad; a shorter arc does not tell the radius
+MOST = 2.0  # times as far along an axis as beside it (standard deviations): they move along it
 LINE = 0.1  # beside over along, of what lies on a line
 TIGHT = 0.02  # residual over radius of what is tracked in a video
 FAR = 6.0  # times the scatter of the others: a point that is none of the bob
@@ -95,6 +96,20 @@ def along_a_line(x: Floats, y: Floats) -> Floats | None:
     if abs(bend) * 2 * float(np.ptp(along[kept])) > LEAST_ARC:
         return None
     return along
+
+
+def along_most(x: Floats, y: Floats) -> Floats | None:
+    """How far points lie along the axis on which they move most; None where no axis stands out.
+
+    Of positions on no circle, as of a marker on a platform that turns about no fixed point, it is one coordinate.
+    """
+    both = np.stack([x - np.median(x), y - np.median(y)])
+    size = np.hypot(*both)
+    kept = size <= FAR * max(float(np.median(size)), 1e-300)
+    values, axes = np.linalg.eigh(np.cov(both[:, kept]))
+    if not values[1] > MOST**2 * values[0]:
+        return None
+    return np.asarray(axes[:, 1] @ both)
 
 
 def lost(x: Floats, y: Floats, circle: Circle) -> NDArray[np.bool_]:
