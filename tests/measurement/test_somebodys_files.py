@@ -110,7 +110,7 @@ def test_without_names_the_column_that_rises_is_the_time(take):
     with pytest.raises(
         InputError, match="name the column of the angle in the cell signal_column of the sheet: column 1"
     ):
-        take(rows(TIME, 1 + 0 * TIME, SWING))
+        take(rows(TIME, np.sqrt(TIME), SWING))
 
 
 def test_of_columns_without_names_the_second_is_taken_and_that_told(take):
@@ -237,7 +237,7 @@ def test_where_no_name_says_what_swings_a_refusal_names_the_other_columns(take):
         InputError,
         match="or name the column of the angle in the cell signal_column of the sheet: t, cart, bob",
     ):
-        take("t,cart,bob\n" + rows(TIME, 0 * TIME, SWING))
+        take("t,cart,bob\n" + rows(TIME, np.sqrt(TIME), SWING))
 
 
 def test_cells_that_hold_a_pair_of_numbers_are_two_coordinates(take):

@@ -25,7 +25,7 @@ from ..errors import InputError
 from ..measurement.slack import of_angles
 from ..pendulum.catalogue import READINGS, catalogue
 from ..pendulum.model import PAPER_MODELS, SPRUNG, Model, models
-from ..studies.doubt import NotFree, breaks_off, fit_any, fit_free, unit_in_doubt
+from ..studies.doubt import NotFree, ask_counted, breaks_off, fit_any, fit_free, unit_in_doubt
 from ..studies.experiment import fit_campaign, with_drive
 from ..studies.norms import combine_recordings
 from ..studies.pendulums import described_by, joined, pendulums, values_of
@@ -168,6 +168,8 @@ def of_swings(
     entries = catalogue(effects)
     label = described_by(norms, entries)
     table = pendulums(norms, [] if len(given) == 1 else [together], catalogue=entries)
+    if checked:
+        ask_counted(table, given)
     table["remark"] = [joined(unit, remark) for remark in table["remark"]]
     shown = [
         Shown(

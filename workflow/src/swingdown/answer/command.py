@@ -31,6 +31,7 @@ from ..studies.pendulums import in_order
 from ..studies.words import damping_words, details, lines, quantity_rows, said
 from ..study import own
 from . import Answer, of_swings, searchable
+from .again import once_more
 from .alone import alone
 from .beside import write_beside
 from .lengths import PIVOTS, of_length, with_g, with_lengths, written
@@ -272,8 +273,11 @@ def _several(parts: Sequence[own.Taken | own.Refused]) -> str:
     return f"{len(parts)} runs; {'all' if not refused else len(parts) - refused} taken"
 
 
-def _first(taken: Sequence[own.Taken], restoring: str) -> tuple[dict[str, Answer], list[own.Refused]]:
-    """The first answer on each pendulum, by campaign, and the files of those that cannot be fitted."""
+def _first(taken: list[own.Taken], restoring: str) -> tuple[dict[str, Answer], list[own.Refused]]:
+    """The first answer on each pendulum, by campaign, and the files of those that cannot be fitted.
+
+    What is read once more, as its longest free stretch, takes its place among the ``taken``.
+    """
     found: dict[str, Answer] = {}
     unfit: list[own.Refused] = []
     campaigns: dict[str, list[own.Taken]] = {}
@@ -281,6 +285,11 @@ def _first(taken: Sequence[own.Taken], restoring: str) -> tuple[dict[str, Answer
         campaigns.setdefault(one.row["campaign"], []).append(one)
     for campaign, members in campaigns.items():
         answer, lost = _of_one(members, restoring)
+        if lost and len(members) == 1 and (used := once_more(members[0], restoring)):
+            place = next(k for k, one in enumerate(taken) if one is members[0])
+            taken[place], answer, told = used
+            _say(f"{members[0].row['recording']}: {as_options(lost[0].problem)}. {told}")
+            lost = []
         found |= {campaign: answer} if answer else {}
         unfit += lost
     return found, unfit

@@ -1,6 +1,7 @@
 """Tables inside other files, as text: a sheet of a workbook (Excel, OpenDocument), a CSV file in a zip archive (phyphox)."""
 
 import io
+import re
 import shutil
 import tempfile
 import zipfile
@@ -11,6 +12,8 @@ from ..errors import InputError
 from .workbook import sheet
 
 ZIP, OLD = b"PK\x03\x04", b"\xd0\xcf\x11\xe0"
+FEWEST_ROWS = 10  # of numbers in a sheet that holds a recording
+_NUMBER = re.compile(rb"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?")
 LARGEST = 500_000_000  # bytes, unpacked: a workbook is held whole
 TEXT = (".csv", ".txt", ".tsv", ".dat")
 UNPACK = "unpack the archive and name the file in it"
@@ -58,8 +61,24 @@ def unpacked(source: BinaryIO, name: str, part: str) -> tuple[BinaryIO, str] | N
     return _sheet(source, name, part)
 
 
+def _holds_numbers(rows: bytes) -> bool:
+    """True for a sheet with as many rows of two numbers or more as a recording has at least."""
+    found = 0
+    for line in rows.splitlines():
+        numbers = [cell for cell in line.split(b"\t") if _NUMBER.fullmatch(cell.strip())]
+        found += len(numbers) > 1
+        if found >= FEWEST_ROWS:
+            return True
+    return False
+
+
 def _sheet(source: BinaryIO, name: str, part: str) -> tuple[BinaryIO, str]:
     names, rows = sheet(source, name, part)
+    for other in names[1:] if not part and not _holds_numbers(rows) else ():
+        more = sheet(source, name, other)[1]
+        if _holds_numbers(more):
+            part, rows = other, more
+            break
     if part and part not in names:
         raise _no_part(name, part, names, "sheet")
     return io.BytesIO(rows), f"sheet `{part or names[0]}`"

@@ -44,7 +44,10 @@ _DRIVES = re.compile(
     r"forces?|pwm|control|command|cmd|set ?point|desired|reference)\b"
 )
 _SIZE_ALONE = re.compile(r"(?i)\b(abs|absolute|magnitude|norm|total|betrag)\b")
-_NUMBERS = re.compile(r"(?i)(frame|frames|frame ?(no|nr|number|index|id)|bild|bildnummer|fotograma|image|sample|samples|sample ?(no|number|index)|index|idx|n|no|nr)\.?")
+_NUMBERS = re.compile(
+    r"(?i)(frame|frames|frame ?(no|nr|number|index|id)|bild|bildnummer|fotograma|image|sample|samples|sample ?(no|number|index)|index|idx|n|no|nr)\.?"
+)
+_QUATERNION = re.compile(r"(?i)(q|quat|quaternion|orientation)[ _.]?[wxyz0-3]")
 _COORDINATE = re.compile(r"(?i)^(?:.*[ _-])?(?:position[ _-]?)?([xy])(?:[ _-]?(?:position|pos))?$")
 
 
@@ -78,6 +81,8 @@ def meaning(name: str, beside: str = "") -> Meaning:
         kind = TIME if _TIMES.search(words) else ANGLE if _ANGLES.search(words) else UNTOLD
         if re.search(r"(?i)\b(velocity|acceleration|rate|gyro\w*|omega)\b|ω|α", words):
             kind = OTHER if re.search(r"(?i)acceleration|α", words) else RATE
+    if kind == UNTOLD and _QUATERNION.fullmatch(label):
+        kind, written = OTHER, "part of a quaternion"
     coordinate = _COORDINATE.match(label) if kind in (LENGTH, UNTOLD) else None
     return Meaning(name, kind, unit, written, coordinate[1].lower() if coordinate else "", known)
 

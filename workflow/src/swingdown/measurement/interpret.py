@@ -144,9 +144,11 @@ def interpret(table: Table, row: Mapping[str, Any], place: str, restoring: str) 
     made = _signal(table, row, place, columns, names, unsaid, times, values, restoring)
     if len(names) > 1 and len(columns.found) == 1:  # of a gyroscope's axes the one that turns most
         columns = columns._replace(found=[replace(columns.found[0], name=made.column)])
-    told_unit = columns.time_unit or {1e-3: "MS (no unit is stated)", 1e-6: "US (no unit is stated)"}.get(
-        factor, "s (no unit is stated)"
-    )
+    told_unit = columns.time_unit or {
+        1e-3: "MS (no unit is stated)",
+        1e-6: "US (no unit is stated)",
+        1e-9: "NS (no unit is stated)",
+    }.get(factor, "s (no unit is stated)")
     return made._replace(
         remarks=remarks + made.remarks, rate=ordered.rate, input=drive,
         read=_read(table, columns, told_unit, made.times, "pivot_x" in made.about),
@@ -194,7 +196,10 @@ def _moving(table: Table, row: Mapping[str, Any]) -> tuple[Table, list[str]]:
     still = [
         name
         for name, one in values.items()
-        if name not in named and np.isfinite(one).sum() >= SHORTEST and np.nanmax(one) == np.nanmin(one)
+        if name not in named
+        and not meaning(name, table.units.get(name, "")).axis
+        and np.isfinite(one).sum() >= SHORTEST
+        and np.nanmax(one) == np.nanmin(one)
     ]
     moving = tuple(name for name in table.names if name not in still)
     if not still or len(moving) < 2:

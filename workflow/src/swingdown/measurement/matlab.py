@@ -39,7 +39,9 @@ def arrays(source: BinaryIO, name: str) -> dict[str, Columns]:
         version = isinstance(error, NotImplementedError)
         what = "it is of version 7.3, which is not read here" if version else f"it cannot be read ({error})"
         raise InputError(name, what, f"a file as {PROGRAM} saves it up to version 7", mend) from error
-    columns = _together((key, _columns(key, value)) for key, value in saved.items() if not key.startswith("__"))
+    columns = _together(
+        (key, _columns(key, value)) for key, value in saved.items() if not key.startswith("__")
+    )
     length = _length(columns)
     kept = {key: one for key, one in columns.items() if one.size == length}
     if not kept:

@@ -15,6 +15,8 @@ NARROWS = 0.95  # times: the spread of the signal, as above; a motor's is nearer
 SHRINKS = 0.002  # of the swing: less says nothing of what stops it
 STEADY = 0.15  # of a period: half-swings in step have theirs so near to the usual one
 ENOUGH = 8  # half-swings in step of which there is something to tell
+EVEN = 0.05  # of a period: by so much at most does one differ from the next, where they tell it
+DYING = 0.98  # times: from its first third to its last, of what surely shrinks
 ALL = 0.95  # of the half-swings: with so many in step there is nothing to tell
 DEAD_ZONE = 0.05  # of the range: crossings of the middle by noise alone do not count
 TO_RAD = {"rad": 1.0, "deg": pi / 180}
@@ -84,6 +86,21 @@ def free_part(times: Floats, signal: Floats) -> tuple[float, float] | None:
             best = first, last
     found = best[1] - best[0]
     return (float(begins[best[0]]), float(begins[best[1]])) if ENOUGH <= found < ALL * len(periods) else None
+
+
+def in_step_and_dying(times: Floats, signal: Floats) -> bool:
+    """True for a swing of ENOUGH half-swings or more whose passages of the middle are even and whose size falls: whatever its model, they
+    tell its period."""
+    swings = half_swings(signal)
+    passed = passages(times, signal, swings.centre() if len(swings.starts) > 4 else 0.0)
+    periods, sizes = passed[2:] - passed[:-2], np.abs(np.diff(swings.turns[1:-1]))
+    part = len(sizes) // 3
+    if len(passed) < ENOUGH or part < 2:
+        return False
+    usual = float(np.median(periods))
+    even = float(np.median(np.abs(np.diff(periods)))) < EVEN * usual
+    in_step = float(np.mean(np.abs(periods - usual) < STEADY * usual)) >= ALL
+    return bool(even and in_step and np.median(sizes[-part:]) < DYING * np.median(sizes[:part]))
 
 
 def check_shrinks(signal: Floats, place: str) -> list[str]:

@@ -8,6 +8,7 @@ from ..errors import InputError
 from .cassy import measurements
 from .elements import Columns
 from .matlab import arrays
+from .saved_arrays import saved_arrays
 from .tracker import tracks
 from .vernier import data_sets
 
@@ -22,6 +23,7 @@ def _film(source: BinaryIO, name: str) -> dict[str, Columns]:
 
 READERS: Mapping[str, Callable[[BinaryIO, str], dict[str, Columns]]] = {
     ".trk": tracks, ".trz": tracks, ".labx": measurements, ".cmbl": data_sets, ".mat": arrays,
+    ".npy": saved_arrays, ".npz": saved_arrays, ".json": saved_arrays,
     **dict.fromkeys(FILMS, _film),
 }  # fmt: skip
 

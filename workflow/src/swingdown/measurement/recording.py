@@ -77,6 +77,8 @@ def ingest(
         partial = _check_whole(table.about, row, row["file"], place)
         about = {"partial": "yes" if partial else "no", "sha256": digest}
         try:
+            guessed = not row["signal_column"] and _guessed(table)
+            about |= {"column_told": "no"} if guessed else {}
             return _dataset(row, table, interpret(table, row, place, restoring), about, place)
         except (SeveralRuns, SeveralReleases):
             raise
@@ -94,6 +96,11 @@ def _says_nothing(table: Table) -> bool:
     """True of three columns or more of which none says that it holds the swing."""
     told = [meaning(name, table.units.get(name, "")) for name in table.names]
     return len(told) > 2 and all(one.kind in (TIME, UNTOLD) and not one.axis for one in told)
+
+
+def _guessed(table: Table) -> bool:
+    """True where neither names nor the number of the columns say which one holds the swing."""
+    return _says_nothing(table) or ("no header" in table.layout and len(table.names) > 2)
 
 
 def _dataset(

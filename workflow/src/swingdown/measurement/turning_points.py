@@ -25,6 +25,7 @@ _NOISE = (
 FASTEST = 0.1  # s; a pendulum with this period is 2.5 mm long
 _SMOOTH = 5  # degree of a polynomial that follows any envelope, and no swing of as many sides
 _WRONG = 0.1  # of the signs of turning points: more are none of both sides by turns
+_RISES = 0.5  # of its range: an envelope that rises again by so much is none
 _SURE = 4.0  # standard errors of a bend
 _CHANCE = 1e-5  # of taking the two sides for different where they are not
 _ASKED = 0.01  # of asking where they are not
@@ -178,7 +179,7 @@ def _sides(
 
 
 def _is_sampled(times: Floats, size: Floats) -> bool:
-    """True for samples of a swing: a part that bends the other way than any envelope, several, or ones too close for turning points."""
+    """True for samples of a swing: a part that bends the other way than any envelope or rises again, several, or ones too close for turning points."""
     at = np.linspace(-1, 1, size.size)
     coefficients, covariance = np.polyfit(at, size, 2, cov="unscaled")
     left = size - np.polyval(coefficients, at)
@@ -188,7 +189,8 @@ def _is_sampled(times: Floats, size: Floats) -> bool:
     beside = size - np.polyval(np.polyfit(at, size, _SMOOTH), at)
     sides = len(half_swings(beside, 0.0).starts)
     swings = sides > _SMOOTH + FEWEST and float(bdtr(sides - 1, size.size - 1, 0.5)) < _CHANCE
-    return bool(concave) or swings or float(np.median(np.diff(times))) < FASTEST
+    rises = float(np.max(size - np.minimum.accumulate(size))) > _RISES * float(np.ptp(size))
+    return bool(concave) or swings or rises or float(np.median(np.diff(times))) < FASTEST
 
 
 def _once(times: Floats, readings: Floats, signed: bool) -> tuple[Floats, Floats, list[str]]:

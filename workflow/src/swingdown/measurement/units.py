@@ -9,7 +9,8 @@ from ..errors import InputError
 from .plausibility import TO_RAD, half_swings
 
 LONGEST, SHORTEST = 60.0, 0.02  # s; a pendulum of 900 m, and one of a tenth of a millimetre
-SLOWEST = 600.0  # s; a torsion balance
+SINCE_1970 = (0.9e9, 4e9)  # s: from 1998 to 2096; no other clock shows so many
+SLOWEST = 700.0  # s; a torsion balance
 WHOLE = 1.02  # turns from one turning point to the next: weight swings nothing further back and forth
 WRAPPED = 0.1  # of a turn: a jump that is so nearly a whole one is that of a sensor that begins anew
 TURNS = {"rad": 2 * pi, "deg": 360.0}
@@ -24,6 +25,9 @@ def time_factor(times: Floats, signal: Floats, told: bool, place: str) -> tuple[
     """
     swings = half_swings(signal)
     period, interval = swings.period(times), float(np.median(np.diff(times)))
+    for unit, factor in (("ms", 1e-3), ("us", 1e-6), ("ns", 1e-9)):
+        if not told and all(SINCE_1970[0] < factor * one < SINCE_1970[1] for one in (times[0], times[-1])):
+            return factor, [f"its times are {unit} since 1970, as a computer counts them"]
     length, what = (period, "a period of") if period == period else (interval, "a sample every")
     if SHORTEST <= period <= LONGEST or (period != period and interval <= 1):
         return 1.0, []

@@ -5,6 +5,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
 import numpy as np
+import pandas as pd
 import xarray as xr
 
 from ..arrays import Swing
@@ -22,6 +23,7 @@ from .unscaled import of_first_swings
 
 LEFT = 0.25  # of the swing (RMS of means over a part of a period): what a damping without a name leaves of a pendulum's is less
 SURE = 3.0  # standard errors from 0
+UNSURE = 0.1  # of the period: its standard uncertainty, or how far it may be from what is counted
 UNEVEN = 0.1  # of the period: its standard uncertainty from the first swings of what no model follows
 BETTER = 0.8  # of what is left in rad: with so little left in degrees these may be the unit
 KEPT = 0.9  # of the first swings' size: the last ones of what does not shrink
@@ -199,6 +201,37 @@ def check_free(fits: xr.Dataset, given: xr.Dataset, label: str, catalogue: Catal
                 f"recording {name}",
                 f"it gains energy: a fit needs {size.replace('_', ' ')} below 0, {value:.3g} ± {error:.2g}",
                 "a pendulum that dies away by itself",
+                MEND,
+            )
+
+
+def ask_counted(table: pd.DataFrame, angles: Sequence[xr.Dataset]) -> None:
+    """None where each period of a ``table`` of pendulums is known, and agrees with the passages of the middle that no model enters;
+    NotFree else.
+
+    Of swings so few, or so small beside the noise, that their period is known to a tenth alone, or of a model that counts other swings
+    than there are, no number is told.
+    """
+    for one in angles:
+        rows = table[table["recording"] == str(one.attrs["recording"])]
+        if not len(rows) or "half_swings" in one or any("input" in str(name) for name in one.variables):
+            continue
+        told, u = (float(rows.iloc[0].get(key, np.nan)) for key in ("period_s", "period_s_u"))
+        if u > UNSURE * told:
+            raise NotFree(
+                f"recording {one.attrs['recording']}",
+                f"its few swings tell a period of {value_with_uncertainty(told, u)} s, and no better: is it a free swing?",
+                f"swings that tell the period to {100 * UNSURE:.0f} %",
+                MEND
+                + "; record longer; or name the column of the swing in the cell signal_column of the sheet",
+            )
+        passed = of_first_swings(one["time"].values, series_of(one).values)
+        counted, spread = passed["period_first"], passed["period_first_u"]
+        if abs(told - counted) > UNSURE * counted + SURE * spread:
+            raise NotFree(
+                f"recording {one.attrs['recording']}",
+                f"a model of it has a period of {told:.4g} s, and its first swings pass the middle every {value_with_uncertainty(counted, spread)} s",
+                "a swing whose model and passages agree",
                 MEND,
             )
 

@@ -8,6 +8,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
+import numpy as np
 import pandas as pd
 import xarray as xr
 import yaml
@@ -52,6 +53,9 @@ _OPENING = """\
 #   .venv/bin/snakemake -c2 --configfile {config} --directory {folder}
 """
 _WRITTEN = "# as written: "
+
+
+AT_REST = 0.05  # of the widest swing in a file: what moves less beside it is at rest
 
 
 class Taken(NamedTuple):
@@ -198,7 +202,25 @@ def take(row: Mapping[str, Any], path: Path, restoring: str = "sine") -> list[Ta
         parts = [_release(row, number, cells) for number, cells in enumerate(found.cells, 1)]
     except InputError as problem:
         return [refused(row, problem, path)]
-    return [one for part in parts for one in take(part, path, restoring)]
+    return _without_rest([one for part in parts for one in take(part, path, restoring)], path)
+
+
+def _without_rest(parts: list[Taken | Refused], path: Path) -> list[Taken | Refused]:
+    """The parts of a file, those refused that hardly move beside another in the same unit: as a pendulum at rest beside one that swings."""
+    sizes = {k: float(np.ptp(one.recording["signal"].values)) for k, one in enumerate(parts) if isinstance(one, Taken) and "run" in one.row}  # fmt: skip
+    units = {k: parts[k].recording["signal"].attrs["units"] for k in sizes}
+    found = list(parts)
+    for k, size in sizes.items():
+        most = max(sizes[n] for n in sizes if units[n] == units[k])
+        if size < AT_REST * most:
+            told = InputError(
+                path.name,
+                f"it moves by {100 * size / most:.2g} % of what another one in the file does: at rest beside it",
+                f"a swing of at least {100 * AT_REST:.0f} % of the widest in the file",
+                "give it alone, by its name in the cell run of the sheet, if that is its swing",
+            )
+            found[k] = refused(parts[k].row, told, path)
+    return found
 
 
 def _run(row: Mapping[str, Any], run: str) -> dict[str, Any]:
