@@ -24,7 +24,13 @@ def once_more(one: own.Taken, restoring: str) -> tuple[own.Taken, Answer, str] |
     """
     about = one.recording.attrs
     stated = any(one.row.get(key) not in (None, "") for key in ("start_s", "stop_s", "scale", "signal_unit"))
-    if are_points(one.angle) or stated or about.get("column_told") == "no" or "rate" in one.angle or one.row.get("input_column"):
+    if (
+        are_points(one.angle)
+        or stated
+        or about.get("column_told") == "no"
+        or "rate" in one.angle
+        or one.row.get("input_column")
+    ):
         return None
     for row, told in _ways(one):
         try:

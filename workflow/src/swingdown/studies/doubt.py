@@ -11,6 +11,7 @@ import xarray as xr
 from ..arrays import Swing
 from ..dataset import series_of
 from ..errors import InputError
+from ..measurement.driven import drive_of
 from ..measurement.plausibility import free_part, half_swings
 from ..pendulum.catalogue import SHIPPED, Catalogue
 from ..pendulum.model import PAPER_MODELS, SPRUNG, Model
@@ -214,7 +215,7 @@ def ask_counted(table: pd.DataFrame, angles: Sequence[xr.Dataset]) -> None:
     """
     for one in angles:
         rows = table[table["recording"] == str(one.attrs["recording"])]
-        if not len(rows) or "half_swings" in one or any("input" in str(name) for name in one.variables):
+        if not len(rows) or "half_swings" in one or drive_of(one) is not None:
             continue
         told, u = (float(rows.iloc[0].get(key, np.nan)) for key in ("period_s", "period_s_u"))
         if u > UNSURE * told:
