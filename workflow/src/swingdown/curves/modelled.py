@@ -7,7 +7,7 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 from ..arrays import Floats
-from ..engine.trajectory import TrajectoryError, simulate
+from ..engine.trajectory import TrajectoryError, simulate, simulate_each
 from ..pendulum.catalogue import RATE
 from ..pendulum.effect import NATURAL_FREQUENCY
 from ..pendulum.formula import evaluate
@@ -78,7 +78,7 @@ def course_of(bare: Model, low: float, high: float, passages: bool = True) -> Co
     """The ``Course`` of a model that has nothing but its motion."""
     middle = _rest(bare)
     releases = np.geomspace(0.97 * low, 1.03 * high, _RELEASES) * _ahead(bare, high, middle)
-    found = [_two(bare, release + middle, passages, middle) for release in releases]
+    found = _two(bare, releases + middle, passages, middle)
     kept = np.array([one for one in found if one is not None]).reshape(-1, 4)
     kept = kept[kept[:, 0].argsort()]
     rising = np.append([True], np.diff(kept[:, [0, 2]], axis=0).min(axis=1) > 0)[: len(kept)]
@@ -87,7 +87,7 @@ def course_of(bare: Model, low: float, high: float, passages: bool = True) -> Co
 
 def _ahead(model: Model, high: float, middle: float) -> Floats:
     """How much further than a swing of that amplitude each release is: as much as half a half-swing takes, and a whole one at the largest."""
-    first = _two(model, min(high, 3.0), False, middle)
+    (first,) = _two(model, np.array([min(high, 3.0)]), False, middle)
     loss = first[1] if first else 0.0
     return np.linspace(1.0, np.exp(min((1.5 + _late(model)) * loss, 0.5)), _RELEASES)
 
@@ -98,29 +98,45 @@ def _late(model: Model) -> int:
 
 
 def _two(
-    model: Model, release: float, passages: bool, middle: float
+    model: Model, releases: Floats, passages: bool, middle: float
+) -> list[tuple[float, float, float, float] | None]:
+    """Of each release from rest (rad) amplitude and loss of its half-swing, amplitude and period of the one in the middle of which that ends;
+    None where it does not come back."""
+    usable = (releases > 0) & (releases < 3.1)
+    if not usable.any():
+        return [None] * releases.size
+    longer = lengthening(releases[usable]) if model.restoring == "sine" else np.ones(1)
+    half = np.pi / model.values[NATURAL_FREQUENCY.name] * longer
+    step = float(half.min()) / _SAMPLES
+    times = step * np.arange(int((2.8 + _late(model)) * float(half.max()) / step))
+    rows = np.array([[*model.vector(), release, 0.0] for release in releases])
+    rates = simulate_each(model.of(RATE), times, rows)
+    angles = simulate_each(model, times, rows) if passages else rates
+    every = zip(releases, usable, rates, angles, strict=True)
+    return [
+        _one(model, float(release), times, (rate, angle if passages else None), middle) if good else None
+        for release, good, rate, angle in every
+    ]
+
+
+def _one(
+    model: Model, release: float, times: Floats, swing: tuple[Floats, Floats | None], middle: float
 ) -> tuple[float, float, float, float] | None:
-    """Amplitude and loss of the half-swing from rest at ``release`` (rad), amplitude and period of the one in the middle of which it ends; None where it
-    does not come back."""
-    if not 0 < release < 3.1:
+    """The same of one release, by its rates (rad/s) and, where passages tell the period, its angles (rad) at these times (s)."""
+    late, (rates, angles) = _late(model), swing
+    ends = _zeros(times, rates)[: 2 + late]
+    if ends.size < 2 + late:
         return None
-    frequency = model.values[NATURAL_FREQUENCY.name]
-    half = np.pi / frequency * (float(lengthening(release)) if model.restoring == "sine" else 1.0)
-    late = _late(model)
-    times = half / _SAMPLES * np.arange(int((2.8 + late) * _SAMPLES))
     try:
-        ends = _zeros(times, simulate(model.of(RATE), times, release))[: 2 + late]
-        if ends.size < 2 + late:
-            return None
         turns = simulate(model, np.concatenate([[0.0], ends]), release)[late:]
-        through = _zeros(times, simulate(model, times, release) - middle)[late:] if passages else ends
     except TrajectoryError:
         return None
+    through = ends if angles is None else _zeros(times, angles - middle)[late:]
     size = np.abs(turns - middle)
     if through.size < 2 or not size[0] > size[1] > 0:
         return None
     amplitude, loss = float(np.sqrt(size[0] * size[1])), float(np.log(size[0] / size[1]))
-    if passages:
+    if angles is not None:
         return amplitude, loss, float(size[1]), 2 * float(through[1] - through[0])
     return amplitude, loss, amplitude, 2 * float(ends[late] - (ends[late - 1] if late else 0.0))
 

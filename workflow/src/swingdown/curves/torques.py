@@ -70,6 +70,23 @@ class Basis(NamedTuple):
         hats = np.maximum(0.0, 1 - np.abs(place[:, np.newaxis] - self.nodes) / step)
         return np.column_stack([*laws, hats * (share**self.besides)[:, np.newaxis]])
 
+    def summed(self, argument: Floats, weight: Floats) -> Floats:
+        """Sums of the curves' values over the last axis of ``argument``, each with its ``weight`` (…, curve)."""
+        share, count = argument / self.scale, self.nodes.size
+        laws = [np.sum(weight * share**power, axis=-1) for power in self.powers]
+        with np.errstate(divide="ignore"):
+            place = np.clip(np.log(argument), self.nodes[0], self.nodes[-1])
+        step = (place - self.nodes[0]) / (self.nodes[1] - self.nodes[0])
+        before = np.minimum(step.astype(np.int64), count - 2)
+        part, own = step - before, weight * share**self.besides
+        leading = argument.shape[:-1]
+        rows = np.arange(int(np.prod(leading))).reshape(*leading, 1) * count + before
+        hats = sum(
+            np.bincount((rows + k).ravel(), (one * own).ravel(), count * int(np.prod(leading)))
+            for k, one in enumerate((1 - part, part))
+        )
+        return np.concatenate([np.stack(laws, axis=-1), hats.reshape(*leading, count)], axis=-1)
+
 
 def friction(ideal: Ideal, amplitudes: Floats) -> Basis:
     """The ``Basis`` of a friction over speed for swings of these amplitudes (rad): constant, viscous, quadratic, and any other."""
@@ -101,8 +118,7 @@ def losses(ideal: Ideal, basis: Basis, amplitudes: Floats) -> Floats:
     phase, weight = _phases()
     angle = amplitudes[:, np.newaxis] * np.sin(phase)
     speed = np.sqrt(2 * np.maximum(ideal.energy(amplitudes)[:, np.newaxis] - ideal.energy(angle), 0.0))
-    taken = basis.at(speed.ravel()).reshape(*speed.shape, -1)
-    whole = 2 * np.einsum("q,aqc->ac", weight * np.cos(phase), taken)
+    whole = 2 * basis.summed(speed, np.broadcast_to(weight * np.cos(phase), speed.shape))
     return whole / ideal.torque(amplitudes)[:, np.newaxis]
 
 
@@ -118,8 +134,7 @@ def durations(ideal: Ideal, basis: Basis, amplitudes: Floats) -> Floats:
     stretch = (amplitudes[:, np.newaxis] - angle)[..., np.newaxis]
     place = angle[..., np.newaxis] + stretch * (inner + 1) / 2
     torque = ideal.torque(place) * share
-    curves = basis.at(place.ravel()).reshape(*place.shape, -1)
-    work = np.einsum("aqi,aqic->aqc", torque, curves) / torque.sum(axis=2)[..., np.newaxis]
+    work = basis.summed(place, torque) / torque.sum(axis=2)[..., np.newaxis]
     return -0.5 * np.einsum("aq,aqc->ac", time, work)
 
 

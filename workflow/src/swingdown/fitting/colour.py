@@ -324,7 +324,9 @@ def _wave(series: Floats, at: Floats, frequency: float, smooth: int) -> Line:
     """The ``Line`` of this frequency (cycles a step) that leaves least of what is quick in a series."""
     phase = 2 * np.pi * frequency * at
     waves = np.array([np.cos(phase), np.sin(phase)])
-    fitted = np.linalg.lstsq(_quick(waves, smooth).T, _quick(series, smooth), rcond=1e-9)[0] @ waves
+    quick = _quick(waves, smooth)
+    # by the normal equations of two columns: their condition is near 1 but where one vanishes
+    fitted = np.linalg.lstsq(quick @ quick.T, quick @ _quick(series, smooth), rcond=1e-15)[0] @ waves
     return Line(float(np.sqrt(2 * np.mean(fitted**2))), fitted, waves)
 
 
