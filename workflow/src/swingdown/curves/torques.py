@@ -81,10 +81,9 @@ class Basis(NamedTuple):
         part, own = step - before, weight * share**self.besides
         leading = argument.shape[:-1]
         rows = np.arange(int(np.prod(leading))).reshape(*leading, 1) * count + before
-        hats = sum(
-            np.bincount((rows + k).ravel(), (one * own).ravel(), count * int(np.prod(leading)))
-            for k, one in enumerate((1 - part, part))
-        )
+        cells = count * int(np.prod(leading))
+        hats = np.bincount(rows.ravel(), ((1 - part) * own).ravel(), cells)
+        hats += np.bincount(rows.ravel() + 1, (part * own).ravel(), cells)
         return np.concatenate([np.stack(laws, axis=-1), hats.reshape(*leading, count)], axis=-1)
 
 
