@@ -52,6 +52,7 @@ AT_START = [
 ]  # what is done before the first job, and never by a dry run
 # A study of recordings that leaves the paper's simulations out is somebody's own: its results show no trace of the paper.
 OWN = bool(PLAN.campaigns) and not config["simulation"]["simulated"]
+LANG = config["lang"] if OWN else "en"
 TABLES, FIGURES, VERDICTS = [], [], []  # each stage adds what it makes; the report shows all of it
 DATA = {
     "study": [],
@@ -110,6 +111,7 @@ else:
         include: "workflow/rules/fit.smk"
         include: "workflow/rules/discover.smk"
         include: "workflow/rules/pendulums.smk"
+        include: "workflow/rules/curves.smk"
     include: "workflow/rules/hidden_effects.smk"
     include: "workflow/rules/certified.smk"
     include: "workflow/rules/coverage.smk"

@@ -21,7 +21,10 @@ PAPER = {
 SIMULATION = {"simulate", "fit_simulated", "table2", "fig02", "fig03", "fig04", "fig05"}
 CALIBRATION = {"calibrate", "fig06", "fig07", "fig08"}
 EXPERIMENT = PAPER - SIMULATION - {"all", "page", "manifest", "fig01"}
-OWN = {rule for rule in PAPER if not rule.startswith("fig")} - SIMULATION - CALIBRATION | {"pendulums_figure"}
+OWN = {rule for rule in PAPER if not rule.startswith("fig")} - SIMULATION - CALIBRATION | {
+    "pendulums_figure",
+    "curves",
+}
 
 
 @pytest.fixture

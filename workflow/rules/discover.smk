@@ -16,7 +16,6 @@ ROUND_FILES = [
 ]
 SEEN = [
     "answer",
-    *(["curves", "laws"] if OWN else []),
     "remainder",
     "residuals",
     "map",
@@ -93,16 +92,12 @@ rule discover_figures:
     input:
         verdict="results/discovery/{campaign}/verdict.json",
         rounds=expand("results/discovery/{{campaign}}/round-{n}/round.json", n=range(ROUNDS + 1)),
-        angles=lambda wildcards: expand(
-            "results/angles/{recording}.nc", recording=PLAN.swings(wildcards.campaign)
-        ),
     output:
         expand("results/discovery/{{campaign}}/figures/{name}.{ending}", name=SEEN, ending=["svg", "png"]),
     log:
         "results/logs/discover/{campaign}/figures.log",
     params:
-        model=config["model"],
-        effects=config["effects"],
+        lang=LANG,
         code=code("discover_figures"),
     message:
         "Drawing what was found in {wildcards.campaign}"
@@ -118,6 +113,7 @@ rule discover_difference:
     log:
         "results/logs/discover/{campaign}/difference.log",
     params:
+        lang=LANG,
         code=code("discover_difference"),
     message:
         "Drawing what follows the change in {wildcards.campaign}"

@@ -72,6 +72,7 @@ rule pendulums_figure:
     log:
         "results/logs/figures/pendulums.log",
     params:
+        lang=LANG,
         code=code("pendulums_figure"),
     message:
         "Drawing the pendulums side by side"
@@ -110,6 +111,7 @@ rule series_figure:
         kind="series|groups",
     params:
         stated=STATED,
+        lang=LANG,
         code=code("series_figure"),
     message:
         "Drawing the {wildcards.kind}"

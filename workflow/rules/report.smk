@@ -27,6 +27,7 @@ rule page:
         verdicts=VERDICTS,
         seen=SEEN_FIGURES if VERDICTS else [],
         fits=FITS,
+        curves=CURVES if PLAN.campaigns else [],
         sweep_captions=SWEEP_CAPTIONS,
         told=told(),
         template=str(TEMPLATE),

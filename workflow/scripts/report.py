@@ -7,12 +7,23 @@ from pathlib import Path
 from swingdown import console, dataset
 from swingdown.plots.answer import shown_in
 from swingdown.report import contents, page, sweeps
-from swingdown.sealed import read_json
+from swingdown.sealed import read_csv, read_json
 from swingdown.studies.left_out import NO_VERDICT, OF_ALL
 
 
 def report(
-    tables, figures, captions, recordings, verdicts, seen, told, settings, sweep_captions, fits, output
+    tables,
+    figures,
+    captions,
+    recordings,
+    verdicts,
+    seen,
+    told,
+    settings,
+    sweep_captions,
+    fits,
+    curves,
+    output,
 ):
     made = contents.read_tables(tables)
     found = [one for path in verdicts if (one := read_json(path))["status"] != NO_VERDICT]
@@ -28,7 +39,7 @@ def report(
         settings=settings,
         inputs=told,
         verdicts=found,
-        seen=[path for path in seen if Path(path).parents[1].name in searched],
+        seen=[*(path for path in seen if Path(path).parents[1].name in searched), *telling(curves)],
         sweeps=sweeps.made(settings["sweeps"], sweep_captions),
         swings={one.attrs["campaign"]: shown_in(one) for one in fitted},
     )
@@ -36,6 +47,12 @@ def report(
     page.write(output, sections, **contents.head(material))
     size = Path(output).stat().st_size / 1e6
     return "\n".join([*contents.plain_findings(material), f"all of it: {output} ({size:.1f} MB)"])
+
+
+def telling(curves):
+    """The pictures of curves whose tables beside them are not empty."""
+    pictures = [path for path in curves if path.endswith(".svg")]
+    return [path for path in pictures if len(read_csv(Path(path).with_suffix(".csv")))]
 
 
 def used(recordings, tables):
@@ -51,6 +68,6 @@ if __name__ == "__main__":
         say(
             report(
                 files.tables, files.figures, files.captions, files.recordings, files.verdicts, files.seen, files.told,
-                snakemake.params.settings, files.sweep_captions, files.fits, snakemake.output[0],
+                snakemake.params.settings, files.sweep_captions, files.fits, files.curves, snakemake.output[0],
             )
         )  # fmt: skip

@@ -2,6 +2,7 @@
 
 import argparse
 import difflib
+import re
 import sys
 from collections.abc import Sequence
 from importlib.metadata import version
@@ -10,6 +11,7 @@ from typing import Any, NoReturn
 
 from . import console
 from .errors import InputError
+from .language import ENGLISH, languages
 from .manifest import verify
 from .paths import printable
 
@@ -53,7 +55,17 @@ class _Parser(argparse.ArgumentParser):
         meant = [name for names in near for name in names]
         return f"; did you mean {', '.join(meant)}?" if meant else ""
 
+    def parse_args(self, args: Any = None, namespace: Any = None) -> Any:
+        self._given = list(args or ())
+        return super().parse_args(args, namespace)
+
     def error(self, message: str) -> NoReturn:
+        if "required" in message:  # then what was given are options, one of which may be mistyped
+            unknown = [one for one in self._given if one.split("=")[0] not in self._option_string_actions]
+            message += self._meant(unknown)
+        elif found := re.search(r"invalid choice: '(.*?)' \(choose from (.*)\)", message):
+            near = difflib.get_close_matches(found[1], re.findall(r"[^', ]+", found[2]), 1, 0.4)
+            message += f"; did you mean {near[0]}?" if near else ""
         self.exit(2, f"{self.prog}: {message}\n(swingdown --help lists all options)\n")
 
 
@@ -75,6 +87,19 @@ def _parser() -> argparse.ArgumentParser:
     )
     add = parser.add_argument
     add("--version", action=_Version, nargs=0, help="show program's version number and exit")
+    add(
+        "--lang",
+        default=ENGLISH,
+        choices=languages(),
+        help="language of what is told and of the report (default: en); JSON and CSV files stay as they are",
+    )
+    add(
+        "--pdf",
+        action="store_true",
+        help="the report as report.pdf, too; Chromium prints it, where there is one",
+    )
+    add("--latex", action="store_true", help="the table as answer.tex, for booktabs")
+    add("--xlsx", action="store_true", help="the table as answer.xlsx")
     add("--json", action="store_true", help="the answers as JSON on stdout, and all other lines on stderr")
     add(
         "given",
@@ -225,11 +250,12 @@ def _main(given: Sequence[str]) -> int:
     options = _parser().parse_args(given)
     with console.job():
         _check_command(options.given)
+    handed_in = tuple(kind for kind in ("pdf", "latex", "xlsx") if getattr(options, kind))
     if Path(options.given[0]).suffix.lower() in (".yaml", ".yml"):
         from .answer.study import study
 
         with console.job():
-            return study(options.given[0], options.given[1:], options.directory, options.cores)
+            return study(options.given[0], options.given[1:], options.directory, options.cores, handed_in)
     from .answer.command import Wishes, answer  # some seconds of imports, which `verify` need not wait for
 
     told = {
@@ -267,6 +293,8 @@ def _main(given: Sequence[str]) -> int:
                 options.by or "",
                 options.values or "",
                 tuple(options.drive),
+                options.lang,
+                handed_in,
             ),
         )
 

@@ -15,6 +15,7 @@ EXTRAS = {
     "labjack": ("labjack", "a LabJack"),
     "matplotlib": (_WORKFLOW, "a picture"),
     "netCDF4": (_WORKFLOW, "a netCDF file"),
+    "openpyxl": ("spreadsheet", "a table as a spreadsheet"),
     "python_calamine": (_WORKFLOW, "a workbook"),
     "serial": ("capture", "a recording at the bench"),
     "snakemake": (_WORKFLOW, "a study by its config"),

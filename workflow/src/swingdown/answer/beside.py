@@ -1,8 +1,9 @@
 """What the command writes beside the first answers: curves against the amplitude, what each law of damping leaves, and a picture of both."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -11,6 +12,7 @@ import xarray as xr
 from ..curves import dataset, laws, resonance
 from ..errors import InputError
 from ..extras import has
+from ..language import IN_ENGLISH, Language
 from ..paths import for_spreadsheets, write_csv
 from ..studies.pendulums import NOT_DYING
 from .result import Answer
@@ -19,12 +21,21 @@ CURVES, LAWS, RESONANCE = "curves", "laws", "resonance"
 _FEW = 3  # pendulums that have pictures
 
 
-def write_beside(answers: Mapping[str, Answer], folder: Path, drives: Sequence[float] = ()) -> list[str]:
+def write_beside(
+    answers: Mapping[str, Answer],
+    folder: Path,
+    drives: Sequence[float] = (),
+    spoken: Language = IN_ENGLISH,
+) -> list[str]:
     """What is said of the files written, and of a few pendulums whether their decay is exponential.
 
     ``curves.csv`` and ``laws.csv`` have all pendulums, the pictures are of a few. Those with too few swings, or that do not die away, have neither.
-    Under ``drives`` (rad/s²) their steady swings are foretold, in ``resonance.csv`` and a picture.
+    The pictures are in the language ``spoken``. Under ``drives`` (rad/s²) their steady swings are foretold, in ``resonance.csv`` and a picture.
     """
+    if has("matplotlib"):
+        from ..plots import save  # drawing takes a second to load
+        from ..plots.style import in_language
+
     curves, compared, told = [], [], []
     driven: list[pd.DataFrame] = []
     for campaign, one in answers.items():
@@ -44,10 +55,10 @@ def write_beside(answers: Mapping[str, Answer], folder: Path, drives: Sequence[f
             continue
         prefix = f"{campaign}-" if len(answers) > 1 else ""
         if found:
-            sentence = laws.exponential_words(found, drawn)
+            sentence = spoken.text(laws.exponential_words(found, drawn))
             told.append(f"{campaign}: {sentence}" if prefix else sentence)
-        if has("matplotlib"):
-            _draw(folder, prefix, drawn, found, one)
+        for name, figure in _pictures(drawn, found, one) if has("matplotlib") else ():
+            save(in_language(figure, spoken), folder / f"{prefix}{name}.png")
     for name, parts, columns in ((CURVES, curves, dataset.COLUMNS), (LAWS, compared, laws.COLUMNS)):
         whole = pd.concat(parts, ignore_index=True) if parts else pd.DataFrame(columns=columns)
         write_csv(for_spreadsheets(whole), folder / f"{name}.csv", float_format="%.9g")
@@ -76,14 +87,14 @@ def _foretold(
     return [f"{before}{line}" for line in resonance.words(found, "free")]
 
 
-def _draw(folder: Path, prefix: str, curves: xr.Dataset | None, found: list[laws.Laws], one: Answer) -> None:
-    from ..plots import save  # drawing takes a second to load
+def _pictures(curves: xr.Dataset | None, found: list[laws.Laws], one: Answer) -> Iterator[tuple[str, Any]]:
+    """The pictures of a pendulum, each after its name."""
     from ..plots.curves import backbone, envelopes
 
     if curves is not None:
-        save(backbone(curves), folder / f"{prefix}{CURVES}.png")
+        yield CURVES, backbone(curves)
     if found:
         largest = max(found, key=lambda each: float(np.ptp(each.series)))
         with suppress(InputError):
             drawn = laws.envelopes(largest, laws.exponential_words(found, curves), str(one.row["emulated"]))
-            save(envelopes(drawn), folder / f"{prefix}{LAWS}.png")
+            yield LAWS, envelopes(drawn)

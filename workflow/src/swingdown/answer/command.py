@@ -6,8 +6,9 @@ import signal
 import subprocess
 import sys
 import warnings
-from collections.abc import Mapping, Sequence
-from contextlib import redirect_stdout
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager, redirect_stdout
+from contextvars import ContextVar
 from importlib.metadata import version
 from math import degrees
 from pathlib import Path
@@ -19,6 +20,7 @@ from ..console import warnings_once
 from ..engine.trajectory import TrajectoryWarning
 from ..errors import InputError
 from ..extras import has
+from ..language import IN_ENGLISH, Language, language
 from ..measurement.points_recording import NOT_IN_IT, are_points
 from ..measurement.programs import FILMS
 from ..paths import PROJECT, for_spreadsheets, printable, write_csv, written_whole
@@ -28,24 +30,27 @@ from ..series import Series
 from ..studies.doubt import DoubtfulFit
 from ..studies.gravity import Gravity
 from ..studies.pendulums import in_order
-from ..studies.words import damping_words, details, lines, quantity_rows, said
+from ..studies.words import damping_words, details, lines, quantity_rows, told_of
 from ..study import own
 from . import Answer, of_swings, searchable
 from .again import once_more
 from .alone import alone
 from .beside import write_beside
+from .hand_in import check_able, hand_in
 from .lengths import PIVOTS, of_length, with_g, with_lengths, written
 from .options import as_options
 from .series import as_cells, as_changed, series, varied, without_table
 from .series import written as write_series
 
 FIRST = "first_answer.csv"
+_NO_VERDICT = "no verdict; results/logs has the reason"
 _FEW = 3  # pendulums that are told at length; of more a line each
 
 
 class Wishes(NamedTuple):
     """What is wished of a study: its folder, all files as one pendulum, the first answer alone, processes at a time, the setting
-    ``model.restoring``, the answers as JSON on stdout, what a series goes by, the table of its values, and drives (rad/s²) whose resonance curves are foretold."""
+    ``model.restoring``, the answers as JSON on stdout, what a series goes by, the table of its values, drives (rad/s²) whose resonance curves are foretold,
+    the language, and what is to be handed in (``hand_in.KINDS``)."""
 
     into: str | None = None
     together: bool = False
@@ -56,6 +61,13 @@ class Wishes(NamedTuple):
     by: str = ""
     values: str = ""
     drives: tuple[float, ...] = ()
+    lang: str = "en"
+    handed_in: tuple[str, ...] = ()
+
+    @property
+    def spoken(self) -> Language:
+        """The language of what is told and of the report."""
+        return language(self.lang)
 
 
 class Found(NamedTuple):
@@ -76,12 +88,21 @@ def answer(given: Sequence[str], told: Mapping[str, Any], wishes: Wishes) -> int
     ``told`` are cells of the sample sheet that hold for every file. A file that cannot be used is told and left out; InputError
     where none can be used.
     """
-    if not wishes.json:
-        return _study(given, told, wishes).code
-    with redirect_stdout(sys.stderr):
-        found = _study(given, told, wishes)
+    check_able(wishes.handed_in, wishes.quick)
+    with _speaking(wishes.spoken):
+        if not wishes.json:
+            return _handed_in(_study(given, told, wishes), wishes).code
+        with redirect_stdout(sys.stderr):
+            found = _handed_in(_study(given, told, wishes), wishes)
     print(json.dumps(_as_json(found), indent=1, ensure_ascii=False, allow_nan=False), flush=True)
     return found.code
+
+
+def _handed_in(found: Found, wishes: Wishes) -> Found:
+    """What was found, when it has been written as it is to be handed in."""
+    for line in hand_in(wishes.handed_in, found.answers, found.folder, wishes.spoken):
+        _say(line)
+    return found
 
 
 def _as_json(found: Found) -> dict[str, Any]:
@@ -144,7 +165,7 @@ def _study(given: Sequence[str], told: Mapping[str, Any], wishes: Wishes) -> Fou
     left_out += short
     for one in (*unfit, *(one for one in short if one.problem != NOT_IN_IT)):  # that is told already
         _say(f"{one.recording}: {one.problem}. Mend: {as_options(one.mend)}.")
-    config = own.write(folder, [one.row for one in kept], left_out, searched, restoring)
+    config = own.write(folder, [one.row for one in kept], left_out, searched, restoring, wishes.lang)
     table = pd.concat([one.table for one in answers.values()], ignore_index=True)
     write_csv(for_spreadsheets(in_order(table)), folder / FIRST)
     _say(f"\nwritten: {config}, {own.SHEET} and {FIRST} beside it")
@@ -153,7 +174,7 @@ def _study(given: Sequence[str], told: Mapping[str, Any], wishes: Wishes) -> Fou
         *written(of_g, folder),
         *how,
         *write_series(of_all, folder, emulated),
-        *write_beside(answers, folder, wishes.drives),
+        *write_beside(answers, folder, wishes.drives, wishes.spoken),
     ):
         _say(line)
     _draw_tracks(kept, folder)
@@ -177,19 +198,18 @@ def _study(given: Sequence[str], told: Mapping[str, Any], wishes: Wishes) -> Fou
             if one.row["campaign"] in failed
         ]  # fmt: skip
         rest = [name for name in searched if name not in failed]
-        again = own.write(folder, [one.row for one in kept], left_out, rest, restoring)
+        again = own.write(folder, [one.row for one in kept], left_out, rest, restoring, wishes.lang)
         code = run_workflow(PROJECT, again, folder, wishes.cores)
     for campaign in searched:
         path = _verdict(folder, campaign)
         verdict = read_json(path) if path.exists() else None
-        _say(
-            f"{campaign}: {'. '.join(said(verdict)) if verdict else 'no verdict; results/logs has the reason'}"
-        )
+        spoken = wishes.spoken
+        _say(f"{campaign}: {told_of(verdict, spoken) if verdict else spoken.text(_NO_VERDICT)}")
         if not verdict:
             continue
-        answers[campaign] = told_of = of_length(answers[campaign].with_verdict(verdict), kept, restoring)[0]
+        answers[campaign] = ended = of_length(answers[campaign].with_verdict(verdict), kept, restoring)[0]
         if verdict.get("conclusion") and len(searched) <= _FEW and not verdict.get("difference"):
-            now = [told_of.sentence, *details(told_of.row)]
+            now = [spoken.text(ended.sentence), *details(ended.row, spoken=spoken)]
             _say("\n".join(f"  {line}" for line in now))
     of_g = with_g(answers, kept, restoring)[1]
     written(of_g, folder)
@@ -222,7 +242,7 @@ def _read(
     """What each file gives, told in a line each."""
     taken: list[own.Taken] = []
     left_out: list[own.Refused] = []
-    alone = len(paths) == 1
+    alone, spoken = len(paths) == 1, _SPOKEN.get()
     for path, row in zip(paths, rows, strict=True):
         parts = own.take(row, path, restoring)
         if len(parts) > 1:
@@ -239,7 +259,8 @@ def _read(
                 continue
             taken.append(found)
             about = found.recording.attrs
-            _say(f"{name}: {about['taken']}, {found.angle.sizes['time']} samples")
+            taken_as = f"{about['taken']}, {found.angle.sizes['time']} samples"
+            _say(f"{name}: {spoken.text(taken_as)}")
             if about.get("remarks"):
                 _say(f"    {as_options(about['remarks'])}")
     return taken, left_out
@@ -329,17 +350,21 @@ def _searched(kept: Sequence[own.Taken]) -> tuple[list[str], list[own.Refused]]:
 
 def _tell(answers: Mapping[str, Answer]) -> None:
     """The first answers: at length of a few pendulums, a line each of many."""
+    spoken = _SPOKEN.get()
     for campaign, one in answers.items():
         if len(answers) <= _FEW:
-            _say("\n".join(["", campaign, *(f"  {line}" for line in lines(one.row))]))
+            told = lines(one.row, None, one.catalogue, one.restoring, spoken)
+            _say("\n".join(["", campaign, *(f"  {line}" for line in told)]))
             continue
-        told = {
+        known = {
             each.name: value_with_uncertainty(each.value, each.uncertainty) for each in quantity_rows(one.row)
         }
+        at = f"at {degrees(one.row['amplitude_rad']):.3g}°"
         _say(
-            f"{campaign:20} T {told.get('period', '–')} s   Q {told.get('quality', '–')}   decay {told.get('decay_time', '–')} s"
-            f"   at {degrees(one.row['amplitude_rad']):.3g}°   {damping_words(one.row)}"
-            + (f"   g {told['g']} m/s²" if "g" in told else "")
+            f"{campaign:20} T {spoken.number(known.get('period', '–'))} s   Q {spoken.number(known.get('quality', '–'))}"
+            f"   {spoken.text('decay time (1/e)')} {spoken.number(known.get('decay_time', '–'))} s"
+            f"   {spoken.text(at)}   {spoken.text(damping_words(one.row))}"
+            + (f"   g {spoken.number(known['g'])} m/s²" if "g" in known else "")
         )
         if one.row["remark"]:
             _say(f"    Beware: {one.row['remark']}")
@@ -370,5 +395,19 @@ def run_workflow(project: Path, config: Path, folder: Path, cores: int, targets:
     return running.returncode
 
 
+_SPOKEN: ContextVar[Language] = ContextVar("spoken", default=IN_ENGLISH)
+
+
+@contextmanager
+def _speaking(spoken: Language) -> Iterator[None]:
+    """A block in which what is said is said in this language."""
+    before = _SPOKEN.set(spoken)
+    try:
+        yield
+    finally:
+        _SPOKEN.reset(before)
+
+
 def _say(text: object) -> None:
-    print(printable(str(text)), flush=True)
+    said = "\n".join(map(_SPOKEN.get().text, str(text).split("\n")))
+    print(printable(said), flush=True)

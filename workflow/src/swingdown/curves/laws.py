@@ -256,14 +256,22 @@ def table(found: Sequence[Laws], campaign: str) -> pd.DataFrame:
 def exponential_words(found: Sequence[Laws], curves: xr.Dataset | None = None) -> str:
     """Whether the decay is exponential, in a sentence, with the damping ratio of the largest and the smallest swing where that is known."""
     answer, excess, label = exponential(found)
-    best, many = model_words(label), "" if "+" in label else "s"
+    best, together = model_words(label), "+" in label
     if answer == "yes":
         told = f"Exponential: yes, no law describes the decay better than {best}"
     elif answer == "open":
-        told = f"Exponential: not decided, {best} describe{many} the decay better by {excess:.1f} of BIC, and {WORTH:g} would be strong"
+        told = (_OPEN_TOGETHER if together else _OPEN).format(
+            law=best, value=f"{excess:.1f}", value_2=f"{WORTH:g}"
+        )
     else:
-        told = f"Exponential: no, {best} describe{many} the decay better (BIC falls by {_whole(excess)})"
+        told = (_NO_TOGETHER if together else _NO).format(law=best, value=_whole(excess))
     return f"{told}{_change(curves)}."
+
+
+_NO = "Exponential: no, {law} describes the decay better (BIC falls by {value})"
+_NO_TOGETHER = "Exponential: no, {law} describe the decay better (BIC falls by {value})"
+_OPEN = "Exponential: not decided, {law} describes the decay better by {value} of BIC, and {value_2} would be strong"
+_OPEN_TOGETHER = "Exponential: not decided, {law} describe the decay better by {value} of BIC, and {value_2} would be strong"
 
 
 def _whole(value: float) -> str:

@@ -17,10 +17,12 @@ from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.legend import Legend
 from matplotlib.lines import Line2D
-from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
+from matplotlib.text import Text
+from matplotlib.ticker import Formatter, FuncFormatter, LogLocator, NullFormatter
 from numpy.typing import ArrayLike
 
 from ..arrays import Floats
+from ..language import ENGLISH, Language
 from ..pendulum.model import symbol
 from ..sealed import writing
 
@@ -116,6 +118,53 @@ class Drawn(Figure):
         picture = io.BytesIO()
         self.savefig(picture, format="png", dpi=_SCREEN_DPI)
         return picture.getvalue()
+
+
+class _Spoken(Formatter):
+    """What another formatter writes at an axis, with a language's decimal sign."""
+
+    def __init__(self, inner: Formatter, spoken: Language) -> None:
+        self.inner, self.spoken = inner, spoken
+
+    def __call__(self, x: float, pos: int | None = None) -> str:
+        return self.spoken.number(self.inner(x, pos))
+
+    def get_offset(self) -> str:
+        return self.spoken.number(self.inner.get_offset())
+
+    def set_locs(self, locs: Any) -> None:
+        self.inner.set_locs(locs)
+
+    def set_axis(self, axis: Any) -> None:
+        super().set_axis(axis)
+        self.inner.set_axis(axis)
+
+
+def in_language(figure: _F, spoken: Language) -> _F:
+    """The figure with its texts and the decimal sign of its numbers in this language; a text that its catalogue has not stays English."""
+    if spoken.code == ENGLISH:
+        return figure
+    figure.draw_without_rendering()  # an axis beside another has its limits from here on
+    for axis in figure.findobj(Axis):
+        axis.set_major_formatter(_Spoken(axis.get_major_formatter(), spoken))
+        axis.set_label_text(spoken.text(axis.get_label_text()))
+    ticks = {text for axis in figure.findobj(Axis) for text in axis.get_ticklabels(which="both")}
+    for text in figure.findobj(Text):
+        if text not in ticks:
+            joint = " · "
+            lines = [joint.join(map(spoken.text, line.split(joint))) for line in text.get_text().split("\n")]
+            text.set_text("\n".join(lines))
+    for legend in figure.findobj(Legend):
+        while _too_wide(legend, figure):
+            for text in legend.get_texts():
+                text.set_fontsize(0.92 * float(text.get_fontsize()))
+    return figure
+
+
+def _too_wide(legend: Legend, figure: Figure) -> bool:
+    """Whether a legend is wider than the figure that it stands in."""
+    figure.draw_without_rendering()
+    return bool(legend.get_window_extent().width > figure.bbox.width)
 
 
 def new_figure(height_cm: float) -> Drawn:

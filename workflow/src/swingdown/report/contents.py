@@ -7,6 +7,7 @@ from typing import Any
 
 from markupsafe import Markup, escape
 
+from ..language import Language
 from . import sweeps as swept
 from .material import Material, read_tables
 from .page import Figure, Findings, Item, Section, Table, Text
@@ -20,6 +21,7 @@ from .sections.own import amplitude, answer, damping, evidence
 from .sections.series import series
 from .sections.settings import settings
 from .sections.simulation import simulation
+from .spoken import in_language, words
 
 __all__ = ["Material", "findings", "head", "plain_findings", "read_tables", "sections"]
 
@@ -66,11 +68,12 @@ def sections(material: Material) -> list[Section]:
     Tables and figures that rest on emulated recordings say so.
     """
     made = [(make, make(material)) for make in (OWN if material.own else SECTIONS)]
-    return [
+    shown = [
         replace(_labelled(section, material), folded=material.own and make in FOLDED)
         for make, section in made
         if section and section.items
     ]
+    return in_language(shown, material.spoken)
 
 
 def _labelled(section: Section, material: Material) -> Section:
@@ -90,7 +93,7 @@ def head(material: Material) -> dict[str, str | list[str]]:
     """Title, subtitle, footer, and the notices that a reader must see before anything else."""
     swings = [recording for recording in material.recordings if recording.get("role") != "static"]
     campaigns = list(dict.fromkeys(recording["campaign"] for recording in swings))
-    kind = " (emulated)" if material.emulated else ""
+    kind = f" ({material.spoken.text('emulated')})" if material.emulated else ""
     if material.own:
         title = (
             "What stops this pendulum?"
@@ -98,8 +101,9 @@ def head(material: Material) -> dict[str, str | list[str]]:
             else f"What stops these {len(campaigns)} pendulums?"
         )
         few = len(swings) <= 3
-        told = Markup("; ").join(map(_read, swings)) if few else f"{len(swings)} recordings"
-        subtitle = told + kind
+        many = material.spoken.text(f"{len(swings)} recordings")
+        read = [_read(one, material.spoken) for one in swings] if few else [many]
+        subtitle = str(Markup("; ").join(read) + kind)
         notices = [OWN_EMULATED.format(campaigns=", ".join(material.emulated))] if material.emulated else []
     else:
         title = "Damping of a swinging pendulum"
@@ -107,13 +111,20 @@ def head(material: Material) -> dict[str, str | list[str]]:
         notices = [EMULATED.format(campaigns=", ".join(material.emulated))] if material.emulated else []
     notices += notice(material)
     footer = "Made by swingdown. The datasets behind every table and figure lie in the results folder beside this page."
-    return {"title": title, "subtitle": subtitle, "notices": notices, "footer": footer}
+    spoken = material.spoken
+    return {
+        "title": spoken.text(title),
+        "subtitle": Markup(subtitle) if material.own else subtitle,
+        "notices": [words(one, spoken) for one in notices],
+        "footer": spoken.text(footer),
+        "lang": spoken.code,
+    }
 
 
-def _read(recording: dict[str, Any]) -> Markup:
+def _read(recording: dict[str, Any], spoken: Language) -> Markup:
     """A recording and how its file was read, with names of columns as code."""
-    taken = f" ({recording['taken']})" if recording.get("taken") else ""
-    remarks = f": {recording['remarks']}" if recording.get("remarks") else ""
+    taken = f" ({spoken.text(str(recording['taken']))})" if recording.get("taken") else ""
+    remarks = f": {spoken.text(str(recording['remarks']))}" if recording.get("remarks") else ""
     text = str(escape(f"{Path(str(recording['file'])).name}{taken}{remarks}"))
     return Markup(re.sub(r"`([^`]+)`", r"<code>\1</code>", text))
 

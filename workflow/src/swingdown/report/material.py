@@ -8,6 +8,7 @@ from typing import Any
 import pandas as pd
 
 from ..arrays import Shown
+from ..language import Language, language
 from ..sealed import read_csv
 from . import sweeps as swept
 from .page import Figure
@@ -40,6 +41,11 @@ class Material:
     def own(self) -> bool:
         """True for a study of recordings without the paper's simulations: somebody's own, in which the paper has no part."""
         return bool(self.recordings) and not self.settings["simulation"]["simulated"]
+
+    @property
+    def spoken(self) -> Language:
+        """The language of the report, as the setting ``lang`` says; the paper's is in English."""
+        return language(self.settings.get("lang", "en") if self.own else "en")
 
     @property
     def emulated(self) -> list[str]:

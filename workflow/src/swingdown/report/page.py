@@ -11,6 +11,7 @@ import jinja2
 from markupsafe import Markup, escape
 
 from ..extras import needed
+from ..language import ENGLISH, language
 from ..paths import printable
 from ..sealed import read_bytes, write_text
 from . import trace
@@ -162,7 +163,7 @@ def rst(text: str) -> str:
 
 
 def write(path: str | Path, sections: Sequence[Section], **head: str | Sequence[str]) -> Path:
-    """The path written: the report with its sections; ``head`` fills title, subtitle, notices and footer."""
+    """The path written: the report with its sections; ``head`` fills title, subtitle, notices, footer and ``lang``."""
     environment = jinja2.Environment(autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True)
     zoomable = any(
         isinstance(item, Figure) and item.numbers for section in sections for item in section.items
@@ -171,8 +172,9 @@ def write(path: str | Path, sections: Sequence[Section], **head: str | Sequence[
         name: Markup("\n".join(path.read_text(encoding="utf-8") for path in paths)) if zoomable else ""
         for name, paths in (("styles", trace.STYLE), ("programs", trace.PROGRAM))
     }
+    say = language(str(head.get("lang", ENGLISH))).text
     html = environment.from_string(TEMPLATE.read_text(encoding="utf-8")).render(
-        sections=sections, **more, **head
+        sections=sections, say=say, **more, **head
     )
     return write_text(path, printable(html))
 

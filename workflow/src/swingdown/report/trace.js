@@ -2,6 +2,7 @@
 for (const figure of document.querySelectorAll("figure[data-trace]")) {
   const given = JSON.parse(figure.querySelector("script").textContent), place = figure.querySelector(".live");
   const numbers = text => new Float32Array(Uint8Array.from(atob(text), letter => letter.charCodeAt(0)).buffer);
+  const say = text => given.words[text] ?? text; // in the language of the page
   const dark = matchMedia("(prefers-color-scheme: dark)");
   let plots = [], shown = 0;
 
@@ -24,10 +25,10 @@ for (const figure of document.querySelectorAll("figure[data-trace]")) {
     const [ink, line, soft] = [colour("--ink"), colour("--line"), colour("--soft")];
     const [fitted, heldOut] = dark.matches ? ["#5cb0e6", "#3ccf9f"] : ["#0072B2", "#009E73"];
     const rows = columns(given.recordings[shown]), anyHeld = rows[3].some(value => value !== null);
-    const axis = label => ({ stroke: ink, grid: { stroke: line, width: 1 }, ticks: { stroke: line }, label, labelSize: 18, size: 52, labelFont: "13px sans-serif" });
-    const number = digits => (plot, value) => value == null ? "–" : value.toFixed(digits).replace("-", "−");
-    const time = { label: "time (s)", value: number(3) };
-    const series = (label, stroke, more) => ({ label, stroke, width: 1, points: { show: false }, value: number(3), ...more });
+    const axis = label => ({ stroke: ink, grid: { stroke: line, width: 1 }, ticks: { stroke: line }, label: say(label), labelSize: 18, size: 52, labelFont: "13px sans-serif" });
+    const number = digits => (plot, value) => value == null ? "–" : value.toFixed(digits).replace("-", "−").replace(".", given.decimal);
+    const time = { label: say("time (s)"), value: number(3) };
+    const series = (label, stroke, more) => ({ label: say(label), stroke, width: 1, points: { show: false }, value: number(3), ...more });
     let busy = false;
     const together = plot => {
       if (busy || plots.length < 2) return;
@@ -63,7 +64,7 @@ for (const figure of document.querySelectorAll("figure[data-trace]")) {
   bar.className = "bar";
   if (given.recordings.length > 1) {
     const choice = bar.appendChild(document.createElement("select"));
-    choice.setAttribute("aria-label", "recording");
+    choice.setAttribute("aria-label", say("recording"));
     given.recordings.forEach(one => choice.add(new Option(one.name)));
     choice.onchange = () => { shown = choice.selectedIndex; draw(); };
   }
@@ -79,12 +80,14 @@ for (const figure of document.querySelectorAll("figure[data-trace]")) {
     ["→", "later", () => move(1, .5)], ["all", "all of it", () => move(1e9, 0)],
   ]) {
     const button = bar.appendChild(document.createElement("button"));
-    Object.assign(button, { type: "button", textContent: text, title, onclick: act });
-    button.setAttribute("aria-label", title);
+    Object.assign(button, { type: "button", textContent: say(text), title: say(title), onclick: act });
+    button.setAttribute("aria-label", say(title));
   }
   const thin = given.recordings.some(one => one.kept < one.samples);
-  bar.appendChild(document.createElement("span")).textContent = "drag over a stretch to see it closely, click twice for all of it" + (given.noise ? "; grey: ± 2 standard deviations of the noise" : "")
-    + (thin ? "; of the samples those that the fit misses most" : "");
+  bar.appendChild(document.createElement("span")).textContent = [
+    "drag over a stretch to see it closely, click twice for all of it", given.noise && "grey: ± 2 standard deviations of the noise",
+    thin && "of the samples those that the fit misses most",
+  ].filter(Boolean).map(say).join("; ");
 
   figure.classList.add("zoomable");
   draw();

@@ -10,6 +10,7 @@ from markupsafe import Markup
 from numpy.typing import NDArray
 
 from ..arrays import Floats, Shown
+from ..language import IN_ENGLISH, Language
 
 MOST = 15_000  # samples of all traces of a page: 16 bytes each
 _FOLDER = Path(__file__).parent
@@ -17,10 +18,25 @@ STYLE = (_FOLDER / "uplot" / "uPlot.min.css", _FOLDER / "trace.css")
 PROGRAM = (_FOLDER / "uplot" / "uPlot.iife.min.js", _FOLDER / "trace.js")
 
 
-def trace(shown: Sequence[Shown], noise: float | None, most: int = MOST, unit: str = "rad") -> Markup:
+# What ``trace.js`` says.
+WORDS = (
+    "measured", "fit", "model, held out", "data − fit", "data − model, held out", "time (s)", "time (s) since the first sample", "recording",
+    "all", "all of it", "closer", "farther", "earlier", "later", "drag over a stretch to see it closely, click twice for all of it",
+    "grey: ± 2 standard deviations of the noise", "of the samples those that the fit misses most", "angle (°)", "angular rate (°/s)",
+    "data − fit (°)", "data − fit (°/s)",
+)  # fmt: skip
+
+
+def trace(
+    shown: Sequence[Shown],
+    noise: float | None,
+    most: int = MOST,
+    unit: str = "rad",
+    spoken: Language = IN_ENGLISH,
+) -> Markup:
     """The JSON of swings and fits that ``trace.js`` draws: by recording time (s), angle and fit (degrees), and the parts held out.
 
-    ``noise`` is the noise's standard deviation; angles, fits and noise are in ``unit``: ``rad``, or ``rad/s`` where a rate is read.
+    ``spoken`` is the language of what stands beside them. ``noise`` is the noise's standard deviation; angles, fits and noise are in ``unit``: ``rad``, or ``rad/s`` where a rate is read.
     Of more than ``most`` samples those stay that leave most of the fit, to both sides, in columns of equal width: ``kept`` tells
     how many of ``samples``.
     """
@@ -34,6 +50,8 @@ def trace(shown: Sequence[Shown], noise: float | None, most: int = MOST, unit: s
         "what": f"{'angle' if unit == 'rad' else 'angular rate'} ({shown_in})",
         "left": f"data − fit ({shown_in})",
         "noise": float(np.degrees(noise)) if noise else None,
+        "words": {one: text for one in WORDS if (text := spoken.text(one)) != one},
+        "decimal": spoken.decimal,
         "recordings": recordings,
     }
     return Markup(json.dumps(content).replace("<", "\\u003c"))

@@ -235,12 +235,10 @@ def _law(model: str, alike: Sequence[str]) -> str:
 
 def _scatter(own: xr.Dataset, scale: float, unit: str) -> str:
     angle = 1e3 * float(own["angle_scatter"]) if unit == "rad" else scale * float(own["angle_scatter"])
-    what = "speeds" if np.isfinite(float(own["period_first"])) else "amplitudes"
-    parts = (
-        [f"{what} scatter by {angle:.2g} {'mrad' if unit == 'rad' else unit}"] if np.isfinite(angle) else []
-    )
+    what = "speeds scatter by" if np.isfinite(float(own["period_first"])) else "amplitudes scatter by"
+    parts = [f"{what} {angle:.2g} {'mrad' if unit == 'rad' else unit}"] if np.isfinite(angle) else []
     if np.isfinite(time := float(own["time_scatter"])):
-        parts.append(f"times {'' if parts else 'scatter '}by {1e3 * time:.2g} ms")
+        parts.append(f"{'times by' if parts else 'times scatter by'} {1e3 * time:.2g} ms")
     return " and ".join(parts)
 
 

@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from math import degrees, isfinite
 from typing import Any, NamedTuple
 
+from ..language import ENGLISH, IN_ENGLISH, Language
 from ..pendulum.catalogue import SHIPPED, Catalogue
 from ..pendulum.effect import Effect
 from ..pendulum.model import model_words
@@ -98,20 +99,34 @@ def headline(
     """
     numbers = short(row)
     model = str(row["model"])
-    if model == NOT_DYING:
-        return f"What stops it {NOT_DYING}. {numbers}."
-    if model == NOT_DAMPED:
-        return f"What stops it is {NOT_DAMPED}. {numbers}."
+    if model in _UNTOLD:
+        return f"{_UNTOLD[model]} {numbers}."
     each = [words for one in (model, *or_models(row)) if (words := _stops(one, catalogue, restoring))]
     joined = " or ".join(dict.fromkeys(map(_listed, each)))
-    verb = "s" if each and len(each[-1]) == 1 else ""
-    end = f": {numbers}." if numbers else "."
     status = verdict["status"] if verdict else ""
-    if not joined or doubted(row) or status == "unknown":
-        nearest = f"; {joined} come{verb} nearest" if joined else ""
-        return f"What stops it is not established{nearest}{end}"
-    stop = f"{joined[:1].upper()}{joined[1:]} stop{verb} it{end}"
-    return stop + _ENDINGS.get(status, "")
+    alone, ending = bool(each) and len(each[-1]) == 1, ""
+    if not joined:
+        told = _NOT_ESTABLISHED
+    elif doubted(row) or status == "unknown":
+        told = _NEAREST if alone else _NEAREST_TOGETHER
+    else:
+        told, ending = _STOPS if alone else _STOP_TOGETHER, _ENDINGS.get(status, "")
+    if not numbers:
+        told = told.replace(": {numbers}", "")
+    told = told.format(what=joined, What=joined[:1].upper() + joined[1:], numbers=numbers)
+    return f"{told} {ending}".rstrip()
+
+
+# Whole sentences, so that each can be said in another language.
+_UNTOLD = {
+    NOT_DYING: "What stops it is unknown: it does not die away.",
+    NOT_DAMPED: "What stops it is not in the data.",
+}
+_STOPS = "{What} stops it: {numbers}."
+_STOP_TOGETHER = "{What} stop it: {numbers}."
+_NEAREST = "What stops it is not established; {what} comes nearest: {numbers}."
+_NEAREST_TOGETHER = "What stops it is not established; {what} come nearest: {numbers}."
+_NOT_ESTABLISHED = "What stops it is not established: {numbers}."
 
 
 def short(row: Mapping[str, Any], verdict: Mapping[str, Any] | None = None) -> str:
@@ -125,9 +140,9 @@ def short(row: Mapping[str, Any], verdict: Mapping[str, Any] | None = None) -> s
 
 _SYMBOLS = {"period": "T", "quality": "Q"}
 _ENDINGS = {
-    "consistent": " Nothing else is needed.",
-    "ambiguous": " Something else acts; the data leave open what.",
-    "partial": " Something remains that has no name here.",
+    "consistent": "Nothing else is needed.",
+    "ambiguous": "Something else acts; the data leave open what.",
+    "partial": "Something remains that has no name here.",
 }
 
 
@@ -167,29 +182,46 @@ def lines(
     verdict: Mapping[str, Any] | None = None,
     catalogue: Catalogue = SHIPPED,
     restoring: str = "sine",
+    spoken: Language = IN_ENGLISH,
 ) -> list[str]:
     """What is said of one pendulum, a line each: what stops it, its quantities, its damping, and the verdict's sentence where there is one.
 
-    Arguments as of ``headline``.
+    Arguments as of ``headline``; ``spoken`` is the language.
     """
-    told = [headline(row, verdict, catalogue, restoring), *details(row, verdict)]
-    return [*told, ". ".join(said(verdict))] if verdict else told
+    told = [spoken.text(headline(row, verdict, catalogue, restoring)), *details(row, verdict, spoken)]
+    return [*told, told_of(verdict, spoken)] if verdict else told
 
 
-def details(row: Mapping[str, Any], verdict: Mapping[str, Any] | None = None) -> list[str]:
+def details(
+    row: Mapping[str, Any],
+    verdict: Mapping[str, Any] | None = None,
+    spoken: Language = IN_ENGLISH,
+) -> list[str]:
     """The lines on one pendulum below its sentence: a doubt, its quantities, its damping, and what is to be known of them."""
     told = [f"Beware: {row['remark']}"] if row.get("remark") else []
-    told += [
-        f"{one.words:18} {one.text}" + (f"   {one.condition}" if one.condition else "")
+    quantities = [
+        (spoken.text(one.words), spoken.number(one.text), spoken.text(one.condition))
         for one in quantity_rows(row, verdict)
     ]
     residual, unit = residual_of(row)
     leaves = f"; it leaves {1e3 * residual:.3g} m{unit} RMS" if isfinite(residual) else ""
-    told.append(f"{'model' if row.get('model_of') == SEARCH else 'damping':18} {damping_words(row)}{leaves}")
-    told += notes(row)
-    if row.get("emulated") == "yes":
-        told.append("emulated: computed, not measured on a real pendulum")
-    return told
+    model = spoken.text("model" if row.get("model_of") == SEARCH else "damping")
+    width = max([18, *(len(words) for words, *_ in quantities if spoken.code != ENGLISH)])
+    more = [*notes(row), *([EMULATED] if row.get("emulated") == "yes" else [])]
+    return [
+        *map(spoken.text, told),
+        *(f"{words:{width}} {text}" + (f"   {where}" if where else "") for words, text, where in quantities),
+        f"{model:{width}} {spoken.text(damping_words(row) + leaves)}",
+        *map(spoken.text, more),
+    ]
+
+
+EMULATED = "emulated: computed, not measured on a real pendulum"
+
+
+def told_of(verdict: Mapping[str, Any], spoken: Language = IN_ENGLISH) -> str:
+    """What a verdict says, in a line."""
+    return spoken.text(". ".join(said(verdict)))
 
 
 def notes(row: Mapping[str, Any]) -> list[str]:

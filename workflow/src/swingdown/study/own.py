@@ -14,6 +14,7 @@ import xarray as xr
 import yaml
 
 from ..errors import InputError
+from ..language import ENGLISH
 from ..measurement.angle import to_angle
 from ..measurement.interpret import RELATIVE, Uncalibrated
 from ..measurement.points_recording import are_points
@@ -265,14 +266,15 @@ def write(
     left_out: Sequence[Refused],
     searched: Sequence[str],
     restoring: str = "sine",
+    lang: str = ENGLISH,
 ) -> Path:
     """The config written, with the sheet and the table of what is left out beside it; its path.
 
-    ``searched`` are the campaigns to search, where these are not all. InputError where somebody changed the sheet or the
+    ``searched`` are the campaigns to search, where these are not all; ``lang`` is the language of the report. InputError where somebody changed the sheet or the
     config since they were written here, or the folder cannot be written.
     """
     try:
-        return _written(folder, kept, left_out, searched, restoring)
+        return _written(folder, kept, left_out, searched, restoring, lang)
     except OSError as error:
         raise InputError(folder, f"it cannot be written ({error.strerror})", "a folder of one's own", "name another with --into") from error  # fmt: skip
 
@@ -283,11 +285,13 @@ def _written(
     left_out: Sequence[Refused],
     searched: Sequence[str],
     restoring: str,
+    lang: str,
 ) -> Path:
     _check_untouched(folder)
     columns = [name for name in COLUMNS if any(name in row for row in kept)]
     write_csv(for_spreadsheets(pd.DataFrame(kept).reindex(columns=columns)), folder / SHEET)
     settings: dict[str, Any] = {"recordings": SHEET, "simulation": {"simulated": []}}
+    settings |= {"lang": lang} if lang != ENGLISH else {}
     search: dict[str, Any] = {}
     if restoring == "linear":
         settings |= {"model": {"restoring": restoring}, "experiment": {"fitted": list(SPRUNG)}}

@@ -5,6 +5,7 @@ from typing import Any
 
 from markupsafe import Markup
 
+from ...pendulum.model import model_words
 from .. import numbers
 from ..material import Material
 from ..page import Column, Figure, Item, Section, Table, Text
@@ -74,7 +75,7 @@ def missing(material: Material) -> Section:
 def _added(found: dict[str, Any]) -> Table:
     caption = f"Effects that are missing from the model of {found['campaign']}; in parentheses the standard error in units of the last digits."
     notes = (
-        f"Moves: {'; '.join(found['moves']).replace('_', ' ')}. {found['split'].capitalize()}.",
+        f"Moves: {'; '.join(map(model_words, found['moves']))}. {found['split'].capitalize()}.",
         *_stopped(found),
     )
     return _effects(found["campaign"], "Effects", caption, found["effects"], notes)
@@ -108,13 +109,13 @@ def _effects(
     ]
     rows = [
         [
-            one["name"].replace("_", " "),
+            model_words(one["name"]),
             name.replace("_", " "),
             numbers.brief(entry["value"], entry["standard_error"]),
             entry["unit"],
             numbers.whole(one["delta_bic"]),
             "–" if one.get("probability") is None else f"{100 * one['probability']:.0f}",
-            ", ".join(one["tied_with"]).replace("_", " ") or "–",
+            ", ".join(map(model_words, one["tied_with"])) or "–",
         ]
         for one in told
         for name, entry in one["parameters"].items()

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import pandas as pd
@@ -10,6 +11,7 @@ from markupsafe import Markup
 
 from ...discovery.verdict import noise_rms
 from ...pendulum.catalogue import catalogue
+from ...pendulum.model import model_words
 from ...studies.pendulums import NO_MODEL, NOT_DYING, REFUSED, SEARCH, TOGETHER, residual_of
 from ...studies.turning_points import NOT_DAMPED
 from ...studies.words import STATUS, damping_words, headline, notes, quantity_rows, said
@@ -29,7 +31,7 @@ _LEFT = (
 )
 _CURVES = (
     "Frequency, loss and damping ratio against the amplitude, restoring torque over the angle, friction over the speed: free of a model, "
-    "and of the model that the search ended with. Where the two part, the model lacks something."
+    "and of the model that describes it. Where the two part, the model lacks something."
 )
 _FOLLOWS = "The size of the effect that goes with what was changed, in each recording; all else of the model is the same in all of them."
 _LAWS = "The turning points of the recording with what single laws of damping, and the one with the most evidence, make of them."
@@ -96,7 +98,7 @@ def _sure(found: Mapping[str, Any]) -> Markup:
         "complete model leaves 1."
     ]
     for one in found["effects"]:
-        words = one["name"].replace("_", " ")
+        words = model_words(one["name"])
         parts.append(
             f"With {words} ΔBIC is {numbers.whole(one['delta_bic'])}; above 10 is very strong evidence."
         )
@@ -112,15 +114,15 @@ def _zoomable(figure: Figure, material: Material, found: Mapping[str, Any] | Non
         return figure
     unit = found.get("unit", "rad") if found else "rad"  # of what is read, an angle or a rate
     noise = found[f"noise_rms_{unit.replace('/', '_per_')}"] if found else None
-    return replace(figure, numbers=trace(swings, noise, MOST // len(material.swings), unit))
+    return replace(figure, numbers=trace(swings, noise, MOST // len(material.swings), unit, material.spoken))
 
 
 def _drawn(material: Material, campaign: str, name: str, label: str, caption: str) -> list[Figure]:
-    place = f"discovery/{campaign}/figures/{name}.svg"
-    paths = [path for path in material.seen if path.endswith(place)]
-    return [
-        Figure(f"{label}, {campaign}", path, caption, place, drawn_by(name), (campaign,)) for path in paths
-    ]
+    against = name in ("curves", "laws")
+    place = f"curves/{campaign}/{name}.svg" if against else f"discovery/{campaign}/figures/{name}.svg"
+    rule = "curves" if against else drawn_by(name)
+    paths = [path for path in material.seen if path.endswith(f"/{place}")]
+    return [Figure(f"{label}, {campaign}", path, caption, place, rule, (campaign,)) for path in paths]
 
 
 def _quantities(rows: pd.DataFrame, found: Mapping[str, Any] | None) -> Table:
@@ -168,14 +170,12 @@ def _of_model(row: Mapping[str, Any]) -> str:
     left = (
         f"{numbers.plain(1e3 * residual)} m{unit} RMS" if math.isfinite(residual) else "a scatter told below"
     )
-    words, leaves = damping_words(row), f"it leaves {left}."
+    words = damping_words(row)
     if row["model"] == NOT_DYING:
-        return f"What stops it {NOT_DYING}. The period is that of the best model, and {leaves}"
+        return f"What stops it {NOT_DYING}. The period is that of the best model, and it leaves {left}."
     if row.get("model_of") == SEARCH:
-        return (
-            f"The model that the search ended with, {words}, fitted to the whole of every recording; {leaves}"
-        )
-    return f"The model of damping with {words} describes the recording best; {leaves}"
+        return f"The model that the search ended with, {words}, fitted to the whole of every recording; it leaves {left}."
+    return f"The model of damping with {words} describes the recording best; it leaves {left}."
 
 
 def _symbol(model: str) -> Cell:
@@ -296,8 +296,11 @@ def evidence(material: Material) -> Section | None:
     shown: list[Item] = [item for item in missing(material).items if not isinstance(item, Text)]
     return Section(
         "Evidence",
-        [item for item in shown if not (isinstance(item, Figure) and item.path.endswith("map.svg"))],
+        [item for item in shown if not (isinstance(item, Figure) and Path(item.path).stem in _SHOWN)],
     )
+
+
+_SHOWN = ("map", "remainder", "difference")  # with the answer
 
 
 _FOLDERS = Markup(

@@ -1,0 +1,138 @@
+"""What is handed in: the answer in one's language, the report as PDF, the table for LaTeX and as a spreadsheet."""
+
+import json
+import math
+import os
+import shutil
+from dataclasses import replace
+
+import openpyxl
+import pandas as pd
+import pytest
+import yaml
+from exporting import export
+
+import swingdown
+from swingdown.__main__ import main
+from swingdown.answer import hand_in
+from swingdown.errors import InputError, PackageError
+from swingdown.language import language
+
+CHROMIUM = os.environ.get("SWINGDOWN_CHROMIUM") or shutil.which("chromium")
+
+
+@pytest.fixture(scope="module")
+def answer(tmp_path_factory):
+    return swingdown.fit(export(tmp_path_factory.mktemp("anna") / "anna.csv"))
+
+
+def test_the_first_answer_is_told_in_another_language_and_files_stay_english(here, capsys):
+    export(here / "anna.csv")
+    assert main(["anna.csv", "--quick", "--lang", "de"]) == 0
+    told = capsys.readouterr().out
+    assert "Luftwiderstand (viskos) bremst das Pendel: T = 0,87" in told
+    for words in (
+        "Eigenfrequenz",
+        "Güte Q",
+        "Abklingzeit (1/e)",
+        "genommen `Angle (°)` als Grad",
+        "Exponentiell: ",
+    ):
+        assert words in told
+    assert "period " not in told and "Air drag" not in told
+    folder = here / "anna-swingdown"
+    assert yaml.safe_load((folder / "study.yaml").read_text())["lang"] == "de"
+    row = pd.read_csv(folder / "first_answer.csv").iloc[0]
+    assert row["model"] == "viscous" and row["period_s_text"].startswith("0.87")
+
+
+def test_json_is_english_in_every_language(here, capsys):
+    export(here / "anna.csv")
+    assert main(["anna.csv", "--quick", "--json", "--lang", "fr"]) == 0
+    told = capsys.readouterr()
+    (found,) = json.loads(told.out)["pendulums"]
+    assert found["sentence"].startswith("Air drag (viscous) stops it: T = 0.87")
+    assert "La traînée de l'air (visqueuse) amortit le pendule" in told.err
+
+
+def test_an_unknown_language_is_refused_with_a_hint(capsys):
+    with pytest.raises(SystemExit) as stopped:
+        main(["anna.csv", "--lang", "dee"])
+    assert stopped.value.code == 2 and "did you mean de?" in capsys.readouterr().err
+
+
+def test_the_table_for_latex_has_every_quantity_with_its_unit(answer):
+    text = hand_in.latex({"anna": answer}, language("de"))
+    lines = text.splitlines()
+    assert [line for line in lines if "rule" in line] == [r"\toprule", r"\midrule", r"\bottomrule"]
+    period = next(line for line in lines if line.startswith("Periode"))
+    assert period.split(" & ")[1:3] == [answer["period"].__str__().removesuffix(" s").replace(".", ","), "s"]
+    assert sum(line.endswith(r"\\") for line in lines) == 1 + len(answer.quantities)
+
+
+def test_names_and_units_are_escaped_for_latex(answer):
+    text = hand_in.latex({"50% of_it & $x^2": answer, "b": answer}, language())
+    assert r"50\% of\_it \& \$x\textsuperscript{2} &" in text and "rad/s" in text
+    assert hand_in._escaped("1.2(3) × 10^-7 rad/s^2") == (
+        r"1.2(3) $\times$ 10\textsuperscript{$-$7} rad/s\textsuperscript{2}"
+    )
+
+
+def test_emulated_values_say_so_where_they_are_handed_in(answer, tmp_path):
+    table = answer.table.assign(emulated="yes")
+    made = {"anna": replace(answer, table=table)}
+    assert "emulated" not in hand_in.latex({"anna": answer}, language()).lower()
+    assert "Emulated: computed" in hand_in.latex(made, language())
+    book = openpyxl.load_workbook(hand_in.spreadsheet(made, tmp_path / "a.xlsx", language()))
+    assert any("emulated" in str(row[1]) for row in book["answer"].iter_rows(values_only=True))
+
+
+def test_a_spreadsheet_has_numbers_as_numbers_and_no_formulas(answer, tmp_path):
+    path = hand_in.spreadsheet({"=1+1": answer}, tmp_path / "a.xlsx", language("it"))
+    sheet = openpyxl.load_workbook(path)["grandezze"]
+    head, *rows = sheet.iter_rows(values_only=True)
+    assert head[:5] == ("pendolo", "grandezza", "valore", "incertezza tipo", "unità")
+    by_name = {row[6]: row for row in rows}
+    period = answer["period"]
+    assert by_name["period"][2:4] == pytest.approx(tuple(period[:2]), rel=1e-14)
+    assert by_name["period"][4] == "s" and math.isfinite(by_name["quality"][2])
+    cells = [cell for row in sheet.iter_rows() for cell in row]
+    assert not [cell.value for cell in cells if cell.data_type == "f"] and rows[0][0] == "'=1+1"
+
+
+def test_a_pdf_of_a_first_answer_is_refused_before_anything_is_computed(here, capsys):
+    export(here / "anna.csv")
+    with pytest.raises(SystemExit):
+        main(["anna.csv", "--quick", "--pdf"])
+    assert "--quick ends before the report" in capsys.readouterr().err
+    assert not (here / "anna-swingdown").exists()
+
+
+def test_without_openpyxl_a_spreadsheet_is_refused_with_the_mend(monkeypatch):
+    monkeypatch.setattr(hand_in, "has", lambda name: False)
+    with pytest.raises(PackageError, match="spreadsheet"):
+        hand_in.check_able(["xlsx"])
+
+
+def test_without_a_browser_it_is_told_how_to_print(tmp_path, monkeypatch):
+    (tmp_path / "report.html").write_text("<p>here</p>")
+    monkeypatch.delenv("SWINGDOWN_CHROMIUM", raising=False)
+    monkeypatch.setattr(hand_in.shutil, "which", lambda name: None)
+    told = hand_in.printed(tmp_path / "report.html", tmp_path / "report.pdf")
+    assert "open" in told and "print" in told and "\n" not in told and not (tmp_path / "report.pdf").exists()
+
+
+def test_a_browser_prints_the_report(tmp_path):
+    if not CHROMIUM:
+        pytest.skip("NOT TESTED: no browser (tools/install-test-tools, or set SWINGDOWN_CHROMIUM)")
+    (tmp_path / "report.html").write_text("<p>here</p>")
+    hand_in.printed(tmp_path / "report.html", tmp_path / "report.pdf")
+    assert (tmp_path / "report.pdf").read_bytes().startswith(b"%PDF")
+
+
+def test_a_browser_that_prints_nothing_leaves_no_file(tmp_path, monkeypatch):
+    (tmp_path / "report.html").write_text("<p>here</p>")
+    monkeypatch.setenv("SWINGDOWN_CHROMIUM", shutil.which("false"))
+    with pytest.raises(InputError, match="printed no page"):
+        hand_in.printed(tmp_path / "report.html", tmp_path / "report.pdf")
+    assert [path.name for path in tmp_path.iterdir()] == ["report.html"]

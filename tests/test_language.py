@@ -1,0 +1,134 @@
+"""Every language has every text, with the same values in it; a sentence is said whole or stays English; numbers have their decimal sign."""
+
+import ast
+import re
+from pathlib import Path
+
+import pytest
+import yaml
+
+from swingdown.errors import InputError
+from swingdown.language import language, languages
+from swingdown.pendulum.catalogue import SHIPPED
+from swingdown.pendulum.model import model_words
+
+OTHERS = [code for code in languages() if code != "en"]
+PACKAGE = Path(language.__wrapped__.__code__.co_filename).parent
+FIELD = re.compile(r"\{(\w+)\}")
+
+
+@pytest.fixture(scope="module")
+def catalogues():
+    return {code: yaml.safe_load((PACKAGE / "languages" / f"{code}.yaml").read_text()) for code in OTHERS}
+
+
+def test_there_are_five_beside_english():
+    assert set(OTHERS) == {"de", "es", "fr", "it", "pt"} and languages()[0] == "en"
+
+
+def test_all_have_the_same_texts_with_the_same_values(catalogues):
+    first = catalogues["de"]["texts"]
+    for code, one in catalogues.items():
+        assert one["texts"].keys() == first.keys(), code
+        for key, text in one["texts"].items():
+            fields = [{name.lower() for name in FIELD.findall(each)} for each in (key, text)]
+            assert fields[0] == fields[1] and text.strip(), f"{code}: {key}"
+            assert (
+                not set(FIELD.findall(text))
+                - set(FIELD.findall(key))
+                - {name.lower() for name in FIELD.findall(key) if name[0].isupper()}
+            ), f"{code}: {key}"
+
+
+def said_in_the_package():
+    """All that the package says, with a 1 for every value: texts, templates, names of effects and of their parameters."""
+    found = set()
+    for path in PACKAGE.rglob("*.py"):
+        inner = set()
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.JoinedStr):
+                parts = [one.value if isinstance(one, ast.Constant) else "1" for one in node.values]
+                inner |= {id(one) for one in node.values}
+                found.add("".join(map(str, parts)))
+            elif isinstance(node, ast.Constant) and isinstance(node.value, str) and id(node) not in inner:
+                found.add(re.sub(r"\{[^{}]*\}", "1", node.value))
+    for path in [
+        *PACKAGE.rglob("*.j2"),
+        *PACKAGE.rglob("*.js"),
+        *(PACKAGE.parents[1] / "report").glob("*.rst"),
+    ]:
+        found.add(" ".join(path.read_text(encoding="utf-8").split()))
+    for name in SHIPPED.names:
+        found |= {model_words(name), *(one.name.replace("_", " ") for one in SHIPPED[name].parameters)}
+    return found | {text.replace("_", " ") for text in found}
+
+
+def test_every_text_that_is_translated_is_one_that_the_program_says(catalogues):
+    """A wording that changes in the code and not in the catalogues would silently be English in every language."""
+    said = {text.lower() for text in said_in_the_package()}
+    lost = []
+    for key in catalogues["de"]["texts"]:
+        words = [part.lower() for part in FIELD.split(key)[::2]]
+        # of a sentence that is put together from parts, the part that says most
+        longest = max(re.split(r"[:;,()]", max(words, key=len)), key=len).strip(" .?")
+        if "1".join(words) not in said and (len(longest) > 4 and not any(longest in text for text in said)):
+            lost.append(key)
+    assert not lost
+
+
+@pytest.mark.parametrize(
+    ("code", "english", "told"),
+    [
+        (
+            "de",
+            "Air drag (viscous) and bearing friction stop it: T = 0.87147(30) s, Q = 58.0(3.5). Nothing else is needed.",
+            "Luftwiderstand (viskos) und Lagerreibung bremsen das Pendel: T = 0,87147(30) s und Q = 58,0(3,5). Mehr ist nicht nötig.",
+        ),
+        (
+            "fr",
+            "Bearing friction stops it: T = 1.5(1) s.",
+            "Le frottement du palier amortit le pendule\u00a0: T = 1,5(1) s.",
+        ),
+        (
+            "es",
+            "What stops it is not established; air drag (viscous), bearing friction and dry friction come nearest: Q = 3.1(2).",
+            "No está establecido qué amortigua el péndulo; la resistencia del aire (viscosa), el rozamiento del cojinete y el rozamiento seco "
+            "son lo que más se acerca: Q = 3,1(2).",
+        ),
+        ("it", "What stops it is unknown: it does not die away. T = 1.03 s.", "Non si può dire che cosa smorzi il pendolo: non si estingue. T = 1,03 s."),
+        ("pt", "Dry friction stops it.", "O atrito seco amortece o pêndulo."),
+        (
+            "de",
+            "Presliding (angle 6.1 ± 0.2 mrad), or backlash, which the data do not distinguish, is missing (P > 0.999): without it 1.55 times the noise "
+            "remains, with it 1.06.",
+            "Es fehlt: elastische Haftung (presliding) (Winkel 6,1 ± 0,2 mrad) oder Spiel, was die Daten nicht unterscheiden, (P > 0,999). Ohne das "
+            "bleibt das 1,55-fache des Rauschens, damit das 1,06-fache.",
+        ),
+        ("de", "at 20.1°", "bei 20,1°"),
+    ],
+)  # fmt: skip
+def test_sentences_are_whole(code, english, told):
+    assert language(code).text(english) == told
+
+
+def test_what_no_catalogue_has_stays_english_sentence_by_sentence():
+    spoken = language("de")
+    assert (
+        spoken.text("A badger stops it: T = 1.5 s. Nothing else is needed.")
+        == "A badger stops it: T = 1.5 s. Mehr ist nicht nötig."
+    )
+    assert spoken.text("anna.1.2 and bearing friction") == "anna.1.2 and bearing friction"
+    assert language("en").text("Bearing friction stops it.") == "Bearing friction stops it."
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [("0.87147(30)", "0,87147(30)"), ("58.0(3.5)", "58,0(3,5)"), ("1.23(4) × 10⁻⁵", "1,23(4) × 10⁻⁵"), ("swingdown 0.1.0", "swingdown 0.1.0"), ("a1.5b.csv", "a1.5b.csv"), ("(1.20 ± 0.34)e-7", "(1,20 ± 0,34)e-7")],
+)  # fmt: skip
+def test_numbers_have_the_decimal_sign_of_the_language(text, told):
+    assert language("fr").number(text) == told and language("en").number(text) == text
+
+
+def test_an_unknown_language_is_refused_with_those_that_there_are():
+    with pytest.raises(InputError, match="de, es, fr, it, pt"):
+        language("nl")
