@@ -77,7 +77,7 @@ def latex(answers: Mapping[str, Answer], spoken: Language) -> str:
     """A table for LaTeX with the package booktabs: of one pendulum a row for each quantity, of several a row for each pendulum."""
     if len(answers) == 1:
         (one,) = answers.values()
-        head = [spoken.text(word) for word in ("quantity", "value", "unit", "holds")]
+        head = [spoken.text(word) for word in ("quantity", "value", "unit", "amplitude")]
         rows = [
             [spoken.text(each.words), spoken.number(_number(each.text, each.unit)), _unit(each.unit), spoken.text(each.condition)]
             for each in quantity_rows(one.row, one.verdict)
@@ -126,7 +126,7 @@ def _side_by_side(answers: Mapping[str, Answer], spoken: Language) -> tuple[list
         rows.append(
             [name, *map(spoken.number, cells), spoken.number(f"{at:.3g}°" if math.isfinite(at) else "–"), spoken.text(damping_words(one.row))]
         )  # fmt: skip
-    return [*head, spoken.text("at"), spoken.text("model")], rows
+    return [*head, spoken.text("amplitude"), spoken.text("model")], rows
 
 
 def _number(text: str, unit: str) -> str:
@@ -166,7 +166,7 @@ def spreadsheet(answers: Mapping[str, Answer], path: Path, spoken: Language) -> 
             )  # fmt: skip
         told = [one.sentence, *one.remarks, *([EMULATED] if one.row["emulated"] == "yes" else [])]
         said += [[name, spoken.text(line)] for line in told]
-    heads = ["pendulum", "quantity", "value", "standard uncertainty", "unit", "holds", "name in files"]
+    heads = ["pendulum", "quantity", "value", "standard uncertainty", "unit", "amplitude", "name in files"]
     sheets = {
         spoken.text("quantities"): pd.DataFrame(rows, columns=[spoken.text(head) for head in heads]),
         spoken.text("answer"): pd.DataFrame(
