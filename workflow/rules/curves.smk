@@ -24,9 +24,7 @@ rule curves:
             "results/experiment/fits/{recording}.nc", recording=PLAN.swings(wildcards.campaign)
         ),
         joint=lambda wildcards: [path for path in JOINT if Path(path).stem == wildcards.campaign],
-        verdict=lambda wildcards: [
-            path for path in VERDICTS if Path(path).parent.name == wildcards.campaign
-        ],
+        verdict=lambda wildcards: [path for path in VERDICTS if Path(path).parent.name == wildcards.campaign],
     output:
         curves=expand("results/curves/{{campaign}}/curves.{ending}", ending=["csv", "svg", "png"]),
         laws=expand("results/curves/{{campaign}}/laws.{ending}", ending=["csv", "svg", "png"]),
