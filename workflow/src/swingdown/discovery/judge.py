@@ -2,7 +2,9 @@
 
 - ``PROBABLE``: the probability that it is there, or one of a tie of at most four, among all structures that were looked at, an
   unnamed torque beside the base among them. An effect is told at the odds at which one is wrong of a hundred.
-- ``SHARE``: of what the model lacks without it, so much may be left with it. What leaves more is not the thing that is missing.
+- ``SHARE``: of what the model lacks without it, so much may be left with it. What leaves more is not the thing that is missing. Of an
+  effect that takes energy it is asked of what only such an effect could do (``friction``): a spring that the model lacks as well, or
+  a natural frequency that drifts, says nothing of friction.
 - ``HELD_OUT``: the same of swings that no fit has seen, which know nothing of how the effect was chosen.
 """
 
@@ -13,6 +15,8 @@ import numpy as np
 import yaml
 
 from ..engine.trajectory import TrajectoryError
+from . import friction
+from .campaign import Noise
 from .confirm import gap, predict
 from .structures import POSSIBLE, Key, Pool, Structure
 
@@ -52,9 +56,9 @@ def told_of(pool: Pool, best: Structure) -> tuple[Structure, dict[str, Finding]]
     here = best
     while any(one.share > SHARE for one in found.values()):
         fewer = pool.lacking(here, [max(found, key=lambda name: np.nan_to_num(found[name].share))])
-        if fewer is None or not pool.added(fewer.key):
+        if not fewer or not pool.added(fewer[0].key):
             return best, whole
-        here, found = fewer, judged(pool, fewer)
+        here, found = fewer[0], judged(pool, fewer[0])
     return (here, found) if any(one.sure for one in found.values()) else (best, whole)
 
 
@@ -73,13 +77,20 @@ def _finding(pool: Pool, best: Structure, name: str) -> Finding:
         ties.append(nearest)
         others.discard(nearest)
         chance = pool.of([*same, *ties])
-    without = pool.lacking(best, [name, *(one for one in ties if one in best.key)])
-    if without is None:
+    near = pool.lacking(best, [name, *(one for one in ties if one in best.key)])
+    if not near:
         return Finding(chance, tuple(ties), doubt="no model without it can be fitted")
-    before = without.left(pool.noise)
-    share = best.left(pool.noise) / before if before > 0 else np.inf
-    held, rms = _held_out(pool, best, without)
-    return Finding(chance, tuple(ties), float(share), held, rms, _doubt(chance, share, held))
+    # what the base has may be improbable beside a discrepancy, and does more of the work than it does
+    without = min(near, key=lambda one: one.left(pool.noise))
+    share, held, rms = _whole(pool, best, without)
+    if _too_little(share, held) and best.fit.model.catalogue.damps(name):
+        share, held = min((share, held), _of_friction(pool, best, without))
+    return Finding(chance, tuple(ties), share, held, rms, _doubt(chance, share, held))
+
+
+def _too_little(share: float, held_out: float) -> bool:
+    """True for an effect that leaves too much to be the thing that is missing."""
+    return share > SHARE or held_out > HELD_OUT
 
 
 def _doubt(probability: float, share: float, held_out: float) -> str:
@@ -124,17 +135,43 @@ def _with(key: Key, old: str, new: str) -> Key:
     return (key - {old}) | {new}
 
 
-def _held_out(pool: Pool, best: Structure, without: Structure) -> tuple[float, float]:
-    """(what is left of held-out swings beyond what the noise allows (two standard deviations), as a share of what is left without an
-    effect; what is left without it, in units of the noise); infinite where nothing is left, or cannot be computed."""
+def _whole(pool: Pool, best: Structure, without: Structure) -> tuple[float, float, float]:
+    """(share that is left with an effect of what is missing without it; the same of held-out swings, beyond what the noise allows; what
+    these leave without it, in units of the noise); infinite where nothing is left, or cannot be computed."""
+    before = without.left(pool.noise)
+    share = best.left(pool.noise) / before if before > 0 else np.inf
     try:
-        now, before = (predict(one.fit, pool.campaign.holdout) for one in (best, without))
+        now, then = (predict(one.fit, pool.campaign.holdout) for one in (best, without))
     except TrajectoryError:
-        return np.inf, np.nan
-    noise = pool.noise.deviation**2
-    allowed = noise * (1 + 2 * np.sqrt(2 / pool.noise.effective(now.n)))
-    left = gap(before, pool.noise)
-    if before.rms**2 <= allowed:
-        # nothing to confirm, unless it is what the calibration says that speaks against the model
-        return (0.0 if without.fit.model.slack.names else np.inf), left
-    return float(np.sqrt(max(now.rms**2 - allowed, 0.0) / (before.rms**2 - noise))), left
+        return float(share), np.inf, np.nan
+    held = _share(pool.noise, now.n, now.rms**2, then.rms**2)
+    if np.isinf(held) and without.fit.model.slack.names:
+        held = (
+            0.0  # nothing to confirm, and it may be what the calibration says that speaks against the model
+        )
+    return float(share), held, gap(then, pool.noise)
+
+
+def _of_friction(pool: Pool, best: Structure, without: Structure) -> tuple[float, float]:
+    """The same two shares of what only something that takes energy could do; infinite where that is less than the noise without it."""
+    noise, swings = pool.noise.deviation**2, pool.campaign.holdout
+    now, then = friction.fitted(best.frame), friction.fitted(without.frame)
+    if now is None or then is None or then < 2 * noise:
+        return np.inf, np.inf
+    share = np.sqrt(max(now - noise, 0.0) / (then - noise)) * (1 - best.whole)
+    try:
+        now, then = (friction.held_out(predict(one.fit, swings), swings) for one in (best, without))
+    except TrajectoryError:
+        return float(share), np.inf
+    if now is None or then is None:
+        return np.inf, np.inf
+    return float(share), _share(pool.noise, sum(one.times.size for one in swings), now, then)
+
+
+def _share(noise: Noise, samples: int, now: float, then: float) -> float:
+    """What is left of a mean square beyond what the noise allows (two standard deviations), as a share in size of what was left then
+    beyond the noise; infinite where that was nothing."""
+    allowed = noise.deviation**2 * (1 + 2 * np.sqrt(2 / noise.effective(samples)))
+    if then <= allowed:
+        return np.inf
+    return float(np.sqrt(max(now - allowed, 0.0) / (then - noise.deviation**2)))

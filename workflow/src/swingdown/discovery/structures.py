@@ -90,9 +90,9 @@ class Pool:
             return
         self.known[one.key] = one
 
-    def lacking(self, one: Structure, names: Collection[str]) -> Structure | None:
-        """The structure without these of its effects, fitted where it is not known, or that with effects of the base again which they took the
-        place of, if that is more probable; None where there is none."""
+    def lacking(self, one: Structure, names: Collection[str]) -> list[Structure]:
+        """The structure without these of its effects, fitted where it is not known, and those with effects of the base again which they may
+        have taken the place of, the most probable first; empty where there is none."""
         key = one.key - set(names)
         if key not in self.known:
             begin = one.fit
@@ -102,7 +102,7 @@ class Pool:
                         begin = refit(without(begin, name), self.campaign.fit, ended=True)
                 self.look(begin)
         near = [other for other in self.known.values() if key <= other.key <= key | self.base]
-        return max(near, key=lambda other: other.evidence, default=None)
+        return sorted(near, key=lambda other: -other.evidence)
 
     def evidence_of(self, fit: Fit) -> float:
         """The evidence of the structure that a fit is of; none where it could not be looked at."""
