@@ -68,6 +68,15 @@ def test_the_nuisance_effects_are_no_part_of_the_model_s_name():
     assert {"sensor_gain", "sensor_zero"} < set(fit.model.values)
 
 
+def test_a_value_that_a_bound_holds_leaves_the_others_their_standard_errors():
+    model = Model(f"viscous+{LABEL}", TRUTH.values | {"viscous_ratio": -5e-4}).with_slack(SLACK.weighed(1e-3))
+    angle = simulate(model.motion, TIMES, 0.5) + 1e-3 * np.random.default_rng(4).standard_normal(TIMES.size)
+    fit = fit_jointly(model, [(TIMES, angle)], guess=TRUTH, bounded=True)
+    errors = fit.model.standard_errors
+    assert fit.model.values["viscous_ratio"] == 0 and np.isnan(errors.pop("viscous_ratio"))
+    assert np.isfinite(list(errors.values())).all()
+
+
 def test_an_effect_of_the_model_s_own_is_not_held_to_what_is_known():
     model = Model(f"{LABEL}+sensor_gain").with_slack(SLACK.weighed(1e-3))
     assert model.slack.names == ("sensor_zero",)

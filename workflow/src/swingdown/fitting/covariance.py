@@ -28,9 +28,10 @@ def covariance_of(
         return inverse, np.zeros((len(problem.free), len(slack.sources) + 1))
     systematic = systematic_of(problem, inverse, best)
     if problem.known is not None:
-        return noise * (
-            inverse @ (hessian - problem.known.precision) @ inverse
-        ) + systematic @ systematic.T, systematic
+        known = np.nan_to_num(inverse)  # what a bound holds does not move, and leaves the others known
+        random = noise * (known @ (hessian - problem.known.precision) @ known)
+        random[np.isnan(inverse)] = np.nan
+        return random + systematic @ systematic.T, systematic
     return noise * inverse + systematic @ systematic.T, systematic
 
 
