@@ -1,14 +1,21 @@
-"""Campaigns of other designs than the trials' through the search: how each ends, whom it names, how long it takes.
+"""Campaigns of designs drawn at random through the search: how each ends, what it names, how long it takes.
 
-``python tests/benchmarks/designs.py DESIGN SEED [KINDS]`` prints a line for each campaign and a summary; KINDS are ``null``,
-``single``, ``removed`` (what is hidden is taken out of the catalogue), ``foreign`` and ``pair``, with commas. A design is so many swings of so
-many seconds at so many samples a second.
+    .venv/bin/python tests/benchmarks/designs.py SEED COUNT [--first K] [--kinds null,single,removed,foreign,pair] [--swings N] [--rate R]
+
+Campaign K of a seed is always the same: so many swings of so many seconds at so many samples a second, up to an angle between 5 and 90 degrees, under
+a weight or a spring, read as an angle or a rate, under white, coloured or stepped noise; half of them with a misfit that has no name.
+The search begins with what damps the pendulum, or with a base that is too rich, too poor, or the default one. A line is printed for each
+campaign, and at the end how often each kind ended in which way.
 """
 
-import sys
+import argparse
 import time
 import warnings
 from collections import Counter
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
 
 from swingdown.discovery.campaign import Swing, campaign
 from swingdown.discovery.files import summary
@@ -21,66 +28,122 @@ from swingdown.trials import trial as trials
 from swingdown.trials.schedule import Planned, drawn
 from swingdown.trials.torques import FOREIGN
 
-DESIGNS = {
-    "one": (1, 20.0, 100.0),
-    "slow": (1, 20.0, 30.0),
-    "two": (2, 20.0, 100.0),
-    "four": (4, 10.0, 50.0),
-    "six": (6, 20.0, 100.0),
-}
-RATIO, NULLS = 2.0, 30
+KINDS = ("null", "single", "single", "removed", "foreign", "foreign", "pair")
+SWINGS, RATES, SECONDS, DEGREES = (1, 2, 4, 6, 12), (10.0, 30.0, 100.0, 1000.0), (10.0, 120.0), (5.0, 90.0)
+RATIOS, MISFITS = (1.3, 2.0, 5.0), (0.0, 0.0, 0.0, 0.5, 1.0, 2.0)
+BASES = ("own", "own", "default", "rich", "poor")
+MOST = 30000  # samples of a campaign
 
 
-def plan(kinds):
-    """The trials of these kinds."""
-    names, found = trials.hideable(SHIPPED), []
-    hidden = {
-        "null": [()] * NULLS,
-        "single": [(name,) for name in names],
-        "removed": [(name,) for name in names],
-        "foreign": [(name,) for name in FOREIGN] * 2,
-        "pair": trials.PAIRS,
-    }
-    for kind in kinds:
-        for number, one in enumerate(hidden[kind]):
-            ratio = 1.0 if kind == "null" else RATIO
-            noise = trials.NOISES[len(found) % len(trials.NOISES)]
-            found.append(Planned(kind, one, ratio, noise, 4 * number))
-    return found
+class Asked(NamedTuple):
+    """A campaign to draw: its design, the trial in it, the misfit beside it, and the base that the search begins with."""
+
+    design: trials.Design
+    planned: Planned
+    misfit: float
+    base: str
 
 
-def told(one, allowed):
+def asked(seed, number, kinds=KINDS, swings=SWINGS, rates=RATES):
+    """The ``Asked`` of a seed and a number."""
+    rng = np.random.default_rng([seed, number])
+    while True:
+        count, rate = int(rng.choice(swings)), float(rng.choice(rates))
+        seconds, degrees = (float(np.exp(rng.uniform(*np.log(limits)))) for limits in (SECONDS, DEGREES))
+        if count * rate * seconds <= MOST:
+            break
+    largest = np.radians(degrees)
+    smallest = largest if count == 1 else 0.3 * largest
+    design = trials.Design(
+        count, seconds, rate, smallest, (largest, largest), str(rng.choice(["sine", "sine", "linear"])),
+        str(rng.choice(["angle"] * 4 + ["rate"])),
+    )  # fmt: skip
+    kind = str(rng.choice(kinds))
+    names = trials.hideable(SHIPPED, design)
+    among = {"null": [()], "foreign": [(name,) for name in FOREIGN]}.get(kind, [(name,) for name in names])
+    if kind == "pair":
+        among = [pair for pair in trials.PAIRS if set(pair) <= set(names)]
+    hidden = among[int(rng.integers(len(among)))]
+    ratio = 1.0 if kind == "null" else float(rng.choice(RATIOS))
+    planned = Planned(kind, hidden, ratio, str(rng.choice(trials.NOISES)), 4 * number)
+    return Asked(design, planned, float(rng.choice(MISFITS)), str(rng.choice(BASES)))
+
+
+def begun(one):
+    """(what the search begins with, the effects of the pendulum's own that are hidden by that)."""
+    own = one.design.base
+    if one.base == "poor":
+        return own[:1], own[1:]
+    others = {"rich": ("quadratic_drag", "structural_damping"), "default": ("quadratic_drag",)}
+    more = [name for name in others.get(one.base, ()) if name not in one.planned.hidden]
+    return (*own, *more), ()
+
+
+def told(one, base, allowed):
     """(status, effects with their ties) of a campaign."""
-    states = discover(one, Model(trials.BASE), allowed=allowed)
-    said = verdict([summary(state, one) for state in states])
+    said = verdict([summary(state, one) for state in discover(one, base, allowed=allowed)], base.catalogue)
     return said["status"], {each["name"]: each["tied_with"] for each in said["effects"]}
 
 
-def main(design, seed, kinds):
+def end(status, effects, there):
+    """How a verdict stands to what is there, in a word: ``named`` all of it alone or in ties, ``partly`` some of it, ``another`` that is not there,
+    or the status."""
+    if any(not {name, *ties} & there for name, ties in effects.items()):
+        return "another"
+    if effects:
+        found = all(any(name in {one, *ties} for one, ties in effects.items()) for name in there)
+        return "named" if found else "partly"
+    return status
+
+
+def main(argv=None):
     """Prints a line for each campaign, and how often each kind ended in which way."""
-    trials.SWINGS, trials.DURATION, trials.RATE = DESIGNS[design]
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("seed", type=int)
+    parser.add_argument("count", type=int)
+    parser.add_argument("--first", type=int, default=0)
+    parser.add_argument("--kinds", default=",".join(KINDS))
+    parser.add_argument("--swings", type=int)
+    parser.add_argument("--rate", type=float)
+    given = parser.parse_args(argv)
+    swings, rates = (given.swings,) if given.swings else SWINGS, (given.rate,) if given.rate else RATES
     ends, spent = Counter(), []
-    for planned in plan(kinds):
-        trial = drawn(seed, planned)
+    for number in range(given.first, given.first + given.count):
+        one = asked(given.seed, number, given.kinds.split(","), swings, rates)
+        trial = drawn(given.seed, one.planned, design=one.design)
+        if trial is not None and one.misfit:
+            try:
+                trial = trials.with_misfit(trial, given.seed, one.misfit)
+            except ArithmeticError:
+                trial = None
         if trial is None:
             continue
-        made = [Swing(str(k), *pair) for k, pair in enumerate(trials.swings(trial, seed))]
-        allowed = [name for name in SHIPPED.names if planned.kind != "removed" or name not in trial.hidden]
+        names, lacking = begun(one)
+        there = {name for name in (*trial.hidden, *lacking) if name in SHIPPED.names}
+        gone = trial.hidden if one.planned.kind == "removed" else ()
+        made = [Swing(str(k), *pair) for k, pair in enumerate(trials.swings(trial, given.seed))]
         began = time.process_time()
         try:
-            status, effects = told(campaign("one", made), allowed)
+            base = Model(names, restoring=one.design.restoring).of(one.design.reading)
+            allowed = [name for name in base.catalogue.names if name not in gone]
+            read = replace(campaign("one", made), reading=one.design.reading)
+            status, effects = told(read, base, allowed)
         except InputError as problem:
             status, effects = f"refused: {problem.problem}", {}
         spent.append(time.process_time() - began)
-        there = all({name, *ties} & set(trial.hidden) for name, ties in effects.items())
-        ends[planned.kind, "another named" if effects and not there else status] += 1
-        print(trial.name, status, effects, f"{spent[-1]:.1f} s", flush=True)
-    for (kind, end), count in sorted(ends.items()):
-        print(f"| {design} | {kind} | {end} | {count} |")
-    print(f"CPU: median {sorted(spent)[len(spent) // 2]:.1f} s, longest {max(spent):.1f} s")
+        word = end(status, effects, there - set(gone))
+        ends[one.planned.kind, "misfit" if one.misfit else "", word] += 1
+        d = one.design
+        print(
+            f"{number} {trial.name} {d.swings} x {d.duration:.0f} s at {d.rate:g}/s to {np.degrees(d.largest[0]):.0f} deg {d.restoring} {d.reading} "
+            f"misfit {one.misfit:g} base {one.base}: {status} {effects} -> {word}, {spent[-1]:.1f} s", flush=True,
+        )  # fmt: skip
+    for (kind, misfit, word), count in sorted(ends.items()):
+        print(f"| {kind} | {misfit} | {word} | {count} |")
+    if spent:
+        print(f"CPU: median {np.median(spent):.1f} s, longest {max(spent):.1f} s")
 
 
 if __name__ == "__main__":
     warnings.simplefilter("ignore")
-    words = sys.argv[1:]
-    main(words[0], int(words[1]), (words[2] if words[2:] else "null,single,removed,foreign").split(","))
+    main()

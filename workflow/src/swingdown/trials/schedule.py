@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 
 from ..pendulum.catalogue import SHIPPED, Catalogue
 from .torques import FOREIGN
-from .trial import NOISES, PAIRS, Trial, check_known, draw, hideable
+from .trial import NOISES, PAIRS, USUAL, Design, Trial, check_known, draw, hideable
 
 _TRIES = 4  # draws of one kind, before it is left out because no size within reason leaves such a residual
 _AT_ONCE = 2.0  # ratio of residual to noise of each of a pair, and of effects taken out of the catalogue
@@ -63,11 +63,11 @@ def chunks(settings: Mapping[str, Any], catalogue: Catalogue = SHIPPED) -> dict[
     return {f"{k:04d}": trials[k * length : (k + 1) * length] for k in range(-(-len(trials) // length))}
 
 
-def drawn(seed: int, one: Planned, catalogue: Catalogue = SHIPPED) -> Trial | None:
+def drawn(seed: int, one: Planned, catalogue: Catalogue = SHIPPED, design: Design = USUAL) -> Trial | None:
     """The ``Trial`` of a ``Planned`` one, or None where no size within reason leaves the residual that is asked for."""
     for k in range(_TRIES):
         try:
-            return draw(seed, one.kind, one.hidden, one.ratio, one.noise, one.number + k, catalogue)
+            return draw(seed, one.kind, one.hidden, one.ratio, one.noise, one.number + k, catalogue, design)
         except ArithmeticError:
             continue
     return None

@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -27,7 +27,6 @@ from .torques import FOREIGN, KNOWN
 
 BASE = ("viscous", "load_coulomb")
 NOISES = ("white", "coloured", "steps")
-SWINGS, DURATION, RATE = 6, 20.0, 100.0  # each campaign's; s, samples a second
 _WITHIN = 0.58  # rad, that swings stay within of which a calibrated sensor reads 72 degrees in all
 _CROSSINGS = 6  # of the middle, that a swing must make at least
 OWN_FREQUENCY = (
@@ -44,14 +43,36 @@ PAIRS = (
 )  # fmt: skip
 
 
+class Design(NamedTuple):
+    """How a campaign was recorded: the number of swings, of so many seconds at so many samples a second, between which angles (rad) their
+    amplitudes are spread (the largest is drawn between two), what pulls back, and what the sensor reads."""
+
+    swings: int = 6
+    duration: float = 20.0
+    rate: float = 100.0
+    smallest: float = 0.3
+    largest: tuple[float, float] = (0.8, 1.05)
+    restoring: str = "sine"
+    reading: str = "angle"
+
+    @property
+    def base(self) -> tuple[str, ...]:
+        """What damps every pendulum of this design: friction goes with the load where a weight pulls back."""
+        return BASE if self.restoring == "sine" else ("viscous", "constant_coulomb")
+
+
+USUAL = Design()
+
+
 @dataclass(frozen=True)
 class Trial:
-    """What is hidden in one campaign: the effects beside ``BASE``, all values, each swing's release and own values, the noise.
+    """What is hidden in one campaign: the effects beside the ``design``'s base, all values, each swing's release and own values, the noise.
 
     ``kind`` is ``single``, ``pair``, ``null``, ``own`` (nothing is hidden, but each swing has its own natural frequency),
     ``calibrated`` (nothing is hidden, but the recordings are in volts, and their calibration is as wrong as it says it may be), ``removed`` (the effect is then taken out of the catalogue) or ``foreign``
     (it never was in it); ``ratio`` the residual of the base model's fit that was asked for and ``reached`` the one that
-    came out, in units of the noise (rad) ``sigma``.
+    came out, in units of the noise (rad) ``sigma``. ``beside`` names what is there besides and has no name, and leaves ``misfit`` times
+    the noise.
     """
 
     name: str
@@ -64,12 +85,19 @@ class Trial:
     releases: tuple[tuple[float, float], ...]
     own: tuple[dict[str, float], ...] = ()
     reached: float = 1.0
+    design: Design = USUAL
+    beside: tuple[str, ...] = ()
+    misfit: float = 0.0
 
 
-def hideable(catalogue: Catalogue) -> tuple[str, ...]:
-    """The names of the effects that can be hidden beside ``BASE``: all others that the second pendulum knows and that make
-    sense with the weight's sine."""
-    return tuple(e.name for e in catalogue if e.name not in BASE and e.beside in ("", "sine") and _known(e))
+def hideable(catalogue: Catalogue, design: Design = USUAL) -> tuple[str, ...]:
+    """The names of the effects that can be hidden beside a design's base: all others that the second pendulum knows and that make
+    sense with what pulls back."""
+    return tuple(
+        e.name
+        for e in catalogue.of(design.reading)
+        if e.name not in design.base and e.beside in ("", design.restoring) and _known(e)
+    )
 
 
 def _known(effect: Effect) -> bool:
@@ -84,8 +112,9 @@ def draw(
     noise: str = "white",
     number: int = 0,
     catalogue: Catalogue = SHIPPED,
+    design: Design = USUAL,
 ) -> Trial:
-    """The ``Trial`` of that seed, kind, hidden effects, size, noise and number: always the same one.
+    """The ``Trial`` of that seed, kind, hidden effects, size, noise, number and design: always the same one.
 
     Sizes are found with the engine's fits of the base model to the noiseless swings; the swings themselves never see it.
     ArithmeticError where no size within reason leaves such a residual; InputError for an effect that the second pendulum
@@ -99,27 +128,47 @@ def draw(
         "viscous_ratio": rng.uniform(0.004, 0.012),
         "load_friction": rng.uniform(0.001, 0.004),
     }
+    if design.restoring == "linear":
+        values["constant_friction"] = values.pop("load_friction") * values["natural_frequency"] ** 2
     sigma = rng.uniform(1e-3, 3e-3)
-    largest = np.linspace(0.3, rng.uniform(0.8, 1.05), SWINGS) * rng.uniform(0.95, 1.05, SWINGS)
+    largest = np.linspace(design.smallest, rng.uniform(*design.largest), design.swings)
+    largest *= rng.uniform(0.95, 1.05, design.swings)
     if kind == "calibrated":
         largest *= _WITHIN / np.max(largest)
-    velocities = rng.normal(0, 0.05, SWINGS) * (0 if kind == "calibrated" else 1)
+    velocities = rng.normal(0, 0.05, design.swings) * (0 if kind == "calibrated" else 1)
     releases = tuple(
         (float(a * (-1) ** k), float(v)) for k, (a, v) in enumerate(zip(largest, velocities, strict=True))
     )
-    own: list[dict[str, float]] = [{} for _ in range(SWINGS)]
+    own: list[dict[str, float]] = [{} for _ in range(design.swings)]
     if kind == "own":
-        shifts = OWN_FREQUENCY * rng.standard_normal(SWINGS)
+        shifts = OWN_FREQUENCY * rng.standard_normal(design.swings)
         own = [{"natural_frequency": values["natural_frequency"] * (1 + float(shift))} for shift in shifts]
     for name in hidden:
         _draw_shape(rng, name, catalogue, values, own)
     signs = {name: rng.choice((-1.0, 1.0)) if _signed(name, catalogue) else 1.0 for name in hidden}
     label = "+".join(hidden) or "null"
     called = f"{kind}-{label}-{ratio:g}-{noise}-{number}".replace("+", "-and-")
-    trial = Trial(called, kind, hidden, ratio, noise, sigma, values, releases, tuple(own))
+    trial = Trial(called, kind, hidden, ratio, noise, sigma, values, releases, tuple(own), design=design)
     for name in hidden:  # each alone to its share, as if the others were not there
         trial = _sized(trial, name, signs[name], catalogue)
     return trial
+
+
+def with_misfit(trial: Trial, seed: int, misfit: float) -> Trial:
+    """The trial with a little of what no catalogue has, drawn from ``FOREIGN``, that leaves ``misfit`` times the noise; each swing has a
+    natural frequency of its own, which moves its end by half of that."""
+    rng = np.random.default_rng(np.random.SeedSequence(seed, spawn_key=[*map(ord, trial.name), 2]))
+    name = str(rng.choice([one for one in FOREIGN if one not in trial.hidden]))
+    own = []
+    for one, (angle, _) in zip(trial.own, trial.releases, strict=True):
+        frequency = one.get("natural_frequency", trial.values["natural_frequency"])
+        away = misfit * trial.sigma / (abs(angle) * trial.design.duration) * rng.standard_normal()
+        own.append(one | {"natural_frequency": frequency + float(away) / 2})
+    values = dict(trial.values)
+    _draw_shape(rng, name, SHIPPED, values, own)
+    alone = replace(trial, values=values, own=tuple(own), ratio=float(np.hypot(1, misfit)))
+    sized = _sized(alone, name, 1.0, SHIPPED)
+    return replace(sized, ratio=trial.ratio, reached=trial.reached, beside=(name,), misfit=misfit)
 
 
 def _draw_shape(
@@ -218,18 +267,22 @@ def check_known(names: Iterable[str], catalogue: Catalogue) -> None:
 
 def left_by_base(trial: Trial, hidden: Sequence[str], catalogue: Catalogue) -> float:
     """RMS (rad) that the base model leaves of every second swing, sampled at a third of the rate, without noise."""
-    times = np.arange(0, DURATION, 3 / RATE)
-    pairs = [(times, _swing(trial, hidden, k, times, catalogue)) for k in range(0, SWINGS, 2)]
+    design = trial.design
+    times = np.arange(0, design.duration, 3 / design.rate)
+    pairs = [(times, _swing(trial, hidden, k, times, catalogue)) for k in range(0, design.swings, 2)]
     if any(middle_crossings(*pair)[0].size < _CROSSINGS for pair in pairs):
         raise Runaway("it stops before it has swung, which no import takes for a swing")
-    return fit_jointly(Model(BASE), pairs, bounded=True).rms
+    model = Model(design.base, restoring=design.restoring).of(design.reading)
+    return fit_jointly(model, pairs, bounded=True).rms
 
 
 def _swing(trial: Trial, hidden: Sequence[str], k: int, times: Floats, catalogue: Catalogue) -> Floats:
     values, twins = trial.values | trial.own[k], {e.name: e.twin for e in catalogue if e.twin}
+    design = trial.design
     return trajectory(
-        (*BASE, *hidden), values, times, *trial.releases[k], twins=twins, accuracy=BELOW_NOISE
-    ).reading
+        (*design.base, *hidden), values, times, *trial.releases[k], restoring=design.restoring, twins=twins,
+        reading=design.reading, accuracy=BELOW_NOISE,
+    ).reading  # fmt: skip
 
 
 def bench_of(trial: Trial, seed: int, apparatus: Apparatus) -> Bench:
@@ -248,11 +301,11 @@ def _apart(
     trial: Trial, seed: int, catalogue: Catalogue, sensor: Bench | None
 ) -> Iterator[tuple[Floats, Floats, Floats]]:
     """The trial's swings, each as its times (s), what the sensor would read without noise, and the noise (rad; of a sensor V)."""
-    times = np.arange(round(DURATION * RATE) + 1) / RATE
+    times = np.arange(round(trial.design.duration * trial.design.rate) + 1) / trial.design.rate
     rng = np.random.default_rng(np.random.SeedSequence(seed, spawn_key=[*map(ord, trial.name), 1]))
     sigma = trial.sigma / (SLOPE if sensor else 1.0)
-    for k in range(SWINGS):
-        clean = _read(_swing(trial, trial.hidden, k, times, catalogue), sensor)
+    for k in range(trial.design.swings):
+        clean = _read(_swing(trial, (*trial.hidden, *trial.beside), k, times, catalogue), sensor)
         white = rng.standard_normal(times.size + 100)
         if trial.noise == "coloured":
             white = lfilter([np.sqrt(1 - CORRELATION**2)], [1, -CORRELATION], white)

@@ -1,0 +1,142 @@
+"""How many verdicts change where a number of the search is halved, and where it is doubled, as a table in Markdown.
+
+    .venv/bin/python tests/benchmarks/sensitivity.py [--only TEXT ...] [--campaigns TEXT ...] [--pickles FOLDER]
+
+``SETTINGS`` has the three numbers that decide, and every numerical setting of the search by which a verdict could change: whole numbers at
+least 1, shares at most 0.999. The campaigns are the frozen ones (tests/discovery/test_frozen.py), and those of others that
+``labelled.py --pickles`` wrote to FOLDER. A verdict has changed where another effect is asserted, alone or in ties, or the status is another.
+``_FEW`` and the like stand in signatures as well: both are changed.
+"""
+
+import argparse
+import importlib
+import pickle
+import sys
+import warnings
+from functools import partial
+from pathlib import Path
+
+from swingdown.discovery.campaign import Swing, campaign
+from swingdown.discovery.files import summary
+from swingdown.discovery.search import discover
+from swingdown.discovery.verdict import verdict
+from swingdown.pendulum.model import Model
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "discovery"))
+from test_frozen import CAMPAIGNS, swings
+
+SETTINGS = {
+    "judge": ("PROBABLE", "SHARE", "HELD_OUT", "TIES", "POSSIBLE"),
+    "structures": ("POSSIBLE",),
+    "verdict": ("_SURE",),
+    "friction": ("_ANGLES", "_EACH"),
+    "discrepancy": ("_BINS", "_ANGLES", "_SPEEDS", "_TIMES", "_SMOOTH", "_KEPT", "_SEEN", "_NOISE_KNOWN", "_ANY", "_FINE", "_STARTS"),
+    "search": ("_QUIETER", "_AGAIN"),
+    "admissible": ("_DETERMINED", "_VAGUE"),
+    "ranking": ("_PROMISING", "_HOPEFUL", "_FIRST", "_WIDE", "_FEW", "_FAR", "_FELL_SHORT", "_NUDGED", "_SHARES", "_SHAPES"),
+    "evidence": ("TIE",),
+    "candidates": ("WIDEST", "_FIRST"),
+    "mimics": ("_ALIKE",),
+    "own_frequency": ("_SUBSTANTIAL", "_FEWEST"),
+    "refit": ("_BETTER",),
+}  # fmt: skip
+SHARES = {"PROBABLE", "_QUIETER", "_ALIKE"}  # below 1: what they leave of 1 is halved and doubled
+RATIOS = {"_FELL_SHORT"}  # above 1: what they have beyond 1 is
+
+
+def scaled(name, value, factor):
+    """Return a setting times a factor, of its own kind."""
+    if isinstance(value, tuple):
+        return tuple(scaled(name, one, factor) for one in value)
+    if name in SHARES:
+        return 1 - (1 - value) * factor
+    if name in RATIOS:
+        return 1 + (value - 1) * factor
+    return max(1, round(value * factor)) if isinstance(value, int) else value * factor
+
+
+def changed(module, name, factor):
+    """Return the call that puts everything back; a module's setting is another until then, in its functions' defaults too."""
+    value = getattr(module, name)
+    other = scaled(name, value, factor)
+    functions = [
+        one
+        for one in vars(module).values()
+        if getattr(one, "__defaults__", None) and value in one.__defaults__
+    ]
+    kept = [one.__defaults__ for one in functions]
+    setattr(module, name, other)
+    if name.startswith("_") and isinstance(value, int):
+        for one in functions:
+            one.__defaults__ = tuple(other if each is value else each for each in one.__defaults__)
+
+    def back():
+        setattr(module, name, value)
+        for one, defaults in zip(functions, kept, strict=True):
+            one.__defaults__ = defaults
+
+    return back
+
+
+def told(one, base, rounds=4):
+    """Return what is compared of a campaign's verdict."""
+    found = verdict([summary(state, one) for state in discover(one, base, rounds)], base.catalogue)
+    return found["status"], {each["name"]: tuple(each["tied_with"]) for each in found["effects"]}
+
+
+def frozen(hidden, values, releases, special):
+    """Return the campaign and the base of a frozen one."""
+    pairs = zip(*swings(hidden, values, releases, **special), strict=True)
+    one = campaign("frozen", [Swing(str(k), *pair) for k, pair in enumerate(pairs)])
+    reading, restoring = special.get("reading", "angle"), special.get("restoring", "sine")
+    base = Model("viscous+quadratic_drag", restoring=restoring).of(reading)
+    object.__setattr__(one, "reading", reading)
+    return one, base, special.get("rounds", 4)
+
+
+def labelled(path):
+    """Return the campaign and the base of one that labelled.py wrote."""
+    _, _, base, restoring, *_ = pickle.loads(path.with_name(path.name.replace(".campaign", "")).read_bytes())
+    return pickle.loads(path.read_bytes()), Model(base, restoring=restoring), 4
+
+
+def main(argv=None):
+    """The table printed, a line a setting."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument(
+        "--only", nargs="*", default=[""], help="settings whose module.name holds one of these texts"
+    )
+    parser.add_argument(
+        "--campaigns", nargs="*", default=[""], help="campaigns whose name holds one of these texts"
+    )
+    parser.add_argument("--pickles", type=Path)
+    given = parser.parse_args(argv)
+    makers = {name: partial(frozen, *parts) for name, parts in CAMPAIGNS.items()}
+    if given.pickles:
+        makers |= {
+            path.name.split(".")[0]: partial(labelled, path)
+            for path in sorted(given.pickles.glob("*.campaign.pkl"))
+        }
+    made = {name: make() for name, make in makers.items() if any(text in name for text in given.campaigns)}
+    usual = {name: told(*one) for name, one in made.items()}
+    print(f"| setting | is | halved | doubled | of {len(made)} verdicts |\n|---|---|---|---|---|", flush=True)
+    for room, names in SETTINGS.items():
+        module = importlib.import_module(f"swingdown.discovery.{room}")
+        for name in names:
+            if not any(text in f"{room}.{name}" for text in given.only):
+                continue
+            is_now, cells = getattr(module, name), []
+            for factor in (0.5, 2):
+                back = changed(module, name, factor)
+                try:
+                    now = {one: told(*parts) for one, parts in made.items()}
+                finally:
+                    back()
+                cells.append([one for one in made if now[one] != usual[one]])
+            which = ", ".join(dict.fromkeys([*cells[0], *cells[1]]))
+            print(f"| `{room}.{name}` | {is_now} | {len(cells[0])} | {len(cells[1])} | {which} |", flush=True)
+
+
+if __name__ == "__main__":
+    warnings.simplefilter("ignore")
+    main()
