@@ -127,14 +127,6 @@ def fitted_with(name, **values):
     return replace(fit, model=model, swings=tuple(replace(s, model=model) for s in fit.swings))
 
 
-def test_friction_that_winds_up_over_less_than_the_noise_is_constant_friction_where_something_is_left():
-    fit = fitted_with("presliding", presliding_friction=0.2, presliding_angle=0.5e-3)
-    assert "constant_coulomb is all that is seen" in inadmissible(fit, "presliding", Noise(0.8 * NOISE))
-    assert inadmissible(fit, "presliding", Noise(NOISE)) == ""
-    wide = fitted_with("presliding", presliding_friction=0.2, presliding_angle=5e-3)
-    assert inadmissible(wide, "presliding", Noise(0.8 * NOISE)) == ""
-
-
 @pytest.mark.parametrize(("error", "why"), [(0.07, "not determined"), (0.00001, "")])
 def test_a_shape_that_the_data_do_not_determine_is_no_name(error, why):
     values = {"stribeck_friction": 0.2, "stribeck_velocity": 0.03}

@@ -131,7 +131,7 @@ def test_what_is_missing_is_judged_by_all_three_numbers(spring):
 
 def test_where_nothing_can_be_fitted_without_an_effect_no_share_of_it_is_told(spring, monkeypatch):
     pool = pooled(spring, "viscous", "viscous+cubic_stiffness")
-    monkeypatch.setattr(Pool, "lacking", lambda *_: None)
+    monkeypatch.setattr(Pool, "lacking", lambda *_: [])
     (found,) = judged(pool, pool.best).values()
     assert not found.sure
     assert np.isnan([found.share, found.held_out, found.without]).all()

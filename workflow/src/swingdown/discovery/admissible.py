@@ -45,10 +45,6 @@ def inadmissible(fit: Fit, added: str | None, noise: Noise) -> str:
             return f"{parameter.name} runs to its bound {parameter.lower:g} {parameter.unit}"
         if parameter.role == "shape" and not parameter.each and _vague(fit, parameter.name, value):
             return f"{parameter.name} is not determined"
-    if not leaves_noise(fit, noise):
-        for simpler in effect.contains:
-            if simpler.unseen and values[simpler.unseen] < noise.deviation:
-                return f"{simpler.unseen} is below the noise: {simpler.name} is all that is seen of it"
     return ""
 
 

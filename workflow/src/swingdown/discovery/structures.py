@@ -1,7 +1,8 @@
 """Structures: sets of effects with their best fit, what each lacks, and the probability of each among all that were looked at.
 
 Each structure is there twice: as if nothing else were missing, and beside a discrepancy. Before the data a structure is the less
-probable by as many effects as the catalogue has for each that it adds, and a discrepancy counts as such an effect.
+probable by as many effects as the catalogue has for each that it adds, and a discrepancy counts as such an effect. So does, beside one, each
+effect of the base that it lacks: what something unnamed may do in its place was not shown to be needless.
 """
 
 from collections.abc import Collection, Iterable, Mapping
@@ -119,9 +120,10 @@ class Pool:
     def _seen(self, fit: Fit) -> Structure:
         there = frame(fit, self.campaign.fit)
         lacks = discrepancy(there, self.noise, self._period)
-        free, more = len(fit.free) - len(fit.model.slack.names), len(key_of(fit) - self.base)
-        known = -0.5 * free * np.log(self.noise.effective(fit.n)) - self._each * more
-        return Structure(fit, there, lacks, lacks.log_plain + known, lacks.log_evidence + known - self._each)
+        free, key = len(fit.free) - len(fit.model.slack.names), key_of(fit)
+        known = -0.5 * free * np.log(self.noise.effective(fit.n)) - self._each * len(key - self.base)
+        beside = self._each * (1 + len(self.base - key))
+        return Structure(fit, there, lacks, lacks.log_plain + known, lacks.log_evidence + known - beside)
 
     def under(self, noise: Noise, base: Fit) -> "Pool":
         """The same structures under another noise."""

@@ -80,15 +80,10 @@ class State(NamedTuple):
 
 
 class Contained(NamedTuple):
-    """A simpler effect that an effect becomes where its parameters take the values ``at`` (infinite: in that limit).
-
-    ``unseen`` names a parameter of the angle's unit: below the noise of the reading nothing is seen of the effect but the
-    simpler one.
-    """
+    """A simpler effect that an effect becomes where its parameters take the values ``at`` (infinite: in that limit)."""
 
     name: str
     at: dict[str, float]
-    unseen: str = ""
 
 
 class StandIn(NamedTuple):

@@ -100,7 +100,7 @@ DISSIPATION = (
         "Dahl, Aerospace Corporation TOR-0158 (1968); Wen, J. Eng. Mech. Div. ASCE 102, 249 (1976)",
         spoken="friction that winds up before it slips (presliding)",
         states=(State("F", "rad/s^2", "0", "(F_c - F*sign(thetadot))*thetadot/x_c", "friction torque over inertia"),),
-        contains=(Contained("constant_coulomb", {"presliding_angle": 0.0}, unseen="presliding_angle"),),
+        contains=(Contained("constant_coulomb", {"presliding_angle": 0.0}),),
         replaces=(
             StandIn("load_coulomb", tuple(
                 {"presliding_friction": "abs(gamma*omega_n**2) + 1e-4", "presliding_angle": angle}

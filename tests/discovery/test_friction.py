@@ -1,0 +1,78 @@
+"""What only something that takes energy could do, apart from springs and zeros: on swings that the second pendulum makes."""
+
+import numpy as np
+import pytest
+
+from swingdown.discovery import friction
+from swingdown.discovery.campaign import Noise, Swing, campaign
+from swingdown.discovery.confirm import predict
+from swingdown.discovery.judge import judged
+from swingdown.discovery.linear import frame
+from swingdown.discovery.structures import Pool
+from swingdown.fitting.least_squares import fit_jointly
+from swingdown.pendulum.model import Model
+from swingdown.trials.second_pendulum import trajectory
+
+TIMES = np.arange(0, 12, 0.02)  # s
+NOISE = Noise(1e-3)  # rad
+VALUES = {"natural_frequency": 7.0, "viscous_ratio": 0.008}
+
+
+def swings(hidden, zeros=(0.0, 0.0, 0.0, 0.0), **values):
+    """A campaign of a pendulum with viscous drag and what is hidden; each recording's zero (rad)."""
+    rng = np.random.default_rng(3)
+    made = []
+    for angle, zero in zip((0.9, -0.7, 0.5, 0.3), zeros, strict=True):
+        reading = trajectory(("viscous", *hidden), VALUES | values, TIMES, angle).reading
+        noise = NOISE.deviation * rng.standard_normal(TIMES.size)
+        made.append(Swing(f"{angle}", TIMES, reading + zero + noise))
+    return campaign("drags", made)
+
+
+def fitted(one, label):
+    return fit_jointly(Model(label), [swing.pair for swing in one.fit], bounded=True)
+
+
+def asked(one, added):
+    """What is judged of an effect beside viscous drag."""
+    pool = Pool(one, NOISE, fitted(one, "viscous"))
+    pool.look(fitted(one, f"viscous+{added}"))
+    return judged(pool, pool.known[frozenset(("viscous", added))])[added], pool
+
+
+@pytest.fixture(scope="module")
+def beside_a_spring():
+    return swings(
+        ("quadratic_drag", "quadratic_stiffness"),
+        quadratic_coefficient=0.02,
+        quadratic_stiffness=4.0,
+    )
+
+
+def test_a_drag_is_told_though_a_spring_is_missing_too(beside_a_spring):
+    finding, pool = asked(beside_a_spring, "quadratic_drag")
+    left = [one.left(NOISE) for one in pool.known.values()]
+    assert left[1] > 0.3 * left[0]  # of all that is missing
+    assert finding.share < 0.1 and finding.held_out < 0.2
+    assert finding.sure
+
+
+def test_a_spring_and_zeros_leave_nothing_that_takes_energy():
+    one = swings(("cubic_stiffness",), (0.02, -0.01, 0.0, 0.01), cubic_stiffness=0.2)
+    fit = fitted(one, "viscous")
+    assert fit.rms > 5 * NOISE.deviation
+    assert friction.fitted(frame(fit, one.fit)) < 1.5 * NOISE.deviation**2
+    assert friction.held_out(predict(fit, one.holdout), one.holdout) < 1.5 * NOISE.deviation**2
+
+
+def test_friction_of_another_kind_is_not_told_by_a_name_that_leaves_some_of_it():
+    """Friction at some angles only: a constant one does part of its work."""
+    one = swings(("friction_patch",), patch_friction=0.4, patch_from=0.3, patch_to=0.45)
+    finding, _ = asked(one, "constant_coulomb")
+    assert finding.share > 0.2 and not finding.sure
+
+
+def test_of_few_samples_nothing_is_told_apart(beside_a_spring):
+    few = tuple(Swing(one.name, one.times[::30], one.angle[::30]) for one in beside_a_spring.fit)
+    fit = fit_jointly(Model("viscous"), [swing.pair for swing in few], bounded=True)
+    assert friction.fitted(frame(fit, few)) is None
