@@ -251,3 +251,15 @@ def test_nobody_at_the_address_is_told_with_the_mend(phone):
 def test_settings_that_no_telephone_has(phone, more, told):
     with pytest.raises(InputError, match=told):
         source.connect(source.completed({**SETTINGS, "port": phone.port, **more}))
+
+
+@pytest.mark.slow("a capture by the workflow")
+def test_the_capture_rule_takes_a_telephone(phone, snakemake, tmp_path):
+    (tmp_path / "study.yaml").write_text(
+        f"recordings: recordings.csv\ncapture: {{port: '{phone.port}', duration_s: 2, emulated: true}}\n"
+    )
+    done = snakemake(
+        "capture", "--configfile", tmp_path / "study.yaml", "--config", "recording=swing", directory=tmp_path
+    )
+    assert "swing: complete: 200 of 200 samples" in done.stdout
+    assert "gyrY of the telephone" in done.stdout
