@@ -2,7 +2,8 @@
 
 ``anna.csv``, which ``resources/example`` holds too, is a swing of 20 s with presliding friction hidden in it. ``class`` is a folder of thirty pendulums, each of another
 length and friction, as a school's sensor exports them, and a file that is none. ``lengths``, ``sails`` and ``groups`` are series: eight
-lengths in the names, sails in a table beside the files, and six groups of which one measured another pendulum.
+lengths in the names, sails in a table beside the files, and six groups of which one measured another pendulum. ``pohl.csv`` is a wheel on a
+spring whose other end a motor turns, with the motor's angle.
 """
 
 import sys
@@ -13,6 +14,7 @@ import pandas as pd
 
 from swingdown.engine.trajectory import simulate
 from swingdown.paths import write_csv, write_text
+from swingdown.pendulum.drive import drive
 from swingdown.pendulum.model import Model
 
 TIMES = np.arange(2001) / 100  # s
@@ -37,6 +39,19 @@ def anna(path: Path) -> None:
         "presliding_angle": 0.006,
     }
     export(path, Model("viscous+presliding", values), np.radians(20), seed=1)
+    write_text(path, ABOUT + path.read_text(encoding="utf-8"))
+
+
+def pohl(path: Path) -> None:
+    """Writes one record of a Pohl wheel that a motor turns the spring of, up and down through its resonance, with the motor's angle."""
+    lever = np.radians(2.0) * np.sin(2 * np.pi * (0.8 * TIMES + 0.012 * TIMES**2))
+    values = {"natural_frequency": 6.5, "viscous_ratio": 0.02, "constant_friction": 0.08}
+    under = drive(TIMES, lever, "pivot_angle")
+    wheel = Model(f"viscous+constant_coulomb+{under.effect}", values, restoring="linear", drive=under)
+    noise = NOISE * np.random.default_rng(4).standard_normal(TIMES.size)
+    angle = np.degrees(simulate(wheel, TIMES, 0.0) + noise)
+    columns = {"Time (s)": TIMES, "Wheel (°)": angle.round(4), "Motor (°)": np.degrees(lever).round(4)}
+    write_csv(pd.DataFrame(columns), path)
     write_text(path, ABOUT + path.read_text(encoding="utf-8"))
 
 
@@ -91,8 +106,10 @@ def groups(folder: Path) -> None:
     (folder / "who.csv").write_text("\n".join(rows) + "\n", encoding="utf-8")
 
 
+FILES = {"pohl": pohl}
 FOLDERS = {"lengths": lengths, "sails": sails, "groups": groups}
 
 if __name__ == "__main__":
     place = Path(sys.argv[1])
-    anna(place) if place.suffix == ".csv" else FOLDERS.get(place.name, school)(place)
+    make = FILES.get(place.stem, anna) if place.suffix == ".csv" else FOLDERS.get(place.name, school)
+    make(place)

@@ -22,6 +22,7 @@ from ..discovery.state import Round
 from ..discovery.verdict import verdict
 from ..engine.trajectory import TrajectoryWarning, engine
 from ..errors import InputError
+from ..measurement.driven import drive_of
 from ..measurement.slack import of_angles
 from ..pendulum.catalogue import READINGS, catalogue
 from ..pendulum.model import PAPER_MODELS, SPRUNG, Model, models
@@ -231,6 +232,7 @@ def explain(
     effects: Mapping[str, Any] | None = None,
     names: Sequence[str] | None = None,
     restoring: Restoring = "sine",
+    **driven: Unpack[Driven],
 ) -> Answer:
     """The ``Answer`` of ``fit`` with a verdict: what the model ``base`` lacks.
 
@@ -245,6 +247,8 @@ def explain(
         Names of the effects that the search starts from.
     rounds
         The most moves of the search: additions, exchanges, drops.
+    **driven
+        Of a driven pendulum the same as in ``fit``.
 
     Returns
     -------
@@ -259,11 +263,11 @@ def explain(
     EngineError
         If there is no compiled engine and no C compiler.
     """
-    if (recorded := _recorded(times, angles, unit, "", restoring)) is not None:
+    said = asked(driven)
+    if not said and (recorded := _recorded(times, angles, unit, "", restoring)) is not None:
         return recorded.explain(base=base, rounds=rounds, fitted=fitted, effects=effects)
-    return explained(
-        swings(times, angles, unit, names, restoring=restoring), base, rounds, fitted, effects, restoring
-    )
+    given = swings(times, angles, unit, names, restoring=restoring, driven=said)
+    return explained(given, base, rounds, fitted, effects, restoring)
 
 
 def explained(
@@ -287,7 +291,7 @@ def explained(
     first = of_swings(given, fitted, effects, restoring, checked=False)
     whole = searchable("pendulum", first.swings)
     begun = SPRUNG_BASE if restoring == "linear" and base is BASE else base
-    (start,) = models(["+".join(begun)], effects, restoring)
+    (start,) = with_drive(models(["+".join(begun)], effects, restoring), given)
     with _of_none_compared():
         states = concluded(discover(whole, start, rounds), whole)
         found = verdict([summary(state, whole) for state in states], catalogue(effects).of(whole.reading))
@@ -341,7 +345,10 @@ def searchable(name: str, given: Sequence[xr.Dataset]) -> Campaign:
         If the swings are too few or too short to hold any out.
     """
     check_sampled(name, given)
-    made = [Swing(str(one.attrs["recording"]), one["time"].values, series_of(one).values) for one in given]
+    made = [
+        Swing(str(one.attrs["recording"]), one["time"].values, series_of(one).values, drive_of(one))
+        for one in given
+    ]
     return replace(campaign(name, made), slack=of_angles(given), reading=reading_of(name, given))
 
 

@@ -21,6 +21,7 @@ from ..engine.trajectory import TrajectoryWarning
 from ..errors import InputError
 from ..extras import has
 from ..language import IN_ENGLISH, Language, language
+from ..measurement.driven import NOT_SEARCHED, check_free
 from ..measurement.points_recording import NOT_IN_IT, are_points
 from ..measurement.programs import FILMS
 from ..paths import PROJECT, for_spreadsheets, printable, write_csv, written_whole
@@ -341,6 +342,7 @@ def _searched(kept: Sequence[own.Taken]) -> tuple[list[str], list[own.Refused]]:
     searched, short = [], []
     for campaign, members in campaigns.items():
         try:
+            check_free([one.angle for one in members], NOT_SEARCHED)
             searchable(campaign, [one.angle for one in members])
             searched.append(campaign)
         except InputError as problem:

@@ -6,11 +6,12 @@ from itertools import pairwise
 
 import numpy as np
 
-from ..arrays import Floats
+from ..arrays import Floats, swing_under
 from ..errors import InputError
 from ..fitting.guess import middle_crossings
 from ..measurement.noise_level import HARMONICS, whittle
 from ..pendulum.catalogue import ANGLE
+from ..pendulum.drive import Drive
 from ..pendulum.slack import Slack
 
 # A single recording is cut into parts of as many half-swings each: odd numbers of them, so that both ends are fitted.
@@ -24,6 +25,7 @@ class Swing:
     name: str
     times: Floats
     angle: Floats
+    drive: Drive | None = None
 
     @property
     def amplitude(self) -> float:
@@ -33,7 +35,7 @@ class Swing:
     @property
     def pair(self) -> tuple[Floats, Floats]:
         """(times, angles), as the fitter takes them."""
-        return self.times, self.angle
+        return swing_under(self.drive, self.times, self.angle)
 
 
 @dataclass(frozen=True)
@@ -122,7 +124,7 @@ def cut(swing: Swing) -> list[Swing]:
     at = crossings[[k * (crossings.size - 1) // count for k in range(1, count)]]
     edges = [0, *np.searchsorted(swing.times, at), swing.times.size]
     return [
-        Swing(f"{swing.name}, part {k + 1} of {count}", swing.times[a:b], swing.angle[a:b])
+        Swing(f"{swing.name}, part {k + 1} of {count}", swing.times[a:b], swing.angle[a:b], swing.drive)
         for k, (a, b) in enumerate(pairwise(edges))
     ]
 

@@ -156,9 +156,8 @@ def without(fit: Fit, name: str) -> Begin:
 def starts_to_drop(frame: Frame) -> list[Start]:
     """The ``Start``s of the model without one of its effects, for each of several."""
     model = frame.fit.model
-    if len(model.names) < 2:
-        return []
-    return [Start(None, old, without(frame.fit, old), 0.0) for old in model.names]
+    own = [one.name for one in model.effects if not one.takes_input]  # a drive that was measured is there
+    return [Start(None, old, without(frame.fit, old), 0.0) for old in own if len(own) > 1]
 
 
 def starts_to_exchange(frame: Frame, allowed: Collection[str] | None = None) -> list[Start]:

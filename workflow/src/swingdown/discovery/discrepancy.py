@@ -195,7 +195,7 @@ def _seen(frame: Frame, period: float) -> tuple[Floats, Floats, Floats, NDArray[
     means, motions = [], []
     for swing, one, rows in zip(frame.swings, frame.fit.swings, frame.slices, strict=True):
         mean = _Means(swing.times, period / _BINS)
-        coarse = Swing(swing.name, mean.times, mean(swing.angle))
+        coarse = Swing(swing.name, mean.times, mean(swing.angle), swing.drive)
         motions.append(motion(one.model, coarse, one.release_angle, one.release_velocity))
         means.append((mean, rows))
     weight = np.concatenate([mean.weight for mean, _ in means])

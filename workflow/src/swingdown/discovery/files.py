@@ -50,6 +50,7 @@ def read_campaign(name: str, paths: Sequence[Path | str], roles: Sequence[str]) 
     for path, role in zip(paths, roles, strict=True):
         data = dataset.read(path)
         check_sampled(name, [data])
+        check_free([data], NOT_SEARCHED)
         swing = Swing(str(data.attrs["recording"]), data["time"].values, dataset.series_of(data).values)
         systematic = max(systematic, float(dataset.series_of(data, "systematic_uncertainty").max()))
         emulated |= str(data.attrs.get("emulated", "no")) == "yes"
@@ -68,7 +69,6 @@ def check_sampled(name: str, angles: Sequence[xr.Dataset]) -> None:
             f"campaign {name}", NOT_IN_IT, "samples of the motion itself",
             "record the motion itself",
         )  # fmt: skip
-    check_free(angles, NOT_SEARCHED)
 
 
 def reading_of(name: str, angles: Sequence[xr.Dataset]) -> str:

@@ -26,7 +26,9 @@ UNITS: dict[str, dict[str, float]] = {
     "pivot_angle": {"rad": 1.0, "deg": pi / 180},
 }
 """By kind the units of an input and what they are worth in those of ``KINDS``; the first is taken where none is stated, but of a torque."""
-NOT_SEARCHED = "what is missing is searched for in free swings alone; the first answer stands"
+NOT_SEARCHED = (
+    "the workflow searches free swings alone for what is missing; swingdown.explain searches driven ones"
+)
 _DIMENSION = "input_time"
 
 
