@@ -9,7 +9,7 @@
 # make benchmark-discovery  hold the search for hidden effects against what one would otherwise use (after snakemake hidden_effects;
 #                 sets up .venv/discovery for that; some minutes)
 # make docs       the site of docs/, with catalogue, settings and API: site/index.html (sets up .venv/docs for that)
-# make wheel      the package as a wheel that carries the compiled engine (Linux on x86-64), so that no compiler is needed: dist/
+# make wheel      the package as a wheel that carries the compiled engine, so that no compiler is needed: dist/
 # make lock       resolve the versions again after a change of pyproject.toml; UPGRADE=--upgrade takes newer ones
 # make clean      remove what was computed; make distclean removes .venv as well
 #

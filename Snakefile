@@ -68,7 +68,10 @@ onstart:
         prefork.start()
         # Snakemake's limit to 100 jobs a second looks at all jobs anew once a second for each job that has ended; on one
         # machine there is nothing to limit.
-        workflow.scheduler.job_rate_limiter = None
+        if hasattr(
+            workflow.scheduler, "job_rate_limiter"
+        ):  # a version without one has nothing to be rid of
+            workflow.scheduler.job_rate_limiter = None
 
 
 onsuccess:

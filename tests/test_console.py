@@ -90,6 +90,13 @@ def test_a_disk_that_takes_no_results_is_told_without_a_traceback(
     assert (tmp_path / "a.csv").read_text() == "as it was"
 
 
+def test_words_alone_make_no_full_disk(tmp_path):
+    """What a result could not be written for is known by the class of its error, whatever others say."""
+    with pytest.raises(OSError, match="another"), console.job(tmp_path / "job.log"):
+        raise OSError("another says that the disk is full")
+    assert "Traceback" in (tmp_path / "job.log").read_text()
+
+
 def test_a_kind_of_warning_is_told_once(tmp_path, capsys):
     with console.job(tmp_path / "log"):
         for k in range(300):

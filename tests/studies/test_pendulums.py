@@ -48,6 +48,20 @@ def test_a_row_for_each_recording_and_for_all_of_one_pendulum_in_the_sheets_orde
     assert together["amplitude_rad"] == pytest.approx(0.3, abs=0.002)
 
 
+def test_a_file_that_nobody_looked_at_is_no_pendulum_and_a_refused_one_is(study):
+    norms, joint = study
+    row = {
+        "campaign": "b",
+        "recording": "b",
+        "label": "b",
+        "file": "b.csv",
+        "problem": "not looked at: it is odd",
+    }
+    for code, there in (("", True), ("not looked at", False)):
+        table = pendulums(norms, [joint], left_out=pd.DataFrame([row | {"code": code}]))
+        assert ("b" in set(table["recording"])) is there
+
+
 def test_the_quantities_are_the_truths_within_their_uncertainties_and_come_back_from_the_row(study, tmp_path):
     norms, joint = study
     pendulums(norms, [joint]).to_csv(tmp_path / "table.csv", index=False)

@@ -4,6 +4,7 @@ import pytest
 import yaml
 
 from swingdown.errors import InputError
+from swingdown.pendulum.model import BASES
 from swingdown.study.settings import complete
 
 
@@ -22,6 +23,10 @@ def test_the_shipped_config_is_the_defaults_with_the_bench(root):
     assert defaults.pop("coverage") == {"seed": 2026, "calibrations": 5000, "swings": 5000, "together": 2000}
     assert shipped == defaults
     assert complete(files) == complete({}) | files
+
+
+def test_a_search_starts_from_the_same_base_by_the_settings_and_by_a_call():
+    assert complete({})["discovery"]["base"] == list(BASES["sine"])
 
 
 def test_what_is_given_is_kept_and_the_given_config_is_not_changed():

@@ -10,7 +10,7 @@ from hashlib import sha256
 from pathlib import Path
 from typing import NoReturn
 
-from .errors import Refusal
+from .errors import Refusal, Unwritten
 from .paths import printable, write_text
 
 RULE = "-" * 78
@@ -41,10 +41,7 @@ def job(log: str | Path | None = None) -> Iterator[Callable[[object], None]]:
             yield say
     except Refusal as error:
         _stop(block(error), log, told)
-    except OSError as error:
-        if not any(words in str(error) for words in ("the disk is full", "cannot be written")):
-            _keep(log, [*told, traceback.format_exc()])
-            raise
+    except Unwritten as error:
         _stop(framed(UNWRITTEN, error.strerror or str(error)), log, told)
     except Exception:
         _keep(log, [*told, traceback.format_exc()])

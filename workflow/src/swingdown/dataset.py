@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from .errors import MAKE_ANEW, InputError
+from .errors import MAKE_ANEW, InputError, Unwritten
 from .extras import needed
 from .paths import written_whole
 from .sealed import check_behind, seal_behind
@@ -28,7 +28,7 @@ def write(dataset: xr.Dataset, path: str | Path) -> Path:
     netCDF verifies. What lies between the variables (the index of their pieces, text of variable length) has none, so the
     file has a seal as well (``sealed.seal_behind``). What the CF Conventions ask of every file (title, history without a date,
     source, a name for each variable) is added where the dataset does not say it itself. A float variable without ``units`` and ``long_name`` raises ValueError; a full disk raises
-    OSError (ENOSPC) with the space wanted and free. Nothing is left behind by a write that fails.
+    Unwritten (ENOSPC) with the space wanted and free. Nothing is left behind by a write that fails.
     """
     path, netcdf = Path(path), needed("netCDF4")
     if lost := [f"{name}: no {key}" for name, key in _unlabelled(dataset)]:
@@ -61,7 +61,7 @@ def write(dataset: xr.Dataset, path: str | Path) -> Path:
         if (
             getattr(error, "errno", None) == errno.ENOSPC or free < dataset.nbytes
         ):  # netCDF says only "HDF error"
-            raise OSError(
+            raise Unwritten(
                 errno.ENOSPC,
                 f"the disk is full: {path} needs up to {dataset.nbytes / 1e6:.3g} MB and "
                 f"{free / 1e6:.3g} MB are free. Mend: make room and run again",

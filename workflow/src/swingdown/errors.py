@@ -39,6 +39,10 @@ class EngineError(Refusal, RuntimeError):
     heading = "The engine cannot be built."
 
 
+class Unwritten(OSError):
+    """A result that cannot be written, for want of room or of leave; it has the errno, and tells in words where, and the mend."""
+
+
 class PackageError(Refusal, ImportError):
     """A package that is needed and not installed; its parts are those of a ``Refusal``."""
 

@@ -12,7 +12,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
-from .errors import InputError
+from .errors import InputError, Unwritten
 
 
 def _project() -> Path:
@@ -107,8 +107,8 @@ _SPELT = {
 def written_whole(path: str | Path) -> Iterator[Path]:
     """A path to write to, beside ``path``: what is there at the end takes its name, on disk and whole.
 
-    Where writing fails, ``path`` is as it was before and nothing is left behind. A disk that is full or a folder that cannot be
-    written raises the OSError with what is wrong and the mend in words.
+    Where writing fails, ``path`` is as it was before and nothing is left behind. Unwritten where the disk is full or the folder cannot be
+    written.
     """
     path = Path(path)
     partial = path.with_name(f".{path.name}.{_HOST}-{os.getpid()}.part")
@@ -118,10 +118,11 @@ def written_whole(path: str | Path) -> Iterator[Path]:
         _to_disk(partial)
         os.replace(partial, path)
         _to_disk(path.parent)
+    except Unwritten:
+        raise
     except OSError as error:
-        told = in_words(error.errno, path)
-        if told and _MEND not in str(error):
-            raise OSError(error.errno, told) from error
+        if told := in_words(error.errno, path):
+            raise Unwritten(error.errno, told) from error
         raise
     finally:
         with suppress(OSError):
@@ -130,10 +131,9 @@ def written_whole(path: str | Path) -> Iterator[Path]:
 
 def in_words(number: int | None, path: str | Path) -> str:
     """What is wrong, where, and the mend, of the errno of a failed write; "" for one that is not the disk's or the folder's."""
-    return f"{_IN_WORDS[number]}: {path}. {_MEND} {_MENDS[number]}" if number in _IN_WORDS else ""
+    return f"{_IN_WORDS[number]}: {path}. Mend: {_MENDS[number]}" if number in _IN_WORDS else ""
 
 
-_MEND = "Mend:"
 _IN_WORDS = {
     errno.ENOSPC: "the disk is full",
     errno.EDQUOT: "the disk is full for this user",

@@ -25,14 +25,13 @@ from ..errors import InputError
 from ..measurement.driven import drive_of
 from ..measurement.slack import of_angles
 from ..pendulum.catalogue import READINGS, catalogue
-from ..pendulum.model import PAPER_MODELS, SPRUNG, Model, models
+from ..pendulum.model import BASES, PAPER_MODELS, SPRUNG, Model, models
 from ..studies.doubt import NotFree, ask_counted, breaks_off, fit_any, fit_free, unit_in_doubt
 from ..studies.experiment import fit_campaign, with_drive
 from ..studies.norms import combine_recordings
 from ..studies.pendulums import described_by, joined, pendulums, values_of
 from ..studies.pendulums import reading_of as reading_in
 from ..studies.quantities import Quantity
-from ..study.own import SPRUNG_BASE
 from .given import Driven, asked, swings
 from .recorded import Recording, Restoring, Told, read
 from .result import Answer, Begin
@@ -46,7 +45,7 @@ Swings: TypeAlias = (
 """What holds times, angles, or both: arrays (masked ones too, and quantities of pint), tables and labelled arrays; a recording; a path."""
 Unit = Literal["rad", "deg", "rad/s", "deg/s"]
 Kind = Literal["", "swing", "turning_points", "half_swings", "passages", "periods"]
-BASE = ("viscous", "load_coulomb")  # what the search starts from, as `discovery.base` of the settings
+BASE = BASES["sine"]
 
 
 def fit(
@@ -290,7 +289,7 @@ def explained(
     engine(catalogue(effects))  # without a compiled one even the fits before the search take minutes
     first = of_swings(given, fitted, effects, restoring, checked=False)
     whole = searchable("pendulum", first.swings)
-    begun = SPRUNG_BASE if restoring == "linear" and base is BASE else base
+    begun = BASES[restoring] if base is BASE else base
     (start,) = with_drive(models(["+".join(begun)], effects, restoring), given)
     with _of_none_compared():
         states = concluded(discover(whole, start, rounds), whole)

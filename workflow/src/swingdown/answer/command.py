@@ -22,7 +22,7 @@ from ..errors import InputError
 from ..extras import has
 from ..language import IN_ENGLISH, Language, language
 from ..measurement.driven import NOT_SEARCHED, check_free
-from ..measurement.points_recording import NOT_IN_IT, are_points
+from ..measurement.points_recording import POINTS_ALONE, are_points
 from ..measurement.programs import FILMS
 from ..paths import PROJECT, for_spreadsheets, printable, write_csv, written_whole
 from ..rounding import value_with_uncertainty
@@ -164,7 +164,7 @@ def _study(given: Sequence[str], told: Mapping[str, Any], wishes: Wishes) -> Fou
         _tell(answers)
     searched, short = _searched(kept)
     left_out += short
-    for one in (*unfit, *(one for one in short if one.problem != NOT_IN_IT)):  # that is told already
+    for one in (*unfit, *(one for one in short if one.code != POINTS_ALONE)):  # that is told already
         _say(f"{one.recording}: {one.problem}. Mend: {as_options(one.mend)}.")
     config = own.write(folder, [one.row for one in kept], left_out, searched, restoring, wishes.lang)
     table = pd.concat([one.table for one in answers.values()], ignore_index=True)

@@ -1,11 +1,12 @@
 """What is to be recorded, where it goes, and its entry in the sheet: all that can stand against it is told beforehand."""
 
+import errno
 import hashlib
 import shutil
 from dataclasses import dataclass
 from pathlib import Path
 
-from ..errors import InputError
+from ..errors import InputError, Unwritten
 from . import sheets, source, take
 from .formats import parser
 
@@ -143,13 +144,13 @@ def _point(job, digest):
 
 
 def check_room(seconds: float | None = 0.0, rate: float = 0.0, folder: str | Path = FOLDER) -> None:
-    """None, or OSError where the disk has no room for a recording of ``seconds`` (None: an open end) at ``rate`` (1/s)."""
+    """None, or Unwritten where the disk has no room for a recording of ``seconds`` (None: an open end) at ``rate`` (1/s)."""
     seconds = _LONG if seconds is None else seconds
     needed = seconds * rate * _ROOM + 1e6
     free = shutil.disk_usage(folder).free
     if free < needed:
-        raise OSError(
-            28,
+        raise Unwritten(
+            errno.ENOSPC,
             f"the disk is full: a recording{f' of {seconds:g} s' if seconds else ''} needs up to {needed / 1e6:.1f} MB in {folder} and {free / 1e6:.1f} MB "
             "are free. Mend: make room and run again",
         )

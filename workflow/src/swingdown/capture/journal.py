@@ -14,6 +14,7 @@ from pathlib import Path
 
 from ..errors import InputError
 
+RUNNING = "still running"  # the code of the refusal while another process records under this name
 _HEAD = struct.Struct("<dI")
 _SYNC = 1.0  # s between writes that are forced to the disk
 
@@ -93,7 +94,7 @@ def in_the_way(path: Path) -> InputError:
     try:
         read_journal(path)
     except InputError as error:
-        if "still running" in error.problem:
+        if error.code == RUNNING:
             return error
     return InputError(
         path,
@@ -114,4 +115,5 @@ def _running(path):
         "a capture of this name is still running",
         "one at a time",
         "wait for it, or stop it with Ctrl-C",
+        RUNNING,
     )

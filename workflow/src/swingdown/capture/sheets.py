@@ -15,7 +15,7 @@ from pathlib import Path
 import yaml
 
 from ..errors import InputError
-from ..measurement.sheet import read_sheet
+from ..measurement.sheet import TWICE, read_sheet
 from ..paths import PROJECT, find
 from ..schema import parse_yaml
 
@@ -202,7 +202,7 @@ def _check_rows(made, path, row):
     try:
         read_sheet(made, check_files=False)
     except InputError as error:
-        if "is used twice" in error.problem:
+        if error.code == TWICE:
             problem = f"the sheet has a row {row['recording']!r} already"
             raise InputError(path, problem, "a name that is not taken", "choose another name") from None
         where = error.where.replace(str(made), str(path))

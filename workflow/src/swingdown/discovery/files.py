@@ -15,7 +15,7 @@ from ..engine.trajectory import TrajectoryError
 from ..errors import InputError
 from ..measurement.angle import UNSCALED
 from ..measurement.driven import NOT_SEARCHED, check_free
-from ..measurement.points_recording import NOT_IN_IT, are_points
+from ..measurement.points_recording import NOT_IN_IT, POINTS_ALONE, are_points
 from ..measurement.refused import refuse
 from ..measurement.slack import of_angles
 from ..pendulum.catalogue import READINGS
@@ -67,7 +67,7 @@ def check_sampled(name: str, angles: Sequence[xr.Dataset]) -> None:
     if any(map(are_points, angles)):
         raise InputError(
             f"campaign {name}", NOT_IN_IT, "samples of the motion itself",
-            "record the motion itself",
+            "record the motion itself", POINTS_ALONE,
         )  # fmt: skip
 
 

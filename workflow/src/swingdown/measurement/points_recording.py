@@ -13,6 +13,7 @@ from .slack import tolerances
 from .source import Table
 from .turning_points import BOTH_SIDES, ONE_SIDE, Points
 
+POINTS_ALONE = "points alone"  # the code of the refusal to search points of the motion
 NOT_IN_IT = "points of the motion only: what a torque does between them is not in the data"
 READ, COUNTED, PASSED = "turning points", "turning points without times", "passages without speeds"
 

@@ -19,8 +19,9 @@ COLUMNS = (
     "problem",
     "expected",
     "mend",
+    "code",
 )  # of a row on what is left out
-NOT_LOOKED_AT = "not looked at"  # how the reason begins of a file in a folder that no reader is given
+NOT_LOOKED_AT = "not looked at"  # the code of a file in a folder that no reader is given
 _WHY = ("where", "problem", "expected", "mend")
 _DOUBT = "doubt_"  # before each of these, where a recording can be used, and may be no free swing
 
@@ -69,7 +70,7 @@ def left_out(path: str | Path) -> dict[str, str]:
     why = {key: about[key] for key in _WHY} if about.get("role") == dataset.REFUSED else doubt_in(path)
     if not why:
         return {}
-    row = {key: str((_named(about) | why)[key]) for key in COLUMNS}
+    row = {key: str((_named(about) | {"code": ""} | why)[key]) for key in COLUMNS}
     return row | {"problem": place_in(row["file"], why["where"], row["recording"]) + row["problem"]}
 
 

@@ -13,6 +13,7 @@ from ..errors import InputError
 from ..paths import find, from_cell, is_url, printable, safe_name
 from ..schema import check, near, rules
 
+TWICE = "name used twice"  # the code of the refusal of two rows with one name
 SCHEMA = "recordings.schema.yaml"  # what a row may hold
 COLUMNS: dict[str, Any] = {name: rule.get("default") for name, rule in rules(SCHEMA)["properties"].items()}
 NUMBERS = tuple(name for name, rule in rules(SCHEMA)["properties"].items() if rule.get("type") == "number")
@@ -115,6 +116,7 @@ def _check_names(path: object, rows: list[dict[str, Any]]) -> None:
                 f"the name {names[0]!r} is used twice",
                 "a name of its own for each recording",
                 "rename one of them",
+                TWICE,
             )
         raise InputError(
             both,

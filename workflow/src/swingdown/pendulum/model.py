@@ -25,6 +25,8 @@ _TABLE_1 = ("viscous", "quadratic_drag", "load_coulomb")
 PAPER_MODELS = tuple("+".join(terms) for size in (1, 2, 3) for terms in combinations(_TABLE_1, size))
 # Of a wheel on a spring: no weight loads its bearing.
 SPRUNG = tuple(label.replace("load_coulomb", "constant_coulomb") for label in PAPER_MODELS)
+# What a search starts from, by what pulls back; `discovery.base` of the settings is the first. No weight loads a wheel's bearing.
+BASES = {"sine": ("viscous", "load_coulomb"), "linear": ("viscous", "constant_coulomb")}
 
 
 @dataclass(frozen=True)

@@ -196,7 +196,7 @@ def judged(
         remark = joined(verdict.get("unit_doubt", ""), row["remark"], left)
         row |= {"verdict": verdict.get("status", ""), "missing": _named(verdict), "remark": remark}
     for name, one in told.items():
-        if str(one.problem).startswith(NOT_LOOKED_AT):
+        if getattr(one, "code", "") == NOT_LOOKED_AT:
             continue
         label = getattr(one, "label", "")
         rows.append(

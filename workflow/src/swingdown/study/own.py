@@ -26,7 +26,7 @@ from ..measurement.runs import SeveralRuns
 from ..measurement.sheet import COLUMNS
 from ..measurement.source import NETCDF
 from ..paths import for_spreadsheets, printable, safe_name, write_csv, write_text
-from ..pendulum.model import SPRUNG
+from ..pendulum.model import BASES, SPRUNG
 
 # What of a folder is given to the readers; they tell of each that they cannot use why.
 ENDINGS = (
@@ -46,8 +46,6 @@ _PICTURES = (".png", ".jpg", ".jpeg", ".gif", ".svg", ".heic", ".bmp", ".tif", "
 SHEET, CONFIG, LEFT_OUT = "recordings.csv", "study.yaml", "left_out.csv"
 SUFFIX = "-swingdown"  # of a study's folder, after the file that it is of
 TOGETHER = "pendulum"
-# What a search starts from where a spring pulls back: no weight loads the bearing of a wheel.
-SPRUNG_BASE = ("viscous", "constant_coulomb")
 _OPENING = """\
 # The study of the recordings in {sheet}, as `swingdown` wrote it. It is yours to change (config/README.md of the project tells every
 # key); then run, in the project's folder:
@@ -76,6 +74,7 @@ class Refused(NamedTuple):
     expected: str
     mend: str
     label: str = ""  # what to call it, where that is not its name
+    code: str = ""  # what a program goes by, as of a ``Refusal``
 
 
 def files(given: Iterable[str | Path]) -> tuple[list[Path], list[Refused]]:
@@ -123,10 +122,11 @@ def _passed(path: Path) -> Refused:
     return Refused(
         name,
         _shown(path),
-        f"{NOT_LOOKED_AT}: {what}",
+        f"not looked at: {what}",
         "",
         "name it by itself, if it is one",
         printable(_shown(path)),
+        NOT_LOOKED_AT,
     )
 
 
@@ -257,7 +257,7 @@ def refused(row: Mapping[str, Any], problem: InputError, path: Path | None = Non
     """The ``Refused`` of a row of the sheet; the line and column of the file at ``path`` stand before the problem."""
     at = place_in(str(path), problem.where, row["recording"]) if path else ""
     told = at + problem.problem, problem.expected, problem.mend
-    return Refused(row["recording"], row["file"], *told, row.get("label", ""))
+    return Refused(row["recording"], row["file"], *told, row.get("label", ""), problem.code)
 
 
 def write(
@@ -295,7 +295,7 @@ def _written(
     search: dict[str, Any] = {}
     if restoring == "linear":
         settings |= {"model": {"restoring": restoring}, "experiment": {"fitted": list(SPRUNG)}}
-        search["base"] = list(SPRUNG_BASE)
+        search["base"] = list(BASES[restoring])
     if left_out:
         write_csv(for_spreadsheets(pd.DataFrame(left_out)), folder / LEFT_OUT)
         settings["left_out"] = LEFT_OUT

@@ -20,12 +20,12 @@ from ..measurement.apparatus import Apparatus
 from ..paths import write_csv
 from ..pendulum.catalogue import SHIPPED, Catalogue
 from ..pendulum.effect import Effect, Parameter
-from ..pendulum.model import Model
+from ..pendulum.model import BASES, Model
 from .coverage import SLOPE, Bench, bench
 from .second_pendulum import BELOW_NOISE, Runaway, trajectory
 from .torques import FOREIGN, KNOWN
 
-BASE = ("viscous", "load_coulomb")
+BASE = BASES["sine"]
 NOISES = ("white", "coloured", "steps")
 _WITHIN = 0.58  # rad, that swings stay within of which a calibrated sensor reads 72 degrees in all
 _CROSSINGS = 6  # of the middle, that a swing must make at least
