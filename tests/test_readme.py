@@ -46,4 +46,5 @@ def test_links_of_the_texts_lead_to_files(root):
     for text in texts:
         prose = re.sub(r"^```.*?^```$", "", text.read_text(), flags=re.DOTALL | re.MULTILINE)
         for link in re.findall(r"\]\(([^)#\s]+)[^)]*\)", prose):
-            assert "://" in link or (text.parent / link).exists(), f"{text.name}: {link}"
+            made = link.startswith("generated/")  # by `make docs`, which ends where it leads nowhere
+            assert made or "://" in link or (text.parent / link).exists(), f"{text.name}: {link}"
