@@ -106,7 +106,18 @@ def groups(folder: Path) -> None:
     (folder / "who.csv").write_text("\n".join(rows) + "\n", encoding="utf-8")
 
 
-FILES = {"pohl": pohl}
+def roll(path: Path) -> None:
+    """Writes the roll of a hull after a push to 14 degrees: a linear restoring moment, wave-making (viscous) and eddies (quadratic)."""
+    values = {"natural_frequency": 0.62, "viscous_ratio": 0.012, "quadratic_coefficient": 0.16}
+    model = Model("viscous+quadratic_drag", values, restoring="linear")
+    times = np.arange(1801) / 10  # s
+    noise = NOISE * np.random.default_rng(7).standard_normal(times.size)
+    angle = np.degrees(simulate(model, times, np.radians(14)) + noise)
+    write_csv(pd.DataFrame({"t (s)": times, "roll (deg)": angle.round(4)}), path)
+    write_text(path, ABOUT + path.read_text(encoding="utf-8"))
+
+
+FILES = {"pohl": pohl, "roll": roll}
 FOLDERS = {"lengths": lengths, "sails": sails, "groups": groups}
 
 if __name__ == "__main__":

@@ -93,6 +93,7 @@ def test_plots_rest_on_datasets_symbols_rounding_and_the_way_files_are_written_a
                 assert node.module in (
                     "arrays",
                     "dataset",
+                    "language",
                     "pendulum.model",
                     "paths",
                     "rounding",

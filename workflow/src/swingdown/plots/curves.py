@@ -14,6 +14,7 @@ from . import style
 FREE, MODEL = "#0072B2", "#D55E00"
 _DOTS = 60  # single swings beyond which means of neighbours are drawn
 _GROUPS = 16
+_WIDE = 1e-3  # Hz: marks of less have so many digits that two of them fill a panel
 _APART = 0.12  # of a panel's height: between two marks of a scale that is not even
 _REACH = 1.35  # of the free curve's range that single swings, which scatter more, may widen a panel to
 
@@ -48,7 +49,8 @@ def backbone(data: xr.Dataset) -> Figure:
         first.text(0.5, 0.5, "no times", transform=first.transAxes, ha="center", color=style.GREY)
     first.set(xlabel="frequency (Hz)", ylabel=unit)
     first.ticklabel_format(axis="x", useOffset=False)
-    first.locator_params(axis="x", nbins=4)
+    low, high = first.get_xlim()
+    first.locator_params(axis="x", nbins=4 if high - low > _WIDE else 1)
     if torques:
         left, right = figure.add_subplot(grid[1, :3]), figure.add_subplot(grid[1, 3:])
         _restoring(left, data, timed)

@@ -1,0 +1,69 @@
+"""A report in another language: its texts, and its numbers' decimal sign; somebody's names and what stands in files stay."""
+
+import matplotlib
+import numpy as np
+from markupsafe import Markup
+
+from swingdown.language import language
+from swingdown.plots import style
+from swingdown.report.page import Column, Section, Table, Text, Value
+from swingdown.report.spoken import in_language, words
+
+GERMAN = language("de")
+
+
+def test_texts_and_numbers_are_said_in_the_language_and_names_stay():
+    columns = [
+        Column("recording"),
+        Column("period", "s", "n"),
+        Column("verdict"),
+        Column("which", style="code"),
+    ]
+    rows = [["period 1.5", "0.871(3)", "Named", "1.5"], ["b", Value("1.20(3)", 1.2), "Unknown", "0.1"]]
+    table = Table("Quantities, anna", "Fitted parameters; in parentheses the standard error in units of the last digits.", columns, rows)  # fmt: skip
+    (made,) = in_language([Section("The answer", [Text("Nothing else is needed."), table])], GERMAN)
+    text, found = made.items
+    assert made.title == "Die Antwort" and text.text == "Mehr ist nicht nötig."
+    assert found.label == "Größen, anna" and [one.head for one in found.columns[:3]] == [
+        "Aufnahme",
+        "Periode",
+        "Urteil",
+    ]
+    assert [list(map(str, row)) for row in found.rows] == [
+        ["period 1.5", "0,871(3)", "Benannt", "1.5"],
+        ["b", "1,20(3)", "Unbekannt", "0.1"],
+    ]
+    assert found.rows[1][1].value == 1.2  # by which it sorts
+
+
+def test_in_markup_the_text_between_tags_is_said_and_code_stays():
+    told = words(Markup("<b>Named.</b> Not needed: load Coulomb. <code>time</code> &lt;"), GERMAN)
+    assert told == "<b>Benannt.</b> Nicht nötig: Coulomb (lastabhängig). <code>time</code> &lt;"
+
+
+def test_english_is_as_it_was():
+    sections = [Section("The answer", [Text("0.5 of it")])]
+    assert in_language(sections, language("en")) == sections
+
+
+def test_a_figure_has_its_words_and_its_marks_in_the_language():
+    figure = style.new_figure(6)
+    axes = figure.subplots()
+    axes.plot(np.linspace(0, 1, 9), np.linspace(0, 0.5, 9), label="free of a model")
+    axes.set(xlabel="time (s)", ylabel="angle (°)")
+    figure.legend(loc="outside upper left")
+    style.in_language(figure, GERMAN)
+    figure.draw_without_rendering()
+    said = {one.get_text() for one in figure.findobj(matplotlib.text.Text)}
+    assert {"Zeit (s)", "Winkel (°)", "frei von einem Modell", "0,2"} <= said and "0.2" not in said
+
+
+def test_a_legend_with_longer_words_stays_in_the_figure():
+    figure = style.new_figure(6)
+    axes = figure.subplots()
+    for k in range(4):
+        axes.plot([0, 1], [0, k], label=f"± 2 standard deviations of the noise{' ' * k}")
+    legend = figure.legend(loc="outside upper left", ncols=4)
+    style.in_language(figure, GERMAN)
+    figure.draw_without_rendering()
+    assert legend.get_window_extent().width <= figure.bbox.width
