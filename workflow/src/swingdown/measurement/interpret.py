@@ -292,8 +292,8 @@ def _signal(
             if (line := along_most(values[0], values[1])) is None:
                 raise
             made = _coordinate(row, both, columns, times, line, restoring)
-            told = "THE POSITIONS LIE ON NO CIRCLE: how far along the axis on which they move most is taken for one coordinate"
-            return made._replace(remarks=[told, *made.remarks])
+            no_circle = "THE POSITIONS LIE ON NO CIRCLE: how far along the axis on which they move most is taken for one coordinate"
+            return made._replace(remarks=[no_circle, *made.remarks])
         away = lost(values[0], values[1], circle)
         signal = to_angles(values[0], values[1], circle)
         about = {f"pivot_{key}": value for key, value in circle._asdict().items()}

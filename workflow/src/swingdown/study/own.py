@@ -208,11 +208,12 @@ def take(row: Mapping[str, Any], path: Path, restoring: str = "sine") -> list[Ta
 
 def _without_rest(parts: list[Taken | Refused], path: Path) -> list[Taken | Refused]:
     """The parts of a file, those refused that hardly move beside another in the same unit: as a pendulum at rest beside one that swings."""
-    sizes = {k: float(np.ptp(one.recording["signal"].values)) for k, one in enumerate(parts) if isinstance(one, Taken) and "run" in one.row}  # fmt: skip
-    units = {k: parts[k].recording["signal"].attrs["units"] for k in sizes}
+    runs = {k: one for k, one in enumerate(parts) if isinstance(one, Taken) and "run" in one.row}
+    signals = {k: one.recording["signal"] for k, one in runs.items()}
+    sizes = {k: float(np.ptp(signal.values)) for k, signal in signals.items()}
     found = list(parts)
     for k, size in sizes.items():
-        most = max(sizes[n] for n in sizes if units[n] == units[k])
+        most = max(sizes[n] for n in sizes if signals[n].attrs["units"] == signals[k].attrs["units"])
         if size < AT_REST * most:
             told = InputError(
                 path.name,
@@ -220,7 +221,7 @@ def _without_rest(parts: list[Taken | Refused], path: Path) -> list[Taken | Refu
                 f"a swing of at least {100 * AT_REST:.0f} % of the widest in the file",
                 "give it alone, by its name in the cell run of the sheet, if that is its swing",
             )
-            found[k] = refused(parts[k].row, told, path)
+            found[k] = refused(runs[k].row, told, path)
     return found
 
 
