@@ -71,3 +71,14 @@ def test_list():
         assert (r["demand"] == "ask") == bool(r["question"]), r["path"]
         re.compile(r["question"])
         shlex.split(r["options"])
+
+
+def test_table():
+    """Each row of the page's table is a file of the list, and the page counts what the table holds."""
+    with fates.TABLE.open(encoding="utf-8", newline="") as f:
+        rows = list(csv.DictReader(f))
+    listed = {(r["repository"], r["path"]) for r in fetch.listed(None)}
+    found = [(r["repository"], r["path"]) for r in rows]
+    assert len(set(found)) == len(found) and set(found) <= listed
+    assert {r["fate"] for r in rows} <= set(fates.FATES)
+    assert fates.page(rows) == fates.TABLE.with_suffix(".md").read_text(encoding="utf-8")

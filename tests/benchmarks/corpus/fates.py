@@ -1,9 +1,10 @@
 """What `swingdown FILE --quick` makes of each recording of the corpus, as a table in Markdown.
 
     .venv/bin/python tests/benchmarks/corpus/fates.py FOLDER --split learn [--only TEXT] [--out ROWS.json]
-    .venv/bin/python tests/benchmarks/corpus/fates.py --table ROWS.json ... --onto docs/corpus.md > page.md
+    .venv/bin/python tests/benchmarks/corpus/fates.py --table ROWS.json ...
 
-FOLDER is what fetch.py filled. Of files that are in no ROWS.json, the page keeps the rows that ``--onto`` has of them. Each file is one process, called as a user would call it. A file's fate is one of
+FOLDER is what fetch.py filled. The second call puts the rows of each ROWS.json in place of those that docs/corpus.csv has of these files,
+and writes the counts into docs/corpus.md. Each file is one process, called as a user would call it. A file's fate is one of
 
 - answered: a period, and it is the pendulum's: within the tolerance of the period that a person counted in the plot;
 - asked: no number, but a question that a person would have to ask too (the file's `question` in files.csv); where that has
@@ -14,6 +15,7 @@ FOLDER is what fetch.py filled. Of files that are in no ROWS.json, the page keep
 
 import argparse
 import collections
+import csv
 import json
 import re
 import shlex
@@ -30,6 +32,18 @@ from fetch import SPLITS, listed, place
 
 COMMAND = Path(sys.executable).with_name("swingdown")
 FATES = ["answered", "asked", "refused", "wrong"]
+TABLE = Path(__file__).resolve().parents[3] / "docs" / "corpus.csv"
+COLUMNS = (
+    "repository",
+    "path",
+    "set",
+    "what",
+    "recorder",
+    "read or said",
+    "answer (s)",
+    "counted (s)",
+    "fate",
+)
 TITLES = {"learn": "Open while the reading was mended", "apart": "Kept apart at first", "fresh": "Read once"}
 
 
@@ -130,22 +144,24 @@ def counted(row):
     return f"{row['period_s']}{last} ± {row['tolerance_s']}, {row['check']}"
 
 
-def line(r):
-    """Return a file's row of the table."""
+def row_of(r):
+    """Return a file's row of docs/corpus.csv."""
     told = r["said"] + (f" → `{r['options']}`: {r['read']}" if r["read"] and r["said"] else r["read"])
-    return (
-        f"| {cell(r['repository'] + ' ' + r['path'], 150)} | {cell(r['what'])}, {cell(r['recorder'])} | {cell(told, 220)} "
-        f"| {r['answer']} | {counted(r)} | {r['fate']} |"
-    )
+    cells = (
+        r["repository"], r["path"], TITLES[r["split"]].lower(), r["what"], r["recorder"], cell(told, 220), r["answer"], counted(r), r["fate"],
+    )  # fmt: skip
+    return dict(zip(COLUMNS, cells, strict=True))
 
 
-def kept(page):
-    """Return the rows that a page has, as they would be had they just been read: of each file its line and its fate."""
-    lines = {one.split(" | ")[0]: one for one in page.splitlines() if one.endswith(" |")}
-    found = []
+def kept():
+    """Return the rows that docs/corpus.csv has of the files of the list, with what the list now says of them."""
+    with TABLE.open(encoding="utf-8", newline="") as f:
+        old = {(one["repository"], one["path"]): one for one in csv.DictReader(f)}
+    found = {}
     for row in listed(None):
-        if one := lines.get("| " + cell(row["repository"] + " " + row["path"], 150)):
-            found.append({**row, "line": one, "fate": one.rsplit("|", 2)[1].strip()})
+        key = row["repository"], row["path"]
+        if key in old:
+            found[key] = {**old[key], "set": TITLES[row["split"]].lower(), "counted (s)": counted(row)}
     return found
 
 
@@ -159,7 +175,7 @@ def summary(rows, name):
 
 
 def page(rows):
-    """Return the page of all rows: the counts by split and recorder, then each file."""
+    """Return the page of all rows: what it is about, the counts by set and recorder, and the table."""
     head = (
         "| | files | repositories | "
         + " | ".join(FATES)
@@ -167,22 +183,27 @@ def page(rows):
         + "---|" * (len(FATES) + 3)
     )
     lines = [Path(__file__).with_name("head.md").read_text(encoding="utf-8").rstrip(), "", head]
-    parts = {split: [r for r in rows if r["split"] == split] for split in SPLITS}
-    lines += [summary(part, f"**{TITLES[split].lower()}**") for split, part in parts.items() if part]
+    for title in TITLES.values():
+        if part := [r for r in rows if r["set"] == title.lower()]:
+            lines.append(summary(part, f"**{title.lower()}**"))
     for recorder in sorted({r["recorder"] for r in rows}):
         lines.append(summary([r for r in rows if r["recorder"] == recorder], recorder))
-    for split, part in parts.items():
-        if part:
-            lines += [
-                "",
-                f"## {TITLES[split]}",
-                "",
-                "| file | what, recorder | read or said | answer (s) | counted (s) | fate |",
-                "|---|---|---|---|---|---|",
-            ]
-        part = sorted(part, key=lambda r: (r["repository"].lower(), r["path"].lower()))
-        lines += [r["line"] if "line" in r else line(r) for r in part]
+    lines += ["", "```{csv-table}", ":file: corpus.csv", ":header-rows: 1", "```"]
     return "\n".join(lines) + "\n"
+
+
+def write(new):
+    """None; docs/corpus.csv and docs/corpus.md hold these rows, and of all other files those that they had."""
+    rows = {**kept(), **{(r["repository"], r["path"]): row_of(r) for r in new}}
+    order = list(map(str.lower, TITLES.values()))
+    ordered = sorted(
+        rows.values(), key=lambda r: (order.index(r["set"]), r["repository"].lower(), r["path"].lower())
+    )
+    with TABLE.open("w", encoding="utf-8", newline="") as f:
+        table = csv.DictWriter(f, COLUMNS, lineterminator="\n")
+        table.writeheader()
+        table.writerows(ordered)
+    TABLE.with_suffix(".md").write_text(page(ordered), encoding="utf-8")
 
 
 def main(argv=None):
@@ -193,14 +214,11 @@ def main(argv=None):
     parser.add_argument("--seconds", type=float, default=180, help="at most for one call")
     parser.add_argument("--out", help="file for the rows (JSON)")
     parser.add_argument(
-        "--table", nargs="+", metavar="ROWS.json", help="print the page of these rows, and run nothing"
+        "--table", nargs="+", metavar="ROWS.json", help="put these rows into docs/corpus.csv, and run nothing"
     )
-    parser.add_argument("--onto", help="a page whose rows of other files are kept")
     args = parser.parse_args(argv)
     if args.table:
-        old = kept(Path(args.onto).read_text(encoding="utf-8")) if args.onto else []
-        new = [r for name in args.table for r in json.loads(Path(name).read_text(encoding="utf-8"))]
-        print(page(list({(r["repository"], r["path"]): r for r in old + new}.values())), end="")
+        write([r for name in args.table for r in json.loads(Path(name).read_text(encoding="utf-8"))])
         return
     rows = []
     for row in listed(args.split):
