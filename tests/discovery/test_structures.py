@@ -80,7 +80,7 @@ def test_a_value_that_a_discrepancy_may_move_is_told_with_less_certainty(spring)
 def test_the_likelihood_has_the_slopes_that_its_differences_have():
     rng = np.random.default_rng(2)
     parts = [rng.standard_normal((6, 3)), rng.standard_normal((6, 2))]
-    likelihood = _Likelihood(parts, rng.standard_normal(6), 30.0, 40, 0.8)
+    likelihood = _Likelihood(parts, rng.standard_normal(6), 30.0, 40, 0.8, 0.2)
     at, step = np.array([0.4, -0.7, 0.05]), 1e-5
     for k, unit in enumerate(np.eye(3)):
         difference = (likelihood(at + step * unit)[0] - likelihood(at - step * unit)[0]) / (2 * step)

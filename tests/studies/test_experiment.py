@@ -91,13 +91,13 @@ def test_a_larger_model_starts_from_its_sub_models(angles, monkeypatch):
 
     begun = {}
 
-    def spy(model, times, angle, guess=None, **options):
-        fit = real(model, times, angle, guess=guess, **options)
+    def spy(model, swings, guess=None, **options):
+        fit = real(model, swings, guess=guess, **options)
         begun[model.label] = {one.model.label for one in guess or ()}
         return fit
 
-    real = experiment.fit_trajectory
-    monkeypatch.setattr(experiment, "fit_trajectory", spy)
+    real = experiment.fit_jointly
+    monkeypatch.setattr(experiment, "fit_jointly", spy)
     fit_recording(angles[0], PAPER_MODELS[::-1])  # in whatever order they are asked for
     assert begun["viscous+load_coulomb"] == {"viscous", "load_coulomb"}
     assert begun["viscous+quadratic_drag+load_coulomb"] == set(PAPER_MODELS[:-1])

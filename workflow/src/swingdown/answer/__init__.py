@@ -25,7 +25,7 @@ from ..errors import InputError
 from ..measurement.driven import drive_of
 from ..measurement.slack import of_angles
 from ..pendulum.catalogue import READINGS, catalogue
-from ..pendulum.model import BASES, PAPER_MODELS, SPRUNG, Model, models
+from ..pendulum.model import BASES, Model, everyday, models
 from ..studies.doubt import NotFree, ask_counted, breaks_off, fit_any, fit_free, unit_in_doubt
 from ..studies.experiment import fit_campaign, with_drive
 from ..studies.norms import combine_recordings
@@ -53,7 +53,7 @@ def fit(
     angles: Swings | Sequence[Swings] | None = None,
     *,
     unit: Unit | None = None,
-    fitted: Sequence[str] = PAPER_MODELS,
+    fitted: Sequence[str] | None = None,
     effects: Mapping[str, Any] | None = None,
     names: Sequence[str] | None = None,
     restoring: Restoring = "sine",
@@ -74,7 +74,7 @@ def fit(
         Unit of the angles (``rad``, ``deg``) or angular rates (``rad/s``, ``deg/s``). Default: that of a header, of the attribute
         ``units`` or of a quantity of pint, else rad.
     fitted
-        Labels of the models to fit, such as ``viscous+load_coulomb``.
+        Labels of the models to fit, such as ``viscous+load_coulomb``. Default: the laws of damping of ``pendulum.model.everyday``.
     effects
         Effects of your own, as the settings' key ``effects`` has them.
     names
@@ -127,7 +127,7 @@ def _recorded(
 
 def of_swings(
     given: Sequence[xr.Dataset],
-    fitted: Sequence[str] = PAPER_MODELS,
+    fitted: Sequence[str] | None = None,
     effects: Mapping[str, Any] | None = None,
     restoring: str = "sine",
     checked: bool = True,
@@ -148,9 +148,7 @@ def of_swings(
     NotFree
         If ``checked`` and no model of damping follows the motion.
     """
-    if restoring == "linear" and fitted is PAPER_MODELS:
-        fitted = SPRUNG
-    known = with_drive(models(list(fitted), effects, restoring), given)
+    known = with_drive(models(fitted or everyday(restoring), effects, restoring), given)
     drive = known[0].drive
     unit = "" if drive else unit_in_doubt(given, restoring)
     fit_one = fit_free if checked or drive else fit_any
@@ -227,7 +225,7 @@ def explain(
     unit: Unit | None = None,
     base: Sequence[str] = BASE,
     rounds: int = 4,
-    fitted: Sequence[str] = PAPER_MODELS,
+    fitted: Sequence[str] | None = None,
     effects: Mapping[str, Any] | None = None,
     names: Sequence[str] | None = None,
     restoring: Restoring = "sine",
@@ -273,7 +271,7 @@ def explained(
     given: Sequence[xr.Dataset],
     base: Sequence[str] = BASE,
     rounds: int = 4,
-    fitted: Sequence[str] = PAPER_MODELS,
+    fitted: Sequence[str] | None = None,
     effects: Mapping[str, Any] | None = None,
     restoring: str = "sine",
 ) -> Answer:

@@ -121,9 +121,9 @@ class Recording:
         Answer
             With g, where a length is stated.
         """
-        from . import PAPER_MODELS, of_swings
+        from . import of_swings
 
-        return self._with_g(of_swings(self.swings, fitted or PAPER_MODELS, effects, self.restoring))
+        return self._with_g(of_swings(self.swings, fitted, effects, self.restoring))
 
     def explain(
         self,
@@ -145,11 +145,9 @@ class Recording:
         Answer
             With a verdict, and with g where a length is stated.
         """
-        from . import BASE, PAPER_MODELS, explained
+        from . import BASE, explained
 
-        return self._with_g(
-            explained(self.swings, base or BASE, rounds, fitted or PAPER_MODELS, effects, self.restoring)
-        )
+        return self._with_g(explained(self.swings, base or BASE, rounds, fitted, effects, self.restoring))
 
     def _with_g(self, answer: "Answer") -> "Answer":
         """The answer with g where a length is stated."""

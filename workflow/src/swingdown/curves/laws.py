@@ -178,6 +178,7 @@ def _begun(known: xr.Dataset) -> dict[str, dict[str, float]]:
     return {
         str(label): dict(zip(names, row.tolist(), strict=True))
         for label, row in zip(known["fitted"].values, rows, strict=True)
+        if np.isfinite(row[-2:]).all()  # a law that could not be fitted has none
     }
 
 

@@ -54,6 +54,16 @@ def is_there(fit: Fit, name: str) -> bool:
     return size is None or fit.models[0].values[size.name] > size.lower + 1e-12
 
 
+def within(fit: Fit, name: str) -> bool:
+    """True where no parameter of an effect ended at a bound, where it is another effect: presliding over no angle is dry friction."""
+    values = fit.models[0].values
+    return is_there(fit, name) and all(
+        one.lower * (1 + 1e-9) < values[one.name] < one.upper * (1 - 1e-9)
+        for one in fit.model.catalogue[name].parameters
+        if one.role == "shape"
+    )
+
+
 def _vague(fit: Fit, name: str, value: float) -> bool:
     """True for a shape that the data leave anywhere: its standard error is beyond its own size."""
     error = fit.model.standard_errors.get(name, 0.0)

@@ -1,7 +1,7 @@
 """A campaign as discovery takes it: swings that are fitted, swings that are held out, and the noise on them."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import pairwise
 
 import numpy as np
@@ -9,7 +9,7 @@ import numpy as np
 from ..arrays import Floats, swing_under
 from ..errors import InputError
 from ..fitting.guess import middle_crossings
-from ..measurement.noise_level import HARMONICS, whittle
+from ..measurement.noise_level import HANN, HARMONICS, whittle
 from ..pendulum.catalogue import ANGLE
 from ..pendulum.drive import Drive
 from ..pendulum.slack import Slack
@@ -40,10 +40,12 @@ class Swing:
 
 @dataclass(frozen=True)
 class Noise:
-    """White or first-order autocorrelated noise: standard deviation (rad) and correlation of neighbouring samples."""
+    """White or first-order autocorrelated noise: standard deviation (rad), correlation of neighbouring samples, and ``known``, the standard
+    uncertainty of the logarithm of its variance at the pendulum's frequencies."""
 
     deviation: float
     correlation: float = 0.0
+    known: float = 0.0
 
     @property
     def inflation(self) -> float:
@@ -134,11 +136,12 @@ def measure_noise(
     intervals: Sequence[float],
     frequency: float,
     static: Sequence[tuple[Floats, Floats]] = (),
+    free: int = 0,
 ) -> Noise:
     """The ``Noise`` of a campaign, from the residuals of a fit above the pendulum's harmonics and from static records.
 
-    ``residuals`` (rad) and their sampling ``intervals`` (s), ``frequency`` of the pendulum in Hz; ``static`` holds (times,
-    angles) at rest. The spectrum of first-order autocorrelated noise is fitted (Whittle's likelihood) to the periodograms
+    ``residuals`` (rad) of a fit of so many ``free`` values and their sampling ``intervals`` (s), ``frequency`` of the pendulum in Hz;
+    ``static`` holds (times, angles) at rest. The spectrum of first-order autocorrelated noise is fitted (Whittle's likelihood) to the periodograms
     above eight times the pendulum's frequency, where a model's error leaves nothing; a static record counts in full.
     """
     shapes, powers = [], []
@@ -160,8 +163,17 @@ def measure_noise(
         shapes.append(np.cos(2 * np.pi * at[kept] * interval))
         powers.append(power[kept])
     cosine, power = np.concatenate(shapes), np.concatenate(powers)
-    found = whittle(cosine, power)
-    # what a kinked error leaves in the band looks like strong slow noise; the noise is never more than the whole residual
-    whole = np.sqrt(np.mean(np.concatenate([np.square(residual) for residual in residuals])))
+    # what a kinked error leaves in the band looks like strong slow noise; the noise is not more than the whole residual
+    squares = np.concatenate([np.square(residual) for residual in residuals])
+    whole = float(np.sqrt(squares.sum() / max(squares.size - free, 1)))
+    found = whittle(cosine, power, HANN, (whole, squares.size))
     # that the noise rises within the band does not say that it is next to none below
-    return Noise(float(min(found.deviation, whole)), max(found.correlation, 0.0))
+    noise = Noise(found.deviation, max(found.correlation, 0.0), found.known)
+    return at_most(noise, whole, float(np.sqrt(2 / squares.size)))
+
+
+def at_most(noise: Noise, deviation: float, known: float) -> Noise:
+    """The noise, or what is told of it otherwise where that is less by more than both are known to: of two estimates that chance alone
+    tells apart the smaller is no better. ``known`` is the standard uncertainty of the logarithm of the other variance."""
+    apart = 2 * np.log(noise.deviation / deviation) if noise.deviation > 0 < deviation else 0.0
+    return replace(noise, deviation=deviation) if apart > 2 * np.hypot(noise.known, known) else noise

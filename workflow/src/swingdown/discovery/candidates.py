@@ -11,9 +11,9 @@ import numpy as np
 
 from ..arrays import Floats
 from ..engine.trajectory import TrajectoryError
+from ..fitting.nested import in_place_of
 from ..fitting.result import Begin, Fit, SwingStart
-from ..pendulum.effect import NATURAL_FREQUENCY, Effect, Parameter
-from ..pendulum.formula import evaluate
+from ..pendulum.effect import NATURAL_FREQUENCY, Parameter
 from ..pendulum.model import Model
 from .linear import Frame, best_step, columns_of
 from .locate import line
@@ -166,18 +166,6 @@ def starts_to_exchange(frame: Frame, allowed: Collection[str] | None = None) -> 
     for old in frame.fit.model.effects:
         begin = without(frame.fit, old.name)
         for new in additions(frame.fit.model, allowed):
-            for values in _in_place_of(frame.fit.model, old, new):
+            for values in in_place_of(frame.fit.model, old, new):
                 found.append(Start(new, old.name, with_effect(begin, new, values), 0.0))
     return found
-
-
-def _in_place_of(model: Model, old: Effect, new: str) -> list[dict[str, float]]:
-    """Values with which the new effect does about the work of the old one; empty where it is not known to."""
-    known = {parameter.symbol: model.values[parameter.name] for parameter in old.parameters}
-    known[NATURAL_FREQUENCY.symbol] = model.values[NATURAL_FREQUENCY.name]
-    return [
-        {name: float(evaluate(formula, **known)) for name, formula in values.items()}
-        for stand_in in model.catalogue[new].replaces
-        if stand_in.name == old.name
-        for values in stand_in.values
-    ]

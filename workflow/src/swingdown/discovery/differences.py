@@ -5,7 +5,7 @@ from math import comb
 
 import numpy as np
 
-from .campaign import Noise, Swing
+from .campaign import Noise, Swing, at_most
 
 _ORDER = 6
 _FEWEST, _MOST = (
@@ -18,11 +18,14 @@ def coarse_noise(noise: Noise, swings: Sequence[Swing], frequency: float) -> Noi
     """The noise, or of swings that are sampled coarsely, white noise of the size that their sixth differences have.
 
     Below 32 samples a period what a wrong model leaves at the pendulum's harmonics reaches the highest frequency, and passes for
-    strong coloured noise. ``frequency`` is the pendulum's in Hz. The noise is never more than it was measured to be.
+    strong coloured noise. ``frequency`` is the pendulum's in Hz. The noise is not more than it was measured to be, but for what both are known to.
     """
     rates = [(swing.times.size - 1) / (swing.times[-1] - swing.times[0]) / frequency for swing in swings]
     if not all(_FEWEST < rate < _MOST for rate in rates):
         return noise
     differences = np.concatenate([np.diff(swing.angle, _ORDER) for swing in swings])
     size = float(np.sqrt(np.mean(differences**2) / comb(2 * _ORDER, _ORDER)))
-    return Noise(size) if 0 < size < noise.deviation else noise
+    # the correlation of differences so many apart; their squares have its square
+    apart = [comb(2 * _ORDER, _ORDER + k) / comb(2 * _ORDER, _ORDER) for k in range(-_ORDER, _ORDER + 1)]
+    known = float(np.sqrt(2 * np.square(apart).sum() / differences.size))
+    return Noise(size, 0.0, known) if at_most(noise, size, known) is not noise else noise

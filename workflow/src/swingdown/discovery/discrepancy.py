@@ -35,9 +35,8 @@ _SMOOTH = (
 )  # of the largest angle, speed and of the record: how far neighbouring torques hang together, of each kind both
 _KEPT = 1e-5  # of the largest variance of a kind: directions that have less are left out
 _SEEN = 1e-7  # of the largest power of a direction in the readings: of less nothing is seen
-_NOISE_KNOWN = (
-    0.2  # standard deviation of the logarithm of the noise's variance, which is measured above the harmonics
-)
+# Standard deviation of the logarithm of the noise's variance at the harmonics, beside what it is known to above them, where it is measured.
+_NOISE_KNOWN = 0.2
 _ANY = 3.0  # the same where something unnamed may be as quick as noise is
 _FINE = (
     25,
@@ -78,7 +77,7 @@ def discrepancy(frame: Frame, noise: Noise, period: float) -> Discrepancy:
     triangle, along = _reduced(outside, kinds, left)
     rest = max(float(left @ left - along @ along), 0.0)
     parts = [triangle[:, kinds == kind] for kind in range(kinds[-1] + 1)]
-    model = _Likelihood(parts, along, rest, rows, variance)
+    model = _Likelihood(parts, along, rest, rows, variance, float(np.hypot(_NOISE_KNOWN, noise.known)))
     plain = _minimal(model, None)
     best = min((_minimal(model, start) for start in _STARTS), key=lambda one: one[0])
     sizes, size = model.work(best[1])
@@ -129,8 +128,10 @@ def _reduced(columns: Floats, kinds: NDArray[np.intp], residual: Floats) -> tupl
 class _Likelihood:
     """The negative log-likelihood of what is left of a residual: by the logarithms of each kind's variance and of the noise's."""
 
-    def __init__(self, parts: Sequence[Floats], along: Floats, rest: float, rows: int, variance: float):
-        self.along, self.rest, self.rows, self.variance = along, rest, rows, variance
+    def __init__(
+        self, parts: Sequence[Floats], along: Floats, rest: float, rows: int, variance: float, known: float
+    ):
+        self.along, self.rest, self.rows, self.variance, self.known = along, rest, rows, variance, known
         # in units in which a kind of size one does as much as the noise
         self.scale = [np.sqrt(variance * along.size / max(float(np.sum(p**2)), 1e-300)) for p in parts]
         self.kernels = [(p * s) @ (p * s).T for p, s in zip(parts, self.scale, strict=True)]
@@ -152,7 +153,7 @@ class _Likelihood:
         inverse += np.tril(inverse, -1).T
         beyond = self.rows - self.along.size
         value = 0.5 * (weights @ self.along) + np.log(np.diag(root) / np.sqrt(self.variance)).sum()
-        known = _NOISE_KNOWN if len(x) == 1 else _ANY
+        known = self.known if len(x) == 1 else _ANY
         value += 0.5 * (beyond * x[-1] + self.rest / noise) + 0.5 * (x[-1] / known) ** 2 + np.log(known)
         slope = np.zeros(len(x))
         for k, kernel in enumerate(self.kernels[: len(x) - 1]):

@@ -171,7 +171,7 @@ def _of_friction(pool: Pool, best: Structure, without: Structure) -> tuple[float
 def _share(noise: Noise, samples: int, now: float, then: float) -> float:
     """What is left of a mean square beyond what the noise allows (two standard deviations), as a share in size of what was left then
     beyond the noise; infinite where that was nothing."""
-    allowed = noise.deviation**2 * (1 + 2 * np.sqrt(2 / noise.effective(samples)))
+    allowed = noise.deviation**2 * (1 + 2 * np.hypot(np.sqrt(2 / noise.effective(samples)), noise.known))
     if then <= allowed:
         return np.inf
     return float(np.sqrt(max(now - allowed, 0.0) / (then - noise.deviation**2)))

@@ -37,7 +37,7 @@ def noise_of(campaign: Campaign, fit: Fit) -> Noise:
     swings, frequency = campaign.fit, fit.model.values[NATURAL_FREQUENCY.name]
     intervals = [(swing.times[-1] - swing.times[0]) / (swing.times.size - 1) for swing in swings]
     residuals = [swing.angle - one.angle for swing, one in zip(swings, fit.swings, strict=True)]
-    noise = measure_noise(residuals, intervals, frequency / (2 * np.pi), campaign.static)
+    noise = measure_noise(residuals, intervals, frequency / (2 * np.pi), campaign.static, len(fit.free))
     return coarse_noise(noise, swings, frequency / (2 * np.pi))
 
 

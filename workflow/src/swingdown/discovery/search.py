@@ -21,9 +21,9 @@ from threadpoolctl import threadpool_limits
 from ..engine.trajectory import TrajectoryError
 from ..fitting.result import Begin, Fit
 from ..pendulum.catalogue import READINGS
-from ..pendulum.model import PAPER_MODELS, SPRUNG, Model, as_model
+from ..pendulum.model import Model, as_model, everyday
 from ..studies.scale import scale_of
-from .admissible import is_there
+from .admissible import within
 from .budget import Budget
 from .campaign import Campaign
 from .candidates import without
@@ -201,7 +201,7 @@ class _Search:
     def _counting(self, last: Structure) -> list[tuple[float, Fit]]:
         """What values are told from: each law of damping in the place of the model's own, beside what else the structures have."""
         model, begin = last.fit.model, last.fit.begin
-        laws = [law.split("+") for law in (SPRUNG if model.restoring == "linear" else PAPER_MODELS)]
+        laws = [law.split("+") for law in everyday(model.restoring)]
         damping = {name for law in laws for name in law}
         for law in laws:
             one = model.with_effects((*law, *(name for name in model.names if name not in damping)))
@@ -213,8 +213,8 @@ class _Search:
             )
             with suppress(TrajectoryError):
                 fit = refit(Begin(one, starts), self.campaign.fit, seen=True, ended=True)
-                # with nothing of an effect it is the law without it, whose values are better known
-                if all(is_there(fit, name) for name in law):
+                # at a bound it is another law, whose values are better known
+                if all(within(fit, name) for name in law):
                     self.pool.look(fit)
         return self.pool.counting(damping)
 

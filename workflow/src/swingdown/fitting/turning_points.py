@@ -4,7 +4,7 @@ What lies between two turning points is computed by the engine and is not in the
 and of angles, each have a scatter of their own, which the fit finds (restricted maximum likelihood).
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -22,6 +22,7 @@ from ..pendulum.slack import time_power
 from ..quantisation import rounding
 from .colour import autoregression, weighted
 from .guess import Guess, amplitude_factor
+from .nested import unseen
 
 _SAMPLES = 24  # a period, between which turning points are looked for
 _ROUNDS = 8  # of fits, each with the scatter that the one before left
@@ -78,6 +79,11 @@ class TurnsFit:
     evaluations: int
 
     @property
+    def known(self) -> dict[str, float]:
+        """The fitted values by name."""
+        return dict(zip(self.free, map(float, self.values), strict=True))
+
+    @property
     def covariance(self) -> Floats:
         """Random and systematic covariance together."""
         return self.random + np.outer(self.systematic, self.systematic)
@@ -99,7 +105,9 @@ class _Course(NamedTuple):
     angle_slopes: Floats
 
 
-def fit_turns(model: Model, turns: Turns, inside: Sequence[TurnsFit] = (), clock: float = 0.0) -> TurnsFit:
+def fit_turns(
+    model: Model, turns: Turns, guesses: Sequence[Mapping[str, float]] = (), clock: float = 0.0
+) -> TurnsFit:
     """The ``TurnsFit`` of a model to turning points.
 
     Parameters
@@ -108,8 +116,8 @@ def fit_turns(model: Model, turns: Turns, inside: Sequence[TurnsFit] = (), clock
         The model; its values are not used.
     turns
         The turning points.
-    inside
-        Fits of models inside it, from whose optima it starts too.
+    guesses
+        Values by name (0 where absent), from which it starts too.
     clock
         Standard uncertainty of the clock's rate, as a share.
 
@@ -118,7 +126,7 @@ def fit_turns(model: Model, turns: Turns, inside: Sequence[TurnsFit] = (), clock
     InputError
         For too few turning points, and where no start can be computed.
     """
-    fewest = len(model.effects) + 3  # a first angle, and two more to tell their scatter
+    fewest = len(model.parameters) + 2  # a first angle, and two more to tell their scatter
     if turns.angles.size < fewest:
         raise InputError(
             "turning points",
@@ -128,7 +136,9 @@ def fit_turns(model: Model, turns: Turns, inside: Sequence[TurnsFit] = (), clock
         )
     free = _free(model, turns)
     scatter = _first_scatter(turns)
-    starts = [_start(model, turns, free), *(_from(one, free) for one in inside)]
+    starts = [np.array([one.get(name, 0.0) for name in free]) for one in guesses]
+    if not (unseen(model) and guesses):
+        starts = [_start(model, turns, free), *starts]
     tried = [_least(model, turns, free, start, scatter) for start in starts]
     best = min(tried, key=lambda one: one.cost)
     evaluations = sum(one.nfev for one in tried)
@@ -182,7 +192,7 @@ def _start(model: Model, turns: Turns, free: Sequence[str]) -> Floats:
     }
     for one in model.definitions:
         if one.name not in known:
-            known[one.name] = one.starting_values(frequency)[0]
+            known[one.name] = next(iter(one.starting_values(frequency)), 0.0)
     at = np.array([known[name] for name in free])
     damped = [free.index(name) for name in model.parameters[1:]]
     for _ in range(_HALVED):  # more damping than there is stops it before its last turning point
@@ -190,11 +200,6 @@ def _start(model: Model, turns: Turns, free: Sequence[str]) -> Floats:
             break
         at[damped] /= 2
     return at
-
-
-def _from(fit: TurnsFit, free: Sequence[str]) -> Floats:
-    known = dict(zip(fit.free, fit.values, strict=True))
-    return np.array([known.get(name, 0.0) for name in free])
 
 
 def _first_scatter(turns: Turns) -> tuple[float, float]:

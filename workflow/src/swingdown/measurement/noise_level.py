@@ -1,10 +1,11 @@
 """The noise of a recording, read from the recording itself where the pendulum has nothing to say."""
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 from scipy.optimize import minimize_scalar
+from scipy.special import ndtr
 
 from ..arrays import Floats
 from ..errors import InputError
@@ -13,14 +14,20 @@ HARMONICS = 8  # of the pendulum: above, a swing leaves nothing
 _LINE = 10.0  # times its neighbours' median: a line of the mains or of a bearing, and no noise
 _NEIGHBOURS = 32
 SPECTRUM = 64  # samples; a spectrum of fewer is too coarse for a band
+_CORRELATIONS = np.tanh(
+    np.linspace(np.arctanh(-0.9), np.arctanh(0.95), 300)
+)  # any level of slow noise as likely before
+HANN = 0.514  # of neighbouring powers under Hann's window: they are correlated by 0.444, those after next by 0.028
 BAND = (15.0, 50.0)  # Hz; far above a pendulum's harmonics, below what mains and bearings bring
 
 
 class Noise(NamedTuple):
-    """White or first-order autocorrelated noise: standard deviation, and correlation of neighbouring samples."""
+    """White or first-order autocorrelated noise: standard deviation, correlation of neighbouring samples, and ``known``, the standard uncertainty of
+    the logarithm of its spectrum (0: not told)."""
 
     deviation: float
     correlation: float
+    known: float = 0.0
 
 
 def noise_of(times: ArrayLike, signal: ArrayLike) -> Noise:
@@ -46,26 +53,55 @@ def noise_of(times: ArrayLike, signal: ArrayLike) -> Noise:
     return found if found.correlation else Noise(level, 0.0)
 
 
-def whittle(cosine: Floats, power: Floats, independent: float = 1.0) -> Noise:
+def whittle(
+    cosine: Floats, power: Floats, independent: float = 1.0, whole: tuple[float, int] | None = None
+) -> Noise:
     """The first-order autocorrelated ``Noise`` whose spectrum is most likely for these powers (Whittle's likelihood).
 
     ``cosine`` of 2 pi frequency times sampling interval, ``power`` the periodogram there, of which the share
-    ``independent`` counts. A correlation that BIC does not ask for is none.
+    ``independent`` counts. A correlation that BIC does not ask for is none. Of one that is there the powers tell little, and less of the spectrum
+    below them: where the standard deviation of the ``whole`` series and the number of its samples are given, means over all correlations are told
+    (``_over_correlations``).
     """
+    own = 1 / np.sqrt(power.size * independent)
     floor = 1e-300 + 1e-12 * np.mean(power)
 
-    def level(correlation: float) -> tuple[Floats, Any]:
+    def level(correlation: float) -> tuple[float, float]:
+        """-ln of the likelihood but for a constant, and the variance of the innovations."""
         shape = 1 / (1 + correlation**2 - 2 * correlation * cosine)
-        return shape, np.mean((power + floor) / shape)
+        variance = np.mean((power + floor) / shape)
+        return float(np.sum(np.log(variance * shape)) + power.size) * independent, float(variance)
 
-    def cost(correlation: float) -> float:
-        shape, variance = level(correlation)
-        return float(np.sum(np.log(variance * shape)) + power.size) * independent
+    best = minimize_scalar(
+        lambda one: level(one)[0], bounds=(-0.9, 0.95), method="bounded", options={"xatol": 1e-4}
+    ).x
+    if level(0.0)[0] - level(best)[0] <= 0.5 * np.log(power.size * independent):
+        return Noise(float(np.sqrt(level(0.0)[1])), 0.0, own)
+    if whole is None:
+        return Noise(float(np.sqrt(level(best)[1] / (1 - best**2))), float(best), own)
+    costs, innovations = np.array([level(one) for one in _CORRELATIONS]).T
+    return _over_correlations(costs, innovations, own, *whole)
 
-    best = minimize_scalar(cost, bounds=(-0.9, 0.95), method="bounded", options={"xatol": 1e-4}).x
-    correlation = float(best) if cost(0.0) - cost(best) > 0.5 * np.log(power.size * independent) else 0.0
-    _, innovation = level(correlation)
-    return Noise(float(np.sqrt(innovation / (1 - correlation**2))), correlation)
+
+def _over_correlations(costs: Floats, innovations: Floats, own: float, whole: float, samples: int) -> Noise:
+    """The ``Noise`` by the means of the logarithms of its variance and of its slow spectrum over ``_CORRELATIONS``, any level of slow noise as likely
+    before, and the noise as likely to be all of the series as any part of it.
+
+    ``costs`` and ``innovations`` by correlation: -ln of the likelihood, and the variance, whose logarithm is known to ``own``.
+    """
+    rho = _CORRELATIONS
+    variance, slow = np.log(innovations / (1 - rho**2)), np.log(innovations / (1 - rho) ** 2)
+    above = np.log(whole**2) - variance
+    known = np.hypot(own, np.sqrt(2 / samples * (1 + rho**2) / (1 - rho**2)))
+    every = np.exp(-0.5 * (above / known) ** 2) / (np.sqrt(2 * np.pi) * known)
+    weight = np.exp(costs.min() - costs) * (every + ndtr(above / known) / max(float(above.max()), own))
+    if not weight.sum() > 0:  # more noise than there is of anything
+        weight = np.exp(costs.min() - costs)
+    weight /= weight.sum()
+    size, level = float(weight @ variance), float(weight @ slow)
+    error = float(np.sqrt(weight @ (slow - level) ** 2 + own**2))
+    # the correlation of a spectrum that has these two levels
+    return Noise(float(np.exp(0.5 * size)), float(np.tanh(0.5 * (level - size))), error)
 
 
 def noise_level(times: ArrayLike, signal: ArrayLike, band: tuple[float, float] = BAND) -> float:

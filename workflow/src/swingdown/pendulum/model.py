@@ -23,10 +23,17 @@ FORMS = ("consistent", "printed")
 RESTORING = tuple(GRAVITY)
 _TABLE_1 = ("viscous", "quadratic_drag", "load_coulomb")
 PAPER_MODELS = tuple("+".join(terms) for size in (1, 2, 3) for terms in combinations(_TABLE_1, size))
-# Of a wheel on a spring: no weight loads its bearing.
-SPRUNG = tuple(label.replace("load_coulomb", "constant_coulomb") for label in PAPER_MODELS)
 # What a search starts from, by what pulls back; `discovery.base` of the settings is the first. No weight loads a wheel's bearing.
 BASES = {"sine": ("viscous", "load_coulomb"), "linear": ("viscous", "constant_coulomb")}
+# Air of any speed, material that bends, and a bearing that winds up before it slips.
+_BESIDE = ("power_law_drag", "structural_damping", "viscous+presliding")
+
+
+def everyday(restoring: str = "sine") -> tuple[str, ...]:
+    """The labels of the laws of damping that a benchtop pendulum may have, beside a ``sine`` or a ``linear`` restoring torque: the paper's, and
+    what else air, bearings and material do. No weight loads the bearing of a wheel on a spring."""
+    own = "load_coulomb" if restoring == "sine" else "constant_coulomb"
+    return (*(label.replace("load_coulomb", own) for label in PAPER_MODELS), *_BESIDE)
 
 
 @dataclass(frozen=True)

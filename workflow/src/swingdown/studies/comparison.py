@@ -42,7 +42,7 @@ def comparison(norms: xr.Dataset) -> pd.DataFrame:
 def _campaign(campaign: str, norms: xr.Dataset) -> pd.DataFrame:
     # arrays once, and not a selection by name for each pair, which of many pendulums takes most of a minute
     by_model = {key: norms[key].transpose("fitted", "recording").values for key in _BY_MODEL}
-    by_model["terms"] = _terms(norms)
+    by_model["terms"] = terms_of(norms)
     samples = norms["samples"].values
     models = [
         (label, {key: all[k] for key, all in by_model.items()})
@@ -86,25 +86,26 @@ def bic_effective(norms: xr.Dataset) -> Floats:
     The residual of the model with the lowest norm of a recording decides how many those are, for all models alike.
     """
     misfit, independent = _misfit(norms)
-    return np.sum(misfit + _terms(norms) * np.log(independent), axis=1)
+    return np.sum(misfit + terms_of(norms) * np.log(independent), axis=1)
 
 
 def aic_effective(norms: xr.Dataset) -> Floats:
     """AIC by model as ``bic_effective`` has BIC; the weights of models follow from it."""
     misfit, _ = _misfit(norms)
-    return np.sum(misfit + 2 * _terms(norms), axis=1)
+    return np.sum(misfit + 2 * terms_of(norms), axis=1)
 
 
 def _misfit(norms: xr.Dataset) -> tuple[Floats, Floats]:
     """-2 ln of the likelihood by model and recording but for a constant, and how many samples of each recording count as independent."""
     norm = norms["norm"].transpose("fitted", "recording")
     inflations = norms["variance_inflation"].transpose(*norm.dims).values
-    inflation = np.take_along_axis(inflations, norm.values.argmin(axis=0)[np.newaxis], axis=0)
+    least = np.where(np.isfinite(norm.values), norm.values, np.inf).argmin(axis=0)
+    inflation = np.take_along_axis(inflations, least[np.newaxis], axis=0)
     independent = np.maximum(norms["samples"].values / inflation, 2.0)
     return 2 * independent * np.log(np.radians(norm.values)), independent
 
 
-def _terms(norms: xr.Dataset) -> Floats:
+def terms_of(norms: xr.Dataset) -> Floats:
     """How many values each model was fitted with, by model and recording."""
     return np.isfinite(norms["value"].transpose("fitted", "recording", "parameter").values).sum(axis=-1)
 

@@ -14,7 +14,7 @@ from ..errors import InputError
 from ..measurement.driven import drive_of
 from ..measurement.plausibility import free_part, half_swings
 from ..pendulum.catalogue import SHIPPED, Catalogue
-from ..pendulum.model import PAPER_MODELS, SPRUNG, Model
+from ..pendulum.model import Model, everyday
 from ..rounding import value_with_uncertainty
 from .experiment import fit_recording
 from .left_over import DOUBT, MUCH
@@ -60,7 +60,7 @@ def ask_free(fits: xr.Dataset, angle: xr.Dataset, fitted: Sequence[Model], start
     try:
         check_free(fits, angle, label := describes(fits, known), known)
     except NotFree:
-        usual = SPRUNG if restoring == "linear" else PAPER_MODELS
+        usual = everyday(restoring)
         if {model.label for model in fitted} >= set(usual):
             raise
         general = [Model(tuple(label.split("+")), {}, {}, restoring, form, known) for label in usual]

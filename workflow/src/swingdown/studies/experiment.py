@@ -1,6 +1,6 @@
 """The experiment study: models fitted to measured swings, one by one and all swings of a pendulum together."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
@@ -8,13 +8,13 @@ import xarray as xr
 
 from .. import dataset
 from ..arrays import Floats, Swing, swing_under
-from ..engine.trajectory import simulate
+from ..engine.trajectory import TrajectoryError, simulate
 from ..errors import InputError
 from ..fitting.colour import uncertainty
 from ..fitting.guess import first_guess
 from ..fitting.least_squares import fit_jointly
-from ..fitting.nested import fit_nested
-from ..fitting.result import Fit
+from ..fitting.nested import fit_nested, stand_ins, unseen
+from ..fitting.result import Begin, Fit
 from ..fitting.slack import allowing
 from ..measurement.driven import drive_of, driven
 from ..measurement.points_recording import are_points
@@ -76,25 +76,21 @@ def fit_recording(
     drive = drive_of(angle)
     pairs = [swing_under(drive, times, series)]
 
-    def fit_one(model: Model, guess: list[Fit]) -> Fit:
-        return fit_jointly(model, pairs, guess=guess, start=start, bounded=bounded)
-
     slack = of_angles([angle])
-    fits = [allowing(fit, pairs, slack, start=start, bounded=bounded) for fit in fit_nested(models, fit_one)]
+    fits = _fits(models, pairs, slack, start, bounded)
     coords = model_coords(models)
     names = coords["parameter"][1]
-    own = [{
+    rows = _rows(fits, lambda fit: _row(fit, pairs, [angle], names) | {
         "norm": np.degrees(fit.rms), "largest_angle": largest_angles(fit, pairs)[0], "release_angle": fit.only.release_angle, "release_velocity": fit.only.release_velocity,
         "fit": fit.angle, "residual": series - fit.angle, "share_left": share_left(series - fit.angle, series),
-    } for fit in fits]  # fmt: skip
-    rows = [_row(fit, pairs, [angle], names) | more for fit, more in zip(fits, own, strict=True)]
+    })  # fmt: skip
     variables: dict[str, Variable] = {
         key: (_DIMS.get(key, ("fitted",)), [row[key] for row in rows]) for key in rows[0]
     }
     bound = _known(angle, "bound")
     variables["error_bound_norm"] = ((), np.nan if bound is None else np.degrees(np.sqrt(np.mean(bound**2))))
-    variables["samples"] = ((), times.size)
-    badly = [one["share_left"] > MUCH for one in own]
+    variables |= {"samples": ((), times.size), "record_s": ((), float(times[-1] - times[0]))}
+    badly = [one["share_left"] > MUCH for one in rows]
     if drive is not None:
         paces = {}
     elif without_scale(angle) and not all(badly):
@@ -105,7 +101,7 @@ def fit_recording(
         paces = {}
     variables |= {key: (("fitted",), [value] * len(fits)) for key, value in paces.items()}
     variables |= _prior(slack)
-    coords |= _slack_of(fits[0]) | _of_recording(angle, names)
+    coords |= _slack_of(_any(fits)) | _of_recording(angle, names)
     attrs = _options(models, start, bounded) | {"emulated": coords["emulated"][1]}
     return _in_units(labelled(xr.Dataset(variables, coords, attrs)), models[0].reading)
 
@@ -121,6 +117,7 @@ def _of_points(angle: xr.Dataset, models: Sequence[Model], start: str, bounded: 
     variables |= {
         "error_bound_norm": ((), np.nan),
         "samples": ((), angle.sizes["time"]),
+        "record_s": ((), turning_points.record_of(angle)),
         "points_scale": ((), angle.attrs["points_scale"]),
     }
     variables |= _prior(Slack())
@@ -161,29 +158,27 @@ def fit_campaign(
         for angle, (_, times, values) in zip(angles, swings, strict=True)
     ]
     models = _reading([as_model(one) for one in fitted], angles)
-    found = fit_nested(
-        models, lambda model, guess: fit_jointly(model, series, guess=guess, start=start, bounded=bounded)
-    )
     slack = of_angles(angles)
-    fits = [allowing(fit, series, slack, start=start, bounded=bounded) for fit in found]
+    fits = _fits(models, series, slack, start, bounded)
     coords = model_coords(models)
     names = coords["parameter"][1]
-    rows = [_row(fit, series, angles, names) for fit in fits]
+    by_swing = ("rms", "norm", "largest_angle", "release_angle", "release_velocity")
+    rows = _rows(fits, lambda fit: _row(fit, series, angles, names) | {
+        "rms": np.array([swing.rms for swing in fit.swings]),
+        "norm": np.array([np.degrees(swing.rms) for swing in fit.swings]),
+        "largest_angle": np.array(largest_angles(fit, series)),
+        "release_angle": np.array([swing.release_angle for swing in fit.swings]),
+        "release_velocity": np.array([swing.release_velocity for swing in fit.swings]),
+    })  # fmt: skip
+    dims = _DIMS | dict.fromkeys(by_swing, ("fitted", "recording"))
     variables: dict[str, Variable] = {
-        key: (_DIMS.get(key, ("fitted",)), [row[key] for row in rows]) for key in rows[0]
+        key: (dims.get(key, ("fitted",)), [row[key] for row in rows]) for key in rows[0]
     }
-    by_swing = {
-        "rms": [[swing.rms for swing in fit.swings] for fit in fits],
-        "norm": [[np.degrees(swing.rms) for swing in fit.swings] for fit in fits],
-        "largest_angle": [largest_angles(fit, series) for fit in fits],
-        "release_angle": [[swing.release_angle for swing in fit.swings] for fit in fits],
-        "release_velocity": [[swing.release_velocity for swing in fit.swings] for fit in fits],
-    }
-    variables |= {key: (("fitted", "recording"), values) for key, values in by_swing.items()}
     variables["samples"] = ("recording", [times.size for times, _ in series])
+    variables["record_s"] = ("recording", [float(times[-1] - times[0]) for times, _ in series])
     about = [_about(angle) for angle in angles]
     variables |= _prior(slack)
-    coords |= _slack_of(fits[0]) | {
+    coords |= _slack_of(_any(fits)) | {
         "parameter_2": ("parameter_2", names, {"long_name": "other parameter"}),
         "recording": ("recording", [name for name, *_ in swings], {"long_name": "recording"}),
         **{
@@ -202,6 +197,63 @@ def with_drive(models: Sequence[Model], angles: Sequence[xr.Dataset]) -> list[Mo
     if drive is None:
         return list(models)
     return [model.with_effects((*model.names, drive.effect)).driven_by(drive) for model in models]
+
+
+def _fits(
+    models: Sequence[Model], swings: Sequence[Swing], slack: Slack, start: str, bounded: bool
+) -> list[Fit | None]:
+    """The fits of these models to swings of one pendulum, with what the measurement leaves open; None of a model that cannot be fitted.
+
+    TrajectoryError where none can.
+    """
+    failed: list[TrajectoryError] = []
+
+    def fit_one(model: Model, guess: list[Any]) -> Fit | None:
+        known = not (unseen(model) and guess)
+        try:
+            return fit_jointly(
+                model, swings, guess=guess, start=start, bounded=bounded, seen=known, grown=known
+            )
+        except TrajectoryError as problem:
+            failed.append(problem)
+            return None
+
+    def in_place(model: Model, fit: Fit | None) -> list[Begin]:
+        if fit is None:
+            return []
+        begun = fit.begin.swings
+        return [
+            Begin(model, tuple(one._replace(values=values) for one in begun))
+            for values in stand_ins(model, fit.model)
+        ]
+
+    def allowed(fit: Fit | None) -> Fit | None:
+        try:
+            return None if fit is None else allowing(fit, swings, slack, start=start, bounded=bounded)
+        except TrajectoryError as problem:
+            failed.append(problem)
+            return None
+
+    found: list[Fit | None] = fit_nested(models, fit_one, in_place)
+    fits = [allowed(fit) for fit in found]
+    if not any(fits):
+        raise failed[0]
+    return fits
+
+
+def _any(fits: Sequence[Fit | None]) -> Fit:
+    return next(fit for fit in fits if fit is not None)
+
+
+def _rows(fits: Sequence[Fit | None], row_of: Callable[[Fit], dict[str, Any]]) -> list[dict[str, Any]]:
+    """The row of each fit; of a model that cannot be fitted one of NaN, and not converged."""
+    rows = [None if fit is None else row_of(fit) for fit in fits]
+    one = next(row for row in rows if row is not None)
+    nothing = {
+        key: np.zeros_like(value) if np.asarray(value).dtype.kind in "bi" else np.full_like(value, np.nan)
+        for key, value in one.items()
+    }
+    return [nothing if row is None else row for row in rows]
 
 
 def _reading(models: Sequence[Model], angles: Sequence[xr.Dataset]) -> list[Model]:

@@ -67,6 +67,7 @@ LABELS: dict[str, tuple[str | None, str]] = {
     "converged": (None, "whether the fit ended at a stationary point"),
     "evaluations": (None, "trajectories computed by the fit"),
     "samples": (None, "number of samples"),
+    "record_s": ("s", "length of the record"),
 }
 Variable = tuple[str | tuple[str, ...], Any]  # what xarray makes a variable of: dimensions, values ...
 Coordinate = tuple[str | tuple[str, ...], Any, dict[str, str]]  # ... and attributes

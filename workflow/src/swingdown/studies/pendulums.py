@@ -19,7 +19,7 @@ from ..paths import printable
 from ..pendulum.catalogue import ANGLE, RATE, READINGS, SHIPPED, Catalogue
 from ..pendulum.model import Model
 from ..rounding import value_with_uncertainty
-from .comparison import WORTH, aic_effective, bic_effective
+from .comparison import WORTH, aic_effective, bic_effective, terms_of
 from .left_over import DOUBT, MUCH
 from .norms import as_text
 from .quantities import UNITS, Quantity, over_models, quantities
@@ -50,11 +50,11 @@ def described_by(norms: xr.Dataset, catalogue: Catalogue = SHIPPED) -> str:
     where there is another.
     """
     labels, evidence, usable = _evidence(norms, catalogue)
-    lowest = min(evidence[k] for k in usable)
+    lowest, terms = min(evidence[k] for k in usable), terms_of(norms)
     near = [
         k for k in usable if evidence[k] - lowest <= WORTH
     ] or usable  # of passages without speeds there is no evidence
-    return labels[min(near, key=lambda k: (labels[k].count("+"), evidence[k]))]
+    return labels[min(near, key=lambda k: (terms[k], evidence[k]))]
 
 
 def describes(fits: xr.Dataset, catalogue: Catalogue = SHIPPED) -> str:
@@ -75,16 +75,28 @@ def _evidence(norms: xr.Dataset, catalogue: Catalogue) -> tuple[list[str], Float
 
 
 def rivals(norms: xr.Dataset, label: str, catalogue: Catalogue = SHIPPED) -> list[str]:
-    """The labels of the models without a part of the model ``label`` whose evidence is as good as that of ``label`` within what is worth
-    a word, those with the fewest terms."""
+    """The labels of the models that do not include the model ``label`` and whose evidence is as good as its within what is worth a word, those
+    that include none of the others."""
     labels, evidence, usable = _evidence(norms, catalogue)
     chosen = evidence[labels.index(label)]
     near = [
         labels[k]
         for k in usable
-        if evidence[k] - chosen <= WORTH and not set(label.split("+")) <= set(labels[k].split("+"))
+        if evidence[k] - chosen <= WORTH and not _includes(labels[k], label, catalogue)
     ]
-    return [one for one in near if not any(set(other.split("+")) < set(one.split("+")) for other in near)]
+    return [
+        one for one in near if not any(one != other and _includes(one, other, catalogue) for other in near)
+    ]
+
+
+def _includes(label: str, other: str, catalogue: Catalogue) -> bool:
+    """True where the model ``label`` has each effect of another one, or an effect that becomes it: a drag by a power of the speed is viscous at the
+    first power."""
+    there = set(label.split("+"))
+    there |= {
+        simpler.name for name in tuple(there) if name in catalogue for simpler in catalogue[name].contains
+    }
+    return set(other.split("+")) <= there
 
 
 def weights(norms: xr.Dataset, catalogue: Catalogue = SHIPPED) -> dict[str, float]:
@@ -160,7 +172,8 @@ def pendulums(
     ``decay_time_s``, ``natural_frequency_rad_per_s``, and the parameters of damping where the model has them), each followed by
     its standard uncertainty (``period_s_u``) and both as a text (``period_s_text``); ``model`` the label of ``described_by``, or of a
     pendulum of which a search established something of the model that it ended with (``model_of``: damping or search);
-    ``residual_rad`` the RMS that it leaves (of an angular rate ``residual_rad_per_s``); ``verdict`` the status of the campaign's search, ``missing`` what that names;
+    ``or_model`` others that describe it as well; ``residual_rad`` the RMS that it leaves (of an angular rate ``residual_rad_per_s``); ``record_s`` the
+    length of the longest record; ``verdict`` the status of the campaign's search, ``missing`` what that names;
     ``emulated``, ``remark``: why its values are in doubt, where they are. ``left_out`` (as ``left_out.left_out`` gives it) tells there why a recording was not searched, and adds
     a row with the verdict ``refused`` for each file that could not be used.
     """
@@ -232,6 +245,7 @@ _TAIL = (
     "or_model",
     "model_of",
     *RESIDUALS.values(),
+    "record_s",
     "verdict",
     "missing",
     "emulated",
@@ -264,6 +278,8 @@ def _row(
     if left > MUCH:
         doubts[DOUBT.format(percent=100 * left, name=campaign if name == TOGETHER else name)] = None
     row: dict[str, Any] = {
+        "or_model": "; ".join(rivals(own, label, catalogue)),
+        "record_s": float(own["record_s"].max()) if "record_s" in own else np.nan,
         "campaign": campaign,
         "recording": name,
         "label": str(own["label"].values[0]) if "label" in own.coords and name != TOGETHER else name,

@@ -8,7 +8,7 @@ import xarray as xr
 
 from ..errors import InputError
 from ..fitting.guess import amplitude_factor
-from ..fitting.nested import fit_nested
+from ..fitting.nested import fit_nested, stand_ins
 from ..fitting.passages import Pace, both_ways, pace
 from ..fitting.turning_points import Turns, TurnsFit, fit_turns
 from ..measurement.points_recording import COUNTED, NOT_IN_IT, PASSED, READ
@@ -36,8 +36,16 @@ _DROPPED = {"time": ("period", "natural_frequency", "quadratic_coefficient", "co
 def fits_of(angle: xr.Dataset, models: Sequence[Model]) -> list[TurnsFit]:
     """The ``TurnsFit`` of each model to a dataset of turning points (``measurement.turning_points``)."""
     turns, clock = turns_of(angle), of_angles([angle]).clock
+
+    def fit_one(model: Model, guesses: Sequence[TurnsFit | Mapping[str, float]]) -> TurnsFit:
+        values = [one.known if isinstance(one, TurnsFit) else one for one in guesses]
+        return fit_turns(model, turns, values, clock)
+
+    def in_place(model: Model, fit: TurnsFit) -> list[Mapping[str, float]]:
+        return [fit.known | values for values in stand_ins(model, fit.model)]
+
     try:
-        return fit_nested(models, lambda model, inside: fit_turns(model, turns, inside, clock))
+        return fit_nested(models, fit_one, in_place)
     except InputError as problem:
         name = f"recording {angle.attrs.get('recording', '')}"
         raise InputError(name, problem.problem, problem.expected, problem.mend) from problem
@@ -54,6 +62,12 @@ def turns_of(angle: xr.Dataset) -> Turns:
         times if timed else halves / 2, halves, angle["angle"].values, timed, about["kind"] == BOTH_SIDES,
         about["u_times"], about["u_angles"], about["time_step"], about["angle_step"],
     )  # fmt: skip
+
+
+def record_of(angle: xr.Dataset) -> float:
+    """The time (s) from the first of the points to the last; nan of those that are only counted."""
+    times = angle["time"].values
+    return float("nan") if angle.attrs["points"] == COUNTED else float(times[-1] - times[0])
 
 
 def rows_of(angle: xr.Dataset, models: Sequence[Model], names: Sequence[str]) -> list[dict[str, Any]]:
@@ -131,7 +145,7 @@ def row_of(fit: TurnsFit, names: Sequence[str]) -> dict[str, Any]:
     whole[np.ix_(at, at)] = covariance[np.ix_(inside, inside)]
     own = np.sqrt(np.diag(whole))
     angles, n = fit.turns.angles, fit.turns.angles.size
-    values = dict(zip(fit.free, map(float, fit.values), strict=True))
+    values = fit.known
     share, share_u = amplitude_share(fit)
     return {
         "value": spread(fit.model.values, names),

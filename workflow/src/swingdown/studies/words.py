@@ -67,7 +67,7 @@ def quantity_rows(row: Mapping[str, Any], verdict: Mapping[str, Any] | None = No
         "natural_frequency": "of small undamped swings",
         "period": f"at {at}",
         "quality": f"at {at}",
-        "decay_time": f"from {at}",
+        "decay_time": f"from {at}{_beyond(row)}",
         "decay_swings": f"from {at}",
         "g": str(row.get("g_of", "")),
     }
@@ -84,6 +84,12 @@ def quantity_rows(row: Mapping[str, Any], verdict: Mapping[str, Any] | None = No
         place = 1 + next((k for k, one in enumerate(told) if one.name == "natural_frequency"), -1)
         told.insert(place, QuantityRow("natural_frequency_with_effects", _WITH, known["value"], error, known["unit"], "with the effects named"))  # fmt: skip
     return told
+
+
+def _beyond(row: Mapping[str, Any]) -> str:
+    """Words for a decay time that is longer than the record: that it is extrapolated."""
+    record, decay = (float(row.get(key, float("nan"))) for key in ("record_s", "decay_time_s"))
+    return f", extrapolated: the record has {record:.3g} s" if decay > record else ""
 
 
 def headline(
@@ -157,7 +163,7 @@ def _listed(words: list[str]) -> str:
 
 
 def or_models(row: Mapping[str, Any]) -> list[str]:
-    """The labels of the models of damping that describe a row's turning points as well as its own does."""
+    """The labels of the models of damping that describe a row's swings as well as its own does."""
     others = row.get("or_model")
     return others.split("; ") if isinstance(others, str) and others else []
 

@@ -26,7 +26,7 @@ from ..measurement.runs import SeveralRuns
 from ..measurement.sheet import COLUMNS
 from ..measurement.source import NETCDF
 from ..paths import for_spreadsheets, printable, safe_name, write_csv, write_text
-from ..pendulum.model import BASES, SPRUNG
+from ..pendulum.model import BASES, everyday
 
 # What of a folder is given to the readers; they tell of each that they cannot use why.
 ENDINGS = (
@@ -291,11 +291,15 @@ def _written(
     _check_untouched(folder)
     columns = [name for name in COLUMNS if any(name in row for row in kept)]
     write_csv(for_spreadsheets(pd.DataFrame(kept).reindex(columns=columns)), folder / SHEET)
-    settings: dict[str, Any] = {"recordings": SHEET, "simulation": {"simulated": []}}
+    settings: dict[str, Any] = {
+        "recordings": SHEET,
+        "simulation": {"simulated": []},
+        "experiment": {"fitted": list(everyday(restoring))},
+    }
     settings |= {"lang": lang} if lang != ENGLISH else {}
     search: dict[str, Any] = {}
     if restoring == "linear":
-        settings |= {"model": {"restoring": restoring}, "experiment": {"fitted": list(SPRUNG)}}
+        settings |= {"model": {"restoring": restoring}}
         search["base"] = list(BASES[restoring])
     if left_out:
         write_csv(for_spreadsheets(pd.DataFrame(left_out)), folder / LEFT_OUT)

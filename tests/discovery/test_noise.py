@@ -1,0 +1,43 @@
+"""The noise that a search goes by: as large as it is, and known as well as it says."""
+
+import numpy as np
+import pytest
+from scipy.signal import lfilter
+
+from swingdown.discovery.campaign import Noise, Swing, at_most, measure_noise
+from swingdown.discovery.differences import coarse_noise
+
+SIZE, FREQUENCY, DRAWS = 2e-3, 1.0, 300  # rad, Hz
+
+
+def measured(samples, rate, correlation=0.0):
+    """Each draw's noise over the true one, as variances at low frequencies, and how well it says to be known."""
+    found = []
+    for seed in range(DRAWS):
+        draws = np.random.default_rng([5, seed]).standard_normal(samples + 300)
+        series = SIZE * lfilter([np.sqrt(1 - correlation**2)], [1, -correlation], draws)[300:]
+        noise = measure_noise([series], [1 / rate], FREQUENCY)
+        noise = coarse_noise(noise, [Swing("a", np.arange(samples) / rate, series)], FREQUENCY)
+        found.append((noise.slow_variance, noise.known))
+    slow, known = np.array(found).T
+    return slow / SIZE**2 * (1 - correlation) / (1 + correlation), known
+
+
+@pytest.mark.parametrize(("samples", "rate"), [(600, 50), (1000, 50), (600, 30), (3000, 30)])
+def test_white_noise_is_as_large_as_it_is_and_known_as_well_as_it_says(samples, rate):
+    ratio, known = measured(samples, rate)
+    assert np.sqrt(ratio.mean()) == pytest.approx(1, abs=0.01)
+    assert np.log(ratio).std() == pytest.approx(np.median(known), rel=0.25)
+
+
+@pytest.mark.parametrize("correlation", [0.5, 0.9])
+def test_coloured_noise_says_how_little_of_it_is_known(correlation):
+    ratio, known = measured(1000, 50, correlation)
+    assert abs(np.log(ratio).mean()) < np.median(known)
+    assert np.median(known) > 0.2 > np.median(measured(1000, 50)[1])
+
+
+def test_of_two_estimates_that_chance_tells_apart_the_smaller_is_no_better():
+    noise = Noise(1.0, 0.0, 0.1)
+    assert at_most(noise, 0.95, 0.1) is noise
+    assert at_most(noise, 0.5, 0.1).deviation == 0.5
