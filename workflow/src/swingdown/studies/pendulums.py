@@ -54,7 +54,12 @@ def described_by(norms: xr.Dataset, catalogue: Catalogue = SHIPPED) -> str:
     near = [
         k for k in usable if evidence[k] - lowest <= WORTH
     ] or usable  # of passages without speeds there is no evidence
-    return labels[min(near, key=lambda k: (terms[k], evidence[k]))]
+
+    def seldom(label: str) -> int:
+        """How many of its effects have no letter of their own: of laws that are as good, the usual one is named first."""
+        return sum(name not in catalogue or not catalogue[name].symbol for name in label.split("+"))
+
+    return labels[min(near, key=lambda k: (terms[k], seldom(labels[k]), evidence[k]))]
 
 
 def describes(fits: xr.Dataset, catalogue: Catalogue = SHIPPED) -> str:
