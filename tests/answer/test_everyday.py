@@ -79,5 +79,5 @@ def test_a_law_that_cannot_be_fitted_is_left_out(monkeypatch):
     assert not answer.fits["converged"].sel(fitted="viscous+presliding").any()
     assert answer.laws()  # which begin where the first answers ended
     monkeypatch.setattr(experiment, "fit_jointly", lambda *_, **__: fit(Model("presliding")))
-    with pytest.raises(InputError, match="no pendulum moves so"):
+    with pytest.raises(InputError, match="no model of a pendulum follows"):
         swingdown.fit(TIMES, angle, unit="rad")
