@@ -117,6 +117,7 @@ def test_what_is_said_wrongly_is_refused_with_the_mend(said, problem):
         swingdown.fit(TIMES, wheel(), restoring="linear", **said)
 
 
+@pytest.mark.slow("many starts")
 def test_a_swing_that_does_not_answer_to_its_input_is_refused():
     few = slice(0, 300)
     other = 0.05 * np.sin(2 * np.pi * 0.31 * TIMES[few] ** 1.1)

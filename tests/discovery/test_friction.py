@@ -49,6 +49,7 @@ def beside_a_spring():
     )
 
 
+@pytest.mark.slow("many trajectories")
 def test_a_drag_is_told_though_a_spring_is_missing_too(beside_a_spring):
     finding, pool = asked(beside_a_spring, "quadratic_drag")
     left = [one.left(NOISE) for one in pool.known.values()]
@@ -57,6 +58,7 @@ def test_a_drag_is_told_though_a_spring_is_missing_too(beside_a_spring):
     assert finding.sure
 
 
+@pytest.mark.slow("many trajectories")
 def test_a_spring_and_zeros_leave_nothing_that_takes_energy():
     one = swings(("cubic_stiffness",), (0.02, -0.01, 0.0, 0.01), cubic_stiffness=0.2)
     fit = fitted(one, "viscous")
@@ -65,6 +67,7 @@ def test_a_spring_and_zeros_leave_nothing_that_takes_energy():
     assert friction.held_out(predict(fit, one.holdout), one.holdout) < 1.5 * NOISE.deviation**2
 
 
+@pytest.mark.slow("many trajectories")
 def test_friction_of_another_kind_is_not_told_by_a_name_that_leaves_some_of_it():
     """Friction at some angles only: a constant one does part of its work."""
     one = swings(("friction_patch",), patch_friction=0.4, patch_from=0.3, patch_to=0.45)
@@ -72,6 +75,7 @@ def test_friction_of_another_kind_is_not_told_by_a_name_that_leaves_some_of_it()
     assert finding.share > 0.2 and not finding.sure
 
 
+@pytest.mark.slow("many trajectories")
 def test_of_few_samples_nothing_is_told_apart(beside_a_spring):
     few = tuple(Swing(one.name, one.times[::30], one.angle[::30]) for one in beside_a_spring.fit)
     fit = fit_jointly(Model("viscous"), [swing.pair for swing in few], bounded=True)

@@ -156,19 +156,24 @@ def draw(
 
 def with_misfit(trial: Trial, seed: int, misfit: float) -> Trial:
     """The trial with a little of what no catalogue has, drawn from ``FOREIGN``, that leaves ``misfit`` times the noise; each swing has a
-    natural frequency of its own, which moves its end by half of that."""
+    natural frequency of its own, which moves its end by half of that. ArithmeticError where nothing that is drawn acts on these swings."""
     rng = np.random.default_rng(np.random.SeedSequence(seed, spawn_key=[*map(ord, trial.name), 2]))
-    name = str(rng.choice([one for one in FOREIGN if one not in trial.hidden]))
+    names = [str(one) for one in rng.permutation([one for one in FOREIGN if one not in trial.hidden])]
     own = []
     for one, (angle, _) in zip(trial.own, trial.releases, strict=True):
         frequency = one.get("natural_frequency", trial.values["natural_frequency"])
         away = misfit * trial.sigma / (abs(angle) * trial.design.duration) * rng.standard_normal()
         own.append(one | {"natural_frequency": frequency + float(away) / 2})
-    values = dict(trial.values)
-    _draw_shape(rng, name, SHIPPED, values, own)
-    alone = replace(trial, values=values, own=tuple(own), ratio=float(np.hypot(1, misfit)))
-    sized = _sized(alone, name, 1.0, SHIPPED)
-    return replace(sized, ratio=trial.ratio, reached=trial.reached, beside=(name,), misfit=misfit)
+    for name in names:
+        values, each = dict(trial.values), [dict(one) for one in own]
+        _draw_shape(rng, name, SHIPPED, values, each)
+        alone = replace(trial, values=values, own=tuple(each), ratio=float(np.hypot(1, misfit)))
+        try:
+            sized = _sized(alone, name, 1.0, SHIPPED)
+        except ArithmeticError:  # a stop that these swings never reach, say
+            continue
+        return replace(sized, ratio=trial.ratio, reached=trial.reached, beside=(name,), misfit=misfit)
+    raise ArithmeticError(f"no misfit of {misfit:g} times the noise can be drawn for {trial.name}")
 
 
 def _draw_shape(
