@@ -38,10 +38,7 @@ def test_sentences_are_what_ends_with_a_stop():
     ]  # fmt: skip
 
 
-# docs/corpus.md is the record of a trial: fates.py makes it
-@pytest.mark.parametrize(
-    "page", [page for page in PAGES if page.name != "corpus.md"], ids=lambda page: str(page.relative_to(ROOT))
-)
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
 def test_no_sentence_is_longer_than_a_breath(page):
     long = [found for found in sentences(page.read_text(encoding="utf-8")) if words(found) > MOST_WORDS]
     assert not long, "\n".join(f"{words(found)} words: {found}" for found in long)
@@ -49,7 +46,5 @@ def test_no_sentence_is_longer_than_a_breath(page):
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
 def test_a_page_is_read_in_a_few_minutes(page):
-    """All words count, those of tables and commands too; not the rows of docs/corpus.md, which are data."""
-    lines = page.read_text(encoding="utf-8").splitlines()
-    kept = [line for line in lines if page.name != "corpus.md" or not line.startswith("|")]
-    assert words("\n".join(kept)) <= MOST_OF_A_PAGE
+    """All words count, those of tables and commands too."""
+    assert words(page.read_text(encoding="utf-8")) <= MOST_OF_A_PAGE
