@@ -67,7 +67,7 @@ def printed(report: Path, pdf: Path) -> str:
         ]  # fmt: skip
         try:
             subprocess.run(command, capture_output=True, timeout=_WAIT, check=True)
-            partial.write_bytes(made.read_bytes())
+            shutil.copyfile(made, partial)
         except (OSError, subprocess.SubprocessError) as problem:
             raise InputError(pdf, f"{browser} printed no page ({problem})", "a PDF of the report", f"open {report} and print it into a file") from problem  # fmt: skip
     return f"the report as PDF: {pdf}"
