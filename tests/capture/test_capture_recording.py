@@ -191,7 +191,7 @@ def test_a_port_that_answers_nothing_at_all_ends_too(record, monkeypatch):
     hung = threading.Event()
 
     class Hung:
-        name, rate = "hung", None
+        name, rate, what, events = "hung", None, "", ()
 
         def read(self):
             hung.wait(30)
