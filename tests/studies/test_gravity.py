@@ -73,7 +73,7 @@ def test_katers_pivots_have_one_period():
 @pytest.mark.parametrize(("frequencies", "distances"), [((5.0, 5.0), (0.3, 0.3)), ((4.0, 5.0), (0.5, 0.6)), ((5.0, 4.0), (0.5, 0.6))])  # fmt: skip
 def test_pivots_that_no_body_has_are_refused(frequencies, distances):
     """The same distance twice, a g below 0, and an inertia below 0."""
-    with pytest.raises(InputError, match="tell no g"):
+    with pytest.raises(InputError, match="give no g"):
         gravity_of_two_pivots(
             [Stated(one, 1e-4) for one in frequencies], [Stated(one, 1e-4) for one in distances]
         )
