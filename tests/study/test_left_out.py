@@ -185,7 +185,9 @@ def test_the_command_leaves_out_the_same_for_the_same_reasons(study, files, monk
         assert by_command[kind] == by_sheet[f"{kind}-3"]
     table = pd.read_csv(files / "mine/first_answer.csv").set_index("recording")
     whole = pd.read_csv(study[0] / "results/tables/pendulums.csv").set_index("recording")
-    assert table.loc["one", "period_s"] == pytest.approx(whole.loc["whole-1", "period_s"], rel=1e-12)
+    # the command fits more laws of damping than a study by sheet does unasked
+    error = table.loc["one", "period_s_u"]
+    assert table.loc["one", "period_s"] == pytest.approx(whole.loc["whole-1", "period_s"], abs=error)
 
 
 @pytest.mark.parametrize(
