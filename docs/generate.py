@@ -204,7 +204,7 @@ def commands() -> Iterator[str]:
     yield (
         "## snakemake\n\n`.venv/bin/snakemake -c2 TARGET`, TARGET one of `all` (the default), `discover`, `sweep`, `capture`, `report`, "
         "`hidden_effects`, `coverage`, `certified`, or the path of a file under `results/`. `--configfile mine.yaml --directory somewhere` makes it "
-        "a study of your own. What each rule makes: [the paper again](../paper.md#which-rule-makes-what)."
+        "a study of your own. What each rule makes: [the paper again](../paper.md#where-each-of-them-is-made)."
     )
 
 
