@@ -27,8 +27,21 @@ def write(dataset: xr.Dataset, path: str | Path) -> Path:
     Every variable is compressed with zlib and carries the format's own checksum (Fletcher-32), which any reader of
     netCDF verifies. What lies between the variables (the index of their pieces, text of variable length) has none, so the
     file has a seal as well (``sealed.seal_behind``). What the CF Conventions ask of every file (title, history without a date,
-    source, a name for each variable) is added where the dataset does not say it itself. A float variable without ``units`` and ``long_name`` raises ValueError; a full disk raises
-    Unwritten (ENOSPC) with the space wanted and free. Nothing is left behind by a write that fails.
+    source, a name for each variable) is added where the dataset does not say it itself.
+
+    Parameters
+    ----------
+    dataset
+        Each float variable has ``units`` and ``long_name``.
+    path
+        The netCDF file. A write that fails leaves nothing behind.
+
+    Raises
+    ------
+    ValueError
+        If a float variable lacks ``units`` or ``long_name``.
+    Unwritten
+        If the disk is full (ENOSPC); it names the space wanted and free.
     """
     path, netcdf = Path(path), needed("netCDF4")
     if lost := [f"{name}: no {key}" for name, key in _unlabelled(dataset)]:
@@ -71,9 +84,19 @@ def write(dataset: xr.Dataset, path: str | Path) -> Path:
 
 
 def series_of(data: xr.Dataset, part: str = "") -> xr.DataArray:
-    """What a sensor read, of a dataset of ``results/angles``: the variable ``angle`` (rad), or ``rate`` (rad/s) where it has that.
+    """What a sensor read, of a dataset of ``results/angles``.
 
-    ``part`` names one that goes with it, such as ``bound`` or ``random_uncertainty``; KeyError where there is none.
+    Parameters
+    ----------
+    data
+        With the variable ``angle`` (rad) or ``rate`` (rad/s), over ``time`` (s).
+    part
+        A variable that goes with it, such as ``bound`` or ``random_uncertainty``. Default: the reading itself.
+
+    Raises
+    ------
+    KeyError
+        If there is no such part.
     """
     name = "rate" if "rate" in data else "angle"
     return data[f"{name}_{part}" if part else name]
@@ -82,8 +105,16 @@ def series_of(data: xr.Dataset, part: str = "") -> xr.DataArray:
 def read(path: str | Path) -> xr.Dataset:
     """The dataset of a file written by ``write``, loaded whole.
 
-    A file that is missing, damaged, incomplete, changed since, or that lost the unit of a float variable raises InputError; one that
-    stands for a recording which cannot be used raises that recording's.
+    Parameters
+    ----------
+    path
+        A netCDF file.
+
+    Raises
+    ------
+    InputError
+        If the file is missing, damaged, incomplete, changed since, or lost the unit of a float variable. Of a file that stands for a
+        recording that cannot be used it is that recording's.
     """
     path = Path(path)
     if not path.exists():
@@ -109,7 +140,18 @@ def read(path: str | Path) -> xr.Dataset:
 
 
 def check_sealed(path: str | Path) -> None:
-    """None where a file's bytes are those that were written, or it was written without a seal; InputError where they are not."""
+    """None where a file's bytes are those that were written, or it was written without a seal.
+
+    Parameters
+    ----------
+    path
+        A netCDF file.
+
+    Raises
+    ------
+    InputError
+        If another program has changed it.
+    """
     if check_behind(Path(path)):
         return
     with needed("netCDF4").Dataset(path) as file:

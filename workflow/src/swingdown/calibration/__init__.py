@@ -72,9 +72,21 @@ def calibrate(
 def from_means(
     apparatus: Apparatus, read: layout.Read, draws: int, seed: int
 ) -> tuple[xr.Dataset, Propagation]:
-    """The calibration dataset and the first-order propagation from the mean voltages on the towers and at rest.
+    """The calibration dataset and the first-order propagation, from the mean voltages on the towers and at rest.
 
-    InputError if fewer than three points can be used.
+    Parameters
+    ----------
+    apparatus
+        As ``read_apparatus`` returns it.
+    read
+        The mean voltages (V) with their uncertainties.
+    draws, seed
+        Of the Monte-Carlo mode.
+
+    Raises
+    ------
+    InputError
+        If fewer than three points can be used.
     """
     means = read.towers
     points = modes.judge(apparatus, draws, seed)
@@ -105,7 +117,20 @@ def from_means(
 
 
 def tower(apparatus: Apparatus, number: int) -> xr.Dataset:
-    """The recording dataset of one tower height, the first being number 1; it must be in volts."""
+    """The recording dataset of one tower height.
+
+    Parameters
+    ----------
+    apparatus
+        As ``read_apparatus`` returns it.
+    number
+        The point's place in the sheet; the first is 1.
+
+    Raises
+    ------
+    InputError
+        If the recording cannot be used, or is not in volts.
+    """
     point = apparatus["points"][number - 1]
     row = {
         "recording": f"tower_{number}",

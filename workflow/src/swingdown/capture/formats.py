@@ -245,7 +245,18 @@ FORMATS = {"frames": Frames, "csv": Lines, "readings": Readings, "timed": Timed}
 
 
 def parser(settings):
-    """A new parser of the format that ``settings`` (the config's ``capture``) names; InputError if there is none such."""
+    """A new parser of a wire format.
+
+    Parameters
+    ----------
+    settings
+        The config's ``capture``, whose ``format`` names it.
+
+    Raises
+    ------
+    InputError
+        If there is no such format.
+    """
     name = settings["format"]
     if name not in FORMATS:
         raise InputError(

@@ -111,9 +111,21 @@ def angle_of(settings):
 
 
 def watch(settings, show, stop):
-    """A last line on the signal, when the event ``stop`` is set; until then ``show(lines)`` is called a few times a second.
+    """A last line on the signal, when it is told to stop.
 
-    ``settings`` is the config's ``capture``. InputError where the source cannot be used or goes away.
+    Parameters
+    ----------
+    settings
+        The config's ``capture``.
+    show
+        Called with a list of lines a few times a second.
+    stop
+        The event that ends it.
+
+    Raises
+    ------
+    InputError
+        If the source cannot be used, or goes away.
     """
     settings = source.completed(settings)
     opened = source.connect(settings)

@@ -35,9 +35,17 @@ def listed():
 
 
 def find(name):
-    """The path or URL to open for ``name``: a path, a URL, or VID:PID[:serial]; InputError where there is no such port.
+    """The path or URL to open for a port.
 
-    Without a name it is the one USB port that there is.
+    Parameters
+    ----------
+    name
+        A path, a URL, or ``VID:PID[:serial]``. Empty: the one USB port that there is.
+
+    Raises
+    ------
+    InputError
+        If there is no such port, or several and no name.
     """
     if not name:
         boards = [port.device for port in list_ports.comports() if port.vid]
@@ -76,7 +84,20 @@ def find(name):
 
 
 def connect(name, baud):
-    """The open Port that ``name`` means; InputError where it cannot be opened."""
+    """The open ``Port`` that a name means.
+
+    Parameters
+    ----------
+    name
+        As of ``find``.
+    baud
+        Bits a second of the line.
+
+    Raises
+    ------
+    InputError
+        If it cannot be opened.
+    """
     url = find(name)
     try:
         return Port(url, serial.serial_for_url(url, baudrate=baud, timeout=_WAIT, exclusive=True))

@@ -12,11 +12,28 @@ from .monitor import Monitor
 
 
 def run(jobs, guide, views=(), stop=None, leave=None, say=print):
-    """A sentence on what was recorded of ``jobs`` (Jobs in their order); what is there already is left as it is,
-    and so is one that an earlier capture left unfinished, which is told before the first is asked for.
+    """A sentence on what was recorded in a session.
 
-    The event ``stop`` ends the recording that goes on, and the session where none does; ``leave`` ends both. InputError at the
-    end where one of them did not come out whole, or none was to be made.
+    Parameters
+    ----------
+    jobs
+        In their order. What is there already is left as it is, and so is what an earlier capture left unfinished; it is named before the
+        first is asked for.
+    guide
+        The prompts.
+    views
+        As of ``recording.capture``.
+    stop
+        The event that ends the recording that goes on, and the session where none does.
+    leave
+        The event that ends both.
+    say
+        Called with each line.
+
+    Raises
+    ------
+    InputError
+        At the end, if a recording did not come out whole, or none was to be made.
     """
     stop, leave = stop or threading.Event(), leave or threading.Event()
     wanted = [job for job in jobs if not job.path.exists()]

@@ -22,11 +22,21 @@ SIGNALS = {  # unit: variable, what it is
 
 
 def to_dataset(recorder, about):
-    """The dataset of a Recorder that has ended, with at least one sample.
+    """The dataset of a recording that has ended.
 
-    Along ``time`` (s, ``_times``; 0 is the release, or the first sample): the value as sent, the signal in its unit,
-    the device's sequence number (unwrapped) and the host's arrival time (s since 1970, UTC). Along ``gap``: the sequence
-    numbers that are missing, and whether they came damaged. ``about`` (name: text) joins the attributes.
+    Parameters
+    ----------
+    recorder
+        Has at least one sample.
+    about
+        Texts by name, which join the attributes.
+
+    Returns
+    -------
+    xarray.Dataset
+        Along ``time`` (s; 0 is the release, or the first sample): the value as sent, the signal in its unit, the device's sequence number
+        (unwrapped) and the host's arrival time (s since 1970, UTC). Along ``gap``: the sequence numbers that are missing, and whether they
+        came damaged.
     """
     settings, rows = recorder.settings, recorder.rows
     unit = settings["signal_unit"]
@@ -112,7 +122,20 @@ def _times(recorder):
 
 
 def write_new(data, path):
-    """The path written; InputError if there is a file of that name, which is left as it is."""
+    """The path written.
+
+    Parameters
+    ----------
+    data
+        As ``to_dataset`` returns it.
+    path
+        Where no file is yet.
+
+    Raises
+    ------
+    InputError
+        If there is a file of that name, which is left as it is.
+    """
     path = Path(path)
     check_absent(path)
     whole = dataset.write(data, path.with_name(f".{path.name}.{os.getpid()}.new"))

@@ -10,10 +10,23 @@ _PLAN = "capture: {takes: [{recording: tower-1, height: 0.024}, {recording: rest
 
 
 def takes(config: dict) -> list[dict]:
-    """The recordings asked for, in their order: dicts with ``recording`` and, where they hold, ``height`` and ``role``.
+    """The recordings asked for, in their order.
 
-    ``recording`` is a name, several between commas, or a list; with ``count`` the one name becomes name-01, name-02, ...;
-    ``session`` takes those of ``capture.takes``. InputError for a name that cannot be one, or is there twice.
+    Parameters
+    ----------
+    config
+        Its ``recording`` is a name, several between commas, or a list; with ``count`` the one name becomes name-01, name-02, …; ``session``
+        takes those of ``capture.takes``.
+
+    Returns
+    -------
+    list of dict
+        With ``recording`` and, where they hold, ``height`` (m) and ``role``.
+
+    Raises
+    ------
+    InputError
+        If a name cannot name a file, or is there twice.
     """
     if config.get("session"):
         if "recording" in config:

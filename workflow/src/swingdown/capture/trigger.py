@@ -53,11 +53,22 @@ class Watch:
 
 
 def release(times: npt.ArrayLike, values: npt.ArrayLike, at: int, threshold: float, power: int = 2) -> float:
-    """The time of the first sample that the bob was free at, or the last before, given that it was noticed at index ``at``.
+    """The time (s) of the first sample at which the bob was free, or the last before.
 
-    ``times`` (s) and ``values`` of the rows around the release; those in the first half of the time before ``at`` were taken
-    while it was held. From rest a pendulum leaves its level with the square of the time, and its angular rate with the time (``power`` 1): of
-    all moments it is the one from which such a curve follows the values best.
+    From rest a pendulum leaves its level with the square of the time, and its angular rate with the time. The moment is that from which
+    such a curve follows the values best.
+
+    Parameters
+    ----------
+    times, values
+        Of the rows around the release, in s and the signal's unit, both of shape (row,). Those in the first half of the time before ``at``
+        were taken while the bob was held.
+    at
+        Index at which the release was noticed.
+    threshold
+        How far from its level the signal was then, in its unit.
+    power
+        2 of an angle, 1 of an angular rate.
     """
     times, values = np.asarray(times, float), np.asarray(values, float)
     held = values[: max(at // 2, 1)]
@@ -75,7 +86,13 @@ def release(times: npt.ArrayLike, values: npt.ArrayLike, at: int, threshold: flo
 
 
 def noise(values: npt.ArrayLike) -> float:
-    """The standard deviation of the noise of ``values``, whatever slow motion is beneath it: by their second differences."""
+    """The standard deviation of the noise, in the unit of the values, by their second differences.
+
+    Parameters
+    ----------
+    values
+        Of shape (sample,), with any slow motion beneath the noise.
+    """
     values = np.asarray(values, float)
     if len(values) < 8:
         return 0.0

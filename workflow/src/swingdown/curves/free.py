@@ -165,7 +165,20 @@ class Beyond(NamedTuple):
 
 
 def free(swings: Sequence[HalfSwings], restoring: str = "sine") -> Free:
-    """The ``Free`` of the half-swings of one pendulum's recordings; InputError for fewer than eight half-swings, or ones that do not shrink."""
+    """What the half-swings of one pendulum's recordings show free of a model.
+
+    Parameters
+    ----------
+    swings
+        As ``half_swings_of`` returns them, one a recording.
+    restoring
+        ``sine`` or ``linear``.
+
+    Raises
+    ------
+    InputError
+        If there are fewer than eight half-swings, or they do not shrink.
+    """
     swings = [one for one in swings if one.angle.size >= _LEAST] or swings[:1]
     if sum(one.angle.size for one in swings) < FEWEST:
         raise InputError(

@@ -48,7 +48,20 @@ class HalfSwings(NamedTuple):
 
 
 def half_swings_of(data: xr.Dataset, restoring: str = "sine") -> HalfSwings:
-    """The ``HalfSwings`` of an angle dataset, sampled or of turning points; InputError where it has too few or holds no angle."""
+    """The half-swings of an angle dataset, sampled or of turning points.
+
+    Parameters
+    ----------
+    data
+        With ``angle`` (rad) or ``rate`` (rad/s) over ``time`` (s).
+    restoring
+        ``sine`` or ``linear``.
+
+    Raises
+    ------
+    InputError
+        If it has too few half-swings, or holds no angle.
+    """
     name = str(data.attrs.get("recording", "recording"))
     if are_points(data):
         return _of_points(data, name)
@@ -60,7 +73,22 @@ def half_swings_of(data: xr.Dataset, restoring: str = "sine") -> HalfSwings:
 
 
 def of_samples(name: str, times: Floats, angle: Floats, scaled: bool = True) -> HalfSwings:
-    """The ``HalfSwings`` of a sampled swing: times (s) and angles (rad). InputError for fewer than four half-swings, or too few samples in each."""
+    """The half-swings of a sampled swing.
+
+    Parameters
+    ----------
+    name
+        The recording, which an error names.
+    times, angle
+        In s and rad, both of shape (sample,).
+    scaled
+        Whether the angle's scale is known.
+
+    Raises
+    ------
+    InputError
+        If there are fewer than four half-swings, or too few samples in each.
+    """
     rough = _passages(times, angle)
     centre = _centre(times, angle, rough) if rough.size >= 4 else 0.0
     rough = _passages(times, angle - centre) if rough.size >= 4 else rough

@@ -35,7 +35,18 @@ COLUMNS = [
 
 
 def labels(restoring: str = "sine") -> list[str]:
-    """The laws that are compared, beside a ``sine`` or a ``linear`` restoring torque: each alone, pairs, and structural damping."""
+    """The laws that are compared: each alone, pairs, and structural damping.
+
+    Parameters
+    ----------
+    restoring
+        ``sine`` or ``linear``.
+
+    Returns
+    -------
+    list of str
+        Labels of models, such as ``viscous+quadratic_drag``.
+    """
     single = [one for one in _SINGLE if restoring == "sine" or one != "load_coulomb"]
     pairs = [f"{a}+{b}" for k, a in enumerate(single) for b in single[k + 1 :]]
     return [*single, "structural_damping", *pairs]
@@ -79,8 +90,22 @@ class Laws:
 
 
 def exponential(found: Sequence[Laws]) -> tuple[str, float, str]:
-    """Whether the decay of a pendulum's recordings is exponential (``yes``, ``no``, ``open``), by how much BIC falls from the best exponential law to the
-    best of all, and that law's label."""
+    """Whether the decay of a pendulum's recordings is exponential.
+
+    Parameters
+    ----------
+    found
+        As ``laws`` returns them, one a recording.
+
+    Returns
+    -------
+    answer
+        ``yes``, ``no`` or ``open``.
+    fall
+        By how much BIC falls from the best exponential law to the best of all.
+    label
+        The label of the best law.
+    """
     bic = {one.label: 0.0 for one in found[0].laws}
     for each in found:
         for one in each.laws:
@@ -231,12 +256,22 @@ def _of_points(angle: xr.Dataset, restoring: str, catalogue: Catalogue) -> Laws:
 
 
 def table(found: Sequence[Laws], campaign: str) -> pd.DataFrame:
-    """A row for each recording and law, the most probable first: the columns ``COLUMNS``.
+    """A row for each recording and law, the most probable first.
 
-    ``residual_mrad`` is the RMS that the law leaves, ``residual_noise`` that over the noise; ``held_out_mrad`` and ``held_out_noise`` the same
-    of the last third, of a fit to what is before it. ``delta_bic`` is the BIC above that of the best law, for as many samples as count as
-    independent, ``weight`` the probability that follows if one of them is right. Of angular rates the residuals are in mrad/s. Turning points
-    have no part held out; their noise is how they scatter about the best law.
+    Parameters
+    ----------
+    found
+        As ``laws`` returns them, one a recording.
+    campaign
+        The name of their pendulum.
+
+    Returns
+    -------
+    pandas.DataFrame
+        The columns ``COLUMNS``. ``residual_mrad`` is the RMS that the law leaves (of angular rates in mrad/s), ``residual_noise`` that over the
+        noise; ``held_out_mrad`` and ``held_out_noise`` are those of the last third, by a fit to what is before it. ``delta_bic`` is the BIC
+        above that of the best law, for as many samples as count as independent, ``weight`` the probability that follows if one of the laws is
+        right. Turning points have no part held out; their noise is how they scatter about the best law.
     """
     rows = []
     for one in found:
@@ -295,8 +330,28 @@ def _change(curves: xr.Dataset | None) -> str:
 
 
 def envelopes(found: Laws, said: str = "", emulated: str = "no") -> xr.Dataset:
-    """A Dataset of the amplitudes (rad; of an angular rate rad/s) of a recording's turning points over ``time`` (s), and of what the single laws
-    and the one with the most evidence make of them (law, time). InputError where there are too few."""
+    """The amplitudes of a recording's turning points, and what the laws make of them.
+
+    Parameters
+    ----------
+    found
+        As ``laws`` returns it.
+    said
+        A sentence for the figure.
+    emulated
+        ``yes`` or ``no``.
+
+    Returns
+    -------
+    xarray.Dataset
+        Amplitudes (rad; of an angular rate rad/s) over ``time`` (s), and over ``law`` and ``time`` those of each single law and of the law with
+        the most evidence.
+
+    Raises
+    ------
+    InputError
+        If there are too few turning points.
+    """
     best = found.best.label
     shown = [
         one

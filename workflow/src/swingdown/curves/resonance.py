@@ -212,7 +212,18 @@ class _Ring:
 
 
 def table(found: xr.Dataset) -> pd.DataFrame:
-    """A row for each point of the curves of ``resonance``, with the columns ``COLUMNS``."""
+    """A row for each point of the resonance curves.
+
+    Parameters
+    ----------
+    found
+        As ``resonance`` returns it.
+
+    Returns
+    -------
+    pandas.DataFrame
+        The columns ``COLUMNS``.
+    """
     names = {
         "drive": "drive_rad_per_s2", "amplitude": "amplitude_rad", "frequency": "frequency_Hz",
         "frequency_low": "low_Hz", "frequency_high": "high_Hz", "phase": "phase_rad",

@@ -74,7 +74,18 @@ def _loaded(catalogue: Catalogue) -> tuple[Any, dict[tuple[str, str], int]]:
 
 
 def engine(catalogue: Catalogue = SHIPPED) -> Any:
-    """The compiled engine for a catalogue (compiled at the first use on a machine); EngineError where there is no compiler."""
+    """The compiled engine for a catalogue, compiled at the first use on a machine.
+
+    Parameters
+    ----------
+    catalogue
+        The effects whose formulas are compiled.
+
+    Raises
+    ------
+    EngineError
+        If there is no compiler, and neither cache nor wheel has the engine.
+    """
     return _loaded(catalogue.whole)[0]
 
 
@@ -126,7 +137,18 @@ class Compiled:
 
 
 def checked_times(times: Any) -> Floats:
-    """The times (s) as a contiguous float64 array; InputError unless finite and increasing."""
+    """The times (s) as a contiguous float64 array.
+
+    Parameters
+    ----------
+    times
+        In s, of shape (sample,).
+
+    Raises
+    ------
+    InputError
+        If they are not finite and increasing, or have another shape.
+    """
     times = np.ascontiguousarray(times, dtype=float)
     if times.ndim != 1 or times.size < 1:
         raise InputError("times", f"an array of shape {times.shape}", "one dimension, at least one time")

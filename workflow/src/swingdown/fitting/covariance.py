@@ -16,10 +16,27 @@ _RELEASE_UNITS = dict(zip(RELEASE, ("rad", "rad/s"), strict=True))
 def covariance_of(
     problem: Problem, hessian: Floats, rss: float, best: Floats, quickly: bool = False
 ) -> tuple[Floats, Floats]:
-    """The covariance of the free values for independent residuals, and its systematic part (free, source).
+    """The covariance of the free values for independent residuals, and its systematic part.
 
-    ``hessian`` is J'J with the precision of what is known beforehand; of variance s^2 = rss / (n - k) is the noise. NaN for
-    values that a bound holds or that are undetermined. ``quickly`` as in ``inverse_of``.
+    Parameters
+    ----------
+    problem
+        What was fitted.
+    hessian
+        J'J with the precision of what is known beforehand, of shape (free, free).
+    rss
+        The sum of squares at the minimum; rss / (n - k) is the variance of the noise.
+    best
+        The free values there, of shape (free,).
+    quickly
+        As of ``inverse_of``.
+
+    Returns
+    -------
+    covariance
+        Of shape (free, free); NaN for values that a bound holds or that are undetermined.
+    systematic
+        Of shape (free, source).
     """
     noise, slack = rss / (problem.n - len(problem.free)), problem.model.slack
     inverse = inverse_of(problem, hessian, best, quickly)

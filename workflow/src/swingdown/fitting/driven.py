@@ -27,11 +27,24 @@ def driven_release(times: Floats, angle: Floats) -> tuple[float, float]:
 
 
 def driven_guesses(model: Model, times: Floats, angle: Floats, drive: Drive) -> list[dict[str, float]]:
-    """The values by parameter that a swing (rad, over times in s) under a measured drive shows, for bumps of several widths.
+    """The values by parameter that a swing under a measured drive shows, for bumps of several widths.
 
     theta'' = -c theta' - omega^2 s(theta) + b f(theta, u) + d, times a bump and integrated by parts, holds no derivative of what was
-    measured; its values solve a linear least squares problem (the modulating functions of Shinbrot, Trans. ASME 79, 1957). InputError for
-    angular rates, of which the angle is not known, and where no width gives a frequency.
+    measured; its values solve a linear least squares problem (the modulating functions of Shinbrot, Trans. ASME 79, 1957).
+
+    Parameters
+    ----------
+    model
+        What is fitted.
+    times, angle
+        In s and rad, both of shape (sample,).
+    drive
+        What was measured of the drive.
+
+    Raises
+    ------
+    InputError
+        If angular rates are given, of which the angle is not known, or no width gives a frequency.
     """
     if model.reading == RATE:
         raise InputError(

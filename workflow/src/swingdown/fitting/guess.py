@@ -46,7 +46,20 @@ def amplitude_factor(amplitude: float) -> float:
 
 
 def middle_crossings(times: Floats, angle: Floats) -> tuple[Floats, Floats]:
-    """Times of the middle crossings (s), and the extreme between each two (rad); a tenth of the spread is hysteresis against noise."""
+    """Where a swing crosses its middle; a tenth of the spread is hysteresis against noise.
+
+    Parameters
+    ----------
+    times, angle
+        In s and rad, both of shape (sample,).
+
+    Returns
+    -------
+    times
+        Of the crossings, in s.
+    extremes
+        Between each two crossings, in rad.
+    """
     band = 0.1 * np.sqrt(angle @ angle / angle.size)
     above = angle > band
     marks = (above | (angle < -band)).nonzero()[0]
@@ -73,9 +86,21 @@ def middle_crossings(times: Floats, angle: Floats) -> tuple[Floats, Floats]:
 
 
 def first_guess(times: Any, angle: Any, restoring: str = "sine", reading: str = ANGLE) -> Guess:
-    """The ``Guess`` for a swing: times in s, angles in rad; InputError where it crosses its middle fewer than twice.
+    """The ``Guess`` from which the fit of a swing begins.
 
-    Of the ``reading`` ``rate`` the second are angular velocities in rad/s.
+    Parameters
+    ----------
+    times, angle
+        In s and rad (of the reading ``rate`` in rad/s), both of shape (sample,).
+    restoring
+        ``sine`` or ``linear``.
+    reading
+        ``angle`` or ``rate``.
+
+    Raises
+    ------
+    InputError
+        If the swing crosses its middle fewer than twice.
     """
     times, angle = np.asarray(times, dtype=float), np.asarray(angle, dtype=float)
     if reading == RATE:

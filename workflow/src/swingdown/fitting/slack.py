@@ -15,11 +15,21 @@ def allowing(
     fit: Fit, swings: Swings, slack: Slack, *, start: str = "free", bounded: bool = False, own: Iterable[str] | None = None,
     most: int = 200,
 ) -> Fit:  # fmt: skip
-    """The fit of the same swings once more, with the nuisance values of ``slack`` free within what is known of them.
+    """The fit of the same swings once more, with the nuisance values of the measurement free within what is known of them.
 
     What is known is weighed against the fit's own residuals as they are at the pendulum's frequencies: beside a model that
-    misses much, the data have little to say on the sensor. A fit without nuisance values keeps its values, and takes the
-    clock's uncertainty into its covariance.
+    misses much, the data have little to say on the sensor.
+
+    Parameters
+    ----------
+    fit
+        Its values are where this begins. Without nuisance values it keeps them, and takes the clock's uncertainty into its covariance.
+    swings
+        Those of the fit.
+    slack
+        What the measurement leaves open.
+    start, bounded, own, most
+        As of the fit: how swings begin, whether parameters keep their bounds, what each recording has for itself, and the most steps.
     """
     for _ in range(_ROUNDS if slack.names else 1):
         weighed = slack.weighed(uncertainty(fit, swings).noise) if slack.names else slack

@@ -169,8 +169,17 @@ def _free(model: Model, turns: Turns) -> tuple[str, ...]:
 
 
 def frequency_of(turns: Turns, restoring: str) -> float:
-    """The natural frequency (rad/s) from a straight line through the times over the half-swings, of which each counts for as much as
-    weight makes it longer at its amplitude."""
+    """The natural frequency (rad/s) from a straight line through the times over the half-swings.
+
+    Each half-swing counts for as much as weight makes it longer at its amplitude.
+
+    Parameters
+    ----------
+    turns
+        Times (s) and angles (rad) of the turning points.
+    restoring
+        ``sine`` or ``linear``.
+    """
     size = np.abs(turns.angles)
     longer = [1 / amplitude_factor(one) if restoring == "sine" else 1.0 for one in (size[1:] + size[:-1]) / 2]
     passed = np.concatenate([[0.0], np.cumsum(np.diff(turns.halves) * longer)])

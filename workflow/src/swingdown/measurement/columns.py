@@ -64,9 +64,14 @@ class Meaning:
 
 
 def meaning(name: str, beside: str = "") -> Meaning:
-    """The Meaning of a column's header: ``Angle (°)``, ``t [ms]``, ``t/s``, ``theta_rad``, ``Latest: Time (s)``.
+    """What one column holds, as far as its header says.
 
-    ``beside`` is a unit that the file states apart from the header; it goes first where it is known.
+    Parameters
+    ----------
+    name
+        ``Angle (°)``, ``t [ms]``, ``t/s``, ``theta_rad``, ``Latest: Time (s)``.
+    beside
+        A unit that the file states apart from the header; it goes first where it is known.
     """
     bare = re.sub(r"(?i)^latest:|\brun #?\d+\b|\bset \d+\b", " ", name).strip(" :,")
     label, written = _unit_in(bare)

@@ -58,9 +58,20 @@ class Stated(NamedTuple):
 
 
 def stated(given: Mapping[str, Any], where: str) -> Stated:
-    """What a row of the sheet, or a call, states of its input by ``input_kind``, ``input_unit``, ``input_between`` and ``input_free``.
+    """What a row of the sheet, or a call, states of its input.
 
-    Of a torque whose unit is not that of an angular acceleration the gain is to be found. InputError names the cell and the mend.
+    Parameters
+    ----------
+    given
+        ``input_kind``, ``input_unit``, ``input_between`` and ``input_free``. Of a torque whose unit is not that of an angular acceleration
+        the gain is always fitted.
+    where
+        What an error names as its place.
+
+    Raises
+    ------
+    InputError
+        If a cell holds none of the known words; it names the mend.
     """
     kind, unit = str(given.get("input_kind") or ""), str(given.get("input_unit") or "")
     if not kind:

@@ -99,7 +99,24 @@ class _Columns(NamedTuple):
 
 
 def interpret(table: Table, row: Mapping[str, Any], place: str, restoring: str) -> Interpreted:
-    """The ``Interpreted`` columns of a table, by their header and the ``row`` of the sample sheet; InputError where they can be no swing."""
+    """What the columns of a table are: the time, and the angle, rate or position.
+
+    Parameters
+    ----------
+    table
+        As ``source.table_of`` returns it.
+    row
+        Of the sample sheet; its cells go first.
+    place
+        What an error names as its place.
+    restoring
+        ``sine`` or ``linear``.
+
+    Raises
+    ------
+    InputError
+        If the columns can be no swing, or leave open what they are; it names the option that answers.
+    """
     table = apart(table)
     if (paired := f"{row['signal_column']} x") in table.names:
         row = {**row, "signal_column": paired}

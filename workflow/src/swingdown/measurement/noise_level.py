@@ -31,10 +31,20 @@ class Noise(NamedTuple):
 
 
 def noise_of(times: ArrayLike, signal: ArrayLike) -> Noise:
-    """The ``Noise`` of a swing, in the unit of ``signal``: white unless its spectrum above the pendulum's harmonics asks for colour.
+    """The ``Noise`` of a swing: white unless its spectrum above the pendulum's harmonics asks for colour.
 
-    ``times`` (s) are evenly spaced. White noise is that of ``noise_level``; coloured noise first-order autocorrelated, as
-    ``whittle`` finds it, lines above their neighbours cut down to them. InputError as there.
+    White noise is that of ``noise_level``; coloured noise first-order autocorrelated, as ``whittle`` gives it, lines above their
+    neighbours cut down to them.
+
+    Parameters
+    ----------
+    times, signal
+        In s (evenly spaced) and any unit, which is the noise's too, both of shape (sample,).
+
+    Raises
+    ------
+    InputError
+        If there are fewer than 64 samples.
     """
     level = noise_level(times, signal)
     times, signal = np.asarray(times, dtype=float), np.asarray(signal, dtype=float)
@@ -105,13 +115,22 @@ def _over_correlations(costs: Floats, innovations: Floats, own: float, whole: fl
 
 
 def noise_level(times: ArrayLike, signal: ArrayLike, band: tuple[float, float] = BAND) -> float:
-    """The standard deviation of the white noise, in the unit of ``signal``, from the level of its spectrum in
-    a band.
+    """The standard deviation of the white noise, in the signal's unit, from the level of its spectrum in a band.
 
-    ``times`` (s) are evenly spaced. The second difference takes the swing out before the window, so that it
-    cannot leak into the band; the median over the band passes over single lines. Where sampling is too slow
-    for the band, its upper end is the Nyquist frequency and its lower end at most 0.6 of that. Noise that is
-    not white is told as the white noise of that level. InputError for fewer than 64 samples.
+    The second difference takes the swing out before the window, so that it cannot leak into the band; the median over the band
+    passes over single lines. Noise that is not white is taken for white noise of that level.
+
+    Parameters
+    ----------
+    times, signal
+        In s (evenly spaced) and any unit, both of shape (sample,).
+    band
+        Frequencies in Hz. Where sampling is too slow for it, its upper end is the Nyquist frequency and its lower end at most 0.6 of that.
+
+    Raises
+    ------
+    InputError
+        If there are fewer than 64 samples.
     """
     times, signal = np.asarray(times, dtype=float), np.asarray(signal, dtype=float)
     if len(signal) < SPECTRUM:

@@ -22,10 +22,18 @@ _OF_RATES = {
 
 
 def tolerances(row: Mapping[str, Any], unit: str, upright: bool = True) -> dict[str, float]:
-    """The tolerances in a row of the sample sheet, with the usual ones where it has none: limits of error, by key.
+    """The limits of error in a row of the sample sheet, by key, with the usual ones where it has none.
 
-    ``unit`` is that of the signal. Where nothing is said, an angle sensor's gain and zero are taken for right; those of a
-    gyroscope never are, nor is the zero where nobody knows which way is down: ``upright`` False, as of a camera's picture.
+    An angle sensor's gain and zero are taken for right where nothing is said; those of a gyroscope never are.
+
+    Parameters
+    ----------
+    row
+        Of the sample sheet.
+    unit
+        Of the signal.
+    upright
+        False where nobody knows which way is down, as of a camera's picture: the zero is then open.
     """
     usual = _OF_RATES if unit in TO_RAD_PER_S else _OF_ANGLES
     stated = {key: float(row.get(key, float("nan"))) for key in usual}

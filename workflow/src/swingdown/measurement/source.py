@@ -34,14 +34,32 @@ NETCDF = (".nc", ".nc4", ".cdf", ".netcdf")
 
 
 def runs(source: BinaryIO, row: Mapping[str, Any]) -> list[str]:
-    """The names of the runs in an open file, in its order; none where it holds one recording. Errors as of ``table_of``."""
+    """The names of the runs in an open file, in its order; none where it holds one recording.
+
+    Parameters
+    ----------
+    source, row
+        As of ``table_of``, and so are the errors.
+    """
     return [name for name in tables(source, row) if name]
 
 
 def table_of(source: BinaryIO, row: Mapping[str, Any]) -> Table:
-    """The Table of an open file: of the run that ``row``, that of the sample sheet, asks for by its name or by the columns it has.
+    """The table of an open file, or of one of its runs.
 
-    InputError for a file that cannot be read and a run that is not there, SeveralRuns where the row asks for none of several.
+    Parameters
+    ----------
+    source
+        As ``opened`` gives it.
+    row
+        Of the sample sheet; it asks for a run by its name, or by the columns that the run has.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read, or the run is not there.
+    SeveralRuns
+        If the row asks for none of several.
     """
     found = tables(source, row)
     named = {name: table for name, table in found.items() if name}
@@ -58,7 +76,18 @@ def table_of(source: BinaryIO, row: Mapping[str, Any]) -> Table:
 
 
 def tables(source: BinaryIO, row: Mapping[str, Any]) -> dict[str, Table]:
-    """The Tables of an open file by the names of its runs, and by "" the one that all of it is; ``row`` as of ``table_of``."""
+    """The tables of an open file by the names of its runs, and by "" that of the whole file.
+
+    Parameters
+    ----------
+    source, row
+        As of ``table_of``.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read, or the row asks for a sheet that it has not.
+    """
     name = row["file"]
     if name.lower().endswith(NETCDF):
         return {WHOLE: _netcdf(source, row)}
@@ -106,8 +135,19 @@ def _of_program(columns: Columns, rate: float) -> Table:
 
 @contextmanager
 def opened(name: str, place: str) -> Iterator[BinaryIO]:
-    """A file or URL, open for reading; InputError with ``place`` if it cannot be had, is larger than any recording, or
-    fails while it is read. A URL is kept on the disk meanwhile.
+    """A file or URL, open for reading. A URL is kept on the disk meanwhile.
+
+    Parameters
+    ----------
+    name
+        A path, or an address.
+    place
+        What an error names as its place.
+
+    Raises
+    ------
+    InputError
+        If it cannot be had, is larger than any recording, or fails while it is read.
     """
     try:
         source = _copied(name) if is_url(name) else _local(name)
@@ -155,7 +195,22 @@ def _copied(address: str) -> BinaryIO:
 
 
 def check_sha256(source: BinaryIO, expected: str, name: str, place: str) -> str:
-    """The SHA-256 of a file; InputError if ``expected`` is another one (empty: anything goes)."""
+    """The SHA-256 of a file.
+
+    Parameters
+    ----------
+    source
+        As ``opened`` gives it.
+    expected
+        What it has to be; empty: anything.
+    name, place
+        What an error names.
+
+    Raises
+    ------
+    InputError
+        If it is another one.
+    """
     state = hashlib.sha256()
     while piece := source.read(1 << 20):
         state.update(piece)

@@ -211,13 +211,39 @@ def draw_inputs(
 
 
 def summarise(values: Floats, coverage: float = 0.95) -> tuple[Floats, Floats, Floats, Floats]:
-    """(mean, standard deviation, low, high) of draws along the last axis, the interval the shortest one."""
+    """Mean, standard deviation, and the ends of the shortest interval of draws.
+
+    Parameters
+    ----------
+    values
+        Of shape (…, draw).
+    coverage
+        The share of draws in the interval.
+
+    Returns
+    -------
+    mean, standard deviation, low, high
+        Each of shape (…).
+    """
     low, high = shortest_interval(values, coverage)
     return values.mean(axis=-1), values.std(axis=-1, ddof=1), low, high
 
 
 def shortest_interval(values: Floats, coverage: float = 0.95) -> tuple[Floats, Floats]:
-    """The ends of the shortest interval that holds the share ``coverage`` of draws along the last axis."""
+    """The ends of the shortest interval that holds a share of the draws.
+
+    Parameters
+    ----------
+    values
+        Of shape (…, draw).
+    coverage
+        The share.
+
+    Returns
+    -------
+    low, high
+        Each of shape (…).
+    """
     ordered = np.sort(values, axis=-1)
     count = ordered.shape[-1]
     inside = int(coverage * count + 0.5)
@@ -228,14 +254,35 @@ def shortest_interval(values: Floats, coverage: float = 0.95) -> tuple[Floats, F
 
 
 def symmetric_interval(values: Floats, coverage: float = 0.95) -> tuple[Floats, Floats]:
-    """The ends of the interval that leaves out equal shares of draws on either side."""
+    """The ends of the interval that leaves out equal shares of draws on either side.
+
+    Parameters
+    ----------
+    values, coverage
+        As of ``shortest_interval``.
+
+    Returns
+    -------
+    low, high
+        Each of shape (…).
+    """
     return tuple(np.quantile(values, [(1 - coverage) / 2, (1 + coverage) / 2], axis=-1))
 
 
 def welch_satterthwaite(
     contributions: ArrayLike, dof: Sequence[float], combined: float | None = None
 ) -> float:
-    """Effective degrees of freedom of a sum of independent contributions (JCGM 100, G.4); inf if all are."""
+    """The effective degrees of freedom of a sum of independent contributions (JCGM 100, G.4); inf if all are.
+
+    Parameters
+    ----------
+    contributions
+        Standard uncertainties times sensitivities, of shape (input,), in the result's unit.
+    dof
+        Degrees of freedom of each, of shape (input,).
+    combined
+        The combined standard uncertainty. Default: the root of the sum of squares.
+    """
     contributions = np.asarray(contributions, dtype=float)
     variance = np.sum(contributions**2) if combined is None else combined**2
     below = sum(c**4 / d for c, d in zip(contributions, dof, strict=True) if not isinf(d) and c)
@@ -243,8 +290,14 @@ def welch_satterthwaite(
 
 
 def coverage_factor(dof: ArrayLike, coverage: float = 0.95) -> Floats:
-    """k such that an interval of half width k u covers the share ``coverage`` (Student's t; normal for
-    infinite dof).
+    """The k for which an interval of half width k u covers a share (Student's t; normal for infinite dof).
+
+    Parameters
+    ----------
+    dof
+        Degrees of freedom, of any shape, which the result has too.
+    coverage
+        The share.
     """
     return stdtrit(np.asarray(dof, dtype=float), (1 + coverage) / 2)  # scipy.stats takes a second to load
 

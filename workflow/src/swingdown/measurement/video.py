@@ -51,10 +51,19 @@ class Track(NamedTuple):
 
 
 def film(source: BinaryIO, name: str) -> dict[str, Columns]:
-    """The Columns of a film: time (s) of the frames in which the bob was seen, x and y of its centre in px.
+    """The columns of a film, time (s) and x and y of the bob's centre (px), over the frames in which it was seen.
 
-    Of a film that breaks off it is what can be read. InputError without OpenCV, for a file that is no film, and where nothing moves as a
-    bob on a circle does.
+    Parameters
+    ----------
+    source
+        An open film. Of a film that breaks off it is what can be read.
+    name
+        What an error names.
+
+    Raises
+    ------
+    InputError
+        Without OpenCV, for a file that is no film, and where nothing moves as a bob on a circle does.
     """
     with _on_disk(source, name) as path:
         found = tracked(path, name)

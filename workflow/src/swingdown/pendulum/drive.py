@@ -59,10 +59,25 @@ def effect_name(kind: str, free: tuple[str, ...]) -> str:
 
 
 def drive(times: Any, values: Any, kind: str, between: str = "curve", free: Any = None) -> Drive:
-    """The ``Drive`` through samples: ``values`` (n,), in the unit of ``KINDS``, at ``times`` (n,) in s.
+    """The ``Drive`` through samples of what was measured.
 
-    ``free``: what of its sensor a fit is to find, of ``FREE``; by default the gain of a torque and nothing of the others. InputError for an
-    unknown kind, for times that do not increase and for values that are not finite, with the first place where they are not.
+    Parameters
+    ----------
+    times
+        In s, increasing, of shape (sample,).
+    values
+        In the unit of ``KINDS``, of shape (sample,).
+    kind
+        ``torque``, ``pivot_acceleration``, ``pivot_position`` or ``pivot_angle``.
+    between
+        What it does between samples: ``curve``, ``line`` or ``hold``.
+    free
+        What of its sensor a fit is to find, of ``FREE``. Default: the gain of a torque, of others nothing.
+
+    Raises
+    ------
+    InputError
+        If the kind is unknown, times do not increase, or a value is not finite; it names the first such place.
     """
     times, values = np.ascontiguousarray(times, dtype=float), np.ascontiguousarray(values, dtype=float)
     for key, given, known in (("input_kind", kind, tuple(KINDS)), ("input_between", between, BETWEEN)):

@@ -30,10 +30,21 @@ def symbol(name: str) -> Any:
 
 
 def parse(text: str, names: Iterable[str], where: str = "formula") -> Any:
-    """The sympy expression that ``text`` states, built from ``names`` and the whitelisted functions alone.
+    """The sympy expression that a formula states. Nothing is ever evaluated as Python.
 
-    Numbers, ``+ - * / **``, parentheses, the functions in ``FUNCTIONS``, ``pi`` and the given names are allowed;
-    anything else raises InputError naming ``where``. Nothing is ever evaluated as Python.
+    Parameters
+    ----------
+    text
+        Numbers, ``+ - * / **``, parentheses, the functions in ``FUNCTIONS``, ``pi`` and the given names.
+    names
+        The variables and parameters that may stand in it.
+    where
+        What an error names as its place.
+
+    Raises
+    ------
+    InputError
+        If anything else stands in it, or it is nested too deep.
     """
     tree = _tree(text, frozenset(names), where)
     try:
@@ -52,7 +63,20 @@ def names_in(text: str) -> frozenset[str]:
 
 
 def evaluate(text: str, /, **values: Any) -> Any:
-    """The number or array that the formula ``text`` takes at these values (numbers or arrays) of all its names."""
+    """The number or array that a formula takes.
+
+    Parameters
+    ----------
+    text
+        As of ``parse``.
+    **values
+        A number, or an array, for each of its names; arrays are of one shape, which the result has too.
+
+    Raises
+    ------
+    InputError
+        As of ``parse``.
+    """
     return _compiled(text, frozenset(values))(values)
 
 

@@ -9,8 +9,13 @@ LARGEST = 3.0  # rad; above it a swing takes as long as one likes
 
 
 def lengthening(amplitude: Floats | float) -> Floats:
-    """The period of an undamped pendulum at an amplitude (rad) over that of small swings: 2 K(sin²(amplitude / 2)) / pi.
+    """The period of an undamped pendulum at an amplitude over that of small swings: 2 K(sin²(amplitude / 2)) / pi.
 
-    An amplitude beyond 3 rad counts as 3 rad. Source: any text on the elliptic integral, as DLMF 22.19.
+    Source: any text on the elliptic integral, as DLMF 22.19.
+
+    Parameters
+    ----------
+    amplitude
+        In rad, of any shape, which the result has too; more than 3 rad counts as 3 rad.
     """
     return ellipk(np.sin(np.minimum(np.abs(amplitude), LARGEST) / 2) ** 2) * 2 / np.pi

@@ -30,8 +30,20 @@ _BESIDE = ("power_law_drag", "structural_damping", "viscous+presliding")
 
 
 def everyday(restoring: str = "sine") -> tuple[str, ...]:
-    """The labels of the laws of damping that a benchtop pendulum may have, beside a ``sine`` or a ``linear`` restoring torque: the paper's, and
-    what else air, bearings and material do. No weight loads the bearing of a wheel on a spring."""
+    """The labels of the laws of damping that a benchtop pendulum may have: the paper's, and what else air, bearings and material do.
+
+    No weight loads the bearing of a wheel on a spring: beside a linear restoring torque its dry friction is constant.
+
+    Parameters
+    ----------
+    restoring
+        ``sine`` or ``linear``.
+
+    Returns
+    -------
+    tuple of str
+        Such as ``viscous+load_coulomb``.
+    """
     own = "load_coulomb" if restoring == "sine" else "constant_coulomb"
     return (*(label.replace("load_coulomb", own) for label in PAPER_MODELS), *_BESIDE)
 
@@ -127,7 +139,18 @@ class Model:
         return self.catalogue.reading
 
     def of(self, reading: str) -> "Model":
-        """The same pendulum with a sensor of that reading; InputError where it has an effect that such a sensor cannot have."""
+        """The same pendulum with a sensor of another reading.
+
+        Parameters
+        ----------
+        reading
+            ``angle`` (rad) or ``rate`` (rad/s).
+
+        Raises
+        ------
+        InputError
+            If the model has an effect that such a sensor cannot have.
+        """
         return self if reading == self.reading else replace(self, catalogue=self.catalogue.of(reading))
 
     @property
@@ -147,7 +170,13 @@ class Model:
         return any(effect.takes_input for effect in self.effects)
 
     def driven_by(self, drive: Drive | None) -> "Model":
-        """The same model under this drive."""
+        """The same model under another drive.
+
+        Parameters
+        ----------
+        drive
+            As ``pendulum.drive.drive`` returns it; None for a free swing.
+        """
         return self if drive is self.drive else replace(self, drive=drive)
 
     @property
@@ -185,7 +214,18 @@ class Model:
     def with_values(
         self, values: Mapping[str, float], standard_errors: Mapping[str, float] | None = None
     ) -> "Model":
-        """The same model with other values and standard errors."""
+        """The same model with other values and standard errors.
+
+        Parameters
+        ----------
+        values, standard_errors
+            By parameter name, in each parameter's unit (``units``). They replace all that the model has.
+
+        Raises
+        ------
+        InputError
+            If the model has no parameter of a name; it lists those that it has.
+        """
         errors = dict(standard_errors or {})
         self._check((*values, *errors))
         found = object.__new__(type(self))
@@ -195,7 +235,20 @@ class Model:
         return found
 
     def with_effects(self, names: Sequence[str], values: Mapping[str, float] | None = None) -> "Model":
-        """A model of the same catalogue, restoring torque, form and slack with these effects and values."""
+        """A model of the same catalogue, restoring torque, form and slack with these effects and values.
+
+        Parameters
+        ----------
+        names
+            Effects of the catalogue, in any order.
+        values
+            By parameter name, in each parameter's unit. Default: none.
+
+        Raises
+        ------
+        InputError
+            If an effect or a parameter is unknown.
+        """
         return Model(
             tuple(names),
             dict(values or {}),
@@ -211,14 +264,26 @@ class Model:
         )
 
     def with_slack(self, slack: Slack) -> "Model":
-        """The same model of a measurement that leaves this open; values of nuisance parameters it lacks are dropped."""
+        """The same model of a measurement that leaves this open.
+
+        Parameters
+        ----------
+        slack
+            Values of nuisance parameters that it lacks are dropped, those that it adds are 0.
+        """
         bare = replace(self, values={}, standard_errors={}, slack=slack)
         values, errors = ({name: value for name, value in given.items() if name in bare.parameters}
                           for given in (self.values, self.standard_errors))  # fmt: skip
         return bare.with_values(dict.fromkeys(bare.slack.parameters, 0.0) | values if values else {}, errors)
 
     def vector(self) -> list[float]:
-        """The values in the order of ``parameters``; InputError names those that are missing."""
+        """The values, each in its parameter's unit, in the order of ``parameters``.
+
+        Raises
+        ------
+        InputError
+            If values are missing; it names them.
+        """
         if lost := [name for name in self.parameters if name not in self.values]:
             raise InputError(
                 f"model {self.label}", f"no value for {', '.join(lost)}", "a value for each parameter"
@@ -227,7 +292,18 @@ class Model:
 
 
 def as_model(model: Model | str | Sequence[str]) -> Model:
-    """The model itself, or that of a label or of names, of the shipped catalogue."""
+    """The model itself, or that of a label, of the shipped catalogue.
+
+    Parameters
+    ----------
+    model
+        A ``Model``, a label such as ``viscous+load_coulomb``, or a sequence of names.
+
+    Raises
+    ------
+    InputError
+        If an effect is unknown.
+    """
     return model if isinstance(model, Model) else Model(model)  # type: ignore[arg-type]
 
 
@@ -275,7 +351,20 @@ def model_words(label: str) -> str:
 
 
 def write_model(model: Model, path: Path | str) -> Path:
-    """The path written: a model file (YAML) with effects, options, and value ± standard error and unit of each parameter."""
+    """The path written: a model file (YAML) with effects, options, and value ± standard error and unit of each parameter.
+
+    Parameters
+    ----------
+    model
+        Its nuisance parameters (``slack``) are left out.
+    path
+        Where to write. ``read_model`` reads it again.
+
+    Raises
+    ------
+    Unwritten
+        If there is no room, or no leave to write.
+    """
     values = {
         name: {"value": float(model.values[name]), "unit": model.units[name]}
         | ({"standard_error": float(model.standard_errors[name])} if name in model.standard_errors else {})

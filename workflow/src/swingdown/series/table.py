@@ -235,7 +235,18 @@ def _with(chosen: pd.DataFrame, quantity: str) -> pd.DataFrame:
 
 
 def as_table(found: Sequence[Series]) -> pd.DataFrame:
-    """All points of all series below each other: by, its unit, quantity and its unit, then the columns of each."""
+    """All points of all series below each other.
+
+    Parameters
+    ----------
+    found
+        As ``series_of`` returns them.
+
+    Returns
+    -------
+    pandas.DataFrame
+        ``by`` (what was varied) with its unit, ``quantity`` with its unit, then the columns of each series.
+    """
     if not found:
         return pd.DataFrame(
             columns=["recording", "label", "by", "by_unit", "quantity", "unit", "x", "u_x", "y", "u_y"]
@@ -260,7 +271,18 @@ _LAWS = ("exponent", "u_exponent", "theory", "chi2", "dof", "p", "birge_ratio", 
 
 
 def as_laws(found: Sequence[Series]) -> pd.DataFrame:
-    """A row for each series: by, quantity, its exponent or its chi2 of equality, g from the slope, and the sentence."""
+    """A row for each series.
+
+    Parameters
+    ----------
+    found
+        As ``series_of`` returns them.
+
+    Returns
+    -------
+    pandas.DataFrame
+        ``by``, ``quantity``, the exponent or the chi2 of equality, g from the slope, and the sentence.
+    """
     rows = []
     for one in found:
         row: dict[str, Any] = {"by": one.by, "quantity": one.quantity}
@@ -285,7 +307,20 @@ def as_laws(found: Sequence[Series]) -> pd.DataFrame:
 
 
 def of_sheet(table: pd.DataFrame, stated: Mapping[str, Mapping[str, Any]]) -> list[Series]:
-    """The ``Series`` of a table of ``pendulums`` by the cells of the sample sheet; none where they make none."""
+    """The ``Series`` of a study's table by the cells of its sample sheet; none where they make none.
+
+    Parameters
+    ----------
+    table
+        As ``studies.pendulums.pendulums`` returns it.
+    stated
+        By recording, the cells of its row of the sheet.
+
+    Raises
+    ------
+    InputError
+        If a cell is no quantity of its column.
+    """
     values, groups = from_rows({"recording": name} | dict(cells) for name, cells in stated.items())
     try:
         return series_of(table, values, groups)

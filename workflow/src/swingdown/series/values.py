@@ -76,7 +76,23 @@ def _as_known(unit: str) -> str:
 
 
 def from_rows(rows: Iterable[Mapping[str, Any]]) -> tuple[Values, dict[str, dict[str, str]]]:
-    """What the cells of the sample sheet say, by recording: values and groups. InputError for a cell that is no such quantity."""
+    """What the cells of the sample sheet say of what was varied.
+
+    Parameters
+    ----------
+    rows
+        The sheet's rows, as mappings from column to cell.
+
+    Returns
+    -------
+    values, groups
+        By recording: values with uncertainty and unit by column, and words by column.
+
+    Raises
+    ------
+    InputError
+        If a cell is no quantity of its column.
+    """
     values: Values = {}
     groups: dict[str, dict[str, str]] = {}
     for row in rows:
@@ -147,11 +163,25 @@ def _opened(path: Path) -> pd.DataFrame:
 
 
 def from_table(path: Path, labels: Mapping[str, str]) -> tuple[Values, dict[str, dict[str, str]]]:
-    """What a table beside the files says, by recording: values of its columns, and groups of a column whose cells are words.
+    """What a table beside the files says of what was varied.
 
-    It has a column ``file`` (names with or without endings) and a column for each value, its unit in the head (``length (cm)``,
-    ``length_cm``) or in the cells; a column ``u_NAME`` holds standard uncertainties. ``labels`` are the files' names without endings.
-    InputError for a table without a file that is there, and for a cell that is no number in a column of numbers.
+    Parameters
+    ----------
+    path
+        A table with a column ``file`` (names with or without endings) and a column for each value, its unit in the head (``length (cm)``,
+        ``length_cm``) or in the cells. A column ``u_NAME`` holds standard uncertainties, a column of words groups.
+    labels
+        By recording, the file's name without its ending.
+
+    Returns
+    -------
+    values, groups
+        As of ``from_rows``.
+
+    Raises
+    ------
+    InputError
+        If it has no column ``file``, none of its files is there, or a cell in a column of numbers is no number.
     """
     table = _opened(path)
     head = next((name for name in table if name.strip().lower() in _FILE), None)
@@ -210,7 +240,13 @@ def _head(name: str) -> tuple[str, str, bool]:
 
 
 def merged(*sources: Mapping[str, Mapping[str, Any]]) -> dict[str, dict[str, Any]]:
-    """By recording what any source says; the first that does counts."""
+    """What any source says, by recording.
+
+    Parameters
+    ----------
+    *sources
+        Each by recording and column; the first that says something of a column counts.
+    """
     found: dict[str, dict[str, Any]] = {}
     for source in reversed(sources):
         for recording, own in source.items():
