@@ -88,11 +88,24 @@ def campaign(
     holdout: Sequence[Swing] = (),
     static: Sequence[tuple[Floats, Floats]] = (),
 ) -> Campaign:
-    """The ``Campaign`` of these swings: as the sheet says where it names held-out ones, else by amplitude.
+    """The swings of one pendulum, fitted and held out.
 
-    From three swings on, every third in order of amplitude is held out, the largest and smallest stay; of two, the
-    smaller; a single recording is cut into five parts (of a short one: three), every second held out. InputError where
-    there is none, and for a single recording that is too short.
+    Parameters
+    ----------
+    name
+        Of the campaign.
+    swings
+        Those to fit.
+    holdout
+        Those held out. Default: by amplitude. From three swings on, every third in order of amplitude is held out, the largest and smallest
+        stay; of two, the smaller; a single recording is cut into five parts (of a short recording: three), every second held out.
+    static
+        Records at rest: (times in s, angles in rad), each of shape (sample,).
+
+    Raises
+    ------
+    InputError
+        If there is no swing, or a single recording is too short.
     """
     if not swings:
         raise InputError(
@@ -114,9 +127,19 @@ def campaign(
 
 
 def cut(swing: Swing) -> list[Swing]:
-    """The parts of one recording, as many half-swings in each; InputError where it has too few.
+    """The parts of one recording, as many half-swings in each.
 
-    What follows the last swing that can be told from rest stays with the last part.
+    What follows the last swing above the noise stays with the last part.
+
+    Parameters
+    ----------
+    swing
+        Times (s) and angles (rad).
+
+    Raises
+    ------
+    InputError
+        If it has too few half-swings.
     """
     crossings, _ = middle_crossings(swing.times, swing.angle - np.mean(swing.angle[-swing.times.size // 4 :]))
     count = next((parts for parts, least in _PARTS.items() if crossings.size > least), None)
@@ -140,9 +163,21 @@ def measure_noise(
 ) -> Noise:
     """The ``Noise`` of a campaign, from the residuals of a fit above the pendulum's harmonics and from static records.
 
-    ``residuals`` (rad) of a fit of so many ``free`` values and their sampling ``intervals`` (s), ``frequency`` of the pendulum in Hz;
-    ``static`` holds (times, angles) at rest. The spectrum of first-order autocorrelated noise is fitted (Whittle's likelihood) to the periodograms
-    above eight times the pendulum's frequency, where a model's error leaves nothing; a static record counts in full.
+    The spectrum of first-order autocorrelated noise is fitted (Whittle's likelihood) to the periodograms above eight times the pendulum's
+    frequency, where a model's error leaves nothing; a static record counts in full.
+
+    Parameters
+    ----------
+    residuals
+        Of each swing, in rad, of shape (sample,).
+    intervals
+        Of each swing the time from sample to sample, in s.
+    frequency
+        Of the pendulum, in Hz.
+    static
+        Records at rest: (times in s, angles in rad).
+    free
+        How many values the fit had.
     """
     shapes, powers = [], []
     for residual, interval, low in [

@@ -19,14 +19,30 @@ from .state import Round
 
 
 def conclusion(state: Round, campaign: Campaign) -> dict[str, Any] | None:
-    """What a search says of its pendulum, as verdict.json has it; TrajectoryError where the last model cannot be fitted to the whole.
+    """What a search says of its pendulum, as verdict.json has it.
 
-    ``model`` the last model's label; ``amplitude_rad`` the largest angle of its motion, at which ``quantities`` (value, standard_uncertainty, unit)
-    hold; ``residual`` (rad, of a rate rad/s) the RMS that it leaves; ``covariance`` that of the ``parameters`` of its motion, in
-    their units, with the residuals' colour and what the measurement leaves open. A search holds swings, or parts of a recording,
-    out of its fits; here nothing is. Natural frequency, period, quality and decay time are means over the structures that the data leave.
-    Effects that change with the time of the record (``left_out``) are in the fit and in no quantity: a pendulum has none of these once
-    for all.
+    A search holds swings, or parts of a recording, out of its fits; here nothing is. Natural frequency, period, quality and decay time are
+    means over the structures that the data leave. Effects that change with the time of the record (``left_out``) are in the fit and in no
+    quantity: a pendulum has none of these once for all.
+
+    Parameters
+    ----------
+    state
+        The last round.
+    campaign
+        The swings that were searched.
+
+    Returns
+    -------
+    dict
+        ``model``, the last model's label; ``amplitude_rad``, the largest angle of its motion, at which ``quantities`` (value,
+        standard_uncertainty, unit) hold; ``residual``, the RMS that it leaves (rad, of a rate rad/s); ``covariance``, that of the ``parameters``
+        of its motion, in their units, with the residuals' colour and what the measurement leaves open.
+
+    Raises
+    ------
+    TrajectoryError
+        If the last model cannot be fitted to the whole.
     """
     last = _Told(state.fit, state, campaign)
     found = last.quantities()
@@ -92,7 +108,15 @@ def _said(fit: Fit, state: Round, campaign: Campaign) -> dict[str, Quantity]:
 
 
 def concluded(states: Sequence[Round], campaign: Campaign) -> list[Round]:
-    """The rounds of a search, the last with what its model says of the pendulum, where that can be computed."""
+    """The rounds of a search, the last with what its model says of the pendulum, where that can be computed.
+
+    Parameters
+    ----------
+    states
+        As ``discover`` returns them.
+    campaign
+        The swings that were searched.
+    """
     try:
         found = conclusion(states[-1], campaign)
     except FAILURES:  # its values mean nothing, and what the search found stands without them

@@ -48,11 +48,30 @@ def discover(
     allowed: Collection[str] | None = None,
     budget_s: float | None = None,
 ) -> list[Round]:
-    """The list of ``Round``s from the base model to the most probable structure, in at most ``rounds`` moves; the last one is judged.
+    """The rounds of a search, from the base model to the most probable structure; the last round is judged.
 
-    ``allowed`` limits the effects that may be added. After ``budget_s`` CPU seconds (None: no end) nothing new is begun, and the last
-    round says so. Where the search itself breaks off, one round is all, and says why (``failed``). TrajectoryError or InputError where
-    the base model itself cannot be fitted.
+    Parameters
+    ----------
+    campaign
+        The swings of one pendulum, as ``campaign.campaign`` returns them.
+    base
+        The model to begin with, or its label.
+    rounds
+        The most moves.
+    allowed
+        The effects that may be added. Default: all of the catalogue.
+    budget_s
+        CPU seconds after which nothing new is begun; the last round says so. None: no end.
+
+    Returns
+    -------
+    list of Round
+        A single round with the reason (``failed``), where the search itself breaks off.
+
+    Raises
+    ------
+    TrajectoryError, InputError
+        If the base model itself cannot be fitted.
     """
     begun = first_fit(campaign, as_model(base))
     try:

@@ -24,13 +24,23 @@ def verdict(
     catalogue: Catalogue = SHIPPED,
     difference: Mapping[str, Any] | None = None,
 ) -> dict[str, Any]:
-    """The contents of verdict.json as a dict, from the contents of the rounds' round.json, in order, and of difference.json, where
-    something was changed between the recordings.
+    """The contents of verdict.json as a dict.
 
-    ``status``: ``consistent`` nothing was missing, ``named`` what was added stands alone and nothing above the noise remains,
-    ``ambiguous`` the same with a tie, ``partial`` something is asserted and more than the noise remains, or more was found that is not
-    asserted, ``unknown`` where something is missing and nothing is asserted. ``effects`` holds what is asserted, ``stand_ins`` what
-    merely helps.
+    Parameters
+    ----------
+    rounds
+        The contents of the rounds' round.json, in order.
+    catalogue
+        The effects that may be named.
+    difference
+        The contents of difference.json, where something was changed between the recordings.
+
+    Returns
+    -------
+    dict
+        ``status``: ``consistent`` nothing was missing, ``named`` what was added stands alone and nothing above the noise remains,
+        ``ambiguous`` the same with a tie, ``partial`` something is asserted and something remains or is not asserted, ``unknown`` where
+        something is missing and nothing is asserted. ``effects`` holds what is asserted, ``stand_ins`` what merely helps.
     """
     first, last = rounds[0], rounds[-1]
     reading = last.get("reading", ANGLE)
@@ -130,8 +140,18 @@ def _no_finding(effect: Effect, values: Mapping[str, Any], told: Mapping[str, An
 
 
 def no_verdict(state: Mapping[str, Any]) -> dict[str, Any]:
-    """The contents of verdict.json of a campaign in which nothing could be looked for, from its round.json: ``no_verdict`` holds
-    why (where, problem, expected, mend)."""
+    """The contents of verdict.json of a campaign in which there was nothing to search.
+
+    Parameters
+    ----------
+    state
+        The contents of its round.json.
+
+    Returns
+    -------
+    dict
+        ``no_verdict`` holds why: where, problem, expected, mend.
+    """
     why = state["no_verdict"]
     return {
         "campaign": state["campaign"],

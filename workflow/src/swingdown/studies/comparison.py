@@ -81,9 +81,19 @@ def _pair(a: _Model, b: _Model, samples: Floats) -> dict[str, Any]:
 
 
 def bic_effective(norms: xr.Dataset) -> Floats:
-    """BIC by model, summed over recordings, for as many samples as count as independent (an array over ``fitted``).
+    """BIC by model, summed over recordings, for as many samples as count as independent.
 
     The residual of the model with the lowest norm of a recording decides how many those are, for all models alike.
+
+    Parameters
+    ----------
+    norms
+        The dataset ``results/experiment/norms.nc``, or a campaign's part.
+
+    Returns
+    -------
+    array
+        Of shape (fitted,).
     """
     misfit, independent = _misfit(norms)
     return np.sum(misfit + terms_of(norms) * np.log(independent), axis=1)
@@ -124,7 +134,13 @@ def _effective(first: Mapping[str, Floats], second: Mapping[str, Floats], sample
 
 
 def holm(p: Floats) -> Floats:
-    """The p-values corrected for their number by Holm's step-down method (Scand. J. Stat. 6, 65 (1979)); NaN stays."""
+    """The p-values corrected for their number by Holm's step-down method (Scand. J. Stat. 6, 65 (1979)); NaN stays.
+
+    Parameters
+    ----------
+    p
+        Of shape (comparison,).
+    """
     corrected = np.full(p.shape, np.nan)
     known = np.flatnonzero(np.isfinite(p))
     order = known[np.argsort(p[known])]

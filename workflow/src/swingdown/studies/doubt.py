@@ -43,8 +43,29 @@ class NotFree(InputError):
 
 
 def fit_free(angle: xr.Dataset, fitted: Sequence[Model], start: str = "free") -> xr.Dataset:
-    """The Dataset of ``experiment.fit_recording`` of a swing that a pendulum makes by itself or under a measured drive; errors as ``ask``
-    and ``fit_any``."""
+    """The fits of a swing that a pendulum makes by itself, or under a measured drive.
+
+    Parameters
+    ----------
+    angle
+        As ``measurement.angle.to_angle`` returns it.
+    fitted
+        The models to fit.
+    start
+        ``free``: the release is fitted too; ``rest``: the swing begins at rest.
+
+    Returns
+    -------
+    xarray.Dataset
+        As ``experiment.fit_recording``.
+
+    Raises
+    ------
+    NotFree
+        If no model of damping follows the swing, or only with friction that gives energy.
+    InputError
+        As of ``fit_any``.
+    """
     fits = fit_any(angle, fitted, start)
     ask(fits, angle, fitted, start)
     return fits
@@ -91,9 +112,19 @@ def ask_pull(fits: xr.Dataset, angle: xr.Dataset, label: str) -> None:
 
 
 def unit_in_doubt(angles: Sequence[xr.Dataset], restoring: str = "sine") -> str:
-    """What is to be said of the unit that a pendulum's swings are taken for; empty where nothing is.
+    """What is to be said of the unit that a pendulum's swings are taken for; empty where nothing is. A stated unit is never overruled.
 
-    InputError where nobody stated it and the swings are a pendulum's in another one (``scale``). A stated unit is never overruled.
+    Parameters
+    ----------
+    angles
+        The swings, as ``measurement.angle.to_angle`` returns them.
+    restoring
+        ``sine`` or ``linear``.
+
+    Raises
+    ------
+    InputError
+        If nobody stated the unit, and the swings are a pendulum's in another unit (``scale``).
     """
     kinds = {str(series_of(one).name) for one in angles}
     if len(kinds) > 1:
@@ -129,7 +160,23 @@ def _lacking(found: Scale, swings: Sequence[Swing]) -> Scale:
 
 
 def fit_any(angle: xr.Dataset, fitted: Sequence[Model], start: str = "free") -> xr.Dataset:
-    """The Dataset of ``experiment.fit_recording``; InputError for a swing that is too short, and where the fit breaks off, as on what no pendulum does."""
+    """The fits of a swing, whatever moves it.
+
+    Parameters
+    ----------
+    angle, fitted, start
+        As of ``fit_free``.
+
+    Returns
+    -------
+    xarray.Dataset
+        As ``experiment.fit_recording``.
+
+    Raises
+    ------
+    InputError
+        If the swing is too short, or the fit breaks off, as on what no pendulum does.
+    """
     try:
         return fit_recording(angle, fitted, start=start)
     except (ArithmeticError, np.linalg.LinAlgError) as problem:

@@ -192,7 +192,15 @@ def fit_campaign(
 
 
 def with_drive(models: Sequence[Model], angles: Sequence[xr.Dataset]) -> list[Model]:
-    """The models with the effect by which the measured drive of these recordings acts; themselves where they swing freely."""
+    """The models with the effect by which a measured drive acts; the same models where the recordings swing freely.
+
+    Parameters
+    ----------
+    models
+        Without a drive.
+    angles
+        The recordings, as ``measurement.angle.to_angle`` returns them.
+    """
     drive = driven(angles)
     if drive is None:
         return list(models)
@@ -268,7 +276,15 @@ def _reading(models: Sequence[Model], angles: Sequence[xr.Dataset]) -> list[Mode
 
 
 def largest_angles(fit: Fit, swings: Sequence[Swing]) -> list[float]:
-    """Of each swing the largest angle (rad) of the fitted motion; of a sensor of angles the largest that it reads."""
+    """The largest angle (rad) of each fitted swing's motion; of a sensor of angles the largest that it reads.
+
+    Parameters
+    ----------
+    fit
+        Of the swings together.
+    swings
+        Times (s) and readings.
+    """
     if fit.model.reading == ANGLE:
         return [float(np.abs(one.angle).max()) for one in fit.swings]
     return [

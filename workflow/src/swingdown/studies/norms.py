@@ -127,18 +127,43 @@ def spread(model_values: Mapping[str, float], names: Sequence[str]) -> Floats:
 
 
 def combine_simulated(datasets: Iterable[xr.Dataset]) -> xr.Dataset:
-    """One dataset (simulated, fitted, realization, parameter) out of ``simulation.simulation_norms`` results.
+    """The fits of the simulation study in one dataset.
 
-    InputError if there are none, or if they were not fitted with the same models.
+    Parameters
+    ----------
+    datasets
+        As ``simulation.simulation_norms`` returns them.
+
+    Returns
+    -------
+    xarray.Dataset
+        Over simulated, fitted, realization and parameter.
+
+    Raises
+    ------
+    InputError
+        If there are none, or they were not fitted with the same models.
     """
     return _combined(list(datasets), "simulated", "simulation/norms")
 
 
 def combine_recordings(datasets: Iterable[xr.Dataset]) -> xr.Dataset:
-    """One dataset (fitted, recording, parameter) out of ``experiment.fit_recording`` results, the series left out.
+    """The fits of several recordings in one dataset, without the series.
 
-    Coordinates over ``recording``: ``campaign``, ``emulated`` and ``uncertainty`` (what it is from). InputError if there are none ("too few swings to
-    fit"), if a name occurs twice or if they were not fitted with the same models.
+    Parameters
+    ----------
+    datasets
+        As ``experiment.fit_recording`` returns them.
+
+    Returns
+    -------
+    xarray.Dataset
+        Over fitted, recording and parameter, with the coordinates ``campaign``, ``emulated`` and ``uncertainty`` (what it is from).
+
+    Raises
+    ------
+    InputError
+        If there are none, a name occurs twice, or they were not fitted with the same models.
     """
     of_one = ("time", "source", "nuisance")  # what recordings of different pendulums do not share
     datasets = [dataset.drop_dims(of_one, errors="ignore") for dataset in datasets]

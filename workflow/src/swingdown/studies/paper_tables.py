@@ -24,13 +24,24 @@ OTHER_APPARATUS = "published: the paper's own apparatus, another one than this"
 
 
 def table2(norms: xr.Dataset, published: pd.DataFrame) -> pd.DataFrame:
-    """Table 2 with columns simulated, fitted, mean, std, n, published_mean, published_std, mean_least_squares,
-    std_least_squares, standard_error_of_std, unit, note.
+    """Table 2 of the paper, computed and published.
 
-    ``norms`` is ``results/simulation/norms.nc``, ``published`` the paper's twelve cells. Rows are those of the paper's cells
-    that were computed, or every cell if none was. Mean and std (n - 1) are over realisations, by the paper's Nelder-Mead
-    and by trajectory least squares; the std itself is known to std/sqrt(2 (n - 1)). The note names what was inferred, and
-    which settings are not those of the paper.
+    Mean and std (n - 1) are over realisations, by the paper's Nelder-Mead and by trajectory least squares; the std itself is known to
+    std/sqrt(2 (n - 1)).
+
+    Parameters
+    ----------
+    norms
+        The dataset ``results/simulation/norms.nc``.
+    published
+        The paper's twelve cells.
+
+    Returns
+    -------
+    pandas.DataFrame
+        Columns simulated, fitted, mean, std, n, published_mean, published_std, mean_least_squares, std_least_squares,
+        standard_error_of_std, unit, note. Rows are those of the paper's cells that were computed, or every cell if none was. The note names
+        what was inferred, and which settings are not those of the paper.
     """
     cells = [
         (s, f)
@@ -65,15 +76,24 @@ def _settings_note(settings: Mapping[str, Any], count: int) -> str:
 
 
 def table3(norms: xr.Dataset, published: pd.DataFrame) -> pd.DataFrame:
-    """Table 3 with columns campaign, fitted, mean, std, n, reduced_chi2, bic, delta_bic, delta_bic_effective,
-    variance_inflation, published_mean, published_std, unit, note.
+    """Table 3 of the paper, computed and published.
 
-    ``norms`` is ``results/experiment/norms.nc``, ``published`` the paper's eight rows. A campaign's first row is
-    ``error_bounds``, the RMS of the angle's 95 % bound. Mean and std (n - 1) of the norm are over recordings, as is the mean
-    of reduced chi-squared; ``bic`` is the sum over recordings, ``delta_bic`` that above the campaign's lowest. Both take
-    residuals for independent; ``variance_inflation`` (mean) tells how far from it they are, and ``delta_bic_effective``
-    counts only as many samples as are. The note counts recordings in which a coefficient came out negative, and says what
-    was emulated.
+    Parameters
+    ----------
+    norms
+        The dataset ``results/experiment/norms.nc``.
+    published
+        The paper's eight rows.
+
+    Returns
+    -------
+    pandas.DataFrame
+        Columns campaign, fitted, mean, std, n, reduced_chi2, bic, delta_bic, delta_bic_effective, variance_inflation, published_mean,
+        published_std, unit, note. A campaign's first row is ``error_bounds``, the RMS of the angle's 95 % bound. Mean and std (n - 1) of the
+        norm are over recordings, as is the mean of reduced chi-squared; ``bic`` is the sum over recordings, ``delta_bic`` that above the
+        campaign's lowest. Both take residuals for independent. ``variance_inflation`` (mean) says how far from it they are, and
+        ``delta_bic_effective`` counts as many samples as are. The note counts recordings in which a coefficient came out negative, and says
+        what was emulated.
     """
     printed = published.set_index("fitted")
     rows = []
@@ -120,7 +140,20 @@ def _negative(parameters: Sequence[str], values: Floats) -> Iterator[str]:
 
 
 def write_table(table: pd.DataFrame, path: str | Path) -> Path:
-    """The path written: a CSV file at full precision that appears under its name only when it is complete, with its seal."""
+    """The path written: a CSV file at full precision, with its seal, that appears under its name only when it is complete.
+
+    Parameters
+    ----------
+    table
+        Written without its index.
+    path
+        Where to write.
+
+    Raises
+    ------
+    Unwritten
+        If there is no room, or no leave to write.
+    """
     return write_csv(table, path)
 
 

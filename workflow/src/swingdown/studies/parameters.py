@@ -19,12 +19,21 @@ _TOLD = (*_ERRORS, "coverage_factor")
 
 
 def parameters(norms: xr.Dataset, joint: Iterable[xr.Dataset] = ()) -> pd.DataFrame:
-    """A row for each fitted value: campaign, recording, fitted, parameter, value, standard_error and its random and systematic
-    part, low, high, unit, text.
+    """A row for each fitted value.
 
-    ``low`` and ``high`` hold the value with 95 %, ``text`` is value(standard error). After a campaign's recordings comes
-    ``(mean)``, where there are two or more: its random part is from the scatter between recordings, its systematic one the
-    root mean square of theirs; and for each dataset of ``joint`` (``results/experiment/joint``) ``(joint)``.
+    Parameters
+    ----------
+    norms
+        The dataset ``results/experiment/norms.nc``.
+    joint
+        The datasets of ``results/experiment/joint``.
+
+    Returns
+    -------
+    pandas.DataFrame
+        Columns campaign, recording, fitted, parameter, value, standard_error with its random and systematic part, low, high (95 %), unit,
+        text. After a campaign's recordings comes ``(mean)``, where there are two or more: its random part is from the scatter between
+        recordings, its systematic part the root mean square of theirs. For each dataset of ``joint`` follows ``(joint)``.
     """
     units = dict(zip(as_text(norms["parameter"]), as_text(norms["parameter_unit"]), strict=True))
     together = {str(one.attrs["campaign"]): one for one in joint}

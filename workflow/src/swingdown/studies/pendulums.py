@@ -140,8 +140,16 @@ def described(
 ) -> tuple[float, dict[str, Quantity]]:
     """The amplitude (rad) at which the quantities of one recording hold, and these by name.
 
-    ``norms`` (fitted, parameter, parameter_2) of one recording, or of several fitted together; the amplitude is the largest
-    fitted angle where none is given.
+    Parameters
+    ----------
+    norms
+        Over fitted, parameter and parameter_2: of one recording, or of several fitted together.
+    label
+        Of the model.
+    catalogue
+        The effects that the model is made of.
+    amplitude
+        In rad. Default: the largest fitted angle.
     """
     model, covariance = values_of(norms, label, catalogue)
     if amplitude is None:
@@ -150,7 +158,13 @@ def described(
 
 
 def values_of(norms: xr.Dataset, label: str, catalogue: Catalogue = SHIPPED) -> tuple[Model, Floats]:
-    """The model ``label`` with the values that were fitted, and the covariance of its parameters; ``norms`` as of ``described``."""
+    """The fitted model, and the covariance of its parameters in the order of ``Model.parameters``.
+
+    Parameters
+    ----------
+    norms, label, catalogue
+        As of ``described``.
+    """
     options = {key: str(norms.attrs[key]) for key in ("restoring", "form") if key in norms.attrs}
     model = Model(tuple(label.split("+")), catalogue=catalogue, **options).of(reading_of(norms))  # type: ignore[arg-type]
     # by position: a selection by name of a whole dataset takes longer than a fit
@@ -171,16 +185,32 @@ def pendulums(
     left_out: pd.DataFrame | None = None,
     catalogue: Catalogue = SHIPPED,
 ) -> pd.DataFrame:
-    """A row for each recording, and where a campaign has several one for all of them together, ``(joint)``.
+    """A row for each recording, and where a campaign has several a row for all of them together, ``(joint)``.
 
-    Columns: campaign, recording, label (its name as it was written), amplitude_rad, then each quantity with its unit in the name (``period_s``, ``quality``,
-    ``decay_time_s``, ``natural_frequency_rad_per_s``, and the parameters of damping where the model has them), each followed by
-    its standard uncertainty (``period_s_u``) and both as a text (``period_s_text``); ``model`` the label of ``described_by``, or of a
-    pendulum of which a search established something of the model that it ended with (``model_of``: damping or search);
-    ``or_model`` others that describe it as well; ``residual_rad`` the RMS that it leaves (of an angular rate ``residual_rad_per_s``); ``record_s`` the
-    length of the longest record; ``verdict`` the status of the campaign's search, ``missing`` what that names;
-    ``emulated``, ``remark``: why its values are in doubt, where they are. ``left_out`` (as ``left_out.left_out`` gives it) tells there why a recording was not searched, and adds
-    a row with the verdict ``refused`` for each file that could not be used.
+    Parameters
+    ----------
+    norms
+        The dataset ``results/experiment/norms.nc``.
+    joint
+        The datasets of ``results/experiment/joint``.
+    verdicts
+        The contents of each campaign's verdict.json.
+    left_out
+        As ``left_out.left_out`` returns it: why a recording was not searched, and a row with the verdict ``refused`` for each file that
+        could not be used.
+    catalogue
+        The effects that the models are made of.
+
+    Returns
+    -------
+    pandas.DataFrame
+        Columns: campaign, recording, label (its name as it was written), amplitude_rad, then each quantity with its unit in the name
+        (``period_s``, ``quality``, ``decay_time_s``, ``natural_frequency_rad_per_s``, and the parameters of damping where the model has them),
+        each followed by its standard uncertainty (``period_s_u``) and both as a text (``period_s_text``). ``model`` is the label of
+        ``described_by``, or of the model that a search ended with (``model_of``: damping or search); ``or_model`` others that describe it as
+        well; ``residual_rad`` the RMS that it leaves (of an angular rate ``residual_rad_per_s``); ``record_s`` the length of the longest
+        record; ``verdict`` the status of the campaign's search, ``missing`` what that names; ``emulated``; ``remark``: why its values are in
+        doubt, where they are.
     """
     together = {str(one.attrs["campaign"]): one for one in joint}
     rows = []

@@ -110,10 +110,17 @@ class Cycle(NamedTuple):
 
 
 def cycle(model: Model, amplitude: float) -> Cycle:
-    """The ``Cycle`` of a model let go at rest from an amplitude (rad); NaN where it does not come back or is none.
+    """The ``Cycle`` of a model let go at rest; NaN where it does not come back or is none.
 
     The decrement is twice the logarithm of one turning point's distance over the next one's, from side to side: where the
     swing's middle lies does not matter.
+
+    Parameters
+    ----------
+    model
+        With values.
+    amplitude
+        In rad.
     """
     return _cycle(left_alone(model.motion), amplitude)  # what sensor and drive do is none of the pendulum's
 
@@ -171,10 +178,17 @@ def _vertex(times: Floats, values: Floats, k: int) -> tuple[float, float]:
 
 
 def decay_time(model: Model, amplitude: float) -> float:
-    """The time (s) in which the amplitude falls from this one (rad) to its e-th part; NaN where the pendulum stops before.
+    """The time (s) in which the amplitude falls to its e-th part; NaN where the pendulum stops before.
 
     The time a period takes over what is lost in it, as a function of the amplitude (a polynomial through a few), summed over
     the logarithm of the amplitude: for a loss that is small in a period, the fall of the turning points.
+
+    Parameters
+    ----------
+    model
+        With values.
+    amplitude
+        At which it begins, in rad.
     """
     return _decay_time(left_alone(model.motion), amplitude)
 
