@@ -20,7 +20,7 @@ from swingdown.discovery.campaign import Swing, campaign
 from swingdown.discovery.files import summary
 from swingdown.discovery.search import discover
 from swingdown.discovery.verdict import verdict
-from swingdown.pendulum.model import Model
+from swingdown.pendulum.model import BASES, Model
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "discovery"))
 from test_frozen import CAMPAIGNS, swings
@@ -30,7 +30,7 @@ SETTINGS = {
     "structures": ("POSSIBLE",),
     "verdict": ("_SURE",),
     "friction": ("_ANGLES", "_EACH"),
-    "discrepancy": ("_BINS", "_ANGLES", "_SPEEDS", "_TIMES", "_SMOOTH", "_KEPT", "_SEEN", "_NOISE_KNOWN", "_ANY", "_FINE", "_STARTS"),
+    "discrepancy": ("_BINS", "_ANGLES", "_SPEEDS", "_TIMES", "_SMOOTH", "_KEPT", "_SEEN", "_NOISE_KNOWN", "_ANY", "_FINE"),
     "search": ("_QUIETER", "_AGAIN"),
     "admissible": ("_DETERMINED", "_VAGUE"),
     "ranking": ("_PROMISING", "_HOPEFUL", "_FIRST", "_WIDE", "_FEW", "_FAR", "_FELL_SHORT", "_NUDGED", "_SHARES", "_SHAPES"),
@@ -89,7 +89,7 @@ def frozen(hidden, values, releases, special):
     pairs = zip(*swings(hidden, values, releases, **special), strict=True)
     one = campaign("frozen", [Swing(str(k), *pair) for k, pair in enumerate(pairs)])
     reading, restoring = special.get("reading", "angle"), special.get("restoring", "sine")
-    base = Model("viscous+quadratic_drag", restoring=restoring).of(reading)
+    base = Model(BASES[restoring], restoring=restoring).of(reading)
     object.__setattr__(one, "reading", reading)
     return one, base, special.get("rounds", 4)
 

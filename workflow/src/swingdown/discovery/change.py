@@ -29,7 +29,7 @@ from ..studies.power_laws import PowerLaw, power_law
 from .budget import Budget
 from .campaign import Campaign, Noise, Swing
 from .candidates import additions, starts_to_add
-from .discrepancy import discrepancy
+from .discrepancy import Unnamed
 from .judge import PROBABLE, SHARE, TIES
 from .linear import Frame, columns_of, explained, frame
 from .refit import FAILURES, opened, refit
@@ -270,7 +270,8 @@ def _told(rivals: Sequence[_Rival], every: Campaign, changed: Mapping[str, Value
     swings, best = every.fit, min(rivals, key=lambda one: one.fit.rss)
     noise = noise_of(every, best.fit)
     period = 2 * np.pi / best.fit.model.values[NATURAL_FREQUENCY.name]
-    plain, unnamed = np.array([_evidence(one, swings, noise, period) for one in rivals]).T
+    torques = Unnamed(best.fit, swings, period)
+    plain, unnamed = np.array([_evidence(one, swings, noise, torques) for one in rivals]).T
     logs = np.logaddexp(plain, unnamed)
     shares = np.exp(logs - np.logaddexp.reduce(logs))
     order = np.argsort(-shares)
@@ -296,10 +297,10 @@ def _told(rivals: Sequence[_Rival], every: Campaign, changed: Mapping[str, Value
     return Difference(changed, first.effect, tuple(ties), chance, first.share, sizes, frequency, law)
 
 
-def _evidence(one: _Rival, swings: Sequence[Swing], noise: Noise, period: float) -> tuple[float, float]:
+def _evidence(one: _Rival, swings: Sequence[Swing], noise: Noise, torques: Unnamed) -> tuple[float, float]:
     """The evidence (natural logarithm) of an explanation as if nothing else were missing, and beside a discrepancy that all recordings
     share."""
-    lacks, each = discrepancy(frame(one.fit, swings), noise, period), np.log(len(one.fit.model.catalogue))
+    lacks, each = torques.beside(frame(one.fit, swings), noise), np.log(len(one.fit.model.catalogue))
     known = -0.5 * len(one.fit.free) * np.log(noise.effective(one.fit.n)) - each * one.added
     return lacks.log_plain + known, lacks.log_evidence - each + known
 

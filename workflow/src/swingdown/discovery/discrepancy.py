@@ -10,15 +10,15 @@ largest marginal likelihood (Kennedy and O'Hagan, J. R. Stat. Soc. B 63, 425 (20
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import cho_solve, cholesky
 from scipy.linalg.lapack import dpotri
-from scipy.optimize import minimize
+from scipy.optimize import brentq, minimize
 
 from ..arrays import Floats
+from ..fitting.result import Fit
 from .campaign import Noise, Swing
 from .green import Motion, hats, motion, response
 from .linear import Frame
@@ -34,7 +34,7 @@ _SMOOTH = (
     1.2,
 )  # of the largest angle, speed and of the record: how far neighbouring torques hang together, of each kind both
 _KEPT = 1e-5  # of the largest variance of a kind: directions that have less are left out
-_SEEN = 1e-7  # of the largest power of a direction in the readings: of less nothing is seen
+_SEEN = 1e-8  # of the largest power of a direction in the readings: of less nothing is seen
 # Standard deviation of the logarithm of the noise's variance at the harmonics, beside what it is known to above them, where it is measured.
 _NOISE_KNOWN = 0.2
 _ANY = 3.0  # the same where something unnamed may be as quick as noise is
@@ -42,11 +42,8 @@ _FINE = (
     25,
     0.12,
 )  # nodes over angle, and how far they hang together, of a torque that is there at some angles only
+_SIZES, _NOISES = (-12.0, 25.0), (-1.0, 12.0)  # bounds of these logarithms, and of the noise's over what it is known to be
 KINDS = ("restoring", "dissipative", "time", "sensor")
-_STARTS = (
-    0.0,
-    6.0,
-)  # logarithms of each kind's variance over the noise's, at which the search for the largest likelihood begins
 
 
 @dataclass(frozen=True)
@@ -65,158 +62,172 @@ class Discrepancy:
     widened: dict[str, float]
 
 
-def discrepancy(frame: Frame, noise: Noise, period: float) -> Discrepancy:
-    """The ``Discrepancy`` of a fit seen in a ``Frame``, under this noise; ``period`` (s), the pendulum's, about, sets the bins of time in
-    which residuals are looked at: fits that are compared need the same."""
-    residual, slopes, columns, kinds = _seen(frame, period)
-    basis = _basis(slopes)
-    outside = columns - basis @ (basis.T @ columns)
-    outside -= basis @ (basis.T @ outside)
-    left = residual - basis @ (basis.T @ residual)
-    variance, rows = noise.slow_variance, residual.size - basis.shape[1]
-    triangle, along = _reduced(outside, kinds, left)
-    rest = max(float(left @ left - along @ along), 0.0)
-    parts = [triangle[:, kinds == kind] for kind in range(kinds[-1] + 1)]
-    model = _Likelihood(parts, along, rest, rows, variance, float(np.hypot(_NOISE_KNOWN, noise.known)))
-    plain = _minimal(model, None)
-    best = min((_minimal(model, start) for start in _STARTS), key=lambda one: one[0])
-    sizes, size = model.work(best[1])
-    scale = 1 / np.sqrt(frame.samples)
-    quick = max(np.exp(best[1][-1]) - 1, 0.0) * variance * rows
-    return Discrepancy(
-        -best[0],
-        -plain[0],
-        float(np.hypot(size, np.sqrt(quick)) * scale),
-        {name: float(one * scale) for name, one in zip(KINDS, sizes, strict=True)},
-        float(np.sqrt(model.left(best[1]) / rows / variance)),
-        _widened(frame, slopes, columns * model.deviations(best[1])[kinds], variance * np.exp(best[1][-1])),
-    )
+class Unnamed:
+    """What may be missing of a pendulum, by what it would do to swings near those of one ``fit``: the same for all fits of these swings, so
+    that they can be compared.
+
+    ``period`` (s), the pendulum's, about, sets the bins of time in which residuals are looked at.
+    """
+
+    def __init__(self, fit: Fit, swings: Sequence[Swing], period: float):
+        self._means = [_Means(swing.times, period / _BINS) for swing in swings]
+        self._weight = np.concatenate([mean.weight for mean in self._means])
+        motions = []
+        for swing, mean, one in zip(swings, self._means, fit.swings, strict=True):
+            coarse = Swing(swing.name, mean.times, mean(swing.angle), swing.drive)
+            motions.append(motion(one.model, coarse, one.release_angle, one.release_velocity))
+        columns, kinds = _columns(motions)
+        self._directions, along = _reduced(columns * self._weight[:, None], kinds)
+        self._parts = [along[:, kinds == kind] for kind in range(kinds[-1] + 1)]
+        self._kernels = np.stack([part @ part.T for part in self._parts])
+
+    def beside(self, frame: Frame, noise: Noise) -> Discrepancy:
+        """The ``Discrepancy`` of a fit seen in a ``Frame``, under this noise."""
+        size = np.linalg.norm(frame.slopes, axis=0)
+        kept = size > 0
+        basis, triangle = np.linalg.qr(self._binned(frame, frame.slopes[:, kept] / size[kept]))
+        residual = self._binned(frame, frame.residual[:, None])[:, 0]
+        left = residual - basis @ (basis.T @ residual)
+        within = slice(None, self._weight.size)
+        inside = self._directions.T @ np.column_stack([left[within], basis[within]])
+        model = _Likelihood(self._parts, self._kernels, inside[:, 0], inside[:, 1:], float(left @ left), left.size, noise.slow_variance)
+        least, where = _minimal(model)
+        at = model.at(where)
+        scale = 1 / np.sqrt(frame.samples)
+        sizes, whole = at.work()
+        quick = max(at.noise - noise.slow_variance, 0.0) * (left.size - basis.shape[1])
+        ratio = _ratio(triangle.T @ triangle, triangle.T @ at.seen @ triangle * at.noise)
+        named = [(name, of) for name, of, there in zip(frame.names, frame.of, kept, strict=True) if there]
+        return Discrepancy(
+            -least,
+            -model.plain(float(np.hypot(_NOISE_KNOWN, noise.known))),
+            float(np.hypot(whole, np.sqrt(quick)) * scale),
+            dict(zip(KINDS, (sizes * scale).tolist(), strict=True)),
+            float(np.sqrt(at.left / (left.size - basis.shape[1]) / noise.slow_variance)),
+            {name: float(one) for (name, of), one in zip(named, ratio, strict=True) if of < 0},
+        )
+
+    def _binned(self, frame: Frame, series: Floats) -> Floats:
+        """Series (samples and what stands below them, any) in bins of time, weighed by their samples."""
+        binned = [mean(series[rows]) for mean, rows in zip(self._means, frame.slices, strict=True)]
+        return np.concatenate([np.concatenate(binned) * self._weight[:, None], series[frame.samples :]])
 
 
-def _widened(frame: Frame, slopes: Floats, columns: Floats, variance: float) -> dict[str, float]:
-    """By shared value: its standard error with a discrepancy of these columns over that without."""
-    size = np.linalg.norm(slopes, axis=0)
-    kept = size > 0
-    unit = slopes[:, kept] / size[kept]
-    inner, across = unit.T @ unit, unit.T @ columns
-    within = columns.T @ columns
-    within[np.diag_indices_from(within)] += variance
-    seen = inner - across @ np.linalg.solve(within, across.T)
-    alone, beside = (np.diag(np.linalg.pinv(one, rcond=1e-13, hermitian=True)) for one in (inner, seen))
-    ratio = np.sqrt(np.maximum(beside / np.maximum(alone, 1e-300), 1.0))
-    names = [name for name, there in zip(frame.names, kept, strict=True) if there]
-    shared = [of < 0 for of, there in zip(frame.of, kept, strict=True) if there]
-    return {name: float(one) for name, one, is_shared in zip(names, ratio, shared, strict=True) if is_shared}
+def _ratio(alone: Floats, beside: Floats) -> Floats:
+    """By how much standard errors are larger beside a discrepancy, from the information of either."""
+    less, more = (np.diag(np.linalg.pinv(one, rcond=1e-13, hermitian=True)) for one in (alone, beside))
+    return np.sqrt(np.maximum(more / np.maximum(less, 1e-300), 1.0))
 
 
-def _reduced(columns: Floats, kinds: NDArray[np.intp], residual: Floats) -> tuple[Floats, Floats]:
-    """(columns, residual) in the few directions in which a discrepancy of any kind does more than next to nothing."""
+def _reduced(columns: Floats, kinds: NDArray[np.intp]) -> tuple[Floats, Floats]:
+    """The few directions (orthonormal columns) in which a discrepancy of any kind does more than next to nothing, and the columns along them."""
     size = np.sqrt(np.bincount(kinds, np.einsum("ij,ij->j", columns, columns)))
     size[size == 0] = 1.0
-    even = columns / size[kinds]
-    if even.shape[0] < even.shape[1]:
-        powers, vectors = np.linalg.eigh(even @ even.T)
-        directions = vectors[:, powers > _SEEN * powers[-1]]
-        return directions.T @ columns, directions.T @ residual
-    powers, vectors = np.linalg.eigh(even.T @ even)
-    kept = powers > _SEEN * powers[-1]
-    root = np.sqrt(powers[kept])
-    along = (vectors[:, kept].T @ (even.T @ residual)) / root
-    return (root[:, None] * vectors[:, kept].T) * size[kinds], along
+    left, singular, right = np.linalg.svd(columns / size[kinds], full_matrices=False)
+    kept = singular**2 > _SEEN * singular[0] ** 2
+    return left[:, kept], singular[kept, None] * right[kept] * size[kinds]
 
 
 class _Likelihood:
-    """The negative log-likelihood of what is left of a residual: by the logarithms of each kind's variance and of the noise's."""
+    """The restricted likelihood of a residual beside a discrepancy, by the logarithms of each kind's variance and of the noise's.
 
-    def __init__(
-        self, parts: Sequence[Floats], along: Floats, rest: float, rows: int, variance: float, known: float
-    ):
-        self.along, self.rest, self.rows, self.variance, self.known = along, rest, rows, variance, known
-        # in units in which a kind of size one does as much as the noise
-        self.scale = [np.sqrt(variance * along.size / max(float(np.sum(p**2)), 1e-300)) for p in parts]
-        self.kernels = [(p * s) @ (p * s).T for p, s in zip(parts, self.scale, strict=True)]
+    ``residual`` and ``basis`` (direction, value) are those of the fit along the directions of the discrepancy, ``squares`` the residual's sum
+    of them over all its ``rows``. What the fit's own values can imitate is left out by a factor det(B'B) / det(B'V^-1 B), B being
+    their basis and V the covariance (Patterson and Thompson, Biometrika 58, 545 (1971)): no column is projected.
+    """
 
-    def covariance(self, x: Floats) -> tuple[Floats, float]:
-        """The covariance of what is left in the directions that a discrepancy sees, and the noise's variance in it."""
-        noise, made = self.variance * np.exp(x[-1]), np.zeros((self.along.size,) * 2)
-        for size, kernel in zip(x[:-1], self.kernels, strict=False):
-            made += np.exp(size) * kernel
-        made[np.diag_indices_from(made)] += noise
-        return made, noise
+    def __init__(self, parts: Sequence[Floats], kernels: Floats, residual: Floats, basis: Floats, squares: float, rows: int, variance: float):
+        self.residual, self.basis, self.rows, self.variance = residual, basis, rows, variance
+        self.squares, self.kernels = squares, kernels
+        self.beyond = np.eye(basis.shape[1]) - basis.T @ basis, -basis.T @ residual, max(squares - residual @ residual, 0.0)
+        # in units in which a kind of size one does as much as the noise, beyond what the fit imitates
+        power = np.array([np.sum(part**2) - np.sum((basis.T @ part) ** 2) for part in parts])
+        self.scale = variance * residual.size / np.maximum(power, 1e-300)
+
+    def at(self, x: Floats) -> "_At":
+        """The likelihood at these logarithms."""
+        return _At(self, np.exp(x[:-1]) * self.scale, self.variance * np.exp(x[-1]))
 
     def __call__(self, x: Floats) -> tuple[float, Floats]:
-        """The negative log-likelihood and its slopes."""
-        total, noise = self.covariance(x)
-        root = cholesky(total, lower=True, overwrite_a=True, check_finite=False)
-        weights = cho_solve((root, True), self.along, check_finite=False)
-        inverse = dpotri(root, lower=1)[0] if root.size else root  # its lower triangle
-        inverse += np.tril(inverse, -1).T
-        beyond = self.rows - self.along.size
-        value = 0.5 * (weights @ self.along) + np.log(np.diag(root) / np.sqrt(self.variance)).sum()
-        known = self.known if len(x) == 1 else _ANY
-        value += 0.5 * (beyond * x[-1] + self.rest / noise) + 0.5 * (x[-1] / known) ** 2 + np.log(known)
-        slope = np.zeros(len(x))
-        for k, kernel in enumerate(self.kernels[: len(x) - 1]):
-            slope[k] = 0.5 * np.exp(x[k]) * (np.vdot(inverse, kernel) - weights @ kernel @ weights)
-        slope[-1] = 0.5 * noise * (np.trace(inverse) - weights @ weights)
-        slope[-1] += 0.5 * (beyond - self.rest / noise) + x[-1] / known**2
-        return value, slope
+        """The negative log-likelihood and its slopes, of a noise that may be any."""
+        at = self.at(x)
+        value = at.value + 0.5 * (x[-1] / _ANY) ** 2 + np.log(_ANY)
+        slopes = at.slopes
+        slopes[-1] += x[-1] / _ANY**2
+        return value, slopes
 
-    def deviations(self, x: Floats) -> Floats:
-        """The standard deviation of each kind's coefficients."""
-        return np.array([np.exp(one / 2) * scale for one, scale in zip(x, self.scale, strict=False)])
+    def plain(self, known: float) -> float:
+        """The least negative log-likelihood without a discrepancy, the logarithm of the noise's variance being known to so much."""
+        free, power = self.rows - self.basis.shape[1], self.squares / self.variance
+        low, high = _NOISES
 
-    def work(self, x: Floats) -> tuple[list[Any], Any]:
-        """(RMS sums by kind, of all together): what the discrepancy does to the projected readings, rad."""
-        total, _ = self.covariance(x)
-        weights = np.linalg.solve(total, self.along)
-        each = [np.exp(one) * kernel @ weights for one, kernel in zip(x, self.kernels, strict=False)]
-        each = [sum(each[k :: len(KINDS)]) for k in range(len(KINDS))]
-        return [np.linalg.norm(one) for one in each], np.linalg.norm(np.sum(each, axis=0))
+        def slope(x: float) -> float:
+            return 0.5 * (free - power * np.exp(-x)) + x / known**2
 
-    def left(self, x: Floats) -> float:
+        x = low if slope(low) > 0 else high if slope(high) < 0 else brentq(slope, low, high)
+        return float(0.5 * (free * x + power * np.exp(-x)) + 0.5 * (x / known) ** 2 + np.log(known))
+
+
+class _At:
+    """A likelihood at variances of each kind and of the noise: its negative logarithm ``value``, the fit's information ``seen`` in units of its
+    basis, and where residuals are given to: ``pulled``, their weights along the directions of the discrepancy."""
+
+    def __init__(self, model: _Likelihood, sizes: Floats, noise: float):
+        self.model, self.sizes, self.noise = model, sizes, noise
+        count = model.residual.size
+        total = (sizes @ model.kernels.reshape(sizes.size, -1)).reshape(count, count)
+        total[np.diag_indices(count)] += noise
+        self.root = cholesky(total, lower=True, overwrite_a=True, check_finite=False)
+        within = cho_solve((self.root, True), np.column_stack([model.residual, model.basis]), check_finite=False)
+        own, self.across = within[:, 0], within[:, 1:]
+        square, cross, rest = model.beyond
+        self.seen = square / noise + model.basis.T @ self.across
+        known, pull = cholesky(self.seen, lower=True, check_finite=False), cross / noise + model.basis.T @ own
+        self.inverse = cho_solve((known, True), np.eye(pull.size), check_finite=False)
+        self.step = self.inverse @ pull
+        self.pulled = own - self.across @ self.step
+        self.outside = rest - 2 * self.step @ cross + self.step @ square @ self.step
+        power = rest / noise + model.residual @ own - pull @ self.step
+        determinants = np.log(np.diag(self.root)).sum() + np.log(np.diag(known)).sum()
+        free = 0.5 * (pull.size - count) * np.log(model.variance)
+        level = 0.5 * (model.rows - count) * np.log(noise / model.variance)
+        self.value = float(0.5 * power + determinants + free + level)
+
+    @property
+    def slopes(self) -> Floats:
+        """Those of ``value`` by the logarithms of the variances."""
+        model = self.model
+        inverse = dpotri(self.root, lower=1)[0]
+        inverse = np.tril(inverse) + np.tril(inverse, -1).T
+        trace = np.trace(inverse) + (model.rows - len(inverse)) / self.noise
+        trace -= np.vdot(self.inverse, model.beyond[0] / self.noise**2 + self.across.T @ self.across)
+        inverse -= self.across @ self.inverse @ self.across.T + np.outer(self.pulled, self.pulled)
+        kinds = self.sizes * (model.kernels.reshape(self.sizes.size, -1) @ inverse.ravel())
+        return 0.5 * np.r_[kinds, self.noise * (trace - self.pulled @ self.pulled) - self.outside / self.noise]
+
+    def work(self) -> tuple[Floats, float]:
+        """(root sum of squares by kind, of all together) of what the discrepancy does to the readings beyond what the fit imitates, rad."""
+        each = self.sizes[:, None] * (self.model.kernels @ self.pulled)
+        kinds = np.array([each[k :: len(KINDS)].sum(axis=0) for k in range(len(KINDS))])
+        done = np.vstack([kinds, each.sum(axis=0)])
+        beyond = np.sqrt(np.maximum(np.sum(done**2, axis=1) - np.sum((done @ self.model.basis) ** 2, axis=1), 0.0))
+        return beyond[:-1], float(beyond[-1])
+
+    @property
+    def left(self) -> float:
         """The sum of squares beyond fit and discrepancy."""
-        total, noise = self.covariance(x)
-        return self.rest + float(np.sum((noise * np.linalg.solve(total, self.along)) ** 2))
+        return float(self.noise**2 * self.pulled @ self.pulled + self.outside)
 
 
-def _minimal(model: _Likelihood, start: float | None) -> tuple[float, Floats]:
-    """(least negative log-likelihood, where); None: without a discrepancy."""
-    count = 0 if start is None else len(model.kernels)
-    begin = np.r_[np.full(count, start or 0.0), 0.0]
-    bounds = [(-12.0, 25.0)] * count + [(-1.0, 12.0)]
+def _minimal(model: _Likelihood) -> tuple[float, Floats]:
+    """(least negative log-likelihood, where); each kind begins with all that is left."""
+    count = len(model.kernels)
+    start = np.log(max(model.squares / (model.rows * model.variance), 1.0))
+    begin, bounds = np.r_[np.full(count, start), 0.0], [_SIZES] * count + [_NOISES]
     found = minimize(
         model, begin, jac=True, method="L-BFGS-B", bounds=bounds, options={"maxiter": 60, "ftol": 1e-7}
     )
     return float(found.fun), found.x
-
-
-def _seen(frame: Frame, period: float) -> tuple[Floats, Floats, Floats, NDArray[np.intp]]:
-    """(residual, the fit's slopes, columns of the discrepancy, kind of each), in bins of time weighed by their samples."""
-    means, motions = [], []
-    for swing, one, rows in zip(frame.swings, frame.fit.swings, frame.slices, strict=True):
-        mean = _Means(swing.times, period / _BINS)
-        coarse = Swing(swing.name, mean.times, mean(swing.angle), swing.drive)
-        motions.append(motion(one.model, coarse, one.release_angle, one.release_velocity))
-        means.append((mean, rows))
-    weight = np.concatenate([mean.weight for mean, _ in means])
-
-    def binned(series: Floats) -> Floats:
-        return np.concatenate([mean(series[rows]) for mean, rows in means])
-
-    below = slice(frame.samples, None)
-    residual = np.r_[binned(frame.residual) * weight, frame.residual[below]]
-    slopes = np.vstack([binned(frame.slopes) * weight[:, None], frame.slopes[below]])
-    columns, kinds = _columns(motions)
-    columns = np.vstack(
-        [columns * weight[:, None], np.zeros((residual.size - weight.size, columns.shape[1]))]
-    )
-    return residual, slopes, columns, kinds
-
-
-def _basis(slopes: Floats) -> Floats:
-    size = np.linalg.norm(slopes, axis=0)
-    return np.linalg.qr(slopes[:, size > 0] / size[size > 0])[0]
 
 
 class _Means:

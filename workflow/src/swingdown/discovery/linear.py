@@ -24,7 +24,7 @@ class Frame:
     """A fit seen to first order: each swing's residual (rad), and what the fit can do to it.
 
     ``residual`` is data minus fit with every swing below the other; ``slopes`` (samples, free) are the fit's own
-    sensitivities, of the values ``names`` of the swings ``of`` (-1: of all), and ``basis`` (samples, rank) spans them;
+    sensitivities, of the values ``names`` of the swings ``of`` (-1: of all);
     ``slices`` tell which samples are whose. What is known beforehand of what the measurement leaves open stands below the
     samples, as residuals of its own: a row for each nuisance value.
     """
@@ -33,10 +33,14 @@ class Frame:
     swings: tuple[Swing, ...]
     residual: Floats
     slopes: Floats
-    basis: Floats
     slices: tuple[slice, ...]
     names: tuple[str, ...]
     of: tuple[int, ...]
+
+    @cached_property
+    def basis(self) -> Floats:
+        """Orthonormal columns (samples, rank) that span the slopes."""
+        return orthonormal(self.slopes)
 
     @cached_property
     def factors(self) -> tuple[Floats, Floats]:
@@ -103,7 +107,7 @@ def frame(fit: Fit, swings: Sequence[Swing]) -> Frame:
     residual, slopes = _with_knowledge(fit, residual, slopes, shared)  # type: ignore[assignment]
     names = (*shared, *(each * len(swings)))
     of = (*(-1 for _ in shared), *(k for k in range(len(swings)) for _ in each))
-    return Frame(fit, tuple(swings), residual, slopes, orthonormal(slopes), slices, names, of)
+    return Frame(fit, tuple(swings), residual, slopes, slices, names, of)
 
 
 def motion(fit: Fit, swings: Sequence[Swing]) -> tuple[Floats, Floats]:

@@ -196,10 +196,12 @@ class _Search:
             self.pool.look(fit)
 
     def _heard(self, best: Structure) -> None:
-        """What the best structure leaves in the band of the noise is the noise: what a worse one leaves there may be its misfit."""
+        """What the best structure leaves in the band of the noise is the noise: what a worse one leaves there may be its misfit. Unnamed
+        torques are those that act on its swings."""
         noise = noise_of(self.campaign, best.fit)
-        if noise.deviation < _QUIETER * self.pool.noise.deviation:
-            self.pool = self.pool.under(noise, self.pool.first.fit)
+        quieter = noise.deviation < _QUIETER * self.pool.noise.deviation
+        if quieter or best.fit is not self.pool.near:
+            self.pool = self.pool.under(noise if quieter else self.pool.noise, best.fit)
 
     def _doubt(self, last: Structure) -> None:
         """What else would do: the structure without each of its effects, those of the base too, and with another in the place of each."""

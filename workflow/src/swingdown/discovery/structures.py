@@ -16,7 +16,7 @@ from ..fitting.result import Fit
 from ..pendulum.effect import NATURAL_FREQUENCY
 from .campaign import Campaign, Noise
 from .candidates import without
-from .discrepancy import Discrepancy, discrepancy
+from .discrepancy import Discrepancy, Unnamed
 from .linear import Frame, frame
 from .refit import FAILURES, refit
 
@@ -70,14 +70,16 @@ def key_of(fit: Fit) -> Key:
 
 
 class Pool:
-    """All structures that a search has looked at, by their effects."""
+    """All structures that a search has looked at, by their effects, each beside the same discrepancy: what unnamed torques do to swings
+    ``near`` those of a fit (the base's by default)."""
 
-    def __init__(self, campaign: Campaign, noise: Noise, base: Fit):
-        self.campaign, self.noise, self.base = campaign, noise, key_of(base)
-        self._period = 2 * np.pi / base.model.values[NATURAL_FREQUENCY.name]
+    def __init__(self, campaign: Campaign, noise: Noise, base: Fit, near: Fit | None = None):
+        self.campaign, self.noise, self.base, self.near = campaign, noise, key_of(base), near or base
+        period = 2 * np.pi / base.model.values[NATURAL_FREQUENCY.name]
+        self._unnamed = Unnamed(self.near, campaign.fit, period)
         self._each = float(np.log(len(base.model.catalogue)))
         self.known: dict[Key, Structure] = {}
-        self.first = self._seen(base)
+        self.first = self._seen(base, frame(base, campaign.fit))
         self.known[self.base] = self.first
 
     def look(self, fit: Fit) -> None:
@@ -86,7 +88,7 @@ class Pool:
         if old is not None and old.fit.rss <= fit.rss:
             return
         try:
-            one = self._seen(fit)
+            one = self._seen(fit, frame(fit, self.campaign.fit))
         except FAILURES:
             return
         self.known[one.key] = one
@@ -117,19 +119,19 @@ class Pool:
             return self.nothing() <= POSSIBLE
         return one.whole < 0.5 and one.left(self.noise) > self.noise.deviation
 
-    def _seen(self, fit: Fit) -> Structure:
-        there = frame(fit, self.campaign.fit)
-        lacks = discrepancy(there, self.noise, self._period)
+    def _seen(self, fit: Fit, there: Frame) -> Structure:
+        lacks = self._unnamed.beside(there, self.noise)
         free, key = len(fit.free) - len(fit.model.slack.names), key_of(fit)
         known = -0.5 * free * np.log(self.noise.effective(fit.n)) - self._each * len(key - self.base)
         beside = self._each * (1 + len(self.base - key))
         return Structure(fit, there, lacks, lacks.log_plain + known, lacks.log_evidence + known - beside)
 
-    def under(self, noise: Noise, base: Fit) -> "Pool":
-        """The same structures under another noise."""
-        found = Pool(self.campaign, noise, base)
-        for one in self.known.values():
-            found.look(one.fit)
+    def under(self, noise: Noise, near: Fit) -> "Pool":
+        """The same structures under another noise, beside what unnamed torques do near another fit."""
+        found = Pool(self.campaign, noise, self.first.fit, near)
+        for key, one in self.known.items():
+            with suppress(*FAILURES):
+                found.known[key] = found._seen(one.fit, one.frame)
         return found
 
     @property
