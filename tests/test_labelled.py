@@ -100,9 +100,6 @@ def test_a_known_effect_is_told_and_counted(recorded, capsys):
     )
 
 
-@pytest.mark.xfail(
-    reason="a zero of 0.2 mrad ties with the drag beside it, which is there in any case (judge._finding)"
-)
 def test_nothing_is_told_beside_it(recorded, capsys):
     labelled.main(recorded())
     assert "| viscous | **viscous** |" in capsys.readouterr().out

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from swingdown.discovery.campaign import Noise, Swing, campaign
-from swingdown.discovery.discrepancy import _Likelihood, discrepancy
+from swingdown.discovery.discrepancy import Unnamed, _Likelihood
 from swingdown.discovery.files import summary
 from swingdown.discovery.judge import judged
-from swingdown.discovery.linear import frame
+from swingdown.discovery.linear import frame, orthonormal
 from swingdown.discovery.search import discover
 from swingdown.discovery.structures import Pool
 from swingdown.discovery.verdict import verdict
@@ -51,7 +51,8 @@ def spring():
 
 
 def lacking(one, label):
-    return discrepancy(frame(fitted(one, label), one.fit), NOISE, 2 * np.pi / 7)
+    fit = fitted(one, label)
+    return Unnamed(fit, one.fit, 2 * np.pi / 7).beside(frame(fit, one.fit), NOISE)
 
 
 def test_a_model_that_is_right_lacks_nothing_and_one_that_is_not_lacks_as_much_as_it_leaves(spring):
@@ -77,10 +78,41 @@ def test_a_value_that_a_discrepancy_may_move_is_told_with_less_certainty(spring)
     assert wrong.widened["natural_frequency"] > 5
 
 
-def test_the_likelihood_has_the_slopes_that_its_differences_have():
+def a_discrepancy(rows=40):
+    """Columns of two kinds of discrepancy, a residual, and an orthonormal basis of a fit's slopes that has left none of it there."""
     rng = np.random.default_rng(2)
-    parts = [rng.standard_normal((6, 3)), rng.standard_normal((6, 2))]
-    likelihood = _Likelihood(parts, rng.standard_normal(6), 30.0, 40, 0.8, 0.2)
+    columns, basis = rng.standard_normal((rows, 5)), orthonormal(rng.standard_normal((rows, 3)))
+    residual = rng.standard_normal(rows)
+    return [columns[:, :3], columns[:, 3:]], residual - basis @ (basis.T @ residual), basis
+
+
+def reduced(parts, residual, basis, variance=0.8):
+    """Their likelihood along the directions of the discrepancy."""
+    directions = orthonormal(np.hstack(parts))
+    parts = [directions.T @ part for part in parts]
+    kernels, inside = np.stack([part @ part.T for part in parts]), directions.T @ basis
+    return _Likelihood(
+        parts, kernels, directions.T @ residual, inside, float(residual @ residual), residual.size, variance
+    )
+
+
+def test_the_likelihood_is_that_of_what_is_left_once_the_fit_is_projected_out():
+    """What the whole covariance says of the residual in the directions that the fit cannot reach."""
+    parts, residual, basis = a_discrepancy()
+    likelihood, x = reduced(parts, residual, basis), np.array([0.4, -0.7, 0.05])
+    beyond = np.linalg.qr(basis, mode="complete")[0][:, basis.shape[1] :]
+    covariance = 0.8 * np.exp(x[-1]) * np.eye(residual.size)
+    for size, scale, part in zip(x, likelihood.scale, parts, strict=False):
+        covariance += np.exp(size) * scale * part @ part.T
+    covariance, left = beyond.T @ covariance @ beyond, beyond.T @ residual
+    weights = np.linalg.solve(covariance, left)
+    wanted = 0.5 * (left @ weights + np.linalg.slogdet(covariance / 0.8)[1])
+    assert likelihood.at(x).value == pytest.approx(wanted, rel=1e-9)
+    assert likelihood.at(x).left == pytest.approx((0.8 * np.exp(x[-1])) ** 2 * weights @ weights, rel=1e-9)
+
+
+def test_the_likelihood_has_the_slopes_that_its_differences_have():
+    likelihood = reduced(*a_discrepancy())
     at, step = np.array([0.4, -0.7, 0.05]), 1e-5
     for k, unit in enumerate(np.eye(3)):
         difference = (likelihood(at + step * unit)[0] - likelihood(at - step * unit)[0]) / (2 * step)

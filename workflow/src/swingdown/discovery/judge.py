@@ -65,9 +65,8 @@ def told_of(pool: Pool, best: Structure) -> tuple[Structure, dict[str, Finding]]
 def _finding(pool: Pool, best: Structure, name: str) -> Finding:
     simpler = _nearly(best, name)
     same = {name, *simpler, *_at_its_values(pool, best, name)}
-    others = {one for key in pool.known for one in pool.added(key)} - same
-    # what is there in any case is no rival
-    others -= {one for one in best.key if pool.of([one, *_at_its_values(pool, best, one)]) >= PROBABLE}
+    # what the structure has beside it is there with or without it: no rival
+    others = {one for key in pool.known for one in pool.added(key)} - same - best.key
     ties = simpler
     chance = pool.of(same)
     while chance < PROBABLE and len(ties) + 1 < TIES and others:
@@ -77,7 +76,7 @@ def _finding(pool: Pool, best: Structure, name: str) -> Finding:
         ties.append(nearest)
         others.discard(nearest)
         chance = pool.of([*same, *ties])
-    near = pool.lacking(best, [name, *(one for one in ties if one in best.key)])
+    near = pool.lacking(best, [name])
     if not near:
         return Finding(chance, tuple(ties), doubt="no model without it can be fitted")
     # what the base has may be improbable beside a discrepancy, and does more of the work than it does

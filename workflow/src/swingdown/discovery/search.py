@@ -233,10 +233,13 @@ class _Search:
                 for swing in begin.swings
             )
             with suppress(TrajectoryError):
-                fit = refit(Begin(one, starts), self.campaign.fit, seen=True, ended=True)
+                fit = refit(Begin(one, starts), self.campaign.fit, seen=True)
                 # at a bound it is another law, whose values are better known
                 if all(within(fit, name) for name in law):
                     self.pool.look(fit)
+        for _, fit in self.pool.counting(damping):
+            with suppress(TrajectoryError):
+                self.pool.look(refit(fit.begin, self.campaign.fit, grown=False, ended=True))
         return self.pool.counting(damping)
 
     def _restored(self, fit: Fit, name: str, old: str) -> Fit:

@@ -12,6 +12,7 @@ from ..arrays import Floats
 from ..engine import interface
 from ..engine.trajectory import TrajectoryError, simulate_compiled, warn_of_drive
 from ..pendulum.model import Model, as_model
+from . import effort
 from .covariance import covariance_of
 from .problem import Problem, Swings
 from .result import Fit, SwingFit
@@ -271,6 +272,7 @@ def _search(
     found = interface.fit_swings(
         library, problem.c, problem.given, starts, lengths, options, share == 1, until_noise, angles, rough
     )
+    effort.add(found[4].evaluations * sum(lengths) * starts.shape[1])
     if angles is None or len(sizes) == 1:
         return *found, [angles]
     return *found, np.split(angles, np.cumsum(sizes)[:-1])
