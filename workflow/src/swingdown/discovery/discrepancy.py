@@ -42,7 +42,10 @@ _FINE = (
     25,
     0.12,
 )  # nodes over angle, and how far they hang together, of a torque that is there at some angles only
-_SIZES, _NOISES = (-12.0, 25.0), (-1.0, 12.0)  # bounds of these logarithms, and of the noise's over what it is known to be
+_SIZES, _NOISES = (
+    (-12.0, 25.0),
+    (-1.0, 12.0),
+)  # bounds of these logarithms, and of the noise's over what it is known to be
 KINDS = ("restoring", "dissipative", "time", "sensor")
 
 
@@ -90,7 +93,15 @@ class Unnamed:
         left = residual - basis @ (basis.T @ residual)
         within = slice(None, self._weight.size)
         inside = self._directions.T @ np.column_stack([left[within], basis[within]])
-        model = _Likelihood(self._parts, self._kernels, inside[:, 0], inside[:, 1:], float(left @ left), left.size, noise.slow_variance)
+        model = _Likelihood(
+            self._parts,
+            self._kernels,
+            inside[:, 0],
+            inside[:, 1:],
+            float(left @ left),
+            left.size,
+            noise.slow_variance,
+        )
         least, where = _minimal(model)
         at = model.at(where)
         scale = 1 / np.sqrt(frame.samples)
@@ -136,10 +147,23 @@ class _Likelihood:
     their basis and V the covariance (Patterson and Thompson, Biometrika 58, 545 (1971)): no column is projected.
     """
 
-    def __init__(self, parts: Sequence[Floats], kernels: Floats, residual: Floats, basis: Floats, squares: float, rows: int, variance: float):
+    def __init__(
+        self,
+        parts: Sequence[Floats],
+        kernels: Floats,
+        residual: Floats,
+        basis: Floats,
+        squares: float,
+        rows: int,
+        variance: float,
+    ):
         self.residual, self.basis, self.rows, self.variance = residual, basis, rows, variance
         self.squares, self.kernels = squares, kernels
-        self.beyond = np.eye(basis.shape[1]) - basis.T @ basis, -basis.T @ residual, max(squares - residual @ residual, 0.0)
+        self.beyond = (
+            np.eye(basis.shape[1]) - basis.T @ basis,
+            -basis.T @ residual,
+            max(squares - residual @ residual, 0.0),
+        )
         # in units in which a kind of size one does as much as the noise, beyond what the fit imitates
         power = np.array([np.sum(part**2) - np.sum((basis.T @ part) ** 2) for part in parts])
         self.scale = variance * residual.size / np.maximum(power, 1e-300)
@@ -178,7 +202,9 @@ class _At:
         total = (sizes @ model.kernels.reshape(sizes.size, -1)).reshape(count, count)
         total[np.diag_indices(count)] += noise
         self.root = cholesky(total, lower=True, overwrite_a=True, check_finite=False)
-        within = cho_solve((self.root, True), np.column_stack([model.residual, model.basis]), check_finite=False)
+        within = cho_solve(
+            (self.root, True), np.column_stack([model.residual, model.basis]), check_finite=False
+        )
         own, self.across = within[:, 0], within[:, 1:]
         square, cross, rest = model.beyond
         self.seen = square / noise + model.basis.T @ self.across
@@ -203,14 +229,18 @@ class _At:
         trace -= np.vdot(self.inverse, model.beyond[0] / self.noise**2 + self.across.T @ self.across)
         inverse -= self.across @ self.inverse @ self.across.T + np.outer(self.pulled, self.pulled)
         kinds = self.sizes * (model.kernels.reshape(self.sizes.size, -1) @ inverse.ravel())
-        return 0.5 * np.r_[kinds, self.noise * (trace - self.pulled @ self.pulled) - self.outside / self.noise]
+        return (
+            0.5 * np.r_[kinds, self.noise * (trace - self.pulled @ self.pulled) - self.outside / self.noise]
+        )
 
     def work(self) -> tuple[Floats, float]:
         """(root sum of squares by kind, of all together) of what the discrepancy does to the readings beyond what the fit imitates, rad."""
         each = self.sizes[:, None] * (self.model.kernels @ self.pulled)
         kinds = np.array([each[k :: len(KINDS)].sum(axis=0) for k in range(len(KINDS))])
         done = np.vstack([kinds, each.sum(axis=0)])
-        beyond = np.sqrt(np.maximum(np.sum(done**2, axis=1) - np.sum((done @ self.model.basis) ** 2, axis=1), 0.0))
+        beyond = np.sqrt(
+            np.maximum(np.sum(done**2, axis=1) - np.sum((done @ self.model.basis) ** 2, axis=1), 0.0)
+        )
         return beyond[:-1], float(beyond[-1])
 
     @property
