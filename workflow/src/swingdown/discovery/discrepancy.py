@@ -162,7 +162,7 @@ class _Likelihood:
         self.beyond = (
             np.eye(basis.shape[1]) - basis.T @ basis,
             -basis.T @ residual,
-            max(squares - residual @ residual, 0.0),
+            max(float(squares - residual @ residual), 0.0),
         )
         # in units in which a kind of size one does as much as the noise, beyond what the fit imitates
         power = np.array([np.sum(part**2) - np.sum((basis.T @ part) ** 2) for part in parts])
