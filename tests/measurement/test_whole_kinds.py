@@ -6,12 +6,13 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
+import xarray as xr
 from scipy.io import savemat
 
 import swingdown
-from swingdown.answer.again import once_more
+from swingdown.answer.command import Wishes, answer
 from swingdown.errors import InputError
-from swingdown.studies.doubt import NotFree
+from swingdown.measurement.again import OPEN, readings
 from swingdown.study import own
 
 TIMES = np.arange(0, 30, 0.02)
@@ -107,28 +108,91 @@ def isochronous(path):
     return written(path, [TIMES, values], "t,angle")
 
 
+ALONE = "PERIOD AND DECAY ALONE ARE TOLD, by its passages"
+
+
+def told(path, **stated):
+    """What is said beside the answer on a file, and its period."""
+    row = swingdown.read(path, **stated).fit().row
+    return row["remark"], pytest.approx(float(row["period_s"]), rel=5e-3)
+
+
 def test_period_and_decay_are_told_of_what_no_model_follows(tmp_path):
-    one = taken(isochronous(tmp_path / "angle.csv"))
-    with pytest.raises(InputError):
-        swingdown.read(tmp_path / "angle.csv").fit()
-    used, answer, told = once_more(one, "sine")
-    assert "PERIOD AND DECAY ALONE" in told and used.row["scale"] == "relative"
-    assert float(answer.table["period_s"].iloc[0]) == pytest.approx(1.3, rel=5e-3)
+    remark, found = told(isochronous(tmp_path / "angle.csv"))
+    assert ALONE in remark and "unit is in doubt" in remark and found == 1.3
+
+
+def test_a_rate_that_no_model_follows_tells_its_period(tmp_path):
+    path = written(tmp_path / "phone.csv", [TIMES, swing(size=4.3)], "Time (s),Gyroscope x (rad/s)")
+    remark, found = told(path)
+    assert ALONE in remark and found == 1.3
+
+
+def kicked():
+    """Angles of a pendulum that is kicked at 6.5 s."""
+    size = np.where(TIMES < 6.5, 0.08, 0.3) * np.exp(-np.where(TIMES < 6.5, TIMES, TIMES - 6.5) / 10)
+    return size * np.sin(2 * np.pi * TIMES / 1.3)
+
+
+def test_the_free_stretch_is_used_of_what_somebody_kicks(tmp_path):
+    remark, found = told(written(tmp_path / "kicked.csv", [TIMES, kicked()], "t,angle (rad)"))
+    assert "USED FROM 6.5" in remark and found == 1.304
+
+
+def test_the_command_reads_it_as_the_call_does(tmp_path, capsys):
+    path = isochronous(tmp_path / "angle.csv")
+    assert answer([str(path)], {}, Wishes(into=str(tmp_path / "study"), quick=True)) == 0
+    assert ALONE in capsys.readouterr().out
+    sheet = pd.read_csv(tmp_path / "study" / "recordings.csv")
+    assert list(sheet["scale"]) == ["relative"]  # the workflow reads it so
+    table = pd.read_csv(tmp_path / "study" / "first_answer.csv")
+    assert table["period_s"][0] == swingdown.read(path).fit().table["period_s"].iloc[0]
+
+
+def test_beside_others_the_free_stretch_is_used(tmp_path):
+    free = swing(size=0.2, dies=10.0, noise=0)
+    paths = [
+        written(tmp_path / f"{k}.csv", [TIMES, one], "t,angle (rad)")
+        for k, one in enumerate((free, kicked()))
+    ]
+    table = swingdown.read(paths).fit().table
+    assert "USED FROM" not in table["remark"][0] and "USED FROM 6.5" in table["remark"][1]
 
 
 def test_nothing_that_is_stated_is_overruled(tmp_path):
-    one = taken(isochronous(tmp_path / "angle.csv"), signal_unit="deg")
-    assert once_more(one, "sine") is None
+    path = isochronous(tmp_path / "angle.csv")
+    with pytest.raises(InputError, match="weight does not pull it back"):
+        swingdown.read(path, unit="deg").fit()
 
 
-def test_a_steady_drive_is_no_free_swing(tmp_path):
-    """Its period would be the motor's."""
-    values = np.degrees(0.9 * np.sin(2 * np.pi * TIMES / 1.3) + 0.3 * np.sin(2 * np.pi * TIMES / 0.43))
-    path = written(tmp_path / "driven.csv", [TIMES, values], "t,angle")
-    try:
-        swingdown.read(path).fit()
-    except NotFree:
-        assert once_more(taken(path), "sine") is None
+def test_a_steady_drive_is_no_free_stretch():
+    """The period of what does not die would be the motor's."""
+
+    def read_again(dies):
+        early, late = (
+            0.1 * np.sin(2 * np.pi * TIMES / 1.3),
+            0.3 * np.exp(-TIMES / dies) * np.sin(2 * np.pi * TIMES / 1.3),
+        )
+        angle = xr.DataArray(np.where(TIMES < 7.8, early, late), {"time": TIMES}, ["time"], "angle")
+        return list(readings(xr.Dataset({"angle": angle}, attrs={OPEN: "yes", "mode": ""})))
+
+    assert len(read_again(dies=30.0)) == 2
+    assert read_again(dies=1e9) == []
+
+
+def test_the_height_of_a_bob_on_a_spring_is_its_swing(tmp_path):
+    remark, found = told(written(tmp_path / "spring.csv", [TIMES, 0.14 + swing(size=0.1)], "t,y"))
+    assert found == 1.3
+    angle = swing(size=0.6)
+    with pytest.raises(InputError, match="twice a period"):
+        swingdown.read(written(tmp_path / "height.csv", [TIMES, 1 - np.cos(angle)], "t,y"))
+
+
+def test_a_camera_that_drifts_leaves_the_coordinate_that_swings(tmp_path):
+    slow = 60 * np.sin(TIMES / 4) + 8 * TIMES
+    x, y = 300 * swing(size=0.3) + slow / 3, 900 + 1.2 * slow
+    remark, found = told(written(tmp_path / "drift.csv", [TIMES, x, y], "t,x,y"))
+    assert found == 1.3
 
 
 def test_parts_of_a_quaternion_are_no_angle(tmp_path):

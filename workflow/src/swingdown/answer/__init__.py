@@ -1,7 +1,7 @@
 """From somebody's arrays to an answer in one call: ``fit`` for the damping, ``explain`` for what is missing as well."""
 
 import warnings
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from os import PathLike
@@ -22,16 +22,18 @@ from ..discovery.state import Round
 from ..discovery.verdict import verdict
 from ..engine.trajectory import TrajectoryWarning, engine
 from ..errors import InputError
+from ..measurement.again import TOLD, readings
 from ..measurement.driven import drive_of
 from ..measurement.slack import of_angles
 from ..pendulum.catalogue import READINGS, catalogue
 from ..pendulum.model import BASES, Model, everyday, models
-from ..studies.doubt import NotFree, ask_counted, breaks_off, fit_any, fit_free, unit_in_doubt
+from ..studies.doubt import Moved, NotFree, ask_counted, breaks_off, fit_any, fit_free, unit_in_doubt
 from ..studies.experiment import fit_campaign, with_drive
 from ..studies.norms import combine_recordings
 from ..studies.pendulums import described_by, joined, pendulums, values_of
 from ..studies.pendulums import reading_of as reading_in
 from ..studies.quantities import Quantity
+from ..studies.unscaled import without_scale
 from .given import Driven, asked, swings
 from .recorded import Recording, Restoring, Told, read
 from .result import Answer, Begin
@@ -148,16 +150,41 @@ def of_swings(
     NotFree
         If ``checked`` and no model of damping follows the motion.
     """
+    try:
+        return _of_swings(given, fitted, effects, restoring, checked)
+    except Moved:
+        raise
+    except InputError as problem:
+        for other in readings(given[0]) if checked and len(given) == 1 else ():
+            try:
+                # passages that are even and swings that die are judged without a model, which need not follow them
+                answer = _of_swings([other], fitted, effects, restoring, checked=not without_scale(other))
+            except InputError:
+                continue
+            remarks = [joined(problem.problem, one) for one in answer.table["remark"]]
+            return replace(answer, table=answer.table.assign(remark=remarks))
+        raise
+
+
+def _of_swings(
+    given: Sequence[xr.Dataset],
+    fitted: Sequence[str] | None,
+    effects: Mapping[str, Any] | None,
+    restoring: str,
+    checked: bool,
+) -> Answer:
+    """The ``Answer`` of ``of_swings`` on these recordings as they are; of several each that no model follows by its free stretch."""
     known = with_drive(models(fitted or everyday(restoring), effects, restoring), given)
     drive = known[0].drive
     unit = "" if drive else unit_in_doubt(given, restoring)
     fit_one = fit_free if checked or drive else fit_any
     try:
         with _of_none_compared():
-            each = [fit_one(one, known) for one in given]
+            followed = [_followed(one, known, fit_one, len(given) == 1) for one in given]
+            given, each = [angle for angle, _ in followed], [fits for _, fits in followed]
             together = each[0] if len(given) == 1 else fit_campaign(given, known)
     except NotFree as problem:
-        raise NotFree(
+        raise type(problem)(
             problem.where, joined(problem.problem, unit), problem.expected, problem.mend
         ) from problem
     except (ArithmeticError, np.linalg.LinAlgError) as problem:
@@ -168,7 +195,11 @@ def of_swings(
     table = pendulums(norms, [] if len(given) == 1 else [together], catalogue=entries)
     if checked:
         ask_counted(table, given)
-    table["remark"] = [joined(unit, remark) for remark in table["remark"]]
+    again = {str(one.attrs["recording"]): str(one.attrs.get(TOLD, "")) for one in given}
+    table["remark"] = [
+        joined(again.get(name, ""), unit, remark)
+        for name, remark in zip(table["recording"], table["remark"], strict=True)
+    ]
     shown = [
         Shown(
             str(one["recording"].item()),
@@ -192,6 +223,23 @@ def of_swings(
         begins=begins,
         fitted=values_of(together, label, entries),
     )
+
+
+def _followed(
+    angle: xr.Dataset, known: Sequence[Model], fit_one: Callable[..., xr.Dataset], alone: bool
+) -> tuple[xr.Dataset, xr.Dataset]:
+    """The angles of a recording with its fits: of one beside others that no model follows, those of its longest free stretch."""
+    try:
+        return angle, fit_one(angle, known)
+    except Moved:
+        raise
+    except (InputError, ArithmeticError, np.linalg.LinAlgError):
+        for other in () if alone or fit_one is fit_any else readings(angle, in_rad=True):
+            try:
+                return other, fit_one(other, known)
+            except InputError:
+                continue
+        raise
 
 
 def _fitted(

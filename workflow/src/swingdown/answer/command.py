@@ -21,6 +21,7 @@ from ..engine.trajectory import TrajectoryWarning
 from ..errors import InputError
 from ..extras import has
 from ..language import IN_ENGLISH, Language, language
+from ..measurement.again import cells as cells_again
 from ..measurement.driven import NOT_SEARCHED, check_free
 from ..measurement.points_recording import POINTS_ALONE, are_points
 from ..measurement.programs import FILMS
@@ -34,7 +35,6 @@ from ..studies.pendulums import in_order
 from ..studies.words import damping_words, details, lines, quantity_rows, told_of
 from ..study import own
 from . import Answer, of_swings, searchable
-from .again import once_more
 from .alone import alone
 from .beside import write_beside
 from .hand_in import check_able, hand_in
@@ -307,11 +307,12 @@ def _first(taken: list[own.Taken], restoring: str) -> tuple[dict[str, Answer], l
         campaigns.setdefault(one.row["campaign"], []).append(one)
     for campaign, members in campaigns.items():
         answer, lost = _of_one(members, restoring)
-        if lost and len(members) == 1 and (used := once_more(members[0], restoring)):
-            place = next(k for k, one in enumerate(taken) if one is members[0])
-            taken[place], answer, told = used
-            _say(f"{members[0].row['recording']}: {as_options(lost[0].problem)}. {told}")
-            lost = []
+        for angle in answer.swings if answer else ():
+            if again := cells_again(angle):  # as the sheet is to read it
+                place = next(
+                    k for k, one in enumerate(taken) if one.row["recording"] == angle.attrs["recording"]
+                )
+                taken[place] = taken[place]._replace(row=taken[place].row | again, angle=angle)
         found |= {campaign: answer} if answer else {}
         unfit += lost
     return found, unfit

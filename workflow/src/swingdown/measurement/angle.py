@@ -25,7 +25,13 @@ BOUND = "half width of the interval that holds the angle with 95 %"
 PAPER_BOUND = "half width of the paper's bound, limits added: it holds some 90 % of angles (docs/trust.md)"
 _RAD = {"rad": 1.0, "deg": pi / 180} | TO_RAD_PER_S
 _PARTS = ("standard_uncertainty", "random_uncertainty", "systematic_uncertainty", "bound")
-_CARRIED = ("label", "unit_told", "scale", "time_standard_uncertainty_s")  # from a recording to its angles
+_CARRIED = (
+    "label",
+    "unit_told",
+    "scale",
+    "read_again",
+    "time_standard_uncertainty_s",
+)  # from a recording to its angles
 UNSCALED = "unknown scale"  # the mode of angles that stand for readings whose scale nobody states: period and decay alone hold
 UNIFORM_95 = 0.95 * sqrt(3)  # half width of the interval that holds 95 % of a uniform distribution, in its u
 

@@ -29,7 +29,7 @@ from .columns import (
 )
 from .gyroscope import TO_RAD_PER_S, rate_unit, turning_most
 from .judge import Reading
-from .plausibility import half_swings
+from .plausibility import half_swings, shrinks_to_its_middle
 from .positions import (
     Circle,
     along_a_line,
@@ -79,6 +79,7 @@ class Interpreted(NamedTuple):
     ] = ()  # in words: the columns, what they are where that is no angle, the clock, the layout
     input: Floats | None = None  # what was measured of its drive
     input_unit: str = ""  # that the file states of it
+    guessed: bool = False  # neither the names nor the number of its columns say which one holds the swing
 
     def taken(self, reading: Reading) -> str:
         """One line on how the file was read, for what the signal turned out to be."""
@@ -169,7 +170,7 @@ def interpret(table: Table, row: Mapping[str, Any], place: str, restoring: str) 
     return made._replace(
         remarks=remarks + made.remarks, rate=ordered.rate, input=drive,
         read=_read(table, columns, told_unit, made.times, "pivot_x" in made.about),
-        input_unit=_written(table, drives[0]) if drives else "",
+        input_unit=_written(table, drives[0]) if drives else "", guessed=not row["signal_column"] and _guessed(table),
     )  # fmt: skip
 
 
@@ -190,6 +191,17 @@ def _input_of(table: Table, row: Mapping[str, Any], place: str) -> list[str]:
             "correct input_column in the sheet, or the file's header",
         )  # fmt: skip
     return [wanted]
+
+
+def says_nothing(table: Table) -> bool:
+    """True of three columns or more of which none says that it holds the swing."""
+    told = [meaning(name, table.units.get(name, "")) for name in table.names]
+    return len(told) > 2 and all(one.kind in (TIME, UNTOLD) and not one.axis for one in told)
+
+
+def _guessed(table: Table) -> bool:
+    """True where neither names nor the number of the columns say which one holds the swing."""
+    return says_nothing(table) or ("no header" in table.layout and len(table.names) > 2)
 
 
 def _moving(table: Table, row: Mapping[str, Any]) -> tuple[Table, list[str]]:
@@ -306,7 +318,7 @@ def _signal(
         try:
             circle = fit_circle(values[0], values[1], both)
         except InputError:
-            if (line := along_most(values[0], values[1])) is None:
+            if (line := along_most(times, values[0], values[1])) is None:
                 raise
             made = _coordinate(row, both, columns, times, line, restoring)
             no_circle = "THE POSITIONS LIE ON NO CIRCLE: how far along the axis on which they move most is taken for one coordinate"
@@ -389,14 +401,25 @@ def _coordinate(
 ) -> Interpreted:
     """The angle of one coordinate of the bob: by the length that the sheet states, as a small swing, or without a scale."""
     unit = columns.found[0].written
-    if columns.found[0].axis == "y" and len(columns.found) == 1:
+    cell, scale = str(row.get("length", "") or "").strip(), _stated_scale(row, where)
+    height = columns.found[0].axis == "y" and len(columns.found) == 1
+    if height and (cell or not shrinks_to_its_middle(x)):
         raise InputError(
             where,
             "it is the height of a bob without its partner x: it goes up and down twice a period",
             "the horizontal coordinate, or both",
             "export x too, or name its column in the cell signal_column of the sheet",
         )
-    cell, scale = str(row.get("length", "") or "").strip(), _stated_scale(row, where)
+    if height:
+        told = ["the height of a bob whose tops fall as its bottoms rise, as on a spring: taken as it swings"]
+        return Interpreted(
+            times,
+            x,
+            Reading(NO_SCALE, True, np.nan if scale is None else scale, restoring),
+            told,
+            {},
+            columns.found[0].name,
+        )
     reading = Reading("rad", True, 1.0, restoring)
     if cell:
         length = metres(cell, unit, where)

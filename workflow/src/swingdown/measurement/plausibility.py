@@ -73,6 +73,23 @@ def passages(times: Floats, signal: Floats, middle: float) -> Floats:
 def free_part(times: Floats, signal: Floats) -> tuple[float, float] | None:
     """From when until when (s) the most half-swings in a row are in step, none wider than GROWS times one before it; None where those are
     fewer than ENOUGH, or nearly all."""
+    begins = times[half_swings(signal).starts]
+    first, last = _longest(times, signal)
+    return (
+        (float(begins[first]), float(begins[last]))
+        if ENOUGH <= last - first < ALL * (len(begins) - 2)
+        else None
+    )
+
+
+def in_a_row(times: Floats, signal: Floats) -> int:
+    """The most half-swings in a row that are in step, none wider than GROWS times one before it."""
+    first, last = _longest(times, signal)
+    return last - first
+
+
+def _longest(times: Floats, signal: Floats) -> tuple[int, int]:
+    """The first and the last of the half-swings of ``in_a_row``."""
     swings = half_swings(signal)
     sizes, begins = np.abs(np.diff(swings.turns)), times[swings.starts]
     periods = begins[2:] - begins[:-2]
@@ -84,8 +101,7 @@ def free_part(times: Floats, signal: Floats) -> tuple[float, float] | None:
             first = last
         elif last - first > best[1] - best[0]:
             best = first, last
-    found = best[1] - best[0]
-    return (float(begins[best[0]]), float(begins[best[1]])) if ENOUGH <= found < ALL * len(periods) else None
+    return best
 
 
 def in_step_and_dying(times: Floats, signal: Floats) -> bool:
@@ -101,6 +117,22 @@ def in_step_and_dying(times: Floats, signal: Floats) -> bool:
     even = float(np.median(np.abs(np.diff(periods)))) < EVEN * usual
     in_step = float(np.mean(np.abs(periods - usual) < STEADY * usual)) >= ALL
     return bool(even and in_step and np.median(sizes[-part:]) < DYING * np.median(sizes[:part]))
+
+
+def shrinks_to_its_middle(signal: Floats) -> bool:
+    """True where tops fall and bottoms rise, either at least half as much as the other: as of a bob on a spring, and not of a pendulum's
+    height, whose bottoms stay where they are."""
+    turns = half_swings(signal).turns[1:-1]
+    moved = []
+    for side in (turns[::2], turns[1::2]):
+        part = len(side) // 3
+        if part < 2:
+            return False
+        moved.append(float(np.median(side[:part]) - np.median(side[-part:])))
+    if turns[0] < turns[1]:
+        moved.reverse()
+    fall, rise = moved[0], -moved[1]
+    return min(fall, rise) > max(fall, rise) / 2
 
 
 def check_shrinks(signal: Floats, place: str) -> list[str]:

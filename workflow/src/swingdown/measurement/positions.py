@@ -8,7 +8,7 @@ from scipy.optimize import least_squares
 
 from ..arrays import Floats
 from ..errors import InputError
-from .plausibility import half_swings
+from .plausibility import ENOUGH, half_swings, in_a_row
 from .stated import UNITS, read
 
 LEAST_ARC = 0.1  # rad; a shorter arc does not tell the radius
@@ -98,18 +98,24 @@ def along_a_line(x: Floats, y: Floats) -> Floats | None:
     return along
 
 
-def along_most(x: Floats, y: Floats) -> Floats | None:
-    """How far points lie along the axis on which they move most; None where no axis stands out.
+def along_most(times: Floats, x: Floats, y: Floats) -> Floats | None:
+    """How far points lie along the axis on which they move most; None where no axis stands out and none swings in step.
 
-    Of positions on no circle, as of a marker on a platform that turns about no fixed point, it is one coordinate.
+    Of positions on no circle, as of a marker on a platform that turns about no fixed point, or before a camera that drifts, it is one
+    coordinate. Where no axis stands out, it is that of x, y and the axes of their scatter which swings widest of those in step.
     """
     both = np.stack([x - np.median(x), y - np.median(y)])
     size = np.hypot(*both)
     kept = size <= FAR * max(float(np.median(size)), 1e-300)
     values, axes = np.linalg.eigh(np.cov(both[:, kept]))
-    if not values[1] > MOST**2 * values[0]:
-        return None
-    return np.asarray(axes[:, 1] @ both)
+    if values[1] > MOST**2 * values[0]:
+        return np.asarray(axes[:, 1] @ both)
+    swinging = [one for one in (*both, *(axes.T @ both)) if in_a_row(times, one) >= ENOUGH]
+    return max(swinging, key=_usual_swing, default=None)
+
+
+def _usual_swing(signal: Floats) -> float:
+    return float(np.median(np.abs(np.diff(half_swings(signal).turns))))
 
 
 def lost(x: Floats, y: Floats, circle: Circle) -> NDArray[np.bool_]:

@@ -11,9 +11,10 @@ import xarray as xr
 from .. import dataset
 from ..errors import InputError
 from . import phyphox
-from .columns import TIME, UNTOLD, meaning, place_of
+from .again import OPEN, may_be_read_again
+from .columns import place_of
 from .driven import UNITS, Stated, as_variables, judge_driven, stated
-from .interpret import Interpreted, interpret
+from .interpret import Interpreted, interpret, says_nothing
 from .judge import Judged, Reading, check_used, judge, used_part
 from .passages import ask_periods, passages
 from .points_table import turning_points
@@ -77,30 +78,19 @@ def ingest(
         partial = _check_whole(table.about, row, row["file"], place)
         about = {"partial": "yes" if partial else "no", "sha256": digest}
         try:
-            guessed = not row["signal_column"] and _guessed(table)
-            about |= {"column_told": "no"} if guessed else {}
-            return _dataset(row, table, interpret(table, row, place, restoring), about, place)
+            found = interpret(table, row, place, restoring)
+            about |= {OPEN: "yes"} if may_be_read_again(row, found.guessed) else {}
+            return _dataset(row, table, found, about, place)
         except (SeveralRuns, SeveralReleases):
             raise
         except InputError as problem:
-            if row["signal_column"] or not _says_nothing(table):
+            if row["signal_column"] or not says_nothing(table):
                 raise
             # what is taken for the swing may be another column
             also = f"; or name the column of the angle in the cell signal_column of the sheet: {', '.join(table.names)}"
             raise type(problem)(
                 problem.where, problem.problem, problem.expected, problem.mend + also
             ) from None
-
-
-def _says_nothing(table: Table) -> bool:
-    """True of three columns or more of which none says that it holds the swing."""
-    told = [meaning(name, table.units.get(name, "")) for name in table.names]
-    return len(told) > 2 and all(one.kind in (TIME, UNTOLD) and not one.axis for one in told)
-
-
-def _guessed(table: Table) -> bool:
-    """True where neither names nor the number of the columns say which one holds the swing."""
-    return _says_nothing(table) or ("no header" in table.layout and len(table.names) > 2)
 
 
 def _dataset(

@@ -20,7 +20,7 @@ from .experiment import fit_recording
 from .left_over import DOUBT, MUCH
 from .pendulums import describes
 from .scale import DEGREE, Scale, scale_of
-from .unscaled import of_first_swings
+from .unscaled import of_first_swings, without_scale
 
 LEFT = 0.25  # of the swing (RMS of means over a part of a period): what a damping without a name leaves of a pendulum's is less
 SURE = 3.0  # standard errors from 0
@@ -40,6 +40,10 @@ class DoubtfulFit(UserWarning):
 
 class NotFree(InputError):
     """No model of damping follows it, or only one that gains energy."""
+
+
+class Moved(NotFree):
+    """It does not die away, or gains energy: something drives it, and no part of it is a free swing for sure."""
 
 
 def fit_free(angle: xr.Dataset, fitted: Sequence[Model], start: str = "free") -> xr.Dataset:
@@ -127,7 +131,7 @@ def unit_in_doubt(angles: Sequence[xr.Dataset], restoring: str = "sine") -> str:
         If nobody stated the unit, and the swings are a pendulum's in another unit (``scale``).
     """
     kinds = {str(series_of(one).name) for one in angles}
-    if len(kinds) > 1:
+    if len(kinds) > 1 or any(map(without_scale, angles)):
         return ""
     pairs = [(one["time"].values, series_of(one).values) for one in angles]
     found, unit = scale_of(pairs, restoring, *kinds), str(series_of(angles[0]).attrs["units"])
@@ -245,7 +249,7 @@ def check_free(fits: xr.Dataset, given: xr.Dataset, label: str, catalogue: Catal
         warnings.warn(DOUBT.format(percent=100 * left, name=name), DoubtfulFit, stacklevel=2)
     for size, (value, error) in losses.items():
         if value < -SURE * error:
-            raise NotFree(
+            raise Moved(
                 f"recording {name}",
                 f"it gains energy: a fit needs {size.replace('_', ' ')} below 0, {value:.3g} ± {error:.2g}",
                 "a pendulum that dies away by itself",
@@ -315,7 +319,7 @@ def _check_dies(given: xr.Dataset, left: float, losses: Iterable[Sequence[float]
     part = len(sizes) // 3
     if any(seen) or not seen or part < 1 or np.median(sizes[-part:]) < KEPT * np.median(sizes[:part]):
         return
-    raise NotFree(
+    raise Moved(
         f"recording {given.attrs['recording']}",
         f"its swings do not shrink, and the best model of damping leaves {100 * left:.3g} % of them, as where a motor drives it",
         "a pendulum that dies away by itself",

@@ -50,7 +50,7 @@ def described_by(norms: xr.Dataset, catalogue: Catalogue = SHIPPED) -> str:
     where there is another.
     """
     labels, evidence, usable = _evidence(norms, catalogue)
-    lowest, terms = min(evidence[k] for k in usable), terms_of(norms)
+    lowest, terms = min(evidence[k] for k in usable), terms_of(norms).sum(axis=1)
     near = [
         k for k in usable if evidence[k] - lowest <= WORTH
     ] or usable  # of passages without speeds there is no evidence
