@@ -185,7 +185,7 @@ def test_it_spoils_only_its_own_row_of_a_class(tmp_path, first, capsys):
     written(tmp_path / "class" / "driven.csv", "t_s,angle_rad", *isochronous())
     written(tmp_path / "class" / "good.csv", "t_s,angle_rad", TIMES, swing())
     assert first("class")["recording"] == "good"
-    assert "driven: it does not move as a pendulum" in capsys.readouterr().out
+    assert "Beware: it does not move as a pendulum" in capsys.readouterr().out
     assert list(pd.read_csv("study/left_out.csv")["recording"]) == ["driven"]
 
 

@@ -16,6 +16,7 @@ from .quantities import Quantity
 
 _STRAIGHT = 0.25  # of a half-swing about the middle: there a swing is a line to a hundredth of a half-swing
 _FIRST = 8  # periods, each half a swing after the one before
+_EARLY = 3  # periods, each half a swing after the one before, that the course of the period must meet
 NOTE = "the period is that of its first swings, by passages of the middle, for the model lacks something"
 
 
@@ -39,17 +40,28 @@ def pace_of(angle: xr.Dataset, times: Floats, series: Floats) -> dict[str, float
         if gaps.size
         else np.zeros(0, int)
     )
-    names = {
-        "period_first": "first",
-        "period_first_u": "u_first",
-        "period_change": "change",
-        "period_change_u": "u_change",
-    }
+    names = ("period_first", "period_first_u", "period_change", "period_change_u")
     try:
         told = pace(both_ways(found, halves), halves, of_angles([angle]).clock)
     except InputError:
         return dict.fromkeys(names, np.nan)
-    return {key: float(getattr(told, name)) for key, name in names.items()}
+    early = (found[2:] - found[:-2])[:_EARLY]
+    if abs(early.mean() - told.first) > 2 * np.hypot(told.u_first, 2 * told.scatter / _EARLY):
+        # a smooth course that misses the first periods is not theirs
+        return dict.fromkeys(names, np.nan) | of_first_swings(times, series)
+    # weighed by AIC, as the laws are: a course on which the period changes, and one on which it does not
+    seen = (told.change / told.u_change) ** 2 if told.u_change > 0 else np.inf
+    steady = 1 / (1 + np.exp(min(seen / 2 - 1, 700.0)))
+    first, u_first = _mixed(steady, (told.period, told.u_period), (told.first, told.u_first))
+    change, u_change = _mixed(steady, (0.0, 0.0), (told.change, told.u_change))
+    return dict(zip(names, (first, u_first, change, u_change), strict=True))
+
+
+def _mixed(share: float, one: tuple[float, float], other: tuple[float, float]) -> tuple[float, float]:
+    """The mean of two values with their standard uncertainties, of which the first has this share, and its standard uncertainty."""
+    parts = (share, *one), (1 - share, *other)
+    mean = sum(weight * value for weight, value, _ in parts)
+    return mean, float(np.sqrt(sum(weight * (u**2 + (value - mean) ** 2) for weight, value, u in parts)))
 
 
 def of_first_swings(times: Floats, series: Floats) -> dict[str, float]:
