@@ -16,10 +16,10 @@ WHEEL = {"natural_frequency": 6.5, "viscous_ratio": 0.02, "constant_friction": 0
 
 
 def wheel(**more):
+    """The wheel's swing; with ``cubic_stiffness`` its spring stiffens."""
     said = {"input": MOTOR, "input_kind": "pivot_angle"} | more
-    return swingdown.simulate(
-        "viscous+constant_coulomb", TIMES, 0.1, restoring="linear", noise=1e-3, **said, **WHEEL
-    )
+    label = "viscous+constant_coulomb" + ("+cubic_stiffness" if "cubic_stiffness" in said else "")
+    return swingdown.simulate(label, TIMES, 0.1, restoring="linear", noise=1e-3, **said, **WHEEL)
 
 
 def test_a_driven_wheel_gives_its_own_period_and_friction():
@@ -132,22 +132,28 @@ def test_a_swing_that_does_not_answer_to_its_input_is_refused():
         )
 
 
-def test_the_workflow_searches_free_swings_alone(tmp_path, capsys):
-    """The command tells it, and gives the first answer."""
-    frame = {"time_s": TIMES, "wheel_rad": wheel().values, "motor_deg": np.degrees(MOTOR)}
-    pd.DataFrame(frame).to_csv(tmp_path / "pohl.csv", index=False)
-    said = [
-        "--column",
-        "wheel_rad",
-        "--input",
-        "motor_deg",
-        "--input-kind",
-        "pivot_angle",
-        "--restoring",
-        "linear",
-    ]
-    assert main([str(tmp_path / "pohl.csv"), *said]) == 0
-    assert "searches free swings alone" in capsys.readouterr().out
+@pytest.mark.slow("a search by the workflow")
+def test_the_command_finds_what_is_missing_in_driven_swings(tmp_path, capsys):
+    """Two files of one wheel: the spring that stiffens is named, and nothing is said of them that only a free swing has."""
+    for seed in (1, 2):
+        angle = wheel(seed=seed, cubic_stiffness=3.0)
+        frame = {"time_s": TIMES, "wheel_rad": angle, "motor_deg": np.degrees(MOTOR)}
+        pd.DataFrame(frame).to_csv(tmp_path / f"pohl{seed}.csv", index=False)
+    said = "--column wheel_rad --input motor_deg --input-kind pivot_angle --restoring linear".split()
+    study = tmp_path / "study"
+    files = [str(tmp_path / f"pohl{seed}.csv") for seed in (1, 2)]
+    assert main([*files, "--together", *said, "--into", str(study)]) == 0
+    told = capsys.readouterr().out
+    assert "Named. Cubic stiffness" in told and "Nothing else is needed." in told
+    found = json.loads((study / "results/discovery/pendulum/verdict.json").read_text())
+    (cubic,) = found["effects"]
+    value = cubic["parameters"]["cubic_stiffness"]
+    assert abs(value["value"] - 3.0) < 4 * value["standard_error"]
+    for name in ("curves", "laws"):
+        assert len(pd.read_csv(study / f"results/curves/pendulum/{name}.csv")) == 0
+    report = (study / "results/report.html").read_text()
+    assert "Recording and fit, pendulum" in report
+    assert "Half swings" not in report and "Curves, pendulum" not in report
 
 
 @pytest.mark.slow("a search")

@@ -230,3 +230,21 @@ def test_nothing_is_named_where_another_unit_would_do_its_work():
     found = verdict([first, last])
     assert found["status"] == "unknown" and not found["effects"]
     assert found["sentence"].startswith("The unit is in doubt (degrees taken for rad?)")
+
+
+@pytest.mark.parametrize(("quality", "told"), [((900.0, 250.0), True), ((None, None), False), ((900.0, 400.0), False)])
+def test_what_does_not_die_away_has_no_effect_of_a_pendulum_unless_its_drive_was_measured(quality, told):
+    """A loss within three standard errors of none, or none at all, may be kept up by a motor."""
+    value, error = quality
+    quantities = {
+        "period": {"value": 1.0, "standard_uncertainty": 1e-5, "unit": "s"},
+        "quality": {"value": value, "standard_uncertainty": error, "unit": "1"},
+    }
+    first = state(0, missing=True, chosen="constant_torque", holdout=3.0)
+    last = state(1, missing=False, found=["constant_torque"], effects=("constant_torque",), parameters=TORQUE)
+    last |= {"conclusion": {"quantities": quantities}, "unit_doubt": ""}
+    found = verdict([first, last])
+    assert found["dies_away"] == told and found["status"] == ("named" if told else "unknown")
+    cannot = "What stops it cannot be told: it does not die away"
+    assert found["sentence"].startswith(cannot) != told
+    assert verdict([first, last | {"driven": True}])["status"] == "named"

@@ -91,6 +91,13 @@ def test_a_model_that_fits_as_well_is_a_rival_and_a_worse_one_is_none(study):
     assert rivals(one, "viscous") == ["load_coulomb"]
 
 
+def test_of_two_recordings_that_two_models_fit_alike_one_is_told(study):
+    norms, _ = study
+    two = norms.sel(recording=["z1", "z2"]).copy(deep=True)
+    two["norm"].loc[{"fitted": "load_coulomb"}] = two["norm"].sel(fitted="viscous")
+    assert described_by(two) in ("viscous", "load_coulomb")
+
+
 def test_a_spring_that_softens_is_a_model_like_another():
     truth = Model(
         "viscous+cubic_stiffness", {"natural_frequency": 7.0, "viscous_ratio": 0.01, "cubic_stiffness": -8.0}

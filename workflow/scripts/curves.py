@@ -12,6 +12,7 @@ from swingdown.curves.dataset import COLUMNS, table
 from swingdown.curves.dataset import curves as curves_of
 from swingdown.errors import InputError
 from swingdown.language import language
+from swingdown.measurement.driven import CURVES, LAWS, check_free
 from swingdown.measurement.refused import used
 from swingdown.pendulum.catalogue import catalogue
 from swingdown.plots import absent, save
@@ -53,6 +54,7 @@ class Given:
 
 def against(given):
     """The dataset of the curves, with the model of the search, or else that of damping; InputError where there are none."""
+    check_free(given.angles, CURVES)
     found = [of_verdict(one, given.restoring, given.known) for one in given.verdicts]
     model, covariance = next(filter(None, found), None) or given.of_damping() or (None, None)
     return curves_of(given.angles, model, covariance, given.restoring)
@@ -60,6 +62,7 @@ def against(given):
 
 def compared(given):
     """The ``Laws`` of each recording; InputError where there are none."""
+    check_free(given.angles, LAWS)
     known = given.fits if len(given.fits) == len(given.angles) else [None] * len(given.angles)
     pairs = zip(given.angles, known, strict=True)
     return [laws.laws(angle, fit, given.restoring, given.known) for angle, fit in pairs]

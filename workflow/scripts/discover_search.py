@@ -45,6 +45,7 @@ def discover_search(campaign, angles, fits, roles, base, rounds, budget_s, chang
         )
         files.write_difference(None, outputs)
         return f"{campaign}: NOT SEARCHED: {problem}"
+    base = base.under(swings.fit[0].drive)
     quantity, values = changed or ("", {})
     budget = Budget(budget_s)
     follows = difference(swings, values, base, budget_s=budget_s and budget_s / 2)

@@ -16,21 +16,21 @@ from ..arrays import Shown
 from ..dataset import series_of
 from ..discovery.campaign import Campaign, Swing, campaign
 from ..discovery.conclusion import concluded
-from ..discovery.files import check_sampled, reading_of, summary
+from ..discovery.files import check_sampled, reading_of, summary, swing_of
 from ..discovery.search import discover
 from ..discovery.state import Round
 from ..discovery.verdict import verdict
 from ..engine.trajectory import TrajectoryWarning, engine
 from ..errors import InputError
 from ..measurement.again import TOLD, readings
-from ..measurement.driven import drive_of
+from ..measurement.driven import driven
 from ..measurement.slack import of_angles
 from ..pendulum.catalogue import READINGS, catalogue
 from ..pendulum.model import BASES, Model, everyday, models
 from ..studies.doubt import Moved, NotFree, ask_counted, breaks_off, fit_any, fit_free, unit_in_doubt
 from ..studies.experiment import fit_campaign, with_drive
 from ..studies.norms import combine_recordings
-from ..studies.pendulums import described_by, joined, pendulums, values_of
+from ..studies.pendulums import NOT_DYING, described_by, joined, pendulums, values_of
 from ..studies.pendulums import reading_of as reading_in
 from ..studies.quantities import Quantity
 from ..studies.unscaled import without_scale
@@ -195,9 +195,10 @@ def _of_swings(
     table = pendulums(norms, [] if len(given) == 1 else [together], catalogue=entries)
     if checked:
         ask_counted(table, given)
+    steady = (table["model"] == NOT_DYING).any()  # a motor's period is that of its swings, whatever their unit
     again = {str(one.attrs["recording"]): str(one.attrs.get(TOLD, "")) for one in given}
     table["remark"] = [
-        joined(again.get(name, ""), unit, remark)
+        joined(again.get(name, ""), "" if steady else unit, remark)
         for name, remark in zip(table["recording"], table["remark"], strict=True)
     ]
     shown = [
@@ -390,11 +391,8 @@ def searchable(name: str, given: Sequence[xr.Dataset]) -> Campaign:
         If the swings are too few or too short to hold any out.
     """
     check_sampled(name, given)
-    made = [
-        Swing(str(one.attrs["recording"]), one["time"].values, series_of(one).values, drive_of(one))
-        for one in given
-    ]
-    return replace(campaign(name, made), slack=of_angles(given), reading=reading_of(name, given))
+    driven(given)
+    return replace(campaign(name, [swing_of(one) for one in given]), slack=of_angles(given), reading=reading_of(name, given))
 
 
 def _shown(state: Round, fitted: Sequence[Swing], held: Sequence[Swing]) -> tuple[Shown, ...]:

@@ -22,7 +22,6 @@ from ..errors import InputError
 from ..extras import has
 from ..language import IN_ENGLISH, Language, language
 from ..measurement.again import cells as cells_again
-from ..measurement.driven import NOT_SEARCHED, check_free
 from ..measurement.points_recording import POINTS_ALONE, are_points
 from ..measurement.programs import FILMS
 from ..paths import PROJECT, for_spreadsheets, printable, write_csv, written_whole
@@ -183,8 +182,7 @@ def _study(given: Sequence[str], told: Mapping[str, Any], wishes: Wishes) -> Fou
     if wishes.quick:
         return found
     if not searched and not all(are_points(one.angle) for one in kept):
-        if not any("input" in one.angle for one in kept):  # of these it is told already
-            _say("nothing here is long enough to be searched for what is missing; the first answer stands")
+        _say("nothing here is long enough to be searched for what is missing; the first answer stands")
         return found
     _say("now looking for what is missing ...\n" if searched else "now writing the report ...\n")
     installed = has("snakemake")
@@ -343,7 +341,6 @@ def _searched(kept: Sequence[own.Taken]) -> tuple[list[str], list[own.Refused]]:
     searched, short = [], []
     for campaign, members in campaigns.items():
         try:
-            check_free([one.angle for one in members], NOT_SEARCHED)
             searchable(campaign, [one.angle for one in members])
             searched.append(campaign)
         except InputError as problem:

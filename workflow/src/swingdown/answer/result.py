@@ -21,7 +21,7 @@ from ..curves.resonance import resonance
 from ..discovery.verdict import noise_rms
 from ..errors import InputError
 from ..extras import has, needed
-from ..measurement.driven import check_free
+from ..measurement.driven import CURVES, LAWS, check_free
 from ..pendulum.catalogue import SHIPPED, Catalogue
 from ..pendulum.model import Model
 from ..rounding import value_with_uncertainty
@@ -305,7 +305,7 @@ class Answer:
         InputError
             If there are fewer than eight half-swings, or only passages without speeds.
         """
-        check_free(self.swings, "curves against the amplitude are of free swings")
+        check_free(self.swings, CURVES)
         model, covariance = self.fitted or (None, None)
         return curves_of(self.swings, model, covariance, self.restoring)
 
@@ -344,7 +344,7 @@ class Answer:
         InputError
             If only passages without speeds are given.
         """
-        check_free(self.swings, "laws of damping are compared by free swings")
+        check_free(self.swings, LAWS)
         known = [self.fits.isel(recording=k) for k in range(len(self.swings))]
         pairs = zip(self.swings, known, strict=True)
         return [laws(angle, one, self.restoring, self.catalogue) for angle, one in pairs]

@@ -14,7 +14,7 @@ from .. import dataset
 from ..engine.trajectory import TrajectoryError
 from ..errors import InputError
 from ..measurement.angle import UNSCALED
-from ..measurement.driven import NOT_SEARCHED, check_free
+from ..measurement.driven import drive_of, driven
 from ..measurement.points_recording import NOT_IN_IT, POINTS_ALONE, are_points
 from ..measurement.refused import refuse
 from ..measurement.slack import of_angles
@@ -50,16 +50,23 @@ def read_campaign(name: str, paths: Sequence[Path | str], roles: Sequence[str]) 
     for path, role in zip(paths, roles, strict=True):
         data = dataset.read(path)
         check_sampled(name, [data])
-        check_free([data], NOT_SEARCHED)
-        swing = Swing(str(data.attrs["recording"]), data["time"].values, dataset.series_of(data).values)
+        swing = swing_of(data)
         systematic = max(systematic, float(dataset.series_of(data, "systematic_uncertainty").max()))
         emulated |= str(data.attrs.get("emulated", "no")) == "yes"
         kinds[role or "fit"].append(swing)
         read.append(data)
+    driven(read)
     static = [swing.pair for swing in kinds["static"]]
     known = campaign(name, kinds["fit"], kinds["holdout"], static)
     known = replace(known, systematic=systematic, slack=of_angles(read), reading=reading_of(name, read))
     return known, emulated
+
+
+def swing_of(angle: xr.Dataset) -> Swing:
+    """The ``Swing`` of an angle dataset, under its measured drive where it has one."""
+    return Swing(
+        str(angle.attrs["recording"]), angle["time"].values, dataset.series_of(angle).values, drive_of(angle)
+    )
 
 
 def check_sampled(name: str, angles: Sequence[xr.Dataset]) -> None:
@@ -231,6 +238,7 @@ def summary(state: Round, campaign: Campaign) -> dict[str, Any]:
         "next_swing": None if state.next_swing is None else asdict(state.next_swing) | {"text": str(state.next_swing)},
         "spent": state.spent,
         "unit_doubt": state.unit_doubt,
+        "driven": campaign.fit[0].drive is not None,
         "failed": state.failed,
         "conclusion": state.concluded,
         "chosen": None if chosen is None else {"move": chosen.move, "added": chosen.added, "also": list(chosen.also),

@@ -32,6 +32,8 @@ def sentence(found: Mapping[str, Any], catalogue: Catalogue = SHIPPED) -> str:
             f"({1e3 * noise:.3g} m{found.get('unit', 'rad')}) on fitted and {holdout[-1]:.3g} on held-out swings."
         )
         return text + dropped + end
+    if not found.get("dies_away", True):
+        return "What stops it cannot be told: it does not die away, and what a motor does is no effect of a pendulum."
     if doubt := found.get("unit_doubt"):
         return f"{doubt[:1].upper()}{doubt[1:]}. No effect is named: another unit would do its work."
     seen = where["seen"][:1].upper() + where["seen"][1:] + ": " if where["seen"] else ""

@@ -10,6 +10,7 @@ from ..pendulum.catalogue import ANGLE, READINGS, SHIPPED, Catalogue
 from ..pendulum.effect import NATURAL_FREQUENCY, Effect
 from ..pendulum.formula import evaluate
 from ..studies.left_out import NO_VERDICT
+from ..studies.quantities import Quantity, loss_seen
 from .judge import GUARD
 from .locate import KINDS
 from .next_swing import APART
@@ -45,11 +46,15 @@ def verdict(
     first, last = rounds[0], rounds[-1]
     reading = last.get("reading", ANGLE)
     asserted, stand_ins = [], []
+    dies_away = bool(last.get("driven")) or _dies_away(last.get("conclusion"))
+    unit_doubt = last.get("unit_doubt", "") if dies_away else ""
     for name in last["found"]:
         one = _effect(catalogue[name], rounds)
         doubt = last["findings"][name]["doubt"]
-        if last.get("unit_doubt"):  # whatever was found does the work of another unit
+        if unit_doubt:  # whatever was found does the work of another unit
             doubt = "another unit would do its work"
+        if not dies_away:  # and here perhaps that of a motor
+            doubt = "it does not die away"
         if doubt := doubt or _no_finding(catalogue[name], one["parameters"], last):
             stand_ins.append(one | {"doubt": doubt})
         else:
@@ -103,7 +108,9 @@ def verdict(
         "next_measurement": _next_measurement(asserted, status, catalogue, last.get("next_swing")),
         "next_swing": last.get("next_swing"),
         "stopped": bool(last["spent"]),
-        "unit_doubt": last.get("unit_doubt", ""),
+        "unit_doubt": unit_doubt,
+        "driven": bool(last.get("driven")),
+        "dies_away": dies_away,
         "failed": last.get("failed", ""),
         "difference": difference if difference and difference["effect"] else None,
         "guard": GUARD,
@@ -111,6 +118,18 @@ def verdict(
     followed = follows(difference) if difference else ""
     found["sentence"] = f"{followed} {sentence(found, catalogue)}".strip()
     return found
+
+
+def _dies_away(concluded: Mapping[str, Any] | None) -> bool:
+    """Whether the model that a search ended with loses anything; what does not may be driven, and its effects may be the motor's."""
+    if concluded is None:
+        return True
+    known = {
+        name: Quantity(one["value"], np.nan if one["standard_uncertainty"] is None else one["standard_uncertainty"], one["unit"])
+        for name, one in concluded["quantities"].items()
+        if one["value"] is not None
+    }  # fmt: skip
+    return loss_seen(known)
 
 
 def _no_finding(effect: Effect, values: Mapping[str, Any], told: Mapping[str, Any]) -> str:

@@ -26,9 +26,8 @@ UNITS: dict[str, dict[str, float]] = {
     "pivot_angle": {"rad": 1.0, "deg": pi / 180},
 }
 """By kind the units of an input and what they are worth in those of ``KINDS``; the first is taken where none is stated, but of a torque."""
-NOT_SEARCHED = (
-    "the workflow searches free swings alone for what is missing; swingdown.explain searches driven ones"
-)
+CURVES = "curves against the amplitude are of free swings"
+LAWS = "laws of damping are compared by free swings"
 _DIMENSION = "input_time"
 
 

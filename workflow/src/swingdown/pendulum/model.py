@@ -179,6 +179,10 @@ class Model:
         """
         return self if drive is self.drive else replace(self, drive=drive)
 
+    def under(self, drive: Drive | None) -> "Model":
+        """The model with the effect by which a measured drive acts; itself of a free swing."""
+        return self.with_effects((*self.names, drive.effect)).driven_by(drive) if drive else self
+
     @property
     def gravity(self) -> Effect:
         """The restoring torque of its weight."""

@@ -202,9 +202,7 @@ def with_drive(models: Sequence[Model], angles: Sequence[xr.Dataset]) -> list[Mo
         The recordings, as ``measurement.angle.to_angle`` returns them.
     """
     drive = driven(angles)
-    if drive is None:
-        return list(models)
-    return [model.with_effects((*model.names, drive.effect)).driven_by(drive) for model in models]
+    return [model.under(drive) for model in models]
 
 
 def _fits(

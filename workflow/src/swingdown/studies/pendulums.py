@@ -22,7 +22,7 @@ from ..rounding import value_with_uncertainty
 from .comparison import WORTH, aic_effective, bic_effective, terms_of
 from .left_over import DOUBT, MUCH
 from .norms import as_text
-from .quantities import UNITS, Quantity, over_models, quantities
+from .quantities import UNITS, Quantity, loss_seen, over_models, quantities
 from .turning_points import NOT_DAMPED, as_told, passages_told, period_of_passages
 from .unscaled import as_seen, at_first_swing
 
@@ -272,9 +272,8 @@ _HEAD = ("campaign", "recording", "label", "amplitude_rad")
 RESIDUALS = {ANGLE: "residual_rad", RATE: "residual_rad_per_s"}
 _WITHOUT_SCALE = ("period", "quality", "decay_time")  # what readings without a scale tell
 DAMPING, SEARCH = "damping", "search"  # where a row's model comes from
-NOT_DYING = "is unknown: it does not die away"  # stands for a model
+NOT_DYING = "cannot be told: it does not die away"  # stands for a model
 NO_MODEL = (NOT_DAMPED, NOT_DYING)
-_SEEN = 3.0  # standard errors
 _TAIL = (
     "model",
     "or_model",
@@ -348,15 +347,8 @@ def _row(
 def _of_what_is_seen(row: dict[str, Any]) -> dict[str, Any]:
     """The row; of a swing whose loss is not seen without a damping, for its values would be those of noise.
 
-    A loss is seen where it is three standard errors from none.
     """
-    if doubted(row):  # so much is left that no loss is one of this model
-        return row
-    known = quantities_of(row)
-    quality = known.get("quality")
-    if quality is None and "period" not in known:  # so much is lost that it does not come back
-        return row
-    if quality is not None and not quality.uncertainty * _SEEN > quality.value > 0:
+    if doubted(row) or loss_seen(quantities_of(row)):  # where much is left no loss is one of this model
         return row
     kept = {
         column

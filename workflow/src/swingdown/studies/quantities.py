@@ -21,6 +21,7 @@ _SAMPLES = (
     4000  # of a period: a parabola through three of them finds a turning point to 1e-8 of the amplitude
 )
 _AMPLITUDES = 6  # at which the loss is asked for, from the stated one to its e-th part
+_SEEN = 3.0  # standard errors of a loss
 _STEP = 0.1  # of a standard error: the differences that uncertainties follow from
 
 
@@ -253,6 +254,14 @@ def quantities(model: Model, amplitude: float, covariance: Floats | None = None)
     for parameter, value, error in zip(model.definitions[1:], values[1:], own[1:], strict=True):
         result[parameter.name] = Quantity(float(value), float(error), parameter.unit)
     return result
+
+
+def loss_seen(known: Mapping[str, Quantity]) -> bool:
+    """Whether a pendulum is seen to die away, by its quantities: its loss is three standard errors from none."""
+    quality = known.get("quality")
+    if quality is None:  # so much is lost that it does not come back, or nothing
+        return "period" not in known
+    return not _SEEN * quality.uncertainty > quality.value > 0
 
 
 def _slopes(function: Callable[[Floats], Floats], values: Floats, errors: Floats) -> Floats:

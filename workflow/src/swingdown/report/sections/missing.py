@@ -23,14 +23,18 @@ _SEEN = {
 
 def tells(figure: str, found: dict[str, Any] | Mapping[str, Any]) -> bool:
     """True where a figure of a search has something to say: what remains where anything does, what was missing where anything was, and
-    before and after where a move was made."""
+    before and after where a move was made. Of what does not die away none has, and half-swings are those of a free swing."""
+    if not found.get("dies_away", True):
+        return False
     if figure == "difference":
         return bool(found.get("difference"))
     if figure == "remainder":
         return found["status"] in ("partial", "unknown")
     if figure in ("map", "ranking"):
         return bool(found["where"]["groups"])
-    return figure == "half_swings" or len(found["gap"]["fit"]) > 1
+    if figure == "half_swings":
+        return not found.get("driven")
+    return len(found["gap"]["fit"]) > 1
 
 
 def drawn_by(figure: str) -> str:
