@@ -15,8 +15,11 @@ from exporting import export
 import swingdown
 from swingdown.__main__ import main
 from swingdown.answer import hand_in
+from swingdown.answer import study as by_config
 from swingdown.errors import InputError, PackageError
 from swingdown.language import language
+from swingdown.sealed import write_csv
+from swingdown.studies.pendulums import REFUSED
 
 CHROMIUM = os.environ.get("SWINGDOWN_CHROMIUM") or shutil.which("chromium")
 
@@ -136,3 +139,31 @@ def test_a_browser_that_prints_nothing_leaves_no_file(tmp_path, monkeypatch):
     with pytest.raises(InputError, match="printed no page"):
         hand_in.printed(tmp_path / "report.html", tmp_path / "report.pdf")
     assert [path.name for path in tmp_path.iterdir()] == ["report.html"]
+
+
+def test_a_study_by_config_hands_in_what_its_tables_tell(answer, tmp_path, monkeypatch, capsys):
+    (tmp_path / "study.yaml").write_text("recordings: sheet.csv\nsimulation: {simulated: []}\nlang: it\n")
+
+    def run(project, config, folder, cores, targets):
+        tables = folder / "results" / "tables"
+        tables.mkdir(parents=True)
+        lost = {"recording": "b", "campaign": "b", "verdict": REFUSED}
+        rows = [answer.table.assign(campaign="anna"), pd.DataFrame([lost])]
+        write_csv(pd.concat(rows), tables / "pendulums.csv")
+        return 0
+
+    monkeypatch.setattr(by_config, "run_workflow", run)
+    assert main([str(tmp_path / "study.yaml"), "--latex", "--xlsx"]) == 0
+    assert "answer.tex" in (told := capsys.readouterr().out) and "answer.xlsx" in told
+    assert (tmp_path / "answer.tex").read_text() == hand_in.latex({"anna": answer}, language("it"))
+    direct = hand_in.spreadsheet({"anna": answer}, tmp_path / "direct.xlsx", language("it"))
+    cells = [
+        [list(sheet.iter_rows(values_only=True)) for sheet in openpyxl.load_workbook(path)]
+        for path in (tmp_path / "answer.xlsx", direct)
+    ]
+    assert cells[0] == cells[1] and len(cells[0][0]) == 1 + len(answer.quantities)
+
+
+def test_a_study_without_pendulums_says_that_it_has_no_table(tmp_path):
+    (told,) = hand_in.hand_in(("xlsx", "latex"), {}, tmp_path, language())
+    assert "no --xlsx or --latex" in told and not list(tmp_path.iterdir())

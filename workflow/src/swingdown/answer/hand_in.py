@@ -9,6 +9,7 @@ import tempfile
 from collections.abc import Mapping, Sequence
 from math import degrees
 from pathlib import Path
+from typing import Any, NamedTuple, Protocol
 
 import pandas as pd
 
@@ -16,9 +17,10 @@ from ..errors import InputError
 from ..extras import has, lacking
 from ..language import Language
 from ..paths import for_spreadsheets, write_text, written_whole
-from ..studies.pendulums import quantities_of
-from ..studies.words import EMULATED, damping_words, quantity_rows
-from . import Answer
+from ..pendulum.catalogue import catalogue
+from ..sealed import read_csv, read_json
+from ..studies.pendulums import REFUSED, quantities_of
+from ..studies.words import EMULATED, damping_words, headline, quantity_rows
 
 PDF, TABLE = "report.pdf", "answer"
 KINDS = ("pdf", "latex", "xlsx")
@@ -31,6 +33,47 @@ _WAIT = 120  # s, for a page
 _CLASS = ("period", "quality", "decay_time", "natural_frequency", "g")  # of many pendulums, a column each
 
 
+class Told(Protocol):
+    """What is handed in of a pendulum: its row of ``studies.pendulums``, the verdict, the sentence, and what is to be known of it."""
+
+    @property
+    def row(self) -> Mapping[str, Any]: ...
+    @property
+    def verdict(self) -> Mapping[str, Any] | None: ...
+    @property
+    def sentence(self) -> str: ...
+    @property
+    def remarks(self) -> list[str]: ...
+
+
+class Studied(NamedTuple):
+    """What a study's tables tell of a pendulum, as ``Told``."""
+
+    row: Mapping[str, Any]
+    verdict: Mapping[str, Any] | None
+    sentence: str
+    remarks: list[str]
+
+
+def studied(results: Path, settings: Mapping[str, Any]) -> dict[str, Studied]:
+    """What the results of a study tell of each pendulum, by campaign; nothing where it has no table of them."""
+    table = results / "tables" / "pendulums.csv"
+    if not table.exists():
+        return {}
+    known, restoring = catalogue(settings["effects"]), settings["model"]["restoring"]
+    found = {}
+    for one in read_csv(table).to_dict("records"):
+        row = {key: cell for key, cell in one.items() if key.endswith("rad") or not pd.isna(cell)}
+        if row.get("verdict") == REFUSED:
+            continue
+        campaign = str(row["campaign"])
+        place = results / "discovery" / campaign / "verdict.json"
+        verdict = read_json(place) if place.exists() else None
+        remarks = [str(row["remark"])] if "remark" in row else []
+        found[campaign] = Studied(row, verdict, headline(row, verdict, known, restoring), remarks)
+    return found
+
+
 def check_able(kinds: Sequence[str], quick: bool = False) -> None:
     """None where these of ``KINDS`` can be made; InputError or PackageError, before anything is computed, where not."""
     if "pdf" in kinds and quick:
@@ -39,9 +82,12 @@ def check_able(kinds: Sequence[str], quick: bool = False) -> None:
         raise lacking("openpyxl")
 
 
-def hand_in(kinds: Sequence[str], answers: Mapping[str, Answer], folder: Path, spoken: Language) -> list[str]:
+def hand_in(kinds: Sequence[str], answers: Mapping[str, Told], folder: Path, spoken: Language) -> list[str]:
     """What is said of the files written into the folder, a line each."""
     told = []
+    if not answers and (tables := [f"--{kind}" for kind in kinds if kind != "pdf"]):
+        told.append(f"no {' or '.join(tables)}: this study has no pendulums; its tables are {folder / 'results' / 'tables'}")
+        kinds = [kind for kind in kinds if kind == "pdf"]
     if "latex" in kinds:
         told.append(f"the table for LaTeX: {write_text(folder / f'{TABLE}.tex', latex(answers, spoken))}")
     if "xlsx" in kinds:
@@ -73,7 +119,7 @@ def printed(report: Path, pdf: Path) -> str:
     return f"the report as PDF: {pdf}"
 
 
-def latex(answers: Mapping[str, Answer], spoken: Language) -> str:
+def latex(answers: Mapping[str, Told], spoken: Language) -> str:
     """A table for LaTeX with the package booktabs: of one pendulum a row for each quantity, of several a row for each pendulum."""
     if len(answers) == 1:
         (one,) = answers.values()
@@ -109,7 +155,7 @@ def latex(answers: Mapping[str, Answer], spoken: Language) -> str:
 _CAPTION = "In parentheses the standard uncertainty in units of the last digits."
 
 
-def _side_by_side(answers: Mapping[str, Answer], spoken: Language) -> tuple[list[str], list[list[str]]]:
+def _side_by_side(answers: Mapping[str, Told], spoken: Language) -> tuple[list[str], list[list[str]]]:
     """Head and rows of a table with a row for each pendulum."""
     found = {name: quantities_of(one.row) for name, one in answers.items()}
     shown = [key for key in _CLASS if any(key in own for own in found.values())]
@@ -155,7 +201,7 @@ def _escaped(text: str) -> str:
     return "".join(made)
 
 
-def spreadsheet(answers: Mapping[str, Answer], path: Path, spoken: Language) -> Path:
+def spreadsheet(answers: Mapping[str, Told], path: Path, spoken: Language) -> Path:
     """The path written: a workbook with a sheet of the quantities, a row each, and one of what is said; numbers are numbers, and units
     have a column of their own. What begins as a formula does is text."""
     rows, said = [], []

@@ -6,10 +6,12 @@ from pathlib import Path
 
 from ..errors import InputError
 from ..extras import needed
+from ..language import language
 from ..paths import PROJECT
+from ..schema import filled, read_yaml
 from ..study.settings import check_config
 from .command import run_workflow
-from .hand_in import PDF, printed
+from .hand_in import check_able, hand_in, studied
 
 
 def study(
@@ -21,19 +23,21 @@ def study(
 ) -> int:
     """The exit code of the workflow with this config file, run in ``directory`` (by default the folder that the config lies in).
 
-    Its report is printed, where ``pdf`` is to be ``handed_in``. InputError for a config that is not there or no YAML (with the line), for a folder that
+    What is to be ``handed_in`` (``hand_in.KINDS``) is written into that folder afterwards. InputError for a config that is not there or no YAML (with the line), for a folder that
     cannot be written, and PackageError where Snakemake is not installed.
     """
     path = Path(config)
     check_config(path)
     folder = Path(directory) if directory else path.resolve().parent
     check_writable(folder)
-    if lost := [f"--{kind}" for kind in handed_in if kind != "pdf"]:
-        raise InputError(lost[0], "the tables of a config's study are results/tables", "files of recordings", "leave it out")  # fmt: skip
+    check_able(handed_in)
     needed("snakemake")
     code = run_workflow(PROJECT, path, folder, cores, targets)
     if handed_in and not code:
-        print(printed(folder / "results" / "report.html", folder / PDF), flush=True)
+        settings = filled(read_yaml(path, path), "config.schema.yaml")
+        found = studied(folder / "results", settings)
+        for line in hand_in(handed_in, found, folder, language(settings["lang"])):
+            print(line, flush=True)
     return code
 
 
