@@ -13,7 +13,9 @@ import xarray as xr
 import swingdown
 from swingdown.engine.trajectory import simulate as trajectory
 from swingdown.errors import InputError
+from swingdown.paths import PROJECT
 
+EXAMPLE = PROJECT / "resources/example/anna.csv"
 TIMES = np.arange(1201) / 100
 VALUES = {"natural_frequency": 7.25, "viscous_ratio": 0.008}
 UNITS = pint.UnitRegistry()
@@ -146,6 +148,7 @@ def test_masked_samples_are_missing_samples(swing, plain, of_times):
     wrong = np.ma.masked_array(wrong, masked)
     found = swingdown.fit(wrong, swing.values, **FEW) if of_times else swingdown.fit(TIMES, wrong, **FEW)
     assert "10 of 1201 samples hold no number: missing" in found.remarks[0]
+    assert "10 of 1201 samples are missing" not in str(found)  # it is said once
     assert abs(found["period"].value - plain["period"].value) < plain["period"].u
 
 
@@ -254,3 +257,31 @@ def test_loading_takes_no_part_of_the_workflow_the_bench_or_the_figures():
         code = f"import sys, swingdown{first}; print([one for one in {heavy} if one in sys.modules])"
         done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
         assert done.stdout.strip() == "[]"
+
+
+def test_what_a_notebook_shows_is_a_short_table():
+    """Recording, answer, model and laws of damping: each a table, and what swings its picture."""
+    recording = swingdown.read(EXAMPLE)
+    answer = recording.fit(fitted=["viscous", "viscous+presliding"])
+    (laws,) = answer.laws()
+    shown = recording._repr_html_()
+    assert "took `Angle (°)` as degrees" in shown and "<td>2001</td><td>20</td><td>0.349 rad</td>" in shown
+    assert "data:image/png" in shown and "data:image/png" in answer._repr_html_()
+    period = answer["period"]
+    assert f"<td>{str(period).removesuffix(' s')}</td><td>s</td>" in answer._repr_html_()
+    model = answer.model
+    assert all(name.replace("_", " ") in model._repr_html_() for name in model.parameters)
+    assert "<th>viscous</th>" in laws._repr_html_() and len(repr(laws).splitlines()) < 15
+    assert list(laws.to_dataframe()["delta_bic"]) == sorted(laws.to_dataframe()["delta_bic"])
+
+
+def test_an_answer_draws_its_curves_and_the_laws_of_damping_too():
+    answer = swingdown.fit(EXAMPLE, fitted=["viscous"])
+    assert "frequency (Hz)" in labels_of(answer.plot("curves"))
+    assert any(label.startswith("time") for label in labels_of(answer.plot("laws")))
+    with pytest.raises(InputError, match="no picture 'curve'"):
+        answer.plot("curve")
+
+
+def labels_of(figure):
+    return {axes.get_xlabel() for axes in figure.axes}

@@ -232,7 +232,9 @@ def test_nothing_is_named_where_another_unit_would_do_its_work():
     assert found["sentence"].startswith("The unit is in doubt (degrees taken for rad?)")
 
 
-@pytest.mark.parametrize(("quality", "told"), [((900.0, 250.0), True), ((None, None), False), ((900.0, 400.0), False)])
+@pytest.mark.parametrize(
+    ("quality", "told"), [((900.0, 250.0), True), ((None, None), False), ((900.0, 400.0), False)]
+)
 def test_what_does_not_die_away_has_no_effect_of_a_pendulum_unless_its_drive_was_measured(quality, told):
     """A loss within three standard errors of none, or none at all, may be kept up by a motor."""
     value, error = quality

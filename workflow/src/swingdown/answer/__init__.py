@@ -195,7 +195,8 @@ def _of_swings(
     table = pendulums(norms, [] if len(given) == 1 else [together], catalogue=entries)
     if checked:
         ask_counted(table, given)
-    steady = (table["model"] == NOT_DYING).any()  # a motor's period is that of its swings, whatever their unit
+    # a motor's period is that of its swings, whatever their unit
+    steady = (table["model"] == NOT_DYING).any()
     again = {str(one.attrs["recording"]): str(one.attrs.get(TOLD, "")) for one in given}
     table["remark"] = [
         joined(again.get(name, ""), "" if steady else unit, remark)
@@ -392,7 +393,11 @@ def searchable(name: str, given: Sequence[xr.Dataset]) -> Campaign:
     """
     check_sampled(name, given)
     driven(given)
-    return replace(campaign(name, [swing_of(one) for one in given]), slack=of_angles(given), reading=reading_of(name, given))
+    return replace(
+        campaign(name, [swing_of(one) for one in given]),
+        slack=of_angles(given),
+        reading=reading_of(name, given),
+    )
 
 
 def _shown(state: Round, fitted: Sequence[Swing], held: Sequence[Swing]) -> tuple[Shown, ...]:

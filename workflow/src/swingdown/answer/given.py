@@ -326,7 +326,8 @@ def _swings_in(
             for when, what, called in found
             for swing in _swings_in(called, when, what, stated, about, unit, kind, restoring)
         ]
-    remarks += ordered.remarks + judged.remarks + told
+    again = f"{missing.sum()} of {missing.size} samples are missing,"  # the same samples, seen as holes of the clock
+    remarks += [one for one in ordered.remarks + judged.remarks + told if not one.startswith(again)]
     recording = xr.Dataset(
         {"signal": ("time", judged.signal, {"units": judged.reading.unit}), **as_variable(judged.spikes.where)},
         {"time": ("time", times, {"units": "s", "long_name": "time as given"})},

@@ -86,7 +86,9 @@ def hand_in(kinds: Sequence[str], answers: Mapping[str, Told], folder: Path, spo
     """What is said of the files written into the folder, a line each."""
     told = []
     if not answers and (tables := [f"--{kind}" for kind in kinds if kind != "pdf"]):
-        told.append(f"no {' or '.join(tables)}: this study has no pendulums; its tables are {folder / 'results' / 'tables'}")
+        told.append(
+            f"no {' or '.join(tables)}: this study has no pendulums; its tables are {folder / 'results' / 'tables'}"
+        )
         kinds = [kind for kind in kinds if kind == "pdf"]
     if "latex" in kinds:
         told.append(f"the table for LaTeX: {write_text(folder / f'{TABLE}.tex', latex(answers, spoken))}")

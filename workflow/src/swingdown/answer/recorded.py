@@ -14,9 +14,10 @@ import xarray as xr
 from ..arrays import Shown
 from ..dataset import series_of
 from ..errors import InputError
-from ..extras import needed
+from ..extras import has, needed
 from ..studies.gravity import with_gravity
 from ..study import own
+from . import html
 from .options import as_arguments
 
 if TYPE_CHECKING:
@@ -185,16 +186,32 @@ class Recording:
     def _emulated(self) -> str:
         return "yes" if any(one.attrs.get("emulated") == "yes" for one in self.swings) else "no"
 
+    def _repr_html_(self) -> str:
+        heads = ["recording", "samples", "s", "largest"]
+        rows = [[name, samples, f"{seconds:.4g}", f"{reach:.3g} {unit}"] for name, samples, seconds, reach, unit in map(_about, self.swings)]  # fmt: skip
+        picture = self.plot() if has("matplotlib") and any(_shows(one) for one in self.swings) else None
+        return html.page([*self.taken, *self.remarks], html.table(heads, rows), picture)
+
     def __repr__(self) -> str:
         return "\n".join([*self.taken, *(f"    {text}" for text in self.remarks), *map(_line, self.swings)])
 
 
-def _line(swing: xr.Dataset) -> str:
-    """A swing in a line: name, samples, seconds, the largest angle."""
+def _about(swing: xr.Dataset) -> tuple[str, int, float, float, str]:
+    """Of a swing its name, samples, seconds, the largest angle and its unit."""
     series, times = series_of(swing), swing["time"].values
-    reach = np.nanmax(np.abs(series.values)) if np.isfinite(series.values).any() else np.nan
+    reach = float(np.nanmax(np.abs(series.values))) if _shows(swing) else np.nan
     unit = str(series.attrs.get("units", "rad"))
-    return f"{swing.attrs['recording']:18} {times.size} samples in {times[-1] - times[0]:.4g} s, up to {reach:.3g} {unit}"
+    return str(swing.attrs["recording"]), times.size, float(times[-1] - times[0]), reach, unit
+
+
+def _shows(swing: xr.Dataset) -> bool:
+    """Whether a swing has angles; passages without speeds have none."""
+    return bool(np.isfinite(series_of(swing).values).any())
+
+
+def _line(swing: xr.Dataset) -> str:
+    name, samples, seconds, reach, unit = _about(swing)
+    return f"{name:18} {samples} samples in {seconds:.4g} s, up to {reach:.3g} {unit}"
 
 
 def read(path: Paths, *, restoring: Restoring = "sine", **told: Unpack[Told]) -> Recording:

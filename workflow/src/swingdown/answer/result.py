@@ -1,12 +1,9 @@
 """An answer on one pendulum: it prints itself, draws itself, simulates, and goes to a table, a dataset or a dict."""
 
-import base64
-import io
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from html import escape
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -16,7 +13,8 @@ from numpy.typing import ArrayLike
 from ..arrays import Shown
 from ..curves.chosen import Fitted, of_verdict
 from ..curves.dataset import curves as curves_of
-from ..curves.laws import Laws, laws
+from ..curves.laws import Laws, exponential_words, laws
+from ..curves.laws import envelopes as envelopes_of
 from ..curves.resonance import resonance
 from ..discovery.verdict import noise_rms
 from ..errors import InputError
@@ -28,6 +26,7 @@ from ..rounding import value_with_uncertainty
 from ..studies.pendulums import by_verdict, in_order, residual_of
 from ..studies.quantities import Quantity
 from ..studies.words import headline, lines, or_models, quantity_rows, short
+from . import html
 from .recorded import samples_of
 from .simulation import swing_of
 
@@ -226,21 +225,33 @@ class Answer:
     def __repr__(self) -> str:
         return str(self)
 
-    def plot(self) -> "Drawn":
-        """A matplotlib Figure of the swings with the fit and the residual, which a notebook shows.
+    def plot(self, what: Literal["swings", "curves", "laws"] = "swings") -> "Drawn":
+        """A matplotlib Figure, which a notebook shows.
+
+        Parameters
+        ----------
+        what
+            ``swings`` with the fit and the residual; ``curves`` against the amplitude; ``laws`` of damping over the envelope of
+            the largest swing.
 
         Raises
         ------
         InputError
-            If only passages without speeds are given: they hold no angle.
+            If only passages without speeds are given: they hold no angle. Also as of ``curves`` and ``laws``.
         """
+        needed("matplotlib")
+        if what in ("curves", "laws"):
+            from ..plots.curves import backbone, envelopes
+
+            return backbone(self.curves()) if what == "curves" else envelopes(self._envelopes())
+        if what != "swings":
+            raise InputError("plot", f"there is no picture {what!r}", "swings, curves or laws")
         if not self.shown:
             raise InputError(
                 "plot",
                 "passages without speeds hold no angle",
                 "a swing, turning points, or passages with speeds",
             )
-        needed("matplotlib")
         from ..plots.answer import swings_with_fit
 
         noise = noise_rms(self.verdict) if self.verdict else None
@@ -349,6 +360,16 @@ class Answer:
         pairs = zip(self.swings, known, strict=True)
         return [laws(angle, one, self.restoring, self.catalogue) for angle, one in pairs]
 
+    def _envelopes(self) -> xr.Dataset:
+        """The turning points of the largest swing with the laws of damping over them, and whether the decay is exponential."""
+        found = self.laws()
+        largest = max(found, key=lambda each: float(np.ptp(each.series)))
+        try:
+            curves = self.curves()
+        except InputError:  # too few half-swings for curves are enough for a sentence
+            curves = None
+        return envelopes_of(largest, exponential_words(found, curves), str(self.row["emulated"]))
+
     def to_dict(self) -> dict[str, Any]:
         """A dict of plain numbers, texts and lists: sentence, quantities, model, verdict."""
         row = self.row
@@ -375,20 +396,13 @@ class Answer:
         }
 
     def _repr_html_(self) -> str:
-        picture = io.BytesIO()
-        if self.shown and has("matplotlib"):
-            self.plot().savefig(picture, format="png", dpi=110)
-        source = base64.b64encode(picture.getvalue()).decode()
-        image = f"<img alt='the swings with the fit' src='data:image/png;base64,{source}'>" if source else ""
-        rows = "".join(
-            f"<tr><td style='text-align:left'>{escape(one.words)}</td>"
-            f"<td>{escape(value_with_uncertainty(one.value, one.uncertainty))}</td>"
-            f"<td style='text-align:left'>{escape('' if one.unit == '1' else one.unit)} {escape(one.condition)}</td></tr>"
+        rows = [
+            [one.words, value_with_uncertainty(one.value, one.uncertainty), "" if one.unit == "1" else one.unit, one.condition]
             for one in quantity_rows(self.row, self.verdict)
-        )
+        ]  # fmt: skip
         said = [*self.remarks, *lines(self.row, self.verdict)[-1:]] if self.verdict else self.remarks
-        first = f"<p><b>{escape(self.sentence)}</b></p>"
-        return first + "".join(f"<p>{escape(line)}</p>" for line in said) + f"<table>{rows}</table>{image}"
+        picture = self.plot() if self.shown and has("matplotlib") else None
+        return html.page(said, html.table([], rows), picture, self.sentence)
 
 
 def _known(value: float) -> float | None:

@@ -64,7 +64,7 @@ class Law(NamedTuple):
     fitted: Floats
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Laws:
     """The laws of damping on one recording: each ``Law``, and the ``noise`` (rad or rad/s) of its readings, nan where it is not known."""
 
@@ -75,6 +75,23 @@ class Laws:
     series: Floats = field(repr=False)
     points: bool = False
     unit: str = "rad"
+
+    def __repr__(self) -> str:
+        shown = self.to_dataframe()[["residual_mrad", "held_out_mrad", "delta_bic", "weight"]]
+        return f"{self.recording}: what each law of damping leaves\n{shown.to_string(float_format='{:.3g}'.format)}"
+
+    def _repr_html_(self) -> str:
+        return str(self.to_dataframe().to_html(float_format="{:.3g}".format))
+
+    def to_dataframe(self) -> pd.DataFrame:
+        """A DataFrame with a row for each law, the most probable first.
+
+        Returns
+        -------
+        pandas.DataFrame
+            The columns of ``table`` without the campaign and the recording, over ``law``.
+        """
+        return table([self], "").drop(columns=["campaign", "recording"]).set_index("law")
 
     @property
     def best(self) -> Law:

@@ -3,14 +3,16 @@
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from html import escape
 from itertools import combinations
-from math import inf
+from math import inf, nan
 from pathlib import Path
 from typing import Any
 
 import yaml
 
 from ..errors import InputError
+from ..rounding import value_with_uncertainty
 from ..schema import parse_yaml
 from ..sealed import read_text, write_text
 from .catalogue import ANGLE, SHIPPED, Catalogue, catalogue
@@ -109,6 +111,14 @@ class Model:
 
     def __str__(self) -> str:
         return self.label
+
+    def _repr_html_(self) -> str:
+        rows = "".join(
+            f"<tr><td style='text-align:left'>{escape(name.replace('_', ' '))}</td>"
+            f"<td>{value_with_uncertainty(value, self.standard_errors.get(name, nan))}</td><td>{escape(self.units[name])}</td></tr>"
+            for name, value in self.values.items()
+        )
+        return f"<p><b>{escape(self.label)}</b></p><table>{rows}</table>"
 
     def _check(self, names: Iterable[str]) -> None:
         known = self.parameters

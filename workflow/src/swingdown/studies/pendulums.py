@@ -345,9 +345,7 @@ def _row(
 
 
 def _of_what_is_seen(row: dict[str, Any]) -> dict[str, Any]:
-    """The row; of a swing whose loss is not seen without a damping, for its values would be those of noise.
-
-    """
+    """The row; of a swing whose loss is not seen without a damping, for its values would be those of noise."""
     if doubted(row) or loss_seen(quantities_of(row)):  # where much is left no loss is one of this model
         return row
     kept = {
