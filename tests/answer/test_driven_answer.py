@@ -135,8 +135,8 @@ def test_a_swing_that_does_not_answer_to_its_input_is_refused():
 @pytest.mark.slow("a search by the workflow")
 def test_the_command_finds_what_is_missing_in_driven_swings(tmp_path, capsys):
     """Two files of one wheel: the spring that stiffens is named, and nothing is said of them that only a free swing has."""
-    lever = 1.6 * MOTOR  # wide enough to tell a stiffness
-    for seed in (1, 2):
+    for seed, size in ((1, 1.6), (2, 1.1)):  # wide enough to tell a stiffness
+        lever = size * MOTOR
         angle = wheel(input=lever, seed=seed, cubic_stiffness=3.0)
         frame = {"time_s": TIMES, "wheel_rad": angle, "motor_deg": np.degrees(lever)}
         pd.DataFrame(frame).to_csv(tmp_path / f"pohl{seed}.csv", index=False)
