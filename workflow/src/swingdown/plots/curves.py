@@ -5,7 +5,6 @@ from typing import Any
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, MaxNLocator
 
 from ..arrays import Floats
@@ -20,7 +19,7 @@ _REACH = 1.35  # of the free curve's range that single swings, which scatter mor
 
 
 @style.styled
-def backbone(data: xr.Dataset) -> Figure:
+def backbone(data: xr.Dataset) -> style.Drawn:
     """Frequency, loss and damping ratio against amplitude, restoring torque over angle and friction over speed: free of a model, and of the model.
 
     ``data`` is that of ``curves.dataset.curves``. Single swings are drawn as dots, of many the means of neighbours with two standard errors.
@@ -165,7 +164,7 @@ def _restoring(axes: Axes, data: xr.Dataset, timed: bool) -> None:
 
 
 @style.styled
-def envelopes(data: xr.Dataset) -> Figure:
+def envelopes(data: xr.Dataset) -> style.Drawn:
     """The amplitudes of a recording over time with what each law makes of them, and below what each leaves of them.
 
     ``data`` is that of ``curves.laws.envelopes``: single laws, and the one with the most evidence.
@@ -216,7 +215,7 @@ _COLOURS = style.COLOURS | {
 
 
 @style.styled
-def resonances(data: xr.Dataset) -> Figure:
+def resonances(data: xr.Dataset) -> style.Drawn:
     """Amplitude and phase of the steady swing against the frequency of a drive, with the backbone that the ring-down shows.
 
     ``data`` is that of ``curves.resonance.resonance``; drawn is what is free of a model. Dashed, where there is such a part: no pendulum stays.
