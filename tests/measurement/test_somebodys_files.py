@@ -83,7 +83,6 @@ def test_what_a_header_says(header, kind, unit):
             ["an acceleration in 'm/s^2' is no angle", "record the gyroscope"],
         ),
         ("t (s),U (V)", ["recordings in volts need one", "docs/calibrate.md"]),
-        ("t (s),x (m)", ["column x (m)", "one coordinate", "cell length"]),
         ("t (s),lap (s)", ["lap (s)", "a time in 's' is no angle"]),
         ("t (s),phi (gon)", ["'gon'", "convert it to rad or deg"]),
         ("t (min),phi (rad)", ["'min'", "s, ms or us"]),

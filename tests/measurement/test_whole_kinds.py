@@ -188,6 +188,21 @@ def test_the_height_of_a_bob_on_a_spring_is_its_swing(tmp_path):
         swingdown.read(written(tmp_path / "height.csv", [TIMES, 1 - np.cos(angle)], "t,y"))
 
 
+@pytest.mark.parametrize("header", ["t (s),Distance (cm)", "Time (s),Velocity (cm/s)", "t (s),x (m)"])
+def test_a_coordinate_tells_its_period_whatever_pulls_it_back(tmp_path, header):
+    """A weight on a spring above a ranger: no length belongs to it."""
+    recording = swingdown.read(written(tmp_path / "spring.csv", [TIMES, 40 + swing(size=9.0)], header))
+    assert "PERIOD AND DECAY ALONE" in "".join(recording.remarks)
+    assert period(recording) == pytest.approx(1.3, rel=2e-3)
+    assert "g" not in recording.fit().row
+
+
+def test_a_height_is_no_coordinate_by_another_name(tmp_path):
+    height = 1 - np.cos(swing(size=0.6))
+    with pytest.raises(InputError, match="turning points of one side stay"):
+        swingdown.read(written(tmp_path / "ranger.csv", [TIMES, 100 * height], "t (s),Distance (cm)"))
+
+
 def test_a_camera_that_drifts_leaves_the_coordinate_that_swings(tmp_path):
     slow = 60 * np.sin(TIMES / 4) + 8 * TIMES
     x, y = 300 * swing(size=0.3) + slow / 3, 900 + 1.2 * slow

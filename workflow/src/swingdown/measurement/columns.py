@@ -8,8 +8,8 @@ from types import MappingProxyType
 from ..errors import InputError
 from .sheet import SIGNAL_UNITS, TIME_UNITS, unit_of
 
-TIME, ANGLE, VOLTAGE, COUNTS, LENGTH, RATE, OTHER, UNTOLD = (
-    "a time", "an angle", "a voltage", "counts", "a length", "an angular rate", "something else", "",
+TIME, ANGLE, VOLTAGE, COUNTS, LENGTH, SPEED, RATE, OTHER, UNTOLD = (
+    "a time", "an angle", "a voltage", "counts", "a length", "a speed", "an angular rate", "something else", "",
 )  # fmt: skip
 
 # Units as programs write them: what is measured, and the unit by the sample sheet's name where it has one.
@@ -25,11 +25,12 @@ _WRITTEN = {
     (VOLTAGE, ""): ("mv", "µv", "μv"),
     (COUNTS, "counts"): ("count", "counts", "ticks"),
     (LENGTH, ""): ("m", "dm", "cm", "mm", "km", "in", "inch", "ft", "px", "pixel", "pixels", "meter", "metre", "meters", "metres"),
+    (SPEED, ""): ("m/s", "dm/s", "cm/s", "mm/s", "px/s"),
     (RATE, "rad/s"): ("rad/s", "rad/sec", "rad·s⁻¹", "rad s^-1", "rad*s^-1", "rad s⁻¹", "rad s-1", "radians/s", "rads/s"),
     (RATE, "deg/s"): ("deg/s", "deg/sec", "degrees/s", "°/s", "º/s", "˚/s", "dps", "°/sec", "deg s⁻¹"),
     (RATE, ""): ("1/s", "rpm", "mdps"),
     (OTHER, ""): (
-        "m/s", "m/s^2", "m/s²", "m/s2", "cm/s", "g", "mg", "n", "nm", "n·m", "°c", "c", "°f", "k", "hz", "kg", "t", "µt", "μt",
+        "m/s^2", "m/s²", "m/s2", "g", "mg", "n", "nm", "n·m", "°c", "c", "°f", "k", "hz", "kg", "t", "µt", "μt",
         "mt", "lx", "lux", "pa", "hpa", "kpa", "a", "ma", "w", "j", "db", "%", "rad/s^2", "rad/s²", "deg/s^2", "°/s²", "°/s^2",
     ),
 }  # fmt: skip
@@ -131,7 +132,7 @@ def _is_unit(inside: str) -> bool:
 def _states(label: str, unit: str) -> bool:
     """True where a last word of one letter is a unit and not a name: ``theta_t`` is no tesla."""
     kind, _ = UNITS[unit.lower()]
-    return kind != OTHER and not (kind == LENGTH and unit == "in")
+    return kind not in (OTHER, SPEED) and not (kind == LENGTH and unit == "in")
 
 
 def choose(
@@ -202,7 +203,7 @@ def _swing(
         return pair
     if clock.axis == "x" and (drawn := next((one for one in others if one.axis == "y"), None)):
         return [_checked(drawn, others, place, "")]  # a graph's: y over x, its errors may follow
-    for wanted in (_names_angle, _plain, _has_signal_unit, _is_rate, _is_coordinate):
+    for wanted in (_names_angle, _plain, _has_signal_unit, _is_rate, _is_coordinate, _is_speed):
         if found := next((one for one in others if wanted(one)), None):
             return [found]
     return [_checked(first, others, place, "")]
@@ -236,6 +237,10 @@ def _is_coordinate(one: Meaning) -> bool:
     return one.kind == LENGTH
 
 
+def _is_speed(one: Meaning) -> bool:
+    return one.kind == SPEED and not _SIZE_ALONE.search(one.name)
+
+
 def _names_angle(one: Meaning) -> bool:
     return one.kind == ANGLE and not one.written
 
@@ -267,7 +272,7 @@ def _checked(one: Meaning, others: list[Meaning], place: str, stated: str) -> Me
         )
     if stated or (one.unit and one.kind in (ANGLE, VOLTAGE, COUNTS, RATE)):
         return one
-    if one.kind == LENGTH or (one.kind in (ANGLE, RATE, UNTOLD) and not one.written):
+    if one.kind == LENGTH or _is_speed(one) or (one.kind in (ANGLE, RATE, UNTOLD) and not one.written):
         return one
     mends = {
         RATE: "write rad/s or deg/s in the cell signal_unit of the sheet, or convert the column to one of them",

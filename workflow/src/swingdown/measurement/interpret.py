@@ -16,6 +16,7 @@ from .columns import (
     COUNTS,
     LENGTH,
     RATE,
+    SPEED,
     TIME,
     UNTOLD,
     VOLTAGE,
@@ -29,7 +30,7 @@ from .columns import (
 )
 from .gyroscope import TO_RAD_PER_S, rate_unit, turning_most
 from .judge import Reading
-from .plausibility import half_swings, shrinks_to_its_middle
+from .plausibility import evenness, half_swings
 from .positions import (
     Circle,
     along_a_line,
@@ -55,6 +56,7 @@ SHORTEST = 10  # samples; fewer tell nothing about a swing
 _LOOKED_AT = 200_000  # rows of which each column is looked at before the swing is chosen
 _RISES = 0.95  # of the rows: so often a time is no earlier than in the row before, though a clock stumbles
 MOST_LOST = 0.2  # of the positions: a tracker that loses more follows no bob
+EVEN_SIDES = 0.25  # the share by which the turning points of one side shrink of how much the others do: less is a height's
 TWICE = 0.2  # by which the ratio of two periods may be off 2
 RELATIVE = "relative"  # in the cell scale: nobody knows it
 _RAW = re.compile(r"(?i)\b(adc|raw|analog\w*|a0|sensor ?value|poti?|potentiometer|au|a\.u|arb)\b")
@@ -330,7 +332,7 @@ def _signal(
         return Interpreted(
             times[~away], signal[~away], Reading("rad", True, 1.0, restoring), remarks, about, first.name
         )
-    if not columns.unit and (first.kind == LENGTH or (first.axis and columns.clock.axis != "x")):
+    if not columns.unit and (first.kind in (LENGTH, SPEED) or (first.axis and columns.clock.axis != "x")):
         return _coordinate(row, where, columns, times, values[0], restoring)
     beside = values[len(names) :]
     if unsaid:
@@ -400,44 +402,37 @@ def _coordinate(
     row: Mapping[str, Any], where: str, columns: _Columns, times: Floats, x: Floats, restoring: str
 ) -> Interpreted:
     """The angle of one coordinate of the bob: by the length that the sheet states, as a small swing, or without a scale."""
-    unit = columns.found[0].written
+    first = columns.found[0]
+    unit, alone = first.written, len(columns.found) == 1
     cell, scale = str(row.get("length", "") or "").strip(), _stated_scale(row, where)
-    height = columns.found[0].axis == "y" and len(columns.found) == 1
-    if height and (cell or not shrinks_to_its_middle(x)):
+    height, even = first.axis == "y" and alone, evenness(x)
+    if (alone and even < EVEN_SIDES) or (height and (cell or not even >= EVEN_SIDES)):  # nan is neither
         raise InputError(
             where,
-            "it is the height of a bob without its partner x: it goes up and down twice a period",
+            "it is the height of a bob without its partner x: it goes up and down twice a period"
+            if height
+            else "its turning points of one side stay where they are, as of the height of a bob, which goes up and down twice a period",
             "the horizontal coordinate, or both",
             "export x too, or name its column in the cell signal_column of the sheet",
         )
-    if height:
-        told = ["the height of a bob whose tops fall as its bottoms rise, as on a spring: taken as it swings"]
-        return Interpreted(
-            times,
-            x,
-            Reading(NO_SCALE, True, np.nan if scale is None else scale, restoring),
-            told,
-            {},
-            columns.found[0].name,
-        )
     reading = Reading("rad", True, 1.0, restoring)
-    if cell:
+    if cell and first.kind != SPEED:
         length = metres(cell, unit, where)
         told = [f"one coordinate: the angle is its arcsine over the length, {cell}"]
-        return Interpreted(times, by_length(x, length, where), reading, told, {}, columns.found[0].name)
-    if scale is None and (each := metres(f"1 {unit}", "m", where, quiet=True) if unit else 0.0):
-        angle, told = without_length(times, x, each, where)
-        return Interpreted(times, angle, reading, told, {}, columns.found[0].name)
+        return Interpreted(times, by_length(x, length, where), reading, told, {}, first.name)
+    each = metres(f"1 {unit}", "m", where, quiet=True) if unit and first.kind != SPEED else 0.0
+    if scale is None and each and not height and (small := without_length(times, x, each, where)):
+        return Interpreted(times, small[0], reading, small[1], {}, first.name)
     told = [
-        "one coordinate without a length (the cell length of the sheet, in its unit): taken as a small swing"
+        "the speed of a bob: taken as it swings"
+        if first.kind == SPEED
+        else "the height of a bob whose tops fall as its bottoms rise, as on a spring: taken as it swings"
+        if height
+        else "one coordinate without a length (the cell length of the sheet, in its unit): taken as it swings, whatever pulls it back"
     ]
+    known = np.nan if scale is None else scale
     return Interpreted(
-        times,
-        x,
-        Reading(NO_SCALE, True, np.nan if scale is None else scale, restoring),
-        told if scale is None else [],
-        {},
-        columns.found[0].name,
+        times, x, Reading(NO_SCALE, True, known, restoring), told if scale is None else [], {}, first.name
     )
 
 
@@ -489,8 +484,8 @@ def _read(table: Table, columns: _Columns, time_unit: str, times: Floats, scaled
         instead = "positions, the angle about a fitted pivot"
     elif len(found) == 2:
         instead = "positions, how far along the axis on which they move"
-    elif found[0].kind == LENGTH and not columns.unit:
-        instead = "one coordinate"
+    elif found[0].kind in (LENGTH, SPEED) and not columns.unit:
+        instead = "one coordinate" if found[0].kind == LENGTH else "a speed"
     rate = 1 / float(np.median(np.diff(times)))
     what = " and ".join(f"`{one.name}`" for one in found)
     clock = f"`{columns.clock.name}` as {time_unit}"

@@ -17,6 +17,8 @@ STEADY = 0.15  # of a period: half-swings in step have theirs so near to the usu
 ENOUGH = 8  # half-swings in step of which there is something to tell
 EVEN = 0.05  # of a period: by so much at most does one differ from the next, where they tell it
 DYING = 0.98  # times: from its first third to its last, of what surely shrinks
+DIED = 0.05  # of the widest swing, by which one side shrinks from its first third to its last, where that tells something
+_EACH = 3  # turning points on a side
 ALL = 0.95  # of the half-swings: with so many in step there is nothing to tell
 DEAD_ZONE = 0.05  # of the range: crossings of the middle by noise alone do not count
 TO_RAD = {"rad": 1.0, "deg": pi / 180}
@@ -119,20 +121,17 @@ def in_step_and_dying(times: Floats, signal: Floats) -> bool:
     return bool(even and in_step and np.median(sizes[-part:]) < DYING * np.median(sizes[:part]))
 
 
-def shrinks_to_its_middle(signal: Floats) -> bool:
-    """True where tops fall and bottoms rise, either at least half as much as the other: as of a bob on a spring, and not of a pendulum's
-    height, whose bottoms stay where they are."""
+def evenness(signal: Floats) -> float:
+    """How much the side on which swings shrink less does so, over the other: 1 of a bob on a spring, and 0 of a pendulum's height, whose
+    lowest points stay where they are; nan where they do not shrink, or are too few to tell."""
     turns = half_swings(signal).turns[1:-1]
-    moved = []
-    for side in (turns[::2], turns[1::2]):
-        part = len(side) // 3
-        if part < 2:
-            return False
-        moved.append(float(np.median(side[:part]) - np.median(side[-part:])))
-    if turns[0] < turns[1]:
-        moved.reverse()
-    fall, rise = moved[0], -moved[1]
-    return min(fall, rise) > max(fall, rise) / 2
+    sides = [side for side in (turns[::2], turns[1::2]) if len(side) >= 2 * _EACH]
+    if len(sides) < 2:
+        return float("nan")
+    part = max(_EACH, len(sides[1]) // 3)
+    moved = sorted(abs(float(np.median(side[:part]) - np.median(side[-part:]))) for side in sides)
+    inwards = np.ptp(turns[-2:]) < np.ptp(turns[:2])
+    return moved[0] / moved[1] if inwards and moved[1] > DIED * np.ptp(turns) else float("nan")
 
 
 def check_shrinks(signal: Floats, place: str) -> list[str]:

@@ -229,9 +229,9 @@ def by_length(x: Floats, length: float, place: str) -> Floats:
     return np.arcsin(away / length)
 
 
-def without_length(times: Floats, x: Floats, in_metres: float, place: str) -> tuple[Floats, list[str]]:
+def without_length(times: Floats, x: Floats, in_metres: float, place: str) -> tuple[Floats, list[str]] | None:
     """The angle (rad) of a small swing from one coordinate, ``in_metres`` each unit, and a remark: over the length that a bob on a string
-    has with its period. InputError where the swing is not small: then sine and angle differ.
+    has with its period. None where the swing is not small: then sine and angle differ, and it may as well hang on a spring.
     """
     period = half_swings(x).period(times)
     if not np.isfinite(period):
@@ -240,13 +240,8 @@ def without_length(times: Floats, x: Floats, in_metres: float, place: str) -> tu
         )
     length = GRAVITY * (period / (2 * np.pi)) ** 2 / in_metres
     away = x - _middle(x)
-    if (reach := float(np.percentile(np.abs(away), 99.5)) / length) > SMALL:
-        raise InputError(
-            place,
-            f"it is one coordinate of a swing of about {np.degrees(reach):.2g}°, whose angle its length tells, and that is not stated",
-            "the length from the pivot to the middle of the bob",
-            "write it in the cell length of the sheet, in m, or export the other coordinate too (x and y)",
-        )
+    if float(np.percentile(np.abs(away), 99.5)) / length > SMALL:
+        return None
     return away / length, [
         f"one coordinate and no length: the angle is its share of {length * in_metres:.3g} m, the length of a bob on a string of this period"
     ]
