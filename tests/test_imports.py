@@ -11,7 +11,7 @@ from swingdown.study import sources
 
 PACKAGE = sources.PACKAGE
 FILES = sorted(PACKAGE.rglob("*.py"))
-ONLY_IN = {"matplotlib": "plots", "serial": "capture", "docutils": "report", "jinja2": "report"}
+ONLY_IN = {"matplotlib": "plots", "serial": "capture", "docutils": "report", "markupsafe": "report"}
 
 
 def room(file):

@@ -107,7 +107,7 @@ def test_the_wheel_holds_every_file_of_the_package(root, wheel):
             f"swingdown/project/workflow/{folder}/{one.name}"
             for one in (root / "workflow" / folder).glob("*.*")
         }
-    assert {".c", ".h", ".yaml", ".j2", ".typed"} <= {Path(name).suffix for name in wanted}
+    assert {".c", ".h", ".yaml", ".html", ".typed"} <= {Path(name).suffix for name in wanted}
     assert wanted <= set(zipfile.ZipFile(wheel).namelist())
 
 

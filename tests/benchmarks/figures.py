@@ -96,7 +96,7 @@ def batch(workers, count, seed=0):
     clean = case.clean()
     noise = np.random.default_rng([seed, count]).standard_normal((count, TIMES.size))
     series = clean + noise * (np.sqrt(np.mean(clean**2)) / 50)
-    return fit_batch(case.model, TIMES, series, case.release_angle, case.release_velocity, workers=workers)
+    return fit_batch(case.model, TIMES, series, (case.release_angle, case.release_velocity), workers=workers)
 
 
 def monte_carlo(count=8000, chunk=2000):

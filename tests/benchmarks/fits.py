@@ -66,7 +66,7 @@ def ours(work, count=1):
     """This engine from the task's start, ``count`` series at once."""
     model = CASES[work.name].model
     guess = model.with_values(dict(zip(model.parameters, work.start, strict=False)))
-    fit = fit_batch(guess, work.times, work.series[:count], work.start[-2], work.start[-1])
+    fit = fit_batch(guess, work.times, work.series[:count], work.start[-2:])
     return peers.Found(fit.values[0], round(float(fit.evaluations.mean())))
 
 

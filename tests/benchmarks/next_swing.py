@@ -28,7 +28,7 @@ from swingdown.engine.trajectory import TrajectoryError
 from swingdown.fitting.least_squares import fit_jointly
 from swingdown.pendulum.model import Model
 from swingdown.trials.second_pendulum import trajectory
-from swingdown.trials.trial import NOISES, USUAL, draw
+from swingdown.trials.trial import NOISES, USUAL, Planned, draw
 
 DEVIATION, INTERVAL, DURATION = 1e-3, 0.02, 15.0  # rad, s, s
 RATIO = 1.15  # of what the base leaves of wide swings to the noise
@@ -86,7 +86,7 @@ class Bench:
     @classmethod
     def wide(cls, rng, base, hidden, kind, seed, number):
         """The swings of a trial."""
-        trial = draw(seed, "single", hidden, RATIO, kind, number)
+        trial = draw(seed, Planned("single", (hidden,), RATIO, kind, number))
         one = cls(rng, base, hidden, trial.values, kind)
         one.deviation, one.interval = trial.sigma, 1 / USUAL.rate
         one.swings = [one.swing(*release, 20.0) for release in trial.releases]

@@ -59,7 +59,7 @@ def test_a_batch_of_rates_gives_what_single_fits_give(names):
     )
     noise = np.random.default_rng(2).normal(0, 0.02, (3, TIMES.size))
     series = simulate(model, TIMES, 0.5) + noise
-    found = fit_batch(model, TIMES, series, 0.5)
+    found = fit_batch(model, TIMES, series, (0.5, 0.0))
     for one, values in zip(series, found.values, strict=True):
         fit = fit_trajectory(model, TIMES, one)
         np.testing.assert_allclose(values, fit.values, atol=1e-3 * np.max(fit.standard_errors))

@@ -26,12 +26,13 @@ VALUES = {"natural_frequency": 7.0, "viscous_ratio": 0.01, "constant_friction": 
 def angles(path):
     """The angles (rad) that the engine in a shared library computes for a pendulum with both effects."""
     library = interface.ffi().dlopen(str(path))
-    model = interface.model(
-        [(0, 1, 0), (2, 1, 0), (3, 2, 0)], (), (), n_parameters=3, n_states=0, play=-1, duration=3.0
-    )
+    model = interface.model(interface.Layout([(0, 1, 0), (2, 1, 0), (3, 2, 0)], n_parameters=3), 3.0)
     read = np.empty(TIMES.size)
     status, _ = interface.swing_trajectory(
-        library, model, np.array(list(VALUES.values())), (0.5, 0.1), TIMES, (), read
+        library,
+        model,
+        interface.InitialValueProblem(np.array(list(VALUES.values())), (0.5, 0.1), TIMES),
+        read,
     )
     assert status == library.DONE
     return read
@@ -40,12 +41,12 @@ def angles(path):
 def fitted(path, angle):
     """How a fit in the lanes of the engine in a shared library ends, and what it finds of a pendulum with both effects."""
     library, motions = interface.ffi().dlopen(str(path)), [(0, 1, 0), (2, 1, 0), (3, 2, 0)]
-    model = interface.model(motions, (), (), n_parameters=3, n_states=0, play=-1, duration=3.0)
+    model = interface.model(interface.Layout(motions, n_parameters=3), 3.0)
     where, given = np.arange(5, dtype=np.int32)[None], np.zeros((1, 5))
     bounds = interface.Bounds(np.full(5, -np.inf), np.full(5, np.inf))
-    problem = interface.FitProblem([model], [(TIMES, angle)], where, bounds)
+    problem = interface.FitProblem([model], [(TIMES, angle)], where, given, bounds)
     rss, values, normal, outcome = interface.fit_in_segments(
-        library, problem, given, [TIMES.size], np.empty(TIMES.size)
+        library, problem, [TIMES.size], np.empty(TIMES.size)
     )
     return outcome.converged, [rss, *values, *normal.flat]
 

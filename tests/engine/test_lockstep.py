@@ -11,7 +11,7 @@ from swings import TIMES
 from swingdown.engine import build, interface
 from swingdown.engine.trajectory import sensitivities, simulate
 from swingdown.errors import InputError
-from swingdown.fitting.batch import fit_batch
+from swingdown.fitting.batch import Search, fit_batch
 from swingdown.fitting.least_squares import fit_trajectory
 from swingdown.fitting.result import Begin, SwingStart
 from swingdown.pendulum.catalogue import SHIPPED
@@ -30,6 +30,7 @@ BOTH = SMOOTH | DIRECTED
 FULL = "viscous+quadratic_drag+load_coulomb+sensor_zero"
 IRREGULAR = np.sort(np.random.default_rng(5).uniform(0.0, 10.0, 700))
 SPARSE = np.arange(0.0, 10.0, 0.13)
+CLOSE = Search(tolerance=1e-13)
 
 
 def model(label):
@@ -54,7 +55,7 @@ def from_guess(guess, times, angle, **options):
 @pytest.mark.parametrize("label", BOTH)
 def test_the_optimum_is_that_of_a_fit_by_itself(label, times):
     series, guess = noisy(label, times, count=3), model(label)
-    many = fit_batch(guess, times, series, *RELEASE, tolerance=1e-13)
+    many = fit_batch(guess, times, series, RELEASE, search=CLOSE)
     assert not many.alone.any() and many.converged.all()
     for angle, values, rss in zip(series, many.values, many.rss, strict=True):
         alone = from_guess(guess, times, angle)
@@ -73,7 +74,7 @@ def test_pushed_at_the_release(label, velocity):
         "constant_coulomb": "constant_friction",
     }
     true = Model(label, {"natural_frequency": 7.25} | {values[name]: 0.02 for name in label.split("+")})
-    fit = fit_batch(true, TIMES, simulate(true, TIMES, 0.5, velocity)[None], 0.5, velocity, tolerance=1e-13)
+    fit = fit_batch(true, TIMES, simulate(true, TIMES, 0.5, velocity)[None], (0.5, velocity), search=CLOSE)
     assert fit.values[0] == pytest.approx([*true.vector(), 0.5, velocity], abs=1e-7)
     assert not fit.alone[0] and np.sqrt(fit.rss[0] / TIMES.size) < 5e-9 * 0.5
 
@@ -91,7 +92,7 @@ def test_a_pendulum_that_friction_stops_has_the_optimum_of_a_fit_by_itself(true,
     clean = simulate(true, TIMES, *release)
     assert np.ptp(clean[-100:]) == 0.0
     series = clean + 1e-3 * np.random.default_rng(1).standard_normal((9, TIMES.size))
-    fit = fit_batch(true, TIMES, series, *release, start=start, tolerance=1e-13)
+    fit = fit_batch(true, TIMES, series, release, start=start, search=CLOSE)
     assert not fit.alone.any() and fit.converged.all()
     begin = Begin(true, (SwingStart(true.values, *release),))
     for angle, rss in zip(series, fit.rss, strict=True):
@@ -111,7 +112,9 @@ def test_how_far_fits_are_from_a_reference(label, release):
     truth = simulate(true, TIMES, *release)
     series = truth + 3e-3 * np.random.default_rng(4).standard_normal((5, TIMES.size))
     for foretells in (False, True):
-        fit = fit_batch(true, TIMES, series, *release, reference=truth, tolerance=1e-7, foretells=foretells)
+        fit = fit_batch(
+            true, TIMES, series, release, search=Search(reference=truth, tolerance=1e-7, foretells=foretells)
+        )
         assert fit.alone.all() == (label == "eccentricity")
         for values, off in zip(fit.values, fit.off, strict=True):
             found = simulate(
@@ -122,15 +125,19 @@ def test_how_far_fits_are_from_a_reference(label, release):
             assert off == pytest.approx(
                 np.sqrt(np.mean((found - truth) ** 2)), rel=1e-3 if foretells else 1e-9, abs=1e-9
             )
-    assert fit_batch(true, TIMES, series, *release).off is None
+    assert fit_batch(true, TIMES, series, release).off is None
 
 
 @pytest.mark.parametrize("label", ["viscous+sensor_zero", FULL, "constant_coulomb"])
 def test_a_last_step_that_is_foretold_ends_at_the_same_optimum_sooner(label):
     series, guess = noisy(label), model(label)
-    exact = fit_batch(guess, TIMES, series, *RELEASE, tolerance=1e-13)
+    exact = fit_batch(guess, TIMES, series, RELEASE, search=CLOSE)
     sooner = fit_batch(
-        guess, TIMES, series, *RELEASE, tolerance=1e-4 / TIMES.size, foretells=True, coarseness=100
+        guess,
+        TIMES,
+        series,
+        RELEASE,
+        search=Search(tolerance=1e-4 / TIMES.size, foretells=True, coarseness=100),
     )
     assert sooner.converged.all() and not sooner.alone.any()
     assert sooner.evaluations.mean() <= exact.evaluations.mean() - 1
@@ -144,11 +151,11 @@ def test_each_fit_may_start_elsewhere():
     series, guess = noisy(label), model(label)
     near = [*guess.vector(), *RELEASE]
     starts = np.tile(near, (len(series), 1)) * np.linspace(0.97, 1.03, len(series))[:, np.newaxis]
-    one = fit_batch(guess, TIMES, series, *RELEASE, tolerance=1e-13)
-    other = fit_batch(guess, TIMES, series, *RELEASE, tolerance=1e-13, starts=starts)
+    one = fit_batch(guess, TIMES, series, RELEASE, search=CLOSE)
+    other = fit_batch(guess, TIMES, series, RELEASE, search=Search(tolerance=1e-13, starts=starts))
     assert other.converged.all() and not np.array_equal(one.evaluations, other.evaluations)
     assert other.rss == pytest.approx(one.rss, rel=1e-9)
-    lone = fit_batch(guess, TIMES, series[3:4], *RELEASE, tolerance=1e-13, starts=starts[3:4])
+    lone = fit_batch(guess, TIMES, series[3:4], RELEASE, search=Search(tolerance=1e-13, starts=starts[3:4]))
     assert np.array_equal(lone.values[0], other.values[3])
 
 
@@ -157,7 +164,7 @@ def test_the_curvature_of_a_model_that_does_not_fit_saves_steps():
     times = np.arange(0.0, 40.0, 0.02)
     truth = simulate(Model("viscous", {"natural_frequency": 7.25, "viscous_ratio": 0.03}), times, 0.17)
     guess = Model("quadratic_drag", {"natural_frequency": 7.25, "quadratic_coefficient": 0.15})
-    best = fit_batch(guess, times, truth[None], 0.2, -0.1, tolerance=1e-13)
+    best = fit_batch(guess, times, truth[None], (0.2, -0.1), search=CLOSE)
     near = guess.with_values(dict(zip(guess.parameters, map(float, best.values[0]), strict=False)))
     release = tuple(map(float, best.values[0, 2:]))
 
@@ -173,7 +180,7 @@ def test_the_curvature_of_a_model_that_does_not_fit_saves_steps():
                       for step, size in zip(np.diag(steps), steps, strict=True)])  # fmt: skip
     series = truth + 1e-3 * np.random.default_rng(9).standard_normal((16, times.size))
     plain, informed = (
-        fit_batch(near, times, series, *release, tolerance=1e-8, curvature=curvature)
+        fit_batch(near, times, series, release, search=Search(tolerance=1e-8, curvature=curvature))
         for curvature in (None, (whole + whole.T) / 2 - normal)
     )
     assert plain.converged.all() and informed.converged.all()
@@ -194,13 +201,13 @@ def test_the_curvature_of_a_model_that_does_not_fit_saves_steps():
 def test_arrays_of_other_shapes_or_not_finite_are_refused(name, value):
     series = noisy("viscous+sensor_zero", count=3)
     with pytest.raises(InputError, match=name):
-        fit_batch(model("viscous+sensor_zero"), TIMES, series, *RELEASE, **{name: value})
+        fit_batch(model("viscous+sensor_zero"), TIMES, series, RELEASE, search=Search(**{name: value}))
 
 
 @pytest.mark.parametrize("degrees", [5, 20, 60, 100, 140])
 def test_a_model_fitted_to_itself_comes_back(degrees):
     true, release = model("viscous+sensor_zero"), (np.radians(degrees), 0.1)
-    fit = fit_batch(true, TIMES, simulate(true, TIMES, *release)[None], 0.999 * release[0], 0.1)
+    fit = fit_batch(true, TIMES, simulate(true, TIMES, *release)[None], (0.999 * release[0], 0.1))
     assert not fit.alone[0]
     assert fit.values[0] == pytest.approx([*true.vector(), *release], abs=1e-8)
     assert np.sqrt(fit.rss[0] / TIMES.size) < 5e-9 * release[0]
@@ -212,28 +219,29 @@ def test_a_hopeless_series_harms_no_other(label):
     rough = series.copy()
     rough[3], rough[11] = 10 * rng.standard_normal(TIMES.size), 1e6 * np.sin(40 * TIMES)
     rough[12] = 0.0
-    good, mixed = (fit_batch(model(label), TIMES, each, *RELEASE) for each in (series, rough))
+    good, mixed = (fit_batch(model(label), TIMES, each, RELEASE) for each in (series, rough))
     others = np.setdiff1d(np.arange(len(series)), [3, 11, 12])
     assert not good.alone.any()
     assert np.array_equal(good.values[others], mixed.values[others])
     assert np.array_equal(good.rss[others], mixed.rss[others])
     assert np.array_equal(good.evaluations[others], mixed.evaluations[others])
     for k in (3, 11, 12):  # and what becomes of it depends on nothing else either
-        lone = fit_batch(model(label), TIMES, rough[k][None], *RELEASE)
+        lone = fit_batch(model(label), TIMES, rough[k][None], RELEASE)
         assert np.array_equal(lone.values[0], mixed.values[k], equal_nan=True)
 
 
 @pytest.mark.parametrize("label", ["viscous+sensor_zero", FULL, "constant_coulomb"])
 @pytest.mark.parametrize(
     "options",
-    [{}, {"start": "rest"}, {"bounded": True, "tolerance": 1e-6}, {"most": 3}, {"tolerance": 1e-6, "foretells": True, "coarseness": 100}],
+    [{}, {"start": "rest"}, {"search": Search(bounded=True, tolerance=1e-6)}, {"search": Search(most=3)},
+     {"search": Search(tolerance=1e-6, foretells=True, coarseness=100)}],
 )  # fmt: skip
 def test_a_batch_of_one_has_the_same_bits(options, label):
     series = noisy(label, count=11)
     release = 0.48, 0.0 if "start" in options else 0.2
-    together = fit_batch(model(label), TIMES, series, *release, **options)
+    together = fit_batch(model(label), TIMES, series, release, **options)
     for k in range(len(series)):
-        lone = fit_batch(model(label), TIMES, series[k : k + 1], *release, **options)
+        lone = fit_batch(model(label), TIMES, series[k : k + 1], release, **options)
         assert np.array_equal(lone.values[0], together.values[k])
         assert lone.rss[0] == together.rss[k] and lone.evaluations[0] == together.evaluations[k]
 
@@ -243,7 +251,7 @@ def test_bounds_are_kept():
     series = simulate(Model("sensor_zero", {"natural_frequency": 7.25, "sensor_zero": 0.01}), TIMES, *RELEASE)
     rng = np.random.default_rng(2)
     series = series + 3e-3 * rng.standard_normal((20, TIMES.size))
-    fit = fit_batch(model(label), TIMES, series, *RELEASE, bounded=True)
+    fit = fit_batch(model(label), TIMES, series, RELEASE, search=Search(bounded=True))
     damping = fit.values[:, 1]
     assert fit.converged.all() and damping.min() == 0.0 and 4 <= np.sum(damping == 0.0) <= 16
 
@@ -252,7 +260,7 @@ def test_bounds_are_kept():
 def test_a_guess_far_off_finds_the_optimum(label):
     series, near = noisy(label), model(label)
     far = near.with_values(near.values | {"natural_frequency": 7.4, "viscous_ratio": 0.06})
-    one, other = (fit_batch(each, TIMES, series, *RELEASE, tolerance=1e-13) for each in (near, far))
+    one, other = (fit_batch(each, TIMES, series, RELEASE, search=CLOSE) for each in (near, far))
     assert other.converged.all()
     assert other.values == pytest.approx(one.values, rel=1e-6, abs=1e-7)
 
@@ -262,7 +270,7 @@ def test_other_models_are_fitted_one_by_one():
     series = simulate(true, TIMES, *RELEASE) + 1e-3 * np.random.default_rng(1).standard_normal(
         (2, TIMES.size)
     )
-    fit = fit_batch(true, TIMES, series, *RELEASE)
+    fit = fit_batch(true, TIMES, series, RELEASE)
     assert fit.alone.all()
 
 
@@ -292,13 +300,13 @@ def batch_by(library, effect):
     label = ("viscous", "constant_coulomb")[effect]
     series, first = noisy(label, count=11), np.array([7.2, 0.03, 0.5, 0.2])
     places = [(0, 1, 0), (2 + effect, 1, 0)]
-    placed = interface.model(places, (), (), n_parameters=2, n_states=0, play=-1, duration=10.0)
+    placed = interface.model(interface.Layout(places, n_parameters=2), 10.0)
     counts = np.zeros((3, 11), dtype=np.int32)
     result = interface.BatchResult(np.zeros((11, 4)), np.zeros(11), *counts)
     bounds = interface.Bounds(np.full(4, -np.inf), np.full(4, np.inf))
     where = np.arange(4, dtype=np.int32)
-    interface.fit_batch(
-        library, placed, TIMES, series, np.tile(first, (11, 1)), first, where, bounds, interface.Options(100, 1e-10), result
-    )  # fmt: skip
+    common = interface.Batch(placed, TIMES, first, where, bounds)
+    options = interface.Options(100, 1e-10)
+    interface.fit_batch(library, common, series, np.tile(first, (11, 1)), options, result)
     assert not result.alone.any() and np.all(result.converged == 1)
     return result.values, result.rss, result.evaluations

@@ -23,7 +23,7 @@ def batch(workers=1, count=64, order=None):
     )
     if order is not None:
         series = series[order]
-    return fit_batch(case.model, TIMES, series, case.release_angle, case.release_velocity, workers=workers)
+    return fit_batch(case.model, TIMES, series, (case.release_angle, case.release_velocity), workers=workers)
 
 
 def test_threads_do_not_change_a_bit():
@@ -47,7 +47,7 @@ def test_other_threads_go_on_while_one_fits():
     case = CASES["five"]
     series = case.clean() + 0.005 * np.random.default_rng(1).standard_normal((8000, TIMES.size))
     with ThreadPoolExecutor(1) as pool:
-        fits = pool.submit(fit_batch, case.model, TIMES, series, case.release_angle, case.release_velocity)
+        fits = pool.submit(fit_batch, case.model, TIMES, series, (case.release_angle, case.release_velocity))
         rounds = 0
         while not fits.done():
             time.sleep(0.001)

@@ -261,7 +261,7 @@ def test_the_covariance_is_the_scatter_of_many_fits():
     case = CASES["seven"]
     _, noise = case.noisy(0)
     series = case.clean() + noise * np.random.default_rng(12).standard_normal((2000, TIMES.size))
-    many = fit_batch(case.model, TIMES, series, case.release_angle, case.release_velocity)
+    many = fit_batch(case.model, TIMES, series, (case.release_angle, case.release_velocity))
     assert many.converged.all()
     fit = fit_trajectory(case.model.label, TIMES, series[0])
     assert many.values.std(axis=0, ddof=1) == pytest.approx(fit.standard_errors, rel=0.1)
@@ -414,7 +414,7 @@ def test_a_rough_search_ends_beside_the_optimum(name):
     start = problem.variables(true.values, [(0.6, 0.0)])[None]
     (_, near, *_), (least, *_) = (
         interface.fit_swings(
-            problem.compiled[0].library, problem.c, problem.given, start, [times.size], interface.Options(100, tolerance), exact
+            problem.compiled[0].library, problem.c, interface.Starts(start, exact), [times.size], interface.Options(100, tolerance)
         )
         for tolerance, exact in ((1e-6, False), (1e-12, True))
     )  # fmt: skip

@@ -75,7 +75,7 @@ def made(tmp_path_factory):
 
 def written(material, folder):
     sections = contents.sections(material)
-    return page.write(folder / "report.html", sections, **contents.head(material))
+    return page.write(folder / "report.html", sections, contents.head(material))
 
 
 def plain(path):
@@ -98,7 +98,7 @@ def test_it_opens_with_the_sentence_then_recording_quantities_torque_evidence_se
     assert places == sorted(places)
     assert "1 recording was left out: broken." in text
     assert "broken broken ../broken.csv everything lots is no number mend the file" in text
-    subtitle = contents.head(material(1))["subtitle"]
+    subtitle = contents.head(material(1)).subtitle
     assert subtitle == Markup("swing 1.csv (took <code>a</code> as degrees)") and isinstance(subtitle, Markup)
     shown = material(1).tables["pendulums"].iloc[0]
     assert f"T = {shown['period_s_text']} s, Q = {shown['quality_text']}." in text

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from swingdown.fitting.batch import fit_batch
+from swingdown.fitting.batch import Search, fit_batch
 from swingdown.study.settings import complete
 from swingdown.sweep import detection, identification, noise_free
 from swingdown.sweep.cost import seconds
@@ -61,7 +61,9 @@ def test_a_model_that_does_not_fit_ends_in_the_best_of_many_minima():
     best = np.full(4, np.inf)
     for factor in np.linspace(0.6, 1.6, 21):
         row = [begin.model.vector()[0], factor * begin.model.vector()[1], float(made.truth[0]), 0.0]
-        fit = fit_batch(begin.model, made.times, noisy, *row[2:], start="rest", starts=np.tile(row, (4, 1)))
+        fit = fit_batch(
+            begin.model, made.times, noisy, row[2:], start="rest", search=Search(starts=np.tile(row, (4, 1)))
+        )
         best = np.fmin(best, np.degrees(np.sqrt(fit.rss / made.times.size)))
     reached = found["residual_norm"][:, wrong["simulation.fitted"].index("load_coulomb")]
     assert np.all(reached <= best * (1 + 1e-6))

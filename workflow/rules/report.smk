@@ -3,7 +3,7 @@
 #        and, where they lie there, the results of sweeps: the report shows them but never computes them
 # makes: results/report.html
 
-from swingdown.report.page import TEMPLATE
+from swingdown.report.page import FILES
 from swingdown.report.sections import FEW
 
 # What the swings are drawn from in the page of one's own recordings: the last round's fit. Of a class there is no room for it.
@@ -30,7 +30,7 @@ rule page:
         curves=CURVES if PLAN.campaigns else [],
         sweep_captions=SWEEP_CAPTIONS,
         told=told(),
-        template=str(TEMPLATE),
+        form=list(map(str, FILES)),
     output:
         "results/report.html",
     log:

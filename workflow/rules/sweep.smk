@@ -4,7 +4,7 @@
 
 from dataclasses import asdict
 
-from swingdown.report.page import TEMPLATE
+from swingdown.report.page import FILES
 
 MAPS = {"identification": ["by_norm", "by_bic", "by_ten"], "detection": ["detection"]}
 MAPPED = [
@@ -98,7 +98,7 @@ rule sweep_page:
         tables=expand("results/sweeps/{sweep}/summary.csv", sweep=SWEEPS),
         maps=[f"{path}.svg" for path in MAPPED],
         captions=here(SWEEP_CAPTIONS),
-        template=here(str(TEMPLATE)),
+        form=here(list(map(str, FILES))),
     output:
         "results/sweeps.html",
     log:

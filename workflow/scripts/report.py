@@ -44,7 +44,7 @@ def report(
         swings={one.attrs["campaign"]: shown_in(one) for one in fitted},
     )
     sections = contents.sections(material)
-    page.write(output, sections, **contents.head(material))
+    page.write(output, sections, contents.head(material))
     size = Path(output).stat().st_size / 1e6
     return "\n".join([*contents.plain_findings(material), f"all of it: {output} ({size:.1f} MB)"])
 

@@ -11,14 +11,13 @@ from swingdown.report import page, sweeps
 def sweep_page(names, captions, results, output):
     found = sweeps.made(names, captions, results)
     section = sweeps.section(found)
-    page.write(
-        output,
-        [section],
-        title="How often is it the right model?",
-        subtitle=f"Sweeps: {', '.join(found)}",
-        notices=[],
-        footer="Made by swingdown. The datasets behind every map lie in results/sweeps.",
+    head = page.Head(
+        "How often is it the right model?",
+        f"Sweeps: {', '.join(found)}",
+        [],
+        "Made by swingdown. The datasets behind every map lie in results/sweeps.",
     )
+    page.write(output, [section], head)
     return "\n".join(
         [
             *section.items[0].lines,

@@ -66,7 +66,7 @@ def alone(
         verdicts=verdicts,
         swings={campaign: list(one.shown) for campaign, one in ended.items() if one.shown},
     )
-    page.write(results / "report.html", contents.sections(material), **contents.head(material))
+    page.write(results / "report.html", contents.sections(material), contents.head(material))
     write_manifest(results, results / "manifest.json")
     return f"the workflow adds its figures and the search round by round: {lacking('snakemake').mend}, and give the same command again"
 

@@ -185,6 +185,13 @@ def _study(given: Sequence[str], told: Mapping[str, Any], wishes: Wishes) -> Fou
         _say("nothing here is long enough to be searched for what is missing; the first answer stands")
         return found
     _say("now looking for what is missing ...\n" if searched else "now writing the report ...\n")
+    return _with_verdicts(found, searched, config, wishes)
+
+
+def _with_verdicts(found: Found, searched: Sequence[str], config: Path, wishes: Wishes) -> Found:
+    """What was found, with the verdicts and the report that the workflow makes of it."""
+    kept, folder, restoring, spoken = found.read, found.folder, wishes.restoring, wishes.spoken
+    answers, left_out = dict(found.answers), list(found.left_out)
     installed = has("snakemake")
     code = run_workflow(PROJECT, config, folder, wishes.cores) if installed else 0
     more = "" if installed else alone(kept, searched, answers, config, restoring)
@@ -202,7 +209,6 @@ def _study(given: Sequence[str], told: Mapping[str, Any], wishes: Wishes) -> Fou
     for campaign in searched:
         path = _verdict(folder, campaign)
         verdict = read_json(path) if path.exists() else None
-        spoken = wishes.spoken
         _say(f"{campaign}: {told_of(verdict, spoken) if verdict else spoken.text(_NO_VERDICT)}")
         if not verdict:
             continue
@@ -216,7 +222,7 @@ def _study(given: Sequence[str], told: Mapping[str, Any], wishes: Wishes) -> Fou
         _say(f"the report: {folder / 'results' / 'report.html'}")
     if more:
         _say(more)
-    return Found(1 if code else 0, answers, left_out, folder, kept, of_g, of_all)
+    return found._replace(code=1 if code else 0, answers=answers, left_out=left_out, g=of_g)
 
 
 def _none_of(refused: Sequence[own.Refused]) -> InputError:

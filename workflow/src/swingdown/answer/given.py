@@ -106,7 +106,7 @@ def swings(
     return [
         swing
         for name, one in zip(names, found, strict=True)
-        for swing in _swings_in(name, *one, unit, kind, restoring)
+        for swing in _swings_in(name, one, unit, kind, restoring)
     ]
 
 
@@ -278,16 +278,8 @@ def _of_columns(table: pd.DataFrame) -> Series:
     return _series(table[columns[clock.name]], table[columns[chosen[0].name]])
 
 
-def _swings_in(
-    name: str,
-    times: Floats,
-    values: Floats,
-    stated: str,
-    about: dict[str, Any],
-    unit: str | None,
-    kind: str,
-    restoring: str,
-) -> list[xr.Dataset]:
+def _swings_in(name: str, given: Series, unit: str | None, kind: str, restoring: str) -> list[xr.Dataset]:
+    times, values, stated, about = given
     if times.ndim != 1 or values.shape != times.shape:
         raise InputError(name, f"{values.size} angles for {times.size} times", "one angle for each time")
     if points := _points(name, times, values, unit or stated, about, kind):
@@ -324,7 +316,7 @@ def _swings_in(
         return [
             swing
             for when, what, called in found
-            for swing in _swings_in(called, when, what, stated, about, unit, kind, restoring)
+            for swing in _swings_in(called, given._replace(times=when, values=what), unit, kind, restoring)
         ]
     again = f"{missing.sum()} of {missing.size} samples are missing,"  # the same samples, seen as holes of the clock
     remarks += [one for one in ordered.remarks + judged.remarks + told if not one.startswith(again)]

@@ -10,7 +10,7 @@ from scipy.interpolate import CubicSpline
 from ..arrays import Floats
 from ..errors import InputError
 from .half_swings import HalfSwings
-from .regression import Posterior, regression
+from .regression import Design, Posterior, regression
 from .torques import Basis, Ideal, Swung, durations, friction, losses, stiffness, swung
 
 FEWEST = 8  # half-swings
@@ -305,9 +305,9 @@ def _twice(
 ) -> Posterior:
     """The ``Posterior`` with the errors as large as a first one tells, so that the sizes of laws and curve are over the right noise."""
     laws = len(basis.powers)
-    parts = summed[:, :laws], summed[:, laws:], own
-    first = regression(observed, error, *parts, basis.nodes, scale, least)
-    return regression(observed, error * first.noise, *parts, basis.nodes, scale, least)
+    design = Design(summed[:, :laws], summed[:, laws:], own)
+    first = regression(observed, error, design, basis.nodes, scale, least)
+    return regression(observed, error * first.noise, design, basis.nodes, scale, least)
 
 
 def _courses(

@@ -6,6 +6,7 @@ tell (restricted likelihood), and where neighbouring residuals are alike, their 
 """
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from scipy.special import logsumexp, stdtrit
@@ -43,27 +44,28 @@ class Posterior:
         return rows @ self.mean[:size], np.sqrt(np.maximum(variance, 0.0))
 
 
+class Design(NamedTuple):
+    """The columns of a regression: ``laws`` (observation, law) with coefficients of some size, ``curve`` (observation, node) with the values
+    of a smooth curve at its nodes, and ``besides``, of whose coefficients nothing is known."""
+
+    laws: Floats
+    curve: Floats
+    besides: Floats
+
+
 def regression(
-    observed: Floats,
-    error: Floats,
-    laws: Floats,
-    curve: Floats,
-    besides: Floats,
-    nodes: Floats,
-    scale: float,
-    least: float,
+    observed: Floats, error: Floats, design: Design, nodes: Floats, scale: float, least: float
 ) -> Posterior:
     """The ``Posterior`` of ``observed`` = laws · a + curve · h + besides · b + noise.
 
-    ``error`` are standard uncertainties, right but for a common factor. ``laws`` (observation, law) have coefficients of the size ``scale``,
-    ``curve`` (observation, node) has the values of a smooth curve at ``nodes``, of a size from ``least`` to 1 times ``scale``; of ``besides``
-    nothing is known.
+    ``error`` are standard uncertainties, right but for a common factor. The laws' coefficients are of the size ``scale``, the curve
+    at ``nodes`` is of a size from ``least`` to 1 times ``scale``.
     """
-    columns = np.hstack([laws, curve, besides]) / error[:, np.newaxis]
+    columns = np.hstack(design) / error[:, np.newaxis]
     target = observed / error
     gram, right, power = columns.T @ columns, columns.T @ target, float(target @ target)
-    n, first, size = target.size, laws.shape[1], curve.shape[1]
-    freedom = max(n - besides.shape[1], 1)
+    n, first, size = target.size, design.laws.shape[1], design.curve.shape[1]
+    freedom = max(n - design.besides.shape[1], 1)
     roots = np.linalg.cholesky([kernel(nodes, width) for width in _WIDTHS])
     whole = np.zeros((len(_WIDTHS), _SIZES, len(gram), len(gram)))
     whole[..., :, :] = np.eye(len(gram))

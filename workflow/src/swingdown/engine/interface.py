@@ -60,36 +60,36 @@ def integers(array: np.ndarray) -> Any:
 _arrays: WeakKeyDictionary = WeakKeyDictionary()  # what a model points to, alive as long as it
 
 
+class Layout(NamedTuple):
+    """Where effects and their values stand in a model: (row, first parameter, first state) of each effect that moves it, of its sensor
+    and of its clock; how many parameters and states there are; the parameters of play and of the drive's delay, or -1."""
+
+    motions: Places
+    sensors: Places = ()
+    clocks: Places = ()
+    n_parameters: int = 1
+    n_states: int = 0
+    play: int = -1
+    delay: int = -1
+
+
 def model(
-    motions: Places,
-    sensors: Places,
-    clocks: Places,
-    *,
-    n_parameters: int,
-    n_states: int,
-    play: int,
-    duration: float,
-    reads_rate: bool = False,
-    drive: tuple[Floats, Floats] | None = None,
-    delay: int = -1,
+    layout: Layout, duration: float, reads_rate: bool = False, drive: tuple[Floats, Floats] | None = None
 ) -> Any:
     """A C ``Model``.
 
-    ``motions``, ``sensors``, ``clocks``: (row, first parameter, first state) of each effect; ``play``: a parameter or -1;
     ``duration`` in s; ``reads_rate``: what is read is the angular velocity; ``drive``: knots (n + 1, s) and coefficients (n, 4) of what
-    drives it; ``delay``: a parameter or -1.
+    drives it.
     """
-    kinds = {"motions": motions, "sensors": sensors, "clocks": clocks}
+    kinds = {"motions": layout.motions, "sensors": layout.sensors, "clocks": layout.clocks}
     arrays = {kind: ffi().new("PlacedEffect[]", placed) for kind, placed in kinds.items()}
     counts = {f"n_{kind}": len(placed) for kind, placed in kinds.items()}
-    others = {
-        "n_parameters": n_parameters, "n_states": n_states, "play": play, "duration": duration, "reads_rate": int(reads_rate),
-    }  # fmt: skip
-    given = arrays | counts | others
+    sizes = {"n_parameters": layout.n_parameters, "n_states": layout.n_states, "play": layout.play}
+    given = arrays | counts | sizes | {"duration": duration, "reads_rate": int(reads_rate)}
     if drive is not None:
         knots, coefficients = drive
         given["input"] = ffi().new("Input *", (len(coefficients), doubles(knots), doubles(coefficients)))
-        given["input_delay"] = delay
+        given["input_delay"] = layout.delay
     found = ffi().new("Model *", given)
     _arrays[found] = arrays, given, drive
     return found
@@ -103,39 +103,27 @@ def status_name(status: int) -> str:
     return ffi().typeof("enum Status").elements[status]
 
 
-def swing_trajectory(
-    library: Any,
-    model: Any,
-    values: Floats,
-    release: Sequence[float],
-    times: Floats,
-    free: Sequence[int],
-    angles: Floats,
-    slopes: Floats | None = None,
-    coarseness: float = 1.0,
-) -> tuple[int, Any]:
-    """The status and the report of a trajectory; ``angles`` (n,) and ``slopes`` (len(free), n) are filled.
+class InitialValueProblem(NamedTuple):
+    """A motion to follow: values (parameters,), release angle and velocity (rad, rad/s), times (n,) in s, and the codes of the values that
+    slopes are wanted by. Errors may be ``coarseness`` times as large as usual; below 1 they are smaller."""
 
-    ``values`` (parameters,), ``release`` angle and velocity (rad, rad/s), ``times`` (n,) in s; ``free`` are the codes of
-    the free values. Errors may be ``coarseness`` times as large as usual; below 1 they are smaller.
-    """
-    new = ffi().new
-    report = new("TrajectoryReport *")
-    free_values = new("int[]", free)
+    values: Floats
+    release: Sequence[float]
+    times: Floats
+    free: Sequence[int] = ()
+    coarseness: float = 1.0
+
+
+def swing_trajectory(
+    library: Any, model: Any, given: InitialValueProblem, angles: Floats, slopes: Floats | None = None
+) -> tuple[int, Any]:
+    """The status and the report of a trajectory; ``angles`` (n,) and ``slopes`` (len(free), n) are filled."""
+    new, times = ffi().new, given.times
+    report, free = new("TrajectoryReport *"), new("int[]", given.free)
     problem = new(
         "InitialValueProblem *",
-        (
-            model,
-            doubles(values),
-            *release,
-            doubles(times),
-            times.size,
-            np.inf,
-            coarseness,
-            len(free),
-            free_values,
-        ),
-    )
+        (model, doubles(given.values), *given.release, doubles(times), times.size, np.inf, given.coarseness, len(given.free), free),
+    )  # fmt: skip
     status = library.swing_trajectory(
         problem, doubles(angles), ffi().NULL if slopes is None else doubles(slopes), report
     )
@@ -255,7 +243,8 @@ class FitProblem:
     """Swings with a common model as C takes them; keeps alive what C points to.
 
     ``models``: a C ``Model`` for each of the ``swings``, which are (times in s, angles in rad); ``where`` (swing, value):
-    the variable that each value is, or -1; ``bounds``: the variables'; ``known``: what is known of them beforehand.
+    the variable that each value is, or -1; ``given`` (swing, value): the values that are no variables; ``bounds``: the variables';
+    ``known``: what is known of them beforehand.
     """
 
     def __init__(
@@ -263,11 +252,13 @@ class FitProblem:
         models: Sequence[Any],
         swings: Sequence[Swing],
         where: np.ndarray,
+        given: Floats,
         bounds: Bounds,
         known: "Knowledge | None" = None,
     ) -> None:
         new = ffi().new
         self._kept = models, swings, where, bounds, known
+        self.given = given
         self.n_variables = bounds.lower.size
         self.models = models[0] if len(models) == 1 else new("Model[]", [one[0] for one in models])
         self.times = new("double *[]", [doubles(times) for times, _ in swings])
@@ -276,29 +267,37 @@ class FitProblem:
         self.known = (ffi().NULL,) * 2 if known is None else (doubles(known.mean), doubles(known.precision))
 
 
+class Starts(NamedTuple):
+    """Where searches start (start, variable), and what is asked of them.
+
+    Without ``evaluate_best`` no more is asked for than where another search starts: trajectories are coarser, as ``rough`` ones are, and
+    J'J is that of a point close by. ``until_noise``: where the first start leads to a minimum that leaves nothing but noise, the others are not tried;
+    their sums are NaN.
+    """
+
+    variables: Floats
+    evaluate_best: bool = True
+    until_noise: bool = False
+    rough: bool = False
+
+
 def fit_swings(
     library: Any,
     problem: FitProblem,
-    given: Floats,
-    starts: Floats,
+    starts: Starts,
     lengths: Sequence[int],
     options: Options,
-    evaluate_best: bool,
-    until_noise: bool = False,
     angles: Floats | None = None,
-    rough: bool = False,
 ) -> tuple[float, Floats, Floats, Floats, Outcome]:
     """The least sum of squares (rad^2) from the starts, the variables there, J'J, the sum from each start, the ``Outcome``.
 
-    ``given`` (swing, value): the values that are no variables; ``starts`` (start, variable); ``lengths``: how many
-    samples of each swing count. Without ``evaluate_best`` no more is asked for than where another search starts: trajectories
-    are coarser, as ``rough`` ones are, and J'J is that of a point close by. ``until_noise``: where the first start leads to a minimum that leaves
-    nothing but noise, the others are not tried; their sums are NaN. ``angles`` (n,) of all swings are filled with those at the
-    best point, where that is evaluated.
+    ``lengths``: how many samples of each swing count. ``angles`` (n,) of all swings are filled with those at the best point, where that is
+    evaluated.
     """
     size, count, new = problem.n_variables, len(lengths), ffi().new
-    values, best, normal = given.copy(), np.zeros(size), np.zeros((size, size))
-    starts, squares = np.ascontiguousarray(starts), np.zeros(len(starts))
+    values, best, normal = problem.given.copy(), np.zeros(size), np.zeros((size, size))
+    variables = np.ascontiguousarray(starts.variables)
+    squares = np.zeros(len(variables))
     n_samples = new("int[]", lengths)
     swings = new(
         "FitProblem *",
@@ -310,14 +309,14 @@ def fit_swings(
         "FitResult *",
         {"variables": doubles(best), "normal": doubles(normal), "angles": into, "squares": doubles(squares)},
     )
-    asked = bool(evaluate_best), bool(until_noise), rough or not evaluate_best
-    all_starts = new("Starts *", (len(starts), doubles(starts), *asked))
+    asked = starts.evaluate_best, starts.until_noise, starts.rough or not starts.evaluate_best
+    all_starts = new("Starts *", (len(variables), doubles(variables), *asked))
     rss = library.fit_swings(swings, all_starts, new("SearchOptions *", options), result)
     return rss, best, normal, squares, _outcome(result.outcome)
 
 
 def fit_in_segments(
-    library: Any, problem: FitProblem, given: Floats, lengths: Sequence[int], angles: Floats
+    library: Any, problem: FitProblem, lengths: Sequence[int], angles: Floats
 ) -> tuple[float, Floats, Floats, Outcome]:
     """The least sum of squares (rad^2) of one swing, the variables there, J'J and the ``Outcome``, where the swing
     can be followed in segments side by side and leaves nothing but noise; else it has not converged.
@@ -325,7 +324,7 @@ def fit_in_segments(
     What is given is as in ``fit_swings``.
     """
     size, count, new = problem.n_variables, len(lengths), ffi().new
-    values, best, normal = given.copy(), np.zeros(size), np.zeros((size, size))
+    values, best, normal = problem.given.copy(), np.zeros(size), np.zeros((size, size))
     n_samples = new("int[]", lengths)  # it and the values under names, or C is pointed to what is freed
     swings = new(
         "FitProblem *",
@@ -349,39 +348,43 @@ class BatchResult(NamedTuple):
     off: np.ndarray | None = None
 
 
-def fit_batch(
-    library: Any,
-    model: Any,
-    times: Floats,
-    series: Floats,
-    values: Floats,
-    guess: Floats,
-    where: np.ndarray,
-    bounds: Bounds,
-    options: Options,
-    result: BatchResult,
-    reference: Floats | None = None,
-    curvature: Floats | None = None,
-    coarseness: float = 1.0,
-) -> None:
-    """Fit each row of ``series`` (rad) over the same times (s) from the values in its row, into the ``BatchResult``.
+class Batch(NamedTuple):
+    """What all fits of a batch have in common: a C ``Model``, times (n,) in s, a row of values near which all start (what is computed
+    there serves them all), where the variables are, and their bounds.
 
-    ``guess``: a row near which all start; what is computed there serves them all. ``reference`` (n,) in rad is what fits are
-    compared with, into ``off``; ``curvature`` what J'J lacks of that of half the sum of squares. Errors may be ``coarseness`` times as large as usual, of fits that are not alone.
+    ``reference`` (n,) in rad is what fits are compared with; ``curvature`` what J'J lacks of that of half the sum of squares. Errors may be
+    ``coarseness`` times as large as usual, of fits that are not alone.
     """
-    new, nothing = ffi().new, ffi().NULL
+
+    model: Any
+    times: Floats
+    guess: Floats
+    where: np.ndarray
+    bounds: Bounds
+    reference: Floats | None = None
+    curvature: Floats | None = None
+    coarseness: float = 1.0
+
+
+def fit_batch(
+    library: Any, common: Batch, series: Floats, values: Floats, options: Options, result: BatchResult
+) -> None:
+    """Fit each row of ``series`` (rad) from the values in its row, into the ``BatchResult``."""
+    new, bounds = ffi().new, common.bounds
+    reference, curvature = (
+        ffi().NULL if one is None else doubles(one) for one in (common.reference, common.curvature)
+    )
     batch = new(
         "Batch *",
-        (model, times.size, doubles(times), len(series), doubles(series), doubles(values), doubles(guess), integers(where),
-         bounds.lower.size, _c_bounds(bounds), nothing if reference is None else doubles(reference),
-         nothing if curvature is None else doubles(curvature), coarseness),
+        (common.model, common.times.size, doubles(common.times), len(series), doubles(series), doubles(values), doubles(common.guess),
+         integers(common.where), bounds.lower.size, _c_bounds(bounds), reference, curvature, common.coarseness),
     )  # fmt: skip
     into = new(
         "BatchResult *",
         (
             doubles(result.values),
             doubles(result.rss),
-            nothing if result.off is None else doubles(result.off),
+            ffi().NULL if result.off is None else doubles(result.off),
             integers(result.converged),
             integers(result.evaluations),
             integers(result.alone),

@@ -14,6 +14,7 @@ from ..errors import InputError
 from ..pendulum.catalogue import RATE, READINGS, SHIPPED, Catalogue
 from ..pendulum.model import Model
 from . import build, interface
+from .interface import InitialValueProblem
 from .rows import entries
 
 _STATUS = {
@@ -99,18 +100,16 @@ class Compiled:
     def __init__(self, model: Model, duration: float, start: float = 0.0) -> None:
         self.duration = duration = model.record or duration
         self.library, rows = _loaded(model.catalogue.whole)
-        parts: dict[str, list[tuple[int, int, int]]] = {
-            "motions": [(rows[model.gravity.name, "consistent"], 1, 0)],
-            "sensors": [],
-            "clocks": [],
-        }
+        motions = [(rows[model.gravity.name, "consistent"], 1, 0)]
+        sensors: list[tuple[int, int, int]] = []
+        clocks: list[tuple[int, int, int]] = []
         play, delay, parameter, state = -1, -1, 1, 0
         for effect in model.acting:
             part = (rows[effect.name, model.form if effect.printed else "consistent"], parameter, state)
             if effect.acts_on == "torque" or effect.states:
-                parts["motions"].append(part)
+                motions.append(part)
             if effect.acts_on in ("sensor", "clock"):
-                parts[f"{effect.acts_on}s"].append(part)
+                (sensors if effect.acts_on == "sensor" else clocks).append(part)
             if effect.acts_on == "play":
                 play = parameter
             delay = next(
@@ -118,10 +117,8 @@ class Compiled:
             )
             parameter, state = parameter + len(effect.parameters), state + len(effect.states)
         self.model, self.n_parameters = model, parameter
-        self.c = interface.model(
-            **parts, n_parameters=parameter, n_states=state, play=play, duration=duration,
-            reads_rate=model.catalogue.reading == RATE, drive=self._drive(start), delay=delay,
-        )  # fmt: skip
+        layout = interface.Layout(motions, sensors, clocks, parameter, state, play, delay)
+        self.c = interface.model(layout, duration, model.catalogue.reading == RATE, self._drive(start))
 
     def _drive(self, start: float) -> tuple[Floats, Floats] | None:
         """The knots (s since the first sample) and coefficients of the drive that acts in the model; None of one that is free."""
@@ -195,7 +192,8 @@ def _run(
         chosen.append(library.RELEASE_ANGLE)
     angles, slopes = np.empty(times.size), np.empty((len(chosen), times.size))
     coarseness = float(library.COARSE) if rough else 1.0
-    report = _follow(compiled, values, release, times, chosen, angles, slopes if free else None, coarseness)
+    problem = InitialValueProblem(values, release, times, chosen, coarseness)
+    report = _follow(compiled, problem, angles, slopes if free else None)
     effort = Effort(
         report.panels, report.rejected, report.evaluations, report.reversals, report.error,
         report.stuck_after if report.stuck_after >= 0 else None, bool(report.driven),
@@ -206,23 +204,14 @@ def _run(
 
 
 def _follow(
-    compiled: Compiled,
-    values: Floats,
-    release: Sequence[float],
-    times: Floats,
-    chosen: Sequence[int],
-    angles: Floats,
-    slopes: Floats | None,
-    coarseness: float = 1.0,
+    compiled: Compiled, problem: InitialValueProblem, angles: Floats, slopes: Floats | None = None
 ) -> Any:
     model = compiled.model
-    code, report = interface.swing_trajectory(
-        compiled.library, compiled.c, values, release, times, chosen, angles, slopes, coarseness
-    )
+    code, report = interface.swing_trajectory(compiled.library, compiled.c, problem, angles, slopes)
     status = interface.status_name(code)
     if status != "DONE":
         stated = ", ".join(
-            f"{name} {value:.6g}" for name, value in zip(model.parameters, values, strict=True)
+            f"{name} {value:.6g}" for name, value in zip(model.parameters, problem.values, strict=True)
         )
         raise TrajectoryError(f"model {model.label} with {stated}: {_STATUS[status]}")
     return report
@@ -246,7 +235,7 @@ def simulate_compiled(compiled: Compiled, times: Floats, values: Floats, release
     velocity (rad, rad/s). Raises TrajectoryError and warns as ``simulate`` does.
     """
     angles = np.empty(times.size)
-    report = _follow(compiled, np.ascontiguousarray(values), release, times, (), angles, None)
+    report = _follow(compiled, InitialValueProblem(np.ascontiguousarray(values), release, times), angles)
     warn_of_drive(compiled, report.driven, angles)
     return angles
 
@@ -285,7 +274,8 @@ def _warn_of_growth(model: Model, times: Floats, release: Sequence[float], angle
     """Warn of ``angles`` on whose way small errors become large ones, by a finer trajectory of the same motion."""
     compiled, finer = Compiled(model, float(times[-1] - times[0]), float(times[0])), np.empty(times.size)
     try:
-        _follow(compiled, np.array(model.vector()), release, times, (), finer, None, _FINER)
+        problem = InitialValueProblem(np.array(model.vector()), release, times, coarseness=_FINER)
+        _follow(compiled, problem, finer)
     except TrajectoryError:
         off = "an amount that is not known"
     else:

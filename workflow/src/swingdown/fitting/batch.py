@@ -1,10 +1,13 @@
 """One model fitted to many series over the same times, for Monte-Carlo studies."""
 
+from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
+from ..arrays import Floats
 from ..engine import interface
 from ..engine.trajectory import Compiled, checked_times, simulate_each
 from ..errors import InputError
@@ -13,23 +16,52 @@ from .problem import RELEASE, limits
 from .result import BatchFit
 
 
+@dataclass(frozen=True)
+class Search:
+    """How the fits of a batch are searched for, and what is known beforehand.
+
+    Attributes
+    ----------
+    bounded
+        Whether parameters keep within the catalogue's bounds.
+    most
+        The most evaluations of a start.
+    tolerance
+        The relative fall of the sum of squares below which a step is the last.
+    foretells
+        Whether the last step is taken unseen; the sum is then what the slopes predict.
+    coarseness
+        How many times as far as 2e-10 of the largest angle a lane may be off.
+    starts
+        In each row the parameters, release angle and velocity from which that series starts, of shape (series, values).
+    reference
+        Angles in rad, of shape (n,): ``off`` then has each fit's distance from them.
+    curvature
+        What J'J lacks of the curvature of half the sum of squares, of shape (free, free).
+    """
+
+    bounded: bool = False
+    most: int = 100
+    tolerance: float = 1e-10
+    foretells: bool = False
+    coarseness: float = 1.0
+    starts: Any = None
+    reference: Any = None
+    curvature: Any = None
+
+
+USUAL = Search()
+
+
 def fit_batch(
     guess: Model,
     times: Any,
     series: Any,
-    release_angle: float,
-    release_velocity: float = 0.0,
+    release: Sequence[float],
     *,
     start: str = "free",
-    bounded: bool = False,
+    search: Search = USUAL,
     workers: int = 1,
-    most: int = 100,
-    tolerance: float = 1e-10,
-    foretells: bool = False,
-    starts: Any = None,
-    reference: Any = None,
-    curvature: Any = None,
-    coarseness: float = 1.0,
 ) -> BatchFit:
     """The ``BatchFit`` of one model to each of many series of angles over the same times.
 
@@ -45,26 +77,14 @@ def fit_batch(
         In s, of shape (n,).
     series
         Angles in rad, of shape (series, n).
-    release_angle, release_velocity
-        The release to start from, in rad and rad/s.
-    start, bounded
+    release
+        The angle and velocity to start from, in rad and rad/s.
+    start
         As in ``fit_jointly``.
+    search
+        The limits of the search, and what is known beforehand.
     workers
         Threads that share the series.
-    most
-        The most evaluations of a start.
-    tolerance
-        The relative fall of the sum of squares below which a step is the last.
-    foretells
-        Whether the last step is taken unseen; the sum is then what the slopes predict.
-    starts
-        In each row the parameters, release angle and velocity from which that series starts, of shape (series, values).
-    reference
-        Angles in rad, of shape (n,): ``off`` then has each fit's distance from them.
-    curvature
-        What J'J lacks of the curvature of half the sum of squares, of shape (free, free), where it is known beforehand.
-    coarseness
-        How many times as far as 2e-10 of the largest angle a lane may be off.
 
     Raises
     ------
@@ -78,57 +98,31 @@ def fit_batch(
         )
     size, count = len(guess.parameters), len(series)
     free = guess.parameters + (RELEASE if start == "free" else ())
-    first = np.array([*guess.vector(), release_angle, release_velocity], dtype=float)
-    given = np.tile(first, (count, 1)) if starts is None else np.array(starts, dtype=float, order="C")
-    if given.shape != (count, size + 2) or not np.all(np.isfinite(given)):
-        raise InputError(
-            "starts", f"an array of shape {given.shape}", f"finite values of shape {(count, size + 2)}"
-        )
+    first = np.array([*guess.vector(), *release], dtype=float)
+    starts = _checked("starts", search.starts, (count, size + 2))
+    given = np.tile(first, (count, 1)) if starts is None else starts.copy()
     if start != "free":
-        given[:, size], given[:, size + 1] = series[:, 0], release_velocity
-    compared = None if reference is None else np.ascontiguousarray(reference, dtype=float)
-    if compared is not None and (compared.shape != times.shape or not np.all(np.isfinite(compared))):
-        raise InputError(
-            "reference", f"an array of shape {compared.shape}", f"finite angles of shape {times.shape}"
-        )
+        given[:, size], given[:, size + 1] = series[:, 0], release[1]
+    compared = _checked("reference", search.reference, times.shape)
+    curved = _checked("curvature", search.curvature, (len(free),) * 2)
     lower, upper = np.array(
-        [limits(d, bounded) for d in guess.definitions] + [(-np.inf, np.inf)] * 2
+        [limits(d, search.bounded) for d in guess.definitions] + [(-np.inf, np.inf)] * 2
     ).T.copy()
     compiled = Compiled(guess, float(times[-1] - times[0]), float(times[0]))
     where = np.arange(size + 2, dtype=np.int32)
     where[len(free) :] = -1
     values, rss = np.zeros((count, len(free))), np.zeros(count)
-    curved = None if curvature is None else np.ascontiguousarray(curvature, dtype=float)
-    if curved is not None and (curved.shape != (len(free),) * 2 or not np.all(np.isfinite(curved))):
-        raise InputError(
-            "curvature", f"an array of shape {curved.shape}", f"finite, of shape {(len(free),) * 2}"
-        )
     converged, evaluations, alone = np.zeros((3, count), dtype=np.int32)
     off = np.full(count, np.nan)
-    options, bounds = (
-        interface.Options(most, tolerance, foretells),
-        interface.Bounds(lower[: len(free)], upper[: len(free)]),
-    )
+    options = interface.Options(search.most, search.tolerance, search.foretells)
+    bounds = interface.Bounds(lower[: len(free)], upper[: len(free)])
+    common = interface.Batch(compiled.c, times, first, where, bounds, compared, curved, search.coarseness)
 
     def work(part: slice) -> None:
         into = interface.BatchResult(
             values[part], rss[part], converged[part], evaluations[part], alone[part], off[part]
         )
-        interface.fit_batch(
-            compiled.library,
-            compiled.c,
-            times,
-            series[part],
-            given[part],
-            first,
-            where,
-            bounds,
-            options,
-            into,
-            compared,
-            curved,
-            coarseness,
-        )
+        interface.fit_batch(compiled.library, common, series[part], given[part], options, into)
 
     edges = np.linspace(0, count, min(workers, count) * 8 + 1).astype(int) if workers > 1 else [0, count]
     parts = [slice(int(a), int(b)) for a, b in zip(edges, edges[1:], strict=False) if b > a]
@@ -144,3 +138,13 @@ def fit_batch(
         off[by_itself] = np.sum(np.square(simulate_each(guess, times, slots) - compared), axis=1)
     distance = None if compared is None else np.sqrt(off / times.size)
     return BatchFit(free, values, rss, converged == 1, evaluations, alone == 1, distance)
+
+
+def _checked(name: str, given: Any, shape: tuple[int, ...]) -> Floats | None:
+    """The array as finite numbers of this shape, or None where none is given; InputError for any other."""
+    if given is None:
+        return None
+    array = np.ascontiguousarray(given, dtype=float)
+    if array.shape != shape or not np.all(np.isfinite(array)):
+        raise InputError(name, f"an array of shape {array.shape}", f"finite values of shape {shape}")
+    return array

@@ -4,7 +4,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from functools import lru_cache
 from math import sqrt
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -103,9 +103,8 @@ def fit_jointly(
     if outcome.driven:
         for compiled, series in zip(problem.compiled, angles, strict=False):
             warn_of_drive(compiled, True, series)
-    return fit_at(
-        problem, "least squares", best, covariance, rss, converged, message, outcome.evaluations, angles
-    )
+    minimum = Minimum(best, covariance, rss, converged, outcome.evaluations, angles)
+    return fit_at(problem, minimum, "least squares", message)
 
 
 @lru_cache(maxsize=100)
@@ -128,36 +127,33 @@ def fit_trajectory(model: Model | str, times: Any, angle: Any, **options: Any) -
     return fit_jointly(model, [(times, angle)], **options)
 
 
-def fit_at(
-    problem: Problem,
-    method: str,
-    best: Floats,
-    covariance: tuple[Floats, Floats],
-    rss: float,
-    converged: bool,
-    message: str,
-    evaluations: int,
-    angles: Sequence[Floats] | None = None,
-) -> Fit:
-    """The ``Fit`` at free values that were determined elsewhere.
+class Minimum(NamedTuple):
+    """Where a search ended.
 
-    Parameters
+    Attributes
     ----------
-    problem
-        The swings and the model that were fitted.
-    method, message
-        What the fit states of itself.
     best
         The free values, of shape (free,).
     covariance
         Their covariance, and its systematic part by source.
     rss, converged, evaluations
-        Of the minimum.
+        The sum of squares (rad^2) there, whether it is stationary, and what it took.
     angles
         The fitted angles (rad) of each swing, where they are known.
     """
-    names, slots = problem.model.parameters, problem.slots(best)
-    whole, systematic = covariance
+
+    best: Floats
+    covariance: tuple[Floats, Floats]
+    rss: float
+    converged: bool
+    evaluations: int
+    angles: Sequence[Floats] | None = None
+
+
+def fit_at(problem: Problem, minimum: Minimum, method: str, message: str) -> Fit:
+    """The ``Fit`` of a problem at a minimum; ``method`` and ``message`` are what the fit states of itself."""
+    names, slots = problem.model.parameters, problem.slots(minimum.best)
+    (whole, systematic), angles = minimum.covariance, minimum.angles
     errors = dict(zip(problem.free, np.sqrt(whole.diagonal()).tolist(), strict=True))
     shared = np.array(slots)[:, :-2].mean(axis=0).tolist() if problem.own else slots[0][:-2]
     model = problem.model.with_values(
@@ -177,8 +173,8 @@ def fit_at(
         own = {name: one.values[name] for name in problem.own}
         swings.append(SwingFit(one, row[-2], row[-1], series, rms, own))
     return Fit(
-        model, method, tuple(problem.free), best, whole, float(rss), problem.n, tuple(swings), converged,
-        message, int(evaluations), systematic,
+        model, method, tuple(problem.free), minimum.best, whole, float(minimum.rss), problem.n, tuple(swings), minimum.converged,
+        message, int(minimum.evaluations), systematic,
     )  # fmt: skip
 
 
@@ -248,7 +244,7 @@ def _in_segments(problem: Problem, most: int) -> Any:
     if len(problem.swings) > 1:
         return None
     library, angles = problem.compiled[0].library, np.empty(problem.n)
-    *found, outcome = interface.fit_in_segments(library, problem.c, problem.given, [problem.n], angles)
+    *found, outcome = interface.fit_in_segments(library, problem.c, [problem.n], angles)
     return (
         (*found, None, outcome, [angles]) if outcome.converged > 0 and outcome.evaluations <= most else None
     )
@@ -269,9 +265,8 @@ def _search(
     lengths = [min(size, max(_FEWEST, round(share * size))) for size in sizes]
     options, library = interface.Options(most, tolerance), problem.compiled[0].library
     angles = np.empty(sum(sizes)) if share == 1 else None
-    found = interface.fit_swings(
-        library, problem.c, problem.given, starts, lengths, options, share == 1, until_noise, angles, rough
-    )
+    asked = interface.Starts(starts, share == 1, until_noise, rough)
+    found = interface.fit_swings(library, problem.c, asked, lengths, options, angles)
     effort.add(found[4].evaluations * sum(lengths) * starts.shape[1])
     if angles is None or len(sizes) == 1:
         return *found, [angles]

@@ -8,7 +8,7 @@ from ..arrays import Floats
 from ..engine.trajectory import TrajectoryError, simulate
 from ..pendulum.model import Model, as_model
 from .covariance import covariance_at
-from .least_squares import fit_at
+from .least_squares import Minimum, fit_at
 from .problem import Problem
 from .result import Fit
 
@@ -74,5 +74,5 @@ def fit_nelder_mead(
     message = (
         f"stationary after {count} simplexes" if converged else f"not stationary after {restarts} simplexes"
     )
-    covariance = covariance_at(problem, best, value)
-    return fit_at(problem, "Nelder-Mead", best, covariance, value, converged, message, evaluations)
+    minimum = Minimum(best, covariance_at(problem, best, value), value, converged, evaluations)
+    return fit_at(problem, minimum, "Nelder-Mead", message)

@@ -103,27 +103,30 @@ def _layout(
     return _Layout(shared, [name for name in parameters if name in own], free, lower, upper, where)
 
 
+class _Form(NamedTuple):
+    """A model without its values, as a key."""
+
+    catalogue: Catalogue
+    names: tuple[str, ...]
+    slack: tuple[str, ...]
+    restoring: str
+    form: str
+    drive: Drive | None
+
+
 @lru_cache(maxsize=500)
-def _compiled(
-    entries: Catalogue,
-    names: tuple[str, ...],
-    slack: tuple[str, ...],
-    restoring: str,
-    form: str,
-    duration: float,
-    start: float,
-    drive: Drive | None,
-) -> Compiled:
-    known = Slack(slack, contributions=np.zeros((len(slack), 0)))
-    return Compiled(Model(names, {}, {}, restoring, form, entries, known, drive=drive), duration, start)
+def _compiled(form: _Form, duration: float, start: float) -> Compiled:
+    slack = Slack(form.slack, contributions=np.zeros((len(form.slack), 0)))
+    model = Model(form.names, {}, {}, form.restoring, form.form, form.catalogue, slack, drive=form.drive)
+    return Compiled(model, duration, start)
 
 
 def compiled(model: Model, times: Floats, drive: Drive | None = None) -> Compiled:
     """The model as the engine takes it, for a record of these ``times`` (s), under a measured drive where one acts in it."""
     duration = model.record or float(times[-1] - times[0])
     start, drive = (float(times[0]), drive) if model.takes_input else (0.0, None)
-    slack = model.slack.names
-    return _compiled(model.catalogue, model.names, slack, model.restoring, model.form, duration, start, drive)
+    form = _Form(model.catalogue, model.names, model.slack.names, model.restoring, model.form, drive)
+    return _compiled(form, duration, start)
 
 
 class Problem:
@@ -200,7 +203,7 @@ class Problem:
     def _point_at_swings(self) -> None:
         models = [compiled.c for compiled in self.compiled]
         bounds = interface.Bounds(self.lower, self.upper)
-        self.c = interface.FitProblem(models, self.swings, self.where, bounds, self.known)
+        self.c = interface.FitProblem(models, self.swings, self.where, self.given, bounds, self.known)
 
     def thinned(self, frequency: float) -> "Problem":
         """The problem with every so many samples only, as many as tell a pendulum of this frequency (rad/s); or itself."""

@@ -133,7 +133,7 @@ def interpret(table: Table, row: Mapping[str, Any], place: str, restoring: str) 
     names, unsaid = [one.name for one in columns.found], []
     if columns.found[0].kind == RATE and not row["signal_column"]:
         names = axes_beside(table.names, columns.found[0], table.units) or names
-    if not row["signal_column"] and not drives:
+    if not row["signal_column"] and not drives and len(columns.found) == 1:
         unsaid = _unsaid(table, names)
     where = f"{row['file']}, {place_of(columns.clock.name)} ({place})"
     read = [*names, *drives]
@@ -161,7 +161,15 @@ def interpret(table: Table, row: Mapping[str, Any], place: str, restoring: str) 
     if row["role"] != "static":
         factor, told = time_factor(times, values[0], bool(columns.time_unit), where)
         times, remarks = times * factor if factor != 1.0 else times, remarks + told
-    made = _signal(table, row, place, columns, names, unsaid, times, values, restoring)
+    if unsaid:
+        pair, both = (values[0], values[len(names)]), f"{row['file']}, {names[0]} and {unsaid[0]} ({place})"
+        _check_slowest(times, *pair, both)
+        if not columns.unit and np.isfinite(pair[1]).all():
+            check_no_positions(*pair, both)
+        remarks.append(
+            f"the file has {len(table.names)} columns and no names of them: `{names[0]}` was taken (signal_column in the sheet says otherwise)"
+        )
+    made = _signal(row, place, columns, names, times, values, restoring)
     if len(names) > 1 and len(columns.found) == 1:  # of a gyroscope's axes the one that turns most
         columns = columns._replace(found=[replace(columns.found[0], name=made.column)])
     told_unit = columns.time_unit or {
@@ -304,13 +312,17 @@ def _part(times: Floats, row: Mapping[str, Any], where: str) -> tuple[slice, lis
 
 
 def _signal(
-    table: Table, row: Mapping[str, Any], place: str, columns: _Columns, names: list[str], unsaid: list[str], times: Floats, values: list[Floats],
+    row: Mapping[str, Any],
+    place: str,
+    columns: _Columns,
+    names: list[str],
+    times: Floats,
+    values: list[Floats],
     restoring: str,
-) -> Interpreted:  # fmt: skip
+) -> Interpreted:
     """The signal that the columns hold: an angle about a fitted pivot, one by a coordinate and a length, or as recorded."""
     first, file = columns.found[0], row["file"]
     where = f"{file}, {place_of(first.name)} ({place})"
-    remarks: list[str] = []
     if len(columns.found) == 2:
         both = f"{file}, columns {first.name} and {columns.found[1].name} ({place})"
         if (line := along_a_line(values[0], values[1])) is not None:
@@ -334,18 +346,10 @@ def _signal(
         )
     if not columns.unit and (first.kind in (LENGTH, SPEED) or (first.axis and columns.clock.axis != "x")):
         return _coordinate(row, where, columns, times, values[0], restoring)
-    beside = values[len(names) :]
-    if unsaid:
-        remarks = [
-            f"the file has {len(table.names)} columns and no names of them: `{names[0]}` was taken (signal_column in the sheet says otherwise)"
-        ]
-        _check_slowest(times, values[0], beside[0], f"{file}, {names[0]} and {unsaid[0]} ({place})")
-        if not columns.unit and np.isfinite(beside[0]).all():
-            check_no_positions(values[0], beside[0], f"{file}, {names[0]} and {unsaid[0]} ({place})")
     taken, told = turning_most(names, values[: len(names)])
     about = {"counts_per_revolution": row["counts_per_revolution"]} if columns.unit == "counts" else {}
     reading = _reading(row, columns, times, values[taken], restoring, where)
-    return Interpreted(times, values[taken], reading, remarks + told, about, names[taken])
+    return Interpreted(times, values[taken], reading, told, about, names[taken])
 
 
 def _reading(

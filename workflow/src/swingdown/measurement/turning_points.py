@@ -85,40 +85,33 @@ def points_in(
     step = 1 if both else 2
     if counted:
         halves = np.round((times - times[0]) * (step if np.min(np.diff(times)) >= 1 else 1)).astype(int)
+        if not both:
+            remarks.append(
+                "each number is taken for a whole swing (half_swings in the cell signal_kind of the sheet says otherwise)"
+            )
     else:
         times, readings, told = _once(times, readings, signed)
-        found = counts(times, np.abs(readings) * in_rad)
-        if found is None:
-            raise _no_count(place)
-        count, used = found
+        count, used = _counts(times, np.abs(readings) * in_rad, place)
         halves = step * count
         if halves.size < times.size:
             told.append(
                 f"used from {times[used][0]:.6g} to {times[used][-1]:.6g} s: how many swings passed beyond cannot be told"
             )
         times, readings, remarks = times[used], readings[used], remarks + told
-        if not stated and not both:
+        if np.min(np.diff(count)) > 1:
+            remarks.append(
+                "no two of its points follow each other: a whole fraction of this period fits them as well"
+            )
+        if not both and not stated:
             _check_marks(times, place)
-    if not counted and np.min(np.diff(halves)) > step:
-        remarks.append(
-            "no two of its points follow each other: a whole fraction of this period fits them as well"
-        )
-    if not counted and not both and not stated:
-        remarks.append(
-            "were they of both sides without signs, the period would be twice this (half_swings in the cell signal_kind of the sheet)"
-        )
-    if counted and not both:
-        remarks.append(
-            "each number is taken for a whole swing (half_swings in the cell signal_kind of the sheet says otherwise)"
-        )
+            remarks.append(
+                "were they of both sides without signs, the period would be twice this (half_swings in the cell signal_kind of the sheet)"
+            )
     sign = 1.0 if halves[0] % 2 == 0 else -1.0
     if signed:
         flipped = readings * (1.0 if readings[0] > 0 else -1.0) * sign
-        in_turn = np.sign(flipped) == (-1.0) ** halves
-        if both and np.mean(in_turn) < 1 - _WRONG:
-            used = _longest(in_turn)
-            if 2 * (used.stop - used.start) < halves.size:
-                raise _no_count(place)
+        used = _by_turns(np.sign(flipped) == (-1.0) ** halves, place) if both else slice(None)
+        if used != slice(None):
             remarks.append(
                 f"used from {times[used][0]:.6g} to {times[used][-1]:.6g} s: beyond two turning points on one side follow each other as if on both"
             )
@@ -209,6 +202,24 @@ def _once(times: Floats, readings: Floats, signed: bool) -> tuple[Floats, Floats
         f"{lost} of its turning points {'stand' if lost > 1 else 'stands'} twice, less than half the usual time apart: the larger is taken"
     ]
     return times[kept], readings[kept], told if lost else []
+
+
+def _counts(times: Floats, amplitudes: Floats, place: str) -> tuple[np.ndarray, slice]:
+    """How many swings (or half-swings) passed until each point, and which points are used; InputError where that cannot be told."""
+    found = counts(times, amplitudes)
+    if found is None:
+        raise _no_count(place)
+    return found
+
+
+def _by_turns(in_turn: np.ndarray, place: str) -> slice:
+    """The points used of those on both sides: all, or the longest part on alternate sides; InputError where that is less than half."""
+    if np.mean(in_turn) >= 1 - _WRONG:
+        return slice(None)
+    used = _longest(in_turn)
+    if 2 * (used.stop - used.start) < in_turn.size:
+        raise _no_count(place)
+    return used
 
 
 def _longest(same: np.ndarray) -> slice:

@@ -10,7 +10,7 @@ from markupsafe import Markup, escape
 from ..language import Language
 from . import sweeps as swept
 from .material import Material, read_tables
-from .page import Figure, Findings, Item, Section, Table, Text
+from .page import Figure, Findings, Head, Item, Section, Table, Text
 from .sections.apparatus import apparatus, calibration
 from .sections.experiment import experiment
 from .sections.findings import findings
@@ -89,8 +89,8 @@ def _labelled(section: Section, material: Material) -> Section:
     return replace(section, items=items)
 
 
-def head(material: Material) -> dict[str, str | list[str]]:
-    """Title, subtitle, footer, and the notices that a reader must see before anything else."""
+def head(material: Material) -> Head:
+    """What stands above and below the report's sections."""
     swings = [recording for recording in material.recordings if recording.get("role") != "static"]
     campaigns = list(dict.fromkeys(recording["campaign"] for recording in swings))
     kind = f" ({material.spoken.text('emulated')})" if material.emulated else ""
@@ -112,13 +112,13 @@ def head(material: Material) -> dict[str, str | list[str]]:
     notices += notice(material)
     footer = "Made by swingdown. The datasets behind every table and figure lie in the results folder beside this page."
     spoken = material.spoken
-    return {
-        "title": spoken.text(title),
-        "subtitle": Markup(subtitle) if material.own else subtitle,
-        "notices": [words(one, spoken) for one in notices],
-        "footer": spoken.text(footer),
-        "lang": spoken.code,
-    }
+    return Head(
+        spoken.text(title),
+        Markup(subtitle) if material.own else subtitle,
+        [words(one, spoken) for one in notices],
+        spoken.text(footer),
+        spoken.code,
+    )
 
 
 def _read(recording: dict[str, Any], spoken: Language) -> Markup:

@@ -2,21 +2,22 @@
 
 import base64
 import re
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import NamedTuple
 
-import jinja2
 from markupsafe import Markup, escape
 
 from ..extras import needed
-from ..language import ENGLISH, language
+from ..language import ENGLISH, Language, language
 from ..paths import printable
 from ..sealed import read_bytes, write_text
 from . import trace
 
-TEMPLATE = Path(__file__).with_name("report.html.j2")
+_FOLDER = Path(__file__).parent
+_PAGE, _STYLE, _PROGRAM = (_FOLDER / f"page.{ending}" for ending in ("html", "css", "js"))
+FILES = (_PAGE, _STYLE, _PROGRAM, *trace.STYLE, *trace.PROGRAM)  # what a page is made of besides its sections
 
 
 class Value(NamedTuple):
@@ -30,6 +31,7 @@ class Value(NamedTuple):
 
 
 Cell = str | int | Markup | Value
+_WIDE = 6  # columns; a table of more is set smaller
 _MEDIA = {".png": "image/png", ".svg": "image/svg+xml"}
 
 
@@ -39,7 +41,9 @@ class Text:
 
     text: str
     style: str = ""
-    kind = "text"
+
+    def html(self, spoken: Language) -> Markup:
+        return Markup("<p{}>{}</p>\n").format(_class(self.style), self.text)
 
 
 @dataclass(frozen=True)
@@ -47,7 +51,9 @@ class Findings:
     """What a reader in a hurry takes away: a few sentences."""
 
     lines: list[str]
-    kind = "findings"
+
+    def html(self, spoken: Language) -> Markup:
+        return Markup('<ul class="findings">{}</ul>\n').format(_each("<li>{}</li>", self.lines))
 
 
 @dataclass(frozen=True)
@@ -55,7 +61,9 @@ class Listing:
     """Text as it stands in a file."""
 
     text: str
-    kind = "listing"
+
+    def html(self, spoken: Language) -> Markup:
+        return Markup("<pre>{}</pre>\n").format(self.text)
 
 
 @dataclass(frozen=True)
@@ -85,11 +93,38 @@ class Table:
     rule: str = ""
     of: tuple[str, ...] = ()
     sortable: bool = False
-    kind = "table"
 
     @property
     def anchor(self) -> str:
         return _anchor(self.label)
+
+    def html(self, spoken: Language) -> Markup:
+        head = Markup("").join(
+            Markup("<th{}>{}{}</th>").format(_class(one.style), one.head, _each("<small>{}</small>", filter(None, [one.unit])))
+            for one in self.columns
+        )  # fmt: skip
+        rows = Markup("").join(
+            Markup("<tr{}>{}</tr>\n").format(_class("group" if k in self.groups else ""), self._cells(row))
+            for k, row in enumerate(self.rows)
+        )
+        return Markup(
+            '<div class="scroll{}" id="{}">\n<table{}>\n<caption><b>{}.</b> {}{}</caption>\n'
+            "<thead><tr>{}</tr></thead>\n<tbody>\n{}</tbody>\n</table>\n</div>\n{}"
+        ).format(
+            " wide" if len(self.columns) > _WIDE else "", self.anchor, _class("sortable" if self.sortable else ""),
+            self.label, self.caption, _origin(self, spoken), head, rows,
+            Markup('<ul class="notes">{}</ul>\n').format(_each("<li>{}</li>", self.notes)) if self.notes else "",
+        )  # fmt: skip
+
+    def _cells(self, row: Sequence[Cell]) -> Markup:
+        return Markup("").join(
+            Markup("<td{}{}>{}</td>").format(
+                _class(column.style),
+                Markup(' data-value="{}"').format(cell.value) if isinstance(cell, Value) else "",
+                str(cell) if isinstance(cell, Value) else cell,
+            )
+            for cell, column in zip(row, self.columns, strict=True)
+        )
 
 
 @dataclass(frozen=True)
@@ -107,7 +142,6 @@ class Figure:
     rule: str = ""
     of: tuple[str, ...] = ()
     numbers: Markup | None = None
-    kind = "figure"
 
     @property
     def anchor(self) -> str:
@@ -121,6 +155,19 @@ class Figure:
     @property
     def caption(self) -> Markup:
         return Markup(rst(self.text))
+
+    def html(self, spoken: Language) -> Markup:
+        picture = Markup("<noscript>It is drawn where the page may run its own script.</noscript>")
+        if self.path:
+            picture = Markup('<img src="{}" alt="{}">').format(self.source, self.label)
+            picture = Markup('<a href="{}">{}</a>').format(self.link, picture) if self.link else picture
+        numbers = Markup('<div class="live"></div><script type="application/json">{}</script>\n')
+        return Markup(
+            '<figure id="{}"{}>\n{}\n{}<figcaption><b>{}.</b> {}{}</figcaption>\n</figure>\n'
+        ).format(
+            self.anchor, Markup(" data-trace") if self.numbers else "", picture,
+            numbers.format(self.numbers) if self.numbers else "", self.label, self.caption, _origin(self, spoken),
+        )  # fmt: skip
 
 
 Item = Text | Findings | Listing | Table | Figure
@@ -142,6 +189,39 @@ class Section:
     def listed(self) -> list[Table | Figure]:
         return [item for item in self.items if isinstance(item, Table | Figure)]
 
+    def entry(self) -> Markup:
+        """Its line in the table of contents."""
+        listed = Markup("").join(_ENTRY.format(one.anchor, one.label, "") for one in self.listed)
+        return _ENTRY.format(
+            self.anchor, self.title, Markup("\n<ol>{}</ol>\n").format(listed) if listed else ""
+        )
+
+    def html(self, spoken: Language) -> Markup:
+        head, end = Markup("<h2>{}</h2>\n").format(self.title), ""
+        if self.folded:
+            head, end = Markup("<details><summary>{}</summary>\n").format(head), Markup("</details>\n")
+        items = Markup("").join(one.html(spoken) for one in self.items)
+        return Markup('<section id="{}">\n{}{}{}</section>\n').format(self.anchor, head, items, end)
+
+
+_ENTRY = Markup('<li><a href="#{}">{}</a>{}</li>\n')
+
+
+def _class(style: str) -> Markup:
+    return Markup(' class="{}"').format(style) if style else Markup("")
+
+
+def _each(pattern: str, texts: Iterable[str]) -> Markup:
+    return Markup("").join(Markup(pattern).format(text) for text in texts)
+
+
+def _origin(item: Table | Figure, spoken: Language) -> Markup:
+    """Where its numbers stand, and what made them."""
+    if not item.link:
+        return Markup("")
+    rule = spoken.text(f", rule {item.rule}") if item.rule else ""
+    return Markup(' <span class="source">(<a href="{0}">{0}</a>{1})</span>').format(item.link, rule)
+
 
 _MARKED = re.compile(
     r"[*`|\\]|_\b|\n\s*\n|^\.\.", re.MULTILINE
@@ -162,20 +242,31 @@ def rst(text: str) -> str:
     return single[1] if single and "<p>" not in single[1] else body
 
 
-def write(path: str | Path, sections: Sequence[Section], **head: str | Sequence[str]) -> Path:
-    """The path written: the report with its sections; ``head`` fills title, subtitle, notices, footer and ``lang``."""
-    environment = jinja2.Environment(autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True)
-    zoomable = any(
-        isinstance(item, Figure) and item.numbers for section in sections for item in section.items
-    )
-    more = {
-        name: Markup("\n".join(path.read_text(encoding="utf-8") for path in paths)) if zoomable else ""
-        for name, paths in (("styles", trace.STYLE), ("programs", trace.PROGRAM))
-    }
-    say = language(str(head.get("lang", ENGLISH))).text
-    html = environment.from_string(TEMPLATE.read_text(encoding="utf-8")).render(
-        sections=sections, say=say, **more, **head
-    )
+class Head(NamedTuple):
+    """What stands above and below the sections: title, subtitle, the notices that a reader must see before anything else, the footer;
+    and the language of the page."""
+
+    title: str
+    subtitle: str
+    notices: Sequence[str]
+    footer: str
+    lang: str = ENGLISH
+
+
+def write(path: str | Path, sections: Sequence[Section], head: Head) -> Path:
+    """The path written: the report with its sections, in one file."""
+    zoomable = any(isinstance(item, Figure) and item.numbers for one in sections for item in one.items)
+    style, program = (
+        Markup("\n".join(one.read_text(encoding="utf-8") for one in (own, *(more if zoomable else ()))))
+        for own, more in ((_STYLE, trace.STYLE), (_PROGRAM, trace.PROGRAM))
+    )  # fmt: skip
+    spoken = language(head.lang)
+    html = Markup(_PAGE.read_text(encoding="utf-8")).format(
+        lang=head.lang, title=head.title, subtitle=head.subtitle, footer=head.footer, style=style, program=program,
+        sort=spoken.text("sort by this column"), contents=spoken.text("Contents"),
+        entries=Markup("").join(one.entry() for one in sections), notices=_each('<p class="notice">{}</p>\n', head.notices),
+        sections=Markup("").join(one.html(spoken) for one in sections),
+    )  # fmt: skip
     return write_text(path, printable(html))
 
 

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..fitting.batch import fit_batch
+from ..fitting.batch import Search, fit_batch
 from ..fitting.nested import contains
 from ..studies.noise import add_noise
 from .draws import noise_key, stream
@@ -148,10 +148,12 @@ def _take_better(found, rows, others):
 
 def _fit(cell, label, noisy, most, starts=None):
     begin = cell.begin[label]
-    fit = fit_batch(
-        begin.model, cell.times, noisy, begin.release_angle, begin.release_velocity, start=cell.settings["simulation.start"], most=most,
-        starts=starts, reference=cell.truth, curvature=begin.curvature, tolerance=_NEAR / cell.times.size, foretells=True, coarseness=_COARSENESS,
+    search = Search(
+        most=most, tolerance=_NEAR / cell.times.size, foretells=True, coarseness=_COARSENESS,
+        starts=starts, reference=cell.truth, curvature=begin.curvature,
     )  # fmt: skip
+    release, start = (begin.release_angle, begin.release_velocity), cell.settings["simulation.start"]
+    fit = fit_batch(begin.model, cell.times, noisy, release, start=start, search=search)
     return _Fits(fit.values, fit.rss, fit.off, fit.converged)
 
 

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..engine.trajectory import sensitivities, simulate
-from ..fitting.batch import fit_batch
+from ..fitting.batch import Search, fit_batch
 from ..fitting.least_squares import fit_trajectory
 from ..fitting.nested import contains
 from ..fitting.problem import RELEASE
@@ -88,16 +88,8 @@ def _best_of_starts(begin, times, truth, start):
     rows = [[*values, *release]]
     for factor in _NEARBY:
         rows.append([values[0], *factor * values[1:], *at_first])
-    fit = fit_batch(
-        model,
-        times,
-        np.tile(truth, (len(rows), 1)),
-        *release,
-        start=start,
-        most=_MOST,
-        starts=rows,
-        tolerance=1e-8,
-    )
+    search = Search(most=_MOST, tolerance=1e-8, starts=rows)
+    fit = fit_batch(model, times, np.tile(truth, (len(rows), 1)), release, start=start, search=search)
     best = fit.values[np.nanargmin(fit.rss)] if np.isfinite(fit.rss).any() else np.array([])
     found = dict(zip(fit.free, map(float, best), strict=False))
     model = model.with_values({name: found.get(name, model.values[name]) for name in model.parameters})

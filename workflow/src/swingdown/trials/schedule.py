@@ -2,24 +2,14 @@
 pendulums that were taken down between the swings (``own``) or whose sensor was calibrated (``calibrated``)."""
 
 from collections.abc import Mapping
-from typing import Any, NamedTuple
+from typing import Any
 
 from ..pendulum.catalogue import SHIPPED, Catalogue
 from .torques import FOREIGN
-from .trial import NOISES, PAIRS, USUAL, Design, Trial, check_known, draw, hideable
+from .trial import NOISES, PAIRS, USUAL, Design, Planned, Trial, check_known, draw, hideable
 
 _TRIES = 4  # draws of one kind, before it is left out because no size within reason leaves such a residual
 _AT_ONCE = 2.0  # ratio of residual to noise of each of a pair, and of effects taken out of the catalogue
-
-
-class Planned(NamedTuple):
-    """One trial to draw: kind, hidden effects, ratio of the base model's residual to the noise, noise, and number."""
-
-    kind: str
-    hidden: tuple
-    ratio: float
-    noise: str
-    number: int
 
 
 def planned(settings: Mapping[str, Any], catalogue: Catalogue = SHIPPED) -> list[Planned]:
@@ -67,7 +57,7 @@ def drawn(seed: int, one: Planned, catalogue: Catalogue = SHIPPED, design: Desig
     """The ``Trial`` of a ``Planned`` one, or None where no size within reason leaves the residual that is asked for."""
     for k in range(_TRIES):
         try:
-            return draw(seed, one.kind, one.hidden, one.ratio, one.noise, one.number + k, catalogue, design)
+            return draw(seed, one._replace(number=one.number + k), catalogue, design)
         except ArithmeticError:
             continue
     return None

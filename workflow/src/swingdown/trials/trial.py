@@ -90,6 +90,16 @@ class Trial:
     misfit: float = 0.0
 
 
+class Planned(NamedTuple):
+    """One trial to draw: kind, hidden effects, ratio of the base model's residual to the noise, noise, and number."""
+
+    kind: str
+    hidden: tuple[str, ...]
+    ratio: float
+    noise: str
+    number: int
+
+
 def hideable(catalogue: Catalogue, design: Design = USUAL) -> tuple[str, ...]:
     """The names of the effects that can be hidden beside a design's base: all others that the second pendulum knows and that make
     sense with what pulls back."""
@@ -104,23 +114,14 @@ def _known(effect: Effect) -> bool:
     return effect.name in KNOWN or effect.twin is not None
 
 
-def draw(
-    seed: int,
-    kind: str,
-    hidden: str | Sequence[str] = (),
-    ratio: float = 1.0,
-    noise: str = "white",
-    number: int = 0,
-    catalogue: Catalogue = SHIPPED,
-    design: Design = USUAL,
-) -> Trial:
-    """The ``Trial`` of that seed, kind, hidden effects, size, noise, number and design: always the same one.
+def draw(seed: int, one: Planned, catalogue: Catalogue = SHIPPED, design: Design = USUAL) -> Trial:
+    """The ``Trial`` of that seed, plan and design: always the same one.
 
     Sizes are found with the engine's fits of the base model to the noiseless swings; the swings themselves never see it.
     ArithmeticError where no size within reason leaves such a residual; InputError for an effect that the second pendulum
     does not know.
     """
-    hidden = (hidden,) if isinstance(hidden, str) else tuple(hidden)
+    kind, hidden, ratio, noise, number = one
     words = [*(ord(letter) for letter in "+".join((kind, *hidden, noise))), round(100 * ratio), number]
     rng = np.random.default_rng(np.random.SeedSequence(seed, spawn_key=words))
     values = {
