@@ -206,7 +206,7 @@ def brought(name="swingdown"):
 
 
 def test_an_installation_brings_few_packages():
-    assert len(brought()) <= 13, sorted(brought())
+    assert len(brought()) <= 12, sorted(brought())
 
 
 def bare(wheel, environment):
