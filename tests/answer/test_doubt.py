@@ -11,9 +11,10 @@ import yaml
 import swingdown
 from swingdown.__main__ import main
 from swingdown.answer.given import swings
-from swingdown.answer.options import as_options
+from swingdown.answer.options import CELLS, TO_READ, TO_THE_COMMAND
 from swingdown.engine.trajectory import simulate
-from swingdown.errors import InputError
+from swingdown.errors import SHEET, InputError, as_told, told_to
+from swingdown.measurement.sheet import COLUMNS
 from swingdown.pendulum.model import Model
 from swingdown.studies.doubt import DoubtfulFit, NotFree, check_free, fit_any
 from swingdown.studies.pendulums import by_verdict
@@ -211,20 +212,36 @@ def test_the_command_names_its_options_and_the_line(tmp_path, monkeypatch, capsy
         assert words in told.err and words not in told.out
 
 
+NAMED = "name it ⟨in time_column⟩; ⟨start_s⟩ and ⟨stop_s=3.2⟩; say ⟨restoring=linear⟩; write counts ⟨in signal_unit⟩; ⟨in gain_tolerance⟩"
+
+
 @pytest.mark.parametrize(
-    ("text", "said"),
+    ("audience", "told"),
     [
-        ("name it in the cell time_column of the sheet", "name it with --time-column"),
-        ("leave the part out with start_s and stop_s", "leave the part out with --start and --stop"),
-        ("used until 3 s (stop_s in the sheet says otherwise)", "used until 3 s (--stop says otherwise)"),
-        ("leave the end out with stop_s = 3.2", "leave the end out with --stop 3.2"),
-        ("write counts in signal_unit", "write counts with --unit"),
-        ("of a wheel say restoring: linear", "of a wheel say --restoring linear"),
-        ("state a limit in zero_tolerance_rad_per_s", "state a limit in zero_tolerance_rad_per_s"),
+        (SHEET, "name it in the cell time_column of the sheet; start_s and stop_s: 3.2; say restoring: linear; write counts in the cell signal_unit of the sheet; "),
+        (TO_THE_COMMAND, "name it with --time-column; --start and --stop 3.2; say --restoring linear; write counts with --unit; "),
+        (TO_READ, "name it with time_column=; start= and stop=3.2; say restoring='linear'; write counts with unit=; "),
     ],
-)
-def test_cells_of_a_sheet_are_said_as_options(text, said):
-    assert as_options(text) == said
+)  # fmt: skip
+def test_settings_are_named_as_those_say_them_who_are_told(audience, told):
+    told += "in the cell gain_tolerance of the sheet"  # which no option or argument stands for
+    with told_to(audience):
+        problem = InputError("a.csv", "it is no swing", "one", NAMED)
+    assert problem.mend == told and told in str(problem)
+    assert problem.settings["stop_s"] == "3.2" and problem.settings["time_column"] == ""
+    assert as_told("⟨rate_hz⟩") == "rate_hz"  # the block is left
+
+
+def test_each_setting_that_a_text_names_is_one(root):
+    """A cell of the sheet, or what pulls a pendulum back; a name that is in no list would be told as a cell that nobody has."""
+    texts = [
+        path.read_text()
+        for path in (root / "workflow/src/swingdown").rglob("*.py")
+        if path.name != "errors.py"
+    ]
+    names = {name for text in texts for name in re.findall(r"⟨(?:in )?(\w+)", text)}
+    assert len(names) > 8 and names <= {*COLUMNS, "restoring"}
+    assert {*CELLS} <= {*COLUMNS}
 
 
 @pytest.mark.slow("a search")

@@ -225,7 +225,7 @@ def test_a_clock_that_stumbles():
 def test_a_sensor_that_dies(at):
     signal = np.round(swing(), 4)
     signal[at:] = signal[at]
-    refused("the sensor is dead", "stop_s = ", signal=signal)
+    refused("the sensor is dead", "stop_s: ", signal=signal)
 
 
 @pytest.mark.parametrize("step", [0.0016, 0.01])

@@ -249,7 +249,7 @@ def test_beside_a_hole_that_hides_an_unknown_number_of_swings_the_longest_part_i
     assert made.attrs["begins_s"] == 103 and "ends_s" not in made.attrs
     assert "hides about 1" in made.attrs["remarks"] and "from 103.000 s on" in made.attrs["remarks"]
     (tmp_path / "made.nc").unlink()
-    refused("hides about 1", "start_s = 103", signal=0.4 * np.cos(phase), time=time, start_s=0.5)
+    refused("hides about 1", "start_s: 103", signal=0.4 * np.cos(phase), time=time, start_s=0.5)
 
 
 def test_too_few_samples(refused):

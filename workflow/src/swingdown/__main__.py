@@ -257,28 +257,12 @@ def _main(given: Sequence[str]) -> int:
         with console.job():
             return study(options.given[0], options.given[1:], options.directory, options.cores, handed_in)
     from .answer.command import Wishes, answer  # some seconds of imports, which `verify` need not wait for
+    from .answer.lengths import PIVOTS
+    from .answer.options import CELLS
+    from .studies.gravity import PIVOT
 
-    told = {
-        "time_column": options.time_column,
-        "time_unit": options.time_unit,
-        "rate_hz": options.rate,
-        "signal_column": options.column,
-        "signal_unit": options.unit,
-        "signal_kind": options.kind,
-        "input_column": options.input,
-        "input_kind": options.input_kind,
-        "input_unit": options.input_unit,
-        "input_free": options.input_free,
-        "input_between": options.input_between,
-        "start_s": options.start,
-        "stop_s": options.stop,
-        "counts_per_revolution": options.counts_per_revolution,
-        "scale": options.scale,
-        "length": options.length,
-        "bob_diameter": options.bob_diameter,
-        "bob_density": options.bob_density,
-        "pivot_distances": options.kater,
-    }
+    told = {cell: getattr(options, name[2:].replace("-", "_")) for cell, name in CELLS.items()}
+    told[PIVOTS] = told.pop(PIVOT)
     with console.job():
         return answer(
             options.given,

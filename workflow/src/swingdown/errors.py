@@ -1,6 +1,72 @@
-"""What is raised when something cannot be done: told to people in four parts, and to programs by class and code."""
+"""What is raised when something cannot be done: told to people in four parts, and to programs by class and code.
+
+A text names a setting by its cell in the sample sheet, in brackets: ⟨signal_unit⟩, ⟨in signal_unit⟩ or ⟨signal_unit=deg⟩. Whoever is told
+reads it as they say it: as a cell, as an option of the command, or as an argument of a call.
+"""
+
+import re
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from contextvars import ContextVar
+from dataclasses import dataclass, field
 
 MAKE_ANEW = "delete it and give the same command again, which makes it anew"  # the mend of a damaged result
+
+
+_SETTING = re.compile(r"⟨(in )?(\w+)(?:=([^⟩]*))?⟩")
+
+
+@dataclass(frozen=True)
+class Audience:
+    """How those who are told of a setting say it.
+
+    Attributes
+    ----------
+    names
+        What they call a setting, by the name of its cell. Any other is a cell to them, too.
+    inside, pair
+        The patterns of ⟨in NAME⟩ and ⟨NAME=value⟩.
+    quoted
+        Whether values that are no numbers are put in quotes.
+    """
+
+    names: Mapping[str, str] = field(default_factory=dict)
+    inside: str = "with {}"
+    pair: str = "{} {}"
+    quoted: bool = False
+
+    def said(self, text: str) -> str:
+        """The text with each setting in brackets as they say it."""
+        return _SETTING.sub(self._one, text)
+
+    def _one(self, found: re.Match[str]) -> str:
+        inside, name, value = found.groups()
+        if name not in self.names and self is not SHEET:
+            return SHEET._one(found)
+        called = self.names.get(name, name)
+        if value is not None:
+            bare = not self.quoted or re.fullmatch(r"[-+.\deE]+", value)
+            return self.pair.format(called, value if bare else repr(value))
+        return self.inside.format(called) if inside else called
+
+
+SHEET = Audience(inside="in the cell {} of the sheet", pair="{}: {}")
+_TOLD: ContextVar[Audience] = ContextVar("told", default=SHEET)
+
+
+def as_told(text: str) -> str:
+    """The text as those say it who are told."""
+    return _TOLD.get().said(text)
+
+
+@contextmanager
+def told_to(audience: Audience) -> Iterator[None]:
+    """A block, or a function, in which refusals and remarks are told to this audience."""
+    before = _TOLD.set(audience)
+    try:
+        yield
+    finally:
+        _TOLD.reset(before)
 
 
 class Refusal(Exception):
@@ -14,6 +80,11 @@ class Refusal(Exception):
         Plain sentences without a final full stop.
     code
         What a program goes by, "" where none needs to: no text is searched for what it means.
+
+    Attributes
+    ----------
+    settings
+        The settings that the mend names, by their cells in the sample sheet, with the value that it gives them ("" where it gives none).
     """
 
     heading = "This cannot be done."
@@ -21,6 +92,8 @@ class Refusal(Exception):
     def __init__(
         self, where: object, problem: str, expected: str = "", mend: str = "", code: str = ""
     ) -> None:
+        self.settings = {name: value or "" for _, name, value in _SETTING.findall(mend)}
+        problem, expected, mend = map(as_told, (problem, expected, mend))
         self.where, self.problem, self.expected, self.mend = str(where), problem, expected, mend
         self.code = code
         parts = [f"{where}: {problem}.", expected and f"Expected: {expected}.", mend and f"Mend: {mend}."]

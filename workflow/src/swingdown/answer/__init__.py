@@ -21,7 +21,7 @@ from ..discovery.search import discover
 from ..discovery.state import Round
 from ..discovery.verdict import verdict
 from ..engine.trajectory import TrajectoryWarning, engine
-from ..errors import InputError
+from ..errors import InputError, told_to
 from ..measurement.again import TOLD, readings
 from ..measurement.driven import driven
 from ..measurement.slack import of_angles
@@ -35,6 +35,7 @@ from ..studies.pendulums import reading_of as reading_in
 from ..studies.quantities import Quantity
 from ..studies.unscaled import without_scale
 from .given import Driven, asked, swings
+from .options import TO_FIT
 from .recorded import Recording, Restoring, Told, read
 from .result import Answer, Begin
 from .simulation import simulate
@@ -50,6 +51,7 @@ Kind = Literal["", "swing", "turning_points", "half_swings", "passages", "period
 BASE = BASES["sine"]
 
 
+@told_to(TO_FIT)
 def fit(
     times: Swings | Sequence[Swings],
     angles: Swings | Sequence[Swings] | None = None,
@@ -268,6 +270,7 @@ def _fitted(
     }
 
 
+@told_to(TO_FIT)
 def explain(
     times: Swings | Sequence[Swings],
     angles: Swings | Sequence[Swings] | None = None,

@@ -18,7 +18,7 @@ import pandas as pd
 
 from ..console import warnings_once
 from ..engine.trajectory import TrajectoryWarning
-from ..errors import InputError
+from ..errors import InputError, told_to
 from ..extras import has
 from ..language import IN_ENGLISH, Language, language
 from ..measurement.again import cells as cells_again
@@ -38,7 +38,7 @@ from .alone import alone
 from .beside import write_beside
 from .hand_in import check_able, hand_in
 from .lengths import PIVOTS, of_length, with_g, with_lengths, written
-from .options import as_options
+from .options import TO_THE_COMMAND
 from .series import as_cells, as_changed, series, varied, without_table
 from .series import written as write_series
 
@@ -89,7 +89,7 @@ def answer(given: Sequence[str], told: Mapping[str, Any], wishes: Wishes) -> int
     where none can be used.
     """
     check_able(wishes.handed_in, wishes.quick)
-    with _speaking(wishes.spoken):
+    with _speaking(wishes.spoken), told_to(TO_THE_COMMAND):
         if not wishes.json:
             return _handed_in(_study(given, told, wishes), wishes).code
         with redirect_stdout(sys.stderr):
@@ -116,7 +116,7 @@ def _as_json(found: Found) -> dict[str, Any]:
             for one in found.read
         ],
         "left_out": [
-            {"recording": one.recording, "file": one.file, "problem": one.problem, "expected": one.expected, "mend": as_options(one.mend)}
+            {"recording": one.recording, "file": one.file, "problem": one.problem, "expected": one.expected, "mend": one.mend}
             for one in found.left_out
         ],
         "g": {name: one.to_dict() for name, one in found.g.items()},
@@ -164,7 +164,7 @@ def _study(given: Sequence[str], told: Mapping[str, Any], wishes: Wishes) -> Fou
     searched, short = _searched(kept)
     left_out += short
     for one in (*unfit, *(one for one in short if one.code != POINTS_ALONE)):  # that is told already
-        _say(f"{one.recording}: {one.problem}. Mend: {as_options(one.mend)}.")
+        _say(f"{one.recording}: {one.problem}. Mend: {one.mend}.")
     config = own.write(folder, [one.row for one in kept], left_out, searched, restoring, wishes.lang)
     table = pd.concat([one.table for one in answers.values()], ignore_index=True)
     write_csv(for_spreadsheets(in_order(table)), folder / FIRST)
@@ -238,7 +238,7 @@ def _none_of(refused: Sequence[own.Refused]) -> InputError:
 
 
 def _refusal(one: own.Refused) -> InputError:
-    return InputError(one.file, *map(as_options, (one.problem, one.expected, one.mend)))
+    return InputError(one.file, one.problem, one.expected, one.mend)
 
 
 def _read(
@@ -259,15 +259,14 @@ def _read(
                 left_out.append(found)
                 if alone and len(parts) == 1:  # it ends the command, and is told there
                     continue
-                problem, expected, mend = map(as_options, (found.problem, found.expected, found.mend))
-                _say(f"{name}: NOT USED: {problem}. Expected: {expected}. Mend: {mend}.")
+                _say(f"{name}: NOT USED: {found.problem}. Expected: {found.expected}. Mend: {found.mend}.")
                 continue
             taken.append(found)
             about = found.recording.attrs
             taken_as = f"{about['taken']}, {found.angle.sizes['time']} samples"
             _say(f"{name}: {spoken.text(taken_as)}")
             if about.get("remarks"):
-                _say(f"    {as_options(about['remarks'])}")
+                _say(f"    {about['remarks']}")
     return taken, left_out
 
 

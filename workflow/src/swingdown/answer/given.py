@@ -8,7 +8,7 @@ import pandas as pd
 import xarray as xr
 
 from ..arrays import Floats
-from ..errors import InputError
+from ..errors import InputError, as_told
 from ..measurement.angle import to_angle
 from ..measurement.clock import in_order, parts
 from ..measurement.columns import ANGLE, RATE, choose, meaning
@@ -31,13 +31,12 @@ from .labelled import ANGLES, numbers
 from .labelled import angles as in_one_unit
 from .labelled import times as seconds
 
-# What a file's owner mends in the sample sheet, the caller of a function mends in the call.
+# What a file's owner mends in the sample sheet, the caller of a function mends in the call: by the settings that a mend names.
 _MENDS = {
-    "restoring: linear": "if a spring pulls it back say restoring='linear'; if these are degrees say unit='deg'",
+    "restoring": "if a spring pulls it back say restoring='linear'; if these are degrees say unit='deg'",
     "signal_unit": "say unit='deg' or unit='rad'",
     "time_unit": "give the times in s",
     "start_s": "leave that part out of the arrays",
-    "role": "look at what was recorded",
 }
 
 
@@ -183,7 +182,7 @@ def _driven(
         | {"unit_told": judged.reading.told}
         | ({"zero_rad": judged.zero} if judged.zero else {}),
     )
-    return to_angle(recording).assign_attrs(remarks="; ".join(judged.remarks))
+    return to_angle(recording).assign_attrs(remarks=as_told("; ".join(judged.remarks)))
 
 
 def _passages(times: Any, speeds: Any, names: Sequence[str] | None, kind: str) -> xr.Dataset:
@@ -310,7 +309,7 @@ def _swings_in(name: str, given: Series, unit: str | None, kind: str, restoring:
                 window, told, kept = used_part(judged.windows)
                 told += check_used(times, judged, within(window, times), name)
         except InputError as problem:
-            mend = next((text for key, text in _MENDS.items() if key in problem.mend), problem.mend)
+            mend = next((text for key, text in _MENDS.items() if key in problem.settings), problem.mend)
             raise InputError(problem.where, problem.problem, problem.expected, mend) from None
     if found:
         return [
@@ -331,9 +330,7 @@ def _swings_in(name: str, given: Series, unit: str | None, kind: str, restoring:
             **({"rad_per_unit": judged.reading.scale, "scale": "unknown"} if judged.reading.unit == NO_SCALE else {}),
         },
     )  # fmt: skip
-    return [
-        to_angle(recording).assign_attrs(remarks="; ".join(remarks).replace(" in the sheet says", " says"))
-    ]
+    return [to_angle(recording).assign_attrs(remarks=as_told("; ".join(remarks)))]
 
 
 def _releases(name: str, times: Floats, values: Floats, judged: Judged) -> list[tuple[Floats, Floats, str]]:
@@ -351,11 +348,7 @@ def _points(
     if kind == SWING or unit in TO_RAD_PER_S or not (np.isfinite(times) & np.isfinite(values)).all():
         return []
     unit, told = unit_of(values, unit)
-    try:
-        points = points_in(times, values, name, kind, in_rad=in_rad(unit))
-    except InputError as problem:
-        mend = problem.mend.replace("in the cell signal_kind of the sheet", "as the argument kind")
-        raise InputError(problem.where, problem.problem, problem.expected, mend) from None
+    points = points_in(times, values, name, kind, in_rad=in_rad(unit))
     if points is None:
         return []
     points = points._replace(remarks=[f"taken as turning points, {points.each}", *told, *points.remarks])

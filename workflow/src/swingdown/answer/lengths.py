@@ -14,7 +14,7 @@ from ..paths import for_spreadsheets, write_csv, write_text
 from ..studies.gravity import PIVOT, PIXELS, STATED, TWO, Gravity, budgets, of_two_pivots, with_gravity
 from ..study.own import Taken
 from . import Answer
-from .options import as_options
+from .options import CELLS
 
 BUDGET, RECORD = "g_budget.csv", "g.json"
 PIVOTS = f"{PIVOT}s"  # of the command: a cell for each file
@@ -28,9 +28,7 @@ def with_lengths(
     for cell, dimension in STATED.items():
         text = told.get(cell)
         if text and not text.endswith(PIXELS):
-            quantity(
-                text, dimension, as_options(f"in the cell {cell}").removeprefix("with "), cell.replace("_", " "), "correct it"
-            )  # fmt: skip
+            quantity(text, dimension, CELLS[cell], cell.replace("_", " "), "correct it")
     if not distances:
         return
     if len(rows) != len(distances):

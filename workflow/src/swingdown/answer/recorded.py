@@ -13,12 +13,12 @@ import xarray as xr
 
 from ..arrays import Shown
 from ..dataset import series_of
-from ..errors import InputError
+from ..errors import InputError, told_to
 from ..extras import has, needed
 from ..studies.gravity import with_gravity
 from ..study import own
 from . import html
-from .options import as_arguments
+from .options import ARGUMENTS, TO_READ
 
 if TYPE_CHECKING:
     from ..plots.style import Drawn
@@ -71,17 +71,6 @@ class Told(TypedDict, total=False):
     """Which run of a file with several."""
 
 
-_CELLS = {
-    "unit": "signal_unit",
-    "column": "signal_column",
-    "rate": "rate_hz",
-    "kind": "signal_kind",
-    "start": "start_s",
-    "stop": "stop_s",
-    "input": "input_column",
-}  # of the sample sheet; the others are called as there
-
-
 @dataclass(frozen=True)
 class Recording:
     """What files hold of one pendulum.
@@ -107,6 +96,7 @@ class Recording:
     rows: Mapping[str, Mapping[str, Any]] = field(default_factory=dict, repr=False)
     """By recording what is stated of it, as a row of the sample sheet."""
 
+    @told_to(TO_READ)
     def fit(
         self, *, fitted: Sequence[str] | None = None, effects: Mapping[str, Any] | None = None
     ) -> "Answer":
@@ -126,6 +116,7 @@ class Recording:
 
         return self._with_g(of_swings(self.swings, fitted, effects, self.restoring))
 
+    @told_to(TO_READ)
     def explain(
         self,
         *,
@@ -214,6 +205,7 @@ def _line(swing: xr.Dataset) -> str:
     return f"{name:18} {samples} samples in {seconds:.4g} s, up to {reach:.3g} {unit}"
 
 
+@told_to(TO_READ)
 def read(path: Paths, *, restoring: Restoring = "sine", **told: Unpack[Told]) -> Recording:
     """The ``Recording`` in a file, or in several files of one pendulum.
 
@@ -237,11 +229,7 @@ def read(path: Paths, *, restoring: Restoring = "sine", **told: Unpack[Told]) ->
         raise InputError(passed[0].file, passed[0].problem, passed[0].expected, passed[0].mend)
     rows = own.rows(paths, Path(), len(paths) > 1, _cells(told))
     found = [one for row, file in zip(rows, paths, strict=True) for one in _taken(row, file, restoring, told)]
-    remarks = [
-        as_arguments(str(one.recording.attrs["remarks"]))
-        for one in found
-        if one.recording.attrs.get("remarks")
-    ]
+    remarks = [str(one.recording.attrs["remarks"]) for one in found if one.recording.attrs.get("remarks")]
     taken = dict.fromkeys(
         f"{Path(one.row['file']).name}: {one.recording.attrs.get('taken', '')}" for one in found
     )
@@ -267,7 +255,7 @@ def _cells(told: Mapping[str, Any]) -> dict[str, Any]:
         if name not in known:
             near = difflib.get_close_matches(name, known, 1)
             raise InputError(f"argument {name}", "there is no such argument", ", ".join(known), f"say {near[0]}=" if near else "leave it out")  # fmt: skip
-    return {_CELLS.get(name, name): value for name, value in told.items()}
+    return {ARGUMENTS.get(name, name): value for name, value in told.items()}
 
 
 def _taken(row: Mapping[str, Any], path: Path, restoring: str, told: Mapping[str, Any]) -> list[own.Taken]:
@@ -275,7 +263,7 @@ def _taken(row: Mapping[str, Any], path: Path, restoring: str, told: Mapping[str
     parts = own.take(row, path, restoring)
     if refused := [one for one in parts if isinstance(one, own.Refused)]:
         one = refused[0]
-        raise InputError(one.label or path.name, *map(as_arguments, (one.problem, one.expected, one.mend)))
+        raise InputError(one.label or path.name, one.problem, one.expected, one.mend)
     found = [one for one in parts if isinstance(one, own.Taken)]
     runs = [str(one.row["run"]) for one in found if "run" in one.row]
     if len(runs) > 1 and "run" not in told:

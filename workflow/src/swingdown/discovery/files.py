@@ -83,7 +83,7 @@ def reading_of(name: str, angles: Sequence[xr.Dataset]) -> str:
     if any(one.attrs.get("mode") == UNSCALED for one in angles):
         raise InputError(
             f"campaign {name}", "its readings have no scale: what acts on it cannot be searched, period and decay alone are told",
-            "angles", "state the degrees that one unit is worth in the cell scale of the sheet",
+            "angles", "state the degrees that one unit is worth ⟨in scale⟩",
         )  # fmt: skip
     kinds = {str(dataset.series_of(one).name) for one in angles}
     if len(kinds) > 1:

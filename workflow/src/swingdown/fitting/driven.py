@@ -62,7 +62,7 @@ def driven_guesses(model: Model, times: Floats, angle: Floats, drive: Drive) -> 
     if not found:
         raise InputError(
             f"fit of {model.label}", "no frequency of its own is seen in how it follows the drive", "a pendulum, and what drives it",
-            "check the columns of angle and input, their units, and what the input is (input_kind)",
+            "check the columns of angle and input, their units, and what the input is (⟨input_kind⟩)",
         )  # fmt: skip
     return found
 

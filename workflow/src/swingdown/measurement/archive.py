@@ -102,7 +102,7 @@ def _member(archive: zipfile.ZipFile, name: str, part: str) -> tuple[BinaryIO, s
             name,
             f"the archive holds {len(files)} files of numbers",
             ", ".join(files),
-            "name one of them in the cell `sheet` of the sample sheet",
+            "name one of them ⟨in sheet⟩",
         )
     chosen = part or files[0]
     if (size := archive.getinfo(chosen).file_size) > LARGEST:
@@ -124,5 +124,5 @@ def _no_part(name: str, part: str, there: list[str], what: str) -> InputError:
         f"{name} (column sheet)",
         f"there is no {what} {part!r} in it",
         ", ".join(there) or "none at all",
-        "correct the cell `sheet` of the sample sheet, or leave it empty",
+        "correct ⟨sheet⟩, or leave it empty",
     )

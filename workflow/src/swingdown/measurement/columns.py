@@ -163,14 +163,14 @@ def choose(
             f"{place}, {place_of(clock.name)}",
             f"{_saying(clock)} cannot be the time",
             "a column of time in s, ms or us",
-            "name it in the cell time_column of the sheet, or write its unit in time_unit",
+            "name it ⟨in time_column⟩, or write its unit ⟨in time_unit⟩",
         )
     if not units[0] and clock.written and not clock.unit:
         raise InputError(
             f"{place}, {place_of(clock.name)}",
             f"the unit of the time, {clock.written!r}, is not known here",
             "s, ms or us",
-            "convert the column, or write its unit in the cell time_unit of the sheet",
+            "convert the column, or write its unit ⟨in time_unit⟩",
         )
     return clock, _swing(
         clock, [one for one in columns if one is not clock], by_name, signal, place, units[1]
@@ -268,14 +268,14 @@ def _checked(one: Meaning, others: list[Meaning], place: str, stated: str) -> Me
             f"{place}, {place_of(one.name)}",
             "it tells how fast it turns and not which way",
             "the rate about one axis, in rad/s or deg/s",
-            "name the column of that axis in the cell signal_column of the sheet",
+            "name the column of that axis ⟨in signal_column⟩",
         )
     if stated or (one.unit and one.kind in (ANGLE, VOLTAGE, COUNTS, RATE)):
         return one
     if one.kind == LENGTH or _is_speed(one) or (one.kind in (ANGLE, RATE, UNTOLD) and not one.written):
         return one
     mends = {
-        RATE: "write rad/s or deg/s in the cell signal_unit of the sheet, or convert the column to one of them",
+        RATE: "write rad/s or deg/s ⟨in signal_unit⟩, or convert the column to one of them",
         ANGLE: "convert it to rad or deg",
         VOLTAGE: "convert it to V, rad or deg",
     }
@@ -296,7 +296,7 @@ def _checked(one: Meaning, others: list[Meaning], place: str, stated: str) -> Me
         ),
         "an angle in rad or deg, an angular rate in rad/s or deg/s, encoder counts, volts, or positions x and y"
         + (f"; the file has {', '.join(column.name for column in others)}" if len(others) > 1 else ""),
-        mends.get(one.kind, "name the column of the angle in the cell signal_column of the sheet"),
+        mends.get(one.kind, "name the column of the angle ⟨in signal_column⟩"),
     )
 
 

@@ -114,5 +114,5 @@ def check_alive(times: Floats, signal: Floats, place: str) -> None:
             f"{place}, {times[last]:.6g} s",
             f"the sensor is dead from there on: it stays at {signal[-1]:g} while the pendulum still swings",
             "a swing that decays before it ends",
-            f"leave the end out with stop_s = {times[last - 1]:.6g}, and check the sensor",
+            f"leave the end out with ⟨stop_s={times[last - 1]:.6g}⟩, and check the sensor",
         )

@@ -109,7 +109,7 @@ def judge_driven(times: Floats, signal: Floats, reading: Reading, place: str) ->
     if reading.unit == NO_SCALE or np.isnan(reading.scale):
         raise InputError(
             place, "its readings have no scale, and a measured drive acts on an angle", "an angle",
-            "state the degrees that one unit is worth in the cell scale of the sheet",
+            "state the degrees that one unit is worth ⟨in scale⟩",
         )  # fmt: skip
     zero, told = hanging(signal, reading.scale, False) if reading.scale else (0.0, [])
     nothing = Spikes(np.zeros(signal.size, dtype=bool), signal)

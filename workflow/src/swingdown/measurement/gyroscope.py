@@ -24,9 +24,7 @@ def turning_most(names: Sequence[str], values: Sequence[Floats]) -> tuple[int, l
     most = int(np.argmax(spread))
     if len(names) < 2:
         return most, []
-    told = [
-        f"of {len(names)} axes `{names[most]}` turns most and was taken (signal_column in the sheet says otherwise)"
-    ]
+    told = [f"of {len(names)} axes `{names[most]}` turns most and was taken (⟨signal_column⟩ says otherwise)"]
     others = [share / spread[most] for k, share in enumerate(spread) if k != most] if spread[most] > 0 else []
     if others and max(others) > ASKEW:
         told.append(
@@ -51,7 +49,7 @@ def check_rate(times: Floats, signal: Floats, unit: str, place: str) -> list[str
             place,
             f"taken for {unit} it reaches {fastest:.4g} rad/s with a period of {period:.3g} s, which no pendulum does",
             f"at most {2 * pi * FASTEST / period:.3g} rad/s",
-            "write deg/s in the cell signal_unit of the sheet if these are degrees a second, or check the unit of the time",
+            "write deg/s ⟨in signal_unit⟩ if these are degrees a second, or check the unit of the time",
         )
     zero = swings.centre() * TO_RAD_PER_S[unit]
     if abs(zero) > ZERO_TOLERANCE and np.mean(rate * zero > 0) > ONE_WAY:
@@ -59,7 +57,7 @@ def check_rate(times: Floats, signal: Floats, unit: str, place: str) -> list[str
             place,
             f"it turns one way all the time, at about {zero:.2g} rad/s",
             "a pendulum, which turns back after each half-swing",
-            "name the column of the axis that it swings about in the cell signal_column of the sheet",
+            "name the column of the axis that it swings about ⟨in signal_column⟩",
         )
     if abs(zero) > ZERO_TOLERANCE:
         return [

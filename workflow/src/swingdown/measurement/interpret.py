@@ -143,9 +143,9 @@ def interpret(table: Table, row: Mapping[str, Any], place: str, restoring: str) 
     if len(times) < SHORTEST:
         raise InputError(
             f"{row['file']} ({place})",
-            f"{len(times)} samples with a number in each cell between start_s and stop_s",
+            f"{len(times)} samples with a number in each cell between ⟨start_s⟩ and ⟨stop_s⟩",
             f"at least {SHORTEST}, as fewer tell no swing",
-            "record longer or more samples a second, widen start_s and stop_s, or correct the unit of the time",
+            "record longer or more samples a second, widen ⟨start_s⟩ and ⟨stop_s⟩, or correct the unit of the time",
         )
     ordered = in_order(times, values[0], where)
     times, values = ordered.times, [one[ordered.kept] for one in values]
@@ -167,7 +167,7 @@ def interpret(table: Table, row: Mapping[str, Any], place: str, restoring: str) 
         if not columns.unit and np.isfinite(pair[1]).all():
             check_no_positions(*pair, both)
         remarks.append(
-            f"the file has {len(table.names)} columns and no names of them: `{names[0]}` was taken (signal_column in the sheet says otherwise)"
+            f"the file has {len(table.names)} columns and no names of them: `{names[0]}` was taken (⟨signal_column⟩ says otherwise)"
         )
     made = _signal(row, place, columns, names, times, values, restoring)
     if len(names) > 1 and len(columns.found) == 1:  # of a gyroscope's axes the one that turns most
@@ -198,7 +198,7 @@ def _input_of(table: Table, row: Mapping[str, Any], place: str) -> list[str]:
     if wanted not in table.names:
         raise InputError(
             f"{row['file']} ({place}, column input_column)", f"the file has no column {wanted!r}", f"one of {', '.join(table.names)}",
-            "correct input_column in the sheet, or the file's header",
+            "correct ⟨input_column⟩, or the file's header",
         )  # fmt: skip
     return [wanted]
 
@@ -257,7 +257,7 @@ def _rising(table: Table, row: Mapping[str, Any]) -> tuple[Table, Mapping[str, A
             f"{row['file']}, {place_of(table.names[0])}",
             "it counts frames or samples, and no column is a time",
             "a column of time, or the samples a second",
-            "write the frames or samples a second in the cell rate_hz of the sheet",
+            "write the frames or samples a second ⟨in rate_hz⟩",
         )
     pieces = iter(table.pieces)
     first = next(pieces, None)
@@ -272,7 +272,7 @@ def _rising(table: Table, row: Mapping[str, Any]) -> tuple[Table, Mapping[str, A
             f"{row['file']}, {place_of(table.names[0])}",
             "no column says that it is the time, and none rises from row to row",
             "a column of time, or the samples a second",
-            "write the samples a second in the cell rate_hz of the sheet, or name the column of the time in its cell time_column",
+            "write the samples a second ⟨in rate_hz⟩, or name the column of the time ⟨in time_column⟩",
         )
     if table.names[0] in rising or len(rising) != 1:
         return table, row, []
@@ -389,7 +389,7 @@ def _stated_scale(row: Mapping[str, Any], where: str) -> float | None:
     except (ValueError, ZeroDivisionError):
         scale = 0.0
     if not (np.isfinite(scale) and scale):
-        raise InputError(f"{where}, column scale", f"{cell!r} is no scale", "degrees that one unit of the signal is worth, two readings at known angles as 512=0,700=30, or relative", "correct the cell scale of the sheet")  # fmt: skip
+        raise InputError(f"{where}, column scale", f"{cell!r} is no scale", "degrees that one unit of the signal is worth, two readings at known angles as 512=0,700=30, or relative", "correct ⟨scale⟩")  # fmt: skip
     return scale
 
 
@@ -417,7 +417,7 @@ def _coordinate(
             if height
             else "its turning points of one side stay where they are, as of the height of a bob, which goes up and down twice a period",
             "the horizontal coordinate, or both",
-            "export x too, or name its column in the cell signal_column of the sheet",
+            "export x too, or name its column ⟨in signal_column⟩",
         )
     reading = Reading("rad", True, 1.0, restoring)
     if cell and first.kind != SPEED:
@@ -432,7 +432,7 @@ def _coordinate(
         if first.kind == SPEED
         else "the height of a bob whose tops fall as its bottoms rise, as on a spring: taken as it swings"
         if height
-        else "one coordinate without a length (the cell length of the sheet, in its unit): taken as it swings, whatever pulls it back"
+        else "one coordinate without a length (⟨length⟩, in its unit): taken as it swings, whatever pulls it back"
     ]
     known = np.nan if scale is None else scale
     return Interpreted(
@@ -448,7 +448,7 @@ def _told_lost(away: np.ndarray, circle: Circle, angle: Floats, unit: str, place
             place,
             f"{100 * share:.0f} % of the positions lie beside the circle of the others, {circle.residual:.2g}{unit} (RMS)",
             "a bob that the tracker follows",
-            "track it anew, or leave the part out with start_s and stop_s",
+            "track it anew, or leave the part out with ⟨start_s⟩ and ⟨stop_s⟩",
         )
     told = [f"{int(away.sum())} of {away.size} positions lie beside the circle, as where a tracker lost the bob: left out as missing"] if away.any() else []  # fmt: skip
     swing = circle.radius * float(np.ptp(angle)) / 2
@@ -470,7 +470,7 @@ def _check_slowest(times: Floats, taken: Floats, other: Floats, place: str) -> N
             f"they swing with periods of {fast:.3g} and {slow:.3g} s, the first twice as fast as the second: an acceleration or a height does so, an "
             "angle does not; the file does not say what they hold",
             "a column with the angle",
-            "name the column of the angle in the cell signal_column of the sheet; an accelerometer that rides on the bob tells none",
+            "name the column of the angle ⟨in signal_column⟩; an accelerometer that rides on the bob tells none",
         )
 
 
@@ -513,7 +513,7 @@ def _check_own_unit(column: Meaning, row: Mapping[str, Any], key: str, name: str
             f"{name} ({place}, column {key}_unit)",
             f"the sheet says {said!r} and the file says {column.written!r} of {column.name!r}",
             "one unit",
-            f"correct {key}_unit in the sheet, or the file's own attribute `units`",
+            f"correct ⟨{key}_unit⟩, or the file's own attribute `units`",
         )
 
 
@@ -526,9 +526,9 @@ def _check_column(
         f"{name} ({place}, column {key})",
         f"the file has no column {wanted!r}" if wanted else f"the file has {len(columns)} column(s)",
         f"one of {', '.join(columns)}" if wanted else "a column of time and one of the signal",
-        f"correct {key} in the sheet, or the file's header"
+        f"correct ⟨{key}⟩, or the file's header"
         if wanted or len(columns) > 1
-        else "write the samples a second in the cell rate_hz of the sheet, if the file holds the signal alone",
+        else "write the samples a second ⟨in rate_hz⟩, if the file holds the signal alone",
     )
 
 
@@ -541,8 +541,8 @@ def _check_unit(row: Mapping[str, Any], column: str, unit: str, name: str, place
             f"{name} ({place}, column signal_unit)",
             f"the column {column!r} seems to be in V and the sheet does not say so",
             "an angle, or a calibration: recordings in volts need one",
-            "calibrate it in a study with an apparatus sheet (docs/calibrate.md), state the degrees of a volt in the cell scale of the "
-            "sheet (relative: period and decay alone), or convert it to rad or deg",
+            "calibrate it in a study with an apparatus sheet (docs/calibrate.md), state the degrees of a volt ⟨in scale⟩ "
+            "(relative: period and decay alone), or convert it to rad or deg",
         )
     turns = unit in TO_RAD_PER_S
     if (

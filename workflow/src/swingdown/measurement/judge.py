@@ -19,8 +19,8 @@ from .units import NO_SCALE, TURNS, angle_unit, check_steps, in_rad, turns_count
 
 RELATIVE = 0.01  # rad: what the largest swing of a reading without a scale stands for, as sine and angle are then one
 UNSCALED = (
-    "nobody states what a unit of it is worth: PERIOD AND DECAY ALONE ARE TOLD. For angles state the degrees that one unit is worth in "
-    "the cell scale of the sheet"
+    "nobody states what a unit of it is worth: PERIOD AND DECAY ALONE ARE TOLD. For angles state the degrees that one unit is worth "
+    "⟨in scale⟩"
 )
 _NEAR = 12  # half-swings beside a hole that tell its period
 COUNTED = 0.25  # swings: what lies in a hole is counted if it is known better than this
@@ -172,8 +172,8 @@ def check_used(times: Floats, judged: Judged, used: slice, place: str, partial: 
             place,
             f"the recording is too short, or no angle: in {healed.size} samples it passes its middle {max(count - 1, 0)} times",
             "three whole half-swings or more for a fit, nine for a search in one recording alone",
-            "record longer, or widen start_s and stop_s; of a sensor that sees the bob come by write the times of its passages, and passages "
-            "in the cell signal_kind of the sheet",
+            "record longer, or widen ⟨start_s⟩ and ⟨stop_s⟩; of a sensor that sees the bob come by write the times of its passages, and passages "
+            "⟨in signal_kind⟩",
         )
     check_countable(times[used], healed, place)
     remarks = check_shrinks(healed, place)
@@ -200,7 +200,7 @@ def check_countable(times: Floats, signal: Floats, place: str) -> None:
             f"{place}, {hidden.start:.6g} s",
             hidden.words(),
             "holes in which swings can be counted",
-            f"use a part: from {first:.9g} to {last:.9g} s there is no such hole (start_s = {first:.9g}, stop_s = {last:.9g})",
+            f"use a part: from {first:.9g} to {last:.9g} s there is no such hole (⟨start_s={first:.9g}⟩, ⟨stop_s={last:.9g}⟩)",
         )
 
 
@@ -268,17 +268,17 @@ def used_part(
         about = {key: at for key, at in ends.items() if np.isfinite(at)}
         words = {"begins_s": "from {:.3f} s on", "ends_s": "until {:.3f} s"}
         used = " and ".join(words[key].format(at) for key, at in about.items())
-        return found, [*told, f"{first.why}, {used} (start_s and stop_s in the sheet say otherwise)"], about
+        return found, [*told, f"{first.why}, {used} (⟨start_s⟩ and ⟨stop_s⟩ say otherwise)"], about
     if np.isfinite(found.begins):
         about |= {"released_s": found.released, "begins_s": found.begins}
         told += [
             f"it begins in a hand and was released at about {found.released:.2f} s: "
-            f"the swing is used from {found.begins:.3f} s on (start_s in the sheet says otherwise)"
+            f"the swing is used from {found.begins:.3f} s on (⟨start_s⟩ says otherwise)"
         ]
     if np.isfinite(found.ends):
         about |= {"ends_s": found.ends}
         told += [
             f"{'it comes to rest and stays there' if found.rests else 'a hand stops it'}: "
-            f"the swing is used until {found.ends:.3f} s (stop_s in the sheet says otherwise)"
+            f"the swing is used until {found.ends:.3f} s (⟨stop_s⟩ says otherwise)"
         ]
     return found, told, about

@@ -43,7 +43,7 @@ _ALIKE = 0.25  # of the usual step: a step that differs by more is no half-swing
 _USUAL = 0.9  # of all steps that are alike: the others are passages missed
 _SLOWEST = 100.0  # s; a pendulum with this period is 2.5 km long
 _WIDTHS = "bob widths/s"
-_WORDS = "write passages (each passage: two a period) or periods (one a period) in the cell signal_kind of the sheet"
+_WORDS = "write passages (each passage: two a period) or periods (one a period) ⟨in signal_kind⟩"
 
 
 class Gate(NamedTuple):
@@ -76,7 +76,7 @@ def passages(table: Table, row: Mapping[str, Any], place: str) -> tuple[Table, x
         if ours:
             raise InputError(
                 f"{row['file']} ({place})", "no passages of a light gate are in it", "a column of increasing times, of periods, or of the gate's states",
-                "leave the cell signal_kind of the sheet empty, or export the times",
+                "leave ⟨signal_kind⟩ empty, or export the times",
             )  # fmt: skip
         return table, None
     inside = ~(gate.times < row.get("start_s", np.nan)) & ~(gate.times > row.get("stop_s", np.nan))
@@ -115,7 +115,7 @@ def ask_periods(table: Table, row: Mapping[str, Any], place: str) -> Table:
     raise InputError(
         f"{row['file']}, {place_of(rest[0].name)} ({place})", f"{values.size} numbers, nearly all about {np.median(values):.4g}, and nobody says what they are: periods of a pendulum, or readings?",
         "periods, the times between passages, or readings with their rate",
-        "write periods (one a period) or passages (two a period) in the cell signal_kind of the sheet; of readings write the samples a second in the cell rate_hz of the sheet",
+        "write periods (one a period) or passages (two a period) ⟨in signal_kind⟩; of readings write the samples a second ⟨in rate_hz⟩",
     )  # fmt: skip
 
 
@@ -176,7 +176,7 @@ def _halves(times: Floats, kind: str, step: int, place: str) -> tuple[np.ndarray
         return step * found[0], slice(begin + found[1].start, begin + found[1].stop)
     raise InputError(
         place, "how many swings passed between its passages cannot be told: their times are not multiples of one interval",
-        "passages of which some follow each other", "leave out what is no passage of the bob (start_s and stop_s)",
+        "passages of which some follow each other", "leave out what is no passage of the bob (⟨start_s⟩ and ⟨stop_s⟩)",
     )  # fmt: skip
 
 
@@ -236,7 +236,7 @@ def _of_gates(
     best, gate = max(found, key=lambda one: one[1].times.size)
     others = ", ".join(f"`{one.name}`" for one in states if one is not best)
     told = [
-        f"another gate is left out, for each is passed twice a period: {others} (signal_column in the sheet says otherwise)"
+        f"another gate is left out, for each is passed twice a period: {others} (⟨signal_column⟩ says otherwise)"
     ]
     return gate._replace(remarks=gate.remarks + (told if others else []))
 

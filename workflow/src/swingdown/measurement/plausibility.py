@@ -155,7 +155,7 @@ def check_shrinks(signal: Floats, place: str) -> list[str]:
             place,
             f"its swings grow: in the last third of the recording they are {last / first:.2f} times as wide as in the first",
             "a pendulum that nothing drives: it swings less and less",
-            "leave out with start_s and stop_s where something drives it",
+            "leave out with ⟨start_s⟩ and ⟨stop_s⟩ where something drives it",
         )
     if last < (1 - SHRINKS) * first:
         return []

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from ..errors import InputError
+from ..errors import InputError, as_told
 from ..quantisation import quantisation_step
 from .slack import tolerances
 from .source import Table
@@ -62,7 +62,7 @@ def as_recording(
             "kind": BOTH_SIDES if points.both else ONE_SIDE,
             "u_times": stated_u[0],
             "u_readings": stated_u[1],
-            **({"remarks": "; ".join(points.remarks)} if points.remarks else {}),
+            **({"remarks": as_told("; ".join(points.remarks))} if points.remarks else {}),
             **tolerances(row or {}, "rad"),
         },
     )
@@ -126,5 +126,5 @@ def check_said(recording: xr.Dataset, row: Mapping[str, Any], sheet: str) -> Non
     if are_points(recording) and not row.get("signal_kind"):
         raise InputError(
             f"{sheet}, {row['recording']}, column signal_kind", f"the file holds turning points alone ({recording.attrs['taken']})",
-            "that the sheet says so", f"write {recording.attrs['kind']} in the cell signal_kind of the sheet",
+            "that the sheet says so", f"write {recording.attrs['kind']} ⟨in signal_kind⟩",
         )  # fmt: skip

@@ -69,15 +69,15 @@ def fit_circle(x: Floats, y: Floats, place: str = "positions") -> Circle:
             place,
             f"the positions lie on no circle: {circle.residual / circle.radius:.2g} of its radius away (RMS)",
             "one bob that swings about a pivot which stands still, with the camera still",
-            "leave out with start_s and stop_s where something else was followed, track it anew, or export the angle",
+            "leave out with ⟨start_s⟩ and ⟨stop_s⟩ where something else was followed, track it anew, or export the angle",
         )
     if arc < LEAST_ARC:
         raise InputError(
             place,
             f"the positions tell no pivot: they lie on an arc of {arc:.3g} rad",
             f"an arc of {LEAST_ARC:g} rad or more",
-            "record a larger swing, export the angle, or name the horizontal coordinate in the cell signal_column of the sheet and state the "
-            "length of the pendulum in the cell length",
+            "record a larger swing, export the angle, or name the horizontal coordinate ⟨in signal_column⟩ and state the "
+            "length of the pendulum ⟨in length⟩",
         )
     return circle
 
@@ -159,8 +159,8 @@ def check_no_positions(x: Floats, y: Floats, place: str) -> None:
             f"they lie on a circle, {circle.residual / circle.radius:.1g} of its radius from it, as positions x and y of a bob do; "
             "the file does not say what they hold",
             "names of the columns",
-            "write a first line with names above the numbers, such as `t x y`, or name the column of the angle in the cell "
-            "signal_column of the sheet",
+            "write a first line with names above the numbers, such as `t x y`, or name the column of the angle "
+            "⟨in signal_column⟩",
         )
 
 
@@ -212,7 +212,7 @@ def metres(length: str, unit: str, place: str, quiet: bool = False) -> float:
         f"{length!r} is no length in the coordinate's unit, {unit or 'which nobody states'}",
         "a length in m, or with a unit, as 58 cm"
         + (f" or 350 {unit}" if unit and wanted not in METRES else ""),
-        "correct the cell length of the sheet",
+        "correct ⟨length⟩",
     )
 
 
@@ -224,7 +224,7 @@ def by_length(x: Floats, length: float, place: str) -> Floats:
             place,
             f"it swings by {reach:.4g} to a side, further than the length of {length:.4g} lets it",
             "a length from the pivot to the middle of the bob, in the coordinate's unit",
-            "correct the cell length of the sheet",
+            "correct ⟨length⟩",
         )
     return np.arcsin(away / length)
 

@@ -33,7 +33,7 @@ def check_signal(times: Floats, signal: Floats, place: str, static: bool = False
                 f"{place}, {times[first]:.6g} s",
                 f"the signal is saturated: {length} samples at its {word} value {signal[first]:g} ({len(runs)} such tops)",
                 "rounded turning points",
-                "record with a wider range, or leave the part out with start_s and stop_s",
+                "record with a wider range, or leave the part out with ⟨start_s⟩ and ⟨stop_s⟩",
             )
 
 

@@ -9,7 +9,7 @@ import pandas as pd
 import xarray as xr
 
 from .. import dataset
-from ..errors import InputError
+from ..errors import InputError, as_told
 from . import phyphox
 from .again import OPEN, may_be_read_again
 from .columns import place_of
@@ -87,7 +87,7 @@ def ingest(
             if row["signal_column"] or not says_nothing(table):
                 raise
             # what is taken for the swing may be another column
-            also = f"; or name the column of the angle in the cell signal_column of the sheet: {', '.join(table.names)}"
+            also = f"; or name the column of the angle ⟨in signal_column⟩: {', '.join(table.names)}"
             raise type(problem)(
                 problem.where, problem.problem, problem.expected, problem.mend + also
             ) from None
@@ -136,7 +136,7 @@ def _dataset(
             tolerances(_with_usual(row, table), unit, upright=not ("pivot_x" in found.about or turned)),
             found.rate,
         ),
-        **({"remarks": "; ".join(remarks)} if remarks else {}),
+        **({"remarks": as_told("; ".join(remarks))} if remarks else {}),
         **({"time_standard_uncertainty_s": float(stamp)} if stamp is not None else {}),
         **({} if counted and not np.isfinite(found.about["counts_per_revolution"]) else found.about),
         **turned,

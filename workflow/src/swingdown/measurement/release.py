@@ -173,7 +173,7 @@ def several_releases(windows: Sequence[Window], row: Mapping[str, Any], place: s
         place,
         f"the pendulum is released {len(windows)} times in it",
         "one swing in a recording",
-        f"put these rows in place of this one, or state start_s or stop_s to keep it whole:\n{text.getvalue()}".rstrip(),
+        f"put these rows in place of this one, or state ⟨start_s⟩ or ⟨stop_s⟩ to keep it whole:\n{text.getvalue()}".rstrip(),
     )
     refusal.cells = tuple({key: cell for key, cell in part.items() if cell} for part in parts)
     return refusal

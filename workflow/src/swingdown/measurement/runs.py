@@ -166,7 +166,7 @@ def by_name(found: Iterable[str], asked: str, place: str) -> str:
         f"{place} (column run)",
         f"there is no run {asked!r} in it",
         ", ".join(names) or "one recording, and no runs",
-        "correct the cell `run` of the sample sheet, or leave it empty",
+        "correct ⟨run⟩, or leave it empty",
     )
 
 

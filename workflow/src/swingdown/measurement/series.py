@@ -52,7 +52,7 @@ def series(
                 row["file"],
                 f"more than {MOST} samples",
                 f"at most {MOST} in the window",
-                "choose a part of it with start_s and stop_s",
+                "choose a part of it with ⟨start_s⟩ and ⟨stop_s⟩",
             )
     told = [remark for key, one in spoilt.items() for remark in one.told(row["file"], key)]
     joined = []
@@ -99,11 +99,11 @@ class _Spoilt:
             return []
         first = f"the first {self.cell[:40]!r} in line {self.line}" if self.odd else "they are empty"
         if self.count > MOST_EMPTY * self.rows or self.odd > MOST_SPOILT * self.rows:
-            mend = "mend the file, choose another column, or leave the part out with start_s and stop_s"
+            mend = "mend the file, choose another column, or leave the part out with ⟨start_s⟩ and ⟨stop_s⟩"
             if not self.odd:
                 mend += (
-                    f"; if the {self.rows - self.count} rows with a number are turning points alone, name the column in the cell signal_column "
-                    "of the sheet and write half_swings (both sides) or turning_points (one side) in the cell signal_kind of the sheet"
+                    f"; if the {self.rows - self.count} rows with a number are turning points alone, name the column ⟨in signal_column⟩ "
+                    "and write half_swings (both sides) or turning_points (one side) ⟨in signal_kind⟩"
                 )
             raise InputError(
                 f"{name}, {place_of(key)}" if not self.odd else f"{name}, line {self.line}, {place_of(key)}",

@@ -30,7 +30,7 @@ _SURE = 4.0  # standard errors of a bend
 _CHANCE = 1e-5  # of taking the two sides for different where they are not
 _ASKED = 0.01  # of asking where they are not
 _UNSIGNED = re.compile(r"(?i)\babs\b|absolute|\||betrag|magnitude")
-_ALTERNATIVES = "write turning_points (one a period), half_swings (one each half-swing) or swing (samples of the motion) in the cell signal_kind of the sheet"
+_ALTERNATIVES = "write turning_points (one a period), half_swings (one each half-swing) or swing (samples of the motion) ⟨in signal_kind⟩"
 
 
 class Points(NamedTuple):
@@ -87,7 +87,7 @@ def points_in(
         halves = np.round((times - times[0]) * (step if np.min(np.diff(times)) >= 1 else 1)).astype(int)
         if not both:
             remarks.append(
-                "each number is taken for a whole swing (half_swings in the cell signal_kind of the sheet says otherwise)"
+                "each number is taken for a whole swing (half_swings ⟨in signal_kind⟩ says otherwise)"
             )
     else:
         times, readings, told = _once(times, readings, signed)
@@ -105,7 +105,7 @@ def points_in(
         if not both and not stated:
             _check_marks(times, place)
             remarks.append(
-                "were they of both sides without signs, the period would be twice this (half_swings in the cell signal_kind of the sheet)"
+                "were they of both sides without signs, the period would be twice this (half_swings ⟨in signal_kind⟩)"
             )
     sign = 1.0 if halves[0] % 2 == 0 else -1.0
     if signed:
@@ -232,7 +232,7 @@ def _longest(same: np.ndarray) -> slice:
 def _no_sides(place: str) -> InputError:
     return InputError(
         place, "its values lie on both sides of 0, and not by turns", "the turning points of one side, or of both by turns",
-        "leave the cell signal_kind of the sheet empty, or correct the column",
+        "leave ⟨signal_kind⟩ empty, or correct the column",
     )  # fmt: skip
 
 

@@ -45,7 +45,7 @@ def time_factor(times: Floats, signal: Floats, told: bool, place: str) -> tuple[
             place,
             f"a period of {period:.4g}, and no unit of the time is stated: a torsion balance takes so many s, a pendulum so many ms",
             "the unit of the time",
-            "write ms or s in the cell time_unit of the sheet, or in the column's name: `t (ms)`",
+            "write ms or s ⟨in time_unit⟩, or in the column's name: `t (ms)`",
         )
     if len(possible) == 1:
         unit, factor = possible[0]
@@ -56,7 +56,7 @@ def time_factor(times: Floats, signal: Floats, told: bool, place: str) -> tuple[
         place,
         f"{what} {length:.3g} s is none of a pendulum, and no unit of the time is stated",
         f"a period between {SHORTEST:g} and {LONGEST:g} s",
-        "write ms, us or s in the cell time_unit of the sheet, or in the column's name: `t (ms)`",
+        "write ms, us or s ⟨in time_unit⟩, or in the column's name: `t (ms)`",
     )
 
 
@@ -97,8 +97,8 @@ def angle_unit(signal: Floats, unit: str, restoring: str, place: str) -> tuple[s
                 place,
                 f"in {unit}, as stated, it swings back and forth by {reach.max() / TURNS[unit]:.3g} turns, as weight swings nothing",
                 "a pendulum; or a disc or a wheel that a spring pulls back, whatever its turns",
-                "if a spring pulls it back say restoring: linear"
-                + ("; if these are degrees write deg in the cell signal_unit of the sheet" if other else ""),
+                "if a spring pulls it back say ⟨restoring=linear⟩"
+                + ("; if these are degrees write deg ⟨in signal_unit⟩" if other else ""),
             )
         return unit, []
     if not too_far("rad"):
@@ -107,16 +107,16 @@ def angle_unit(signal: Floats, unit: str, restoring: str, place: str) -> tuple[s
     if too_far("deg"):
         return NO_SCALE, [
             f"{turns}, in degrees by {reach.max() / 360:.3g}: TAKEN AS A READING OF UNKNOWN SCALE. Period and decay need none; "
-            "for angles state the degrees that one unit is worth in the cell scale of the sheet"
+            "for angles state the degrees that one unit is worth ⟨in scale⟩"
         ]
     if restoring == "linear" and far < 3 * TURNS["rad"]:
         raise InputError(
             place,
             f"{turns}, which a wheel on a spring may do",
             "a unit: in rad and in degrees it is possible",
-            "write rad or deg in the cell signal_unit of the sheet",
+            "write rad or deg ⟨in signal_unit⟩",
         )
-    return "deg", [f"{turns}: TAKEN AS DEGREES (signal_unit in the sheet says otherwise)"]
+    return "deg", [f"{turns}: TAKEN AS DEGREES (⟨signal_unit⟩ says otherwise)"]
 
 
 def check_steps(times: Floats, angle: Floats, place: str) -> None:
@@ -132,7 +132,7 @@ def check_steps(times: Floats, angle: Floats, place: str) -> None:
             f"{place}, {times[far[0] + 1]:.6g} s",
             f"the angle changes by {jumps[far[0]] / (2 * pi):.3g} turns between two samples",
             "less than half a turn",
-            "mend the file there, or correct signal_unit in the sheet",
+            "mend the file there, or correct ⟨signal_unit⟩",
         )
 
 

@@ -74,7 +74,7 @@ def film(source: BinaryIO, name: str) -> dict[str, Columns]:
     told = (
         f"the bob was followed in {np.count_nonzero(seen)} of {len(seen)} frames"
         + (f"; THE FILE STATES {found.stated} FRAMES, of which the last cannot be read" if short else ""),
-        f"a camera up to 10° askew leaves angles right within {GAIN:.0%} (gain_tolerance in the sheet says otherwise)",
+        f"a camera up to 10° askew leaves angles right within {GAIN:.0%} (⟨gain_tolerance⟩ says otherwise)",
     )
     table = pd.DataFrame({"t (s)": found.times[seen], "x (px)": x, "y (px)": y})
     layout = f"film of {width} × {height} px"

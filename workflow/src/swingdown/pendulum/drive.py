@@ -103,7 +103,7 @@ def drive(times: Any, values: Any, kind: str, between: str = "curve", free: Any 
             "input",
             f"no number at {at:.6g} s",
             "numbers throughout",
-            "leave that part out (start_s and stop_s)",
+            "leave that part out (⟨start_s⟩ and ⟨stop_s⟩)",
         )
     first, last = times[0] - (times[1] - times[0]), times[-1] + (times[-1] - times[-2])
     pieces = _pieces(times, values, between)

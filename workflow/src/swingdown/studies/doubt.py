@@ -29,8 +29,8 @@ UNEVEN = 0.1  # of the period: its standard uncertainty from the first swings of
 BETTER = 0.8  # of what is left in rad: with so little left in degrees these may be the unit
 KEPT = 0.9  # of the first swings' size: the last ones of what does not shrink
 MEND = (
-    "leave out what a hand moves or a motor drives (start_s and stop_s), and check that the column is its angle and the unit right; of a "
-    "wheel on a spring or a torsion pendulum say restoring: linear"
+    "leave out what a hand moves or a motor drives (⟨start_s⟩ and ⟨stop_s⟩), and check that the column is its angle and the unit right; of a "
+    "wheel on a spring or a torsion pendulum say ⟨restoring=linear⟩"
 )
 
 
@@ -110,8 +110,7 @@ def ask_pull(fits: xr.Dataset, angle: xr.Dataset, label: str) -> None:
             f"recording {angle.attrs['recording']}",
             f"its period does not depend on the amplitude, so weight does not pull it back: damping leaves {100 * left:.3g} % of it",
             "a pendulum that weight pulls back, or a word on what else does",
-            "of a wheel on a spring or a torsion pendulum say restoring: linear; otherwise correct the unit in the cell signal_unit of the "
-            "sheet",
+            "of a wheel on a spring or a torsion pendulum say ⟨restoring=linear⟩; otherwise correct the unit ⟨in signal_unit⟩",
         )
 
 
@@ -151,8 +150,8 @@ def unit_in_doubt(angles: Sequence[xr.Dataset], restoring: str = "sine") -> str:
         f"recording {names}",
         f"no unit is stated, and {doubt}",
         f"swings in {unit} or in {unit.replace('rad', 'deg')}, and a word which",
-        "say which in the cell signal_unit of the sheet (`unit` of a call); of a wheel on a spring or a torsion pendulum, whose period is "
-        "the same for all swings, say restoring: linear",
+        "say which ⟨in signal_unit⟩; of a wheel on a spring or a torsion pendulum, whose period is "
+        "the same for all swings, say ⟨restoring=linear⟩",
     )
 
 
@@ -204,7 +203,7 @@ def ask_driven(fits: xr.Dataset, angle: xr.Dataset) -> None:
             f"recording {angle.attrs['recording']}",
             f"it does not answer to its input as a pendulum does: the best model of damping leaves {100 * left:.3g} % of it",
             f"at most {100 * LEFT:.0f} %",
-            "check the columns and units of angle and input, and what the input is (input_kind)",
+            "check the columns and units of angle and input, and what the input is (⟨input_kind⟩)",
         )
     if left > MUCH:
         words = DOUBT.format(percent=100 * left, name=angle.attrs["recording"])
@@ -274,8 +273,7 @@ def ask_counted(table: pd.DataFrame, angles: Sequence[xr.Dataset]) -> None:
                 f"recording {one.attrs['recording']}",
                 f"its few swings tell a period of {value_with_uncertainty(told, u)} s, and no better: is it a free swing?",
                 f"swings that tell the period to {100 * UNSURE:.0f} %",
-                MEND
-                + "; record longer; or name the column of the swing in the cell signal_column of the sheet",
+                MEND + "; record longer; or name the column of the swing ⟨in signal_column⟩",
             )
         passed = of_first_swings(one["time"].values, series_of(one).values)
         counted, spread = passed["period_first"], passed["period_first_u"]

@@ -323,7 +323,7 @@ def _swing(angle: xr.Dataset) -> tuple[str, Floats, Floats]:
             f"recording {name}",
             f"too few swings to fit: the angle crosses its middle {crossings} times",
             f"at least {_ENOUGH} whole half-swings",
-            "record longer, or widen start_s and stop_s",
+            "record longer, or widen ⟨start_s⟩ and ⟨stop_s⟩",
         )
     try:
         first_guess(times, series, reading=str(dataset.series_of(angle).name))

@@ -250,7 +250,7 @@ def of_two_pivots(table: pd.DataFrame, stated: Mapping[str, Mapping[str, Any]]) 
     }
     pairs: list[tuple[Stated, Stated]] = []
     for name, text in given.items():
-        distance = quantity(text, "m", f"recording {name}, {PIVOT}", "distance of a pivot", f"correct the cell {PIVOT} of the sheet")  # fmt: skip
+        distance = quantity(text, "m", f"recording {name}, {PIVOT}", "distance of a pivot", f"correct ⟨{PIVOT}⟩")  # fmt: skip
         if frequency := frequency_of(rows[name]):
             pairs.append((frequency, distance))
     if not given:
@@ -296,7 +296,7 @@ def _of_row(row: Mapping[str, Any], cells: Mapping[str, Any]) -> Gravity | None:
     if not _cell(cells, "length") or frequency is None or _cell(cells, "length").endswith(PIXELS):
         return None
     given = {
-        name: quantity(text, dimension, f"recording {row['recording']}, {name}", name.replace("_", " "), f"correct the cell {name} of the sheet")
+        name: quantity(text, dimension, f"recording {row['recording']}, {name}", name.replace("_", " "), f"correct ⟨{name}⟩")
         for name, dimension in STATED.items() if (text := _cell(cells, name))
     }  # fmt: skip
     return gravity(frequency, **given, amplitude=row["amplitude_rad"], period=row["period_s"])
