@@ -17,7 +17,7 @@ from ..pendulum.catalogue import SHIPPED, Catalogue
 from ..pendulum.model import Model, everyday
 from ..rounding import value_with_uncertainty
 from .experiment import fit_recording
-from .left_over import DOUBT, MUCH
+from .left_over import MUCH, doubt
 from .pendulums import describes
 from .scale import DEGREE, Scale, scale_of
 from .unscaled import of_first_swings, without_scale
@@ -205,8 +205,7 @@ def ask_driven(fits: xr.Dataset, angle: xr.Dataset) -> None:
             f"at most {100 * LEFT:.0f} %",
             "check the columns and units of angle and input, and what the input is (⟨input_kind⟩)",
         )
-    if left > MUCH:
-        words = DOUBT.format(percent=100 * left, name=angle.attrs["recording"])
+    if words := doubt(left, angle.attrs["recording"]):
         warnings.warn(words, DoubtfulFit, stacklevel=2)
 
 
@@ -245,7 +244,7 @@ def check_free(fits: xr.Dataset, given: xr.Dataset, label: str, catalogue: Catal
     if left > MUCH:
         _check_dies(given, left, losses.values())
         _check_even(given)
-        warnings.warn(DOUBT.format(percent=100 * left, name=name), DoubtfulFit, stacklevel=2)
+        warnings.warn(doubt(left, name), DoubtfulFit, stacklevel=2)
     for size, (value, error) in losses.items():
         if value < -SURE * error:
             raise Moved(

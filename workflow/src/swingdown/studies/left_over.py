@@ -6,7 +6,16 @@ from ..arrays import Floats
 
 MUCH = 0.08  # of the swing: a model that leaves so much lacks something, and its values are less sure than they say
 _PART = 0.25  # of a period: means over it hold the motion, and little noise
-DOUBT = "the best model of damping leaves {percent:.2g} % of {name}: it lacks something, or a hand is in the recording, and its values are less sure than they say"
+
+
+def doubt(left: float, name: str) -> str:
+    """What is said of the swings ``name`` of which the best model of damping leaves this share; nothing where that is little."""
+    if not left > MUCH:
+        return ""
+    return (
+        f"the best model of damping leaves {100 * left:.2g} % of {name}: it lacks something, or a hand is in the recording, "
+        "and its values are less sure than they say"
+    )
 
 
 def share_left(residual: Floats, series: Floats) -> float:

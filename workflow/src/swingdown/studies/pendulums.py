@@ -20,7 +20,7 @@ from ..pendulum.catalogue import ANGLE, RATE, READINGS, SHIPPED, Catalogue
 from ..pendulum.model import Model
 from ..rounding import value_with_uncertainty
 from .comparison import WORTH, aic_effective, bic_effective, terms_of
-from .left_over import DOUBT, MUCH
+from .left_over import MUCH, doubt
 from .norms import as_text
 from .quantities import UNITS, Quantity, loss_seen, over_models, quantities
 from .turning_points import NOT_DAMPED, as_told, passages_told, period_of_passages
@@ -277,6 +277,7 @@ NO_MODEL = (NOT_DAMPED, NOT_DYING)
 _TAIL = (
     "model",
     "or_model",
+    "share_left",
     "model_of",
     *RESIDUALS.values(),
     "record_s",
@@ -289,7 +290,7 @@ _TAIL = (
     "remark",
 )
 # columns that are there where a row has them
-_SELDOM = (RESIDUALS[RATE], "amplitude_text", "g_of", "note", "or_model")
+_SELDOM = (RESIDUALS[RATE], "amplitude_text", "g_of", "note", "or_model", "share_left")
 
 
 def _row(
@@ -309,9 +310,8 @@ def _row(
     for text in doubts:
         warnings.warn(text, TrajectoryWarning, stacklevel=3)
     left = float(own["share_left"].sel(fitted=label).max()) if "share_left" in own else 0.0
-    if left > MUCH:
-        doubts[DOUBT.format(percent=100 * left, name=campaign if name == TOGETHER else name)] = None
     row: dict[str, Any] = {
+        **({"share_left": left} if left > MUCH else {}),
         "or_model": "; ".join(rivals(own, label, catalogue)),
         "record_s": float(own["record_s"].max()) if "record_s" in own else np.nan,
         "campaign": campaign,
@@ -339,6 +339,7 @@ def _row(
     rms = np.nan if unscaled else np.radians(np.sqrt(np.mean(fitted["norm"].sel(fitted=label).values ** 2)))
     emulated = "yes" if "yes" in own["emulated"].values else "no"
     row |= {RESIDUALS[reading_of(fitted)]: float(rms), "emulated": emulated, "remark": joined(*doubts)}
+    row["remark"] = joined(row["remark"], _doubt_of(row))
     if points:
         row = as_told(row, own.isel(recording=0), rivals(own, label, catalogue))
     return _of_what_is_seen(row)
@@ -360,7 +361,13 @@ def _of_what_is_seen(row: dict[str, Any]) -> dict[str, Any]:
 
 def doubted(row: Mapping[str, Any]) -> bool:
     """True where the best model of damping leaves so much of a row's swings that it is not what stops them."""
-    return DOUBT.split("{")[0] in str(row.get("remark", ""))
+    return float(row.get("share_left", 0.0)) > MUCH
+
+
+def _doubt_of(row: Mapping[str, Any]) -> str:
+    """What its remark says of a row that is ``doubted``."""
+    name = row["campaign"] if row["recording"] == TOGETHER else row["recording"]
+    return doubt(float(row.get("share_left", 0.0)), str(name))
 
 
 def _of_passages(campaign: str, name: str, own: xr.Dataset) -> dict[str, Any]:
@@ -384,7 +391,7 @@ def by_verdict(row: Mapping[str, Any], verdict: Mapping[str, Any]) -> dict[str, 
     if not concluded or verdict["status"] == "unknown":
         return dict(row)
     ends = ("", "_u", "_text")
-    old = {"or_model", *(f"{key}{end}" for key in row if f"{key}_u" in row for end in ends)}
+    old = {"or_model", "share_left", *(f"{key}{end}" for key in row if f"{key}_u" in row for end in ends)}
     found = {key: value for key, value in row.items() if key not in old and key not in RESIDUALS.values()}
     for name, one in concluded["quantities"].items():
         value, error = (np.nan if one[key] is None else one[key] for key in ("value", "standard_uncertainty"))
@@ -392,7 +399,7 @@ def by_verdict(row: Mapping[str, Any], verdict: Mapping[str, Any]) -> dict[str, 
     rates = verdict.get("reading") == RATE
     return _of_what_is_seen(found | {
         "amplitude_rad": concluded["amplitude_rad"], "model": concluded["model"], "model_of": SEARCH,
-        "remark": joined(*(one for one in row.get("remark", "").split("; ") if not one.startswith(DOUBT.split("{")[0]))),
+        "remark": joined(*(one for one in row.get("remark", "").split("; ") if one != _doubt_of(row))),
         RESIDUALS[RATE if rates else ANGLE]: concluded["residual"],
     })  # fmt: skip
 
