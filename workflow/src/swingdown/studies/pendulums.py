@@ -365,9 +365,11 @@ def doubted(row: Mapping[str, Any]) -> bool:
 
 
 def _doubt_of(row: Mapping[str, Any]) -> str:
-    """What its remark says of a row that is ``doubted``."""
+    """What its remark says of a row that is ``doubted``; nothing of any other."""
+    if not doubted(row):
+        return ""
     name = row["campaign"] if row["recording"] == TOGETHER else row["recording"]
-    return doubt(float(row.get("share_left", 0.0)), str(name))
+    return doubt(float(row["share_left"]), str(name))
 
 
 def _of_passages(campaign: str, name: str, own: xr.Dataset) -> dict[str, Any]:
