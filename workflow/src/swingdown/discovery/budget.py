@@ -2,7 +2,6 @@
 
 from ..fitting import effort
 
-GENEROUS = 600.0  # s
 _A_SECOND = 1e7  # of work (``effort``), about what a search does in a second of CPU time on one core
 
 

@@ -205,12 +205,6 @@ def _against(measured: pd.DataFrame, values: Mapping[str, Stated], column: str) 
     return found
 
 
-def _rises(own: pd.DataFrame) -> bool:
-    """True where the quantity is least without what was varied: the rest then comes on top of it."""
-    still = own["x"] == 0
-    return bool(own.loc[still, "y"].max() < own.loc[~still, "y"].min()) if still.any() else True
-
-
 def _between(measured: pd.DataFrame, groups: Mapping[str, str], column: str) -> list[Series]:
     if len(set(groups.values())) < 2:
         return []
