@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from swingdown.errors import InputError
+from swingdown.errors import InputError, as_told
 from swingdown.measurement.judge import Reading, check_used, judge
 from swingdown.measurement.recording import ingest
 from swingdown.measurement.sheet import read_sheet
@@ -22,7 +22,8 @@ def swing(time=TIME, amplitude=0.5, noise=0.001, seed=1, decay=0.03):
 def looked_at(signal, time=TIME, unit="rad", time_told=True, unit_told=True, restoring="sine"):
     factor, told = time_factor(time, signal, time_told, "a.csv")
     judged = judge(time * factor, signal, Reading(unit, unit_told, in_rad(unit), restoring), "a.csv")
-    return told + judged.remarks + check_used(time * factor, judged, slice(None), "a.csv")
+    told += judged.remarks + check_used(time * factor, judged, slice(None), "a.csv")
+    return list(map(as_told, told))
 
 
 def refused(*told, signal, **how):

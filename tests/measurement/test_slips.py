@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from swingdown.errors import as_told
 from swingdown.measurement.judge import Reading, judge, used_part
 
 TIMES = np.arange(0.0, 60.0, 1 / 30)
@@ -16,7 +17,7 @@ def swing(times):
 def used(signal, by_hand=(False, False)):
     judged = judge(TIMES, signal, RAD, "here")
     window, told, _ = used_part(judged.windows, by_hand)
-    return window, " ".join(told)
+    return window, as_told(" ".join(told))
 
 
 def noisy(signal):

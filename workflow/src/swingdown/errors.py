@@ -50,7 +50,7 @@ class Audience:
         return self.inside.format(called) if inside else called
 
 
-SHEET = Audience(inside="in the cell {} of the sheet", pair="{}: {}")
+SHEET = Audience({"sheet": "`sheet`"}, inside="in the cell {} of the sheet", pair="{}: {}")
 _TOLD: ContextVar[Audience] = ContextVar("told", default=SHEET)
 
 
