@@ -32,7 +32,7 @@ exclude_patterns = ["**/.*"]
 
 highlight_language = "none"  # what a block does not say is a command or what it prints
 myst_enable_extensions = ["html_image"]  # a picture with a width, as the front page has one
-myst_heading_anchors = 4  # links such as own-file.md#the-same-by-hand
+myst_heading_anchors = 4  # links such as own-file.md#turning-points-alone
 myst_links_external_new_tab = False
 autodoc_typehints = "signature"
 autodoc_member_order = "bysource"

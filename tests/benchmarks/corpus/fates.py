@@ -33,6 +33,7 @@ from fetch import SPLITS, listed, place
 COMMAND = Path(sys.executable).with_name("swingdown")
 FATES = ["answered", "asked", "refused", "wrong"]
 TABLE = Path(__file__).resolve().parents[3] / "docs" / "corpus.csv"
+OFTEN = 10  # files of a recorder that has a row of its own in the summary
 COLUMNS = (
     "repository",
     "path",
@@ -175,7 +176,7 @@ def summary(rows, name):
 
 
 def page(rows):
-    """Return the page of all rows: what it is about, the counts by set and recorder, and the table."""
+    """Return the page of all rows: what it is about, the counts by set and by frequent recorder, and the table."""
     head = (
         "| | files | repositories | "
         + " | ".join(FATES)
@@ -186,8 +187,12 @@ def page(rows):
     for title in TITLES.values():
         if part := [r for r in rows if r["set"] == title.lower()]:
             lines.append(summary(part, f"**{title.lower()}**"))
-    for recorder in sorted({r["recorder"] for r in rows}):
-        lines.append(summary([r for r in rows if r["recorder"] == recorder], recorder))
+    known = sorted({r["recorder"] for r in rows})
+    parts = {recorder: [r for r in rows if r["recorder"] == recorder] for recorder in known}
+    often = {recorder: part for recorder, part in parts.items() if len(part) >= OFTEN}
+    lines += [summary(part, recorder) for recorder, part in often.items()]
+    if rest := [r for r in rows if r["recorder"] not in often]:
+        lines.append(summary(rest, f"{len(parts) - len(often)} others"))
     lines += ["", "```{csv-table}", ":file: corpus.csv", ":header-rows: 1", "```"]
     return "\n".join(lines) + "\n"
 
