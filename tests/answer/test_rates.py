@@ -80,7 +80,7 @@ def test_the_release_is_found_in_a_rate(tmp_path, held):
 @pytest.mark.parametrize(
     "cells, words",
     [
-        ({"signal_column": "Absolute (rad/s)"}, "not which way"),
+        ({"signal_column": "Absolute (rad/s)"}, "a speed without a direction"),
         ({"zero_tolerance_rad": 0.1}, "zero_tolerance_rad_per_s"),
     ],
 )

@@ -82,7 +82,7 @@ def reading_of(name: str, angles: Sequence[xr.Dataset]) -> str:
     """What the sensor of a campaign reads, ``angle`` or ``rate``; InputError where its recordings differ, or one has no scale."""
     if any(one.attrs.get("mode") == UNSCALED for one in angles):
         raise InputError(
-            f"campaign {name}", "its readings have no scale: what acts on it cannot be searched, period and decay alone are told",
+            f"campaign {name}", "its readings have no scale: they allow no search, and period and decay alone are reported",
             "angles", "state the degrees that one unit is worth ⟨in scale⟩",
         )  # fmt: skip
     kinds = {str(dataset.series_of(one).name) for one in angles}

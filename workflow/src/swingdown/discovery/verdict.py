@@ -52,7 +52,7 @@ def verdict(
         one = _effect(catalogue[name], rounds)
         doubt = last["findings"][name]["doubt"]
         if unit_doubt:  # whatever was found does the work of another unit
-            doubt = "another unit would do its work"
+            doubt = "another unit would explain it as well"
         if not dies_away:  # and here perhaps that of a motor
             doubt = "it does not die away"
         if doubt := doubt or _no_finding(catalogue[name], one["parameters"], last):

@@ -48,7 +48,7 @@ def driven_guesses(model: Model, times: Floats, angle: Floats, drive: Drive) -> 
     """
     if model.reading == RATE:
         raise InputError(
-            f"fit of {model.label}", "its drive was measured, and angular rates do not tell the angle that it acts at", "angles",
+            f"fit of {model.label}", "its drive was measured, and angular rates do not show the angle at which it acts", "angles",
         )  # fmt: skip
     gains = [one.name for effect in model.effects if effect.takes_input for one in effect.with_role("size")]
     amplitude, found = float(np.ptp(angle) / 2), []

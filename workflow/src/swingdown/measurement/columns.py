@@ -266,7 +266,7 @@ def _checked(one: Meaning, others: list[Meaning], place: str, stated: str) -> Me
     if one.kind == RATE and _SIZE_ALONE.search(one.name):
         raise InputError(
             f"{place}, {place_of(one.name)}",
-            "it tells how fast it turns and not which way",
+            "it is a speed without a direction",
             "the rate about one axis, in rad/s or deg/s",
             "name the column of that axis ⟨in signal_column⟩",
         )

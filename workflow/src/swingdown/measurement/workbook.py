@@ -54,7 +54,7 @@ def sheet(source: BinaryIO, name: str, wanted: str = "") -> tuple[list[str], byt
     if done.returncode:
         raise InputError(
             name,
-            f"it cannot be read as a workbook ({said[-1] if said else 'no reason is told'})",
+            f"it cannot be read as a workbook ({said[-1] if said else 'no reason is given'})",
             "a sheet of Excel or OpenDocument",
             "save it as CSV",
         )

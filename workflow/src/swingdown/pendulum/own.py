@@ -81,5 +81,5 @@ def _check_formula(effect: Effect, where: str) -> None:
             raise InputError(place, "the torque is not linear in it", "values to start fits from",
                              "add a key `start` with a few")  # fmt: skip
     if effect.size is None:
-        raise InputError(f"{where}.parameters", "every one has values to start from", "one that is linear, such as its size",
-                         "leave `start` out for the one that the torque is in proportion to")  # fmt: skip
+        raise InputError(f"{where}.parameters", "all parameters have values to start from", "a parameter in which the torque is linear, such as its size",
+                         "leave `start` out for the parameter to which the torque is in proportion")  # fmt: skip

@@ -86,7 +86,7 @@ for (const figure of document.querySelectorAll("figure[data-trace]")) {
   const thin = given.recordings.some(one => one.kept < one.samples);
   bar.appendChild(document.createElement("span")).textContent = [
     "drag over a stretch to see it closely, click twice for all of it", given.noise && "grey: ± 2 standard deviations of the noise",
-    thin && "of the samples those that the fit misses most",
+    thin && "the samples that the fit misses most",
   ].filter(Boolean).map(say).join("; ");
 
   figure.classList.add("zoomable");

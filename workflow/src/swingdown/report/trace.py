@@ -22,7 +22,7 @@ PROGRAM = (_FOLDER / "uplot" / "uPlot.iife.min.js", _FOLDER / "trace.js")
 WORDS = (
     "measured", "fit", "model, held out", "data − fit", "data − model, held out", "time (s)", "time (s) since the first sample", "recording",
     "all", "all of it", "closer", "farther", "earlier", "later", "drag over a stretch to see it closely, click twice for all of it",
-    "grey: ± 2 standard deviations of the noise", "of the samples those that the fit misses most", "angle (°)", "angular rate (°/s)",
+    "grey: ± 2 standard deviations of the noise", "the samples that the fit misses most", "angle (°)", "angular rate (°/s)",
     "data − fit (°)", "data − fit (°/s)",
 )  # fmt: skip
 

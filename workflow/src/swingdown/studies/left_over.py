@@ -13,8 +13,8 @@ def doubt(left: float, name: str) -> str:
     if not left > MUCH:
         return ""
     return (
-        f"the best model of damping leaves {100 * left:.2g} % of {name}: it lacks something, or a hand is in the recording, "
-        "and its values are less sure than they say"
+        f"the best model of damping leaves {100 * left:.2g} % of {name}: it lacks something, or a hand moved the pendulum, "
+        "and its values are less certain than stated"
     )
 
 

@@ -53,7 +53,7 @@ def table3(table: pd.DataFrame, material: Material) -> Table:
     notes = [
         "Norm: RMS of data less fit, mean ± standard deviation over the n swings. BIC: summed over them, for as many samples as "
         "count as independent.",
-        "Variance inflation: how many times the standard errors squared are too small for taking residuals as independent.",
+        "Variance inflation: the factor by which dependent residuals enlarge the squares of the standard errors.",
     ]
     if material.own:
         columns, rows = columns[:-1], [row[:-1] for row in rows]
@@ -120,7 +120,7 @@ def fitted_parameters(table: pd.DataFrame) -> Table:
     caption = "Fitted parameters; in parentheses the standard error in units of the last digits."
     notes = [
         "Mean over swings: its standard error is from the scatter between swings. Swings together: one fit to all.",
-        "Standard errors know the colour of the residuals, what the calibration leaves open, and the clock: by source in "
+        "Standard errors hold the colour of the residuals, what the calibration leaves open, and the clock: by source in "
         "tables/parameter_budget.csv. Each swing's values: tables/parameters.csv.",
     ]
     if (

@@ -31,10 +31,12 @@ _LEFT = (
 )
 _CURVES = (
     "Frequency, loss and damping ratio against the amplitude, restoring torque over the angle, friction over the speed: free of a model, "
-    "and of the model that describes it. Where the two part, the model lacks something."
+    "and of the model that describes it. Where the two differ, the model lacks something."
 )
 _FOLLOWS = "The size of the effect that goes with what was changed, in each recording; all else of the model is the same in all of them."
-_LAWS = "The turning points of the recording with what single laws of damping, and the one with the most evidence, make of them."
+_LAWS = (
+    "The turning points of the recording, with each single law of damping and the law with the most evidence."
+)
 _FITTED = "The recording, the fit of the last model, and the residual. Parts in green are held out: only their release is fitted."
 
 
@@ -165,7 +167,7 @@ _SYMBOLS = (
 
 def _of_model(row: Mapping[str, Any]) -> str:
     if row["model"] == NOT_DAMPED:
-        return "Passages through a light gate, timed and nothing else: their period."
+        return "The period of passages through a light gate: nothing but their times was recorded."
     residual, unit = residual_of(row)
     left = (
         f"{numbers.plain(1e3 * residual)} m{unit} RMS" if math.isfinite(residual) else "a scatter told below"
