@@ -17,7 +17,7 @@ from swingdown.answer import explain
 from swingdown.engine.trajectory import TrajectoryError, simulate
 from swingdown.errors import InputError
 from swingdown.measurement.even import evenly
-from swingdown.measurement.plausibility import half_swings
+from swingdown.measurement.half_swings import half_swings
 from swingdown.measurement.recording import ingest
 from swingdown.measurement.renumbered import lost_evenly
 from swingdown.measurement.sheet import read_sheet

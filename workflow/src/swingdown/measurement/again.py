@@ -9,9 +9,10 @@ import xarray as xr
 from ..dataset import series_of
 from .angle import UNSCALED
 from .driven import drive_of
+from .half_swings import half_swings
 from .interpret import RELATIVE as RELATIVE_CELL
 from .judge import RELATIVE
-from .plausibility import free_part, half_swings, in_step_and_dying
+from .plausibility import free_part, in_step_and_dying
 from .points_recording import are_points
 
 OPEN, TOLD = "read_again", "again"  # attributes: whether a recording may be read once more, and what was done

@@ -15,8 +15,8 @@ from . import points_recording
 from .driven import carried
 from .even import Even
 from .gyroscope import TO_RAD_PER_S
+from .half_swings import half_swings
 from .noise_level import SPECTRUM, Noise, noise_by_times, noise_of
-from .plausibility import half_swings
 from .release import by_itself
 from .slack import as_variables, of_calibration, of_tolerances
 from .spikes import without

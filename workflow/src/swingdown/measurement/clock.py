@@ -7,8 +7,8 @@ from numpy.typing import NDArray
 
 from ..arrays import Floats
 from ..errors import InputError
+from .half_swings import half_swings
 from .noise_level import scatter
-from .plausibility import half_swings
 
 UNEVEN = 0.2  # of the usual interval: a step that differs by less is an even one
 DIGITS = range(7)  # decimal places of a second to which a clock may round

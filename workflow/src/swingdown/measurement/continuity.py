@@ -8,7 +8,7 @@ from ..errors import InputError
 from ..quantisation import quantisation_step
 from .clock import UNEVEN
 from .even import evenly, told
-from .plausibility import half_swings, passages
+from .half_swings import half_swings, passages
 from .renumbered import lost_evenly
 from .spikes import MOST, SIDE, Spikes, beside_holes, find_spikes, kernel, standing_out
 

@@ -5,8 +5,8 @@ from typing import NamedTuple
 import numpy as np
 
 from ..arrays import Floats
+from .half_swings import Swings, half_swings
 from .noise_level import noise_level
-from .plausibility import Swings, half_swings
 
 WINDOW = 0.25  # of a period: the stretch of samples from which an acceleration is told
 LEARNED = 8  # half-swings from which weight and friction are learned

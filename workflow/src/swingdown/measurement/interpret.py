@@ -29,8 +29,9 @@ from .columns import (
     place_of,
 )
 from .gyroscope import TO_RAD_PER_S, rate_unit, turning_most
+from .half_swings import half_swings
 from .judge import Reading
-from .plausibility import evenness, half_swings
+from .plausibility import evenness
 from .positions import (
     Circle,
     along_a_line,

@@ -10,7 +10,8 @@ from ..errors import InputError
 from .continuity import check_alive, check_continuous
 from .even import evenly
 from .gyroscope import TO_RAD_PER_S, check_rate
-from .plausibility import check_shrinks, drift, half_swings, hanging, passages
+from .half_swings import half_swings, passages
+from .plausibility import check_shrinks, drift, hanging
 from .quality import check_signal
 from .release import Window, find_windows, within
 from .slips import longest_between, out_of_step

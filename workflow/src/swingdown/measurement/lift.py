@@ -8,7 +8,7 @@ from scipy.optimize import least_squares
 from ..arrays import Floats
 from ..engine.trajectory import TrajectoryError, sensitivities
 from ..pendulum.model import Model
-from .plausibility import half_swings
+from .half_swings import half_swings
 
 ASSUMED = ("viscous", "quadratic_drag")
 BACK = np.array([1.0, -1.0, -1.0, 1.0, -1.0])  # what turns round with time: drag and the velocity

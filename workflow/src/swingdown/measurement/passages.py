@@ -15,7 +15,7 @@ import xarray as xr
 from ..arrays import Floats
 from ..errors import InputError
 from .columns import TIME, UNTOLD, Meaning, meaning, place_of
-from .plausibility import half_swings
+from .half_swings import half_swings
 from .points_recording import PASSED, about_file, as_recording
 from .points_table import is_number, peeked
 from .sheet import TIME_UNITS

@@ -8,7 +8,8 @@ from scipy.optimize import least_squares
 
 from ..arrays import Floats
 from ..errors import InputError
-from .plausibility import ENOUGH, half_swings, in_a_row
+from .half_swings import half_swings
+from .plausibility import ENOUGH, in_a_row
 from .stated import UNITS, read
 
 LEAST_ARC = 0.1  # rad; a shorter arc does not tell the radius

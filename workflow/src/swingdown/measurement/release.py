@@ -11,10 +11,10 @@ import xarray as xr
 from ..arrays import Floats
 from ..errors import InputError
 from ..quantisation import quantisation_step
+from .half_swings import Swings, half_swings
 from .hand import held_still, stretches
 from .lift import lifted_until
 from .noise_level import noise_level
-from .plausibility import Swings, half_swings
 
 RISE = 1.15  # times as high as before it was held: a pendulum that was released anew
 FEWEST = 4  # half-swings; fewer are no swing

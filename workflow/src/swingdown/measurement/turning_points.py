@@ -13,7 +13,7 @@ from scipy.special import bdtr, stdtrit
 
 from ..arrays import Floats
 from ..errors import InputError
-from .plausibility import half_swings
+from .half_swings import half_swings
 from .swing_counts import FEWEST, counts
 
 SWING, ONE_SIDE, BOTH_SIDES = "swing", "turning_points", "half_swings"

@@ -6,7 +6,8 @@ import numpy as np
 
 from ..arrays import Floats
 from ..errors import InputError
-from .plausibility import TO_RAD, half_swings
+from .half_swings import half_swings
+from .plausibility import TO_RAD
 
 LONGEST, SHORTEST = 60.0, 0.02  # s; a pendulum of 900 m, and one of a tenth of a millimetre
 SINCE_1970 = (0.9e9, 4e9)  # s: from 1998 to 2096; no other clock shows so many

@@ -12,7 +12,8 @@ from ..arrays import Swing
 from ..dataset import series_of
 from ..errors import InputError
 from ..measurement.driven import drive_of
-from ..measurement.plausibility import free_part, half_swings
+from ..measurement.half_swings import half_swings
+from ..measurement.plausibility import free_part
 from ..pendulum.catalogue import SHIPPED, Catalogue
 from ..pendulum.model import Model, everyday
 from ..rounding import value_with_uncertainty

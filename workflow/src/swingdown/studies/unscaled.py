@@ -9,7 +9,7 @@ from ..arrays import Floats
 from ..errors import InputError
 from ..fitting.passages import both_ways, pace
 from ..measurement.angle import UNSCALED
-from ..measurement.plausibility import half_swings, passages
+from ..measurement.half_swings import half_swings, passages
 from ..measurement.slack import of_angles
 from ..rounding import value_with_uncertainty
 from .quantities import Quantity
