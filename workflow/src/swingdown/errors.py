@@ -101,7 +101,17 @@ class Refusal(Exception):
 
 
 class InputError(Refusal, ValueError):
-    """An input that cannot be used; its parts are those of a ``Refusal``."""
+    """An input that cannot be used: where, what is wrong, what was expected, the mend.
+
+    Attributes
+    ----------
+    where
+        The file, row, column or key.
+    problem, expected, mend
+        Plain sentences without a final full stop; empty where there is nothing to say.
+    code
+        What a program goes by, "" where none needs to.
+    """
 
     heading = "This input cannot be used."
 

@@ -114,12 +114,26 @@ def read_yaml(path: Path, where: object) -> Any:
 
 
 def check(content: Any, schema: str, where: object, part: str = "key") -> dict[str, Any]:
-    """A copy of ``content`` (a mapping read from YAML) with the defaults of ``schemas/<schema>`` filled in.
+    """A copy of a mapping read from YAML, with the defaults of a schema filled in.
 
-    What the schema refuses raises InputError: the first fault, unknown keys before all others, told as ``where`` and key
-    (``part`` is what a key is called there: the row of a table has columns). A number is a finite one. A group that
-    stands there empty counts as left out. Beside JSON Schema's own words a schema may say of a value that it refuses
-    what is the matter with it (``refused``) and the ``mend``.
+    Unknown keys are refused before all other faults. A number is a finite number. A group that stands there empty counts as left out.
+    Beside JSON Schema's own words a schema may say of a value that it refuses what is the matter with it (``refused``) and the ``mend``.
+
+    Parameters
+    ----------
+    content
+        The mapping.
+    schema
+        File name in ``schemas``.
+    where
+        What an error names as its place.
+    part
+        What a key is called there: the row of a table has columns.
+
+    Raises
+    ------
+    InputError
+        For the first fault, with the key.
     """
     if not isinstance(content, dict):
         raise InputError(

@@ -112,10 +112,18 @@ def _angles(x: Floats) -> Floats:
 def measurement(
     apparatus: Apparatus, towers: Sequence[Mean], rest: Mean | None = None, noise: float = 0.0
 ) -> Chain:
-    """The Chain of an apparatus.
+    """The chain from the lengths and voltages of an apparatus to its line.
 
-    ``towers`` are the ``uncertainty.Mean`` voltages of its points and ``rest`` that of the pendulum at rest
-    (or None), in V; ``noise`` is the standard deviation (V) of a single sample.
+    Parameters
+    ----------
+    apparatus
+        As ``read_apparatus`` returns it.
+    towers
+        The mean voltages (V) of its points, in their order.
+    rest
+        That of the pendulum at rest, in V; None where it was not recorded.
+    noise
+        Standard deviation of a single sample, in V.
     """
     kind = apparatus["encoder"]["kind"]
 

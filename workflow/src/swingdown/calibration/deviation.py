@@ -36,7 +36,22 @@ def deviation_lines(line: Line, x: Floats, y: Floats, half_x: Floats, half_y: Fl
 
 
 def extreme_lines(x: Floats, y: Floats, half_x: Floats, half_y: Floats) -> tuple[Floats, float]:
-    """((intercept, slope) of the least and of the greatest slope through all boxes, the factor of the boxes)."""
+    """The lines of the least and of the greatest slope through all boxes.
+
+    Parameters
+    ----------
+    x, y
+        The boxes' middles, of shape (point,).
+    half_x, half_y
+        Their half widths, of shape (point,).
+
+    Returns
+    -------
+    lines
+        (intercept, slope) of both, of shape (2, 2).
+    factor
+        By which the boxes were enlarged so that there is a line; both are nan where none goes through the largest.
+    """
     direction = np.sign(np.polyfit(x, y, 1)[0]) or 1.0
     for factor in _FACTORS:
         # |y - a - b x| <= half_y + |b| half_x, with the sign of b as the points have it

@@ -31,7 +31,17 @@ def arm_angle(
 def drop_below_shaft(
     over_shaft: Numbers, shaft_diameter: Numbers, bob_diameter: Numbers, height: Numbers
 ) -> Numbers:
-    """The height (m) of the shaft's centre above the bob's (Eqs. 8-10)."""
+    """The height (m) of the shaft's centre above the bob's (Eqs. 8-10).
+
+    Parameters
+    ----------
+    over_shaft
+        Height of the shaft's top above the table, in m.
+    shaft_diameter, bob_diameter
+        In m.
+    height
+        Of the tower, in m.
+    """
     return (over_shaft - shaft_diameter / 2) - (height + bob_diameter / 2)
 
 

@@ -21,8 +21,14 @@ _BLOCK = 8
 
 
 def judge(apparatus: Apparatus, draws: int, seed: int) -> SimpleNamespace:
-    """For each point: its angle, u by first order and by Monte Carlo, how far they differ, flags and
-    refusals.
+    """For each point: its angle, u by first order and by Monte Carlo, how far they differ, flags and refusals.
+
+    Parameters
+    ----------
+    apparatus
+        As ``read_apparatus`` returns it.
+    draws, seed
+        Of the Monte-Carlo mode.
     """
     inputs, angles = lengths(apparatus)
     first = propagate_gum(angles, inputs)
@@ -102,8 +108,25 @@ def gum(chain: Chain) -> SimpleNamespace:
 
 
 def monte_carlo(chain: Chain, apparatus: Apparatus, noise: float, draws: int, seed: int) -> SimpleNamespace:
-    """All inputs drawn once a draw; draws whose drop is longer than the arm are impossible and left out, and
-    counted.
+    """The line with all inputs drawn once a draw (JCGM 101).
+
+    Draws whose drop is longer than the arm are impossible and left out, and counted.
+
+    Parameters
+    ----------
+    chain
+        From lengths and voltages to the line, as ``chain.measurement`` returns it.
+    apparatus
+        As ``read_apparatus`` returns it.
+    noise
+        Standard deviation of a single sample, in V.
+    draws, seed
+        How many, and of the random numbers.
+
+    Raises
+    ------
+    InputError
+        If most draws of the lengths are impossible.
     """
     drawn = draw_inputs(chain.inputs, draws, [seed, 2])
     angles = chain.angles(drawn)

@@ -115,7 +115,15 @@ class _Edge(NamedTuple):
 
 
 def compare(times: npt.ArrayLike, arrivals: npt.ArrayLike) -> Comparison | None:
-    """The Comparison of device times (s) with arrivals (s by the host), or None where they are too few to tell anything."""
+    """The device's clock beside the computer's, or None where there are too few samples to compare.
+
+    Parameters
+    ----------
+    times
+        The device's, in s, of shape (sample,).
+    arrivals
+        The computer's, in s, of shape (sample,).
+    """
     pieces = _pieces(np.asarray(times, float), np.asarray(arrivals, float))
     if pieces is None:
         return None
@@ -132,9 +140,21 @@ def compare(times: npt.ArrayLike, arrivals: npt.ArrayLike) -> Comparison | None:
 
 
 def jump(positions: npt.ArrayLike, times: npt.ArrayLike) -> tuple[float, int]:
-    """(seconds too many, index) of the largest jump of the device's clock between samples whose numbers say otherwise.
+    """The largest jump of the device's clock between samples whose numbers say otherwise.
 
-    (0, 0) where there is none: all intervals agree with the usual one within half of it and 50 ms.
+    Parameters
+    ----------
+    positions
+        The samples' numbers, of shape (sample,).
+    times
+        The device's, in s, of shape (sample,).
+
+    Returns
+    -------
+    seconds
+        Too many; 0 where all intervals agree with the usual interval within half of it and 50 ms.
+    index
+        Of the sample after the jump; 0 where there is none.
     """
     positions, times = np.asarray(positions), np.asarray(times, float)
     if len(times) < 4:

@@ -35,10 +35,19 @@ class Job:
 
 
 def job(config: dict, again: bool = False) -> Job:
-    """The Job that complete settings (``settings.complete``) ask for; ``again``: its recording may be there already.
+    """What is asked for of a capture, checked before anything is recorded.
 
-    InputError, before anything is recorded, for whatever would stop the recording from being kept: a name that is taken, a
-    sheet that cannot take the row, settings that contradict one another.
+    Parameters
+    ----------
+    config
+        Complete settings (``settings.complete``).
+    again
+        Whether its recording may be there already.
+
+    Raises
+    ------
+    InputError
+        If the recording could not be kept: a name that is taken, a sheet that cannot take the row, settings that contradict each other.
     """
     name, settings, height = config["recording"], dict(config["capture"]), config.get("height")
     still = height is not None or config.get("role") == "static"
@@ -144,7 +153,22 @@ def _point(job, digest):
 
 
 def check_room(seconds: float | None = 0.0, rate: float = 0.0, folder: str | Path = FOLDER) -> None:
-    """None, or Unwritten where the disk has no room for a recording of ``seconds`` (None: an open end) at ``rate`` (1/s)."""
+    """None where the disk has room for a recording.
+
+    Parameters
+    ----------
+    seconds
+        How long it lasts; None: an open end.
+    rate
+        Samples a second.
+    folder
+        Where it is kept.
+
+    Raises
+    ------
+    Unwritten
+        If the disk has no room.
+    """
     seconds = _LONG if seconds is None else seconds
     needed = seconds * rate * _ROOM + 1e6
     free = shutil.disk_usage(folder).free

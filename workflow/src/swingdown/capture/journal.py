@@ -55,9 +55,24 @@ class Journal:
 
 
 def read_journal(path):
-    """(settings, [(arrival, bytes), ...]) of a journal; a last piece that is cut off is given as far as it goes.
+    """The settings and bytes of a capture that was killed.
 
-    InputError if it is not there, is no journal, or is still being written.
+    Parameters
+    ----------
+    path
+        The journal.
+
+    Returns
+    -------
+    settings
+        What the capture was asked for.
+    pieces
+        (arrival in s since 1970, bytes) of each; a last piece that is cut off is given as far as it goes.
+
+    Raises
+    ------
+    InputError
+        If it is not there, is no journal, or is still being written.
     """
     path = Path(path)
     try:

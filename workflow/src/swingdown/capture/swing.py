@@ -19,7 +19,15 @@ class Swing(NamedTuple):
 
 
 def measure(times: npt.ArrayLike, values: npt.ArrayLike, noise: float = 0.0) -> Swing | None:
-    """The Swing of ``values`` at ``times`` (s), or None where nothing swings clearly above the ``noise``."""
+    """The amplitude and period of a swing, or None where nothing swings clearly above the noise.
+
+    Parameters
+    ----------
+    times, values
+        In s and the signal's unit, both of shape (sample,).
+    noise
+        Standard deviation, in the signal's unit.
+    """
     times, values = np.asarray(times, float), np.asarray(values, float)
     if len(values) < 8:
         return None

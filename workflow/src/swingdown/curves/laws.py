@@ -307,7 +307,15 @@ def table(found: Sequence[Laws], campaign: str) -> pd.DataFrame:
 
 
 def exponential_words(found: Sequence[Laws], curves: xr.Dataset | None = None) -> str:
-    """Whether the decay is exponential, in a sentence, with the damping ratio of the largest and the smallest swing where that is known."""
+    """A sentence: whether the decay is exponential.
+
+    Parameters
+    ----------
+    found
+        As ``laws`` returns them, one a recording.
+    curves
+        As ``curves.dataset.curves`` returns them; the damping ratio of the largest and the smallest swing then stands in the sentence.
+    """
     answer, excess, label = exponential(found)
     best, together = model_words(label), "+" in label
     if answer == "yes":

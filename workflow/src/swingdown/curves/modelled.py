@@ -70,7 +70,17 @@ class Course(NamedTuple):
 
 
 def course(model: Model, low: float, high: float, passages: bool = True) -> Course:
-    """The ``Course`` of a model, without what its sensor does and what changes with time, between these amplitudes (rad)."""
+    """What a model shows against the amplitude, without what its sensor does and what changes with time.
+
+    Parameters
+    ----------
+    model
+        With values.
+    low, high
+        The amplitudes between which it is followed, in rad.
+    passages
+        Whether the passages of the middle are wanted, too.
+    """
     return course_of(steady(model.motion), low, high, passages)
 
 
@@ -159,7 +169,22 @@ def _zeros(times: Floats, values: Floats) -> Floats:
 
 
 def with_band(model: Model, covariance: Floats, derived: Callable[[Model], Floats]) -> tuple[Floats, Floats]:
-    """What is ``derived`` from a model, and its covariance by that of the parameters (JCGM 100, 5.2); nan in it counts as known."""
+    """What is derived from a model, and its covariance by that of the parameters (JCGM 100, 5.2).
+
+    Parameters
+    ----------
+    model
+        With values.
+    covariance
+        Of its parameters, of shape (parameter, parameter); nan counts as known.
+    derived
+        From a model to an array of shape (quantity,).
+
+    Returns
+    -------
+    values, covariance
+        Of shape (quantity,) and (quantity, quantity).
+    """
     values = np.array(model.vector())
     known = np.where(np.isfinite(covariance), covariance, 0.0)
     errors = np.sqrt(np.diag(known))

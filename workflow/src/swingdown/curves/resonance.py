@@ -234,7 +234,15 @@ def table(found: xr.Dataset) -> pd.DataFrame:
 
 
 def words(found: xr.Dataset, source: str) -> Sequence[str]:
-    """A line on each drive: how wide it swings at most, and at which frequency."""
+    """A line on each drive: how wide it swings at most (°), and at which frequency (Hz).
+
+    Parameters
+    ----------
+    found
+        As ``resonance`` returns it.
+    source
+        ``free`` or ``model``.
+    """
     own, told = found.sel(source=source), []
     for k, drive in enumerate(found["drive"].values):
         one: Any = own.isel(drive=k)

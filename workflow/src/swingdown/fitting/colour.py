@@ -240,8 +240,20 @@ def _pieces(slots: NDArray[np.integer], each: int) -> tuple[int, NDArray[np.inte
 
 
 def in_steps(times: Floats) -> tuple[float, Floats]:
-    """The usual interval (s) of rising ``times``, and these in intervals since the first: whole numbers, those of missing samples left
-    out, where a recorder kept its rate."""
+    """The times of a recorder that kept its rate, in whole steps.
+
+    Parameters
+    ----------
+    times
+        Rising, in s, of shape (sample,).
+
+    Returns
+    -------
+    interval
+        The usual interval, in s.
+    steps
+        Intervals since the first sample, of shape (sample,): whole numbers, those of missing samples left out.
+    """
     steps = np.diff(times)
     # the lower quartile, as where every third sample is lost half of the steps are two intervals
     whole = np.maximum(1.0, np.round(steps / np.quantile(steps, 0.25)))
@@ -282,8 +294,18 @@ class Line(NamedTuple):
 
 
 def lines_of(series: Floats, above: float, at: Floats | None = None) -> Iterator[Line]:
-    """The ``Line``s of a series beyond a frequency (cycles a step), strongest first: of white noise as strong no one would be
-    there in a thousand series (Fisher, Proc. R. Soc. A 125, 54 (1929)). ``at`` are the samples' times in steps, None for one a step.
+    """The lines of a series, strongest first: white noise has none as strong in a thousand series.
+
+    Source: Fisher, Proc. R. Soc. A 125, 54 (1929).
+
+    Parameters
+    ----------
+    series
+        Of shape (sample,).
+    above
+        The frequency beyond which they are sought, in cycles a step.
+    at
+        The samples' times in steps. Default: a sample a step.
     """
     at = np.arange(series.size, dtype=float) if at is None else at
     slots = np.round(at).astype(np.int64)
@@ -371,10 +393,17 @@ def weighted(slopes: Floats, colour: Colour) -> Floats:
 
 
 def autoregression(series: Sequence[Floats], highest: int = _HIGHEST) -> Colour:
-    """The ``Colour`` of series that share one: Burg's coefficients of the order that BIC prefers.
+    """The colour that several series share: Burg's coefficients of the order that BIC prefers.
 
-    Their means are not taken off: of a residual they are part of the error. Values that are missing are nan: an error of prediction
-    counts where all that it is made of are there (de Waele and Broersen, IEEE Trans. Signal Process. 48, 2876 (2000)).
+    Their means are not taken off: of a residual they are part of the error. An error of prediction counts where all that it is made of are
+    there (de Waele and Broersen, IEEE Trans. Signal Process. 48, 2876 (2000)).
+
+    Parameters
+    ----------
+    series
+        Each evenly spaced, of shape (step,); nan where a value is missing.
+    highest
+        The highest order.
     """
     forward = [np.asarray(one, dtype=float) for one in series]
     backward = list(forward)

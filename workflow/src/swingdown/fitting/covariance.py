@@ -55,8 +55,17 @@ def covariance_of(
 def inverse_of(problem: Problem, hessian: Floats, best: Floats, quickly: bool = False) -> Floats:
     """The inverse of J'J over the variables that no bound holds; NaN for those held or undetermined.
 
-    ``quickly``: by the engine, in a fifth of the time, where all are free and determined. The last digits are others than numpy's, and what
-    goes on from a fit's covariance then ends elsewhere, by up to 1e-5 of a standard error.
+    Parameters
+    ----------
+    problem
+        What was fitted.
+    hessian
+        J'J, of shape (free, free).
+    best
+        The free values at the minimum, of shape (free,).
+    quickly
+        By the engine, in a fifth of the time, where all are free and determined. The last digits are others than numpy's, and what goes on from
+        a fit's covariance then ends elsewhere, by up to 1e-5 of a standard error.
     """
     compiled = problem.compiled[0]
     if quickly:

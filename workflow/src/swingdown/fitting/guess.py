@@ -127,7 +127,15 @@ def first_guess(times: Any, angle: Any, restoring: str = "sine", reading: str = 
 
 
 def at_first(times: Floats, series: Floats, half: float) -> tuple[float, float]:
-    """Value and slope (a second) at the first sample, of a parabola through an eighth of a half-swing."""
+    """Value and slope (a second) at the first sample, of a parabola through an eighth of a half-swing.
+
+    Parameters
+    ----------
+    times, series
+        In s and any unit, both of shape (sample,).
+    half
+        How long a half-swing takes, in s.
+    """
     few = max(4, min(times.size, int(times.searchsorted(times[0] + half / 8))))
     span = times[few - 1] - times[0]
     early = (times[:few] - times[0]) / span

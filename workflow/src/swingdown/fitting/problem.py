@@ -35,7 +35,18 @@ Swings = Sequence[tuple[Any, Any]]
 
 
 def checked_swing(times: Any, angle: Any) -> tuple[Floats, Floats]:
-    """Times (s) and angles (rad) as contiguous arrays; InputError unless they match, are finite and increase."""
+    """Times (s) and angles (rad) as contiguous arrays.
+
+    Parameters
+    ----------
+    times, angle
+        In s and rad, both of shape (sample,).
+
+    Raises
+    ------
+    InputError
+        If they do not match, are not finite, or the times do not increase.
+    """
     times, angle = checked_times(times), np.ascontiguousarray(angle, dtype=float)
     if angle.shape != times.shape:
         raise InputError("swing", f"{angle.size} angles for {times.size} times", "one angle for each time")

@@ -42,11 +42,28 @@ class Drive:
         return effect_name(self.kind, self.free)
 
     def at(self, times: Any) -> Floats:
-        """The drive at these times (s)."""
+        """The drive, in the unit of its kind.
+
+        Parameters
+        ----------
+        times
+            In s, of any shape, which the result has too.
+        """
         return self.derivatives(times)[0]
 
     def derivatives(self, times: Any) -> tuple[Floats, Floats, Floats]:
-        """The drive at these times (s), and its first and second derivative by time."""
+        """The drive, and its first and second derivative by time.
+
+        Parameters
+        ----------
+        times
+            In s, of any shape.
+
+        Returns
+        -------
+        values, first, second
+            Each of the times' shape, in the unit of the kind, by s and by s².
+        """
         times = np.asarray(times, dtype=float)
         piece = np.clip(np.searchsorted(self.knots, times, side="right") - 1, 0, len(self.coefficients) - 1)
         (a, b, c, d), x = self.coefficients[piece].T, times - self.knots[piece]

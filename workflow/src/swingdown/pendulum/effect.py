@@ -188,7 +188,18 @@ class Effect:
         return any(_INPUT.search(one) for one in formulas)
 
     def expressions(self, form: str = "consistent") -> Formulas:
-        """The ``Formulas`` in the chosen form (``consistent`` or ``printed``); InputError where one cannot be read."""
+        """The formulas of the effect as sympy expressions.
+
+        Parameters
+        ----------
+        form
+            ``consistent``, or ``printed`` (the paper's Table 1 to the letter).
+
+        Raises
+        ------
+        InputError
+            If a formula cannot be read.
+        """
         from . import formula
 
         names = (*VARIABLES, *(p.symbol for p in self.parameters), *(state.symbol for state in self.states))

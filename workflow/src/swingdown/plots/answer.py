@@ -22,11 +22,19 @@ _PIXELS = (
 def swings_with_fit(
     shown: Sequence[Shown], noise: float | None, data: xr.Dataset | Mapping[str, Any], told: str = ""
 ) -> style.Drawn:
-    """Angle and fit over time, and below them the residual with the noise (rad, None: not measured); a column each recording. What is
-    ``told``, as period and quality, stands above.
+    """A figure of angle and fit over time, and below them the residual with the noise; a column each recording.
 
-    ``shown`` are ``Shown``s, those of one recording in the order of their times. Of more than three recordings those with the
-    largest, the middle and the smallest angle are drawn. ``data`` says whether it is emulated.
+    Parameters
+    ----------
+    shown
+        Those of one recording in the order of their times. Of more than three recordings those with the largest, the middle and the smallest
+        angle are drawn.
+    noise
+        In rad; None: not measured.
+    data
+        Its ``emulated`` says whether the recordings are.
+    told
+        What stands above, such as period and quality.
     """
     names = list(dict.fromkeys(one.recording for one in shown))
     reach = {name: max(float(np.ptp(one.angle)) for one in shown if one.recording == name) for name in names}

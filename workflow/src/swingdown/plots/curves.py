@@ -20,9 +20,14 @@ _REACH = 1.35  # of the free curve's range that single swings, which scatter mor
 
 @style.styled
 def backbone(data: xr.Dataset) -> style.Drawn:
-    """Frequency, loss and damping ratio against amplitude, restoring torque over angle and friction over speed: free of a model, and of the model.
+    """A figure of frequency, loss and damping ratio against amplitude, restoring torque over angle and friction over speed.
 
-    ``data`` is that of ``curves.dataset.curves``. Single swings are drawn as dots, of many the means of neighbours with two standard errors.
+    Each is free of a model, and of the model. Single swings are drawn as dots, of many the means of neighbours with two standard errors.
+
+    Parameters
+    ----------
+    data
+        As ``curves.dataset.curves`` returns it.
     """
     torques = bool(np.isfinite(data["friction"].sel(source="free")).any())
     timed = bool(np.isfinite(data["period"].sel(source="free")).any())
@@ -165,9 +170,12 @@ def _restoring(axes: Axes, data: xr.Dataset, timed: bool) -> None:
 
 @style.styled
 def envelopes(data: xr.Dataset) -> style.Drawn:
-    """The amplitudes of a recording over time with what each law makes of them, and below what each leaves of them.
+    """A figure of a recording's amplitudes over time with what each law makes of them, and below what each leaves.
 
-    ``data`` is that of ``curves.laws.envelopes``: single laws, and the one with the most evidence.
+    Parameters
+    ----------
+    data
+        As ``curves.laws.envelopes`` returns it.
     """
     figure = style.new_figure(10.0)
     upper, lower = figure.subplots(2, sharex=True, height_ratios=[3, 2])
@@ -216,9 +224,14 @@ _COLOURS = style.COLOURS | {
 
 @style.styled
 def resonances(data: xr.Dataset) -> style.Drawn:
-    """Amplitude and phase of the steady swing against the frequency of a drive, with the backbone that the ring-down shows.
+    """A figure of amplitude and phase of the steady swing against the frequency of a drive, with the backbone of the ring-down.
 
-    ``data`` is that of ``curves.resonance.resonance``; drawn is what is free of a model. Dashed, where there is such a part: no pendulum stays.
+    What is free of a model is drawn. Dashed, where there is such a part: no pendulum stays.
+
+    Parameters
+    ----------
+    data
+        As ``curves.resonance.resonance`` returns it.
     """
     figure = style.new_figure(11.0)
     upper, lower = figure.subplots(2, sharex=True, height_ratios=[3, 2])

@@ -121,11 +121,33 @@ class Catalogue:
         return not isinstance(self[name], FreeForm)
 
     def ordered(self, names: Any) -> tuple[str, ...]:
-        """The names in the catalogue's order; InputError for one that is unknown."""
+        """The names in the catalogue's order.
+
+        Parameters
+        ----------
+        names
+            Of effects, in any order.
+
+        Raises
+        ------
+        InputError
+            If a name is unknown.
+        """
         return tuple(sorted(names, key=lambda name: self._places[self[name].name]))
 
     def of(self, reading: str) -> "Catalogue":
-        """The catalogue for recordings of this ``reading``: one of rates has the errors of a gyroscope in place of an angle sensor's."""
+        """The catalogue for recordings of a reading: that of rates has the errors of a gyroscope in place of an angle sensor's.
+
+        Parameters
+        ----------
+        reading
+            ``angle`` or ``rate``.
+
+        Raises
+        ------
+        InputError
+            If the reading is unknown.
+        """
         if reading not in READINGS:
             raise InputError("reading", f"unknown reading {reading!r}", " or ".join(READINGS))
         if reading == ANGLE:
@@ -157,7 +179,13 @@ class Catalogue:
         return any(self[one].damping for one in (name, *self.contained_in(name)))
 
     def measurement(self, one: str, other: str) -> str | None:
-        """The measurement that tells two effects apart, as a sentence, or None where none is known."""
+        """The measurement that tells two effects apart, as a sentence, or None where none is known.
+
+        Parameters
+        ----------
+        one, other
+            Names of effects, in either order.
+        """
         return self[one].told_apart.get(other) or self[other].told_apart.get(one)
 
 
