@@ -1,7 +1,7 @@
 """A search where the first choice does not do: pairs, exchanges, shapes that say nothing, swings left out, and its end."""
 
 from dataclasses import replace
-from itertools import pairwise
+from itertools import count, pairwise
 
 import numpy as np
 import pytest
@@ -83,6 +83,16 @@ def test_a_search_without_time_looks_and_says_that_it_stopped(two):
     assert states[0].missing
     assert states[0].reason == "the search's time is spent"
     assert discover(two, "viscous", rounds=0)[-1].spent is False
+
+
+def test_a_slow_machine_gives_the_same_verdict(two, monkeypatch):
+    """What is spent is counted in the work of the fits: a clock that races ends nothing."""
+    passed = count(step=1000)
+    monkeypatch.setattr("time.process_time", lambda: float(next(passed)))
+    allowed = ("quadratic_drag", "quadratic_stiffness")
+    state = discover(two, "viscous", rounds=3, allowed=allowed, budget_s=100)[-1]
+    assert set(state.found) == set(allowed)
+    assert not state.spent
 
 
 def test_an_effect_that_is_not_there_and_one_of_the_base_that_idles_are_not_in_the_model(two):

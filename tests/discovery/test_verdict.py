@@ -156,7 +156,7 @@ def test_the_share_of_the_excess_that_is_explained_is_told_in_the_same_noise():
 def test_a_search_whose_time_was_spent_says_so(spent):
     found = named(missing=True, spent=spent)
     assert found["stopped"] is spent
-    assert ("stopped: its CPU time was used up" in found["sentence"]) is spent
+    assert ("stopped: its time was used up" in found["sentence"]) is spent
 
 
 def test_both_of_two_effects_that_were_added_at_once_have_the_round():

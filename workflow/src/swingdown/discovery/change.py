@@ -148,7 +148,7 @@ def difference(
     value for each, by name. None where they have fewer than two values.
 
     ``base`` names the effects that are there in any case; ``allowed`` limits those of the catalogue that are looked at besides. After
-    ``budget_s`` CPU seconds (None: no end) no other effect is asked, and ``stopped`` says so; it also says where the comparison itself
+    ``budget_s`` seconds (None: no end; ``Budget``) no other effect is asked, and ``stopped`` says so; it also says where the comparison itself
     breaks off. TrajectoryError or InputError where the base model cannot be fitted.
     """
     swings = tuple(one for one in campaign.whole if one.name in changed)

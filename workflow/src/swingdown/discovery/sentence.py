@@ -22,7 +22,7 @@ def sentence(found: Mapping[str, Any], catalogue: Catalogue = SHIPPED) -> str:
     end = (
         _frequencies(found)
         + _misspecified(found)
-        + (" The search stopped: its CPU time was used up." if found["stopped"] else "")
+        + (" The search stopped: its time was used up." if found["stopped"] else "")
     )
     if found["status"] == "consistent":
         slack = " within the calibration's uncertainty" if _used(found.get("nuisance", {})) else ""

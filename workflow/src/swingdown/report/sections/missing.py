@@ -96,7 +96,7 @@ def _helping(found: dict[str, Any]) -> Table:
 
 
 def _stopped(found: dict[str, Any]) -> tuple[str, ...]:
-    return ("The search stopped: its CPU time (discovery.budget_s) was used up.",) if found["stopped"] else ()
+    return ("The search stopped: its time (discovery.budget_s) was used up.",) if found["stopped"] else ()
 
 
 def _effects(
