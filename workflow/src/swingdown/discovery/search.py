@@ -61,7 +61,7 @@ def discover(
     allowed
         The effects that may be added. Default: all of the catalogue.
     budget_s
-        CPU seconds after which nothing new is begun; the last round says so. None: no end.
+        Seconds (``Budget``) after which nothing new is begun; the last round says so. None: no end.
 
     Returns
     -------
