@@ -193,8 +193,8 @@ class _Likelihood:
 
 
 class _At:
-    """A likelihood at variances of each kind and of the noise: its negative logarithm ``value``, the fit's information ``seen`` in units of its
-    basis, and where residuals are given to: ``pulled``, their weights along the directions of the discrepancy."""
+    """A likelihood at variances of each kind and of the noise: its negative logarithm ``value``, the information ``seen`` on what the fit's
+    basis spans, and ``pulled``, the residual in units of its variance along the directions of the discrepancy."""
 
     def __init__(self, model: _Likelihood, sizes: Floats, noise: float):
         self.model, self.sizes, self.noise = model, sizes, noise
