@@ -50,6 +50,6 @@ def check_writable(folder: Path) -> None:
             pass
     except OSError as error:
         raise InputError(
-            folder, f"it cannot be written ({error.strerror})", "a folder of one's own",
+            folder, f"it cannot be written ({error.strerror})", "a folder of your own",
             "name another with --directory, in which the paths of the config are to be found",
         ) from error  # fmt: skip

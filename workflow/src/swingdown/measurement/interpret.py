@@ -145,7 +145,7 @@ def interpret(table: Table, row: Mapping[str, Any], place: str, restoring: str) 
         raise InputError(
             f"{row['file']} ({place})",
             f"{len(times)} samples with a number in each cell between ⟨start_s⟩ and ⟨stop_s⟩",
-            f"at least {SHORTEST}, as fewer tell no swing",
+            f"at least {SHORTEST}, as fewer show no swing",
             "record longer or more samples a second, widen ⟨start_s⟩ and ⟨stop_s⟩, or correct the unit of the time",
         )
     ordered = in_order(times, values[0], where)
@@ -471,7 +471,7 @@ def _check_slowest(times: Floats, taken: Floats, other: Floats, place: str) -> N
             f"they swing with periods of {fast:.3g} and {slow:.3g} s, the first twice as fast as the second: an acceleration or a height does so, an "
             "angle does not; the file does not say what they hold",
             "a column with the angle",
-            "name the column of the angle ⟨in signal_column⟩; an accelerometer that rides on the bob tells none",
+            "name the column of the angle ⟨in signal_column⟩; an accelerometer that rides on the bob shows none",
         )
 
 

@@ -75,7 +75,7 @@ def fit_circle(x: Floats, y: Floats, place: str = "positions") -> Circle:
     if arc < LEAST_ARC:
         raise InputError(
             place,
-            f"the positions tell no pivot: they lie on an arc of {arc:.3g} rad",
+            f"the positions show no pivot: they lie on an arc of {arc:.3g} rad",
             f"an arc of {LEAST_ARC:g} rad or more",
             "record a larger swing, export the angle, or name the horizontal coordinate ⟨in signal_column⟩ and state the "
             "length of the pendulum ⟨in length⟩",
@@ -237,7 +237,7 @@ def without_length(times: Floats, x: Floats, in_metres: float, place: str) -> tu
     period = half_swings(x).period(times)
     if not np.isfinite(period):
         raise InputError(
-            place, "it swings too short to tell its period", "three half-swings or more", "record longer"
+            place, "its swing is too short to give a period", "three half-swings or more", "record longer"
         )
     length = GRAVITY * (period / (2 * np.pi)) ** 2 / in_metres
     away = x - _middle(x)

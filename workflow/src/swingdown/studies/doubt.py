@@ -271,8 +271,8 @@ def ask_counted(table: pd.DataFrame, angles: Sequence[xr.Dataset]) -> None:
         if u > UNSURE * told:
             raise NotFree(
                 f"recording {one.attrs['recording']}",
-                f"its few swings tell a period of {value_with_uncertainty(told, u)} s, and no better: is it a free swing?",
-                f"swings that tell the period to {100 * UNSURE:.0f} %",
+                f"its few swings give a period of {value_with_uncertainty(told, u)} s, and no better: is it a free swing?",
+                f"swings that give the period to {100 * UNSURE:.0f} %",
                 MEND + "; record longer; or name the column of the swing ⟨in signal_column⟩",
             )
         passed = of_first_swings(one["time"].values, series_of(one).values)

@@ -277,7 +277,7 @@ def write(
     try:
         return _written(folder, kept, left_out, searched, restoring, lang)
     except OSError as error:
-        raise InputError(folder, f"it cannot be written ({error.strerror})", "a folder of one's own", "name another with --into") from error  # fmt: skip
+        raise InputError(folder, f"it cannot be written ({error.strerror})", "a folder of your own", "name another with --into") from error  # fmt: skip
 
 
 def _written(
