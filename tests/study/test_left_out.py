@@ -99,6 +99,7 @@ def verdict(folder, campaign):
     return json.loads((folder / "results/discovery" / campaign / "verdict.json").read_text())
 
 
+@pytest.mark.slow("a whole study")
 @pytest.mark.parametrize("kind", [*REASONS, "rest"])
 def test_a_campaign_goes_on_with_the_recordings_that_can_be_used(study, kind):
     folder, _ = study
@@ -113,6 +114,7 @@ def test_a_campaign_goes_on_with_the_recordings_that_can_be_used(study, kind):
     assert table.loc[(kind, "(joint)"), same].equals(table.loc[("whole", "(joint)"), same])
 
 
+@pytest.mark.slow("a whole study")
 def test_the_run_its_table_and_the_report_tell_each_with_its_reason(study):
     folder, told = study
     last = told[told.index("Left out of these results") :]
@@ -125,6 +127,7 @@ def test_the_run_its_table_and_the_report_tell_each_with_its_reason(study):
     assert "7 recordings were left out: " in report
 
 
+@pytest.mark.slow("a whole study")
 def test_a_campaign_without_a_search_is_told_and_stops_no_other(study):
     folder, _ = study
     table = pd.read_csv(folder / "results/tables/pendulums.csv").set_index("recording")
@@ -136,6 +139,7 @@ def test_a_campaign_without_a_search_is_told_and_stops_no_other(study):
     assert np.isnan(table.loc["lost", "period_s"]) and table.loc["lost", "verdict"] == "refused"
 
 
+@pytest.mark.slow("a whole study")
 def test_where_no_swing_is_free_the_search_goes_first(study):
     """What damping does not follow has a name in one campaign, and none in the other."""
     folder, _ = study
@@ -150,6 +154,7 @@ def test_where_no_swing_is_free_the_search_goes_first(study):
     assert "moved" not in set(pd.read_csv(folder / "results/tables/parameters.csv")["recording"])
 
 
+@pytest.mark.slow("a whole study")
 def test_what_stands_for_a_bad_recording_yields_no_number(study):
     folder, _ = study
     for name in (
@@ -163,6 +168,7 @@ def test_what_stands_for_a_bad_recording_yields_no_number(study):
     assert main(["verify", str(folder / "results")]) == 0
 
 
+@pytest.mark.slow("a whole study")
 def test_once_mended_it_takes_part(study, snakemake, tmp_path):
     folder = shutil.copytree(study[0], tmp_path / "study")
     shutil.copy(folder / "three.csv", folder / "text.csv")
@@ -174,6 +180,7 @@ def test_once_mended_it_takes_part(study, snakemake, tmp_path):
     assert lost == {"grown-3", "short-3", "hand-3", "rest-3", "brief", "moved"}
 
 
+@pytest.mark.slow("a whole study")
 def test_the_command_leaves_out_the_same_for_the_same_reasons(study, files, monkeypatch, capsys):
     monkeypatch.chdir(files)
     bad = [f"{kind}.csv" for kind in REASONS]

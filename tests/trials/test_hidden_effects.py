@@ -34,6 +34,7 @@ def verdicts(folder, *trials, rounds=4, seed=SEED, apparatus=None):
     return [row(name, truths[name], found[name]) for name in truths], found
 
 
+@pytest.mark.slow("searches")
 @pytest.mark.parametrize(
     ("hidden", "noise"),
     [
@@ -61,12 +62,14 @@ def test_a_fit_that_stopped_beside_the_best_minimum_asks_for_no_second_effect(tm
     assert row["exact"], row["named"]
 
 
+@pytest.mark.slow("searches")
 @pytest.mark.parametrize("noise", ["white", "coloured", "steps"])
 def test_nothing_is_found_where_nothing_is_hidden(tmp_path, noise):
     rows, _ = verdicts(tmp_path, *(Planned("null", (), 1.0, noise, number) for number in range(6)))
     assert [one["status"] for one in rows] == ["consistent"] * 6
 
 
+@pytest.mark.slow("searches")
 def test_swings_of_a_pendulum_that_was_taken_down_are_given_their_own_frequencies(tmp_path):
     one = Planned("own", (), 1.0, "white", 0)
     ((row,), found) = verdicts(tmp_path, one)
@@ -77,6 +80,7 @@ def test_swings_of_a_pendulum_that_was_taken_down_are_given_their_own_frequencie
     assert "differ in natural frequency" in verdict["sentence"]
 
 
+@pytest.mark.slow("searches")
 def test_a_calibration_that_is_as_wrong_as_it_says_is_no_missing_effect(tmp_path, root, monkeypatch):
     sheet = read_apparatus(root / "config/apparatus.yaml", check_files=False)
     one = Planned("calibrated", (), 1.0, "white", 12)
