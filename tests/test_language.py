@@ -85,6 +85,18 @@ def test_every_text_that_is_translated_is_one_that_the_program_says(catalogues):
             "Luftwiderstand (viskos) und Lagerreibung bremsen das Pendel: T = 0,87147(30) s und Q = 58,0(3,5). Mehr ist nicht nötig.",
         ),
         (
+            "de",
+            "T goes as the power 0.45(1) of length; theory says 0.5, which does not agree (4.1 standard uncertainties away); "
+            "g = 9.87 ± 0.01 m/s² by the slope of T² over the length; the lengths are too short by 2.5(2) mm, all alike",
+            "T geht mit der Potenz 0,45(1) der Größe Länge; die Theorie sagt 0,5, das stimmt nicht überein (4,1 Standardunsicherheiten entfernt); "
+            "g = 9,87 ± 0,01 m/s² aus der Steigung von T² über der Länge; die Längen sind alle gleich um 2,5(2) mm zu kurz",
+        ),
+        (
+            "it",
+            "period of small swings by group: group 4 does not agree with the others, which agree with each other (chi² 512 for 5, p below 1e-9 for all)",
+            "periodo delle piccole oscillazioni per gruppo: group 4 non concorda con gli altri, che concordano tra loro (χ² 512 per 5, p minore di 1e-9 per tutti)",
+        ),
+        (
             "fr",
             "Bearing friction stops it: T = 1.5(1) s.",
             "Le frottement du palier amortit le pendule\u00a0: T = 1,5(1) s.",

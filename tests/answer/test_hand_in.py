@@ -167,3 +167,16 @@ def test_a_study_by_config_hands_in_what_its_tables_tell(answer, tmp_path, monke
 def test_a_study_without_pendulums_says_that_it_has_no_table(tmp_path):
     (told,) = hand_in.hand_in(("xlsx", "latex"), {}, tmp_path, language())
     assert "no --xlsx or --latex" in told and not list(tmp_path.iterdir())
+
+
+def test_a_refusal_is_told_in_another_language_with_its_labels(here, capsys):
+    with pytest.raises(SystemExit):
+        main(["anna.csv", "--quick", "--lang", "de"])
+    told = capsys.readouterr().err
+    for words in (
+        "Diese Eingabe lässt sich nicht verwenden.",
+        "Fehler:    diese Datei gibt es nicht",
+        "Abhilfe:   den Pfad berichtigen",
+    ):
+        assert words in told
+    assert "problem" not in told and "This input" not in told

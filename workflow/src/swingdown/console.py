@@ -66,8 +66,9 @@ def warnings_once(say: Callable[[object], None]) -> Iterator[None]:
 
 def block(error: Refusal) -> str:
     """The text of a refusal laid out for the eye: a line each for where, problem, expected and mend."""
-    parts = ("where", "problem", "expected", "mend")
-    lines = [f"{part + ':':10} {getattr(error, part)}" for part in parts if getattr(error, part)]
+    told = {label: getattr(error, part) for part, label in error.labels.items()}
+    width = max(10, *(len(label) + 1 for label in told))
+    lines = [f"{label + ':':{width}} {text}" for label, text in told.items() if text]
     return framed(error.heading, *lines)
 
 

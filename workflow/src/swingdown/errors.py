@@ -5,7 +5,7 @@ reads it as they say it: as a cell, as an option of the command, or as an argume
 """
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from contextvars import ContextVar
 from dataclasses import dataclass, field
@@ -88,6 +88,7 @@ class Refusal(Exception):
     """
 
     heading = "This cannot be done."
+    labels: Mapping[str, str] = {part: part for part in ("where", "problem", "expected", "mend")}
 
     def __init__(
         self, where: object, problem: str, expected: str = "", mend: str = "", code: str = ""
@@ -98,6 +99,12 @@ class Refusal(Exception):
         self.code = code
         parts = [f"{where}: {problem}.", expected and f"Expected: {expected}.", mend and f"Mend: {mend}."]
         super().__init__(" ".join(filter(None, parts)))
+
+    def told_by(self, say: Callable[[str], str]) -> "Refusal":
+        """The same refusal with its words as ``say`` has them, for a person; what it is told by as an exception stays."""
+        self.heading, self.labels = say(self.heading), {part: say(part) for part in self.labels}
+        self.problem, self.expected, self.mend = map(say, (self.problem, self.expected, self.mend))
+        return self
 
 
 class InputError(Refusal, ValueError):

@@ -17,6 +17,7 @@ from .errors import InputError
 _FOLDER = Path(__file__).with_name("languages")
 ENGLISH = "en"
 VERBATIM = ("name", "names", "file", "formula")  # placeholders whose content stays as it is
+_NAMES = "names"  # of which none ends a part of a sentence
 _NUMBER = "value"  # how those begin that stand for a number with what belongs to it
 _JOINTS = (", or ", ", and ", "; ", ", ", " and ", " or ", " + ")
 # A number with its unit, and a unit alone.
@@ -138,7 +139,7 @@ def _pattern(key: str) -> re.Pattern[str]:
     """What finds the values of a text."""
     made = []
     for k, part in enumerate(_FIELD.split(key)):
-        held = _VALUE if part.startswith(_NUMBER) else ".+?"
+        held = _VALUE if part.startswith(_NUMBER) else "(?:(?!: ).)+?" if part == _NAMES else ".+?"
         made.append(f"(?P<{part}>{held})" if k % 2 else re.escape(part))
     return re.compile("".join(made))
 

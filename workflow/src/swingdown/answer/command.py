@@ -18,7 +18,7 @@ import pandas as pd
 
 from ..console import warnings_once
 from ..engine.trajectory import TrajectoryWarning
-from ..errors import InputError, told_to
+from ..errors import InputError, Refusal, told_to
 from ..extras import has
 from ..language import IN_ENGLISH, Language, language
 from ..measurement.again import cells as cells_again
@@ -90,10 +90,13 @@ def answer(given: Sequence[str], told: Mapping[str, Any], wishes: Wishes) -> int
     """
     check_able(wishes.handed_in, wishes.quick)
     with _speaking(wishes.spoken), told_to(TO_THE_COMMAND):
-        if not wishes.json:
-            return _handed_in(_study(given, told, wishes), wishes).code
-        with redirect_stdout(sys.stderr):
-            found = _handed_in(_study(given, told, wishes), wishes)
+        try:
+            if not wishes.json:
+                return _handed_in(_study(given, told, wishes), wishes).code
+            with redirect_stdout(sys.stderr):
+                found = _handed_in(_study(given, told, wishes), wishes)
+        except Refusal as problem:
+            raise problem.told_by(wishes.spoken.text) from None
     print(json.dumps(_as_json(found), indent=1, ensure_ascii=False, allow_nan=False), flush=True)
     return found.code
 

@@ -60,8 +60,10 @@ class Comparison:
             return f"{' and '.join(names)} do not agree ({chance})"
         if not self.apart or len(self.apart) > len(names) / 2:
             return f"the {len(names)} groups do not agree, and none stands out ({chance})"
-        some = f"{', '.join(self.apart)} {'does' if len(self.apart) == 1 else 'do'} not agree with the others"
-        return f"{some}, which agree with each other ({chance} for all)"
+        some = ", ".join(self.apart)
+        if len(self.apart) == 1:
+            return f"{some} does not agree with the others, which agree with each other ({chance} for all)"
+        return f"{some} do not agree with the others, which agree with each other ({chance} for all)"
 
     def to_dict(self) -> dict[str, Any]:
         """A dict of plain numbers and texts."""

@@ -86,6 +86,14 @@ class Gravity:
         }
 
 
+_STRUNG = {
+    (False, False): "a point on a string without mass, air left out",
+    (True, False): "a ball on a string without mass, air left out",
+    (False, True): "a point on a string without mass, with the air's buoyancy and inertia",
+    (True, True): "a ball on a string without mass, with the air's buoyancy and inertia",
+}  # by whether the bob's diameter and its density are known
+
+
 def gravity(
     natural_frequency: Stated,
     length: Stated,
@@ -124,10 +132,9 @@ def gravity(
             found *= (1 + x["air carried along"] * share) / (1 - share)
         return found
 
-    what = "a ball" if bob_diameter else "a point"
-    air = ", with the air's buoyancy and inertia" if bob_density else ", air left out"
+    what = _STRUNG[bool(bob_diameter), bool(bob_density)]
     made = _corrections(natural_frequency.value, amplitude, period)
-    return _propagated(value, inputs, ("length",), f"{what} on a string without mass{air}", made)
+    return _propagated(value, inputs, ("length",), what, made)
 
 
 def gravity_of_two_pivots(frequencies: Sequence[Stated], distances: Sequence[Stated]) -> Gravity:

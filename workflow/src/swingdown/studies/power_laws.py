@@ -263,8 +263,12 @@ class LengthsAndPeriods:
         told = f"g = {plus_minus(self.g, self.u_g)} m/s² by the slope of T² over the length"
         far = abs(self.short) > 2 * self.u_short
         if far:
-            word = "short" if self.short > 0 else "long"
-            told += f"; the lengths are too {word} by {value_with_uncertainty(1e3 * abs(self.short), 1e3 * self.u_short)} mm, all alike"
+            size = f"{value_with_uncertainty(1e3 * abs(self.short), 1e3 * self.u_short)} mm"
+            short, long = (
+                f"the lengths are too short by {size}, all alike",
+                f"the lengths are too long by {size}, all alike",
+            )
+            told += f"; {short if self.short > 0 else long}"
         return told
 
     def to_dict(self) -> dict[str, Any]:
