@@ -249,4 +249,5 @@ def test_what_does_not_die_away_has_no_effect_of_a_pendulum_unless_its_drive_was
     assert found["dies_away"] == told and found["status"] == ("named" if told else "unknown")
     cannot = "What stops it cannot be told: it does not die away"
     assert found["sentence"].startswith(cannot) != told
+    assert (found["next_measurement"] or "").startswith("Switch off what drives it") != told
     assert verdict([first, last | {"driven": True}])["status"] == "named"

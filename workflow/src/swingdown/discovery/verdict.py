@@ -17,6 +17,7 @@ from .next_swing import APART
 from .sentence import follows, sentence
 
 _SURE = 2.0  # standard errors that a value must be from nothing to be one
+_LET_GO = "Switch off what drives it, or record until its swings are smaller."
 _TOLD = 0.001  # probability of an effect, below which it is not listed
 
 
@@ -105,8 +106,10 @@ def verdict(
         "conclusion": last.get("conclusion"),
         "nuisance": last.get("nuisance", {}),
         "misspecified": _at_their_bounds([catalogue[name] for name in last["effects"]], last["parameters"]),
-        "next_measurement": _next_measurement(asserted, status, catalogue, last.get("next_swing")),
-        "next_swing": last.get("next_swing"),
+        "next_measurement": _next_measurement(asserted, status, catalogue, last.get("next_swing"))
+        if dies_away
+        else _LET_GO,
+        "next_swing": last.get("next_swing") if dies_away else None,
         "stopped": bool(last["spent"]),
         "unit_doubt": unit_doubt,
         "driven": bool(last.get("driven")),
