@@ -32,7 +32,8 @@ def write_beside(
     ``curves.csv`` and ``laws.csv`` have all pendulums, the pictures are of a few. Those with too few swings, or that do not die away, have neither.
     The pictures are in the language ``spoken``. Under ``drives`` (rad/s²) their steady swings are foretold, in ``resonance.csv`` and a picture.
     """
-    if has("matplotlib"):
+    drawing = has("matplotlib") and len(answers) <= _FEW
+    if drawing:
         from ..plots import save  # drawing takes a second to load
         from ..plots.style import in_language
 
@@ -57,7 +58,7 @@ def write_beside(
         if found:
             sentence = spoken.text(laws.exponential_words(found, drawn))
             told.append(f"{campaign}: {sentence}" if prefix else sentence)
-        for name, figure in _pictures(drawn, found, one) if has("matplotlib") else ():
+        for name, figure in _pictures(drawn, found, one) if drawing else ():
             save(in_language(figure, spoken), folder / f"{prefix}{name}.png")
     for name, parts, columns in ((CURVES, curves, dataset.COLUMNS), (LAWS, compared, laws.COLUMNS)):
         whole = pd.concat(parts, ignore_index=True) if parts else pd.DataFrame(columns=columns)
@@ -65,7 +66,7 @@ def write_beside(
     if driven:
         whole = pd.concat(driven, ignore_index=True)
         write_csv(for_spreadsheets(whole), folder / f"{RESONANCE}.csv", float_format="%.9g")
-    pictures = ", with a picture of each" if told and has("matplotlib") else ""
+    pictures = ", with a picture of each" if told and drawing else ""
     return [*told, f"against the amplitude: {CURVES}.csv; what each law of damping leaves: {LAWS}.csv{pictures}"] if compared or curves else told  # fmt: skip
 
 

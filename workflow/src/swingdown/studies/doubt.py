@@ -134,8 +134,8 @@ def unit_in_doubt(angles: Sequence[xr.Dataset], restoring: str = "sine") -> str:
     if len(kinds) > 1 or any(map(without_scale, angles)):
         return ""
     pairs = [(one["time"].values, series_of(one).values) for one in angles]
-    found, unit = scale_of(pairs, restoring, *kinds), str(series_of(angles[0]).attrs["units"])
     told = all(one.attrs.get("unit_told", "yes") == "yes" for one in angles)
+    found, unit = scale_of(pairs, restoring, *kinds, stated=told), str(series_of(angles[0]).attrs["units"])
     if told:
         return found.doubt(unit)
     doubt = found.doubt(unit) or _lacking(found, pairs).doubt(unit)

@@ -234,13 +234,16 @@ def _fits(
         ]
 
     def allowed(fit: Fit | None) -> Fit | None:
+        if fit is None or not slack.names:  # the clock is in the fit already
+            return fit
         try:
-            return None if fit is None else allowing(fit, swings, slack, start=start, bounded=bounded)
+            return allowing(fit, swings, slack, start=start, bounded=bounded)
         except TrajectoryError as problem:
             failed.append(problem)
             return None
 
-    found: list[Fit | None] = fit_nested(models, fit_one, in_place)
+    clocked = models if slack.names else [model.with_slack(slack) for model in models]
+    found: list[Fit | None] = fit_nested(clocked, fit_one, in_place)
     fits = [allowed(fit) for fit in found]
     if not any(fits):
         raise failed[0]

@@ -58,20 +58,25 @@ class Scale:
         )
 
 
-def scale_of(swings: Sequence[Swing], restoring: str = "sine", reading: str = ANGLE) -> Scale:
+def scale_of(
+    swings: Sequence[Swing], restoring: str = "sine", reading: str = ANGLE, *, stated: bool = False
+) -> Scale:
     """The ``Scale`` of a pendulum's swings (times in s; angles in rad, or rates in rad/s).
 
     Models of damping are fitted to them as they are, as if they had been degrees, and as if they had been rad and were taken for degrees.
     The evidence is that of as many samples as count as independent. Another unit is the pendulum's where it leaves less, and does all that
-    any change of the period with the amplitude would do. A spring's pull (``restoring`` linear) tells no unit.
+    any change of the period with the amplitude would do. A spring's pull (``restoring`` linear) tells no unit. Where the unit is ``stated``,
+    and no change of the period with the amplitude is worth it, none is tried: it is not asked whether the swings tell their unit.
     """
     with warnings.catch_warnings():  # of models that are only compared
         warnings.simplefilter("ignore", TrajectoryWarning)
-        return _scale_of(swings, restoring, reading)
+        return _scale_of(swings, restoring, reading, stated)
 
 
-def _scale_of(swings: Sequence[Swing], restoring: str, reading: str) -> Scale:
+def _scale_of(swings: Sequence[Swing], restoring: str, reading: str, stated: bool) -> Scale:
     if restoring != "sine" or (given := _fitted(swings, 1.0, reading)) is None:
+        return Scale()
+    if stated and not _period_changes(given, swings, reading):
         return Scale()
     told, less = False, np.nan
     for factor in (DEGREE, 1 / DEGREE):
@@ -87,6 +92,16 @@ def _scale_of(swings: Sequence[Swing], restoring: str, reading: str) -> Scale:
         if evidence > _CLEAR**2 and _does_all(other, swings, factor, given.rms, samples):
             return Scale(factor, True, left, given.rms)
     return Scale(told=told, left=less, left_given=given.rms)
+
+
+def _period_changes(given: Fit, swings: Sequence[Swing], reading: str) -> bool:
+    """Whether another change of the period with the amplitude may be worth it, if all samples counted as independent."""
+    model = as_model(f"{_MODEL}+{_BESIDE}").of(reading)
+    try:
+        more = fit_jointly(model, swings, guess=given, seen=False, grown=False, bounded=True)
+    except (TrajectoryError, InputError):
+        return True
+    return 2 * given.n * log(given.rms / more.rms) >= WORTH
 
 
 def _fitted(swings: Sequence[Swing], factor: float, reading: str, begin: Fit | None = None) -> Fit | None:
