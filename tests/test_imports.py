@@ -70,10 +70,10 @@ def test_imports_are_found_wherever_they_stand(tmp_path):
     script = tmp_path / "script.py"
     script.write_text(
         "import numpy\nfrom swingdown.pendulum import model\ndef f():\n    from swingdown.measurement.sheet import COLUMNS\n"
-        "match 1:\n    case 1:\n        try:\n            pass\n        except OSError:\n            from swingdown import rounding\n"
+        "match 1:\n    case 1:\n        try:\n            pass\n        except OSError:\n            from swingdown import prefork\n"
     )
     found = {Path(path).stem for path in sources.sources(script)}
-    assert {"model", "dissipation", "errors", "sheet", "paths", "rounding"} <= found
+    assert {"model", "dissipation", "errors", "sheet", "paths", "prefork"} <= found
     assert "trajectory" not in found
 
 
