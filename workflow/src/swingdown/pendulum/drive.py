@@ -61,7 +61,7 @@ class Drive:
 
         Returns
         -------
-        values, first, second
+        tuple of numpy.ndarray
             Each of the times' shape, in the unit of the kind, by s and by s².
         """
         times = np.asarray(times, dtype=float)
