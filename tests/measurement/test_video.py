@@ -200,3 +200,48 @@ def test_without_opencv_the_extra_is_named(monkeypatch, tmp_path):
     path.write_bytes(b"x")
     with pytest.raises(PackageError, match=r"pip install 'swingdown\[video\]'"):
         ingest({**COLUMNS, "recording": "a", "campaign": "a", "file": str(path)})
+
+
+def remade(path, sources, change):
+    """A film at ``path`` of frames that ``change`` makes of those of the ``sources``."""
+    readers, writer = [cv2.VideoCapture(str(one)) for one in sources], None
+    for k in range(10_000):
+        frames = [reader.read() for reader in readers]
+        if not all(read for read, _ in frames):
+            break
+        picture = change(k, *(frame for _, frame in frames))
+        if writer is None:
+            size = picture.shape[1], picture.shape[0]
+            writer = cv2.VideoWriter(str(path), cv2.VideoWriter_fourcc(*"MJPG"), 30.0, size)
+        writer.write(picture)
+    writer.release()
+    return path
+
+
+def test_two_bobs_in_one_film_are_two_recordings(films, tmp_path):
+    left, right = SCENE, SCENE._replace(omega=2 * np.pi / 1.0, seed=2)
+    path = remade(
+        tmp_path / "two.avi", [films(one)[0] for one in (left, right)], lambda _, *both: np.hstack(both)
+    )
+    runs = video.film(path.open("rb"), path.name)
+    assert list(runs) == ["bob 1 from the left", "bob 2 from the left"]
+    for one, scene in zip(runs.values(), (left, right), strict=True):
+        times, x = one.frame["t (s)"].to_numpy(), one.frame["x (px)"].to_numpy()
+        away = x - np.median(x)
+        turns = times[1:][np.diff(np.signbit(away).astype(int)) != 0]
+        # wider than small swings by (1 + a²/16)
+        assert 2 * np.median(np.diff(turns)) == pytest.approx(2 * np.pi / scene.omega, rel=0.03)
+
+
+def test_light_that_changes_over_half_the_picture_is_no_bob(films, tmp_path):
+    scene = SCENE._replace(noise=0.5)
+    path, angles = films(scene)
+
+    def flickering(k, frame):
+        half = frame.astype(np.int16)
+        half[: frame.shape[0] // 2] += round(9 * np.sin(k / 7))
+        return np.clip(half, 0, 255).astype(np.uint8)
+
+    _, found, seen = followed(remade(tmp_path / "light.avi", [path], flickering))
+    assert seen.mean() > 0.9
+    assert np.corrcoef(found, angles[: seen.size][seen])[0, 1] > 0.999

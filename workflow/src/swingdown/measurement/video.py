@@ -32,6 +32,11 @@ LONGEST_SIDE = (
 WINDOWS, OF_EACH = 12, 5  # parts of the film, and frames of each that tell the background and the bob
 CLEAR = 6.0  # times the noise of a pixel: none of a picture's is beyond by chance
 EDGE = 0.25  # of the bob's contrast: where its edge is taken for its own
+STRONG = 0.4  # of the contrast of the BRIGHTEST pixels of a frame: what differs less is a shadow, or light that changes
+BRIGHTEST = 50
+ALWAYS = 0.8  # of the frames in which a region has something that moves, if it is a bob's
+SIMILAR = 0.25  # times as large as the largest: what is smaller beside it is no second bob
+MOST = 4  # bobs that are followed in one film
 LEAST = 12  # px of the smaller picture that a bob covers; the centre of fewer is that of their noise
 AREA = 0.15  # share by which the area may differ from the usual one; beyond, some of the bob is hidden or something is added
 GAIN = 0.05  # share by which angles are wrong at most from a camera two lengths of the pendulum away, held square by eye to within 10°
@@ -48,6 +53,7 @@ class Track(NamedTuple):
     size: tuple[int, int]  # of the film: width, height
     picture: bytes  # a PNG of the places over the first frame: a dot each, from yellow to blue
     stated: int = 0  # frames that the container states
+    others: tuple[Floats, ...] = ()  # places of further bobs
 
 
 def film(source: BinaryIO, name: str) -> dict[str, Columns]:
@@ -67,8 +73,17 @@ def film(source: BinaryIO, name: str) -> dict[str, Columns]:
     """
     with _on_disk(source, name) as path:
         found = tracked(path, name)
-    seen = np.isfinite(found.places[:, 0])
-    x, y = found.places[seen].T
+    each = (found.places, *found.others)
+    if len(each) == 1:
+        return {"film": _columns(found, found.places)}
+    middles = np.argsort([np.nanmean(places[:, 0]) for places in each])
+    return {f"bob {k + 1} from the left": _columns(found, each[at]) for k, at in enumerate(middles)}
+
+
+def _columns(found: Track, places: Floats) -> Columns:
+    """The Columns of one bob of a film."""
+    seen = np.isfinite(places[:, 0])
+    x, y = places[seen].T
     width, height = found.size
     short = len(seen) < found.stated - max(2, found.stated // 100)
     told = (
@@ -78,11 +93,7 @@ def film(source: BinaryIO, name: str) -> dict[str, Columns]:
     )
     table = pd.DataFrame({"t (s)": found.times[seen], "x (px)": x, "y (px)": y})
     layout = f"film of {width} × {height} px"
-    return {
-        "film": Columns(
-            table, layout, about={"source": "a film"}, remarks=told, usual={"gain_tolerance": GAIN}
-        )
-    }
+    return Columns(table, layout, about={"source": "a film"}, remarks=told, usual={"gain_tolerance": GAIN})
 
 
 def tracked(path: str | Path, name: str = "") -> Track:
@@ -109,19 +120,45 @@ def _on_disk(source: BinaryIO, name: str) -> Iterator[str]:
 def _tracked(path: str, name: str, size: int, changed: int) -> Track:
     cv2 = needed("cv2")
     first, samples = _samples(cv2, path, name)
-    look = _look(cv2, samples, name)
-    times, found = [], []
+    *better, last = _looks(cv2, samples, name)
+    for looks in better:
+        try:
+            return _followed(cv2, path, name, first, looks)
+        except InputError:
+            continue
+    return _followed(cv2, path, name, first, last)
+
+
+def _followed(cv2: Any, path: str, name: str, first: Pictures, looks: Sequence["_Look"]) -> Track:
+    """The Track of the bobs with these looks, without those that are on no circle; InputError where none is."""
+    times, found = [], [list[_Blob]() for _ in looks]
     for _, time, frame in _frames(cv2, path, name):
         times.append(time)
-        found.append(look.bob(_smaller(cv2, frame)))
+        smaller = _smaller(cv2, frame)
+        for look, own in zip(looks, found, strict=True):
+            own.append(look.bob(smaller))
+    places, problems = list[Floats](), list[InputError]()
+    for look, own in zip(looks, found, strict=True):
+        try:
+            places.append(_places(own, look, _factor(first), name))
+        except InputError as problem:
+            problems.append(problem)
+    if not places:
+        raise problems[0]
+    height, width = first.shape[:2]
+    seconds = _increasing(times, _rate(cv2, path), name)
+    drawn = _drawn(cv2, first.copy(), np.concatenate(places))
+    return Track(seconds, places[0], (width, height), drawn, _stated_in(cv2, path), tuple(places[1:]))
+
+
+def _places(found: Sequence["_Blob"], look: "_Look", factor: int, name: str) -> Floats:
+    """Where a bob is in each frame (px of the film), NaN where it was not seen; InputError where it is on no circle."""
     xy = np.array([one[:2] for one in found])
     hidden = ~_of_usual_area(xy, np.array([one.area for one in found]) / look.area)
     xy[hidden | np.r_[False, hidden[:-1]] | np.r_[hidden[1:], False]] = np.nan
-    xy = (xy + 0.5) * _factor(first) - 0.5
-    xy[~_on_circle(xy, _factor(first) * math.sqrt(look.area), name)] = np.nan
-    height, width = first.shape[:2]
-    seconds = _increasing(times, _rate(cv2, path), name)
-    return Track(seconds, xy, (width, height), _drawn(cv2, first, xy), _stated_in(cv2, path))
+    xy = (xy + 0.5) * factor - 0.5
+    xy[~_on_circle(xy, factor * math.sqrt(look.area), name)] = np.nan
+    return xy
 
 
 def _of_usual_area(xy: Floats, areas: Floats) -> NDArray[np.bool_]:
@@ -242,23 +279,39 @@ class _Blob(NamedTuple):
 class _Look:
     """How the bob is found in a picture: by the background, the noise of a pixel, and the bob's usual colour and area."""
 
-    def __init__(self, cv2: Any, background: Pictures, clear: float) -> None:
+    def __init__(self, cv2: Any, background: Pictures, clear: float, region: Pictures | None = None) -> None:
         self.cv2, self.background, self.clear, self.area = cv2, background, clear, 1.0
         self.brightness = float(np.mean(background))
         self.apart: Floats | None = None  # the bob's colour less the background's
+        self.strength = 0.0  # the bob's usual contrast
+        self.region = region  # 255 where this bob moves, beside others
 
     def bob(self, frame: Pictures) -> _Blob:
         """What has the usual area most nearly; NaN where nothing is clear of the background."""
         nowhere = _Blob(math.nan, math.nan, math.nan, np.zeros(3), 0.0)
         return min(self.blobs(frame), key=lambda one: abs(math.log(one.area / self.area)), default=nowhere)
 
+    def _even(self, frame: Pictures) -> Pictures:
+        """The frame as bright as the background: a camera that sets its exposure anew makes all of the picture brighter."""
+        return self.cv2.convertScaleAbs(
+            frame, alpha=self.brightness / max(sum(self.cv2.mean(frame)[:3]) / 3, 1.0)
+        )
+
+    def _apart(self, even: Pictures) -> Pictures:
+        blue, green, red = self.cv2.split(self.cv2.absdiff(even, self.background))
+        return self.cv2.max(self.cv2.max(blue, green), red)
+
+    def contrast(self, frame: Pictures) -> Pictures:
+        """How much each pixel of a frame differs from the background."""
+        return self._apart(self._even(frame))
+
     def blobs(self, frame: Pictures, most: int = 5) -> list[_Blob]:
         """The largest pieces that differ from the background, that of most area first."""
         cv2 = self.cv2
-        # a camera that sets its exposure anew makes all of the picture brighter
-        even = cv2.convertScaleAbs(frame, alpha=self.brightness / max(sum(cv2.mean(frame)[:3]) / 3, 1.0))
-        blue, green, red = cv2.split(cv2.absdiff(even, self.background))
-        contrast = cv2.max(cv2.max(blue, green), red)
+        even = self._even(frame)
+        contrast = self._apart(even)
+        if self.region is not None:
+            contrast = cv2.bitwise_and(contrast, self.region)
         clear = cv2.threshold(contrast, self.clear, 255, cv2.THRESH_BINARY)[1]
         mask = cv2.morphologyEx(clear, cv2.MORPH_OPEN, np.ones((3, 3), np.uint8))  # a string is no bob
         _, labels, stats, _ = cv2.connectedComponentsWithStats(mask, connectivity=8)
@@ -297,8 +350,8 @@ class _Look:
         return np.clip((moved * apart).sum(axis=2) / square, 0.0, 1.0)
 
 
-def _look(cv2: Any, windows: Sequence[Sequence[Pictures]], name: str) -> _Look:
-    """The look for the bob of a film, from its samples: InputError where nothing moves in most of them.
+def _looks(cv2: Any, windows: Sequence[Sequence[Pictures]], name: str) -> list[list[_Look]]:
+    """The look for each bob of a film, from its samples, in other ways after the first where that follows none: InputError where nothing moves in most of them.
 
     The background is taken where most moves, since a bob that is nearly at rest hides it: where at least half as much does as in the
     fourth of the windows by that: in three of the twelve a hand may move.
@@ -312,7 +365,55 @@ def _look(cv2: Any, windows: Sequence[Sequence[Pictures]], name: str) -> _Look:
     background = np.median(moving, axis=0).astype(np.uint8)
     steps = np.array([cv2.absdiff(a, b)[::4, ::4] for one in pairs for a, b in one])
     noise = max(1.4826 * float(np.median(steps)) / math.sqrt(2), 0.5)  # below, it is that of rounding
-    look = _Look(cv2, background, CLEAR * noise)
+    start = CLEAR * noise
+    regions = _regions(cv2, _Look(cv2, background, start), frames)
+    if len(regions) < 2:
+        look = _at_bob(_Look(cv2, background, start), frames, name)
+        if not regions or look.strength > regions[0].clear:
+            return [[look]]
+    strong = [
+        _at_bob(_Look(cv2, background, max(start, one.clear), one.where), frames, name) for one in regions
+    ]
+    return [strong, [look]] if len(regions) == 1 else [strong]
+
+
+class _Region(NamedTuple):
+    """Where one bob moves: a picture of 255 within it, from which contrast on it is clear, and how many pixels are so as a rule."""
+
+    where: Pictures
+    clear: float
+    usual: float
+
+
+def _regions(cv2: Any, look: _Look, frames: Sequence[Pictures]) -> list[_Region]:
+    """Where bobs move: what moves clearly in one place in nearly all frames, the largest first.
+
+    The two sides of a stand before a bob are not: it is on one of them at a time.
+    """
+    contrasts = [look.contrast(frame) for frame in frames]
+    strong = STRONG * float(
+        np.median([np.partition(one.ravel(), -BRIGHTEST)[-BRIGHTEST] for one in contrasts])
+    )
+    square = np.ones((3, 3), np.uint8)
+    masks = [
+        cv2.morphologyEx((one > max(strong, look.clear)).astype(np.uint8), cv2.MORPH_OPEN, square)
+        for one in contrasts
+    ]
+    swept = cv2.morphologyEx(np.maximum.reduce(masks), cv2.MORPH_CLOSE, np.ones((5, 5), np.uint8))
+    count, labels = cv2.connectedComponents(swept, connectivity=8)
+    pixels = np.array([np.bincount(labels[one > 0], minlength=count) for one in masks])
+    usual, always = np.median(pixels, axis=0), np.mean(pixels >= LEAST, axis=0) >= ALWAYS
+    usual[0] = 0.0  # the background
+    bobs = [k for k in np.argsort(-usual)[:MOST] if always[k] and usual[k] >= SIMILAR * usual.max() > 0]
+    edge = np.ones((7, 7), np.uint8)
+    return [
+        _Region(cv2.dilate(np.where(labels == k, 255, 0).astype(np.uint8), edge), strong, float(usual[k]))
+        for k in bobs
+    ]
+
+
+def _at_bob(look: _Look, frames: Sequence[Pictures], name: str) -> _Look:
+    """The look with the colour and area of the bob; InputError where nothing moves in most frames."""
     largest = _largest(look, frames)
     if 2 * len(largest) > len(frames):
         look.clear = max(look.clear, EDGE * float(np.median([one.contrast for one in largest])))
@@ -324,7 +425,8 @@ def _look(cv2: Any, windows: Sequence[Sequence[Pictures]], name: str) -> _Look:
             "a bob that differs from what is behind it, before a camera that stands still",
             "film it anew before a plain wall with the camera on a stand, or follow the bob with Tracker",
         )
-    look.apart = np.median([one.colour for one in largest], axis=0).astype(np.float32) - background
+    look.strength = float(np.median([one.contrast for one in largest]))
+    look.apart = np.median([one.colour for one in largest], axis=0).astype(np.float32) - look.background
     look.area = float(np.median([one.area for one in _largest(look, frames)]))
     return look
 

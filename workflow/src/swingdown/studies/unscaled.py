@@ -46,7 +46,8 @@ def pace_of(angle: xr.Dataset, times: Floats, series: Floats) -> dict[str, float
     except InputError:
         return dict.fromkeys(names, np.nan)
     early = (found[2:] - found[:-2])[:_EARLY]
-    if abs(early.mean() - told.first) > 2 * np.hypot(told.u_first, 2 * told.scatter / _EARLY):
+    u_early = max(2 * told.scatter / _EARLY, float(np.std(early)))
+    if abs(early.mean() - told.first) > 2 * np.hypot(told.u_first, u_early):
         # a smooth course that misses the first periods is not theirs
         return dict.fromkeys(names, np.nan) | of_first_swings(times, series)
     # weighed by AIC, as the laws are: a course on which the period changes, and one on which it does not
