@@ -6,6 +6,7 @@ import pytest
 import swingdown
 from swingdown.engine.trajectory import TrajectoryError, simulate
 from swingdown.errors import InputError
+from swingdown.fitting.colour import uncertainty
 from swingdown.pendulum.model import PAPER_MODELS, Model
 from swingdown.studies import experiment
 from swingdown.studies.quantities import quantities
@@ -43,8 +44,39 @@ def test_a_law_that_the_paper_has_not_is_named_and_its_values_hold_the_truth(lab
     assert max(off(answer, model).values()) < 3
     paper_s = swingdown.fit(TIMES, angle, unit="rad", fitted=PAPER_MODELS)
     assert paper_s.row["residual_rad"] > answer.row["residual_rad"]
-    if label != "structural_damping":  # whose share of a swing is the same as by viscous drag
+    if label == "power_law_drag":
         assert max(off(paper_s, model).values()) > 3
+
+
+LIGHT = {"viscous_ratio": 0.004}
+BESIDE_LIST = {
+    "viscous+cubic_stiffness": LIGHT | {"cubic_stiffness": 0.8},
+    "viscous+quadratic_stiffness": LIGHT | {"quadratic_stiffness": 0.2},
+}
+
+
+@pytest.mark.parametrize("label", BESIDE_LIST)
+def test_a_law_that_no_list_has_costs_width_and_not_the_truth(label, monkeypatch):
+    model, angle = swing(label, BESIDE_LIST[label])
+    assert max(off(swingdown.fit(TIMES, angle, unit="rad"), model).values()) < 2.5
+    monkeypatch.setattr(experiment, "uncertainty", lambda fit, swings, free: uncertainty(fit, swings))
+    assert max(off(swingdown.fit(TIMES, angle, unit="rad"), model).values()) > 5
+
+
+@pytest.mark.parametrize(
+    "values", [{"viscous_ratio": 0.003}, {"viscous_ratio": 0.002, "load_friction": 3e-4}]
+)
+def test_where_a_law_of_the_list_holds_nothing_is_wider(values, monkeypatch):
+    label = "+".join({"viscous_ratio": "viscous", "load_friction": "load_coulomb"}[name] for name in values)
+    angles = [swing(label, values, seed=seed)[1] for seed in range(6)]
+
+    def told():
+        found = [swingdown.fit(TIMES, angle, unit="rad").quantities for angle in angles]
+        return np.array([[one[name].u for name in ("period", "quality", "decay_time")] for one in found])
+
+    wide = told()
+    monkeypatch.setattr(experiment, "uncertainty", lambda fit, swings, free: uncertainty(fit, swings))
+    assert np.exp(np.mean(np.log(wide / told()), axis=0)) == pytest.approx(1, abs=0.1)
 
 
 def test_laws_that_cannot_be_told_apart_are_all_named():

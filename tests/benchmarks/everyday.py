@@ -16,6 +16,7 @@ import numpy as np
 import swingdown
 from swingdown.engine.trajectory import TrajectoryError, TrajectoryWarning, simulate
 from swingdown.errors import InputError
+from swingdown.pendulum.catalogue import catalogue
 from swingdown.pendulum.model import Model
 from swingdown.studies.quantities import quantities, steady
 
@@ -31,12 +32,44 @@ SIZES = {
     "structural_coefficient": (3e-2, 5e-1),
     "presliding_friction": (5e-3, 5e-2),
     "presliding_angle": (5e-3, 5e-2),
+    "stribeck_friction": (2e-3, 3e-2),
+    "stribeck_velocity": (5e-2, 5e-1),
+    "eddy_coefficient": (2e-2, 2e-1),
+    "eddy_width": (6e-2, 3e-1),
+    "added_mass": (2e-3, 3e-2),
+    "cubic_stiffness": (1e-1, 3e0),
+    "quadratic_stiffness": (3e-2, 1e0),
+    "magnet_depth": (3e-3, 1e-1),
+    "magnet_width": (6e-2, 3e-1),
+    "side_friction_c": (1e-2, 3e-1),
+    "flap_c": (2e-2, 2e-1),
 }
 TRUTHS = {
     "one to three of the trio": TRIO,
     "a power law": ("power_law_drag",),
     "structural damping": ("structural_damping",),
     "viscous drag, and friction before sliding": ("viscous", "presliding"),
+}
+# of each a part that no law of the list has; the first four are those that the free course was made with
+FOREIGN = {
+    "quadratic, and friction before sliding": ("quadratic_drag", "presliding"),
+    "structural and load Coulomb": ("structural_damping", "load_coulomb"),
+    "viscous and Stribeck": ("viscous", "stribeck"),
+    "viscous, load Coulomb and a spring that stiffens": ("viscous", "load_coulomb", "cubic_stiffness"),
+    "a power law and load Coulomb": ("power_law_drag", "load_coulomb"),
+    "viscous and a magnet's brake": ("viscous", "eddy_brake"),
+    "viscous, quadratic and air that is dragged along": ("viscous", "quadratic_drag", "added_mass"),
+    "viscous, quadratic and a wound spring": ("viscous", "quadratic_drag", "quadratic_stiffness"),
+    "load Coulomb and a magnet that pulls": ("load_coulomb", "magnet"),
+    "viscous, and friction that grows outward": ("viscous", "side_friction"),
+    "load Coulomb, and a drag that grows outward": ("load_coulomb", "flap"),
+}
+OWN = {  # no effects of the catalogue
+    "side_friction": {
+        "torque": "-c*theta**2*sign(thetadot)",
+        "parameters": {"c": {"unit": "1/s^2", "lower": 0.0}},
+    },
+    "flap": {"torque": "-c*abs(theta)*thetadot", "parameters": {"c": {"unit": "1/s", "lower": 0.0}}},
 }
 CLOCK = 5e-5  # share by which a recorder's seconds may be wrong
 
@@ -45,13 +78,19 @@ def drawn(draws, effects):
     """Return a model of the effects (of the trio one to three) with values, its times, release (rad) and noise (rad)."""
     if effects is TRIO:
         effects = draws.permutation(TRIO)[: draws.integers(1, 4)]
-    names = Model(tuple(effects)).parameters
+    known = catalogue(OWN)
+    names = Model(tuple(effects), catalogue=known).parameters
     values = {"natural_frequency": draws.uniform(3, 8)}
     for name in names[1:]:
         low, high = np.log(SIZES[name])
         values[name] = float(np.exp(draws.uniform(low, high)))
     times = np.arange(0, draws.uniform(10, 60), 1 / draws.uniform(30, 100))
-    return Model(tuple(effects), values), times, draws.uniform(0.15, 0.9), 10 ** draws.uniform(-3.3, -2.3)
+    return (
+        Model(tuple(effects), values, catalogue=known),
+        times,
+        draws.uniform(0.15, 0.9),
+        10 ** draws.uniform(-3.3, -2.3),
+    )
 
 
 def told(times, angle, verdict):
@@ -73,7 +112,7 @@ def pulls(truth, count, draws, verdict):
     """Return the pulls and the relative stated uncertainties of each quantity, (count, asked), and how many recordings gave no answer."""
     rows, silent = [], 0
     while len(rows) + silent < count:
-        model, times, release, noise = drawn(draws, TRUTHS[truth])
+        model, times, release, noise = drawn(draws, (TRUTHS | FOREIGN)[truth])
         angle = simulate(model, times, release) + noise * draws.standard_normal(times.size)
         try:
             found, amplitude = told(times * (1 + draws.uniform(-CLOCK, CLOCK)), angle, verdict)
@@ -98,7 +137,8 @@ def main(argv=None):
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("count", nargs="?", type=int, default=300)
     parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--truth", nargs="*", default=list(TRUTHS), choices=list(TRUTHS))
+    parser.add_argument("--truth", nargs="*", default=list(TRUTHS), choices=[*TRUTHS, *FOREIGN])
+    parser.add_argument("--foreign", action="store_true", help="the kinds that no law of the list has")
     parser.add_argument("--verdict", action="store_true")
     given = parser.parse_args(argv)
     print(
@@ -107,7 +147,7 @@ def main(argv=None):
         + " |"
     )
     print("|---" * (2 + len(ASKED)) + "|")
-    for truth in given.truth:
+    for truth in FOREIGN if given.foreign else given.truth:
         pull, wide, silent = pulls(truth, given.count, np.random.default_rng(given.seed), given.verdict)
         cells = []
         for k in range(len(ASKED)):

@@ -127,3 +127,13 @@ def test_a_model_that_tells_no_value_does_not_count():
         ["period"],
     )
     assert told["period"] == Quantity(12.0, 0.4, "s")
+
+
+def test_friction_that_winds_up_takes_as_long_as_the_swing_itself():
+    values = {"presliding_friction": 0.02, "presliding_angle": 0.02, "viscous_ratio": 0.003}
+    model = Model("viscous+presliding", {"natural_frequency": 6.0} | values)
+    times = np.arange(0, 40, 1e-3)
+    angle = simulate(model, times, 0.4)
+    tops = np.flatnonzero((angle[1:-1] > angle[:-2]) & (angle[1:-1] >= angle[2:])) + 1
+    fallen = np.interp(1.0, np.log(0.4 / angle[tops]), times[tops])
+    assert decay_time(model, 0.4) == pytest.approx(fallen, rel=2e-4)

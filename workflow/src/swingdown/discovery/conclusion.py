@@ -12,7 +12,7 @@ from ..engine.trajectory import simulate
 from ..fitting.colour import uncertainty
 from ..fitting.result import Begin, Fit, SwingStart
 from ..pendulum.free_form import FreeForm
-from ..studies.quantities import UNITS, Quantity, over_models, quantities, steady
+from ..studies.quantities import UNITS, Beside, Quantity, over_models, quantities, steady
 from .campaign import Campaign
 from .refit import FAILURES, refit
 from .state import Round
@@ -84,7 +84,10 @@ class _Told:
         self.pairs = [swing.pair for swing in whole]
         self.fit = refit(Begin(fit.model, _begins(fit, state, campaign)), whole, grown=False, ended=True)
         self.motion = steady(self.fit.model.motion)
-        self.covariance = _of(self.motion.parameters, self.fit, uncertainty(self.fit, self.pairs).covariance)
+        known = uncertainty(self.fit, self.pairs, free=True)
+        self.covariance = _of(self.motion.parameters, self.fit, known.covariance)
+        over = known.courses and known.courses.over(self.fit.free, self.motion.parameters)
+        self.beside = over and Beside(*over)
 
     @cached_property
     def amplitude(self) -> float:
@@ -97,7 +100,7 @@ class _Told:
 
     def quantities(self) -> dict[str, Quantity]:
         """The quantities by name, of the largest swing."""
-        return quantities(self.motion, self.amplitude, self.covariance)
+        return quantities(self.motion, self.amplitude, self.covariance, self.beside)
 
 
 def _said(fit: Fit, state: Round, campaign: Campaign) -> dict[str, Quantity]:

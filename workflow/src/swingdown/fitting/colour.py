@@ -10,8 +10,9 @@ added. Least squares keep their optimum: where the noise's spectrum is smooth ab
 nothing (Grenander, Ann. Math. Stat. 25, 252 (1954)).
 """
 
+import warnings
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -21,9 +22,11 @@ from scipy.optimize import brentq, minimize_scalar
 from scipy.special import ndtr, stdtrit
 
 from ..arrays import Floats
-from ..engine.trajectory import sensitivities
+from ..engine.trajectory import TrajectoryWarning, sensitivities, simulate
+from ..pendulum.catalogue import ANGLE
 from ..pendulum.effect import NATURAL_FREQUENCY
 from ..quantisation import quantisation_step, rounding
+from .course import Courses, Free, Pieces
 from .problem import RELEASE, Swings
 from .result import Fit
 
@@ -33,6 +36,7 @@ _HIGHEST = 12  # order of the autoregressive model
 _EVEN = 1e-3  # of a step: times that are off by less are even
 _SEEN = 2.0  # standard errors
 _LEAST_DOF = 3.0
+_LEAST_LEFT = 1e-12  # of a sum of squares
 _FEWEST = 20  # means for each order
 _MOST_LINES = 4  # the mains and its harmonics
 _CHANCE = 1e-3  # of a line in white noise
@@ -70,6 +74,8 @@ class Uncertainty:
         Degrees of freedom of that size.
     limited
         The share of the clock's part of ``systematic`` that is of an error within limits.
+    courses
+        What free courses do beside the law, where they were asked for.
     """
 
     random: Floats
@@ -78,6 +84,7 @@ class Uncertainty:
     noise: float
     dof: float
     limited: float = 1.0
+    courses: Courses | None = None
 
     @property
     def factors(self) -> Floats:
@@ -126,7 +133,7 @@ def half_width(limited: float) -> float:
     return float(brentq(beyond, 1.0, 3.0))
 
 
-def uncertainty(fit: Fit, swings: Swings) -> Uncertainty:
+def uncertainty(fit: Fit, swings: Swings, free: bool = False) -> Uncertainty:
     """The ``Uncertainty`` of a fit's values.
 
     The sandwich A S A: A is the inverse of J'J with what is known beforehand, S = J' R J with the autocovariance R of the
@@ -138,12 +145,74 @@ def uncertainty(fit: Fit, swings: Swings) -> Uncertainty:
         The fit.
     swings
         The (times in s, angles in rad) that were fitted; they count as independent.
+    free
+        Whether ``courses`` of the result says what free courses of frequency and loss do beside the law (``fitting.course``).
     """
+    parts = list(_means(fit, swings))
+    plain = _of_parts(fit, parts, fit.rss)
+    if not free or fit.model.takes_input or not np.isfinite(plain.noise) or not fit.rss > 0:
+        return plain
+    kept = np.isfinite(np.diag(plain.random))
+    pieces = [
+        _piece(fit, k, times, part) for k, ((times, _), part) in enumerate(zip(swings, parts, strict=True))
+    ]
+    try:
+        courses = Free(pieces, _precision(fit), kept, fit.rss)
+        most, seen = courses.most(plain.noise**2)
+        noise = _of_parts(fit, *_less(fit, parts, most)).noise if seen else plain.noise
+        found = courses.courses(noise**2)
+    except np.linalg.LinAlgError:
+        return plain
+    if not np.isfinite(found.covariance).all():
+        return plain
+    beside = _of_parts(fit, *_less(fit, parts, found.residual)) if seen else plain
+    left = max(1 - 2 * noise**2 * found.gain / fit.rss, _LEAST_LEFT)
+    whole = found.covariance.copy()
+    whole[: len(fit.free), : len(fit.free)] += np.nan_to_num(beside.covariance)
+    return replace(plain, courses=found._replace(covariance=whole, left=left, inflation=beside.inflation))
+
+
+def _less(fit: Fit, parts: Sequence["_Part"], taken: Sequence[Floats]) -> tuple[list["_Part"], float]:
+    """The pieces without what is taken of their sums of residuals, and the sum of squares (rad^2) that is left."""
+    found = []
+    for part, off in zip(parts, taken, strict=True):
+        means = off / np.maximum(part.counts, 1)
+        squares = part.squares - 2 * float(means @ part.residual) + float(off @ means)
+        found.append(part._replace(residual=part.residual - off, squares=squares))
+    left, whole = (sum(part.squares for part in each) for each in (found, parts))
+    return found, fit.rss * max(left / whole, 0.0)
+
+
+def _piece(fit: Fit, k: int, times: Floats, part: "_Part") -> Pieces:
+    """What free courses need of a swing's pieces."""
+    one = fit.swings[k]
+    middles = times[0] + part.first + part.interval * np.arange(part.counts.size)
+    model = replace(one.model, record=one.model.record or float(times[-1] - times[0]))
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", TrajectoryWarning)  # of the fit they were told
+        begun = np.r_[times[0], middles[part.first <= 0 :]]
+        reading = simulate(model, begun, one.release_angle, one.release_velocity)[-middles.size :]
+    radians = 0.0 if model.restoring == "linear" else 1.0
+    if model.reading != ANGLE:
+        radians /= model.values[NATURAL_FREQUENCY.name]
+    return Pieces(part.where, part.slopes, part.residual, part.counts, reading, part.interval, radians)
+
+
+def _precision(fit: Fit) -> Floats:
+    """What was known of the free values beforehand, times the noise's variance."""
+    slack, precision = fit.model.slack, np.zeros((len(fit.free), len(fit.free)))
+    if slack.names and all(name in fit.free for name in slack.parameters):
+        at = [fit.free.index(name) for name in slack.parameters]
+        precision[np.ix_(at, at)] = slack.precision
+    return precision
+
+
+def _of_parts(fit: Fit, parts: Sequence["_Part"], rss: float) -> Uncertainty:
+    """The ``Uncertainty`` by the residuals of these pieces, whose sum of squares (rad^2) is ``rss``."""
     held = ~np.isfinite(np.diag(fit.covariance))
     scale = np.sqrt(np.where(held, 1.0, np.diag(fit.covariance)))
     size = len(fit.free)
     hessian, scores = np.zeros((2, size, size))
-    parts = list(_means(fit, swings))
     for colour, members in _coloured(parts):
         for part, spread in members:
             place = np.ix_(part.where, part.where)
@@ -152,30 +221,27 @@ def uncertainty(fit: Fit, swings: Swings) -> Uncertainty:
             scores[place] += weighted(spread * slopes, colour)
             scores[place] += part.besides * np.outer(scale[part.where], scale[part.where])
     kept = np.ix_(~held, ~held)
-    slack, precision = fit.model.slack, np.zeros((size, size))
-    if slack.names and all(name in fit.free for name in slack.parameters):
-        at = [fit.free.index(name) for name in slack.parameters]
-        precision[np.ix_(at, at)] = slack.precision * np.outer(scale[at], scale[at])
+    precision = _precision(fit) * np.outer(scale, scale)
     random = np.full((size, size), np.nan)
     try:
         inverse = np.linalg.inv((hessian + precision)[kept])
     except np.linalg.LinAlgError:  # of what the means do not tell nothing is known
         return Uncertainty(random, fit.systematic, np.nan, np.nan, np.nan)
     random[kept] = inverse @ scores[kept] @ inverse * np.outer(scale, scale)[kept]
-    plain = fit.rss / fit.n * np.diag(inverse @ hessian[kept] @ inverse) * scale[~held] ** 2
+    plain = rss / fit.n * np.diag(inverse @ hessian[kept] @ inverse) * scale[~held] ** 2
     ratio = np.diag(random)[~held] / plain
     ratio = ratio[np.isfinite(ratio) & (ratio > 0)]
     inflation = float(np.exp(np.mean(np.log(ratio)))) if ratio.size else np.nan
     # the fit took its values' share out of the residuals just where their spectrum is asked for
     dof = max(fit.n / max(1.0, inflation) - size, _LEAST_DOF) if ratio.size else np.nan
     random *= 1 + size / dof
-    noise = float(np.sqrt(fit.rss / fit.n * inflation * (1 + size / dof)))
-    return Uncertainty(random, fit.systematic, inflation, noise, dof, slack.limited)
+    noise = float(np.sqrt(rss / fit.n * inflation * (1 + size / dof)))
+    return Uncertainty(random, fit.systematic, inflation, noise, dof, fit.model.slack.limited)
 
 
 class _Part(NamedTuple):
     """One swing by pieces of equal length in time: where its free values sit, the means of their slopes, the sum of its residuals, their
-    ``counts``, the sum of their squares, and the ``interval`` (s); and what rounding and lines add to the covariance of slopes times
+    ``counts``, the sum of their squares, the ``interval`` (s) and how long after the first sample the first piece's middle is (s); and what rounding and lines add to the covariance of slopes times
     residuals, of all samples. A piece without samples has zeros."""
 
     where: NDArray[np.integer]
@@ -185,6 +251,7 @@ class _Part(NamedTuple):
     squares: float
     interval: float
     besides: Floats
+    first: float
 
 
 def _means(fit: Fit, swings: Swings) -> Iterator[_Part]:
@@ -224,6 +291,7 @@ def _means(fit: Fit, swings: Swings) -> Iterator[_Part]:
             float(kept @ kept),
             each * interval,
             rounded + lines,
+            (each - 1) / 2 * interval,
         )
 
 

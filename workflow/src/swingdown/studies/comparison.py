@@ -100,8 +100,12 @@ def bic_effective(norms: xr.Dataset) -> Floats:
 
 
 def aic_effective(norms: xr.Dataset) -> Floats:
-    """AIC by model as ``bic_effective`` has BIC; the weights of models follow from it."""
-    misfit, _ = _misfit(norms)
+    """AIC by model as ``bic_effective`` has BIC, with free courses beside each law where there are some (``fitting.course``); the weights of
+    models follow from it."""
+    norm, inflation = norms["norm"], norms["variance_inflation"]
+    if "evidence_norm" in norms:
+        norm, inflation = norms["evidence_norm"].fillna(norm), norms["evidence_inflation"].fillna(inflation)
+    misfit, _ = _misfit(norms.assign(norm=norm, variance_inflation=inflation))
     return np.sum(misfit + 2 * terms_of(norms), axis=1)
 
 

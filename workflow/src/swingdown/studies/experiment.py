@@ -10,7 +10,8 @@ from .. import dataset
 from ..arrays import Floats, Swing, swing_under
 from ..engine.trajectory import TrajectoryError, simulate
 from ..errors import InputError
-from ..fitting.colour import uncertainty
+from ..fitting.colour import Uncertainty, uncertainty
+from ..fitting.course import TOLD
 from ..fitting.guess import first_guess
 from ..fitting.least_squares import fit_jointly
 from ..fitting.nested import fit_nested, stand_ins, unseen
@@ -37,6 +38,8 @@ _DIMS: dict[str, tuple[str, ...]] = {
         ("fitted", "parameter"),
     ),
     "systematic": ("fitted", "parameter", "source"),
+    "course_shift": ("fitted", "course"),
+    "course_covariance": ("fitted", "course", "course_2"),
     "time_residual": ("fitted", "time"),
     **dict.fromkeys(("nuisance_value", "nuisance_standard_error"), ("fitted", "nuisance")),
 }
@@ -358,7 +361,7 @@ def _row(
     fit: Fit, swings: Sequence[Swing], angles: Sequence[xr.Dataset], names: Sequence[str]
 ) -> dict[str, Any]:
     """What is kept of every fit, by name."""
-    known = uncertainty(fit, swings)
+    known = uncertainty(fit, swings, free=True)
     systematic = np.sqrt(np.sum(known.systematic**2, axis=1))
     parts = {
         "standard_error": np.sqrt(np.diag(known.covariance)),
@@ -383,8 +386,24 @@ def _row(
         "bic": fit.bic,
         "aicc": fit.aicc,
         "variance_inflation": max(1.0, known.inflation),
+        **_beside(known, fit, names),
         "converged": fit.converged,
         "evaluations": fit.evaluations,
+    }
+
+
+def _beside(known: Uncertainty, fit: Fit, names: Sequence[str]) -> dict[str, Any]:
+    """What the free courses beside a law say of its evidence, of its parameters ``names``, and of the quantities."""
+    size, one = len(names) + len(TOLD), known.courses
+    norm = fit.rms * (np.sqrt(one.left) if one else 1.0)
+    shift, covariance = (
+        one.over(fit.free, names) if one else (np.full(size, np.nan), np.full((size, size), np.nan))
+    )
+    return {
+        "evidence_norm": np.degrees(norm),
+        "evidence_inflation": max(1.0, one.inflation if one else known.inflation),
+        "course_shift": shift,
+        "course_covariance": covariance,
     }
 
 

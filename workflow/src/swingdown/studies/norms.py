@@ -40,6 +40,13 @@ LABELS: dict[str, tuple[str | None, str]] = {
         "covariance of two fitted values, in their units, the wider of both kinds of standard error",
     ),
     "largest_angle": ("rad", "largest fitted angle"),
+    "evidence_norm": (
+        "degrees",
+        "RMS of data minus fit that stands for the evidence with free courses beside the law",
+    ),
+    "evidence_inflation": ("1", "variance_inflation of what the free courses leave"),
+    "course_shift": (_OF_EACH, "what the free courses change of values, and of logarithms of quantities"),
+    "course_covariance": (_OF_EACH, "covariance of these with the free courses beside the law"),
     "condition_number": ("1", "condition number of the correlation matrix of all free values"),
     "release_angle": ("rad", "fitted angle at the first sample"),
     "release_velocity": ("rad/s", "fitted angular velocity at the first sample"),
@@ -180,7 +187,7 @@ def combine_recordings(datasets: Iterable[xr.Dataset]) -> xr.Dataset:
             units, text = LABELS[name]
             comment = "degrees/s of recordings whose reading is rate"
             combined[name].attrs |= {"units": units, "long_name": text, "comment": comment}
-    order = ("fitted", "recording", "parameter", "parameter_2")
+    order = ("fitted", "recording", "parameter", "parameter_2", "course", "course_2")
     return combined.transpose(*order, missing_dims="ignore").assign_attrs(emulated=emulated)
 
 

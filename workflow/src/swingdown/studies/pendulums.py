@@ -22,7 +22,7 @@ from ..rounding import value_with_uncertainty
 from .comparison import WORTH, aic_effective, bic_effective, terms_of
 from .left_over import MUCH, doubt
 from .norms import as_text
-from .quantities import UNITS, Quantity, loss_seen, over_models, quantities
+from .quantities import UNITS, Beside, Quantity, loss_seen, over_models, quantities
 from .turning_points import NOT_DAMPED, as_told, passages_told, period_of_passages
 from .unscaled import as_seen, at_first_swing
 
@@ -154,7 +154,21 @@ def described(
     model, covariance = values_of(norms, label, catalogue)
     if amplitude is None:
         amplitude = float(norms["largest_angle"].sel(fitted=label).max())
-    return amplitude, quantities(model, amplitude, covariance)
+    return amplitude, quantities(model, amplitude, covariance, _beside(norms, label, model))
+
+
+def _beside(norms: xr.Dataset, label: str, model: Model) -> Beside | None:
+    """What the free courses beside the model ``label`` say; None where there are none."""
+    if "course_shift" not in norms:
+        return None
+    known, own = as_text(norms["parameter"]), as_text(norms["fitted"]).index(label)
+    at = [known.index(name) for name in model.parameters]
+    shift, covariance = (
+        norms[key].isel(fitted=own).transpose(*dims, ...).values
+        for key, dims in (("course_shift", ("course",)), ("course_covariance", ("course", "course_2")))
+    )
+    at += range(len(known), shift.size)
+    return Beside(shift[at], covariance[np.ix_(at, at)]) if np.isfinite(shift[at]).all() else None
 
 
 def values_of(norms: xr.Dataset, label: str, catalogue: Catalogue = SHIPPED) -> tuple[Model, Floats]:

@@ -126,23 +126,27 @@ def cycle(model: Model, amplitude: float) -> Cycle:
     return _cycle(left_alone(model.motion), amplitude)  # what sensor and drive do is none of the pendulum's
 
 
-def _cycle(model: Model, amplitude: float) -> Cycle:
-    """The same of a model that is nothing but its motion."""
+def _cycle(model: Model, amplitude: float, later: int = 0) -> Cycle:
+    """The same of a model that is nothing but its motion; of the swing that begins ``later`` half-swings after the rest."""
     frequency = model.values[NATURAL_FREQUENCY.name]
     nothing = Cycle(np.nan, np.nan, amplitude)
     if not frequency > 0:
         return nothing
     ideal = 2 * np.pi / (frequency * amplitude_factor(amplitude))
-    times = 1.5 * ideal * np.arange(int(1.5 * _SAMPLES)) / (1.5 * _SAMPLES)
+    span = 1.5 + later / 2
+    times = span * ideal * np.arange(int(span * _SAMPLES)) / (span * _SAMPLES)
     try:
         angle = simulate(model, times, amplitude)
     except TrajectoryError:
         return nothing
     turns = np.flatnonzero(np.diff(np.sign(np.diff(angle[1:]))) != 0) + 2
-    if turns.size < 2:
+    if turns.size < 2 + later:
         return nothing
-    (_, low), (period, high) = (_vertex(times, angle, k) for k in turns[:2])
-    first, second = float(angle[0]) - low, high - low
+    (began, top), (_, low), (ended, high) = [
+        (0.0, float(angle[0])),
+        *(_vertex(times, angle, k) for k in turns[: 2 + later]),
+    ][later:]
+    period, first, second = ended - began, abs(top - low), abs(high - low)
     if not first > second > 0:
         return Cycle(period, np.nan, amplitude)
     return Cycle(period, 2 * float(np.log(first / second)), float(np.sqrt(first * second)) / 2)
@@ -195,14 +199,18 @@ def decay_time(model: Model, amplitude: float) -> float:
 
 
 def _decay_time(model: Model, amplitude: float, start: Cycle | None = None) -> float:
-    """The same of a model that is nothing but its motion; ``start`` is its cycle from there, where it is known."""
-    start = start or _cycle(model, amplitude)
+    """The same of a model that is nothing but its motion; ``start`` is its cycle from there, where it is known.
+
+    Friction that winds up is unwound at rest and never later, so there a cycle begins after a half-swing.
+    """
+    start, later = start or _cycle(model, amplitude), int(any(one.states for one in model.effects))
     if not np.isfinite(start.decrement):
         return float("nan")
     top = np.log(amplitude)
-    above = min(float(top) + start.decrement / 2, float(np.log(3.0)))
+    above = min(float(top) + (1 + later) * start.decrement / 2, float(np.log(3.0)))
     nodes = [
-        _cycle(model, float(np.exp(at))) for at in np.linspace(top - 1, max(above, float(top)), _AMPLITUDES)
+        _cycle(model, float(np.exp(at)), later)
+        for at in np.linspace(top - 1, max(above, float(top)), _AMPLITUDES)
     ]
     if not all(np.isfinite(one.decrement) for one in nodes):
         return float("nan")
@@ -215,7 +223,17 @@ def _decay_time(model: Model, amplitude: float, start: Cycle | None = None) -> f
 UNITS = {"natural_frequency": "rad/s", "period": "s", "quality": "1", "decay_time": "s"}
 
 
-def quantities(model: Model, amplitude: float, covariance: Floats | None = None) -> dict[str, Quantity]:
+class Beside(NamedTuple):
+    """What free courses beside a model say (``fitting.course``): the mean change of its parameters and of the logarithms of natural frequency,
+    period, quality and decay time, and the covariance of all these."""
+
+    shift: Floats
+    covariance: Floats
+
+
+def quantities(
+    model: Model, amplitude: float, covariance: Floats | None = None, beside: Beside | None = None
+) -> dict[str, Quantity]:
     """By name the ``Quantity`` of natural frequency (rad/s), period (s), quality (1), decay time (s), and the model's other parameters.
 
     The natural frequency is that of small undamped swings, the period that of the first whole swing from rest, the quality pi
@@ -230,6 +248,8 @@ def quantities(model: Model, amplitude: float, covariance: Floats | None = None)
         The release angle (rad) at which they hold.
     covariance
         Of the model's parameters in their order. A NaN variance marks a value that was held.
+    beside
+        The free courses beside the model; natural frequency, period, quality and decay time are with them.
     """
     values, motion = np.array(model.vector()), left_alone(model.motion)
     moving = [model.parameters.index(name) for name in motion.parameters]
@@ -244,8 +264,14 @@ def quantities(model: Model, amplitude: float, covariance: Floats | None = None)
     if covariance is not None:
         known = np.where(np.isfinite(covariance), covariance, 0.0)
         own = np.where(np.diag(known) > 0, np.sqrt(np.diag(known)), np.nan)
-        slopes = _slopes(derived, values, np.sqrt(np.diag(known)))
+        whole = known if beside is None else beside.covariance
+        slopes = _slopes(derived, values, np.sqrt(np.diag(whole)[: values.size]))
         variance = np.einsum("ij,jk,ik->i", slopes, known, slopes)
+        if beside is not None:
+            slopes = np.c_[slopes, np.diag(found)]
+            found = found * np.exp(slopes @ beside.shift / found)
+            # what the courses take off the residuals makes no value surer: they are right to first order alone
+            variance = np.maximum(variance, np.einsum("ij,jk,ik->i", slopes, whole, slopes))
         errors = np.where(np.isfinite(found) & (variance > 0), np.sqrt(np.maximum(variance, 0.0)), np.nan)
     result = {
         name: Quantity(float(value), float(error), unit)
