@@ -7,6 +7,7 @@ import pandas as pd
 import pytest
 
 from swingdown.errors import InputError
+from swingdown.measurement.columns import choose
 from swingdown.measurement.source import table_of, tables
 
 TIME = np.arange(300) / 20
@@ -213,3 +214,21 @@ def test_a_line_that_is_no_number_takes_its_time():
     part = pd.concat(list(table.pieces))
     assert part["time (s)"].to_numpy() == pytest.approx(np.delete(TIME, 100))
     assert "line 101 between the rows" in table.remarks[0]
+
+
+def test_a_separator_that_ends_each_line_is_no_name():
+    """As a video program writes it: names of several words, decimal commas, and a `;` behind the last column."""
+    head = "Nr;Zeit [s];X Position [mm];Y Position [mm];Abstand;\n"  # as many words as columns
+    lines = [f"{k};{t:.3f};{x:.5f};{x / 9:.5f};{x:.5f};\n".replace(".", ",") for k, (t, x) in enumerate(zip(TIME, SWING, strict=True))]  # fmt: skip
+    names = table_of(io.BytesIO((head + "".join(lines)).encode()), {"file": "film.csv"}).names
+    assert names[:4] == ("Nr", "Zeit [s]", "X Position [mm]", "Y Position [mm]")
+
+
+def test_a_second_stamp_is_no_swing():
+    """As a robot's log has it: the time of the arrival, that of the message, then what swings."""
+    head, start = "__time,/joints/header/stamp,/joints/arm/position\n", 1.7e9
+    lines = (f"{start + t:.6f},{start + t - 0.0003:.6f},{x:.5f}\n" for t, x in zip(TIME, SWING, strict=True))
+    _, swing = choose(
+        table_of(io.BytesIO((head + "".join(lines)).encode()), {"file": "log.csv"}).names, "", "", "log.csv"
+    )
+    assert [one.name for one in swing] == ["/joints/arm/position"]

@@ -109,6 +109,12 @@ def test_a_zero_at_the_top_is_taken_away(sign):
         assert "3.14 rad (180°)" in told.replace("-", "") and "taken away" in told
 
 
+def test_turns_from_a_zero_that_is_nowhere_are_none():
+    """A ranger's 22.8 that nobody gave a unit is no three turns and a half, which a pendulum would have made."""
+    (told,) = looked_at(swing() + 22.8, unit_told=False)
+    assert "it swings about 22.8 rad" in told and "turns" not in told
+
+
 def test_a_zero_beside_the_vertical():
     told = "it swings about 0.3 rad (17.2°), and 0 should be where it hangs: this is taken away"
     assert looked_at(swing() + 0.3) == [told]

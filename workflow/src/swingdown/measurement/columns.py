@@ -38,7 +38,7 @@ SIGNAL_RATES = ("rad/s", "deg/s")
 _ACCELERATIONS = ("m/s^2", "m/s²", "m/s2", "g", "mg")
 UNITS = {written: meaning for meaning, all_ in _WRITTEN.items() for written in all_}
 
-_TIMES = re.compile(r"(?i)\b(t|time|zeit|temps|tiempo|tempo|timestamp|elapsed|millis|micros)\b")
+_TIMES = re.compile(r"(?i)\b(t|time|zeit|temps|tiempo|tempo|timestamp|stamp|elapsed|millis|micros)\b")
 _ANGLES = re.compile(r"(?i)θ|φ|\b(theta|phi|angle|angular position|winkel|ángulo|angulo|ausschlag)\b")
 _DRIVES = re.compile(
     r"(?i)\b(drive|driver|driving|motor|forcing|excitation|exciter|input|forzante|forzatura|erreger|antrieb|excitateur|torques?|tau|effort|"

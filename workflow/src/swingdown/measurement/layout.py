@@ -159,9 +159,10 @@ def _header_cells(line: str, how: Dialect) -> list[str]:
         bare = bare.lstrip("; ")
     if how.size == 1:
         return [bare.strip()] if not re.search(r"[,;\t]", bare) else split(bare, ",")
-    cells = _stripped(how.cells(bare))
+    whole = how.cells(bare)
+    cells = _stripped(whole)
     cells = _before_a_row(cells, how) or cells
-    if len(cells) == how.size:
+    if len(cells) == how.size or (len(whole) == how.size and sum(map(tells, cells)) > 1):  # a separator ends the line
         return cells
     for separator in dict.fromkeys((how.separator, ",", ";", "\t", SPACES, ".")):
         # one quoted cell over all columns; spaces above rows with tabs; a decimal comma set by machine: `t.a.b` above `0,1`

@@ -120,15 +120,16 @@ def hanging(signal: Floats, scale: float, turns: bool = True) -> tuple[float, li
     """The angle (rad) that a pendulum swings about where that is no zero, and a remark on it; else 0.0 and none.
 
     ``scale`` is rad per unit of ``signal``. An encoder's zero is where it was switched on, and some programs count from the
-    horizontal or from the top: no friction holds a pendulum so far from the vertical. Where whole ``turns`` are counted only what is beyond them is told; a
-    spring has its middle anywhere.
+    horizontal or from the top: no friction holds a pendulum so far from the vertical. Where whole ``turns`` are counted a middle at one of
+    them is where it hangs; a spring has its middle anywhere.
     """
     centre = half_swings(signal).centre() * scale
     rest = (centre + pi) % (2 * pi) - pi if turns and abs(centre) > 1.5 * pi else centre
     if not abs(rest) > CENTRED:  # nan too
         return 0.0, []
-    return rest, [
-        f"it swings about {rest:.3g} rad ({np.degrees(rest):.3g}°), and 0 should be where it hangs: this is taken away"
+    # turns from a zero that is nowhere in particular say nothing
+    return centre, [
+        f"it swings about {centre:.3g} rad ({np.degrees(centre):.3g}°), and 0 should be where it hangs: this is taken away"
     ]
 
 
