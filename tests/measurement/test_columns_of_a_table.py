@@ -218,10 +218,19 @@ def test_a_line_that_is_no_number_takes_its_time():
 
 def test_a_separator_that_ends_each_line_is_no_name():
     """As a video program writes it: names of several words, decimal commas, and a `;` behind the last column."""
-    head = "Nr;Zeit [s];X Position [mm];Y Position [mm];Abstand;\n"  # as many words as columns
-    lines = [f"{k};{t:.3f};{x:.5f};{x / 9:.5f};{x:.5f};\n".replace(".", ",") for k, (t, x) in enumerate(zip(TIME, SWING, strict=True))]  # fmt: skip
-    names = table_of(io.BytesIO((head + "".join(lines)).encode()), {"file": "film.csv"}).names
-    assert names[:4] == ("Nr", "Zeit [s]", "X Position [mm]", "Y Position [mm]")
+    sizes = [f"{name}{axis} [{unit}]" for name, unit in (("Abstand", "mm"), ("Strecke", "mm"), ("Geschwindigkeit", "mm/s"), ("Beschleunigung", "mm/s²")) for axis in ("", " in x-Richtung", " in y-Richtung")]  # fmt: skip
+    names = [
+        "Bildnummer",
+        "Zeit [s]",
+        "Pixel (X) [px]",
+        "Pixel (Y) [px]",
+        "X Position [mm]",
+        "Y Position [mm]",
+        *sizes,
+    ]
+    table = "".join(f"{';'.join([str(k), f'{t:.3f}', *[f'{x:.5f}'] * 16])};\n".replace(".", ",") for k, (t, x) in enumerate(zip(TIME, SWING, strict=True)))  # fmt: skip
+    read = table_of(io.BytesIO((";".join(names) + ";\n" + table).encode()), {"file": "film.csv"})
+    assert list(read.names[:18]) == names
 
 
 def test_a_second_stamp_is_no_swing():
