@@ -101,7 +101,8 @@ def test_of_a_drag_that_no_effect_is_the_nearest_is_told_with_what_it_leaves(dra
     assert found["status"] == "partial"
     assert [effect["name"] for effect in found["effects"]] == ["quadratic_drag"]
     assert found["gap"]["holdout"][-1] > 1.2
-    assert "The rest" in found["sentence"] and "has no name in the catalogue" in found["sentence"]
+    unsure = "not sure enough to be named" in found["sentence"]  # an eddy brake of a probability of 0.97, say
+    assert "The rest" in found["sentence"] and (unsure or "has no name in the catalogue" in found["sentence"])
 
 
 @pytest.mark.slow("a search")

@@ -1,5 +1,6 @@
 """What a person would say of a verdict, in a sentence or two."""
 
+import re
 from collections.abc import Iterable, Mapping
 from typing import Any
 
@@ -110,13 +111,17 @@ def _remains(found: Mapping[str, Any], catalogue: Catalogue) -> str:
     kind = f", mostly {found['where']['remaining_kind']}," if found["where"]["remaining_kind"] else ""
     joined = " and ".join(_described(one, catalogue[one["name"]]) for one in found["stand_ins"]).rstrip(",")
     doubts = "; ".join(dict.fromkeys(one["doubt"] for one in found["stand_ins"] if one.get("doubt")))
-    may_be = f"It may be {joined}: not sure enough to be named ({doubts})." if joined else ""
+    may_be = (
+        f"{'The rest' if found['effects'] else 'It'} may be {joined}: not sure enough to be named ({doubts})."
+        if joined
+        else ""
+    )
     if not found["where"]["remaining"]:
         return f"{may_be} Nothing more is missing." if not found["effects"] else may_be
     left = found["gap"]["left"]
     size = f"{1e3 * left.get('rad', left.get('rad_per_s')):.3g} m{found.get('unit', 'rad')}"
     rest = f"{'The rest' if found['effects'] else 'What remains'}, {left['noise']:.3g} times the noise ({size}){kind} has no name in the catalogue."
-    return " ".join(filter(None, (rest, may_be.replace("It may be", "Part of it may be"))))
+    return " ".join(filter(None, (rest, re.sub("^(It|The rest) may be", "Part of it may be", may_be))))
 
 
 def _used(nuisance: Mapping[str, Any]) -> bool:

@@ -162,7 +162,9 @@ def _header_cells(line: str, how: Dialect) -> list[str]:
     whole = how.cells(bare)
     cells = _stripped(whole)
     cells = _before_a_row(cells, how) or cells
-    if len(cells) == how.size or (len(whole) == how.size and sum(map(tells, cells)) > 1):  # a separator ends the line
+    if len(cells) == how.size or (
+        len(whole) == how.size and sum(map(tells, cells)) > 1
+    ):  # a separator ends the line
         return cells
     for separator in dict.fromkeys((how.separator, ",", ";", "\t", SPACES, ".")):
         # one quoted cell over all columns; spaces above rows with tabs; a decimal comma set by machine: `t.a.b` above `0,1`
