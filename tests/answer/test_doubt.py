@@ -354,3 +354,13 @@ def test_each_pendulum_of_a_folder_has_its_doubts_in_its_own_row(tmp_path, first
         assert f"leaves 14 % of {name}: it lacks something" in table.loc[name, "remark"]
     assert table.loc["good", "remark"] == ""
     assert capsys.readouterr().out.count("it lacks something") == 5
+
+
+@pytest.mark.parametrize(("release", "ratio", "noted"), [(1.4, 0.03, True), (0.25, 0.006, False)])
+def test_first_swings_that_shrink_are_told_beside_the_period_at_the_release(release, ratio, noted):
+    """A strongly braked swing from 80° never takes the period that belongs to 80°, and a stop-watch shows the difference."""
+    model = Model("viscous", {"natural_frequency": 6.2, "viscous_ratio": ratio})
+    angle = simulate(model, TIMES, release) + NOISE * np.random.default_rng(3).standard_normal(TIMES.size)
+    (row,) = swingdown.fit(TIMES, angle).table.to_dict("records")
+    note = str(row.get("note") or "")
+    assert ("its first swings shrink as they go, and take 1." in note) == noted

@@ -256,13 +256,14 @@ def check_free(fits: xr.Dataset, given: xr.Dataset, label: str, catalogue: Catal
             )
 
 
-def ask_counted(table: pd.DataFrame, angles: Sequence[xr.Dataset]) -> None:
-    """None where each period of a ``table`` of pendulums is known, and agrees with the passages of the middle that no model enters;
-    NotFree else.
+def ask_counted(table: pd.DataFrame, angles: Sequence[xr.Dataset]) -> dict[str, str]:
+    """A note on each recording whose first swings, which shrink as they go, have another period than a model's at the release; NotFree
+    where a period of a ``table`` of pendulums is not known, or disagrees with the passages of the middle that no model enters.
 
     Of swings so few, or so small beside the noise, that their period is known to a tenth alone, or of a model that counts other swings
     than there are, no number is told.
     """
+    notes = {}
     for one in angles:
         rows = table[table["recording"] == str(one.attrs["recording"])]
         if not len(rows) or "half_swings" in one or drive_of(one) is not None:
@@ -284,6 +285,10 @@ def ask_counted(table: pd.DataFrame, angles: Sequence[xr.Dataset]) -> None:
                 "a swing whose model and passages agree",
                 MEND,
             )
+        if abs(told - counted) > SURE * np.hypot(spread, u):
+            seen = value_with_uncertainty(counted, spread)
+            notes[str(one.attrs["recording"])] = f"its first swings shrink as they go, and take {seen} s each"
+    return notes
 
 
 def _where(given: xr.Dataset) -> str:
