@@ -121,7 +121,10 @@ def test_figures_that_have_nothing_to_say_are_left_out(made):
     found = material(1)
     assert {Path(path).stem for path in found.seen} == {"answer", "map", "gap"}
     labels = [
-        item.label for section in contents.sections(found) for item in section.items if item.kind == "figure"
+        item.label
+        for section in contents.sections(found)
+        for item in section.items
+        if isinstance(item, page.Figure)
     ]
     assert labels == ["Recording and fit, swing-1"]
     groups = {"velocity": {"share": 0.5, "chi_square": 90.0, "freedom": 3, "p": 0.0}}
@@ -130,7 +133,10 @@ def test_figures_that_have_nothing_to_say_are_left_out(made):
     gap = verdict["gap"] | {"fit": [2.0, 1.5], "holdout": [2.0, 1.6]}
     more = dataclasses.replace(found, verdicts=[verdict | {"gap": gap}])
     labels = [
-        item.label for section in contents.sections(more) for item in section.items if item.kind == "figure"
+        item.label
+        for section in contents.sections(more)
+        for item in section.items
+        if isinstance(item, page.Figure)
     ]
     assert labels == ["Recording and fit, swing-1", "Missing torque, swing-1", "Gap, swing-1"]
 
@@ -164,7 +170,7 @@ def test_every_number_leads_to_its_file(made):
         "discovery/swing-1/figures/answer.svg",
     } <= links
     items = [item for section in contents.sections(found)[:-2] for item in section.items]
-    assert all(item.link and item.rule for item in items if item.kind in ("table", "figure"))
+    assert all(item.link and item.rule for item in items if isinstance(item, page.Table | page.Figure))
 
 
 def test_what_is_emulated_says_so_at_every_table_and_figure(made):
@@ -173,7 +179,7 @@ def test_what_is_emulated_says_so_at_every_table_and_figure(made):
         found = material(1, emulated)
         sections = [one for one in contents.sections(found)[:-2] if one.title != "Recordings left out"]
         items = [item for section in sections for item in section.items]
-        told = [getattr(item, "caption", "") for item in items if item.kind in ("table", "figure")]
+        told = [getattr(item, "caption", "") for item in items if isinstance(item, page.Table | page.Figure)]
         assert told and all((contents.LABEL in text) is expected for text in told)
         assert ("emulated" in plain(written(found, folder))) is expected
 

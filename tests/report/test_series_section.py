@@ -7,6 +7,7 @@ import pytest
 from swingdown.measurement.stated import Stated
 from swingdown.plots import save
 from swingdown.plots.series import drawn
+from swingdown.report import page
 from swingdown.report.material import Material
 from swingdown.report.sections.series import series
 from swingdown.series import as_laws, of_sheet
@@ -44,9 +45,9 @@ def test_the_sentences_the_figures_and_the_budget_are_there(stated, table, tmp_p
     found = gravity(Stated(7.0, 0.001, "rad/s"), Stated(0.2, 0.001, "m"), bob_diameter=Stated(0.03, unit="m"))
     tables = {"laws": as_laws(made), "g_budget": budgets({"a": found})}
     section = series(Material(tables, figures, [{"campaign": "a"}], {}))
-    told = [item for item in section.items if item.kind == "text"]
+    told = [item for item in section.items if isinstance(item, page.Text)]
     assert told[0].text.startswith("T goes as the power 0.5000(")
-    assert [item.label for item in section.items if item.kind == "figure"] == ["Series", "Groups"]
+    assert [item.label for item in section.items if isinstance(item, page.Figure)] == ["Series", "Groups"]
     budget = section.items[-1]
     assert ["length", "0.2000(10)", "m", "49", ""] in [list(row) for row in budget.rows]
     assert any("counts as none" in str(row[-1]) for row in budget.rows) and budget.rows[-1][0] == "g"

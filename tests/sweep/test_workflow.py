@@ -21,6 +21,7 @@ from snakemake.settings.types import (
 )
 
 from swingdown.report import contents, sweeps
+from swingdown.report.page import Figure
 
 CONFIG = """\
 recordings: null
@@ -145,7 +146,7 @@ def test_the_report_shows_the_maps_of_sweeps_that_were_made(mapped, root):
         {}, {}, [], {"seed": 1, "simulation": {"snr": 1, "realizations": 2}}, sweeps=found
     )
     section = next(one for one in contents.sections(material) if one.title == "Sweeps")
-    assert [item.label for item in section.items if item.kind == "figure"] == [
+    assert [item.label for item in section.items if isinstance(item, Figure)] == [
         "Sweep small, by norm", "Sweep small, by BIC", "Sweep small, by ten runs",
     ]  # fmt: skip
 
