@@ -89,7 +89,7 @@ def test_it_is_discovered_and_told(states, tmp_path):
     drawn.ranking(pd.read_csv(folders[0] / "ranking.csv"), told["moves"][0])
     drawn.gap(told)
     material = contents.Material({}, {}, [], {"sweeps": {}}, verdicts=[told])
-    page.write(tmp_path / "report.html", [contents.findings(material)], **contents.head(material))
+    page.write(tmp_path / "report.html", [contents.findings(material)], contents.head(material))
     assert "Rolling resistance" in (tmp_path / "report.html").read_text()
 
 

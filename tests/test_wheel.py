@@ -63,7 +63,7 @@ table = pd.DataFrame([{
 }])
 inputs = [str(Path("sheet.csv").absolute())]
 material = contents.Material({"table2": table}, {}, [], settings, inputs=inputs)
-page.write("report.html", contents.sections(material), **contents.head(material))
+page.write("report.html", contents.sections(material), contents.head(material))
 assert "commit" not in dict(provenance.versions(1))
 """
 

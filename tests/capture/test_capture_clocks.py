@@ -92,7 +92,9 @@ def test_the_period_of_a_swing_is_right_although_the_rate_changes():
     value, error, _ = found.quantities["natural_frequency"]
     timing = data.attrs["time_standard_uncertainty_s"] / 20  # of the times, over the recording
     assert value == pytest.approx(5.9658, abs=3 * np.hypot(error, 5.9658 * timing))
-    assert error < 0.001 and data.attrs["partial"] == "yes"
+    assert (
+        error < 0.003 and data.attrs["partial"] == "yes"
+    )  # what its wandering clock leaves counts for the free courses, too
 
 
 def off(made, true):

@@ -54,7 +54,6 @@ def test_one_hidden_effect_is_named(tmp_path, hidden, noise):
 
 
 @pytest.mark.slow("a search")
-@pytest.mark.xfail(reason="under coloured noise another drag is told beside it")
 def test_a_fit_that_stopped_beside_the_best_minimum_asks_for_no_second_effect(tmp_path):
     """Friction makes minima side by side, and constant friction was told beside Stribeck's, which left 2 % too much."""
     one = Planned("single", ("stribeck",), 5.0, "coloured", 0)
