@@ -76,5 +76,5 @@ def test_a_guess_needs_no_peaks():
 def test_a_drive_acts_on_angles_alone():
     model = made("torque")
     rates = recorded(model.of("rate"), 1)
-    with pytest.raises(InputError, match="angular rates do not tell the angle"):
+    with pytest.raises(InputError, match="angular rates do not show the angle"):
         fit_jointly(model.of("rate").with_values({}), [swing_under(model.drive, TIMES, rates)])
