@@ -124,6 +124,9 @@ class _Search:
             round_of(k, pool, one, self.ranked.get(one.key, ()), to)
             for k, (one, to) in enumerate(zip(way, goes_on, strict=True))
         ]
+        if not any(one.sure for one in found.values()) and states[-1].holdout.rms > states[0].holdout.rms:
+            # where nothing is told, what held-out swings speak against is no better model
+            last, found, states = way[0], {}, [replace(states[0], chosen=None)]
         state = replace(
             states[-1], reason=self._reason(last), findings=found, probabilities=pool.effects(), nothing=pool.nothing(),
             spent=self.budget.spent,
