@@ -26,6 +26,7 @@ from .unscaled import of_first_swings, without_scale
 LEFT = 0.25  # of the swing (RMS of means over a part of a period): what a damping without a name leaves of a pendulum's is less
 SURE = 3.0  # standard errors from 0
 UNSURE = 0.1  # of the period: its standard uncertainty, or how far it may be from what is counted
+SHOWN = 0.01  # of the period: what a stop-watch shows
 UNEVEN = 0.1  # of the period: its standard uncertainty from the first swings of what no model follows
 BETTER = 0.8  # of what is left in rad: with so little left in degrees these may be the unit
 KEPT = 0.9  # of the first swings' size: the last ones of what does not shrink
@@ -285,9 +286,9 @@ def ask_counted(table: pd.DataFrame, angles: Sequence[xr.Dataset]) -> dict[str, 
                 "a swing whose model and passages agree",
                 MEND,
             )
-        if abs(told - counted) > SURE * np.hypot(spread, u):
+        if abs(told - counted) > max(SURE * float(np.hypot(spread, u)), SHOWN * counted):
             seen = value_with_uncertainty(counted, spread)
-            notes[str(one.attrs["recording"])] = f"its first swings shrink as they go, and take {seen} s each"
+            notes[str(one.attrs["recording"])] = f"its first swings shrink as they go and take {seen} s each"
     return notes
 
 
