@@ -6,7 +6,7 @@ import pytest
 import swingdown
 from swingdown.engine.trajectory import TrajectoryError, simulate
 from swingdown.errors import InputError
-from swingdown.fitting.colour import uncertainty
+from swingdown.fitting.uncertainty import uncertainty
 from swingdown.pendulum.model import PAPER_MODELS, Model
 from swingdown.studies import experiment
 from swingdown.studies.quantities import quantities

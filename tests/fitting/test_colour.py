@@ -7,8 +7,9 @@ import pytest
 from scipy.signal import lfilter
 
 from swingdown.engine.trajectory import simulate
-from swingdown.fitting.colour import Uncertainty, autoregression, lines_of, uncertainty
+from swingdown.fitting.colour import autoregression, lines_of
 from swingdown.fitting.least_squares import fit_jointly, fit_trajectory
+from swingdown.fitting.uncertainty import Uncertainty, uncertainty
 from swingdown.pendulum.model import Model
 
 TIMES = np.arange(1000) / 50

@@ -5,9 +5,9 @@ import pytest
 
 from swingdown.engine.trajectory import simulate
 from swingdown.errors import InputError
-from swingdown.fitting.colour import uncertainty
 from swingdown.fitting.least_squares import fit_jointly, fit_trajectory
 from swingdown.fitting.slack import allowing
+from swingdown.fitting.uncertainty import uncertainty
 from swingdown.pendulum.model import Model
 from swingdown.pendulum.slack import Slack, reading_slack, time_power
 

@@ -7,8 +7,8 @@ from swingdown import dataset
 from swingdown.answer import fit
 from swingdown.engine.trajectory import simulate
 from swingdown.errors import InputError
-from swingdown.fitting.colour import uncertainty
 from swingdown.fitting.least_squares import fit_trajectory
+from swingdown.fitting.uncertainty import uncertainty
 from swingdown.measurement.angle import to_angle
 from swingdown.measurement.recording import ingest
 from swingdown.measurement.sheet import read_sheet

@@ -12,10 +12,10 @@ from ..arrays import Floats
 from ..dataset import series_of
 from ..engine.trajectory import TrajectoryError, simulate
 from ..errors import InputError
-from ..fitting.colour import uncertainty
 from ..fitting.least_squares import fit_jointly
 from ..fitting.nested import fit_nested
 from ..fitting.result import Begin, Fit, SwingStart
+from ..fitting.uncertainty import uncertainty
 from ..measurement.points_recording import PASSED, are_points
 from ..pendulum.catalogue import RATE, SHIPPED, Catalogue
 from ..pendulum.model import Model, model_words

@@ -20,8 +20,8 @@ from threadpoolctl import threadpool_limits
 from ..arrays import Floats
 from ..engine.trajectory import TrajectoryError
 from ..errors import InputError
-from ..fitting.colour import uncertainty
 from ..fitting.result import Begin, Fit
+from ..fitting.uncertainty import uncertainty
 from ..measurement.stated import name_and_unit
 from ..pendulum.effect import NATURAL_FREQUENCY, Effect
 from ..pendulum.model import Model

@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 
 from ..engine.trajectory import simulate
-from ..fitting.colour import uncertainty
 from ..fitting.result import Begin, Fit, SwingStart
+from ..fitting.uncertainty import uncertainty
 from ..pendulum.free_form import FreeForm
 from ..studies.quantities import UNITS, Beside, Quantity, over_models, quantities, steady
 from .campaign import Campaign

@@ -6,9 +6,9 @@ import numpy as np
 
 from ..arrays import Floats
 from ..engine.trajectory import checked_times, sensitivities
-from .colour import Uncertainty
 from .problem import RELEASE
 from .result import Fit
+from .uncertainty import Uncertainty
 
 
 def predict_reading(fit: Fit, known: Uncertainty, times: Any, swing: int = 0) -> tuple[Floats, Floats]:

@@ -3,10 +3,10 @@
 from collections.abc import Iterable
 
 from ..pendulum.slack import Slack
-from .colour import uncertainty
 from .least_squares import fit_jointly
 from .problem import Swings
 from .result import Begin, Fit
+from .uncertainty import uncertainty
 
 _ROUNDS = 2  # the residuals that what is known is weighed against are those of the fit itself
 

@@ -10,13 +10,13 @@ from .. import dataset
 from ..arrays import Floats, Swing, swing_under
 from ..engine.trajectory import TrajectoryError, simulate
 from ..errors import InputError
-from ..fitting.colour import Uncertainty, uncertainty
 from ..fitting.course import TOLD
 from ..fitting.guess import first_guess
 from ..fitting.least_squares import fit_jointly
 from ..fitting.nested import fit_nested, stand_ins, unseen
 from ..fitting.result import Begin, Fit
 from ..fitting.slack import allowing
+from ..fitting.uncertainty import Uncertainty, uncertainty
 from ..measurement.driven import drive_of, driven
 from ..measurement.points_recording import are_points
 from ..measurement.slack import of_angles
@@ -52,7 +52,7 @@ def fit_recording(
 
     What the calibration leaves open of the reading is fitted with the model: ``nuisance_value``, ``nuisance_standard_error``, and
     ``nuisance_prior``, its prior. ``norm`` (degrees) is the RMS of the residual, ``error_bound_norm`` (degrees) that of the angle's
-    bound. ``standard_error`` is random (with the colour of the residuals, ``fitting.colour``) and systematic together;
+    bound. ``standard_error`` is random (with the colour of the residuals, ``fitting.uncertainty``) and systematic together;
     ``systematic`` has it by source. ``reduced_chi2`` uses the *random* uncertainty, NaN where it is unknown. BIC and AICc take
     residuals for independent; ``variance_inflation`` is by how much that is too good.
 

@@ -14,9 +14,9 @@ import numpy as np
 from ..arrays import Swing
 from ..engine.trajectory import TrajectoryError, TrajectoryWarning
 from ..errors import InputError
-from ..fitting.colour import uncertainty
 from ..fitting.least_squares import fit_jointly
 from ..fitting.result import Fit
+from ..fitting.uncertainty import uncertainty
 from ..pendulum.catalogue import ANGLE
 from ..pendulum.model import as_model
 from .comparison import WORTH

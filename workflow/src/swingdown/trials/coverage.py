@@ -20,11 +20,11 @@ from ..arrays import Floats, Swing
 from ..calibration import from_means
 from ..calibration.geometry import arm_angle
 from ..calibration.layout import Read
-from ..fitting.colour import Uncertainty, uncertainty
 from ..fitting.least_squares import fit_jointly
 from ..fitting.prediction import predict_reading
 from ..fitting.result import Fit
 from ..fitting.slack import allowing
+from ..fitting.uncertainty import Uncertainty, uncertainty
 from ..measurement.angle import to_angle
 from ..measurement.apparatus import Apparatus, encoder_limit
 from ..measurement.slack import CLOCK_TOLERANCE, of_angles
