@@ -5,7 +5,7 @@ import time
 import pytest
 
 from swingdown.errors import InputError
-from swingdown.pendulum.model import read_model
+from swingdown.pendulum.model_file import read_model
 from swingdown.schema import parse_yaml
 
 BOMB = "a0: &a0 [x]\n" + "".join(f"a{k}: &a{k} [{', '.join([f'*a{k - 1}'] * 10)}]\n" for k in range(1, 10))

@@ -15,7 +15,7 @@ import pytest
 
 from swingdown import dataset, sealed
 from swingdown.errors import InputError
-from swingdown.pendulum.model import read_model
+from swingdown.pendulum.model_file import read_model
 
 TABLE = pd.DataFrame({"a": [1.5, -2.0], "b": ["x", "ü"]})
 

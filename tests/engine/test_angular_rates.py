@@ -8,7 +8,8 @@ from swingdown.errors import InputError
 from swingdown.fitting.batch import fit_batch
 from swingdown.fitting.least_squares import fit_trajectory
 from swingdown.pendulum.catalogue import SHIPPED
-from swingdown.pendulum.model import Model, read_model, write_model
+from swingdown.pendulum.model import Model
+from swingdown.pendulum.model_file import read_model, write_model
 from swingdown.trials.second_pendulum import trajectory
 
 TIMES = np.arange(0, 20, 0.01)

@@ -5,7 +5,8 @@ import pytest
 import yaml
 
 from swingdown.errors import InputError
-from swingdown.pendulum.model import PAPER_MODELS, Model, read_model, symbol, write_model
+from swingdown.pendulum.model import PAPER_MODELS, Model, symbol
+from swingdown.pendulum.model_file import read_model, write_model
 
 VALUES = {"natural_frequency": 7.25, "viscous_ratio": 0.03, "load_friction": 0.012}
 

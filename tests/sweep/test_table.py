@@ -7,7 +7,8 @@ import pytest
 import yaml
 
 from swingdown.errors import InputError
-from swingdown.pendulum.model import Model, write_model
+from swingdown.pendulum.model import Model
+from swingdown.pendulum.model_file import write_model
 from swingdown.study.settings import complete
 from swingdown.sweep.draws import cell_key, cell_keys, noise_key, stream
 from swingdown.sweep.table import READS, sweeps
@@ -219,7 +220,8 @@ def test_a_measured_pendulum_is_the_one_that_is_simulated(tmp_path):
 
 def test_a_model_of_a_rate_is_no_pendulum_of_a_sweep(tmp_path):
     """Its sensor's zero is in rad/s, and sweeps simulate angles."""
-    from swingdown.pendulum.model import Model, write_model
+    from swingdown.pendulum.model import Model
+    from swingdown.pendulum.model_file import write_model
     from swingdown.sweep.measured import of_pendulum
 
     file = write_model(Model("viscous", {"natural_frequency": 7.0, "viscous_ratio": 0.01}).of("rate"), tmp_path / "model.yaml")  # fmt: skip

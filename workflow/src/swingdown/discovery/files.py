@@ -19,7 +19,8 @@ from ..measurement.points_recording import NOT_IN_IT, POINTS_ALONE, are_points
 from ..measurement.refused import refuse
 from ..measurement.slack import of_angles
 from ..pendulum.catalogue import READINGS
-from ..pendulum.model import Model, write_model
+from ..pendulum.model import Model
+from ..pendulum.model_file import write_model
 from ..sealed import read_json, write_csv, write_json, write_text
 from ..studies.experiment import largest_angles
 from .campaign import Campaign, Swing, campaign

@@ -5,7 +5,7 @@ from pathlib import Path
 
 from ..errors import InputError
 from ..pendulum.catalogue import ANGLE, catalogue
-from ..pendulum.model import read_model
+from ..pendulum.model_file import read_model
 from ..sealed import read_json
 
 _CONFIG = ("natural_frequency", "viscous_ratio", "quadratic_coefficient", "load_friction")
