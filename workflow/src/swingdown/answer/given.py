@@ -10,11 +10,11 @@ import xarray as xr
 from ..arrays import Floats
 from ..errors import InputError, as_told
 from ..measurement.angle import to_angle
+from ..measurement.choice import SHORTEST
 from ..measurement.clock import in_order, parts
 from ..measurement.columns import ANGLE, RATE, choose, meaning
 from ..measurement.driven import as_variables, judge_driven, stated
 from ..measurement.gyroscope import TO_RAD_PER_S
-from ..measurement.interpret import SHORTEST
 from ..measurement.judge import Judged, Reading, check_used, judge, used_part
 from ..measurement.passages import Gate, as_passages, counted
 from ..measurement.points_recording import as_recording

@@ -12,9 +12,10 @@ from .. import dataset
 from ..errors import InputError, as_told
 from . import phyphox
 from .again import OPEN, may_be_read_again
+from .choice import says_nothing
 from .columns import place_of
 from .driven import UNITS, Stated, as_variables, judge_driven, stated
-from .interpret import Interpreted, interpret, says_nothing
+from .interpret import Interpreted, interpret
 from .judge import Judged, Reading, check_used, judge, used_part
 from .passages import ask_periods, passages
 from .points_table import turning_points

@@ -16,7 +16,8 @@ import yaml
 from ..errors import InputError
 from ..language import ENGLISH
 from ..measurement.angle import to_angle
-from ..measurement.interpret import RELATIVE, Uncalibrated
+from ..measurement.choice import Uncalibrated
+from ..measurement.interpret import RELATIVE
 from ..measurement.points_recording import are_points
 from ..measurement.programs import CLOSED, READERS
 from ..measurement.recording import ingest

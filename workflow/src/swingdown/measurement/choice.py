@@ -1,0 +1,208 @@
+"""Which columns of a table hold the time, the swing and what was measured of its drive."""
+
+import itertools
+from collections.abc import Mapping
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ..errors import InputError
+from .columns import (
+    ANGLE,
+    COUNTS,
+    RATE,
+    TIME,
+    UNTOLD,
+    VOLTAGE,
+    Meaning,
+    choose,
+    known_unit,
+    meaning,
+    numbers_rows,
+    place_of,
+)
+from .gyroscope import TO_RAD_PER_S
+from .table import Table, numbers
+
+SHORTEST = 10  # samples; fewer tell nothing about a swing
+_LOOKED_AT = 200_000  # rows of which each column is looked at before the swing is chosen
+_RISES = 0.95  # of the rows: so often a time is no earlier than in the row before, though a clock stumbles
+
+
+class Uncalibrated(InputError):
+    """A recording in volts of which nobody says how many degrees a volt is."""
+
+
+class Chosen(NamedTuple):
+    """The columns of the time and of the swing (of a position two), and their units."""
+
+    clock: Meaning
+    found: list[Meaning]
+    time_unit: str
+    unit: str  # as stated anywhere, or ""
+
+
+def input_of(table: Table, row: Mapping[str, Any], place: str) -> list[str]:
+    """The column of what was measured of the drive, as the row names it; none of a pendulum that swings by itself."""
+    wanted = row.get("input_column", "")
+    if not wanted:
+        return []
+    if wanted not in table.names:
+        raise InputError(
+            f"{row['file']} ({place}, column input_column)", f"the file has no column {wanted!r}", f"one of {', '.join(table.names)}",
+            "correct ⟨input_column⟩, or the file's header",
+        )  # fmt: skip
+    return [wanted]
+
+
+def says_nothing(table: Table) -> bool:
+    """True of three columns or more of which none says that it holds the swing."""
+    told = [meaning(name, table.units.get(name, "")) for name in table.names]
+    return len(told) > 2 and all(one.kind in (TIME, UNTOLD) and not one.axis for one in told)
+
+
+def guessed_in(table: Table) -> bool:
+    """True where neither names nor the number of the columns say which one holds the swing."""
+    return says_nothing(table) or ("no header" in table.layout and len(table.names) > 2)
+
+
+def without_still(table: Table, row: Mapping[str, Any]) -> tuple[Table, list[str]]:
+    """The table without the columns that hold one value throughout, and a remark on them, where others move: they are no swing.
+
+    A long file is taken as it is, and so is a column that the sheet names, and one that is alone beside the time.
+    """
+    pieces, held, rows = iter(table.pieces), list[Any](), 0
+    for piece in pieces:
+        held.append(piece)
+        rows += len(piece)
+        if rows > _LOOKED_AT:
+            break
+    kept = table._replace(pieces=itertools.chain(held, pieces))
+    if row["role"] == "static" or not SHORTEST <= rows <= _LOOKED_AT:
+        return kept, []
+    named = {row["signal_column"], row["time_column"], row.get("input_column", "")}
+    values = {
+        name: np.concatenate([numbers(piece[name], table.decimal) for piece in held]) for name in table.names
+    }
+    still = [
+        name
+        for name, one in values.items()
+        if name not in named
+        and not meaning(name, table.units.get(name, "")).axis
+        and np.isfinite(one).sum() >= SHORTEST
+        and np.nanmax(one) == np.nanmin(one)
+    ]
+    moving = tuple(name for name in table.names if name not in still)
+    if not still or len(moving) < 2:
+        return kept, []
+    told = f"{', '.join(f'`{name}`' for name in still)} hold{'s' if len(still) == 1 else ''} one value throughout: left out"
+    return kept._replace(names=moving, pieces=[piece[list(moving)] for piece in held]), [told]
+
+
+def with_rising_time(table: Table, row: Mapping[str, Any]) -> tuple[Table, Mapping[str, Any], list[str]]:
+    """The table and the row with the column of the time, and a remark, where none says that it is one and another than the first rises."""
+    kinds = [meaning(name, table.units.get(name, "")).kind for name in table.names]
+    if row["time_column"] or TIME in kinds or kinds[0] != UNTOLD:
+        return table, row, []
+    if numbers_rows(table.names[0]) and not row["time_unit"]:
+        raise InputError(
+            f"{row['file']}, {place_of(table.names[0])}",
+            "it counts frames or samples, and no column is a time",
+            "a column of time, or the samples a second",
+            "write the frames or samples a second ⟨in rate_hz⟩",
+        )
+    pieces = iter(table.pieces)
+    first = next(pieces, None)
+    if first is None:
+        return table, row, []
+    steps = {key: np.diff(numbers(first[key], table.decimal)) for key in table.names}
+    rising = [key for key, own in steps.items() if np.nansum(own) > 0 and np.mean(own >= 0) > _RISES]
+    table = table._replace(pieces=itertools.chain([first], pieces))
+    falls = np.mean(steps[table.names[0]] <= 0) > _RISES
+    if not rising and not falls and len(table.names) > 1 and len(first) >= SHORTEST:
+        raise InputError(
+            f"{row['file']}, {place_of(table.names[0])}",
+            "no column says that it is the time, and none rises from row to row",
+            "a column of time, or the samples a second",
+            "write the samples a second ⟨in rate_hz⟩, or name the column of the time ⟨in time_column⟩",
+        )
+    if table.names[0] in rising or len(rising) != 1:
+        return table, row, []
+    told = f"no column says that it is the time, and `{rising[0]}` alone rises from row to row: taken for it"
+    return table, {**row, "time_column": rising[0]}, [told]
+
+
+def columns_of(table: Table, row: Mapping[str, Any], place: str) -> Chosen:
+    """The columns of time and swing, by the ``row`` of the sheet and their headers; InputError where these are none, or their units do not fit."""
+    name = row["file"]
+    for position, key in enumerate(("time_column", "signal_column")):
+        _check_column(table.names, row[key], position, name, place, key)
+    stated = row["time_unit"], row["signal_unit"]
+    clock, found = choose(
+        table.names, row["time_column"], row["signal_column"], f"{name} ({place})", stated, table.units
+    )
+    _check_own_unit(clock, row, "time", name, place)
+    _check_own_unit(found[0], row, "signal", name, place)
+    unit = known_unit(found[0], row["signal_unit"], (ANGLE, VOLTAGE, COUNTS, RATE))
+    if len(found) == 1:
+        _check_unit(row, found[0].name, unit, name, place)
+    return Chosen(clock, found, known_unit(clock, row["time_unit"], (TIME,)), unit)
+
+
+def unnamed(table: Table, names: list[str]) -> list[str]:
+    """The columns after the swing's in a file without a header: what they hold nobody says, nor that the swing is not there."""
+    if "no header" not in table.layout:
+        return []
+    return list(table.names[table.names.index(names[-1]) + 1 :])
+
+
+def _check_own_unit(column: Meaning, row: Mapping[str, Any], key: str, name: str, place: str) -> None:
+    """Refuses a unit in the sheet that is another than the one the file's attribute ``units`` tells."""
+    said = row[f"{key}_unit"]
+    if said and column.attribute and column.kind != UNTOLD and column.unit != said:
+        raise InputError(
+            f"{name} ({place}, column {key}_unit)",
+            f"the sheet says {said!r} and the file says {column.written!r} of {column.name!r}",
+            "one unit",
+            f"correct ⟨{key}_unit⟩, or the file's own attribute `units`",
+        )
+
+
+def _check_column(
+    columns: tuple[str, ...], wanted: str, position: int, name: str, place: str, key: str
+) -> None:
+    if (not wanted and len(columns) > position) or wanted in columns:
+        return
+    raise InputError(
+        f"{name} ({place}, column {key})",
+        f"the file has no column {wanted!r}" if wanted else f"the file has {len(columns)} column(s)",
+        f"one of {', '.join(columns)}" if wanted else "a column of time and one of the signal",
+        f"correct ⟨{key}⟩, or the file's header"
+        if wanted or len(columns) > 1
+        else "write the samples a second ⟨in rate_hz⟩, if the file holds the signal alone",
+    )
+
+
+def _check_unit(row: Mapping[str, Any], column: str, unit: str, name: str, place: str) -> None:
+    """Refuses units that need more than the file tells: they are stated in the sheet, where the workflow sees
+    them.
+    """
+    if not row["signal_unit"] and unit == "V" and not row.get("scale"):
+        raise Uncalibrated(
+            f"{name} ({place}, column signal_unit)",
+            f"the column {column!r} seems to be in V and the sheet does not say so",
+            "an angle, or a calibration: recordings in volts need one",
+            "calibrate it in a study with an apparatus sheet (docs/calibrate.md), state the degrees of a volt ⟨in scale⟩ "
+            "(relative: period and decay alone), or convert it to rad or deg",
+        )
+    turns = unit in TO_RAD_PER_S
+    if (
+        np.nan_to_num(row.get(other := "zero_tolerance_rad" if turns else "zero_tolerance_rad_per_s", 0.0))
+        > 0
+    ):
+        raise InputError(
+            f"{name} ({place}, column {other})",
+            f"the signal is in {unit}",
+            f"the limit of its zero in {'rad/s' if turns else 'rad'}",
+            f"write it in the column {'zero_tolerance_rad_per_s' if turns else 'zero_tolerance_rad'}",
+        )
