@@ -14,6 +14,8 @@ from ..measurement.choice import SHORTEST
 from ..measurement.clock import in_order, parts
 from ..measurement.columns import ANGLE, RATE, choose, meaning
 from ..measurement.driven import as_variables, judge_driven, stated
+from ..measurement.even import evenly
+from ..measurement.even import told as told_of_holes
 from ..measurement.gyroscope import TO_RAD_PER_S
 from ..measurement.judge import Judged, Reading, check_used, judge, used_part
 from ..measurement.passages import Gate, as_passages, counted
@@ -317,8 +319,9 @@ def _swings_in(name: str, given: Series, unit: str | None, kind: str, restoring:
             for when, what, called in found
             for swing in _swings_in(called, given._replace(times=when, values=what), unit, kind, restoring)
         ]
-    again = f"{missing.sum()} of {missing.size} samples are missing,"  # the same samples, seen as holes of the clock
-    remarks += [one for one in ordered.remarks + judged.remarks + told if not one.startswith(again)]
+    even = evenly(times, values)  # the same samples, seen as holes of the clock
+    again = told_of_holes(even, times) if even.missing.sum() == missing.sum() else []
+    remarks += [one for one in ordered.remarks + judged.remarks + told if one not in again]
     recording = xr.Dataset(
         {"signal": ("time", judged.signal, {"units": judged.reading.unit}), **as_variable(judged.spikes.where)},
         {"time": ("time", times, {"units": "s", "long_name": "time as given"})},

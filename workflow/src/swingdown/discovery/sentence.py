@@ -1,6 +1,5 @@
 """What a person would say of a verdict, in a sentence or two."""
 
-import re
 from collections.abc import Iterable, Mapping
 from typing import Any
 
@@ -111,17 +110,15 @@ def _remains(found: Mapping[str, Any], catalogue: Catalogue) -> str:
     kind = f", mostly {found['where']['remaining_kind']}," if found["where"]["remaining_kind"] else ""
     joined = " and ".join(_described(one, catalogue[one["name"]]) for one in found["stand_ins"]).rstrip(",")
     doubts = "; ".join(dict.fromkeys(one["doubt"] for one in found["stand_ins"] if one.get("doubt")))
-    may_be = (
-        f"{'The rest' if found['effects'] else 'It'} may be {joined}: not sure enough to be named ({doubts})."
-        if joined
-        else ""
-    )
-    if not found["where"]["remaining"]:
+    remaining = found["where"]["remaining"]
+    what = "Part of it" if remaining else "The rest" if found["effects"] else "It"
+    may_be = f"{what} may be {joined}: not sure enough to be named ({doubts})." if joined else ""
+    if not remaining:
         return f"{may_be} Nothing more is missing." if not found["effects"] else may_be
     left = found["gap"]["left"]
     size = f"{1e3 * left.get('rad', left.get('rad_per_s')):.3g} m{found.get('unit', 'rad')}"
     rest = f"{'The rest' if found['effects'] else 'What remains'}, {left['noise']:.3g} times the noise ({size}){kind} has no name in the catalogue."
-    return " ".join(filter(None, (rest, re.sub("^(It|The rest) may be", "Part of it may be", may_be))))
+    return " ".join(filter(None, (rest, may_be)))
 
 
 def _used(nuisance: Mapping[str, Any]) -> bool:

@@ -258,8 +258,8 @@ def check_free(fits: xr.Dataset, given: xr.Dataset, label: str, catalogue: Catal
 
 
 def ask_counted(table: pd.DataFrame, angles: Sequence[xr.Dataset]) -> dict[str, str]:
-    """A note on each recording whose first swings, which shrink as they go, have another period than a model's at the release; NotFree
-    where a period of a ``table`` of pendulums is not known, or disagrees with the passages of the middle that no model enters.
+    """A note on each recording whose first swings take another time than the period that belongs to its release, as of swings that
+    shrink at once; NotFree where a period of a ``table`` of pendulums is not known, or disagrees with the passages of the middle that no model enters.
 
     Of swings so few, or so small beside the noise, that their period is known to a tenth alone, or of a model that counts other swings
     than there are, no number is told.
@@ -288,7 +288,7 @@ def ask_counted(table: pd.DataFrame, angles: Sequence[xr.Dataset]) -> dict[str, 
             )
         if abs(told - counted) > max(SURE * float(np.hypot(spread, u)), SHOWN * counted):
             seen = value_with_uncertainty(counted, spread)
-            notes[str(one.attrs["recording"])] = f"its first swings shrink as they go and take {seen} s each"
+            notes[str(one.attrs["recording"])] = f"its first swings as they are take {seen} s each"
     return notes
 
 
