@@ -11,13 +11,13 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
+from .. import markup
 from ..arrays import Shown
 from ..dataset import series_of
 from ..errors import InputError, told_to
 from ..extras import has, needed
 from ..studies.gravity import with_gravity
 from ..study import own
-from . import html
 from .options import ARGUMENTS, TO_READ
 
 if TYPE_CHECKING:
@@ -181,7 +181,7 @@ class Recording:
         heads = ["recording", "samples", "s", "largest"]
         rows = [[name, samples, f"{seconds:.4g}", f"{reach:.3g} {unit}"] for name, samples, seconds, reach, unit in map(_about, self.swings)]  # fmt: skip
         picture = self.plot() if has("matplotlib") and any(_shows(one) for one in self.swings) else None
-        return html.page([*self.taken, *self.remarks], html.table(heads, rows), picture)
+        return markup.page([*self.taken, *self.remarks], markup.table(heads, rows), picture)
 
     def __repr__(self) -> str:
         return "\n".join([*self.taken, *(f"    {text}" for text in self.remarks), *map(_line, self.swings)])

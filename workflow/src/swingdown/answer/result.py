@@ -10,6 +10,7 @@ import pandas as pd
 import xarray as xr
 from numpy.typing import ArrayLike
 
+from .. import markup
 from ..arrays import Shown
 from ..curves.chosen import Fitted, of_verdict
 from ..curves.dataset import curves as curves_of
@@ -26,7 +27,6 @@ from ..rounding import value_with_uncertainty
 from ..studies.pendulums import by_verdict, in_order, residual_of
 from ..studies.quantities import Quantity
 from ..studies.words import headline, lines, or_models, quantity_rows, short
-from . import html
 from .recorded import samples_of
 from .simulation import swing_of
 
@@ -402,7 +402,7 @@ class Answer:
         ]  # fmt: skip
         said = [*self.remarks, *lines(self.row, self.verdict)[-1:]] if self.verdict else self.remarks
         picture = self.plot() if self.shown and has("matplotlib") else None
-        return html.page(said, html.table([], rows), picture, self.sentence)
+        return markup.page(said, markup.table([], rows), picture, self.sentence)
 
 
 def _known(value: float) -> float | None:

@@ -3,11 +3,11 @@
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from html import escape
 from itertools import combinations
 from math import nan
 from typing import Any
 
+from .. import markup
 from ..errors import InputError
 from ..rounding import value_with_uncertainty
 from .catalogue import ANGLE, SHIPPED, Catalogue, catalogue
@@ -108,12 +108,15 @@ class Model:
         return self.label
 
     def _repr_html_(self) -> str:
-        rows = "".join(
-            f"<tr><td style='text-align:left'>{escape(name.replace('_', ' '))}</td>"
-            f"<td>{value_with_uncertainty(value, self.standard_errors.get(name, nan))}</td><td>{escape(self.units[name])}</td></tr>"
+        rows = [
+            [
+                name.replace("_", " "),
+                value_with_uncertainty(value, self.standard_errors.get(name, nan)),
+                self.units[name],
+            ]
             for name, value in self.values.items()
-        )
-        return f"<p><b>{escape(self.label)}</b></p><table>{rows}</table>"
+        ]
+        return markup.page([], markup.table([], rows), lead=self.label)
 
     def _check(self, names: Iterable[str]) -> None:
         known = self.parameters
