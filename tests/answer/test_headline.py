@@ -168,9 +168,14 @@ def test_after_ctrl_c_there_is_one_line(here):
     """In the search, where a workflow and its jobs end too."""
     write(here / "a.csv", swing("viscous", PENDULUMS["viscous"]))
     command = [Path(sys.executable).with_name("swingdown"), "a.csv", "--cores", "1"]
+
+    def hears_ctrl_c():
+        """As in a terminal: what a shell starts in the background ignores it, and so would all that is started here."""
+        signal.signal(signal.SIGINT, signal.default_int_handler)
+
     with subprocess.Popen(
-        command, cwd=here, text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, start_new_session=True
-    ) as running:
+        command, cwd=here, text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, start_new_session=True, preexec_fn=hears_ctrl_c
+    ) as running:  # fmt: skip
         assert running.stdout is not None
         for line in running.stdout:
             if "jobs to run" in line:

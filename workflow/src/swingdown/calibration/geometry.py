@@ -24,7 +24,8 @@ def arm_angle(
         Of the tower that the bob rests on, in m.
     """
     drop = drop_below_shaft(over_shaft, shaft_diameter, bob_diameter, height)
-    ratio = drop / arm
+    with np.errstate(over="ignore"):
+        ratio = drop / arm
     return np.arccos(np.where(np.abs(ratio) <= 1, ratio, np.nan))
 
 
