@@ -23,7 +23,7 @@ def words(text):
 
 def sentences(page):
     """The sentences of a page in Markdown: those of its paragraphs, of each entry of a list and of each cell of a table."""
-    prose = re.sub(r"^ *```.*?^ *```$|<!--.*?-->|^    \S.*$", "\n", page, flags=re.DOTALL | re.MULTILINE)
+    prose = re.sub(r"^ *```.*?^ *```$|<!--.*?-->|^    \S[^\n]*$", "\n", page, flags=re.DOTALL | re.MULTILINE)
     prose = re.sub(r"!?\[([^\]]*)\]\([^)]*\)", r"\1", prose)  # of a link what is read
     prose = re.sub(r"`[^`]+`", "CODE", prose)
     for block in re.split(r"\n\s*\n|\n(?= *(?:[-*>] |\d+\. |\||#))", prose):
@@ -32,7 +32,7 @@ def sentences(page):
 
 
 def test_sentences_are_what_ends_with_a_stop():
-    page = "# A head\n\nOne two. Three `four five` [six](seven.md)!\n\n- eight\n- nine. Ten\n\n| a b | c. D |\n|---|---|\n```\nnot this. Nor this\n```\n"
+    page = "    a command\n\n# A head\n\nOne two. Three `four five` [six](seven.md)!\n\n- eight\n- nine. Ten\n\n| a b | c. D |\n|---|---|\n```\nnot this. Nor this\n```\n"
     assert [found for found in sentences(page) if words(found)] == [
         "# A head", "One two.", "Three CODE six!", "- eight", "- nine.", "Ten", "a b", "c.", "D",
     ]  # fmt: skip
