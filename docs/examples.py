@@ -2,7 +2,8 @@
 
 ``anna.csv``, which ``resources/example`` holds too, is a swing of 20 s with presliding friction hidden in it. ``class`` is a folder of thirty pendulums, each of another
 length and friction, as a school's sensor exports them, and a file that is none. ``lengths``, ``sails`` and ``groups`` are series: eight
-lengths in the names, sails in a table beside the files, and six groups of which one measured another pendulum. ``pohl.csv`` is a wheel on a
+lengths in the names, sails in a table beside the files, and six groups of which one measured another pendulum. ``stopwatch.csv`` is a table
+of three times of ten swings for each of six lengths. ``pohl.csv`` is a wheel on a
 spring whose other end a motor turns, with the motor's angle.
 """
 
@@ -106,6 +107,16 @@ def groups(folder: Path) -> None:
     (folder / "who.csv").write_text("\n".join(rows) + "\n", encoding="utf-8")
 
 
+def stopwatch(path: Path) -> None:
+    """Writes times of ten swings, with the 0.1 s by which a hand is early or late, of bobs on strings of six lengths."""
+    random = np.random.default_rng(6)
+    table = pd.DataFrame({"Length (cm)": [20, 30, 45, 60, 80, 100]})
+    for trial in (1, 2, 3):
+        times = 20 * np.pi * np.sqrt(table["Length (cm)"] / 981)
+        table[f"Time for 10 swings, trial {trial} (s)"] = (times + random.normal(0, 0.1, len(table))).round(2)
+    write_text(path, ABOUT + table.to_csv(index=False))
+
+
 def roll(path: Path) -> None:
     """Writes the roll of a hull after a push to 14 degrees: a linear restoring moment, wave-making (viscous) and eddies (quadratic)."""
     values = {"natural_frequency": 0.62, "viscous_ratio": 0.012, "quadratic_coefficient": 0.16}
@@ -117,7 +128,7 @@ def roll(path: Path) -> None:
     write_text(path, ABOUT + path.read_text(encoding="utf-8"))
 
 
-FILES = {"pohl": pohl, "roll": roll}
+FILES = {"pohl": pohl, "roll": roll, "stopwatch": stopwatch}
 FOLDERS = {"lengths": lengths, "sails": sails, "groups": groups}
 
 if __name__ == "__main__":

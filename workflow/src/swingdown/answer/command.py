@@ -36,6 +36,7 @@ from ..study import own
 from . import Answer, of_swings, searchable
 from .alone import alone
 from .beside import write_beside
+from .by_hand import by_hand
 from .hand_in import check_able, hand_in
 from .lengths import PIVOTS, of_length, with_g, with_lengths, written
 from .options import TO_THE_COMMAND
@@ -71,7 +72,8 @@ class Wishes(NamedTuple):
 
 
 class Found(NamedTuple):
-    """What a study gave: its exit code, the answer on each pendulum by campaign, what was left out, its folder, what was read, g, the series."""
+    """What a study gave: its exit code, the answer on each pendulum by campaign, what was left out, its folder, what was read, g, the series;
+    and the periods of a table that were timed by hand."""
 
     code: int
     answers: Mapping[str, Answer]
@@ -80,6 +82,7 @@ class Found(NamedTuple):
     read: Sequence[own.Taken]
     g: Mapping[str, Gravity]
     series: Sequence[Series]
+    by_hand: Sequence[Mapping[str, Any]] = ()
 
 
 def answer(given: Sequence[str], told: Mapping[str, Any], wishes: Wishes) -> int:
@@ -103,6 +106,11 @@ def answer(given: Sequence[str], told: Mapping[str, Any], wishes: Wishes) -> int
 
 def _handed_in(found: Found, wishes: Wishes) -> Found:
     """What was found, when it has been written as it is to be handed in."""
+    if found.by_hand and wishes.handed_in:
+        _say(
+            f"no --{' or --'.join(wishes.handed_in)} of a table of periods: {found.folder} has what was made"
+        )
+        return found
     for line in hand_in(wishes.handed_in, found.answers, found.folder, wishes.spoken):
         _say(line)
     return found
@@ -124,6 +132,7 @@ def _as_json(found: Found) -> dict[str, Any]:
         ],
         "g": {name: one.to_dict() for name, one in found.g.items()},
         "series": [one.to_dict() for one in found.series],
+        "periods_by_hand": list(found.by_hand),
         "folder": str(found.folder),
         "report": str(report) if found.code == 0 and report.exists() else None,
     }  # fmt: skip
@@ -135,6 +144,10 @@ def _study(given: Sequence[str], told: Mapping[str, Any], wishes: Wishes) -> Fou
     paths, passed = own.files(given)
     paths, beside = without_table(paths, wishes.values)
     folder = Path(wishes.into) if wishes.into else own.place(given)
+    if len(paths) == 1 and (timed := by_hand(paths[0], folder, wishes.by, told)):
+        for line in timed.told:
+            _say(line)
+        return Found(0, {}, passed, folder, [], timed.g, timed.series, timed.periods)
     about_one = {key: cell for key, cell in told.items() if key != PIVOTS}
     rows = own.rows(paths, folder, wishes.together, about_one)
     with_lengths(rows, about_one, told.get(PIVOTS))

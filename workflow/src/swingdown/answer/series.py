@@ -44,7 +44,7 @@ def varied(kept: Sequence[Taken], beside: Path | None, by: str) -> Varied:
     Values in the sheet count before those in the table beside the files, and these before names. ``by`` is a column, with a standard
     uncertainty for values without one where it is ``length±1mm``.
     """
-    column, u = _asked(by)
+    column, u = asked(by)
     sheet, groups = from_rows(one.row for one in kept)
     named, sides, told = from_names({one.row["recording"]: _name(one) for one in kept})
     stems = {one.row["recording"]: Path(one.row["file"]).stem for one in kept}
@@ -131,7 +131,8 @@ def _name(one: Taken) -> str:
     return " ".join([Path(one.row["file"]).stem, str(one.row.get("run", ""))]).strip()
 
 
-def _asked(by: str) -> tuple[str, Stated | None]:
+def asked(by: str) -> tuple[str, Stated | None]:
+    """The column that ``--by`` names, and the standard uncertainty of its values where it says one; InputError for what is none."""
     column, _, rest = re.sub(r"\+/?-", "±", by).partition("±")
     if not rest:
         return column.strip(), None

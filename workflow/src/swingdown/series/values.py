@@ -99,7 +99,7 @@ def from_rows(rows: Iterable[Mapping[str, Any]]) -> tuple[Values, dict[str, dict
         name = str(row["recording"])
         own = {column: str(row.get(column) or "").strip() for column in (*KNOWN, GROUP)}
         values[name] = {
-            column: _cell(text, "", column, f"recording {name}, column {column}")
+            column: cell(text, "", column, f"recording {name}, column {column}")
             for column, text in own.items()
             if text and column != GROUP and not text.endswith(("px", "pixel", "pixels"))
         }
@@ -107,7 +107,8 @@ def from_rows(rows: Iterable[Mapping[str, Any]]) -> tuple[Values, dict[str, dict
     return values, groups
 
 
-def _cell(text: str, unit: str, column: str, where: str) -> Stated:
+def cell(text: str, unit: str, column: str, where: str) -> Stated:
+    """The ``Stated`` of a cell in the SI's unit of its column; ``unit`` is the head's. InputError for what is no quantity of it."""
     found = read(text)
     dimension = KNOWN.get(column, "")
     if found and not found.unit and unit:
@@ -184,17 +185,17 @@ def from_table(path: Path, labels: Mapping[str, str]) -> tuple[Values, dict[str,
         If it has no column ``file``, none of its files is there, or a cell in a column of numbers is no number.
     """
     table = _opened(path)
-    head = next((name for name in table if name.strip().lower() in _FILE), None)
-    if head is None:
+    files = next((name for name in table if name.strip().lower() in _FILE), None)
+    if files is None:
         raise InputError(path, "it has no column `file`", "a column `file` and one for each value", "add it")
     by_label: dict[str, list[str]] = {}
     for key, label in labels.items():
         by_label.setdefault(label.casefold(), []).append(key)
-    columns = {name: _head(name) for name in table if name != head}
+    columns = {name: head(name) for name in table if name != files}
     values: Values = {}
     groups: dict[str, dict[str, str]] = {}
     for line, row in zip(table.index, table.to_dict("records"), strict=True):
-        named = row[head].strip().casefold()
+        named = row[files].strip().casefold()
         for key in by_label.get(named, by_label.get(Path(named).stem, [])):
             own, words = _of_line(row, table, columns, f"{path}, line {line}")
             values[key], groups[key] = own, words
@@ -216,17 +217,17 @@ def _of_line(
         if column == GROUP or (column not in KNOWN and not any(map(read, table[name]))):
             words[column] = text
             continue
-        one = _cell(text, unit, column, f"{where}, column {name}")
+        one = cell(text, unit, column, f"{where}, column {name}")
         beside = next((other for other, (own, _, is_u) in columns.items() if is_u and own == column), None)
         if beside and row[beside].strip():
             given = columns[beside][1] or unit
-            u = _cell(row[beside].strip(), given, column, f"{where}, column {beside}")
+            u = cell(row[beside].strip(), given, column, f"{where}, column {beside}")
             one = one._replace(uncertainty=u.value)
         values[column] = one
     return values, words
 
 
-def _head(name: str) -> tuple[str, str, bool]:
+def head(name: str) -> tuple[str, str, bool]:
     """A head's column, its unit, and whether it holds standard uncertainties."""
     found = _HEAD.fullmatch(name)
     text, unit = (found["name"], found["unit"] or found["over"] or "") if found else (name, "")

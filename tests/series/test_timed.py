@@ -1,0 +1,126 @@
+"""Tables of periods that were timed by hand: what is varied in them, trials, units and counts."""
+
+import json
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from swingdown.__main__ import main
+from swingdown.errors import InputError
+from swingdown.series import series_of, timed
+
+LENGTHS = np.array([0.2, 0.3, 0.45, 0.6, 0.8, 1.0])
+PERIODS = 2 * np.pi * np.sqrt(LENGTHS / 9.81)
+
+
+def written(folder, head, rows, name="timed.csv"):
+    path = folder / name
+    path.write_text("\n".join([head, *rows]) + "\n", encoding="utf-8")
+    return path
+
+
+def series(found):
+    return series_of(found.table, found.values, found.groups)
+
+
+def test_trials_side_by_side_give_g_with_what_their_scatter_leaves(tmp_path):
+    rng = np.random.default_rng(1)
+    rows = [
+        ",".join(f"{one:.2f}" for one in (100 * length, *(10 * period + rng.normal(0, 0.1, 4))))
+        for length, period in zip(LENGTHS, PERIODS, strict=True)
+    ]
+    found = timed(written(tmp_path, "L (cm),10T_1 (s),10T_2 (s),10T_3 (s),10T_4 (s)", rows))
+    # a hundredth of 0.1 s: of ten swings, by the mean of four trials
+    assert (
+        np.allclose(found.table["period_s_u"], 0.005, rtol=0.4) and found.table["period_s_u"].nunique() == 1
+    )
+    (one,) = series(found)
+    assert abs(one.gravity.g - 9.81) < 3 * one.gravity.u_g and 0.01 < one.gravity.u_g < 0.15
+
+
+def test_trials_below_each_other_are_those_side_by_side(tmp_path):
+    beside = written(tmp_path, "length (m);time for 5 swings 1 (s);time for 5 swings 2 (s)", [f"{length};{5 * period:.2f};{5 * period + 0.1:.2f}".replace(".", ",") for length, period in zip(LENGTHS, PERIODS, strict=True)])  # fmt: skip
+    below = written(tmp_path, "length (m),trial,time for 5 swings (s)", [f"{length},{k},{5 * period + 0.1 * k:.2f}" for k in (0, 1) for length, period in zip(LENGTHS, PERIODS, strict=True)], "b.csv")  # fmt: skip
+    tables = [timed(path).table for path in (beside, below)]
+    for name in ("period_s", "period_s_u"):
+        assert np.allclose(tables[0][name], tables[1][name], rtol=1e-12)
+
+
+def test_lengths_without_a_unit_take_the_one_by_which_weight_pulls(tmp_path):
+    rows = [f"{100 * length:g},{period:.3f}" for length, period in zip(LENGTHS, PERIODS, strict=True)]
+    found = timed(written(tmp_path, "length,period", rows))
+    assert any("TAKEN AS cm" in line for line in found.told)
+    assert series(found)[0].gravity.g == pytest.approx(9.81, abs=0.05)
+    stated = timed(written(tmp_path, "length (m),period", rows))
+    assert series(stated)[0].gravity.g == pytest.approx(981, abs=5)  # what is stated is never overruled
+
+
+def test_the_times_of_ten_swings_are_not_taken_for_one(tmp_path):
+    rows = [f"{length:g},{10 * period:.2f}" for length, period in zip(LENGTHS, PERIODS, strict=True)]
+    with pytest.raises(InputError, match="the times of 10 swings"):
+        timed(written(tmp_path, "length (m),T (s)", rows))
+
+
+def test_times_of_trials_ask_for_the_number_of_swings(tmp_path):
+    rows = [f"{length:g},{10 * period:.2f}" for length, period in zip(LENGTHS, PERIODS, strict=True)]
+    with pytest.raises(InputError, match="of how many swings"):
+        timed(written(tmp_path, "length (m),trial 1 (s)", rows))
+
+
+def test_the_angle_of_release_is_taken_off(tmp_path):
+    # the period at 60° is 1.0732 times that of small swings
+    rows = [f"{length},60,{1.07318 * period:.4f}" for length, period in zip(LENGTHS, PERIODS, strict=True)]
+    found = timed(written(tmp_path, "length (m),angle (deg),period (s)", rows))
+    assert np.allclose(found.table["period_s"], PERIODS, rtol=1e-4)
+
+
+@pytest.mark.parametrize(
+    "head", ["t,length,angle", "T (s),L,theta", "time (s),mass,x", "Time (s),Period (s)", "t,i,theta"]
+)
+def test_a_recording_is_no_table_of_periods(tmp_path, head):
+    times = np.arange(40) * 0.05
+    rows = [f"{t:.2f},0.5,{np.cos(5 * t):.4f}" for t in times]
+    assert timed(written(tmp_path, head, rows)) is None
+
+
+def test_trials_of_one_pendulum_at_the_command_give_g(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    times = [20.04, 20.11, 20.02, 20.09, 20.05]
+    written(tmp_path, "trial,time for 10 oscillations (s)", [f"{k},{one}" for k, one in enumerate(times)])
+    assert main(["timed.csv", "--length", "1.000±0.002", "--json"]) == 0
+    told = capsys.readouterr()
+    found = json.loads(told.out)
+    (period,) = found["periods_by_hand"]
+    assert period["period_s"] == pytest.approx(2.0062)
+    assert period["period_s_u"] == pytest.approx(np.std(times, ddof=1) / np.sqrt(5) / 10, rel=0.01)
+    (g,) = found["g"].values()
+    assert abs(g["value"] - 4 * np.pi**2 / 2.0062**2) < 1e-3 and g["standard_uncertainty"] > 0.0196
+    assert "T = 2.0062" in told.err
+    assert (tmp_path / "timed-swingdown" / "periods.csv").exists()
+
+
+def test_a_cell_that_is_no_time_is_told_with_its_line(tmp_path):
+    rows = ["0.2,9.0", "0.4,12.7", "0.6,abt. 15"]
+    with pytest.raises(InputError, match="abt. 15") as told:
+        timed(written(tmp_path, "length (m),time for 10 swings (s)", rows))
+    assert "line 4" in str(told.value)
+
+
+def test_other_columns_of_numbers_make_no_mean(tmp_path):
+    rows = [f"{k},{120 - k}" for k in range(30, 90, 10)]
+    found = timed(written(tmp_path, "D (cm),time for 20 swings (s)", rows))
+    assert found.period() is None and found.others == ["D (cm)"]
+    varied = timed(written(tmp_path, "D (cm),time for 20 swings (s)", rows), by="d")
+    assert varied.values[varied.table["recording"][0]]["d"].value == pytest.approx(0.3)
+
+
+def test_two_columns_of_lengths_are_asked_about(tmp_path):
+    rows = [f"{k},{k + 2},{k / 20}" for k in (30, 40, 50)]
+    with pytest.raises(InputError, match="each is the length"):
+        timed(written(tmp_path, "string length (cm),length to the middle (cm),T (s)", rows))
+
+
+def test_a_workbook_is_read_as_text_is(tmp_path):
+    pd.DataFrame({"length (m)": LENGTHS, "T (s)": PERIODS.round(3)}).to_excel(tmp_path / "timed.xlsx", index=False)  # fmt: skip
+    assert np.allclose(timed(tmp_path / "timed.xlsx").table["period_s"], PERIODS, atol=6e-4)

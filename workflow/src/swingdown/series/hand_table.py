@@ -1,0 +1,183 @@
+"""A table of times that were taken by hand: its heads, and its cells as numbers."""
+
+import csv
+import io
+import re
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+import pandas as pd
+
+from ..errors import InputError
+from ..measurement.archive import unpacked
+from ..measurement.sheet import cells_of
+from .values import KNOWN, head
+
+COUNTED = "the number of swings in the head, as `time for 10 swings (s)`; of one swing `period (s)`"
+_LINES = 200  # of trials; a recording has more
+_HEADS = 10  # lines in which the heads stand
+_TITLES = 3000  # bytes of them
+_TEXT = (".csv", ".tsv", ".txt", ".dat")
+_WORKBOOKS, _LARGEST = (".xlsx", ".xls", ".ods"), 300_000  # bytes: to look into one takes half a second
+_SWINGS = "osc|swing|cycle|period|périod|períod|vibr|schwing"
+_COUNTED = re.compile(rf"(?<![\d.,])(\d+)\s*[x×*·]?\s*(?:(?:full|complete)\s+)?(?:{_SWINGS}|t(?![^\W\d_]))|^t_?\{{?(\d\d+)\}}?(?!\d)", re.I)  # fmt: skip
+_PERIOD = re.compile(r"(?:(?:mean|average|avg)\W*)?(?:(?-i:T)|period|periode|période|periodo|período|schwingungsdauer)(?:[\s_]*(?:mean|avg|average|\d))?", re.I)  # fmt: skip
+_TRIAL = re.compile(r"(?:trial|try|versuch|essai|prova|ensayo|tentativa)[\s_]*\d", re.I)
+_NOT = re.compile(r"\^|²|\*\*|squared|uncert|error|std|s\.?d\.?\b|±|^[uδΔd]_|delta|theor|calc|expected", re.I)
+_LENGTH = re.compile("length|länge|longueur|lunghezza|longitud|comprimento")
+_COUNTER = re.compile(
+    r"#|n[or°]?\.?|(?:\w+_)?(?:no\.|nr\.|number|#)|(?:trial|run|measurement|reading|attempt|versuch|messung|essai|prova|ensayo|tentativa)s?(?:_?(?:#|no\.?|number|nr\.?))?"
+)
+_ANGLE = {"angle", "amplitude", "release_angle", "winkel", "theta", "θ", "angolo", "ángulo", "ângulo"}
+
+
+class Times(NamedTuple):
+    """A column of times: its head, of how many swings they are (0: it does not say), and the factor to s."""
+
+    name: str
+    swings: int
+    factor: float
+
+
+class Head(NamedTuple):
+    """What another head says: its column, its unit, and whether it holds standard uncertainties."""
+
+    column: str
+    unit: str
+    error: bool
+
+    @property
+    def counts(self) -> bool:
+        """Whether it numbers the trials."""
+        return bool(_COUNTER.fullmatch(self.column))
+
+    @property
+    def angle(self) -> bool:
+        """Whether it is the angle of release."""
+        return self.column in _ANGLE
+
+
+class HandTable(NamedTuple):
+    """The cells as text by line and head, the columns of times of one kind, each other head, and whether the file says that it is emulated."""
+
+    cells: pd.DataFrame
+    times: Sequence[Times]
+    heads: Mapping[str, Head]
+    emulated: bool
+
+    def seconds(self, path: Path) -> pd.DataFrame:
+        """The times of one swing by line and column, NaN for empty cells.
+
+        Raises
+        ------
+        InputError
+            If the heads do not say of how many swings the times are, or a cell is no number above 0.
+        """
+        if not self.times[0].swings:
+            raise InputError(f"{path.name}, column {self.times[0].name}", "it does not say of how many swings the times are", COUNTED, "write it into the head")  # fmt: skip
+        found = {}
+        for one in self.times:
+            values = pd.to_numeric(_decimal(self.cells[one.name]), errors="coerce")
+            wrong = (self.cells[one.name] != "") & ~(values > 0)
+            if wrong.any():
+                line = wrong.idxmax()
+                raise InputError(
+                    f"{path.name}, line {line}, column {one.name}", f"{self.cells[one.name][line]!r} is no time", "a number of s above 0", "correct the cell, or leave it empty",
+                )  # fmt: skip
+            found[one.name] = values * one.factor / one.swings
+        return pd.DataFrame(found, self.cells.index)
+
+    @property
+    def last_digit(self) -> float:
+        """A unit of the last digit that the times are written to, of one swing, in s."""
+        texts = [text for one in self.times for text in _decimal(self.cells[one.name])]
+        places = max(len(text.partition(".")[2]) for text in texts)
+        return float(10.0**-places * self.times[0].factor / self.times[0].swings)
+
+
+def _decimal(cells: pd.Series) -> pd.Series:
+    return cells.str.replace(",", ".", regex=False)
+
+
+def hand_table(path: Path) -> HandTable | None:
+    """The ``HandTable`` of a text file or a workbook; None for a file that is none.
+
+    Its heads name times of a counted number of swings, or a period and what was varied with it.
+    """
+    lines = _lines(path)
+    for place, names in enumerate(lines[:_HEADS]):
+        own = [name for name in names if name]
+        times = [one for name in own if (one := _times(name))]
+        heads = {name: _head(name) for name in own if name not in {one.name for one in times}}
+        varied = any(one.column in KNOWN and not one.error for one in heads.values())
+        if not (any(one.swings > 1 for one in times) or (times and varied)):
+            continue
+        if len(set(own)) < len(own):
+            raise InputError(f"{path.name}, line {place + 1}", "two columns have one name", "a name of its own for each column", "rename one of them")  # fmt: skip
+        rows = {
+            number: [*cells, *[""] * len(names)][: len(names)]
+            for number, cells in enumerate(lines[place + 1 :], place + 2)
+            if any(cells) and not cells[0].startswith("#")
+        }
+        # What was timed, before the period that somebody worked out of it.
+        most = max(one.swings for one in times)
+        times = [one for one in times if one.swings == most]
+        cells = pd.DataFrame.from_dict(rows, orient="index", columns=names, dtype=str)
+        if not 0 < len(rows) <= _LINES or _is_clock(cells, times[0]):
+            return None
+        emulated = any("emulated: yes" in " ".join(cells) for cells in lines[:place])
+        return HandTable(cells, times, heads, emulated)
+    return None
+
+
+def _lines(path: Path) -> list[list[str]]:
+    """The cells of each line; none for a file that holds no such table at a glance."""
+    ending = path.suffix.lower()
+    if not path.is_file():
+        return []
+    if ending in _TEXT:
+        with path.open("rb") as file:
+            first = file.read(_TITLES)
+        if not re.search(rb"(?i)(period|osc|swing|schwing|cycle|p\xc3\xa9riod|(\b|\d)t)", first):
+            return []
+        try:
+            return cells_of(path, path)[0]
+        except InputError:  # the readers of recordings tell it better
+            return []
+    if ending not in _WORKBOOKS or path.stat().st_size > _LARGEST:
+        return []
+    with path.open("rb") as file:
+        inside = unpacked(file, path.name, "")
+        if inside is None:
+            return []
+        rows = csv.reader(io.TextIOWrapper(inside[0], "utf-8", newline=""), delimiter="\t")
+        return [[one.strip() for one in cells] for cells in rows]
+
+
+def _head(name: str) -> Head:
+    column, unit, error = head(name)
+    return Head("length" if _LENGTH.search(column) else column, unit, error or bool(_NOT.search(name)))
+
+
+def _is_clock(cells: pd.DataFrame, one: Times) -> bool:
+    """Whether the times go on in equal steps, line by line, as those of a recording do."""
+    steps = np.diff(pd.to_numeric(_decimal(cells[one.name]), errors="coerce"))
+    return one.swings < 2 and steps.size > 2 and bool(np.all(np.abs(steps - steps.mean()) < 1e-3 * steps.mean()))  # fmt: skip
+
+
+def _times(name: str) -> Times | None:
+    """What a head says of a column of times; None where it is of something else."""
+    text, unit = re.fullmatch(r"(.*?)\s*(?:[(\[]\s*([^)\]]*?)\s*[)\]])?", name.strip(), re.S).groups()  # type: ignore[union-attr]
+    stem, _, end = text.rpartition("_")
+    if stem and not unit and end.lower() in ("s", "ms", "sec"):
+        text, unit = stem, end
+    factor = {"": 1.0, "s": 1.0, "sec": 1.0, "seconds": 1.0, "sek": 1.0, "ms": 1e-3}.get((unit or "").lower())
+    if factor is None or _NOT.search(text):
+        return None
+    if counted := _COUNTED.search(text):
+        return Times(name, int(counted[1] or counted[2]), factor)
+    if _PERIOD.fullmatch(text.strip()):
+        return Times(name, 1, factor)
+    return Times(name, 0, factor) if _TRIAL.fullmatch(text.strip()) else None
