@@ -24,8 +24,9 @@ FILE ?=
 TESTS ?= tests
 VERSIONS ?=
 EXTRAS := capture,cluster,workflow
-# A file of tests stays in one process: what its tests share is made once.
-WORKERS := -n $(CORES) --dist loadfile --no-loadscope-reorder
+# A file of tests stays in one process: what its tests share is made once. One process more than cores: recordings, clusters and
+# terminals mostly wait.
+WORKERS := -n $(shell expr $(CORES) + 1) --dist loadfile --no-loadscope-reorder
 
 BIN := .venv/bin
 # Named after the locks' contents and this folder, so that the environment is laid anew when, and only when, they change.

@@ -179,7 +179,7 @@ def test_a_magnet_below_a_rig_is_found(shared_data):
 def test_the_whole_workflow_runs_on_real_recordings(shared_data, snakemake, tmp_path):
     (tmp_path / "sheet.csv").write_text(SHEET.format(folder=shared_data.resolve()))
     (tmp_path / "mine.yaml").write_text(
-        "recordings: sheet.csv\nsimulation: {simulated: []}\ndiscovery: {budget_s: 20, rounds: 2}\n"
+        "recordings: sheet.csv\nsimulation: {simulated: []}\ndiscovery: {budget_s: 2, rounds: 2}\n"
     )
     snakemake("--configfile", tmp_path / "mine.yaml", directory=tmp_path)
     table = pd.read_csv(tmp_path / "results/tables/table3.csv").set_index(["campaign", "fitted"])

@@ -238,13 +238,13 @@ def test_a_session_is_followed_at_the_emulated_board(tmp_path, monkeypatch):
 
 
 @pytest.mark.slow("an emulated board")
-def test_a_thousand_samples_a_second_for_a_minute_on_a_busy_machine(bench):
+def test_a_thousand_samples_a_second_on_a_busy_machine(bench):
     """Two cores are kept busy by others; nothing is lost. The emulated board is held up too, so its silence is given more time."""
     folder, capture = bench
     busy = [subprocess.Popen(["python3", "-c", "while True: pass"]) for _ in range(2)]
     try:
-        with made(folder, "swing", boards.swing(24, 0, 100), rate=1000) as board:
-            done = capture(board, "recording=fast", rate_hz=1000, duration_s=60, trigger="null", timeout_s=8)
+        with made(folder, "swing", boards.swing(24, 0, 40), rate=1000) as board:
+            done = capture(board, "recording=fast", rate_hz=1000, duration_s=15, trigger="null", timeout_s=8)
             assert done.returncode == 0, done.stdout
             data = dataset.read(folder / "resources/recordings/fast.nc")
             check_truth(data, board, 1000)
@@ -252,4 +252,4 @@ def test_a_thousand_samples_a_second_for_a_minute_on_a_busy_machine(bench):
         for process in busy:
             process.kill()
             process.wait()
-    assert "fast: complete: 60000 of 60000 samples" in done.stdout and "0 lost, 0 damaged" in done.stdout
+    assert "fast: complete: 15000 of 15000 samples" in done.stdout and "0 lost, 0 damaged" in done.stdout
