@@ -157,8 +157,10 @@ def test_what_snakemake_puts_before_a_script_is_not_run_first(tmp_path, environm
         assert told.stdout == f"{tmp_path}\n"
     assert (tmp_path / "imported").read_text() == "once "
 
-    (tmp_path / "sitecustomize.py").write_text("open('own', 'a').write('read ')\n")
     alone = here | {prefork.ADDRESS: "/nowhere"}
+    done = subprocess.run(command, cwd=tmp_path, env=alone, capture_output=True, check=True)
+    assert not done.stderr
+    (tmp_path / "sitecustomize.py").write_text("open('own', 'a').write('read ')\n")
     subprocess.run(command, cwd=tmp_path, env=alone, capture_output=True, check=True)
-    assert (tmp_path / "imported").read_text() == "once once "
+    assert (tmp_path / "imported").read_text() == "once once once "
     assert (tmp_path / "own").read_text().split() == ["read"]

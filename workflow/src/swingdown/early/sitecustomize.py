@@ -20,9 +20,11 @@ def _read_own() -> None:
     import importlib.util
 
     sys.path[:] = [folder for folder in sys.path if folder != os.path.dirname(__file__)]
-    del sys.modules["sitecustomize"]
+    this = sys.modules.pop("sitecustomize")
     if importlib.util.find_spec("sitecustomize"):
         importlib.import_module("sitecustomize")
+    else:
+        sys.modules["sitecustomize"] = this  # Python looks for what it has just read
 
 
 if sys.argv and _asks(sys.argv[0]):

@@ -18,7 +18,6 @@ import numpy as np
 from .. import sealed
 from ..errors import MAKE_ANEW, InputError
 from ..manifest import checksum
-from .draws import cell_key
 
 STORE, SLOTS, SUMS = "draws.zarr", "slots.jsonl", "draws.sha256"
 _TYPES = {"converged": "i1"}
@@ -308,8 +307,3 @@ def add_cells(folder, cells):
     zarr.consolidate_metadata(path)
     _add_sums(folder)
     return path
-
-
-def number_of(computes, settings):
-    """The number that stands for a cell in the store."""
-    return int(cell_key(computes, settings)[:16], 16)
