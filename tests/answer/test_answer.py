@@ -125,7 +125,7 @@ def test_what_is_emulated_says_so_in_the_picture():
         (0 * TIMES, ANGLE, "one time"),
         (TIMES, 0 * ANGLE, "constant"),
         (TIMES[:5], ANGLE[:5], "5 samples"),
-        (TIMES, None, "the times bring no angle along"),
+        (TIMES, None, "the times bring none along"),
         (pd.DataFrame({"t": TIMES, "Gyroscope z (rpm)": ANGLE}), None, "an angular rate"),
         (xr.DataArray(ANGLE, {"time": TIMES}, attrs={"units": "m"}), None, "their unit is 'm'"),
     ],

@@ -299,7 +299,7 @@ def in_degrees(release=2.2, effects="viscous+load_coulomb", **values):
 def test_degrees_without_a_word_are_asked_about_however_small(call, release):
     with pytest.raises(InputError, match="no unit is stated, and the unit is in doubt") as caught:
         call(*in_degrees(release))
-    assert "in rad or in deg" in caught.value.expected and "say restoring='linear'" in caught.value.mend
+    assert "in rad or in deg" in caught.value.expected and "write restoring='linear'" in caught.value.mend
     assert swingdown.fit(*in_degrees(release), unit="deg").table["remark"].tolist() == [""]
 
 

@@ -140,7 +140,7 @@ def test_one_flipped_bit_in_the_file_is_noticed(record):
 
 
 def test_silence_that_could_hide_a_wrap_is_refused(record):
-    with pytest.raises(InputError, match=r"could come round unseen.*at most 16\.4 s"):
+    with pytest.raises(InputError, match=r"could start again unnoticed.*at most 16\.4 s"):
         record(rate_hz=1000, timeout_s=20)
 
 

@@ -72,7 +72,7 @@ def test_a_release_at_rest_is_not_told_by_a_rate():
 
 
 def test_an_error_of_angle_sensors_is_refused_by_name():
-    with pytest.raises(InputError, match="'backlash'.*a sensor of angles has it"):
+    with pytest.raises(InputError, match="'backlash'.*it belongs to a sensor of angles"):
         Model(("viscous", "backlash")).of("rate")
     with pytest.raises(InputError, match="gyroscope"):
         trajectory(("eccentricity",), VALUES, TIMES, 0.5, reading="rate")

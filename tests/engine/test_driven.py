@@ -124,7 +124,7 @@ def test_the_clock_of_a_drive_is_that_of_the_samples():
 
 
 def test_what_is_no_drive_is_refused():
-    with pytest.raises(InputError, match="a measured drive acts in it, and none is given"):
+    with pytest.raises(InputError, match="it has a measured drive, and no drive is given"):
         simulate(driven("torque").driven_by(None), TIMES, 0.5)
     for wrong, said in (
         ({"kind": "force"}, "unknown input_kind"),

@@ -203,7 +203,7 @@ def test_a_column_without_a_name_is_called_by_its_number(take):
 
 
 def test_of_columns_without_names_one_that_swings_twice_a_period_is_asked_about(take):
-    with pytest.raises(InputError, match="twice as fast as the second.*signal_column"):
+    with pytest.raises(InputError, match="twice as fast as an angle.*signal_column"):
         take(rows(TIME, 900 + 100 * SWING**2, 50 + 40 * SWING))
     assert "`column 2`" in take(rows(TIME, SWING, 900 + 100 * SWING**2)).attrs["taken"]
 

@@ -125,7 +125,7 @@ def _recorded(
             told["kind"] = kind
         return read(times, restoring=restoring, **told)
     if unit or kind:
-        raise InputError("arguments", "unit and kind are those of the recording", "a recording alone", "say them to swingdown.read")  # fmt: skip
+        raise InputError("arguments", "a recording has its unit and kind already", "a recording alone", "give unit and kind to swingdown.read")  # fmt: skip
     return times
 
 

@@ -125,9 +125,9 @@ def asked(given: Mapping[str, Any]) -> dict[str, Any]:
     if said and "input" not in said:
         raise InputError(
             f"argument {next(iter(said))}",
-            "there is no input",
+            "the drive is described, and its values are missing",
             "input=, the values of the drive",
-            "say them, or leave it out",
+            "give them, or leave the description out",
         )
     return said
 
@@ -143,7 +143,9 @@ def _inputs(given: Any, count: int) -> list[Any]:
     """The input of each swing: one for all, or one each."""
     each = list(given) if _several(given) and not (len(given) == 2 and count == 1) else [given] * count
     if len(each) != count:
-        raise InputError("argument input", f"{len(each)} inputs for {count} swings", "one each")
+        raise InputError(
+            "argument input", f"{len(each)} inputs for {count} swings", "one for each swing, or one for all"
+        )
     return each
 
 
@@ -264,7 +266,7 @@ def _alone(given: Any) -> Series:
     array = numbers(given, "argument times")
     if array.ndim != 2 or 2 not in array.shape:
         raise InputError(
-            "argument angles", "it is left out, and the times bring no angle along", "times and angles"
+            "argument angles", "no angles are given, and the times bring none along", "times and angles"
         )
     pair = array.T if array.shape[1] == 2 else array
     return Series(pair[0], pair[1], "", {})

@@ -51,7 +51,7 @@ def times(given: Any) -> Floats:
 def numbers(given: Any, what: str) -> Floats:
     """The values as floats, those that are masked or missing as NaN; InputError for what holds no numbers."""
     if isinstance(given, str | bytes | Path):
-        raise InputError(what, f"{str(given)!r} is a text", "numbers", "of a file say swingdown.read(path)")
+        raise InputError(what, f"{str(given)!r} is a text", "numbers", "read a file by swingdown.read(path)")
     try:
         if isinstance(given, pd.Series | pd.Index | pd.api.extensions.ExtensionArray):
             return np.array(pd.Series(given).to_numpy(dtype=float, na_value=np.nan))

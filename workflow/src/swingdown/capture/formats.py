@@ -102,7 +102,7 @@ class Lines:
         if not self._clock and "sequence" not in self.columns:
             raise InputError(
                 where,
-                f"none of {', '.join(self.columns) or '(no column)'} tells when a sample was taken",
+                f"none of {', '.join(self.columns) or '(no column)'} says when a sample was taken",
                 "a column sequence, time_s, time_ms or time_us",
                 "let the sketch print millis() before the value and name that column time_ms",
             )

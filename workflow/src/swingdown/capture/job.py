@@ -59,7 +59,7 @@ def job(config: dict, again: bool = False) -> Job:
         most = format.sequence_modulus / 4 / settings["rate_hz"]
         raise InputError(
             "capture.timeout_s",
-            f"in {settings['timeout_s']:g} s of silence the sequence numbers could come round unseen",
+            f"in {settings['timeout_s']:g} s of silence the sequence numbers could start again unnoticed",
             f"at most {most:.3g} s at {settings['rate_hz']:g} samples a second",
             "lower capture.timeout_s",
         )

@@ -113,7 +113,7 @@ def in_the_way(path: Path) -> InputError:
             return error
     return InputError(
         path,
-        "an earlier capture of this name did not finish; this is what had arrived",
+        "an earlier capture of this name did not finish; this file holds what had arrived",
         "no raw stream of that name",
         f"{recovery(path)} makes a recording of it; or delete the file",
     )

@@ -41,7 +41,7 @@ def run(jobs, guide, views=(), stop=None, leave=None, say=print):
     if not wanted:
         raise InputError(
             "config, key recording",
-            f"all {len(jobs)} recordings are there already, and none is ever overwritten",
+            f"all {len(jobs)} recordings are there already, and no recording is ever overwritten",
             "one that is not",
             "choose other names",
         )

@@ -50,7 +50,10 @@ def takes(config: dict) -> list[dict]:
         for key in ("height", "count"):
             if key in more and len(names) > 1:
                 raise InputError(
-                    f"config, key {key}", f"{len(names)} recordings are named", "one with it", "name one"
+                    f"config, key {key}",
+                    f"{len(names)} recordings are named",
+                    f"one recording, with its {key}",
+                    "name one",
                 )
         asked = [{"recording": name, **more} for name in names]
     found = [one for take in asked for one in _counted(take)]

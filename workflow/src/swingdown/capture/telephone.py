@@ -285,7 +285,7 @@ def _most_moved(looked: _Look) -> str:
     if looked.moved[axis] < _MOVES or any(looked.moved[axis] < _CLEARLY * moved for moved in others):
         raise InputError(
             "capture.signal_column",
-            f"the axis that swings is not stated, and none moves most: {looked.told()}",
+            f"the axis that swings is not stated, and no axis moves clearly most: {looked.told()}",
             f"one of {', '.join(looked.moved)}, or an axis that moves {_CLEARLY:g} times as much as the others",
             "let it swing while the capture connects, or name the axis that the telephone turns about (signal_column: y)",
         )

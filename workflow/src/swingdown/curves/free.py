@@ -229,7 +229,7 @@ def _beyond(high: float, ideal: Ideal, recording: str) -> float:
             recording,
             f"its swings reach {np.degrees(high):.3g}°",
             "swings to less than 180°",
-            "correct its unit; of a wheel on a spring say ⟨restoring=linear⟩",
+            "correct its unit; for a wheel on a spring write ⟨restoring=linear⟩",
         )
     return min(high * 1.02, (high + np.pi) / 2)
 

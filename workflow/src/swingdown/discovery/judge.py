@@ -95,9 +95,9 @@ def _too_little(share: float, held_out: float) -> bool:
 def _doubt(probability: float, share: float, held_out: float) -> str:
     """Why an effect is not told, or empty."""
     if probability < PROBABLE:
-        return f"it is there with a probability of {probability:.2f} only"
+        return f"its probability is only {probability:.2f}"
     if share > SHARE:
-        return f"{min(share, 9.99):.0%} of what is missing without it are missing with it"
+        return f"{min(share, 9.99):.0%} of what is missing remains with it"
     if held_out > HELD_OUT:
         return "swings that were held out do not confirm it"
     return ""

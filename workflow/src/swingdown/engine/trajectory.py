@@ -127,7 +127,7 @@ class Compiled:
             return None
         if model.drive is None:
             raise InputError(
-                f"model {model.label}", "a measured drive acts in it, and none is given", "the drive, over the times that it is followed at",
+                f"model {model.label}", "it has a measured drive, and no drive is given", "the drive, over the times of the trajectory",
                 "say input= and input_kind=, or leave the effect out",
             )  # fmt: skip
         return model.drive.knots - start, model.drive.coefficients

@@ -49,7 +49,9 @@ def pace(times: Floats, halves: np.ndarray, clock: float = 0.0, step: float = 0.
         If there are too few.
     """
     if times.size < _FEWEST + 2:
-        raise InputError("passages", f"there are {times.size}", f"at least {_FEWEST + 2}", "record longer")
+        raise InputError(
+            "passages", f"there are {times.size} of them", f"at least {_FEWEST + 2}", "record longer"
+        )
     half = (halves[-1] - halves[0]) / 4  # of the recording, in swings
     at = (halves - halves[0]) / (2 * half) - 1
     slopes = _by_evidence(times, lambda terms: legvander(at, terms - 1))

@@ -130,7 +130,7 @@ def fit_turns(
     if turns.angles.size < fewest:
         raise InputError(
             "turning points",
-            f"there are {turns.angles.size}",
+            f"there are {turns.angles.size} of them",
             f"at least {fewest}",
             "write down more of them",
         )
@@ -145,7 +145,7 @@ def fit_turns(
     if not best.cost < _LOST**2 / 4:
         raise InputError(
             "turning points",
-            f"no motion of the model {model.label} meets them",
+            f"no swing of the model {model.label} meets them",
             "those of a pendulum",
             "check units and kind",
         )

@@ -122,7 +122,7 @@ def read_apparatus(path: str | Path, check_files: bool = True) -> Apparatus:
     ]:
         raise InputError(
             f"{path}, key encoder.limits",
-            f"a limit of error of {wide[0]:g} V, more than the readings that it is of",
+            f"a limit of error of {wide[0]:g} V, larger than the readings themselves",
             "limits of error in V, far below up_to",
             "correct the limit",
         )

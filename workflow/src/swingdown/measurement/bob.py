@@ -176,7 +176,7 @@ def _at_bob(look: Look, frames: Sequence[Pictures], name: str) -> Look:
     if not 2 * len(largest) > len(frames):
         raise InputError(
             name,
-            f"in {len(frames) - len(largest)} of {len(frames)} frames looked at nothing moves that is large and clear enough to be a bob",
+            f"in {len(frames) - len(largest)} of {len(frames)} frames nothing moves that is large and clear enough to be the bob",
             "a bob that differs from what is behind it, before a camera that stands still",
             "film it anew before a plain wall with the camera on a stand, or follow the bob with Tracker",
         )

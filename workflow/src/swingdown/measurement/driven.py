@@ -76,7 +76,7 @@ def stated(given: Mapping[str, Any], where: str) -> Stated:
     if not kind:
         raise InputError(
             f"{where}, input_kind",
-            "an input is named and not said to be what",
+            "an input is named, and its kind is not stated",
             " or ".join(KINDS),
             "say what it is",
         )
@@ -168,8 +168,8 @@ def driven(recordings: Sequence[xr.Dataset]) -> Drive | None:
     effects = {one.effect if one else None for one in found}
     if len(effects) > 1:
         raise InputError(
-            f"campaign {recordings[0].attrs.get('campaign', '')}", "its recordings differ in what drives them", "one kind of input, or none",
-            "make a campaign of each",
+            f"campaign {recordings[0].attrs.get('campaign', '')}", "its recordings have different drives", "one kind of input, or none",
+            "make a campaign for each drive",
         )  # fmt: skip
     return found[0]
 

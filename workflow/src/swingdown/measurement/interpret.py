@@ -348,8 +348,8 @@ def _check_slowest(times: Floats, taken: Floats, other: Floats, place: str) -> N
     if abs(slow / fast - 2) < TWICE:  # not nan
         raise InputError(
             place,
-            f"they swing with periods of {fast:.3g} and {slow:.3g} s, the first twice as fast as the second: an acceleration or a height does so, an "
-            "angle does not; the file does not say what they hold",
+            f"its columns swing with periods of {fast:.3g} and {slow:.3g} s: an acceleration or a height swings twice as fast as an angle, "
+            "and the file does not say what its columns hold",
             "a column with the angle",
             "name the column of the angle ⟨in signal_column⟩; an accelerometer that rides on the bob shows none",
         )

@@ -171,9 +171,9 @@ def check_used(times: Floats, judged: Judged, used: slice, place: str, partial: 
     if not partial and (count := len(half_swings(healed).starts)) < 3:
         raise InputError(
             place,
-            f"the recording is too short, or no angle: in {healed.size} samples it passes its middle {max(count - 1, 0)} times",
+            f"the recording is too short, or holds no angle: in {healed.size} samples it passes its middle {max(count - 1, 0)} times",
             "three whole half-swings or more for a fit, nine for a search in one recording alone",
-            "record longer, or widen ⟨start_s⟩ and ⟨stop_s⟩; of a sensor that sees the bob come by write the times of its passages, and passages "
+            "record longer, or widen ⟨start_s⟩ and ⟨stop_s⟩; for a sensor that sees the bob pass write the times of its passages, and passages "
             "⟨in signal_kind⟩",
         )
     check_countable(times[used], healed, place)

@@ -113,9 +113,9 @@ def ask_periods(table: Table, row: Mapping[str, Any], place: str) -> Table:
     if values.size < FEWEST or sampled or not _alike(values):
         return table
     raise InputError(
-        f"{row['file']}, {place_of(rest[0].name)} ({place})", f"{values.size} numbers, nearly all about {np.median(values):.4g}, and nobody says what they are: periods of a pendulum, or readings?",
+        f"{row['file']}, {place_of(rest[0].name)} ({place})", f"{values.size} numbers, nearly all about {np.median(values):.4g}: are they periods of a pendulum, or readings?",
         "periods, the times between passages, or readings with their rate",
-        "write periods (one a period) or passages (two a period) ⟨in signal_kind⟩; of readings write the samples a second ⟨in rate_hz⟩",
+        "write periods (one a period) or passages (two a period) ⟨in signal_kind⟩; for readings write the samples a second ⟨in rate_hz⟩",
     )  # fmt: skip
 
 
@@ -138,7 +138,7 @@ def counted(gate: Gate, stated: str, place: str) -> tuple[Points, str]:
         if not unequal_sides(np.diff(times)[: _halves(times, PASSAGES, 1, place)[1].stop - 1]):
             step = float(np.median(np.diff(times)))
             raise InputError(
-                place, f"its times are {step:.4g} s apart: is that a half-swing or a whole period?", "passages through a gate, and a word how far apart", _WORDS,
+                place, f"its times are {step:.4g} s apart: is that a half-swing or a whole period?", "passages through a gate, and which of the two", _WORDS,
             )  # fmt: skip
         kind = PASSAGES
     step, remarks = (1 if kind == PASSAGES else 2), list(gate.remarks)

@@ -106,13 +106,13 @@ def check_shrinks(signal: Floats, place: str) -> list[str]:
             place,
             f"its swings grow: in the last third of the recording they are {last / first:.2f} times as wide as in the first",
             "a pendulum that nothing drives: it swings less and less",
-            "leave out with ⟨start_s⟩ and ⟨stop_s⟩ where something drives it",
+            "leave the driven part out with ⟨start_s⟩ and ⟨stop_s⟩",
         )
     if last < (1 - SHRINKS) * first:
         return []
     return [
         f"its swings do not shrink (the last third to {100 * last / first:.1f} % of the first): if a motor drives it, this is the "
-        "motor's period; what stops it cannot be told"
+        "motor's period; what stops it is not known"
     ]
 
 

@@ -157,7 +157,7 @@ def check_no_positions(x: Floats, y: Floats, place: str) -> None:
     if circle.residual < TIGHT * circle.radius and np.ptp(to_angles(x, y, circle)) < 2 * np.pi:
         raise InputError(
             place,
-            f"they lie on a circle, {circle.residual / circle.radius:.1g} of its radius from it, as positions x and y of a bob do; "
+            f"its columns lie on a circle, {circle.residual / circle.radius:.1g} of its radius from it, as positions x and y of a bob do; "
             "the file does not say what they hold",
             "names of the columns",
             "write a first line with names above the numbers, such as `t x y`, or name the column of the angle "
@@ -223,7 +223,7 @@ def by_length(x: Floats, length: float, place: str) -> Floats:
     if (reach := float(np.abs(away).max())) > length:
         raise InputError(
             place,
-            f"it swings by {reach:.4g} to a side, further than the length of {length:.4g} lets it",
+            f"it swings by {reach:.4g} to a side, more than is possible with the length of {length:.4g} lets it",
             "a length from the pivot to the middle of the bob, in the coordinate's unit",
             "correct ⟨length⟩",
         )

@@ -123,7 +123,7 @@ def points_in(
     if missed:
         remarks.append(f"between its {halves.size} points {missed} more were not written down")
     if not both:
-        remarks.append("the law of its damping rests on the zero of its scale, for only one side is there")
+        remarks.append("the law of its damping depends on the zero of its scale: only one side was recorded")
     return Points(times, halves, flipped, both, not counted, remarks)
 
 

@@ -44,18 +44,18 @@ def time_factor(times: Floats, signal: Floats, told: bool, place: str) -> tuple[
     if LONGEST < period <= SLOWEST:
         raise InputError(
             place,
-            f"a period of {period:.4g}, and no unit of the time is stated: a torsion balance takes so many s, a pendulum so many ms",
+            f"a period of {period:.4g}, and no unit of the time is stated: in s it would suit a torsion balance, in ms a pendulum",
             "the unit of the time",
             "write ms or s ⟨in time_unit⟩, or in the column's name: `t (ms)`",
         )
     if len(possible) == 1:
         unit, factor = possible[0]
         return factor, [
-            f"no unit of the time is stated, and a period of {period:.4g} s is none of a pendulum: TAKEN AS {unit}, a period of {factor * period:.4g} s"
+            f"no unit of the time is stated, and a period of {period:.4g} s is too long for a pendulum: TAKEN AS {unit}, a period of {factor * period:.4g} s"
         ]
     raise InputError(
         place,
-        f"{what} {length:.3g} s is none of a pendulum, and no unit of the time is stated",
+        f"{what} {length:.3g} s is too long or too short for a pendulum, and no unit of the time is stated",
         f"a period between {SHORTEST:g} and {LONGEST:g} s",
         "write ms, us or s ⟨in time_unit⟩, or in the column's name: `t (ms)`",
     )
@@ -96,9 +96,9 @@ def angle_unit(signal: Floats, unit: str, restoring: str, place: str) -> tuple[s
             other = unit == "rad" and not too_far("deg")
             raise InputError(
                 place,
-                f"in {unit}, as stated, it swings back and forth by {reach.max() / TURNS[unit]:.3g} turns, as weight swings nothing",
-                "a pendulum; or a disc or a wheel that a spring pulls back, whatever its turns",
-                "if a spring pulls it back say ⟨restoring=linear⟩"
+                f"in {unit}, as stated, it swings back and forth by {reach.max() / TURNS[unit]:.3g} turns, which weight makes nothing do",
+                "less than a turn for a pendulum; a disc or a wheel on a spring may turn further",
+                "if a spring pulls it back write ⟨restoring=linear⟩"
                 + ("; if these are degrees write deg ⟨in signal_unit⟩" if other else ""),
             )
         return unit, []

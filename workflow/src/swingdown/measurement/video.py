@@ -274,7 +274,7 @@ def _on_circle(xy: Floats, size: float, name: str) -> NDArray[np.bool_]:
     if not (2 * most > len(apart) and 2 * best.sum() > len(xy)):
         raise InputError(
             name,
-            f"what moves most lies on a circle in {best.sum()} of {len(xy)} frames, at {most} of {len(apart)} places",
+            f"what moves most lies on a circle in only {best.sum()} of {len(xy)} frames ({most} of {len(apart)} places)",
             "a bob that swings in most of the film, before a camera that stands still",
             "cut the film to the swing, keep all else that moves out of it, or follow the bob with Tracker",
         )

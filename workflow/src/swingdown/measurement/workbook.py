@@ -71,7 +71,7 @@ def cells(source: BinaryIO, name: str, wanted: str) -> list[list[str]]:
 def _too_large(name: str, why: str) -> InputError:
     return InputError(
         name,
-        f"it cannot be held ({why})",
+        f"it is too large to be read ({why})",
         "a sheet of the recording alone",
         "delete what stands far below or beside the table, or save the sheet as CSV",
     )

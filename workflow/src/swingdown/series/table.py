@@ -174,8 +174,8 @@ def series_of(
     if by and not found:
         known = ", ".join((*columns, *words)) or "none"
         raise InputError(
-            f"--by {by}", f"there are not {FEWEST} recordings with {FEWEST} values of it, or two groups; there is {known}",
-            "a column of the sheet, of a table beside the files, or a value in their names", "say which, or add the column",
+            f"--by {by}", f"it has fewer than {FEWEST} values, and no two groups; the recordings have {known}",
+            "a column of the sheet, of a table beside the files, or a value in their names", "name one of these, or add the column",
         )  # fmt: skip
     return found
 

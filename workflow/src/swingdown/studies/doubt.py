@@ -31,8 +31,8 @@ UNEVEN = 0.1  # of the period: its standard uncertainty from the first swings of
 BETTER = 0.8  # of what is left in rad: with so little left in degrees these may be the unit
 KEPT = 0.9  # of the first swings' size: the last ones of what does not shrink
 MEND = (
-    "leave out what a hand moves or a motor drives (⟨start_s⟩ and ⟨stop_s⟩), and check that the column is its angle and the unit right; of a "
-    "wheel on a spring or a torsion pendulum say ⟨restoring=linear⟩"
+    "leave out what a hand moves or a motor drives (⟨start_s⟩ and ⟨stop_s⟩), and check the column of the angle and its unit; for a wheel on a spring or a torsion "
+    "pendulum write ⟨restoring=linear⟩"
 )
 
 
@@ -111,8 +111,8 @@ def ask_pull(fits: xr.Dataset, angle: xr.Dataset, label: str) -> None:
         raise NotFree(
             f"recording {angle.attrs['recording']}",
             f"its period does not depend on the amplitude, so weight does not pull it back: damping leaves {100 * left:.3g} % of it",
-            "a pendulum that weight pulls back, or a word on what else does",
-            "of a wheel on a spring or a torsion pendulum say ⟨restoring=linear⟩; otherwise correct the unit ⟨in signal_unit⟩",
+            "a pendulum that weight pulls back, or that something else does, as stated",
+            "for a wheel on a spring or a torsion pendulum write ⟨restoring=linear⟩; otherwise correct the unit ⟨in signal_unit⟩",
         )
 
 
@@ -151,9 +151,9 @@ def unit_in_doubt(angles: Sequence[xr.Dataset], restoring: str = "sine") -> str:
     raise InputError(
         f"recording {names}",
         f"no unit is stated, and {doubt}",
-        f"swings in {unit} or in {unit.replace('rad', 'deg')}, and a word which",
-        "say which ⟨in signal_unit⟩; of a wheel on a spring or a torsion pendulum, whose period is "
-        "the same for all swings, say ⟨restoring=linear⟩",
+        f"swings in {unit} or in {unit.replace('rad', 'deg')}, and which of the two",
+        "write the unit ⟨in signal_unit⟩; for a wheel on a spring or a torsion pendulum, whose period is "
+        "the same for all swings, write ⟨restoring=linear⟩",
     )
 
 

@@ -151,7 +151,7 @@ def fit_campaign(
     if not angles:
         raise InputError(
             "campaign",
-            "too few swings to fit: there is none",
+            "there is no swing to fit",
             "at least one",
             "add swings to the sample sheet",
         )

@@ -202,9 +202,7 @@ def _with_recording(dataset: xr.Dataset) -> xr.Dataset:
 
 def _combined(datasets: Sequence[xr.Dataset], dimension: str, where: str) -> xr.Dataset:
     if not datasets:
-        raise InputError(
-            where, "too few swings to fit: there is none", "at least one", "add swings to the sample sheet"
-        )
+        raise InputError(where, "there is no swing to fit", "at least one", "add swings to the sample sheet")
     for dataset in datasets[1:]:
         if list(dataset["fitted"].values) != list(datasets[0]["fitted"].values):
             raise InputError(

@@ -276,4 +276,4 @@ def _dependence(own: xr.Dataset, row: Mapping[str, Any], unit: str) -> str:
     told = f"small swings take {value_with_uncertainty(period, period * u / frequency)} s"
     if error > _SEEN:
         return f"{told}; the period shows no dependence on the amplitude"
-    return f"{told}; the period grows with the amplitude {value_with_uncertainty(share, error)} times as weight makes it"
+    return f"{told}; the period grows with the amplitude {value_with_uncertainty(share, error)} times as fast as weight makes it"

@@ -99,7 +99,7 @@ class Catalogue:
         """The effect of that name, one without a name included; InputError with the known names otherwise."""
         if name not in self._known and self.reading == RATE and name in self.whole:
             raise InputError(
-                f"effect {name!r}", "a sensor of angles has it, and the recording is of an angular rate", ", ".join(self.names),
+                f"effect {name!r}", "it belongs to a sensor of angles, and the recording is of an angular rate", ", ".join(self.names),
                 "leave it out for this recording",
             )  # fmt: skip
         if name not in self._known:

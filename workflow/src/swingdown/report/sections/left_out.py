@@ -15,7 +15,9 @@ def left_out(material: Material) -> Section | None:
         for row in table.fillna("").astype(str).to_dict("records")
     ]
     columns = [Column(name) for name in ("recording", "campaign", "file", "left out of", "why", "mend")]
-    caption = "Recordings that the results do not rest on. Mend one and run the same command again: it then takes part."
+    caption = (
+        "Recordings that the results leave out. Mend one and run the same command again: it then takes part."
+    )
     shown = Table("Left out", caption, columns, rows, link="tables/left_out.csv", rule="left_out")
     return Section("Recordings left out", [shown])
 
