@@ -88,7 +88,7 @@ def test_counted_turns_are_told_where_somebody_states_rad():
 
 def test_a_torsion_balance_in_seconds_is_not_taken_for_a_pendulum_in_milliseconds():
     """Read by hand each ten seconds, its period is some 200: as many ms would be a pendulum's."""
-    refused("a torsion balance takes so many s", signal=swing(), time=250 * TIME, time_told=False)
+    refused("in s it would suit a torsion balance", signal=swing(), time=250 * TIME, time_told=False)
     assert looked_at(swing(), 250 * TIME)  # stated to be s, it is
 
 

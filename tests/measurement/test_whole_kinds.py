@@ -108,7 +108,7 @@ def isochronous(path):
     return written(path, [TIMES, values], "t,angle")
 
 
-ALONE = "PERIOD AND DECAY ALONE ARE TOLD, by its passages"
+ALONE = "PERIOD AND DECAY ALONE ARE REPORTED, by its passages"
 
 
 def told(path, **stated):

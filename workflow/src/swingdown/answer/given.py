@@ -15,8 +15,8 @@ from ..measurement.clock import in_order, parts
 from ..measurement.columns import ANGLE, RATE, choose, meaning
 from ..measurement.driven import as_variables, judge_driven, stated
 from ..measurement.even import evenly
-from ..measurement.even import told as told_of_holes
 from ..measurement.gyroscope import TO_RAD_PER_S
+from ..measurement.holes import missing_samples
 from ..measurement.judge import Judged, Reading, check_used, judge, used_part
 from ..measurement.passages import Gate, as_passages, counted
 from ..measurement.points_recording import as_recording
@@ -322,7 +322,7 @@ def _swings_in(name: str, given: Series, unit: str | None, kind: str, restoring:
             for swing in _swings_in(called, given._replace(times=when, values=what), unit, kind, restoring)
         ]
     even = evenly(times, values)  # the same samples, seen as holes of the clock
-    again = told_of_holes(even, times) if even.missing.sum() == missing.sum() else []
+    again = missing_samples(even, times) if even.missing.sum() == missing.sum() else []
     remarks += [one for one in ordered.remarks + judged.remarks + told if one not in again]
     recording = xr.Dataset(
         {"signal": ("time", judged.signal, {"units": judged.reading.unit}), **as_variable(judged.spikes.where)},

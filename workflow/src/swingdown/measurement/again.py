@@ -18,7 +18,7 @@ from .points_recording import are_points
 OPEN, TOLD = "read_again", "again"  # attributes: whether a recording may be read once more, and what was done
 _CELLS = {"again_start_s": "start_s", "again_stop_s": "stop_s", "again_scale": "scale"}
 _PARTS = ("", "_standard_uncertainty", "_random_uncertainty", "_bound")
-ALONE = "PERIOD AND DECAY ALONE ARE TOLD, by its passages of the middle, which need no model and no unit"
+ALONE = "PERIOD AND DECAY ALONE ARE REPORTED, by its passages of the middle, which need no model and no unit"
 
 
 def may_be_read_again(row: Mapping[str, Any], guessed: bool) -> bool:

@@ -7,8 +7,9 @@ from ..arrays import Floats
 from ..errors import InputError
 from ..quantisation import quantisation_step
 from .clock import UNEVEN
-from .even import evenly, told
+from .even import evenly
 from .half_swings import half_swings, passages
+from .holes import missing_samples
 from .renumbered import lost_evenly
 from .spikes import MOST, SIDE, Spikes, beside_holes, find_spikes, kernel, standing_out
 
@@ -23,7 +24,7 @@ def check_continuous(times: Floats, signal: Floats, place: str, spikes: Spikes |
     """Remarks, each one line, on what is missing, on spikes, jumps and uneven times. ``spikes`` are those of the signal, where they are known."""
     spikes = spikes or find_spikes(times, signal)
     even = evenly(times, spikes.healed)
-    remarks = told(even, times)
+    remarks = missing_samples(even, times)
     if not even.kept:
         return remarks
     period, interval = half_swings(signal).period(times), even.interval

@@ -79,20 +79,3 @@ def _through(times: Floats, signal: Floats, grid: Floats) -> Floats:
     low, high = np.minimum(y[:, 1], y[:, 2]), np.maximum(y[:, 1], y[:, 2])
     room = high - low  # a cubic across a long hole runs away
     return np.clip(found, low - room, high + room)
-
-
-def told(even: Even, given: Floats) -> list[str]:
-    """A remark on the samples that are missing, or on times that keep no rate; none where both are as they should be."""
-    if not even.kept:
-        steps = np.diff(given)
-        return [
-            f"the time between samples varies by {np.std(steps) / np.median(steps):.2g} of {np.median(steps):.4g} s (standard deviation); "
-            "each is taken at its own time"
-        ]
-    holes = even.holes()
-    if not holes:
-        return []
-    longest = max(even.times[b] - even.times[a - 1] for a, b in holes) - even.interval
-    return [
-        f"{int(even.missing.sum())} of {even.times.size} samples are missing, the longest hole {longest:.2g} s; the others are taken at their times"
-    ]

@@ -1,7 +1,6 @@
 """What is asked of a swing before it is fitted, the same of a file and of arrays: unit, zero, spikes, hands, holes, an end."""
 
 from dataclasses import dataclass, field, replace
-from typing import NamedTuple
 
 import numpy as np
 
@@ -10,7 +9,8 @@ from ..errors import InputError
 from .continuity import check_alive, check_continuous
 from .even import evenly
 from .gyroscope import TO_RAD_PER_S, check_rate
-from .half_swings import half_swings, passages
+from .half_swings import half_swings
+from .holes import check_countable, uncounted
 from .plausibility import check_shrinks, drift, hanging
 from .quality import check_signal
 from .release import Window, find_windows, within
@@ -20,11 +20,9 @@ from .units import NO_SCALE, TURNS, angle_unit, check_steps, in_rad, turns_count
 
 RELATIVE = 0.01  # rad: what the largest swing of a reading without a scale stands for, as sine and angle are then one
 UNSCALED = (
-    "nobody states what a unit of it is worth: PERIOD AND DECAY ALONE ARE TOLD. For angles state the degrees that one unit is worth "
+    "no scale is stated: PERIOD AND DECAY ALONE ARE REPORTED. For angles state the degrees that one unit is worth "
     "⟨in scale⟩"
 )
-_NEAR = 12  # half-swings beside a hole that tell its period
-COUNTED = 0.25  # swings: what lies in a hole is counted if it is known better than this
 
 
 @dataclass(frozen=True)
@@ -135,7 +133,7 @@ def _in_step(window: Window, times: Floats, signal: Floats) -> Window:
 def _without_holes(window: Window, times: Floats, signal: Floats) -> Window:
     """The longest part of a window without a hole that hides swings nobody can count."""
     part = within(window, times)
-    hidden = None if window.why else _uncounted(times[part], signal[part])
+    hidden = None if window.why else uncounted(times[part], signal[part])
     if hidden is None:
         return window
     begins, ends = hidden.part
@@ -179,73 +177,6 @@ def check_used(times: Floats, judged: Judged, used: slice, place: str, partial: 
     check_countable(times[used], healed, place)
     remarks = check_shrinks(healed, place)
     return remarks + check_continuous(times[used], judged.signal[used], place, judged.spikes.within(used))
-
-
-class _Uncounted(NamedTuple):
-    """A hole (s) that hides so many swings, and the longest part (s) without one."""
-
-    start: float
-    stop: float
-    swings: float
-    part: tuple[float, float]
-
-    def words(self) -> str:
-        return f"a hole of {self.stop - self.start:.3g} s hides about {self.swings:.0f} swings, and not how many exactly"
-
-
-def check_countable(times: Floats, signal: Floats, place: str) -> None:
-    """None where the swings in every hole can be counted from those on both sides; InputError with the longest whole part otherwise."""
-    if hidden := _uncounted(times, signal):
-        first, last = hidden.part
-        raise InputError(
-            f"{place}, {hidden.start:.6g} s",
-            hidden.words(),
-            "holes in which swings can be counted",
-            f"use a part: from {first:.9g} to {last:.9g} s there is no such hole (⟨start_s={first:.9g}⟩, ⟨stop_s={last:.9g}⟩)",
-        )
-
-
-def _uncounted(times: Floats, signal: Floats) -> _Uncounted | None:
-    """The first hole in which the swings cannot be counted; None where there is none.
-
-    The period before a hole and that after it, each with its standard uncertainty, tell how many swings it hides.
-    """
-    even = evenly(times, signal)
-    swings = half_swings(signal)
-    period, centre = swings.period(times), swings.centre()
-    deep = even.deep(period)
-    passed = passages(times, signal, centre if np.isfinite(centre) else float(np.median(signal)))
-    middle = (passed[1:] + passed[:-1]) / 2
-    halves = np.diff(passed)
-    whole = np.ones(halves.size, dtype=bool)  # half-swings with no hole in them
-    for start, stop in deep:
-        whole &= (passed[1:] <= start) | (passed[:-1] >= stop)
-    middle, halves = middle[whole], halves[whole]
-    for start, stop in deep:
-        if stop - start < period / 2:
-            continue
-        sides = [_period(halves[middle < start][-_NEAR:]), _period(halves[middle > stop][:_NEAR])]
-        known = [one for one in sides if one is not None]
-        (one, u_one), (other, u_other) = (known * 2)[:2] if known else ((period, np.inf), (period, np.inf))
-        unsure = (abs(one - other) + 2 * np.hypot(u_one, u_other)) * (stop - start) / min(one, other) ** 2
-        if unsure > COUNTED:
-            edges = [times[0], *(edge for hole in deep for edge in hole), times[-1]]
-            first, last = max(zip(edges[::2], edges[1::2], strict=True), key=lambda one: one[1] - one[0])
-            return _Uncounted(start, stop, (stop - start) / period, (float(first), float(last)))
-    return None
-
-
-def _period(halves: Floats) -> tuple[float, float] | None:
-    """The period (s) that these half-swings tell and its standard uncertainty, whatever their middle; None of fewer than two."""
-    if halves.size < 2:
-        return None
-    whole = halves[1:] + halves[:-1]
-    spread = (
-        1.4826 * float(np.median(np.abs(whole - np.median(whole))))
-        if whole.size > 2
-        else float(np.ptp(halves))
-    )
-    return float(np.median(whole)), spread / np.sqrt(whole.size)
 
 
 def used_part(
