@@ -103,7 +103,7 @@ def test_the_drives_that_nobody_named_peak_within_the_ring_down(spring):
 
 @pytest.mark.parametrize(
     ("drive", "kind", "told"),
-    [(-1.0, "torque", "amplitudes above 0"), (1e-9, "torque", "less than the smallest swing of the ring-down"), (0.1, "push", "torque or pivot")],
+    [(-1.0, "torque", "amplitudes above 0"), (1e-9, "torque", "makes it swing less than the ring-down shows"), (0.1, "push", "torque or pivot")],
 )  # fmt: skip
 def test_what_cannot_be_foretold_is_refused(spring, drive, kind, told):
     with pytest.raises(InputError, match=told):
@@ -146,4 +146,4 @@ def test_the_command_foretells_it_too(tmp_path, monkeypatch, capsys):
     assert sorted(set(pd.read_csv(study / "resonance.csv")["drive_rad_per_s2"])) == [0.1, 0.2]
     assert (study / "resonance.png").stat().st_size > 10_000
     assert main(["a.csv", "--quick", "--drive", "1e-9", "--into", "b"]) == 0
-    assert "no resonance curve: 1e-09 rad/s^2 swings it less" in capsys.readouterr().out
+    assert "no resonance curve: 1e-09 rad/s^2 makes it swing less" in capsys.readouterr().out

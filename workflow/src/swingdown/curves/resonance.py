@@ -74,7 +74,7 @@ def resonance(curves: xr.Dataset, drive: ArrayLike | None = None, kind: str = "t
         raise InputError("argument drive", f"{drive!r}", "amplitudes above 0, in rad/s^2", "correct it")
     if weakest >= drives[0]:
         raise InputError(
-            "argument drive", f"{drives[0]:.3g} rad/s^2 makes it swing less than the smallest swing of the ring-down",
+            "argument drive", f"{drives[0]:.3g} rad/s^2 makes it swing less than the ring-down shows",
             f"more than {weakest:.3g} rad/s^2", "drive it harder, or record until it swings less",
         )  # fmt: skip
     found = [[each[source].driven(one) for source in sources] for one in drives]
