@@ -13,6 +13,7 @@ then let go. With ``hands`` it does what is typed: ``tower 0.02385``, ``rest``, 
 import argparse
 import contextlib
 import importlib.util
+import os
 import shutil
 import signal
 import subprocess
@@ -110,6 +111,12 @@ class Hands:
         )
 
 
+def _before_others():
+    """Where it may, the emulated board comes before other programs, as a board of its own does."""
+    with contextlib.suppress(PermissionError):
+        os.nice(-10)
+
+
 class Board:
     """A board that runs while the ``with`` block does; ``port`` is its port's path, ``truth()`` what its converter saw.
 
@@ -152,7 +159,9 @@ class Board:
 
     def __enter__(self):
         with open(self.folder / "board.log", "w") as log:
-            self.process = subprocess.Popen(list(map(str, self._command)), stdout=log, stderr=log)
+            self.process = subprocess.Popen(
+                list(map(str, self._command)), stdout=log, stderr=log, preexec_fn=_before_others
+            )
         for _ in range(100):
             if self.port.exists():
                 return self
