@@ -1,12 +1,16 @@
 """Whether a fit can be what it is called: residuals of the noise's size, sizes and shapes within their bounds and determined."""
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from ..fitting.result import Fit
 from ..pendulum.effect import NATURAL_FREQUENCY
-from .campaign import Noise
+from .campaign import Noise, Swing
+from .refit import widest
 
 _DETERMINED = 3.0  # standard errors that an effect's size must be from nothing
+_HOPELESS = 1.5  # times what the best leaves
 _VAGUE = 1.0  # standard error over value, of a shape that is not determined
 
 
@@ -14,6 +18,11 @@ def leaves_noise(fit: Fit, noise: Noise) -> bool:
     """True if the residual's size is that of the noise, to five standard deviations of what the samples allow."""
     n = noise.effective(fit.n)
     return bool(abs(fit.rms / noise.deviation - 1) < 5 / np.sqrt(2 * n) + 0.01)
+
+
+def hopeless(best: Fit, swings: Sequence[Swing], noise: Noise) -> float:
+    """What a model must leave (RMS, rad) of the widest of the swings alone to be no rival of a fit to all of them."""
+    return _HOPELESS * max(best.swings[widest(swings)].rms, noise.deviation)
 
 
 def inadmissible(fit: Fit, added: str | None, noise: Noise) -> str:

@@ -13,9 +13,9 @@ from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import cho_solve, cholesky
+from scipy.linalg import cho_solve, cholesky, solve_triangular
 from scipy.linalg.lapack import dpotri
-from scipy.optimize import brentq, minimize
+from scipy.optimize import brentq
 
 from ..arrays import Floats
 from ..fitting.result import Fit
@@ -46,6 +46,9 @@ _SIZES, _NOISES = (
     (-12.0, 25.0),
     (-1.0, 12.0),
 )  # bounds of these logarithms, and of the noise's over what it is known to be
+_ENOUGH = 0.01  # of the log-likelihood: a step that promises less is the last
+_FARTHEST, _STEPS = 3.0, 60  # of these logarithms in one step; steps
+_LEAST = 1e-6  # damping of a step, of the curvature
 KINDS = ("restoring", "dissipative", "time", "sensor")
 
 
@@ -102,15 +105,14 @@ class Unnamed:
             left.size,
             noise.slow_variance,
         )
-        least, where = _minimal(model)
-        at = model.at(where)
+        at = _minimal(model)
         scale = 1 / np.sqrt(frame.samples)
         sizes, whole = at.work()
         quick = max(at.noise - noise.slow_variance, 0.0) * (left.size - basis.shape[1])
         ratio = _ratio(triangle.T @ triangle, triangle.T @ at.seen @ triangle * at.noise)
         named = [(name, of) for name, of, there in zip(frame.names, frame.of, kept, strict=True) if there]
         return Discrepancy(
-            -least,
+            -float(at.cost),
             -model.plain(float(np.hypot(_NOISE_KNOWN, noise.known))),
             float(np.hypot(whole, np.sqrt(quick)) * scale),
             dict(zip(KINDS, (sizes * scale).tolist(), strict=True)),
@@ -172,14 +174,6 @@ class _Likelihood:
         """The likelihood at these logarithms."""
         return _At(self, np.exp(x[:-1]) * self.scale, self.variance * np.exp(x[-1]))
 
-    def __call__(self, x: Floats) -> tuple[float, Floats]:
-        """The negative log-likelihood and its slopes, of a noise that may be any."""
-        at = self.at(x)
-        value = at.value + 0.5 * (x[-1] / _ANY) ** 2 + np.log(_ANY)
-        slopes = at.slopes
-        slopes[-1] += x[-1] / _ANY**2
-        return value, slopes
-
     def plain(self, known: float) -> float:
         """The least negative log-likelihood without a discrepancy, the logarithm of the noise's variance being known to so much."""
         free, power = self.rows - self.basis.shape[1], self.squares / self.variance
@@ -193,8 +187,8 @@ class _Likelihood:
 
 
 class _At:
-    """A likelihood at variances of each kind and of the noise: its negative logarithm ``value``, the information ``seen`` on what the fit's
-    basis spans, and ``pulled``, the residual in units of its variance along the directions of the discrepancy."""
+    """A likelihood at variances of each kind and of the noise: its negative logarithm ``value``, the same (``cost``) of a noise that may be any,
+    the information ``seen`` on what the fit's basis spans, and ``pulled``, the residual in units of its variance along the directions of the discrepancy."""
 
     def __init__(self, model: _Likelihood, sizes: Floats, noise: float):
         self.model, self.sizes, self.noise = model, sizes, noise
@@ -217,11 +211,13 @@ class _At:
         determinants = np.log(np.diag(self.root)).sum() + np.log(np.diag(known)).sum()
         free = 0.5 * (pull.size - count) * np.log(model.variance)
         level = 0.5 * (model.rows - count) * np.log(noise / model.variance)
+        self.louder = np.log(noise / model.variance)
         self.value = float(0.5 * power + determinants + free + level)
+        self.cost = self.value + 0.5 * (self.louder / _ANY) ** 2 + np.log(_ANY)
 
     @property
     def slopes(self) -> Floats:
-        """Those of ``value`` by the logarithms of the variances."""
+        """Those of ``cost`` by the logarithms of the variances."""
         model = self.model
         inverse = dpotri(self.root, lower=1)[0]
         inverse = np.tril(inverse) + np.tril(inverse, -1).T
@@ -229,9 +225,21 @@ class _At:
         trace -= np.vdot(self.inverse, model.beyond[0] / self.noise**2 + self.across.T @ self.across)
         inverse -= self.across @ self.inverse @ self.across.T + np.outer(self.pulled, self.pulled)
         kinds = self.sizes * (model.kernels.reshape(self.sizes.size, -1) @ inverse.ravel())
-        return (
-            0.5 * np.r_[kinds, self.noise * (trace - self.pulled @ self.pulled) - self.outside / self.noise]
-        )
+        noise = self.noise * (trace - self.pulled @ self.pulled) - self.outside / self.noise
+        return 0.5 * np.r_[kinds, noise] + np.r_[np.zeros(kinds.size), self.louder / _ANY**2]
+
+    @property
+    def curvature(self) -> Floats:
+        """The average information on the logarithms of the variances (Gilmour, Thompson and Cullis, Biometrics 51, 1440 (1995))."""
+        model = self.model
+        moved = np.vstack([self.sizes[:, None] * (model.kernels @ self.pulled), self.noise * self.pulled])
+        halves = solve_triangular(self.root, moved.T, lower=True, check_finite=False)
+        square, cross, _ = model.beyond
+        across = moved @ self.across
+        across[-1] += (cross - square @ self.step) / self.noise
+        found = 0.5 * (halves.T @ halves - across @ self.inverse @ across.T)
+        found[-1, -1] += 0.5 * self.outside / self.noise + 1 / _ANY**2
+        return found
 
     def work(self) -> tuple[Floats, float]:
         """(root sum of squares by kind, of all together) of what the discrepancy does to the readings beyond what the fit imitates, rad."""
@@ -249,15 +257,35 @@ class _At:
         return float(self.noise**2 * self.pulled @ self.pulled + self.outside)
 
 
-def _minimal(model: _Likelihood) -> tuple[float, Floats]:
-    """(least negative log-likelihood, where); each kind begins with all that is left."""
+def _minimal(model: _Likelihood) -> "_At":
+    """Where the cost is least; each kind begins with all that is left."""
     count = len(model.kernels)
-    start = np.log(max(model.squares / (model.rows * model.variance), 1.0))
-    begin, bounds = np.r_[np.full(count, start), 0.0], [_SIZES] * count + [_NOISES]
-    found = minimize(
-        model, begin, jac=True, method="L-BFGS-B", bounds=bounds, options={"maxiter": 60, "ftol": 1e-7}
-    )
-    return float(found.fun), found.x
+    low, high = np.transpose([*[_SIZES] * count, _NOISES])
+    x = np.r_[np.full(count, np.log(max(model.squares / (model.rows * model.variance), 1.0))), 0.0]
+    at, damping = model.at(x), _LEAST
+    for _ in range(_STEPS):
+        slopes, curvature = at.slopes, at.curvature
+        # to where a size is nothing the way is long: there the slope itself is the curvature
+        steep = curvature + 0.5 * np.diag(np.abs(slopes))
+        free = ~((x <= low) & (slopes > 0) | (x >= high) & (slopes < 0))
+        within = np.ix_(free, free)
+        while True:
+            step = np.zeros(x.size)
+            damped = steep[within] + damping * np.diag(np.diag(steep)[free] + _LEAST)
+            step[free] = np.linalg.solve(damped, -slopes[free])
+            step = np.clip(x + np.clip(step, -_FARTHEST, _FARTHEST), low, high) - x
+            promised = -(slopes + 0.5 * curvature @ step) @ step
+            if promised < _ENOUGH:
+                return at
+            there = model.at(x + step)
+            if there.cost < at.cost:
+                break
+            damping *= 10
+        gained, at, x = at.cost - there.cost, there, x + step
+        damping = max(damping / 10, _LEAST) if gained > 0.5 * promised else damping
+        if 0.3 * promised < gained < _ENOUGH:
+            break
+    return at
 
 
 class _Means:

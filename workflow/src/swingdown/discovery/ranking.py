@@ -9,7 +9,7 @@ import numpy as np
 from ..engine.trajectory import TrajectoryError
 from ..fitting.result import Begin, Fit
 from ..pendulum.effect import NATURAL_FREQUENCY
-from .admissible import inadmissible, leaves_noise
+from .admissible import hopeless, inadmissible, leaves_noise
 from .budget import Budget
 from .campaign import Noise
 from .candidates import (
@@ -24,7 +24,8 @@ from .evidence import TIE, Candidate, best_first, evidence
 from .linear import Frame, frame
 from .mimics import mimics
 from .pairs import plain, starts_of_pairs
-from .refit import nudged, refit, with_effect
+from .refit import nudged, refit, refit_by_the_widest, with_effect
+from .structures import POSSIBLE
 
 ENDLESS = Budget()
 _PROMISING = 0.05  # of the best predicted gain: candidates below are not refitted, a linear step already tells them off
@@ -49,10 +50,11 @@ def ranking(
     ``allowed`` limits the effects that may be added (all of the catalogue by default). A candidate is refused where a
     parameter ends at a bound at which the effect is not there; one that no start gives a trajectory for is left out.
     Where none leaves the noise alone, all are tried again from more starts: a fit in a false minimum, its own or that of
-    the model it begins from, must not hide the one that does. Those that promise most come first; where the ``budget`` is
-    spent, the rest is left out.
+    the model it begins from, must not hide the one that does. Those that promise most come first, and those that promise too little to
+    be probable are not refitted; where the ``budget`` is spent, the rest is left out.
     """
     moves = _offered(here, additions(here.fit.model, allowed), best=_SHAPES)
+    moves = [starts for starts in moves if not _sized(here, starts) or _may_pay(here, starts, noise)]
     moves.sort(key=lambda starts: -starts[0].predicted)
     most = moves[0][0].predicted if moves else 0.0
     # of an effect without a parameter no linear step tells what it is worth
@@ -88,6 +90,13 @@ def _sized(here: Frame, starts: list[Start]) -> bool:
     """True where the effect of these starts has a size."""
     added = starts[0].added
     return added is None or here.fit.model.catalogue[added].size is not None
+
+
+def _may_pay(here: Frame, starts: Sequence[Start], noise: Noise) -> bool:
+    """True where twice what a linear step promises would make the model with these effects possible: its evidence has a price."""
+    catalogue, count = here.fit.model.catalogue, 1 + len(starts[0].also)
+    price = count * (np.log(len(catalogue)) + 0.5 * np.log(noise.effective(here.fit.n)))
+    return bool(starts[0].predicted / noise.slow_variance > price + np.log(POSSIBLE))
 
 
 def _first(starts: list[Start]) -> list[Start]:
@@ -173,8 +182,10 @@ def _moved(
     for start in starts_to_exchange(here, allowed):
         exchanges.setdefault(start.move, []).append(start)
     found = best_first(_best(starts, here, noise) for starts in moves if not budget.spent)
-    grown = not (found and not found[0].refused and leaves_noise(found[0].fit, noise))
-    others = (_best(starts, here, noise, grown) for starts in exchanges.values() if not budget.spent)
+    best = found[0].fit if found and not found[0].refused else here.fit
+    enough = hopeless(min(best, here.fit, key=lambda fit: fit.rss), here.swings, noise)
+    grown = not leaves_noise(best, noise)
+    others = (_best(starts, here, noise, grown, enough) for starts in exchanges.values() if not budget.spent)
     return best_first([*found, *others])
 
 
@@ -182,13 +193,11 @@ def in_pairs(
     here: Frame,
     noise: Noise,
     allowed: Collection[str] | None = None,
-    least: float = 0.0,
     few: int = _FEW,
     budget: Budget = ENDLESS,
 ) -> list[Candidate]:
-    """The ``Candidate``s that add two effects without a shape at once, best first: of those pairs whose linear step takes away
-    at least so many squares (rad^2), the ``few`` that promise most."""
-    offered = starts_of_pairs(here, allowed, least, few)
+    """The ``Candidate``s that add two effects without a shape at once, best first: the ``few`` that promise most, if it is enough."""
+    offered = [starts for starts in starts_of_pairs(here, allowed, few=few) if _may_pay(here, starts, noise)]
     return best_first([_best(starts, here, noise) for starts in offered if not budget.spent])
 
 
@@ -279,7 +288,9 @@ def drops(here: Frame, noise: Noise) -> list[Candidate]:
     return best_first([_best([start], here, noise) for start in starts_to_drop(here)])
 
 
-def _best(starts: Sequence[Start], here: Frame, noise: Noise, grown: bool = False) -> Candidate | None:
+def _best(
+    starts: Sequence[Start], here: Frame, noise: Noise, grown: bool = False, enough: float = np.inf
+) -> Candidate | None:
     # friction that does the work of what is missing is far too large: what damps is given its share of the decay, too
     seen = grown and any(
         here.fit.model.catalogue.damps(name) for name in (starts[0].added, *starts[0].also) if name
@@ -287,9 +298,16 @@ def _best(starts: Sequence[Start], here: Frame, noise: Noise, grown: bool = Fals
     fits = []
     for start in starts:
         try:
-            fits.append(refit(start.begin, here.swings, grown=grown, seen=seen))
+            fit = (
+                refit_by_the_widest(start.begin, here.swings, enough, seen)
+                if grown
+                else refit(start.begin, here.swings, grown=False)
+            )
         except TrajectoryError:
             continue
+        if fit is None:
+            continue
+        fits.append(fit)
         if start.predicted > 0 and fits[-1].rss < _FELL_SHORT * (here.fit.rss - start.predicted):
             break  # it is where the linear step said: no other start leads further
     if not fits:

@@ -56,6 +56,30 @@ def refit(
                            rough=not ended)  # fmt: skip
 
 
+def widest(swings: Sequence[Swing]) -> int:
+    """Which of the swings is the widest."""
+    return max(range(len(swings)), key=lambda k: swings[k].amplitude)
+
+
+def refit_by_the_widest(
+    begin: Begin, swings: Sequence[Swing], enough: float = np.inf, seen: bool = False
+) -> Fit | None:
+    """The ``Fit`` to which growing parts of the widest swing lead; None where they leave more than ``enough`` (rad) of it.
+
+    What does not follow one swing alone follows no more of it beside others. Errors as of ``refit``.
+    """
+    k = widest(swings)
+    alone = refit(Begin(begin.model, (begin.swings[k],)), [swings[k]], seen=seen)
+    if alone.rms > enough:
+        return None
+    shared = {
+        name: alone.model.values[name]
+        for name in alone.free
+        if name in begin.model.parameters and name not in begin.model.each
+    }
+    return refit([moved(begin, **shared), begin], swings, grown=False)
+
+
 def opened(fit: Fit, swings: Sequence[Swing], slack: Slack, noise: Noise) -> Fit:
     """The fit with what the measurement leaves open weighed against the noise, as a candidate that leaves nothing else would be.
 

@@ -19,16 +19,16 @@ from dataclasses import replace
 from threadpoolctl import threadpool_limits
 
 from ..engine.trajectory import TrajectoryError
-from ..fitting.result import Begin, Fit
+from ..fitting.result import Fit
 from ..pendulum.catalogue import READINGS
-from ..pendulum.model import Model, as_model, everyday
+from ..pendulum.model import Model, as_model
 from ..studies.scale import scale_of
-from .admissible import within
 from .budget import Budget
 from .campaign import Campaign
 from .candidates import without
 from .evidence import Candidate
 from .judge import POSSIBLE, told_of
+from .laws import damping, with_each_law
 from .next_swing import NextSwing, next_swing
 from .own_frequency import with_own_frequencies
 from .ranking import beside_the_best, drops, in_pairs, in_place_of, ranking
@@ -224,26 +224,13 @@ class _Search:
 
     def _counting(self, last: Structure) -> list[tuple[float, Fit]]:
         """What values are told from: each law of damping in the place of the model's own, beside what else the structures have."""
-        model, begin = last.fit.model, last.fit.begin
-        laws = [law.split("+") for law in everyday(model.restoring)]
-        damping = {name for law in laws for name in law}
-        for law in laws:
-            one = model.with_effects((*law, *(name for name in model.names if name not in damping)))
-            if self.budget.spent or one.names == model.names:
-                continue
-            starts = tuple(
-                swing._replace(values={name: swing.values.get(name, 0.0) for name in one.parameters})
-                for swing in begin.swings
-            )
-            with suppress(TrajectoryError):
-                fit = refit(Begin(one, starts), self.campaign.fit, seen=True)
-                # at a bound it is another law, whose values are better known
-                if all(within(fit, name) for name in law):
-                    self.pool.look(fit)
-        for _, fit in self.pool.counting(damping):
+        for fit in with_each_law(last.fit, self.campaign, self.pool.noise, self.budget):
+            self.pool.look(fit)
+        laws = damping(last.fit.model)
+        for _, fit in self.pool.counting(laws):
             with suppress(TrajectoryError):
                 self.pool.look(refit(fit.begin, self.campaign.fit, grown=False, ended=True))
-        return self.pool.counting(damping)
+        return self.pool.counting(laws)
 
     def _restored(self, fit: Fit, name: str, old: str) -> Fit:
         """The fit with an effect of the base again in the place of another one."""

@@ -151,10 +151,7 @@ def _no_finding(effect: Effect, values: Mapping[str, Any], told: Mapping[str, An
         free = beside or parameter.role in ("phase", "range") or parameter.each
         if free or value is None:
             continue
-        # of what may do the same work without a name the evidence has said whether it is there
-        if error is not None and abs(value) < _SURE * error / told.get("widened", {}).get(
-            parameter.name, 1.0
-        ):
+        if error is not None and abs(value) < _SURE * error:
             return f"{parameter.name} is no more than {_SURE:g} standard errors from nothing"
         if parameter.at_line and value * (told.get("duration_s") or np.inf) < 1:
             return f"{parameter.name} is less than one in the longest recording"
