@@ -7,7 +7,15 @@ from scipy.special import ellipk
 from swingdown.engine.trajectory import simulate
 from swingdown.fitting.least_squares import fit_trajectory
 from swingdown.pendulum.model import Model
-from swingdown.studies.quantities import Quantity, cycle, decay_time, over_models, quantities, steady
+from swingdown.studies.quantities import (
+    Quantity,
+    cycle,
+    decay_time,
+    in_its_middle,
+    over_models,
+    quantities,
+    steady,
+)
 
 OMEGA = 7.25
 
@@ -31,6 +39,32 @@ def test_the_period_of_a_large_swing_is_the_elliptic_one():
     almost_free = pendulum("viscous", "sine", viscous_ratio=1e-9)
     expected = 4 / OMEGA * ellipk(np.sin(1.0 / 2) ** 2)
     assert cycle(almost_free, 1.0).period == pytest.approx(expected, rel=1e-7)
+
+
+@pytest.mark.parametrize(
+    ("label", "values"),
+    [
+        ("viscous", {"viscous_ratio": 0.002}),
+        ("viscous", {"viscous_ratio": 0.05}),
+        ("constant_coulomb", {"constant_friction": 2.0}),
+        ("quadratic_drag", {"quadratic_coefficient": 0.1}),
+    ],
+)
+def test_the_period_is_what_a_stop_watch_shows_of_the_first_whole_swing(label, values):
+    """It belongs to the amplitude in the middle of that swing, also where much is lost: the elliptic one there, not that of the release."""
+    model, release = pendulum(label, "sine", **values), 1.4
+    found = quantities(model, release)
+    times = np.arange(0, 3, 1e-4)
+    angle = simulate(model, times, release)
+    back = times[1 + np.flatnonzero((angle[1:-1] > angle[:-2]) & (angle[1:-1] >= angle[2:]))[0]]
+    turns = release, -float(angle.min()), float(np.interp(back, times, angle))
+    middle = in_its_middle(release, found)
+    assert found["period"].value == pytest.approx(back, abs=2e-4)
+    lost = 1 - turns[2] / turns[0]
+    assert middle == pytest.approx((turns[0] + 2 * turns[1] + turns[2]) / 4, rel=0.5 * lost**2)
+    damped = 1 / np.sqrt(1 - values.get("viscous_ratio", 0.0) ** 2)
+    elliptic = 4 / OMEGA * ellipk(np.sin(middle / 2) ** 2) * damped
+    assert found["period"].value == pytest.approx(elliptic, rel=0.3 * lost**2 + 1e-6)
 
 
 def test_dry_friction_takes_the_same_angle_each_half_swing():

@@ -195,12 +195,8 @@ def _of_swings(
     entries = catalogue(effects)
     label = described_by(norms, entries)
     table = pendulums(norms, [] if len(given) == 1 else [together], catalogue=entries)
-    noted = ask_counted(table, given) if checked else {}
-    if noted:
-        own = table.get("note", pd.Series("", index=table.index)).fillna("")
-        table["note"] = [
-            joined(note, noted.get(name, "")) for name, note in zip(table["recording"], own, strict=True)
-        ]
+    if checked:
+        ask_counted(table, given)
     # a motor's period is that of its swings, whatever their unit
     steady = (table["model"] == NOT_DYING).any()
     again = {str(one.attrs["recording"]): str(one.attrs.get(TOLD, "")) for one in given}

@@ -10,7 +10,6 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager, redirect_stdout
 from contextvars import ContextVar
 from importlib.metadata import version
-from math import degrees
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -377,10 +376,9 @@ def _tell(answers: Mapping[str, Answer]) -> None:
             told = lines(one.row, None, one.catalogue, one.restoring, spoken)
             _say("\n".join(["", campaign, *(f"  {line}" for line in told)]))
             continue
-        known = {
-            each.name: value_with_uncertainty(each.value, each.uncertainty) for each in quantity_rows(one.row)
-        }
-        at = f"at {degrees(one.row['amplitude_rad']):.3g}°"
+        rows = {each.name: each for each in quantity_rows(one.row)}
+        known = {name: value_with_uncertainty(each.value, each.uncertainty) for name, each in rows.items()}
+        at = rows["period"].condition if "period" in rows else ""
         _say(
             f"{campaign:20} T {spoken.number(known.get('period', '–'))} s   Q {spoken.number(known.get('quality', '–'))}"
             f"   {spoken.text('decay time (1/e)')} {spoken.number(known.get('decay_time', '–'))} s"

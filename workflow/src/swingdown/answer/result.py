@@ -126,7 +126,7 @@ class Answer:
     def quantities(self) -> dict[str, Quantity]:
         """Each ``Quantity`` by name, with ``value``, ``u`` (standard uncertainty) and ``unit``.
 
-        They hold at the amplitude ``row["amplitude_rad"]``.
+        They are those of the first whole swing from the amplitude ``row["amplitude_rad"]``; ``to_dataframe`` says what is in its middle.
         """
         return {one.name: one.quantity for one in quantity_rows(self.row, self.verdict)}
 

@@ -88,15 +88,16 @@ class _Told:
         self.covariance = _of(self.motion.parameters, self.fit, known.covariance)
         over = known.courses and known.courses.over(self.fit.free, self.motion.parameters)
         self.beside = over and Beside(*over)
+        self.begins = known.courses.begins if known.courses else [0.0] * len(self.pairs)
 
     @cached_property
     def amplitude(self) -> float:
         """The largest angle of the fitted motion, rad: what a sensor makes of it is another with each model."""
-        swings = zip(self.pairs, self.fit.swings, strict=True)
+        swings = zip(self.pairs, self.fit.swings, self.begins, strict=True)
         return max(
-            float(np.abs(simulate(one.model.motion, times, one.release_angle, one.release_velocity)).max())
-            for (times, _), one in swings
-        )
+            float(np.abs(simulate(one.model.motion, times, one.release_angle, one.release_velocity)).max() * np.exp(more))
+            for (times, _), one, more in swings
+        )  # fmt: skip
 
     def quantities(self) -> dict[str, Quantity]:
         """The quantities by name, of the largest swing."""

@@ -45,12 +45,14 @@ class Courses(NamedTuple):
     ``gain`` is the logarithm of the evidence above that of the law alone, prices paid. ``shift`` (free + told) is the mean, ``covariance`` the
     covariance (of ``Free.courses`` what is added to that of the law alone). ``residual`` is by swing what the courses take of the sums of
     residuals, ``left`` the share of the sum of squares that stands for this evidence, ``inflation`` that of what the courses leave.
+    ``begins`` is by swing the logarithm of its first amplitude over that of the fit: ``TOLD`` are those of the swing as it begins.
     """
 
     gain: float
     shift: Floats
     covariance: Floats
     residual: list[Floats]
+    begins: list[float]
     left: float = 1.0
     inflation: float = 1.0
 
@@ -159,7 +161,8 @@ class Free:
         self.pieces, self.kept, self.precision, self.rss = pieces, kept, precision, rss
         self.floor = float(np.sqrt(rss / sum(int(one.counts.sum()) for one in pieces)))
         self.swings = [_swing(one, self.floor) for one in pieces]
-        self.leading = max(self.swings, key=lambda one: float(one.level[0]))
+        self.first = int(np.argmax([one.level[0] for one in self.swings]))
+        self.leading = self.swings[self.first]
         self.top = float(self.leading.level[0])
         low = max(min(float(one.level[-1]) for one in self.swings), self.top - _DEEPEST)
         self.basis = _Basis(self.top, min(low, self.top - 1))
@@ -275,22 +278,32 @@ class Free:
         logs = np.array([gain for _, _, gain in chosen])
         weight = np.exp(logs - logs.max())
         gain, weight = float(logs.max() + np.log(weight.sum())), weight / weight.sum()
+        each = [self.posterior(_FREQUENCIES[f], _LOSSES[g], variance) for f, g, _ in chosen]
+        for mean, _ in each:
+            mean[: self.own] -= self.start
+        taken = self.taken(sum(share * mean for share, (mean, _) in zip(weight, each, strict=True)))
+        begins = self.begins(taken)
         own, size = self.kept.size, self.kept.size + len(TOLD)
         onto = np.zeros((size, self.own + 2 * self.count))
         onto[np.flatnonzero(self.kept), np.arange(self.own)] = 1.0
-        onto[own:, self.own :] = _asked(self.leading, self.basis, self.top)
-        shift, second, whole = np.zeros(size), np.zeros((size, size)), np.zeros(onto.shape[1])
-        for share, (f, g, _) in zip(weight, chosen, strict=True):
-            mean, covariance = self.posterior(_FREQUENCIES[f], _LOSSES[g], variance)
-            mean[: self.own] -= self.start
+        onto[own:, self.own :] = _asked(self.leading, self.basis, self.top + begins[self.first])
+        shift, second = np.zeros(size), np.zeros((size, size))
+        for share, (mean, covariance), (f, _, _) in zip(weight, each, chosen, strict=True):
             told, spread = onto @ mean, onto @ covariance @ onto.T
             spread[own, own] += _FREQUENCIES[f] ** 2  # small swings are beyond the record
             shift += share * told
             second += share * (spread + np.outer(told, told))
-            whole += share * mean
         covariance = second - np.outer(shift, shift)
         covariance -= variance * onto[:, : self.own] @ self.law @ onto[:, : self.own].T
-        return Courses(gain, shift, covariance, self.taken(whole))
+        return Courses(gain, shift, covariance, taken, begins)
+
+    def begins(self, taken: Sequence[Floats]) -> list[float]:
+        """By swing the logarithm of its first amplitude over that of the law, where the courses take this of the sums of residuals."""
+        found = []
+        for swing, one, off, bent in zip(self.swings, self.pieces, taken, self.bent, strict=True):
+            first = off / np.maximum(one.counts, 1) - bent
+            found.append(float(_beyond(swing, one, first, self.floor)[0][0]))
+        return found
 
 
 def _chosen(gains: Floats) -> list[tuple[int, int, float]]:

@@ -26,7 +26,6 @@ from .unscaled import of_first_swings, without_scale
 LEFT = 0.25  # of the swing (RMS of means over a part of a period): what a damping without a name leaves of a pendulum's is less
 SURE = 3.0  # standard errors from 0
 UNSURE = 0.1  # of the period: its standard uncertainty, or how far it may be from what is counted
-SHOWN = 0.01  # of the period: what a stop-watch shows
 UNEVEN = 0.1  # of the period: its standard uncertainty from the first swings of what no model follows
 BETTER = 0.8  # of what is left in rad: with so little left in degrees these may be the unit
 KEPT = 0.9  # of the first swings' size: the last ones of what does not shrink
@@ -257,14 +256,12 @@ def check_free(fits: xr.Dataset, given: xr.Dataset, label: str, catalogue: Catal
             )
 
 
-def ask_counted(table: pd.DataFrame, angles: Sequence[xr.Dataset]) -> dict[str, str]:
-    """A note on each recording whose first swings take another time than the period that belongs to its release, as of swings that
-    shrink at once; NotFree where a period of a ``table`` of pendulums is not known, or disagrees with the passages of the middle that no model enters.
+def ask_counted(table: pd.DataFrame, angles: Sequence[xr.Dataset]) -> None:
+    """None; NotFree where a period of a ``table`` of pendulums is not known, or disagrees with the passages of the middle that no model enters.
 
     Of swings so few, or so small beside the noise, that their period is known to a tenth alone, or of a model that counts other swings
     than there are, no number is told.
     """
-    notes = {}
     for one in angles:
         rows = table[table["recording"] == str(one.attrs["recording"])]
         if not len(rows) or "half_swings" in one or drive_of(one) is not None:
@@ -286,10 +283,6 @@ def ask_counted(table: pd.DataFrame, angles: Sequence[xr.Dataset]) -> dict[str, 
                 "a swing whose model and passages agree",
                 MEND,
             )
-        if abs(told - counted) > max(SURE * float(np.hypot(spread, u)), SHOWN * counted):
-            seen = value_with_uncertainty(counted, spread)
-            notes[str(one.attrs["recording"])] = f"its first swings as they are take {seen} s each"
-    return notes
 
 
 def _where(given: xr.Dataset) -> str:

@@ -10,7 +10,7 @@ from .. import dataset
 from ..arrays import Floats, Swing, swing_under
 from ..engine.trajectory import TrajectoryError, simulate
 from ..errors import InputError
-from ..fitting.course import TOLD
+from ..fitting.course import TOLD, Courses
 from ..fitting.guess import first_guess
 from ..fitting.least_squares import fit_jointly
 from ..fitting.nested import fit_nested, stand_ins, unseen
@@ -83,10 +83,16 @@ def fit_recording(
     fits = _fits(models, pairs, slack, start, bounded)
     coords = model_coords(models)
     names = coords["parameter"][1]
-    rows = _rows(fits, lambda fit: _row(fit, pairs, [angle], names) | {
-        "norm": np.degrees(fit.rms), "largest_angle": largest_angles(fit, pairs)[0], "release_angle": fit.only.release_angle, "release_velocity": fit.only.release_velocity,
-        "fit": fit.angle, "residual": series - fit.angle, "share_left": share_left(series - fit.angle, series),
-    })  # fmt: skip
+
+    def row_of(fit: Fit) -> dict[str, Any]:
+        row = _row(fit, pairs, [angle], names)
+        return row | {
+            "norm": np.degrees(fit.rms), "largest_angle": row["largest_angle"][0],
+            "release_angle": fit.only.release_angle, "release_velocity": fit.only.release_velocity,
+            "fit": fit.angle, "residual": series - fit.angle, "share_left": share_left(series - fit.angle, series),
+        }  # fmt: skip
+
+    rows = _rows(fits, row_of)
     variables: dict[str, Variable] = {
         key: (_DIMS.get(key, ("fitted",)), [row[key] for row in rows]) for key in rows[0]
     }
@@ -169,7 +175,6 @@ def fit_campaign(
     rows = _rows(fits, lambda fit: _row(fit, series, angles, names) | {
         "rms": np.array([swing.rms for swing in fit.swings]),
         "norm": np.array([np.degrees(swing.rms) for swing in fit.swings]),
-        "largest_angle": np.array(largest_angles(fit, series)),
         "release_angle": np.array([swing.release_angle for swing in fit.swings]),
         "release_velocity": np.array([swing.release_velocity for swing in fit.swings]),
     })  # fmt: skip
@@ -279,7 +284,7 @@ def _reading(models: Sequence[Model], angles: Sequence[xr.Dataset]) -> list[Mode
     return [model.of(*kinds) for model in models]
 
 
-def largest_angles(fit: Fit, swings: Sequence[Swing]) -> list[float]:
+def largest_angles(fit: Fit, swings: Sequence[Swing], courses: Courses | None = None) -> list[float]:
     """The largest angle (rad) of each fitted swing's motion; of a sensor of angles the largest that it reads.
 
     Parameters
@@ -288,13 +293,18 @@ def largest_angles(fit: Fit, swings: Sequence[Swing]) -> list[float]:
         Of the swings together.
     swings
         Times (s) and readings.
+    courses
+        What free courses do beside the fit: the angles are then those of both together.
     """
+    begins = courses.begins if courses else [0.0] * len(fit.swings)
     if fit.model.reading == ANGLE:
-        return [float(np.abs(one.angle).max()) for one in fit.swings]
-    return [
-        float(np.abs(simulate(one.model.motion, times, one.release_angle, one.release_velocity)).max())
-        for (times, _), one in zip(swings, fit.swings, strict=True)
-    ]
+        found = [float(np.abs(one.angle).max()) for one in fit.swings]
+    else:
+        found = [
+            float(np.abs(simulate(one.model.motion, times, one.release_angle, one.release_velocity)).max())
+            for (times, _), one in zip(swings, fit.swings, strict=True)
+        ]
+    return [angle * float(np.exp(more)) for angle, more in zip(found, begins, strict=True)]
 
 
 def _in_units(found: xr.Dataset, reading: str) -> xr.Dataset:
@@ -387,6 +397,7 @@ def _row(
         "aicc": fit.aicc,
         "variance_inflation": max(1.0, known.inflation),
         **_beside(known, fit, names),
+        "largest_angle": np.array(largest_angles(fit, swings, known.courses)),
         "converged": fit.converged,
         "evaluations": fit.evaluations,
     }

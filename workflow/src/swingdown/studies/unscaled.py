@@ -66,14 +66,31 @@ def _mixed(share: float, one: tuple[float, float], other: tuple[float, float]) -
 
 
 def of_first_swings(times: Floats, series: Floats) -> dict[str, float]:
-    """``period_first`` (s) as the mean of the first few periods between passages of the middle, with its standard uncertainty
-    (``…_u``); nan for fewer than three."""
-    found = passages(times, series, half_swings(series).centre())
+    """``period_first`` (s) of the first whole swing, from the largest turning point on, with its standard uncertainty (``…_u``): by the first
+    few periods between passages of the middle, as their mean or on a line, weighed by AIC; nan for fewer than three."""
+    swings = half_swings(series)
+    found = passages(times, series, swings.centre())
     periods = (found[2:] - found[:-2])[:_FIRST]
     if periods.size < 3:
         return dict.fromkeys(("period_first", "period_first_u"), np.nan)
-    scatter = float(np.std(periods, ddof=1) / np.sqrt(periods.size / 2))  # each half-swing is in two of them
-    return {"period_first": float(periods.mean()), "period_first_u": scatter}
+    away = np.abs(swings.turns[:2] - swings.centre())
+    at = np.arange(periods.size) + (
+        0.5 if away[0] >= away[1] else -0.5
+    )  # half-swings after the first whole swing
+    told, misfit = [], []
+    for slopes in (np.ones((periods.size, 1)), np.column_stack([np.ones(periods.size), at])):
+        left = periods - slopes @ np.linalg.lstsq(slopes, periods)[0]
+        free = periods.size - slopes.shape[1]
+        square = max(float(left @ left), (1e-9 * periods[0]) ** 2)
+        inverse = np.linalg.inv(slopes.T @ slopes)
+        u = np.sqrt(2 * square / free * inverse[0, 0])  # each half-swing is in two of them
+        told.append((float((inverse @ slopes.T @ periods)[0]), float(u)))
+        misfit.append(
+            periods.size / 2 * np.log(square) + slopes.shape[1]
+        )  # half of AIC, half of the periods being others' too
+    steady = 1 / (1 + np.exp(min(misfit[0] - misfit[1], 700.0)))
+    first, error = _mixed(steady, *told)
+    return {"period_first": first, "period_first_u": error}
 
 
 def at_first_swing(own: xr.Dataset) -> tuple[Quantity | None, dict[str, Any]]:

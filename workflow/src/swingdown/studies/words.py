@@ -9,7 +9,7 @@ from ..pendulum.catalogue import SHIPPED, Catalogue
 from ..pendulum.effect import Effect
 from ..pendulum.model import model_words
 from .pendulums import NOT_DYING, SEARCH, by_verdict, doubted, quantities_of, residual_of
-from .quantities import Quantity
+from .quantities import Quantity, in_its_middle
 from .turning_points import NOT_DAMPED
 
 STATUS = {
@@ -60,18 +60,19 @@ def quantity_rows(row: Mapping[str, Any], verdict: Mapping[str, Any] | None = No
     Where a verdict names what the models of damping lack, the natural frequency beside that follows theirs.
     """
     stated = row.get("amplitude_text")  # of turning points in no unit of angles
-    amplitude = degrees(row["amplitude_rad"])
-    known = f"{amplitude:.3g}°" if isfinite(amplitude) else "the amplitude recorded"
-    at = stated if isinstance(stated, str) else known
+    found, release = quantities_of(row), float(row["amplitude_rad"])
+    at, begun = (
+        stated if isinstance(stated, str) else f"{degrees(one):.3g}°" if isfinite(one) else "the amplitude recorded"
+        for one in (in_its_middle(release, found), release)
+    )  # fmt: skip
     conditions = {
         "natural_frequency": "of small undamped swings",
         "period": f"at {at}",
         "quality": f"at {at}",
-        "decay_time": f"from {at}{_beyond(row)}",
-        "decay_swings": f"from {at}",
+        "decay_time": f"from {begun}{_beyond(row)}",
+        "decay_swings": f"from {begun}",
         "g": str(row.get("g_of", "")),
     }
-    found = quantities_of(row)
     only = f"if it is {model_words(str(row['model']))}" if or_models(row) else ""
     order = [name for name in _WORDS if name in found] + [name for name in found if name not in _WORDS]
     told = [
