@@ -15,7 +15,8 @@ SPACES = r"\s+"
 NUMBER = {
     sign: re.compile(rf"[+-]?(\d+{sign}?\d*|{sign}\d+)([eE][+-]?\d+)?") for sign in (r"\.", ",", "[.,]")
 }
-_CLOCK = r"\d{1,2}:\d\d:\d\d(?:[.,]\d+)?|\d{1,3}:\d\d[.,]\d+"
+THOUSANDS = ",.\u2019' \u00a0\u202f"  # what stands between groups of three digits
+_CLOCK = r"\d{1,2}:\d{1,2}:\d{1,2}(?:[.,]\d+)?|\d{1,3}:\d{1,2}[.,]\d+"
 STAMP = re.compile(
     rf"(?i)(?:\d{{1,4}}[-/.]\d{{1,2}}[-/.]\d{{1,4}}[T ]\s*)?(?:{_CLOCK})(?:\s?[ap]m)?(?:Z|[+-]\d\d:?\d\d)?"
 )
@@ -33,6 +34,7 @@ class Dialect:
     arrivals: bool = False
     words: bool = False  # True where rows hold words beside numbers
     size: int = 2  # cells of most rows
+    thousands: str = ""  # what stands between groups of three digits
 
     def plain(self, line: str) -> str:
         """The line with a serial monitor's stamp as its first cell."""
@@ -49,8 +51,18 @@ class Dialect:
         """True for a number in the file's own decimal sign, for a clock's stamp, and for a light gate's state."""
         sign = r"\." if self.decimal == "." else self.decimal
         return bool(
-            NUMBER[sign].fullmatch(cell) or (":" in cell and STAMP.fullmatch(cell)) or cell.lower() in STATES
+            NUMBER[sign].fullmatch(without_groups(cell, self.thousands))
+            or (":" in cell and STAMP.fullmatch(cell))
+            or cell.lower() in STATES
         )
+
+
+def without_groups(cell: str, thousands: str) -> str:
+    """A number without what stands between its groups of three digits; any other cell as it is."""
+    if not thousands or thousands not in cell:
+        return cell
+    whole = re.fullmatch(rf"([+-]?[1-9]\d{{0,2}}(?:{re.escape(thousands)}\d{{3}})+)(\D.*)?", cell)
+    return whole[1].replace(thousands, "") + (whole[2] or "") if whole else cell
 
 
 def split(line: str, separator: str) -> list[str]:

@@ -16,6 +16,7 @@ from .columns import (
     VOLTAGE,
     Meaning,
     choose,
+    drives,
     known_unit,
     meaning,
     numbers_rows,
@@ -64,6 +65,21 @@ def says_nothing(table: Table) -> bool:
 def guessed_in(table: Table) -> bool:
     """True where neither names nor the number of the columns say which one holds the swing."""
     return says_nothing(table) or ("no header" in table.layout and len(table.names) > 2)
+
+
+def may_be_it(table: Table, row: Mapping[str, Any]) -> list[str]:
+    """The columns of which each may be the swing, as far as names and units say, where the sheet's ``row`` names none; of one alone, none."""
+    if row["signal_column"]:
+        return []
+    if says_nothing(table):
+        return list(table.names)
+    try:
+        _, found = choose(table.names, row["time_column"], "", "", ("", row["signal_unit"]), table.units)
+    except InputError:
+        return []
+    others = [meaning(name, table.units.get(name, "")) for name in table.names]
+    alike = [one.name for one in others if (one.kind, one.written) == (found[0].kind, found[0].written) and not (one.axis or drives(one.name))]  # fmt: skip
+    return alike if len(found) == 1 and found[0].name in alike and len(alike) > 1 else []
 
 
 def without_still(table: Table, row: Mapping[str, Any]) -> tuple[Table, list[str]]:

@@ -34,6 +34,7 @@ _WRITTEN = {
         "mt", "lx", "lux", "pa", "hpa", "kpa", "a", "ma", "w", "j", "db", "%", "rad/s^2", "rad/s²", "deg/s^2", "°/s²", "°/s^2",
     ),
 }  # fmt: skip
+UNNAMED = "Unnamed: "  # before the number of a column without a name, where others have one
 SIGNAL_RATES = ("rad/s", "deg/s")
 _ACCELERATIONS = ("m/s^2", "m/s²", "m/s2", "g", "mg")
 UNITS = {written: meaning for meaning, all_ in _WRITTEN.items() for written in all_}
@@ -187,7 +188,9 @@ def _swing(
             return pair
         return [_checked(chosen, others, place, stated)]
     # what drives a pendulum is none, while there is another column
-    others = [one for one in others if not _drives(one.name)] or others
+    others = [one for one in others if not drives(one.name)] or others
+    # what stands beside a table without a name is no part of it, while there is another column
+    others = [one for one in others if not one.name.startswith(UNNAMED)] or others
     if not others:
         raise InputError(
             place, "the file has 1 column(s)", "a column of time and one of the signal", "export both"
@@ -209,7 +212,8 @@ def _swing(
     return [_checked(first, others, place, "")]
 
 
-def _drives(name: str) -> bool:
+def drives(name: str) -> bool:
+    """True for the name of a column of what drives a pendulum, which is no swing."""
     return bool(_DRIVES.search(name.replace("_", " ")))
 
 
@@ -230,7 +234,7 @@ def axes_beside(names: Sequence[str], chosen: Meaning, beside: Mapping[str, str]
         for one in columns
         if one.kind == RATE and one.unit == chosen.unit and one.written == chosen.written
     ]
-    return [one.name for one in beside_it if not _SIZE_ALONE.search(one.name) and not _drives(one.name)]
+    return [one.name for one in beside_it if not _SIZE_ALONE.search(one.name) and not drives(one.name)]
 
 
 def _is_coordinate(one: Meaning) -> bool:

@@ -5,10 +5,13 @@ from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
+import numpy as np
+import pandas as pd
+
 from ..errors import InputError
-from .cells import ARRIVAL, NUMBER, SPACES, Dialect, split
-from .columns import ANGLE, LENGTH, RATE, TIME, UNITS, UNTOLD, VOLTAGE, meaning
-from .table import MISSING
+from .cells import ARRIVAL, NUMBER, SPACES, THOUSANDS, Dialect, split
+from .columns import ANGLE, LENGTH, RATE, TIME, UNITS, UNNAMED, UNTOLD, VOLTAGE, meaning
+from .table import MISSING, numbers
 
 # In this order: where two fit equally well, the first is taken.
 DIALECTS = (
@@ -38,6 +41,7 @@ class Layout:
         sign = {"\t": "tabs", SPACES: "spaces"}.get(separator, f"`{separator}`")
         parts = ["one column"] if len(self.names) == 1 else [sign]
         parts += ["decimal comma"] if decimal == "," else []
+        parts += [f"groups of digits by `{self.dialect.thousands}`"] if self.dialect.thousands else []
         parts += [self.encoding.upper().replace("CP1252", "Latin-1")] if self.encoding != "utf-8-sig" else []
         parts += ["times of day"] if self.stamps else []
         parts += ["the first row stands in the header's line and is left out"] if self.joined else []
@@ -63,6 +67,9 @@ def _dialect(lines: Sequence[str], name: str, single: bool) -> Dialect | None:
     alone = _alone(bare)
     found = [_rows(bare, *one) for one in DIALECTS]
     rows, separator, decimal = max(found, key=lambda one: len(one[0]))
+    grouped = max((_grouped(bare, *one) for one in DIALECTS), key=lambda one: one[0], default=(0, None))
+    if grouped[1] and grouped[0] > max(len(rows), len(alone)) and not arrivals:
+        return grouped[1]
     mixed = max((_rows(bare, one, "[.,]")[0] for one in ("\t", ";", SPACES)), key=len)
     if 4 * len(mixed) > 5 * max(len(rows), len(alone)) and len(mixed) > 2:
         raise InputError(
@@ -84,6 +91,27 @@ def _dialect(lines: Sequence[str], name: str, single: bool) -> Dialect | None:
     return Dialect(separator, decimal, arrivals, words, usual)
 
 
+def _grouped(lines: Sequence[str], separator: str, decimal: str) -> tuple[int, Dialect | None]:
+    """How many lines are rows of numbers with groups of three digits, and in which Dialect; 0 for none.
+
+    In a column with groups some number has none, or a decimal sign too: ``1,234`` alone may be a little more than 1.
+    """
+    best: tuple[int, Dialect | None] = (0, None)
+    for mark in THOUSANDS:
+        if mark in (decimal, separator if separator != "," else "") or (mark == " " and separator == SPACES):
+            continue
+        if not any(re.search(rf"\d{re.escape(mark)}\d{{3}}(?!\d)", line) for line in lines):
+            continue
+        rows, *_ = _rows(lines, separator, decimal, thousands=mark)
+        cells = [split(lines[k], separator) for k in rows]
+        columns = list(zip(*cells, strict=True))
+        marked = [column for column in columns if any(mark in cell for cell in column)]
+        sure = all(any(mark not in cell or decimal in cell for cell in column) for column in marked)
+        if len(rows) > best[0] and marked and sure:
+            best = len(rows), Dialect(separator, decimal, size=len(columns), thousands=mark)
+    return best
+
+
 def _alone(lines: Sequence[str]) -> list[int]:
     """The lines that hold one number and nothing else."""
     number = NUMBER["[.,]"]
@@ -91,10 +119,10 @@ def _alone(lines: Sequence[str]) -> list[int]:
 
 
 def _rows(
-    lines: Sequence[str], separator: str, decimal: str, every: bool = True
+    lines: Sequence[str], separator: str, decimal: str, every: bool = True, thousands: str = ""
 ) -> tuple[list[int], str, str]:
     """The lines that hold two numbers or more, all of the commonest length; ``every`` cell must be one, or missing."""
-    one = Dialect(separator, decimal)
+    one = Dialect(separator, decimal, thousands=thousands)
     number = NUMBER[decimal] if decimal == "[.,]" else None
     sizes = {}
     for k, line in enumerate(lines):
@@ -129,10 +157,10 @@ def layout(above: Sequence[str], sample: Sequence[str], how: Dialect, encoding: 
         [_header_cells(line, how) for line in above if bool(COMMENT.match(line)) == comments]
         for comments in (False, True)
     ]
-    names, titles = _named(lines[0], size, rows, place)
+    names, titles = _named(lines[0], how, rows, place)
     if not names:
         fitting = [cells for cells in lines[1] if len(cells) <= size]  # what else a comment says is no header
-        names, titles = _named(fitting, size, rows, place)
+        names, titles = _named(fitting, how, rows, place)
     named = bool(names)
     if how.arrivals:
         names = (names if any(map(tells, names[1:])) else _of_readings(rows, size))[1:]
@@ -199,15 +227,15 @@ def tells(name: str) -> bool:
 
 
 def _named(
-    lines: Sequence[list[str]], size: int, rows: Sequence[Sequence[str]], place: str
+    lines: Sequence[list[str]], how: Dialect, rows: Sequence[Sequence[str]], place: str
 ) -> tuple[list[str], tuple[str, ...]]:
     """The columns' names and the cells above them; none where no line above names them."""
-    units: list[str] = []
+    size, units = how.size, list[str]()
     if len(lines) > 1 and _are_units(lines[-1], lines[-2], size):
         *lines, units = lines
     for k in range(len(lines) - 1, -1, -1):
         cells = lines[k]
-        fits = cells if len(cells) == size else _padded(cells, size, rows, place, lowest=k == len(lines) - 1)
+        fits = cells if len(cells) == size else _padded(cells, how, rows, place, lowest=k == len(lines) - 1)
         if fits and any(map(tells, fits)):
             return _with_units(fits, units, place), tuple(lines[k - 1] if k else [])
     if lines and len(lines[-1]) == size:
@@ -216,9 +244,13 @@ def _named(
 
 
 def _padded(
-    cells: list[str], size: int, rows: Sequence[Sequence[str]], place: str, lowest: bool
+    cells: list[str], how: Dialect, rows: Sequence[Sequence[str]], place: str, lowest: bool
 ) -> list[str]:
-    """A header with fewer names than columns, where those at the end are empty; InputError for one of another size that tells what columns hold."""
+    """A header of another size than the rows for these: names without a column are left out, a column without a name has none.
+
+    InputError for one that tells what columns hold, where it is not seen which.
+    """
+    size = how.size
     if not any(map(tells, cells)) or len(cells) == 1:
         return []
     if all(re.fullmatch(r"(?i)(d|u|s|err(or)?|delta|sigma)[ _]?(.+)|.+'", one) for one in cells[size:]):
@@ -229,6 +261,12 @@ def _padded(
     if len(cells) < size and not surplus:
         return _filled(cells, size)
     if lowest and sum(map(tells, cells)) > 1:
+        # where no cell has a decimal point a comma may be one
+        if how.separator != "," or any("." in cell for row in rows for cell in row):
+            counted = len(cells) + 1 == size and _steps(rows, 0, how.decimal) == {1.0}
+            found = ["", *cells] if counted else _filled(cells[:size], size)
+            if _clock_rises(found, rows, how.decimal):
+                return found
         raise InputError(
             place,
             f"the header names {len(cells)} column(s) and the rows have {size} cells",
@@ -236,6 +274,18 @@ def _padded(
             "export it with another separator (`;` or tabs), or mend the header",
         )
     return []
+
+
+def _steps(rows: Sequence[Sequence[str]], k: int, decimal: str) -> set[float]:
+    """The steps of a column from row to row."""
+    column = pd.Series([row[k] if k < len(row) else "" for row in rows])
+    return set(np.diff(numbers(column, decimal)).tolist())
+
+
+def _clock_rises(names: Sequence[str], rows: Sequence[Sequence[str]], decimal: str) -> bool:
+    """True where a column is named as a time and its numbers rise from row to row: the names stand above their columns."""
+    clocks = [k for k, name in enumerate(names) if meaning(name).kind == TIME]
+    return bool(clocks) and len(rows) > 1 and all(step > 0 for step in _steps(rows, clocks[0], decimal))
 
 
 def _filled(cells: list[str], size: int) -> list[str]:
@@ -280,7 +330,7 @@ def _unique(names: Sequence[str]) -> tuple[str, ...]:
     told: dict[str, None] = {}
     counts: Counter[str] = Counter()
     for k, name in enumerate(names):
-        name = own = name or f"Unnamed: {k}"
+        name = own = name or f"{UNNAMED}{k}"
         while own in told:
             counts[name] += 1
             own = f"{name}.{counts[name]}"

@@ -12,7 +12,7 @@ import xarray as xr
 
 from ..arrays import Floats
 from ..errors import InputError
-from .columns import ANGLE, LENGTH, TIME, UNTOLD, Meaning, choose, meaning, place_of
+from .columns import ANGLE, LENGTH, TIME, UNNAMED, UNTOLD, Meaning, choose, meaning, place_of
 from .points_recording import about_file, as_recording
 from .sheet import TIME_UNITS
 from .source import Table
@@ -107,9 +107,7 @@ def _again(
 
 def _columns(table: Table, row: Mapping[str, Any]) -> Columns | None:
     """The columns that may be turning points; None where the file has none, or positions."""
-    found = [
-        meaning(name, table.units.get(name, "")) for name in table.names if not name.startswith("Unnamed: ")
-    ]
+    found = [meaning(name, table.units.get(name, "")) for name in table.names if not name.startswith(UNNAMED)]
     usable = [one for one in found if not _ERROR.search(one.name.replace("_", " "))]
     stated = row["time_unit"], row["signal_unit"]
     try:

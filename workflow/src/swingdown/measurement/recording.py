@@ -12,7 +12,7 @@ from .. import dataset
 from ..errors import InputError, as_told
 from . import phyphox
 from .again import OPEN, may_be_read_again
-from .choice import says_nothing
+from .choice import may_be_it
 from .columns import place_of
 from .driven import UNITS, Stated, as_variables, judge_driven, stated
 from .interpret import Interpreted, interpret
@@ -85,10 +85,10 @@ def ingest(
         except (SeveralRuns, SeveralReleases):
             raise
         except InputError as problem:
-            if row["signal_column"] or not says_nothing(table):
-                raise
             # what is taken for the swing may be another column
-            also = f"; or name the column of the angle ⟨in signal_column⟩: {', '.join(table.names)}"
+            if not (others := may_be_it(table, row)):
+                raise
+            also = f"; or name the column of the angle ⟨in signal_column⟩: {', '.join(others)}"
             raise type(problem)(
                 problem.where, problem.problem, problem.expected, problem.mend + also
             ) from None

@@ -344,6 +344,7 @@ def _parsed(piece: bytes, how: Layout, name: str, lines: NDArray[np.integer]) ->
             io.BytesIO(piece),
             sep=how.dialect.separator,
             decimal=how.dialect.decimal,
+            thousands=how.dialect.thousands or None,
             header=None,
             names=[*how.names, BEYOND],
             index_col=False,

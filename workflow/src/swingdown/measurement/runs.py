@@ -10,7 +10,7 @@ import numpy as np
 import pandas as pd
 
 from ..errors import InputError
-from .columns import TIME, meaning
+from .columns import TIME, UNNAMED, meaning
 from .table import MISSING
 
 # How programs mark the run that a column belongs to: `Angle (rad) Run #2` of Capstone, `Data Set 2:Angle(rad)` of Vernier's.
@@ -118,7 +118,7 @@ def _runs(names: Sequence[str], marks: Sequence[str]) -> dict[str, Run]:
         columns = own if timed else sorted([*shared, *own])
         if not (timed or set(shared) & set(clocks)) or len(columns) < 2:
             return {}
-        found[run] = Run(columns, [bare[k] for k in columns], own)
+        found[run] = Run(columns, [bare[k] or f"{UNNAMED}{k}" for k in columns], own)
     return found
 
 

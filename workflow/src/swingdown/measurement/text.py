@@ -10,6 +10,8 @@ from ..errors import InputError
 HEAD = 1 << 16  # bytes from which encoding and layout are told
 PIECE = 1 << 20  # bytes held at a time
 LONGEST = 1 << 20  # bytes of a line: that of an office program's widest sheet, 16384 columns of 60 digits
+# a spreadsheet's mark for text before a number, or its quotes: `'0:0:0.01`, `'0.3'`
+_QUOTED = re.compile(rb"(?<![^\n,;\t\" ])'([-+.]?\d[-+.,:\deE]*)'?(?![^\n,;\t\" ])")
 FOREIGN = {
     b"\x89PNG": ("a PNG picture", "export the table of numbers, not its picture"),
     b"\xff\xd8\xff": ("a JPEG picture", "export the table of numbers, not its picture"),
@@ -91,7 +93,7 @@ def pieces_of(source: BinaryIO, encoding: str, name: str) -> Iterator[tuple[int,
             text += b"\n"
         cut = text.rfind(b"\n") + 1
         if cut:
-            yield line, text[:cut]
+            yield line, _QUOTED.sub(rb"\1", text[:cut])
             line += text.count(b"\n", 0, cut)
         rest = text[cut:] + half
         if len(rest) > LONGEST:
