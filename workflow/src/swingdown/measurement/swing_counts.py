@@ -8,6 +8,10 @@ from ..pendulum.ideal import lengthening
 FEWEST = 6  # turning points: three terms of damping and a first angle, and two more to tell their scatter
 _PARTS = 6  # into which the shortest gap is divided for an interval that all gaps are multiples of
 _APART = 0.12  # of an interval (RMS): nearer to whole numbers than chance, which is 0.29
+_BENDS, _EACH = (
+    3,
+    30,
+)  # terms of the line through many turning points at most, and points for each beyond the first
 _DOUBT = 0.25  # of an interval: beyond half of it the next whole number is as near
 
 
@@ -50,15 +54,26 @@ def _multiples(gaps: Floats, unit: float) -> np.ndarray:
 
 
 def _line(gaps: Floats, counts: np.ndarray) -> tuple[float, float, float]:
-    """Interval, its standard error and the scatter of the times, from straight lines of one slope through each part whose gaps are counted."""
+    """Interval, its standard error and the scatter of the times, from lines of one slope through each part whose gaps are counted; of many
+    points lines that bend alike, as a period changes a little in a long record: the error holds that change."""
     times, numbers_ = np.concatenate([[0.0], np.cumsum(gaps)]), np.concatenate([[0], np.cumsum(counts)])
     part = np.concatenate([[0], np.cumsum(counts == 0)])
     size = np.bincount(part)
-    away = numbers_ - (np.bincount(part, numbers_) / size)[part]
-    late = times - (np.bincount(part, times) / size)[part]
-    power = float(away @ away)
-    unit = float(away @ late) / power
-    left = late - unit * away
-    free = max(times.size - size.size - 1, 1)
+
+    def about(values: Floats) -> Floats:
+        """What is left of values without the mean of each part."""
+        return np.asarray(values - (np.bincount(part, values) / size)[part])
+
+    at = numbers_ - numbers_.mean()
+    terms = min(_BENDS, 1 + times.size // _EACH)
+    columns = np.column_stack([about(at**k) for k in range(1, terms + 1)])
+    late = about(times)
+    found = np.linalg.lstsq(columns, late)[0]
+    left = late - columns @ found
+    power = float(columns[:, 0] @ columns[:, 0])
+    unit = float(columns[:, 0] @ late) / power
+    slopes = sum(k * found[k - 1] * at ** (k - 1) for k in range(1, terms + 1))
+    free = max(times.size - size.size - terms, 1)
     scatter = float(np.sqrt(left @ left / free))
-    return unit, max(scatter / np.sqrt(power), 0.05 * unit / np.sqrt(power) / free), scatter
+    error = max(scatter / np.sqrt(power), 0.05 * unit / np.sqrt(power) / free)
+    return unit, error + float(np.std(slopes)), scatter
