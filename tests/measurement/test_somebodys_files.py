@@ -244,3 +244,60 @@ def test_cells_that_hold_a_pair_of_numbers_are_two_coordinates(take):
         made = take("t_s,bob,frame\n" + "".join(pairs), **cells)
         assert made["signal"].values == pytest.approx(SWING, abs=1e-3)
         assert "`bob x` and `bob y`" in made.attrs["taken"]
+
+
+SHORT = "t (s);angle (rad)\n" + rows(TIME, SWING, 0.01 * SWING, separator=";")
+LONG = "t (s),angle (rad),note,by whom\n" + rows(TIME, SWING)
+NUMBERED = '"t","angle"\n' + "".join(
+    f'"{k}",{t},{x}\n' for k, (t, x) in enumerate(zip(TIME, SWING, strict=True), 1)
+)
+
+
+@pytest.mark.parametrize(
+    "text", [SHORT, LONG, NUMBERED], ids=["shorter", "longer", "without its row numbers"]
+)
+def test_a_header_of_another_size_names_the_columns_below_it(take, text):
+    made = take(text)
+    assert made["time"].values == pytest.approx(TIME, abs=2e-6)
+    assert made["signal"].values == pytest.approx(SWING, abs=2e-6)
+    with pytest.raises(InputError, match="the header names 2"):  # a decimal comma may be the separator
+        take("t (s),angle (rad)\n" + rows(TIME, SWING).replace(".", ","))
+
+
+@pytest.mark.parametrize("mark", [",", ".", " ", "'", "\u202f"])
+def test_groups_of_three_digits_are_one_number(take, mark):
+    """A clock in ms that passes 1000, as a spreadsheet shows it."""
+    comma = mark == "."
+
+    def cell(number, places):
+        text = f"{number:,.{places}f}".replace(",", "_")
+        return (text.replace(".", ",") if comma else text).replace("_", mark)
+
+    lines = [f"{cell(1000 * t, 0)}\t{cell(1e5 * x, 2)}" for t, x in zip(TIME, SWING, strict=True)]
+    made = take("t (ms)\treading\n" + "\n".join(lines) + "\n")
+    assert "groups of digits" in made.attrs["taken"] and made.sizes["time"] == len(TIME)
+    assert made["time"].values == pytest.approx(TIME, abs=1e-3)
+    assert np.corrcoef(made["signal"].values, SWING)[0, 1] == pytest.approx(1, abs=1e-6)
+
+
+def test_a_number_with_three_decimals_after_a_comma_is_no_thousand(take):
+    """All of one column are 1 and more: are they 1.234 or 1234? The point in the other column says neither."""
+    lines = [f"{t:.2f};" + f"{2 + x:.3f}".replace(".", ",") for t, x in zip(TIME, SWING, strict=True)]
+    with pytest.raises(InputError, match="some numbers have a decimal point and others a decimal comma"):
+        take("t;angle\n" + "\n".join(lines) + "\n")
+
+
+@pytest.mark.parametrize("end", ["", "'"])
+def test_a_spreadsheets_mark_for_text_is_no_part_of_a_number(take, end):
+    lines = [f"'0:{int(t // 60)}:{t % 60:.9g}{end},'{x:.7f}{end}" for t, x in zip(TIME, SWING, strict=True)]
+    made = take("time,angle_rad\n" + "\n".join(lines) + "\n")
+    assert made["time"].values == pytest.approx(TIME, abs=2e-6)
+    assert made["signal"].values == pytest.approx(SWING, abs=2e-6)
+
+
+def test_of_two_columns_that_mean_the_same_a_refusal_names_both(take):
+    text = "time,joint0/effort,joint0/position,joint1/position\n" + rows(TIME, 0 * TIME, 0.001 * TIME, SWING)
+    with pytest.raises(InputError, match="name the column .*, joint0/position, joint1/position"):
+        take(text)
+    made = take(text, signal_column="joint1/position")
+    assert made["signal"].values == pytest.approx(SWING, abs=2e-6)

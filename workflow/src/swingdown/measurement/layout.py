@@ -261,8 +261,9 @@ def _padded(
     if len(cells) < size and not surplus:
         return _filled(cells, size)
     if lowest and sum(map(tells, cells)) > 1:
-        # where no cell has a decimal point a comma may be one
-        if how.separator != "," or any("." in cell for row in rows for cell in row):
+        # where no cell has a decimal point a comma may be one; of names that tell what is not there any may be the one too many
+        pointed = how.separator != "," or any("." in cell for row in rows for cell in row)
+        if pointed and not any(map(tells, cells[size:])):
             counted = len(cells) + 1 == size and _steps(rows, 0, how.decimal) == {1.0}
             found = ["", *cells] if counted else _filled(cells[:size], size)
             if _clock_rises(found, rows, how.decimal):

@@ -339,12 +339,14 @@ def _parsed(piece: bytes, how: Layout, name: str, lines: NDArray[np.integer]) ->
     if how.dialect.arrivals:
         text = piece.decode(charset(how.encoding), errors="replace").splitlines()
         piece = "\n".join(map(how.dialect.plain, text)).encode(charset(how.encoding)) + b"\n"
+    if (mark := how.dialect.thousands) and not mark.isascii():
+        piece, mark = piece.replace(mark.encode(charset(how.encoding), "ignore"), b""), ""
     try:
         part = pd.read_csv(
             io.BytesIO(piece),
             sep=how.dialect.separator,
             decimal=how.dialect.decimal,
-            thousands=how.dialect.thousands or None,
+            thousands=mark or None,
             header=None,
             names=[*how.names, BEYOND],
             index_col=False,
