@@ -170,7 +170,7 @@ def test_an_envelope_of_any_depth_is_a_series_of_turning_points(seed, decay, sca
 def test_a_long_series_whose_period_changes_by_a_percent_is_counted_throughout():
     """The straight line through 420 turning points misses them by a fifth of the interval, and nobody left one out but at 100 and 101."""
     number = np.delete(np.arange(420), [100, 101])
-    times = 0.68 * number - 4e-6 * number**2 * 2 + 0.02 * np.random.default_rng(2).standard_normal(number.size)
+    times = 0.68 * number - 8e-6 * number**2 + 0.02 * np.random.default_rng(2).standard_normal(number.size)
     angles = 0.3 * np.exp(-number / 180) * (-1.0) ** number
     found = points_in(times, angles, "points", name="angle")
     assert list(found.halves) == list(number) and len(found.times) == number.size
