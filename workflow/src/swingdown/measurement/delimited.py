@@ -15,6 +15,7 @@ from .rows import Block, cut_short, find_blocks, layout_of, left_out, read
 from .runs import rows_of, side_by_side
 from .table import WHOLE, Table
 from .text import HEAD, charset, encoding, pieces_of
+from .worded import reworded
 
 
 def delimited(source: BinaryIO, name: str, rate: float = np.nan) -> dict[str, Table]:
@@ -22,13 +23,18 @@ def delimited(source: BinaryIO, name: str, rate: float = np.nan) -> dict[str, Ta
     coded = encoding(source, name)
     head = _head(source, coded, name)
     how = dialect(head, name, single=rate > 0)
+    if (how is None or how.words) and (text := reworded(source, coded, name, surely=how is not None)):
+        found = delimited(text, name, rate)
+        return {
+            run: one._replace(layout=f"a word before each number, {one.layout}") for run, one in found.items()
+        }
     blocks, opening = find_blocks(source, coded, how, name) if how else ([], [])
     if not how or not blocks:
         raise InputError(
             name, "it holds no table of numbers", "columns of numbers: a time and a swing", "export it again"
         )
     about = _about(opening)
-    found: dict[str, Table] = {}
+    found = {}
     for number, block in enumerate(blocks, 1):
         whole, laid = _table(source, block, how, coded, name, rate)
         whole = whole._replace(about=about, cut=block is blocks[-1] and cut_short(source, block, laid))

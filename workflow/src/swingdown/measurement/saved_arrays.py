@@ -22,7 +22,7 @@ def saved_arrays(source: BinaryIO, name: str) -> dict[str, Columns]:
     """The Columns that the arrays of an open file make, by "": those of the length that most of them have.
 
     An array of two dimensions is as many columns as it has. A JSON file holds lists by their names, or a list of rows. InputError for a
-    file that cannot be read, and for one without such arrays; nothing that is not numbers is loaded.
+    file that cannot be read, and for one without such arrays; nothing that is not numbers is loaded. Empty for a file with a JSON document a line.
     """
     ending = PurePath(name).suffix.lower()
     if source.seek(0, io.SEEK_END) > LARGEST:
@@ -34,6 +34,11 @@ def saved_arrays(source: BinaryIO, name: str) -> dict[str, Columns]:
         found = _of_json(json.load(source)) if ending == ".json" else _of_numpy(np.load(source))
     except MemoryError:
         raise
+    except json.JSONDecodeError as error:
+        if error.msg == "Extra data":  # a document a line: the readers of text take it
+            source.seek(0)
+            return {}
+        raise InputError(name, f"it cannot be read ({error})", "arrays of numbers", _MEND) from error
     except Exception as error:  # a damaged file makes the readers fail in ways that nobody listed
         raise InputError(name, f"it cannot be read ({error})", "arrays of numbers", _MEND) from error
     sizes = [one.size for one in found.values()]

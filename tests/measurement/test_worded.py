@@ -1,0 +1,49 @@
+"""Logs that say before each number what it is."""
+
+import numpy as np
+import pytest
+
+from swingdown.measurement.recording import ingest
+from swingdown.measurement.sheet import read_sheet
+
+TIMES = np.arange(400) * 0.02
+ANGLES = 20 * np.exp(-TIMES / 20) * np.cos(4.8 * TIMES)
+WORDINGS = {
+    "a board's": "Time: {ms:.0f} ms, Angle: {angle:.2f} deg, Raw: 512",
+    "a bracket's": "[{t:8.3f}] angle={angle:.2f} deg temp=21.5",
+    "JSON, a document a line": '{{"t": {t:.3f}, "angle_deg": {angle:.3f}}}',
+    "a clock's": "12:03:{t:06.3f} -> angle (deg): {angle:.2f}",
+    "ROS's": "INFO [{t:.3f}] [encoder_node]: angle_deg: {angle:.4f} velocity: 0.25",
+    "colons alone": "t:{t:.2f},angle_deg:{angle:.2f},w:0.3",
+    "words alone": "t {t:.2f} angle_deg {angle:.3f} battery 3.9",
+    "stamps": '{{"time": "2024-03-01T11:00:{t:06.3f}Z", "angle_deg": {angle:.3f}}}',
+}
+
+
+@pytest.fixture
+def here(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def read(here, text, ending):
+    (here / f"swing.{ending}").write_text(text, encoding="utf-8")
+    (here / "sheet.csv").write_text(f"recording,file\nswing,swing.{ending}\n")
+    return ingest(read_sheet("sheet.csv").loc["swing"], "sheet.csv")
+
+
+@pytest.mark.parametrize("wording", WORDINGS.values(), ids=WORDINGS)
+def test_each_number_is_what_its_word_says(here, wording):
+    lines = [wording.format(t=t, ms=1000 * t, angle=angle) for t, angle in zip(TIMES, ANGLES, strict=True)]
+    ending = "json" if wording.startswith("{") else "log"
+    found = read(here, "\n".join([*["booting ..."] * (ending == "log"), *lines]), ending)
+    assert found.sizes["time"] == TIMES.size and "a word before each number" in found.attrs["taken"]
+    assert np.allclose(np.diff(found["time"]), 0.02, atol=2e-3)
+    assert np.abs(found["signal"] - ANGLES).max() < 0.01
+
+
+def test_a_line_that_was_cut_is_a_missing_sample(here):
+    lines = [f"t={t:.2f} angle_deg={angle:.2f}" for t, angle in zip(TIMES, ANGLES, strict=True)]
+    lines[100] = lines[100][:9]
+    found = read(here, "\n".join(lines), "log")
+    assert found.sizes["time"] == TIMES.size - 1 and "missing" in found.attrs["remarks"]
