@@ -21,6 +21,12 @@ class DrivenSwing(tuple[Floats, Floats]):
         return found
 
 
+def standard_errors(covariance: Floats) -> Floats:
+    """The roots of a covariance's diagonal; NaN where rounding left a variance below 0, as of a value that the data do not tell."""
+    variances = np.diag(covariance)
+    return np.sqrt(np.where(variances >= 0, variances, np.nan))
+
+
 def swing_under(drive: Any, times: Floats, angles: Floats) -> Swing:
     """The pair of times (s) and angles (rad), with the drive where there is one."""
     return (times, angles) if drive is None else DrivenSwing(times, angles, drive)

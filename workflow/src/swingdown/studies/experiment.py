@@ -7,7 +7,7 @@ import numpy as np
 import xarray as xr
 
 from .. import dataset
-from ..arrays import Floats, Swing, swing_under
+from ..arrays import Floats, Swing, standard_errors, swing_under
 from ..engine.trajectory import TrajectoryError, simulate
 from ..errors import InputError
 from ..fitting.course import TOLD, Courses
@@ -374,8 +374,8 @@ def _row(
     known = uncertainty(fit, swings, free=True)
     systematic = np.sqrt(np.sum(known.systematic**2, axis=1))
     parts = {
-        "standard_error": np.sqrt(np.diag(known.covariance)),
-        "random_standard_error": np.sqrt(np.diag(known.random)),
+        "standard_error": standard_errors(known.covariance),
+        "random_standard_error": standard_errors(known.random),
         "systematic_standard_error": systematic,
         "coverage_factor": known.factors,
     }
@@ -473,7 +473,7 @@ def _of_slack(
 
 
 def _correlated(covariance: Floats) -> Floats:
-    errors = np.sqrt(np.diag(covariance))
+    errors = standard_errors(covariance)
     return covariance / np.outer(errors, errors)
 
 

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..arrays import Floats
+from ..arrays import Floats, standard_errors
 from ..engine.trajectory import TrajectoryError, simulate
 from ..fitting.guess import amplitude_factor
 from ..pendulum.effect import NATURAL_FREQUENCY, Effect
@@ -263,7 +263,7 @@ def quantities(
     own = np.full(values.size, np.nan)
     if covariance is not None:
         known = np.where(np.isfinite(covariance), covariance, 0.0)
-        own = np.where(np.diag(known) > 0, np.sqrt(np.diag(known)), np.nan)
+        own = np.where(np.diag(known) > 0, standard_errors(known), np.nan)
         whole = known if beside is None else beside.covariance
         slopes = _slopes(derived, values, np.sqrt(np.diag(whole)[: values.size]))
         variance = np.einsum("ij,jk,ik->i", slopes, known, slopes)
