@@ -75,12 +75,24 @@ def swings(
     restoring: str = "sine",
     driven: Mapping[str, Any] | None = None,
 ) -> list[xr.Dataset]:
-    """Datasets of the angle in rad over the time in s, as ``measurement.angle.to_angle`` gives them: one a swing, and of a series
-    with several releases one a release.
+    """Datasets of the angle in rad over the time in s, as ``measurement.angle.to_angle`` gives them.
 
-    ``driven`` is what is said of their input (``Driven``); nothing of swings by themselves.
+    Parameters
+    ----------
+    times, angles, unit, names, kind, restoring
+        As of ``answer.fit``.
+    driven
+        What is said of their input (``Driven``); nothing of swings by themselves.
 
-    What the arguments may be: ``answer.fit``. InputError names the swing and what is wrong with it.
+    Returns
+    -------
+    list of xarray.Dataset
+        One a swing, and of a series with several releases one a release.
+
+    Raises
+    ------
+    InputError
+        It names the swing and what is wrong with it.
     """
     if unit not in (None, *ANGLES):
         raise InputError(

@@ -144,12 +144,30 @@ def difference(
     allowed: Collection[str] | None = None,
     budget_s: float | None = None,
 ) -> Difference | None:
-    """The ``Difference`` of those recordings of a campaign, held-out ones too, between which ``changed`` was changed, all else the same: a
-    value for each, by name. None where they have fewer than two values.
+    """The ``Difference`` of those recordings of a campaign, held-out ones too, between which one thing was changed, all else the same.
 
-    ``base`` names the effects that are there in any case; ``allowed`` limits those of the catalogue that are looked at besides. After
-    ``budget_s`` seconds (None: no end; ``Budget``) no other effect is asked, and ``stopped`` says so; it also says where the comparison itself
-    breaks off. TrajectoryError or InputError where the base model cannot be fitted.
+    Parameters
+    ----------
+    campaign
+        Its swings.
+    changed
+        The value of what was changed for each recording, by name.
+    base
+        The model whose effects are there in any case.
+    allowed
+        The effects of the catalogue that may be candidates besides; None for all.
+    budget_s
+        Seconds (``Budget``) after which no other effect is asked; None: no end.
+
+    Returns
+    -------
+    Difference or None
+        None for fewer than two values. ``stopped`` says what was not asked, or where the comparison broke off.
+
+    Raises
+    ------
+    TrajectoryError or InputError
+        If the base model cannot be fitted.
     """
     swings = tuple(one for one in campaign.whole if one.name in changed)
     values = {one.name: changed[one.name] for one in swings}

@@ -42,8 +42,16 @@ _NOTHING = Remainder(pd.DataFrame(columns=MAP), {}, pd.DataFrame(columns=COURSE)
 
 
 def read_campaign(name: str, paths: Sequence[Path | str], roles: Sequence[str]) -> tuple[Campaign, bool]:
-    """The ``Campaign`` of angle files, and whether any is emulated: ``roles`` gives each one's role in the sample sheet
-    (fit, holdout, static or empty).
+    """The ``Campaign`` of angle files, and whether any is emulated.
+
+    Parameters
+    ----------
+    name
+        That of the campaign.
+    paths
+        The files that ``angle`` wrote, one a recording.
+    roles
+        The role of each in the sample sheet: fit, holdout, static or empty.
     """
     kinds: dict[str, list[Swing]] = {"fit": [], "holdout": [], "static": []}
     emulated, systematic = False, 0.0
@@ -142,8 +150,23 @@ def write_round(
     lacks: Remainder = _NOTHING,
     members: Mapping[str, Any] | None = None,
 ) -> Path:
-    """The folder written: round.json, model.yaml, fit.nc and the tables of one ``Round`` (groups, ranking, map, half-swings,
-    and of what the model still ``lacks`` remainder and course)."""
+    """The folder written: round.json, model.yaml, fit.nc and the tables of one ``Round``.
+
+    Parameters
+    ----------
+    state
+        The round. Its tables are groups, ranking, map and half-swings.
+    campaign
+        Its swings.
+    folder
+        Where to; it is made if it is not there.
+    emulated
+        Whether the files say that their numbers come from a computed pendulum.
+    lacks
+        What the model still lacks: the tables remainder and course.
+    members
+        Which recordings take part (``recordings``) and which were ``left_out``.
+    """
     folder = Path(folder)
     folder.mkdir(parents=True, exist_ok=True)
     told = summary(state, campaign) | {

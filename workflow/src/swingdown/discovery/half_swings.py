@@ -40,13 +40,26 @@ def turning_points(times: Floats, angle: Floats) -> tuple[Floats, Floats]:
 def half_swings(
     times: Floats, angle: Floats, natural_frequency: float, restoring: str = "sine", reading: str = ANGLE
 ) -> pd.DataFrame:
-    """A table, one row a half-swing: amplitude (rad), loss (share of the potential energy), half-period against that of
-    an undamped pendulum of that amplitude (ratio), and mid-point (rad, from three turning points, so that decay leaves it
-    alone). Half-swings that the noise could have made are left out, and beside a weight's sine (``restoring``) those that
-    begin or end beyond the top, which are none.
+    """A table, one row a half-swing: amplitude, loss, half-period and mid-point.
 
-    Of a rate (rad/s) the turning points are where it is fastest: each stands for the angle that it reaches by the energy it has
-    there. The mid-point is then not known.
+    Parameters
+    ----------
+    times, angle
+        The swing (s; rad, of a rate rad/s), of shape (sample,).
+    natural_frequency
+        In rad/s: what the half-periods are compared with.
+    restoring
+        ``sine``, beside which half-swings that begin or end beyond the top are left out, or ``linear``.
+    reading
+        ``angle`` or ``rate``. Of a rate the turning points are where it is fastest: each stands for the angle that it reaches by the
+        energy it has there, and the mid-point is not known.
+
+    Returns
+    -------
+    pandas.DataFrame
+        The amplitude (rad), the loss as a share of the potential energy, the half-period against that of an undamped pendulum of that
+        amplitude (ratio), and the mid-point (rad, from three turning points, so that decay leaves it alone). Half-swings that the noise
+        could have made are left out.
     """
     when, where = turning_points(times, angle)
     noise = np.std(np.diff(angle, 2)) / np.sqrt(6) if angle.size > 3 else 0.0

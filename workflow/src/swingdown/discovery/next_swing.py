@@ -74,9 +74,20 @@ class NextSwing:
 def next_swing(one: Fit, other: Fit, campaign: Campaign, noise: Noise) -> NextSwing | None:
     """The ``NextSwing`` that best tells two fits of a campaign apart, of all on the menu; None where neither can be asked.
 
-    The least trouble that is ample, or worth nine tenths of the best; where none is plain, the best done as often as needed.
-    One of ``separation`` below ``APART`` says that nothing tells them apart. Where both fits leave more than the noise, what the better
-    one leaves counts as noise.
+    Parameters
+    ----------
+    one, other
+        The fits whose predictions are compared.
+    campaign
+        The swings that they were fitted to.
+    noise
+        That of its recordings. Where both fits leave more, what the better one leaves counts as noise.
+
+    Returns
+    -------
+    NextSwing or None
+        The least trouble that is ample, or worth nine tenths of the best; where none is plain, the best, done as often as needed. A
+        ``separation`` below ``APART`` says that nothing tells the fits apart.
     """
     left = replace(noise, deviation=max(noise.deviation, min(one.rms, other.rms)))
     with warnings.catch_warnings():

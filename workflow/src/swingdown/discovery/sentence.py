@@ -16,7 +16,20 @@ _SMALL = 0.1  # of a unit that has a smaller one beside it
 
 
 def sentence(found: Mapping[str, Any], catalogue: Catalogue = SHIPPED) -> str:
-    """What a person would say of a verdict."""
+    """What a person would say of a verdict: what is missing, how sure that is, and what remains.
+
+    Parameters
+    ----------
+    found
+        The verdict, as in verdict.json.
+    catalogue
+        The one whose effects it names.
+
+    Returns
+    -------
+    str
+        Whole sentences in English, each of which ``language`` can say.
+    """
     fit, holdout, where = found["gap"]["fit"], found["gap"]["holdout"], found["where"]
     dropped = f" Not needed: {_listed(found['removed'])}." if found["removed"] else ""
     end = (

@@ -31,7 +31,16 @@ class Swings(NamedTuple):
 
 
 def half_swings(signal: Floats, middle: float | None = None) -> Swings:
-    """The Swings about a ``middle``, or the median of the later half (the first may be held), with a dead zone of a twentieth of the range."""
+    """The ``Swings`` of a signal: from one passage of its middle to the next.
+
+    Parameters
+    ----------
+    signal
+        In any unit, of shape (sample,).
+    middle
+        What it swings about; None: the median of the later half, for the first may be held. A dead zone of a twentieth of the range
+        about it keeps noise from counting as passages.
+    """
     away = signal - (np.median(signal[len(signal) // 2 :]) if middle is None else middle)
     low, high = np.percentile(signal, (0.5, 99.5))  # a spike is no swing
     zone = DEAD_ZONE * float(high - low)

@@ -50,11 +50,26 @@ def find_windows(
     rate: bool = False,
     hidden: Sequence[tuple[float, float]] = (),
 ) -> tuple[list[Window], list[float]]:
-    """The Windows of a recording in order, and when (s) something pushed the pendulum within one of them.
+    """The ``Window``s of a recording in order, and when (s) something pushed the pendulum within one of them.
 
-    There is a window for each release, and one of nan where nobody touched the pendulum. A hand parts two of them where it stays for a period, or where the pendulum
-    swings higher after it. ``scale`` is rad per unit of ``signal``, 0 where that is not known. ``rate``: an angular rate. A recording too short to tell gives one of nan.
-    ``times`` are evenly spaced; from when to when (s) the signal is not known there, ``hidden`` tells, and of hands nothing is told beside it.
+    Parameters
+    ----------
+    times
+        In s, evenly spaced, of shape (sample,).
+    signal
+        Of the same shape.
+    scale
+        Rad per unit of ``signal``, 0 where that is not known.
+    rate
+        Whether it is an angular rate.
+    hidden
+        From when to when (s) the signal is not known; of hands nothing is told beside it.
+
+    Returns
+    -------
+    tuple
+        A window for each release, and one of nan where nobody touched the pendulum or the recording is too short. A hand parts two of
+        them where it stays for a period, or where the pendulum swings higher after it.
     """
     whole = Window(NAN, NAN, NAN, False)
     starts = half_swings(signal).starts

@@ -21,8 +21,19 @@ NO_SCALE = "1"  # the unit of a reading whose scale nobody states
 def time_factor(times: Floats, signal: Floats, told: bool, place: str) -> tuple[float, list[str]]:
     """Seconds per unit of the times, and a remark where it is not 1 or the period is odd.
 
-    ``told`` says whether anybody stated the unit. Without a word it is s; where a pendulum's period is possible in ms or us alone, it is
-    that. InputError where none of them will do, both ms and us, or ms and a torsion balance in s.
+    Parameters
+    ----------
+    times, signal
+        The swing, of shape (sample,).
+    told
+        Whether anybody stated the unit. Else it is s, or ms or us where a pendulum's period is possible in that alone.
+    place
+        What an error names as its place.
+
+    Raises
+    ------
+    InputError
+        If no unit will do, both ms and us would, or ms and a torsion balance in s.
     """
     swings = half_swings(signal)
     period, interval = swings.period(times), float(np.median(np.diff(times)))
@@ -80,9 +91,24 @@ def unwrapped(signal: Floats, unit: str) -> tuple[Floats, list[str]]:
 def angle_unit(signal: Floats, unit: str, restoring: str, place: str) -> tuple[str, list[str]]:
     """The unit of an angle, ``rad``, ``deg``, or ``NO_SCALE``, and a remark where it is not as stated.
 
-    ``unit`` is the stated one, "" for none; that stands. Weight swings nothing back and forth by more than a turn, so that an angle
-    which would in rad is in degrees, and one which would in degrees as well is a reading of unknown scale. InputError for a stated
-    unit in which it would while ``restoring`` is ``sine``: a disc on a spring does.
+    Weight makes nothing swing back and forth by more than a turn. An angle that would in rad is in degrees; an angle that would in degrees
+    as well is a reading of unknown scale.
+
+    Parameters
+    ----------
+    signal
+        Of shape (sample,).
+    unit
+        The stated unit, which stands; "" for none.
+    restoring
+        ``sine`` or ``linear``: a disc on a spring may turn further.
+    place
+        What an error names as its place.
+
+    Raises
+    ------
+    InputError
+        If it would swing too far in the stated unit, with ``restoring`` ``sine``.
     """
     swings = half_swings(signal)
     reach = np.abs(np.diff(swings.turns)) if len(swings.turns) > 1 else np.zeros(1)

@@ -45,9 +45,18 @@ REFUSED = "refused"  # stands where a verdict would, for a file that could not b
 def described_by(norms: xr.Dataset, catalogue: Catalogue = SHIPPED) -> str:
     """The label of the model of damping that describes these recordings: the smallest whose further terms are not worth it.
 
-    ``norms`` (fitted, recording, parameter) as ``norms.combine_recordings`` gives them. Evidence is BIC for as many samples
-    as count as independent; a model whose effect has a size below 0 that it cannot have (a damper that gives energy) is left out
-    where there is another.
+    Parameters
+    ----------
+    norms
+        Over fitted, recording and parameter, as ``norms.combine_recordings`` gives them.
+    catalogue
+        The one that the models are of.
+
+    Returns
+    -------
+    str
+        By BIC, for as many samples as count as independent. A model whose effect has a size below 0 that it cannot have (a damper that
+        gives energy) is left out where there is another.
     """
     labels, evidence, usable = _evidence(norms, catalogue)
     lowest, terms = min(evidence[k] for k in usable), terms_of(norms).sum(axis=1)
@@ -122,10 +131,25 @@ def over_laws(
     catalogue: Catalogue = SHIPPED,
     known: Mapping[str, Mapping[str, Quantity]] | None = None,
 ) -> dict[str, Quantity]:
-    """Natural frequency, period, quality and decay time by name at an amplitude (rad), whichever law of damping holds: the means over the
-    laws by their ``weight``; the uncertainty has that of each, and how far they are apart.
+    """Natural frequency, period, quality and decay time by name, whichever law of damping holds.
 
-    ``norms`` (fitted, parameter, parameter_2) of one recording; ``known`` the quantities of models by label, where they are known.
+    Parameters
+    ----------
+    norms
+        Over fitted, parameter and parameter_2, of one recording.
+    weight
+        How much each law counts, by label (``weights``).
+    amplitude
+        The angle at which they hold, rad.
+    catalogue
+        The one that the models are of.
+    known
+        The quantities of models by label, where they are known already.
+
+    Returns
+    -------
+    dict
+        The means over the laws; an uncertainty holds that of each law, and how far they are apart.
     """
     known = known or {}
     each = [

@@ -15,11 +15,21 @@ from . import code
 
 
 def compute(chunk, computation):
-    """The Dataset of a chunk (``chunks.Chunk``), and in words what it took.
+    """The Dataset of a chunk, and in words what it took.
 
-    Dimensions ``draw`` (each with ``cell``, a position in ``key``, and ``realization``, its index), ``cell_key`` (with ``reason``:
-    why it could not be made, or one of its draws not) and, where the computation lists its variables by something, that.
-    ``computation`` is ``identification`` or ``detection``, a module. Attributes tell the version of the code.
+    Parameters
+    ----------
+    chunk
+        A ``chunks.Chunk``.
+    computation
+        The module ``identification`` or ``detection``.
+
+    Returns
+    -------
+    tuple
+        Dimensions ``draw`` (each with ``cell``, a position in ``key``, and ``realization``, its index), ``cell_key`` (with ``reason``:
+        why it could not be made, or one of its draws not) and, where the computation lists its variables by something, that.
+        Attributes tell the version of the code.
     """
     began = time.process_time()
     cells = list(chunk.cells())

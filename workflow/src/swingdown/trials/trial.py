@@ -118,8 +118,24 @@ def draw(seed: int, one: Planned, catalogue: Catalogue = SHIPPED, design: Design
     """The ``Trial`` of that seed, plan and design: always the same one.
 
     Sizes are found with the engine's fits of the base model to the noiseless swings; the swings themselves never see it.
-    ArithmeticError where no size within reason leaves such a residual; InputError for an effect that the second pendulum
-    does not know.
+
+    Parameters
+    ----------
+    seed
+        Of all draws.
+    one
+        What is planned: which effects are hidden, and how much they are to leave.
+    catalogue
+        The effects that may be named.
+    design
+        Releases, lengths, rate and noise.
+
+    Raises
+    ------
+    ArithmeticError
+        If no size within reason leaves such a residual.
+    InputError
+        For an effect that the second pendulum does not know.
     """
     kind, hidden, ratio, noise, number = one
     words = [*(ord(letter) for letter in "+".join((kind, *hidden, noise))), round(100 * ratio), number]
