@@ -36,7 +36,7 @@ def collect(fits, joint, verdicts, published, outputs):
         f"{row.campaign}: {row.verdict}" for row in pairs.itertuples() if "indistinguishable" in row.verdict
     ]
     return "\n".join(
-        [f"{norms.sizes['fitted']} models compared over {norms.sizes['recording']} swings", *alike]
+        [f"models compared: {norms.sizes['fitted']}, over swings: {norms.sizes['recording']}", *alike]
     )
 
 

@@ -136,7 +136,7 @@ def _where(found: dict[str, Any]) -> Table:
         Column("group"),
         Column("share of the excess", "%", "n"),
         Column("χ²", style="n"),
-        Column("freedom", style="n"),
+        Column("degrees of freedom", style="n"),
         Column("χ² at the end", style="n"),
     ]
     last = found["where"]["remaining"]

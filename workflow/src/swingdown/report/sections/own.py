@@ -106,7 +106,7 @@ def _sure(found: Mapping[str, Any]) -> Markup:
         )
     place = f"discovery/{found['campaign']}/verdict.json"
     link = Markup('<a href="{0}">{0}</a>, rule discover_verdict').format(place)
-    return Markup("<b>How sure.</b> {} All of it: {}.").format(" ".join(parts), link)
+    return Markup("<b>How sure.</b> {} All numbers: {}.").format(" ".join(parts), link)
 
 
 def _zoomable(figure: Figure, material: Material, found: Mapping[str, Any] | None) -> Figure:
@@ -161,7 +161,7 @@ _NOTES = (
 
 _SYMBOLS = (
     "Model: κ with v for viscous, q for quadratic drag, c for dry friction in proportion to the load (load Coulomb); other effects by "
-    "their names. Where a search established something, it is the model that it ended with."
+    "their names. Where a search established something, it is its last model."
 )
 
 
@@ -176,7 +176,7 @@ def _of_model(row: Mapping[str, Any]) -> str:
     if row["model"] == NOT_DYING:
         return f"What stops it {NOT_DYING}. The period is that of the best model, and it leaves {left}."
     if row.get("model_of") == SEARCH:
-        return f"The model that the search ended with, {words}, fitted to the whole of every recording; it leaves {left}."
+        return f"The last model of the search, {words}, fitted to the whole of every recording; it leaves {left}."
     return f"The model of damping with {words} describes the recording best; it leaves {left}."
 
 
