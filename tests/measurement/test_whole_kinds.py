@@ -117,7 +117,6 @@ def told(path, **stated):
     return row["remark"], pytest.approx(float(row["period_s"]), rel=5e-3)
 
 
-@pytest.mark.filterwarnings("ignore::swingdown.studies.doubt.DoubtfulFit")
 def test_period_and_decay_are_told_of_what_no_model_follows(tmp_path):
     remark, found = told(isochronous(tmp_path / "angle.csv"))
     assert ALONE in remark and "unit is in doubt" in remark and found == 1.3
