@@ -26,6 +26,10 @@ _PART = 1e-3  # of an amplitude, for differences
 _FEWEST_MARKS = 6
 _OF_STIFFNESS = 0.1  # of the restoring torque: what a law of its deviation may be a few times of
 _LEAST_LOSS, _LEAST_STIFFNESS = 3e-3, 1e-6  # of the smooth curve that no law has, over the laws
+# Of a step in the torque at a turning point, over the torque, by how much (over the frequency) the polynomial through it turns too late
+_STEP_SEEN = 0.108
+_LONGER = 1.25  # period squared over its usual one, less 1, over the square of what a turning point comes early by: 1 viscous, 1.2 to 1.3 others
+_ONLY_SO = 1 / 3  # of that: how well it holds for laws of any kind
 
 
 class Course(NamedTuple):
@@ -57,6 +61,7 @@ class Free:
     course_errors: tuple[Floats, ...]
     low: float
     high: float
+    early: "Early | None"
 
     def loss_at(self, amplitude: Floats) -> tuple[Floats, Floats]:
         """What a half-swing takes from the logarithm of the amplitude (rad), and its standard uncertainty."""
@@ -88,8 +93,14 @@ class Free:
             return np.full(angle.size, np.nan), np.full(angle.size, np.nan)
         share, error = self.period.at(self.stiffness.at(angle))
         usual = self.scale**2 * self.ideal.torque(angle)
-        # where in a swing friction acts is not known, and it matters to the period as the square of the loss
-        own = self.loss_at(np.clip(angle, self.low, self.high))[0] ** 2 / 3
+        # where in a swing friction acts matters to the period as the square of the loss
+        inside = np.clip(angle, self.low, self.high)
+        loss = self.loss_at(inside)[0]
+        if self.early is None:
+            more, own = np.zeros_like(loss), loss**2 / 3
+        else:
+            more, own = self.early.stiffer(loss, self.beyond.table.at(inside)[:, 3])
+        share = share + more
         off = (1 - angle * self.ideal.slope(angle) / self.ideal.torque(angle)) * self.amplitude_error(angle)
         return usual * (1 + share), usual * np.sqrt(error**2 + own**2 + off**2)
 
@@ -118,16 +129,33 @@ class Table:
         return np.vstack([np.zeros(self.rows.shape[1]), np.cumsum(self.at(middle), axis=0)])
 
 
+class Early(NamedTuple):
+    """How much earlier turning points come, between two passages of the middle, than a friction of speed alone says: times the frequency, over the
+    loss, with its standard uncertainty. A friction that acts near the turning points makes them earlier, and the swing longer."""
+
+    share: float
+    u: float
+
+    def stiffer(self, loss: Floats, usual: Floats) -> tuple[Floats, Floats]:
+        """What is missing of the restoring torque, as a share of it, and its standard uncertainty, where swings have this ``loss`` and a friction
+        of speed alone makes turning points as early as ``usual``."""
+        # where the friction ends in a step at the turning point, the polynomial through it hides a part
+        excess = self.share * loss * (1 + np.pi * _STEP_SEEN if self.share > 0 else 1.0)
+        more = _LONGER * excess * (2 * usual + excess)
+        return more, np.hypot(2 * _LONGER * (usual + excess) * self.u * loss, _ONLY_SO * more)
+
+
 class Beyond(NamedTuple):
-    """What first order leaves out, by amplitude (columns): of the loss, and of the time between turning points and between passages through the
-    middle, over that of an ideal pendulum."""
+    """What a friction of speed alone does beyond the first order of the loss, by amplitude (columns): to the loss, and to the time between turning
+    points and between passages through the middle, over that of an ideal pendulum; how early a turning point is between two passages, times the
+    frequency, and how early the polynomial through it says."""
 
     table: Table
 
     @classmethod
     def none(cls, amplitude: Floats) -> "Beyond":
         """That of a friction that is not known yet."""
-        return cls(Table(amplitude, np.zeros((amplitude.size, 3))))
+        return cls(Table(amplitude, np.zeros((amplitude.size, 5))))
 
     @classmethod
     def of(cls, ideal: Ideal, basis: Basis, loss: Posterior, amplitude: Floats) -> "Beyond":
@@ -154,10 +182,14 @@ class Beyond(NamedTuple):
         for _ in range(4):
             before, after = here + loss_at(before) / 2, here - loss_at(after) / 2
         between = (duration(before) + duration(after)) / 2 + beside(after) - beside(before)
+        early = found.passage - found.duration / 2
+        step = 2 * float(drag[0]) / ideal.torque(at)
         columns = (
             CubicSpline(np.log(at), found.loss - losses(ideal, basis, at) @ mean),
             CubicSpline(np.log(at), found.duration / usual - 1),
             CubicSpline(here, between / usual[2:-2] - 1),
+            CubicSpline(np.log(at), early),
+            CubicSpline(np.log(at), early - _STEP_SEEN * step),
         )
         place = np.log(amplitude)
         inside = [one(np.clip(place, one.x[0], one.x[-1])) for one in columns]
@@ -217,6 +249,7 @@ def free(swings: Sequence[HalfSwings], restoring: str = "sine") -> Free:
         errors,
         low,
         high,
+        _early(swings, Table(table, rows), beyond, loss, scale),
     )
 
 
@@ -366,6 +399,33 @@ def _period(
         own.append(np.column_stack(_own(one._replace(both=one.passages), 1 / one.slope)))
     parts = np.concatenate(observed), np.concatenate(error), np.vstack(summed), _besides(swings, own)
     return scale, _twice(*parts, shape, _OF_STIFFNESS, _LEAST_STIFFNESS)
+
+
+def _early(
+    swings: Sequence[HalfSwings], table: Table, beyond: Beyond, loss: Posterior, scale: float
+) -> Early | None:
+    """How early turning points are; None where no passages on both sides of them are timed."""
+    found = []
+    for one in swings:
+        before, after = (np.isin(one.number + side, one.at) for side in (-0.5, 0.5))
+        kept = before & after & np.isfinite(one.times)
+        if not one.passages or not kept.any():
+            continue
+        number, size = one.number[kept], np.abs(one.angle[kept])
+        ends = [one.mark[np.searchsorted(one.at, number + side)] for side in (-0.5, 0.5)]
+        lead = scale * ((ends[0] + ends[1]) / 2 - one.times[kept])
+        lost = table.at(size) @ loss.mean[: table.rows.shape[1]] + beyond.table.at(size)[:, 0]
+        # the time of a turning point is known in proportion to its amplitude
+        found.append(size * np.vstack([lead - beyond.table.at(size)[:, 4], lost]))
+    if not found:
+        return None
+    lead, lost = np.hstack(found)
+    power = float(lost @ lost)
+    if lead.size < _FEWEST_MARKS or not power > 0:
+        return None
+    share = float(lead @ lost) / power
+    left = lead - share * lost
+    return Early(share, float(np.sqrt(left @ left / (lead.size - 1) / power)))
 
 
 def _within(one: HalfSwings, course: Course) -> HalfSwings:
