@@ -185,12 +185,9 @@ def _study(given: Sequence[str], told: Mapping[str, Any], wishes: Wishes) -> Fou
     write_csv(for_spreadsheets(in_order(table)), folder / FIRST)
     _say(f"\nwritten: {config}, {own.SHEET} and {FIRST} beside it")
     emulated = "yes" if (table["emulated"] == "yes").any() else "no"
-    for line in (
-        *written(of_g, folder),
-        *how,
-        *write_series(of_all, folder, emulated),
-        *write_beside(answers, folder, wishes.drives, wishes.spoken),
-    ):
+    for line in (*written(of_g, folder), *how, *write_series(of_all, folder, emulated)):
+        _say(line)
+    for line in write_beside(answers, folder, wishes.drives, wishes.spoken):
         _say(line)
     _draw_tracks(kept, folder)
     found = Found(0, answers, left_out, folder, kept, of_g, of_all)

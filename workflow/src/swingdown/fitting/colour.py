@@ -121,22 +121,23 @@ def autoregression(series: Sequence[Floats], highest: int = _HIGHEST) -> Colour:
     forward = [np.asarray(one, dtype=float) for one in series]
     backward = list(forward)
     n = sum(int(np.isfinite(one).sum()) for one in forward)
-    variance = sum(float(np.nansum(one**2)) for one in forward) / n
+    whole = n == sum(one.size for one in forward)
+    total = np.sum if whole else np.nansum
+    variance = sum(float(total(one**2)) for one in forward) / n
     best, coefficients = Colour(np.zeros(0), variance), np.zeros(0)
     least = bic = n * np.log(variance) if variance > 0 else -np.inf
     for _ in range(min(highest, min(one.size for one in forward) // _FEWEST)):
         ahead, behind = [one[1:] for one in forward], [one[:-1] for one in backward]
-        power = sum(float(np.nansum(a * a + b * b)) for a, b in zip(ahead, behind, strict=True))
+        power = sum(float(total(a * a + b * b)) for a, b in zip(ahead, behind, strict=True))
         if not (variance > 0 and power > 0):
             break
-        reflection = 2 * sum(float(np.nansum(a * b)) for a, b in zip(ahead, behind, strict=True)) / power
+        reflection = 2 * sum(float(total(a * b)) for a, b in zip(ahead, behind, strict=True)) / power
         coefficients = np.r_[coefficients - reflection * coefficients[::-1], reflection]
         forward = [a - reflection * b for a, b in zip(ahead, behind, strict=True)]
         backward = [b - reflection * a for a, b in zip(ahead, behind, strict=True)]
         variance *= 1 - reflection**2
-        seen = np.mean(
-            np.isfinite(np.concatenate(forward))
-        )  # the share of predictions that tell this reflection
+        # the share of predictions that tell this reflection
+        seen = 1.0 if whole else np.mean(np.isfinite(np.concatenate(forward)))
         bic += n * seen * np.log(1 - reflection**2) + np.log(n)
         if bic < least:
             best, least = Colour(coefficients, variance), bic

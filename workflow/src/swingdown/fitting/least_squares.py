@@ -215,6 +215,10 @@ def _from_all(
     """
     thin = problem.thinned(float(starts[0, 0]) if problem.where[0, 0] == 0 else problem.given[0, 0])
     grown, agreed = starts[:0], False
+    if not first and len(starts) > 1:
+        part = _search(thin, starts, min(most, 30), max(tolerance, _ROUGH), _TELLING)
+        if part[4].converged > 0 and np.all(part[3] <= part[0] * (1 + _SAME)):
+            starts = part[1][None]
     if first:
         for until_noise in (True, False):
             part = _search(thin, starts, min(most, 30), max(tolerance, _ROUGH), _TELLING, until_noise)

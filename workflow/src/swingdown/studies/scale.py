@@ -7,7 +7,7 @@ are, whatever their unit is called. Swings of 3 degrees that are taken for 3 rad
 import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import log, pi
+from math import log, pi, sin
 
 import numpy as np
 
@@ -18,6 +18,8 @@ from ..fitting.least_squares import fit_jointly
 from ..fitting.result import Fit
 from ..fitting.uncertainty import uncertainty
 from ..pendulum.catalogue import ANGLE
+from ..pendulum.effect import NATURAL_FREQUENCY
+from ..pendulum.ideal import LARGEST, lengthening
 from ..pendulum.model import as_model
 from .comparison import WORTH
 
@@ -80,7 +82,7 @@ def _scale_of(swings: Sequence[Swing], restoring: str, reading: str, stated: boo
         return Scale()
     told, less = False, np.nan
     for factor in (DEGREE, 1 / DEGREE):
-        other = _fitted(swings, factor, reading)
+        other = _fitted(swings, factor, reading) if factor < 1 or _swings(swings, factor, given) else None
         if other is None:
             continue
         left = other.rms / factor
@@ -108,13 +110,21 @@ def _fitted(swings: Sequence[Swing], factor: float, reading: str, begin: Fit | N
     """The joint fit of damping to angles so many times as large, or from the fit ``begin`` of that with a free period; None where no
     pendulum moves so."""
     scaled = _scaled(swings, factor)
-    if factor > 1 and reading == ANGLE and max(float(np.abs(angle).max()) for _, angle in scaled) >= pi:
-        return None  # no pendulum swings back and forth so far
     label = _MODEL if begin is None else f"{_MODEL}+{_BESIDE}"
     try:
         return fit_jointly(as_model(label).of(reading), scaled, guess=begin, bounded=True)
     except (TrajectoryError, InputError):
         return None
+
+
+def _swings(swings: Sequence[Swing], factor: float, given: Fit) -> bool:
+    """Whether a pendulum that turns back, at the pace of the fit ``given``, reaches angles or rates so many times as large."""
+    largest = factor * max(float(np.abs(readings).max()) for _, readings in swings)
+    if given.model.reading == ANGLE:
+        return largest < pi
+    # a swing's largest rate is 4 k K(k) over half its period, with k the sine of half its amplitude
+    pace = 2 * given.model.values[NATURAL_FREQUENCY.name] * float(lengthening(LARGEST))
+    return largest < pace * sin(LARGEST / 2)
 
 
 def _scaled(swings: Sequence[Swing], factor: float) -> list[Swing]:
