@@ -61,7 +61,7 @@ class Free:
     course_errors: tuple[Floats, ...]
     low: float
     high: float
-    early: "Early | None"
+    early: "Early"
 
     def loss_at(self, amplitude: Floats) -> tuple[Floats, Floats]:
         """What a half-swing takes from the logarithm of the amplitude (rad), and its standard uncertainty."""
@@ -96,10 +96,7 @@ class Free:
         # where in a swing friction acts matters to the period as the square of the loss
         inside = np.clip(angle, self.low, self.high)
         loss = self.loss_at(inside)[0]
-        if self.early is None:
-            more, own = np.zeros_like(loss), loss**2 / 3
-        else:
-            more, own = self.early.stiffer(loss, self.beyond.table.at(inside)[:, 3])
+        more, own = self.early.stiffer(loss, self.beyond.table.at(inside)[:, 3])
         share = share + more
         off = (1 - angle * self.ideal.slope(angle) / self.ideal.torque(angle)) * self.amplitude_error(angle)
         return usual * (1 + share), usual * np.sqrt(error**2 + own**2 + off**2)
@@ -131,7 +128,8 @@ class Table:
 
 class Early(NamedTuple):
     """How much earlier turning points come, between two passages of the middle, than a friction of speed alone says: times the frequency, over the
-    loss, with its standard uncertainty. A friction that acts near the turning points makes them earlier, and the swing longer."""
+    loss, with its standard uncertainty, nan where it is not timed. A friction that acts near the turning points makes them earlier, and the swing
+    longer."""
 
     share: float
     u: float
@@ -139,6 +137,8 @@ class Early(NamedTuple):
     def stiffer(self, loss: Floats, usual: Floats) -> tuple[Floats, Floats]:
         """What is missing of the restoring torque, as a share of it, and its standard uncertainty, where swings have this ``loss`` and a friction
         of speed alone makes turning points as early as ``usual``."""
+        if not np.isfinite(self.u):
+            return 0 * loss, loss**2 / 3
         # where the friction ends in a step at the turning point, the polynomial through it hides a part
         excess = self.share * loss * (1 + np.pi * _STEP_SEEN if self.share > 0 else 1.0)
         more = _LONGER * excess * (2 * usual + excess)
@@ -403,8 +403,8 @@ def _period(
 
 def _early(
     swings: Sequence[HalfSwings], table: Table, beyond: Beyond, loss: Posterior, scale: float
-) -> Early | None:
-    """How early turning points are; None where no passages on both sides of them are timed."""
+) -> Early:
+    """How early turning points are."""
     found = []
     for one in swings:
         before, after = (np.isin(one.number + side, one.at) for side in (-0.5, 0.5))
@@ -417,12 +417,10 @@ def _early(
         lost = table.at(size) @ loss.mean[: table.rows.shape[1]] + beyond.table.at(size)[:, 0]
         # the time of a turning point is known in proportion to its amplitude
         found.append(size * np.vstack([lead - beyond.table.at(size)[:, 4], lost]))
-    if not found:
-        return None
-    lead, lost = np.hstack(found)
+    lead, lost = np.hstack(found) if found else np.zeros((2, 0))
     power = float(lost @ lost)
     if lead.size < _FEWEST_MARKS or not power > 0:
-        return None
+        return Early(0.0, np.nan)
     share = float(lead @ lost) / power
     left = lead - share * lost
     return Early(share, float(np.sqrt(left @ left / (lead.size - 1) / power)))

@@ -1,7 +1,7 @@
 """Linear regression on known laws and a smooth curve of any shape, with a band that holds both noise and what the laws do not follow.
 
-The curve is a Gaussian process; its size and its length are not chosen, but summed over by their marginal likelihood (Rasmussen and
-Williams, Gaussian Processes for Machine Learning, 2006, 2.2, 5.4), so that a band knows how little the data may say of them. Noise has a size that the residuals
+The curve is a Gaussian process; its size (the least is none to speak of) and its length are not chosen, but summed over by their marginal
+likelihood (Rasmussen and Williams, Gaussian Processes for Machine Learning, 2006, 2.2, 5.4), so that a band knows how little the data may say of them. Noise has a size that the residuals
 tell (restricted likelihood), and where neighbouring residuals are alike, their colour widens the band.
 """
 
@@ -16,6 +16,9 @@ from ..fitting.colour import autoregression
 
 _WIDTHS = (0.35, 0.8, 1.8)  # of the curve's features, in the logarithm of its argument
 _SIZES = 8  # of the curve over that of the laws, evenly in the logarithm
+_ODDS = np.r_[
+    0.5, np.full(_SIZES - 1, 0.5 / (_SIZES - 1))
+]  # that the laws are enough is as probable as that they are not
 _SHARE = 3.0  # times of the whole that a single law may be
 _FEWEST = 3.0  # degrees of freedom that the noise is known to
 _LONG = 40  # observations, from which a colour is asked for
@@ -77,6 +80,7 @@ def regression(
     likelihood, means, covariances, variances, frees = _each(
         gram, right, power, whole.reshape(-1, *gram.shape), first + size, freedom
     )
+    likelihood += np.log(np.tile(_ODDS, len(_WIDTHS)))
     weights = np.exp(likelihood - logsumexp(likelihood))
     mean = weights @ means
     away = means - mean
