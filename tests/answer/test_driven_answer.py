@@ -184,8 +184,8 @@ def test_what_is_missing_is_found_in_a_driven_swing():
             **WHEEL,
             **hidden,
         )
-        answer = swingdown.explain(times, swing, restoring="linear", **said)
+        answer = swingdown.explain(times, swing, restoring="linear", input_free="gain,delay", **said)
         assert [one["name"] for one in answer.verdict["effects"]] == list(hidden)
         assert not answer.verdict["removed"]
-        for name, value in hidden.items():
+        for name, value in (hidden | {"pivot_angle_gain": 1.0, "input_delay": 0.0}).items():
             assert abs(answer[name].value - value) < 4 * answer[name].u

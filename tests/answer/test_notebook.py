@@ -225,6 +225,35 @@ def test_a_swing_of_ones_own_parameters_is_the_same_for_the_same_seed():
         swingdown.simulate("viscous", TIMES, 0.35, **VALUES, viscosity=1)
 
 
+def test_the_parameters_of_a_simulation_bring_their_units_along(plain):
+    uncertainties = pytest.importorskip("uncertainties")
+    times = np.arange(0, 3, 0.01)
+    known = swingdown.simulate(
+        "viscous", times, np.radians(20), velocity=0.1, natural_frequency=2 * np.pi, viscous_ratio=0.01
+    )
+    angle = xr.DataArray(20.0, attrs={"units": "deg"})
+    again = swingdown.simulate(
+        "viscous",
+        UNITS.Quantity(1e3 * times, "ms"),
+        angle,
+        velocity=UNITS.Quantity(np.degrees(0.1), "deg/s"),
+        natural_frequency=UNITS.Quantity(60, "turn/min"),
+        viscous_ratio=uncertainties.ufloat(0.01, 0.001),
+    )
+    assert np.abs(known.values - again.values).max() < 1e-9
+    assert swingdown.simulate(
+        plain.model, times, 0.2, natural_frequency=plain["natural_frequency"]
+    ).values == pytest.approx(swingdown.simulate(plain.model, times, 0.2).values, abs=1e-4)
+    for more, told in (
+        ({"natural_frequency": UNITS.Quantity(1, "m")}, "natural_frequency: their unit is 'meter'"),
+        ({"viscous_ratio": "small"}, "viscous_ratio: 'small' is no number"),
+    ):
+        with pytest.raises(InputError, match=told):
+            swingdown.simulate(plain.model, times, 0.2, **more)
+    with pytest.raises(InputError, match=r"20 rad is more than half a turn.*np.radians\(20\)"):
+        swingdown.simulate(plain.model, times, 20)
+
+
 def test_what_a_cell_shows(plain, file):
     """Any notebook draws what has ``_repr_png_`` or ``_repr_html_``; a figure of matplotlib has neither by itself."""
     for figure in (plain.plot(), swingdown.read(file).plot()):

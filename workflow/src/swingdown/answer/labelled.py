@@ -65,6 +65,16 @@ def numbers(given: Any, what: str) -> Floats:
         raise InputError(what, f"they are no numbers ({problem})", "numbers, all in one row") from problem
 
 
+def value(given: Any, unit: str, what: str) -> float:
+    """One number in this unit, of a number, or of a quantity with a unit of its own; InputError for what is none."""
+    if (quantity := _quantity(given)) is not None:
+        given, _ = _in_units(quantity, ("" if unit == "1" else unit,), what)
+    try:
+        return float(getattr(given, "nominal_value", given))  # of the package uncertainties
+    except (TypeError, ValueError) as problem:
+        raise InputError(what, f"{given!r} is no number", f"a number in {unit}") from problem
+
+
 def _unit(given: Any) -> str:
     """The unit of an angle, or of its rate, that a series states; "" for none."""
     written = _written(given, "angle")

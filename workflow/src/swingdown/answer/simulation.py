@@ -40,7 +40,7 @@ def simulate(
     times
         Increasing times in s, of shape (time,).
     angle
-        Angle at the first time, in rad. Quantities of pint bring their units along.
+        Angle at the first time, in rad.
     velocity
         Angular velocity at the first time, in rad/s.
     restoring
@@ -52,7 +52,7 @@ def simulate(
     **values
         Values by parameter name, in the parameters' units: ``natural_frequency=7.25`` (rad/s), ``viscous_ratio=0.01``. They replace
         those of the model. ``input``, ``input_kind`` and more (``given.Driven``) are those of a measured drive: a label gets the
-        effect by which it acts, whose gain is a value like others where it is free.
+        effect by which it acts, whose gain is a value like others where it is free. Quantities of pint, here and above, bring their units along.
 
     Returns
     -------
@@ -73,7 +73,12 @@ def simulate(
     if drive:
         known = known.driven_by(drive)
     if values:
-        known = known.with_values({**known.values, **values}, known.standard_errors)
+        units = known.units
+        told = {
+            name: labelled.value(one, units[name], name) if name in units else one
+            for name, one in values.items()
+        }
+        known = known.with_values({**known.values, **told}, known.standard_errors)
     return swing_of(known, times, (None, angle, velocity), noise, seed)
 
 
@@ -100,14 +105,23 @@ def swing_of(
     """
     at = labelled.times(times)
     since, angle, velocity = begin
-    start = float(np.ravel(labelled.angles(angle)[0])[0])
+    given, stated = labelled.angles(angle)
+    start = float(np.ravel(np.radians(given) if stated == "deg" else given)[0])
+    if model.restoring == "sine" and abs(start) >= np.pi:
+        raise InputError("angle", f"{start:.4g} rad is more than half a turn", "an angle in rad, less than pi", f"of degrees write np.radians({start:g})")  # fmt: skip
+    noise = labelled.value(noise, READINGS[model.reading], "noise")
     if at.size and since is not None and at[0] < since:
         raise InputError("times", f"they begin at {at[0]:.6g} s, before the recording does", f"times from {since:.6g} s on", "give an angle to let it go from")  # fmt: skip
     if not noise >= 0:
         raise InputError("noise", f"{noise!r}", "a standard deviation, 0 or more")
     before = at.size and since is not None and since < at[0]
     try:
-        read = trajectory(model, np.concatenate([[since], at]) if before else at, start, float(velocity))
+        read = trajectory(
+            model,
+            np.concatenate([[since], at]) if before else at,
+            start,
+            labelled.value(velocity, "rad/s", "velocity"),
+        )
     except TrajectoryError as problem:
         raise InputError(
             "model", str(problem), "values of a pendulum that swings back and forth"

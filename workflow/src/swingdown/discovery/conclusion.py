@@ -56,7 +56,7 @@ def conclusion(state: Round, campaign: Campaign) -> dict[str, Any] | None:
         for p in effect.parameters
         if not p.each
     }
-    found = found | over_models(each, UNITS)
+    found = found | over_models(each, UNITS) | last.of_the_drive()
     return {
         "model": last.fit.model.label,
         "amplitude_rad": last.amplitude,
@@ -85,7 +85,8 @@ class _Told:
         self.fit = refit(Begin(fit.model, _begins(fit, state, campaign)), whole, grown=False, ended=True)
         self.motion = steady(self.fit.model.motion)
         known = uncertainty(self.fit, self.pairs, free=True)
-        self.covariance = _of(self.motion.parameters, self.fit, known.covariance)
+        self.known = known.covariance
+        self.covariance = _of(self.motion.parameters, self.fit, self.known)
         over = known.courses and known.courses.over(self.fit.free, self.motion.parameters)
         self.beside = over and Beside(*over)
         self.begins = known.courses.begins if known.courses else [0.0] * len(self.pairs)
@@ -102,6 +103,17 @@ class _Told:
     def quantities(self) -> dict[str, Quantity]:
         """The quantities by name, of the largest swing."""
         return quantities(self.motion, self.amplitude, self.covariance, self.beside)
+
+    def of_the_drive(self) -> dict[str, Quantity]:
+        """What was fitted of the sensor of a measured drive: gain and delay. They are no part of the pendulum by itself."""
+        model = self.fit.model
+        driven = [p for effect in model.effects if effect.takes_input for p in effect.parameters]
+        errors = np.sqrt(np.diag(_of(tuple(p.name for p in driven), self.fit, self.known)))
+        return {
+            p.name: Quantity(model.values[p.name], float(error), p.unit)
+            for p, error in zip(driven, errors, strict=True)
+            if p.name in self.fit.free
+        }
 
 
 def _said(fit: Fit, state: Round, campaign: Campaign) -> dict[str, Quantity]:
