@@ -89,6 +89,14 @@ def test_where_the_swing_hangs_does_not_matter():
     )
 
 
+@pytest.mark.parametrize("ratio", [0.7, 0.75])
+def test_a_pendulum_that_friction_stops_after_a_swing_has_no_decay_time(ratio):
+    """Neither one below 0, nor an error of the program."""
+    wound = {"presliding_friction": 0.05, "presliding_angle": 0.01}
+    found = quantities(pendulum("viscous+presliding", viscous_ratio=ratio, **wound), 0.3)
+    assert np.isnan(found["decay_time"].value)
+
+
 def test_a_pendulum_that_does_not_come_back_has_no_quality():
     found = quantities(pendulum("viscous", viscous_ratio=1.2), 0.3)
     assert np.isnan([found[name].value for name in ("period", "quality", "decay_time")]).all()
