@@ -124,3 +124,16 @@ def test_two_columns_of_lengths_are_asked_about(tmp_path):
 def test_a_workbook_is_read_as_text_is(tmp_path):
     pd.DataFrame({"length (m)": LENGTHS, "T (s)": PERIODS.round(3)}).to_excel(tmp_path / "timed.xlsx", index=False)  # fmt: skip
     assert np.allclose(timed(tmp_path / "timed.xlsx").table["period_s"], PERIODS, atol=6e-4)
+
+
+def test_in_a_folder_of_recordings_it_is_told_apart(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "class").mkdir()
+    times = np.arange(0, 12, 0.02)
+    rows = [f"{t:.2f},{20 * np.exp(-t / 30) * np.cos(4.8 * t):.3f}" for t in times]
+    written(tmp_path / "class", "time (s),angle (deg)", rows, "swing.csv")
+    written(tmp_path / "class", "length (m),T (s)", ["0.2,0.90", "0.4,1.27", "0.6,1.55"], "watch.csv")
+    assert main(["class", "--quick"]) == 0
+    told = capsys.readouterr().out
+    assert "watch.csv: NOT USED: it is a table of times that were taken by hand" in told
+    assert "swingdown watch.csv" in told and "T = " in told

@@ -27,6 +27,7 @@ from ..paths import PROJECT, for_spreadsheets, printable, write_csv, written_who
 from ..rounding import value_with_uncertainty
 from ..sealed import read_json
 from ..series import Series
+from ..series.hand_table import hand_table
 from ..studies.doubt import DoubtfulFit
 from ..studies.gravity import Gravity
 from ..studies.pendulums import in_order
@@ -268,6 +269,12 @@ def _read(
             label = found.label if isinstance(found, own.Refused) else found.row.get("label", "")
             name = path.name + (label.removeprefix(row.get("label", row["recording"])) if label else "")
             if isinstance(found, own.Refused):
+                if hand_table(path):
+                    found = found._replace(
+                        problem="it is a table of times that were taken by hand, not a recording",
+                        expected="recordings side by side, or such a table alone",
+                        mend=f"swingdown {path.name}",
+                    )
                 left_out.append(found)
                 if alone and len(parts) == 1:  # it ends the command, and is told there
                     continue
