@@ -154,7 +154,7 @@ def _quantities(rows: pd.DataFrame, found: Mapping[str, Any] | None) -> Table:
 _NOTES = (
     "In parentheses the standard uncertainty in units of the last digits: that of the fit, for residuals that need not be independent. "
     "Errors of the sensor's scale are not in it.",
-    "Period, Q and decay time are the fitted model's, let go at rest from this amplitude. Q is π over the logarithmic decrement of "
+    "Period and Q are those of the fitted model's first whole swing, at the amplitude in its middle. Q is π over the logarithmic decrement of "
     "the first whole swing; the decay time is that in which the amplitude falls to 1/e.",
     "Models of damping alone: where something is missing, their values absorb some of it.",
 )
