@@ -159,7 +159,7 @@ def test_where_the_time_is_spent_it_is_said():
     found = followed(sails(), CHANGED, Model("viscous+quadratic_drag"), budget_s=0.0)
     assert found.effect is None
     told = follows(found.to_dict("area_m2"))
-    assert told == "No effect was found to follow the area (not all were asked: the time for it is spent)."
+    assert told == "No effect was seen to follow the area (not all were asked: the time for it is spent)."
 
 
 def test_the_base_has_its_own_values_only_where_something_differs():

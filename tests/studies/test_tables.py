@@ -69,7 +69,7 @@ def test_table_3_has_error_bounds_first_and_the_papers_numbers_beside(published)
     assert list(table.groupby("campaign")["n"].unique().str[0]) == [12, 3]
     assert bench["note"].str.contains("emulated").all()
     assert not table[table["campaign"] == "mine"]["note"].str.contains("emulated").any()
-    assert table["note"].str.contains("another one than this").all()
+    assert table["note"].str.contains("apparatus, not this").all()
 
 
 def test_a_negative_coefficient_is_told(published):

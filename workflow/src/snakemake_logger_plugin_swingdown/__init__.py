@@ -161,5 +161,5 @@ class LogHandler(LogHandlerBase):
             return ""  # the job has printed what went wrong; this only repeats the command
         if "At least one job did not complete successfully" in text:
             done = f"{self.done} of {self.total} jobs are done and kept"
-            return f"Stopped. {done}; mend what is told above and run the same command again."
+            return f"Stopped. {done}; mend what is reported above and run the same command again."
         return text

@@ -92,12 +92,12 @@ def _parser() -> argparse.ArgumentParser:
         "--lang",
         default=ENGLISH,
         choices=languages(),
-        help="language of what is told and of the report (default: en); JSON and CSV files stay as they are",
+        help="language of the lines and of the report (default: en); JSON and CSV files stay English",
     )
     add(
         "--pdf",
         action="store_true",
-        help="the report as report.pdf, too; Chromium prints it, where there is one",
+        help="the report as report.pdf, too; Chromium, Chrome or Edge prints it",
     )
     add("--latex", action="store_true", help="the table as answer.tex, for booktabs")
     add("--xlsx", action="store_true", help="the table as answer.xlsx")
@@ -168,22 +168,22 @@ def _parser() -> argparse.ArgumentParser:
     add(
         "--input",
         metavar="COLUMN",
-        help="of what was measured of its drive; it acts in the model, and the swing is not asked whether it is free",
+        help="column of a drive that was measured; it acts in the model, and the swing need not be free",
     )
     add(
         "--input-kind",
         choices=["torque", "pivot_acceleration", "pivot_position", "pivot_angle"],
-        help="what the input is: a torque, or of the pivot the horizontal acceleration or position, or of a wheel the angle of its spring's other end",
+        help="what the input is: a torque, the pivot's horizontal acceleration or position, or the angle of the other end of a wheel's spring",
     )
     add(
         "--input-unit",
         metavar="UNIT",
-        help="of the input: rad/s^2 or any other of a torque, m/s^2 or g, m or mm, rad or deg",
+        help="unit of the input: any of a torque, m/s^2 or g, m or mm, rad or deg",
     )
     add(
         "--input-free",
         metavar="WHAT",
-        help="what of the input's sensor is to be found: gain, delay, gain,delay, nothing",
+        help="what of the input's sensor is fitted: gain, delay, gain,delay, nothing",
     )
     add(
         "--input-between",
@@ -215,13 +215,13 @@ def _parser() -> argparse.ArgumentParser:
         "--start",
         type=float,
         metavar="S",
-        help="leave out what is before this time, in s (start_s of the sheet)",
+        help="leave out all before this time, in s (start_s of the sheet)",
     )
     add(
         "--stop",
         type=float,
         metavar="S",
-        help="leave out what is after this time, in s (stop_s of the sheet)",
+        help="leave out all after this time, in s (stop_s of the sheet)",
     )
     add(
         "--directory", metavar="FOLDER", help="where a config's study is run (default: where the config lies)"

@@ -74,7 +74,10 @@ def job(config: dict, again: bool = False) -> Job:
         sheet = sheets.own(config["apparatus"], "apparatus")
         if not sheet.is_file():
             raise InputError(
-                sheet, "there is no such apparatus sheet", "one with the lengths measured", "write it first"
+                sheet,
+                "there is no such apparatus sheet",
+                "an apparatus sheet with the measured lengths",
+                "write it first",
             )
     else:
         sheet = sheets.own(config.get("recordings") or "recordings.csv", "recordings")

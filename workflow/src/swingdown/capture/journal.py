@@ -92,7 +92,7 @@ def read_journal(path):
         raise InputError(
             path,
             "there is no raw stream to recover",
-            "the one a killed capture leaves",
+            "the raw stream that a killed capture leaves",
             "nothing has to be recovered",
         ) from None
     except ValueError as error:

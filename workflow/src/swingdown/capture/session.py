@@ -42,7 +42,7 @@ def run(jobs, guide, views=(), stop=None, leave=None, say=print):
         raise InputError(
             "config, key recording",
             f"all {len(jobs)} recordings are there already, and no recording is ever overwritten",
-            "one that is not",
+            "a recording that is not there yet",
             "choose other names",
         )
     for job in jobs:

@@ -74,7 +74,7 @@ def follows(difference: Mapping[str, Any]) -> str:
     stopped = f" (not all were asked: {difference['stopped']})" if difference.get("stopped") else ""
     if not difference["effect"]:
         return (
-            f"No effect was found to follow {quantity}{stopped}."
+            f"No effect was seen to follow {quantity}{stopped}."
             if stopped
             else f"No effect follows {quantity}."
         )

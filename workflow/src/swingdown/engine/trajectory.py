@@ -153,7 +153,7 @@ def checked_times(times: Any) -> Floats:
     later = np.count_nonzero(times[1:] > times[:-1])
     if not (later == times.size - 1 and isfinite(times[0]) and isfinite(times[-1])):
         raise InputError(
-            "times", "not finite and increasing", "sample times in seconds, each later than the one before"
+            "times", "not finite and increasing", "sample times in seconds, each later than the time before"
         )
     return times
 

@@ -170,7 +170,7 @@ def _even_clock(times: Floats, signal: Floats) -> tuple[Floats | None, list[str]
             ]
     if repeated:
         return stamps, [
-            "samples that share a time, as of a clock with too few digits, were spread evenly over it"
+            "samples that share a time, for the clock has too few digits, were spread evenly over it"
         ]
     return None, []
 

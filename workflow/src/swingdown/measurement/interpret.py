@@ -296,7 +296,7 @@ def _coordinate(
             where,
             "it is the height of a bob without its partner x: it goes up and down twice a period"
             if height
-            else "its turning points of one side stay where they are, as of the height of a bob, which goes up and down twice a period",
+            else "its turning points of one side stay where they are: the height of a bob goes up and down twice a period",
             "the horizontal coordinate, or both",
             "export x too, or name its column ⟨in signal_column⟩",
         )

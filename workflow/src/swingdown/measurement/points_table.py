@@ -190,7 +190,7 @@ def _unit(readings: Floats, columns: Columns, row: Mapping[str, Any]) -> tuple[s
     coordinate = signal.kind == LENGTH or (signal.axis and columns.clock.axis != "x")  # y over x is a graph's
     if coordinate and not row["signal_unit"]:
         unit = signal.written or "units of its own"
-        return unit, [f"an amplitude in {unit} is no angle: how the period depends on it is not told"]
+        return unit, [f"an amplitude in {unit} is no angle: how the period depends on it is not reported"]
     return unit_of(readings, row["signal_unit"] or (signal.unit if signal.kind == ANGLE else ""))
 
 

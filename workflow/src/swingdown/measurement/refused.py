@@ -37,7 +37,7 @@ def refuse(problem: InputError, about: Mapping[str, Any], output: str | Path, kn
     title = "a recording that cannot be used"
     dataset.write(xr.Dataset(attrs={"title": title, "role": dataset.REFUSED, **told, **why}), output)
     name = told["recording"] or f"campaign {told['campaign']}"
-    return f"{name}: left out, as told before" if known else f"{name}: NOT USED: {problem}"
+    return f"{name}: left out, as reported before" if known else f"{name}: NOT USED: {problem}"
 
 
 def _named(about: Mapping[str, Any]) -> dict[str, str]:

@@ -161,7 +161,7 @@ def _sides(
             return None
         if not falls(np.abs(readings - middle)) and not stated:
             raise InputError(
-                place, "each value lies on the other side than the one before, and they do not fall: turning points, or fewer than three samples a period",
+                place, "each value lies on the other side than the value before, and they do not fall: turning points, or fewer than three samples a period",
                 "turning points of a pendulum that nothing drives, or more samples", _ALTERNATIVES,
             )  # fmt: skip
         return True, True, []

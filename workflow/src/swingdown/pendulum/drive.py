@@ -113,7 +113,7 @@ def drive(times: Any, values: Any, kind: str, between: str = "curve", free: Any 
             "input", f"{values.size} values for {times.size} times", "one for each time, four at least"
         )
     if not np.all(np.diff(times) > 0):
-        raise InputError("input", "its times do not increase", "times in s, each later than the one before")
+        raise InputError("input", "its times do not increase", "times in s, each later than the time before")
     if not np.isfinite(values).all():
         at = float(times[~np.isfinite(values)][0])
         raise InputError(

@@ -192,7 +192,7 @@ def half_swings(first: pd.DataFrame, last: pd.DataFrame) -> Figure:
         below.set_xlabel("amplitude (°)")
         if not np.isfinite(measured[column]).any():
             axes.annotate(
-                "not told by a rate" if len(measured) else "no half-swing",
+                "not shown by a rate" if len(measured) else "no half-swing",
                 (0.5, 0.5),
                 xycoords="axes fraction",
                 ha="center",

@@ -113,10 +113,10 @@ def _said(name: str, table: pd.DataFrame) -> Iterator[str]:
             null = table[table["size"] == 0]
             if len(null):
                 n = int(null["made"].sum())
-                yield f"{name}: where nothing was hidden, discovery found something in {round((null['found'] * null['made']).sum())} of {n} campaigns."
+                yield f"{name}: where nothing was hidden, the search reports something in {round((null['found'] * null['made']).sum())} of {n} campaigns."
             largest = table[table["size"] == table["size"].max()]
             yield (
-                f"{name}: of effects that leave {table['size'].max():g} times the noise, {_percent(largest['found'])} are found, "
+                f"{name}: of effects that leave {table['size'].max():g} times the noise, {_percent(largest['found'])} are reported, "
                 f"{_percent(largest['named'])} named alone, and {_percent(largest['said_wrong'])} named wrongly."
             )
 

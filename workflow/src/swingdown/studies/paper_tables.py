@@ -20,7 +20,7 @@ __all__ = ["comparison", "table2", "table3", "write_table"]
 PAPER = {"snr": 50, "noise": "proportional", "stream": "R", "seed": 150, "natural_frequency": 7.25, "viscous_ratio": 0.03,
          "quadratic_coefficient": 0.05, "load_friction": 0.012, "release_angle_deg": 20, "sampling_rate_hz": 100,
          "duration_s": 5, "start": "rest", "restoring": "sine", "form": "consistent"}  # fmt: skip
-OTHER_APPARATUS = "published: the paper's own apparatus, another one than this"
+OTHER_APPARATUS = "published: the paper's own apparatus, not this"
 
 
 def table2(norms: xr.Dataset, published: pd.DataFrame) -> pd.DataFrame:

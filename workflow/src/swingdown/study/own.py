@@ -218,7 +218,7 @@ def _without_rest(parts: list[Taken | Refused], path: Path) -> list[Taken | Refu
         if size < AT_REST * most:
             told = InputError(
                 path.name,
-                f"it moves by {100 * size / most:.2g} % of what another one in the file does: at rest beside it",
+                f"it moves by {100 * size / most:.2g} % of what another column of the file does: at rest beside it",
                 f"a swing of at least {100 * AT_REST:.0f} % of the widest in the file",
                 "give it alone, by its name ⟨in run⟩, if that is its swing",
             )

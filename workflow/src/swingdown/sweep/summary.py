@@ -52,7 +52,7 @@ IDENTIFICATION = BOTH | {
 }
 DETECTION = BOTH | {
     "share": (("said",), "1", "share of the campaigns that could be made in which discovery said so"),
-    "found": ((), "1", "share of campaigns in which something was found missing"),
+    "found": ((), "1", "share of campaigns in which something is reported missing"),
     "named": ((), "1", "share of campaigns in which the hidden effect was named, and it alone"),
     "size_of_effect": ((), "see the hidden effect's first parameter", "size of the hidden effect"),
     "left_by_base": ((), "1", "RMS that the base model leaves of the noise-free swings, over the noise"),

@@ -58,7 +58,7 @@ def table3(table: pd.DataFrame, material: Material) -> Table:
     if material.own:
         columns, rows = columns[:-1], [row[:-1] for row in rows]
     elif table["published_mean"].notna().any():
-        notes.append("The paper's column is for reference: its pendulum is another one.")
+        notes.append("The paper's column is for reference: its pendulum is another.")
     for row in table.itertuples():
         about = [part for part in str(row.note).split("; ") if "below 0" in part]
         notes += [

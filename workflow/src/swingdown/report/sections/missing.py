@@ -12,7 +12,7 @@ from ..page import Column, Figure, Item, Section, Table, Text
 
 _SEEN = {
     "remainder": "What the last model still lacks: a torque over angle and speed together, of what it is a function, and when it acts.",
-    "residuals": "What the base model and the last one leave of the swings that were worst at first, with the measured noise.",
+    "residuals": "What the base model and the last model leave of the swings that were worst at first, with the measured noise.",
     "gap": "The residual in units of the measured noise, move by move; the held-out swings had no part in any fit but their own releases.",
     "map": "The torque that is missing, over angle, velocity and time, from the equations of variation: no data are differentiated.",
     "difference": "The size of the effect that goes with what was changed, in each recording; all else is the same in all of them.",
