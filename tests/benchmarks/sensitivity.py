@@ -2,7 +2,7 @@
 
     .venv/bin/python tests/benchmarks/sensitivity.py [--only TEXT ...] [--campaigns TEXT ...] [--pickles FOLDER]
 
-``SETTINGS`` has the three numbers that decide, and every numerical setting of the search by which a verdict could change: whole numbers at
+``SETTINGS`` has the numbers that decide (discovery/guard.py), and every numerical setting of the search by which a verdict could change: whole numbers at
 least 1, shares at most 0.999. The campaigns are the frozen ones (tests/discovery/test_frozen.py), and those of others that
 ``labelled.py --pickles`` wrote to FOLDER. A verdict has changed where another effect is asserted, alone or in ties, or the status is another.
 ``_FEW`` and the like stand in signatures as well: both are changed.
@@ -26,13 +26,13 @@ sys.path.insert(0, str(Path(__file__).parents[1] / "discovery"))
 from test_frozen import CAMPAIGNS, swings
 
 SETTINGS = {
-    "judge": ("PROBABLE", "SHARE", "HELD_OUT", "TIES", "POSSIBLE"),
+    "judge": ("PROBABLE", "SHARE", "HELD_OUT", "TIES", "POSSIBLE", "CLEAR"),
     "structures": ("POSSIBLE",),
-    "verdict": ("_SURE",),
+    "verdict": ("CLEAR",),
     "friction": ("_ANGLES", "_EACH"),
     "discrepancy": ("_BINS", "_ANGLES", "_SPEEDS", "_TIMES", "_SMOOTH", "_KEPT", "_SEEN", "_NOISE_KNOWN", "_ANY", "_FINE"),
     "search": ("_QUIETER", "_AGAIN"),
-    "admissible": ("_DETERMINED", "_VAGUE"),
+    "admissible": ("CLEAR", "_VAGUE", "_HOPELESS"),
     "ranking": ("_PROMISING", "_HOPEFUL", "_FIRST", "_WIDE", "_FEW", "_FAR", "_FELL_SHORT", "_NUDGED", "_SHARES", "_SHAPES"),
     "evidence": ("TIE",),
     "candidates": ("WIDEST", "_FIRST"),

@@ -221,6 +221,23 @@ def test_what_could_as_well_be_nothing_or_is_slower_than_the_recording_is_no_fin
     assert not doubt or found["stand_ins"][0]["doubt"].startswith(doubt)
 
 
+def test_a_size_that_may_be_nothing_beside_what_has_no_name_is_never_asserted():
+    """4 ± 28, as it is reported: that the fit alone would have it 4 ± 0.7 is no reason to assert it."""
+    first = state(0, missing=True, chosen="constant_torque", holdout=3.0)
+    size = {"constant_torque": {"value": 4.0, "standard_error": 28.0, "unit": "rad/s^2"}}
+    last = state(
+        1,
+        missing=False,
+        found=["constant_torque"],
+        effects=("viscous", "constant_torque"),
+        parameters=size,
+        holdout=1.01,
+    )
+    found = verdict([first, last | {"widened": {"constant_torque": 40.0}}])
+    assert found["effects"] == []
+    assert [one["name"] for one in found["stand_ins"]] == ["constant_torque"]
+
+
 def test_nothing_is_named_where_another_unit_would_do_its_work():
     first = state(0, missing=True, chosen="constant_torque", holdout=3.0)
     doubt = "the unit is in doubt (degrees taken for rad?): damping leaves 30 mrad"

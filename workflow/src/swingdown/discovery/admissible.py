@@ -7,9 +7,9 @@ import numpy as np
 from ..fitting.result import Fit
 from ..pendulum.effect import NATURAL_FREQUENCY
 from .campaign import Noise, Swing
+from .guard import CLEAR
 from .refit import widest
 
-_DETERMINED = 3.0  # standard errors that an effect's size must be from nothing
 _HOPELESS = 1.5  # times what the best leaves
 _VAGUE = 1.0  # standard error over value, of a shape that is not determined
 
@@ -35,7 +35,7 @@ def inadmissible(fit: Fit, added: str | None, noise: Noise) -> str:
         return ""
     if not is_there(fit, added):
         return f"{size.name} wants to be below {size.lower:g} {size.unit}"
-    if _DETERMINED * fit.model.standard_errors.get(size.name, 0.0) > abs(values[size.name]):
+    if CLEAR * fit.model.standard_errors.get(size.name, 0.0) > abs(values[size.name]):
         return f"{size.name} is not determined"
     for parameter in effect.parameters:
         if parameter.apart_from_swing:

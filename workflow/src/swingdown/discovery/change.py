@@ -30,11 +30,10 @@ from .budget import Budget
 from .campaign import Campaign, Noise, Swing
 from .candidates import additions, starts_to_add
 from .discrepancy import Unnamed
-from .judge import PROBABLE, SHARE, TIES
+from .guard import POSSIBLE, PROBABLE, SHARE, TIES
 from .linear import Frame, columns_of, explained, frame
 from .refit import FAILURES, opened, refit
 from .rounds import first_fit, noise_of
-from .structures import POSSIBLE
 
 _FITTED = 8  # effects that are fitted, of those that promise most
 _FEWEST = 2  # values of what was changed

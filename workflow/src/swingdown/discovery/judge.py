@@ -1,28 +1,20 @@
-"""What is said of an effect, by three numbers (guard.yaml).
+"""What is said of an effect, by the numbers of ``guard``.
 
-- ``PROBABLE``: the probability that it is there, or one of a tie of at most four, among all structures that were looked at, an
-  unnamed torque beside the base among them. An effect is told at the odds at which one is wrong of a hundred.
-- ``SHARE``: of what the model lacks without it, so much may be left with it. What leaves more is not the thing that is missing. Of an
-  effect that takes energy it is asked of what only such an effect could do (``friction``): a spring that the model lacks as well, or
-  a natural frequency that drifts, says nothing of friction.
-- ``HELD_OUT``: the same of swings that no fit has seen, which know nothing of how the effect was chosen.
+The probability is that it is there, or one of its tie, among all structures that were looked at, an unnamed torque beside the base among
+them. Of an effect that takes energy the shares are asked of what only such an effect could do (``friction``): a spring that the model lacks
+as well, or a natural frequency that drifts, says nothing of friction.
 """
 
 from dataclasses import dataclass
-from importlib import resources
 
 import numpy as np
-import yaml
 
 from ..engine.trajectory import TrajectoryError
 from . import friction
 from .campaign import Noise
 from .confirm import gap, predict
-from .structures import POSSIBLE, Key, Pool, Structure
-
-GUARD = yaml.safe_load(resources.files(__package__).joinpath("guard.yaml").read_text())
-PROBABLE, SHARE, HELD_OUT = (GUARD[name] for name in ("probable", "share", "held_out"))
-TIES = 4
+from .guard import CLEAR, HELD_OUT, POSSIBLE, PROBABLE, SHARE, TIES
+from .structures import Key, Pool, Structure
 
 
 @dataclass(frozen=True)
@@ -112,7 +104,7 @@ def _at_its_values(pool: Pool, best: Structure, name: str) -> set[str]:
         if simpler is None or there is None:
             continue
         values, errors = there.fit.model.values, there.fit.model.standard_errors
-        if all(abs(values[p] - wanted) <= 2 * errors.get(p, 0.0) for p, wanted in simpler.at.items()):
+        if all(abs(values[p] - wanted) <= CLEAR * errors.get(p, 0.0) for p, wanted in simpler.at.items()):
             found.add(richer.name)
     return found
 
@@ -126,7 +118,7 @@ def _nearly(best: Structure, name: str) -> list[str]:
         for simpler in best.fit.model.catalogue[name].contains
         if simpler.name not in best.key
         and simpler.at
-        and all(abs(values[p] - wanted) <= 2 * errors.get(p, 0.0) for p, wanted in simpler.at.items())
+        and all(abs(values[p] - wanted) <= CLEAR * errors.get(p, 0.0) for p, wanted in simpler.at.items())
     ]
 
 
@@ -168,9 +160,9 @@ def _of_friction(pool: Pool, best: Structure, without: Structure) -> tuple[float
 
 
 def _share(noise: Noise, samples: int, now: float, then: float) -> float:
-    """What is left of a mean square beyond what the noise allows (two standard deviations), as a share in size of what was left then
+    """What is left of a mean square beyond what the noise allows, as a share in size of what was left then
     beyond the noise; infinite where that was nothing."""
-    allowed = noise.deviation**2 * (1 + 2 * np.hypot(np.sqrt(2 / noise.effective(samples)), noise.known))
+    allowed = noise.deviation**2 * (1 + CLEAR * np.hypot(np.sqrt(2 / noise.effective(samples)), noise.known))
     if then <= allowed:
         return np.inf
     return float(np.sqrt(max(now - allowed, 0.0) / (then - noise.deviation**2)))

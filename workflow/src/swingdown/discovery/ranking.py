@@ -21,11 +21,11 @@ from .candidates import (
     without,
 )
 from .evidence import TIE, Candidate, best_first, evidence
+from .guard import POSSIBLE
 from .linear import Frame, frame
 from .mimics import mimics
 from .pairs import plain, starts_of_pairs
 from .refit import nudged, refit, refit_by_the_widest, with_effect
-from .structures import POSSIBLE
 
 ENDLESS = Budget()
 _PROMISING = 0.05  # of the best predicted gain: candidates below are not refitted, a linear step already tells them off

@@ -5,7 +5,7 @@
    leaves nothing.
 3. Look at each of these structures in the same way, and go on from the most probable, until that is one that was gone on from.
 4. Fit the most probable structure without each of its effects, and with others in the place of each: what else would do.
-5. Judge each effect that it adds by three numbers (``judge``). Swings that are held out are asked here, and nowhere before. Effects
+5. Judge each effect that it adds by the numbers of ``guard`` (``judge``). Swings that are held out are asked here, and nowhere before. Effects
    that take away too little of what is missing are left out one by one, where any is left that takes away enough.
 6. Fit each law of damping beside what else the structure has: the pendulum's values are told from all of them (``conclusion``).
 
@@ -27,7 +27,8 @@ from .budget import Budget
 from .campaign import Campaign
 from .candidates import without
 from .evidence import Candidate
-from .judge import POSSIBLE, told_of
+from .guard import POSSIBLE
+from .judge import told_of
 from .laws import damping, with_each_law
 from .next_swing import NextSwing, next_swing
 from .own_frequency import with_own_frequencies

@@ -17,11 +17,11 @@ from ..pendulum.effect import NATURAL_FREQUENCY
 from .campaign import Campaign, Noise
 from .candidates import without
 from .discrepancy import Discrepancy, Unnamed
+from .guard import POSSIBLE
 from .linear import Frame, frame
 from .refit import FAILURES, refit
 
 Key = frozenset[str]
-POSSIBLE = 0.01  # probability of nothing that is missing, above which that is what is told
 OWN = "a frequency each"  # in a key: recordings that have a natural frequency each
 
 

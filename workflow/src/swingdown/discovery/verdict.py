@@ -11,12 +11,11 @@ from ..pendulum.effect import NATURAL_FREQUENCY, Effect
 from ..pendulum.formula import evaluate
 from ..studies.left_out import NO_VERDICT
 from ..studies.quantities import Quantity, loss_seen
-from .judge import GUARD
+from .guard import CLEAR, GUARD
 from .locate import KINDS
 from .next_swing import APART
 from .sentence import follows, sentence
 
-_SURE = 2.0  # standard errors that a value must be from nothing to be one
 _LET_GO = "Switch off what drives it, or record until its swings are smaller."
 _TOLD = 0.001  # probability of an effect, below which it is not listed
 
@@ -151,8 +150,8 @@ def _no_finding(effect: Effect, values: Mapping[str, Any], told: Mapping[str, An
         free = beside or parameter.role in ("phase", "range") or parameter.each
         if free or value is None:
             continue
-        if error is not None and abs(value) < _SURE * error:
-            return f"{parameter.name} is no more than {_SURE:g} standard errors from nothing"
+        if error is not None and abs(value) < CLEAR * error:
+            return f"{parameter.name} is no more than {CLEAR:g} standard errors from nothing"
         if parameter.at_line and value * (told.get("duration_s") or np.inf) < 1:
             return f"{parameter.name} is less than one in the longest recording"
     return ""

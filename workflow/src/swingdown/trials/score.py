@@ -9,7 +9,7 @@ import pandas as pd
 from scipy.stats import binomtest
 
 from ..discovery.campaign import Noise
-from ..discovery.verdict import GUARD
+from ..discovery.guard import GUARD
 from ..pendulum.catalogue import SHIPPED, Catalogue
 from ..sealed import read_csv
 from .trial import CORRELATION
