@@ -69,7 +69,7 @@ def guessed_in(table: Table) -> bool:
 
 def may_be_it(table: Table, row: Mapping[str, Any]) -> list[str]:
     """The columns of which each may be the swing, as far as names and units say, where the sheet's ``row`` names none; of one alone, none."""
-    if row["signal_column"]:
+    if row["signal_column"] or row["time_column"] not in ("", *table.names):
         return []
     if says_nothing(table):
         return list(table.names)
