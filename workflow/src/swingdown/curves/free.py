@@ -30,6 +30,9 @@ _LEAST_LOSS, _LEAST_STIFFNESS = 3e-3, 1e-6  # of the smooth curve that no law ha
 _STEP_SEEN = 0.108
 _LONGER = 1.25  # period squared over its usual one, less 1, over the square of what a turning point comes early by: 1 viscous, 1.2 to 1.3 others
 _ONLY_SO = 1 / 3  # of that: how well it holds for laws of any kind
+_SECOND = (
+    1 / 8
+)  # of the loss: how well turning points are known to come early, which is computed to first order
 
 
 class Course(NamedTuple):
@@ -142,13 +145,14 @@ class Early(NamedTuple):
         # where the friction ends in a step at the turning point, the polynomial through it hides a part
         excess = self.share * loss * (1 + np.pi * _STEP_SEEN if self.share > 0 else 1.0)
         more = _LONGER * excess * (2 * usual + excess)
-        return more, np.hypot(2 * _LONGER * (usual + excess) * self.u * loss, _ONLY_SO * more)
+        u = np.hypot(self.u, _SECOND * loss) * loss
+        return more, np.hypot(2 * _LONGER * (usual + excess) * u, _ONLY_SO * more)
 
 
 class Beyond(NamedTuple):
     """What a friction of speed alone does beyond the first order of the loss, by amplitude (columns): to the loss, and to the time between turning
-    points and between passages through the middle, over that of an ideal pendulum; how early a turning point is between two passages, times the
-    frequency, and how early the polynomial through it says."""
+    points and between passages through the middle, over that of an ideal pendulum; how late a passage is between two turning points, times the
+    frequency, and how early a turning point is between two passages, as the polynomial through it shows it."""
 
     table: Table
 
@@ -182,14 +186,14 @@ class Beyond(NamedTuple):
         for _ in range(4):
             before, after = here + loss_at(before) / 2, here - loss_at(after) / 2
         between = (duration(before) + duration(after)) / 2 + beside(after) - beside(before)
-        early = found.passage - found.duration / 2
-        step = 2 * float(drag[0]) / ideal.torque(at)
+        lead = (duration(after) - duration(before)) / 4 + (beside(after) + beside(before)) / 2
+        step = 2 * float(drag[0]) / ideal.torque(at[2:-2])
         columns = (
             CubicSpline(np.log(at), found.loss - losses(ideal, basis, at) @ mean),
             CubicSpline(np.log(at), found.duration / usual - 1),
             CubicSpline(here, between / usual[2:-2] - 1),
-            CubicSpline(np.log(at), early),
-            CubicSpline(np.log(at), early - _STEP_SEEN * step),
+            beside,
+            CubicSpline(here, lead - _STEP_SEEN * step),
         )
         place = np.log(amplitude)
         inside = [one(np.clip(place, one.x[0], one.x[-1])) for one in columns]
