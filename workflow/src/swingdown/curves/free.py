@@ -30,9 +30,7 @@ _LEAST_LOSS, _LEAST_STIFFNESS = 3e-3, 1e-6  # of the smooth curve that no law ha
 _STEP_SEEN = 0.108
 _LONGER = 1.25  # period squared over its usual one, less 1, over the square of what a turning point comes early by: 1 viscous, 1.2 to 1.3 others
 _ONLY_SO = 1 / 3  # of that: how well it holds for laws of any kind
-_SECOND = (
-    1 / 8
-)  # of the loss: how well turning points are known to come early, which is computed to first order
+_SECOND = 1 / 8  # of the loss: how well it is known how early turning points are, to first order
 
 
 class Course(NamedTuple):
