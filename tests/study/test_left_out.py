@@ -196,6 +196,7 @@ def test_the_command_leaves_out_the_same_for_the_same_reasons(study, files, monk
     assert table.loc["one", "period_s"] == pytest.approx(whole.loc["whole-1", "period_s"], rel=1e-12)
 
 
+@pytest.mark.slow("runs of the workflow")
 @pytest.mark.parametrize(
     ("rows", "words"),
     [

@@ -101,6 +101,7 @@ def test_a_dry_run_tells_fits_chunks_and_hours_and_writes_nothing(snakemake, roo
     assert not (tmp_path / "results").exists()
 
 
+@pytest.mark.slow("a sweep")
 def test_every_draw_is_told_to_be_there(swept):
     assert "80 draws, all there, from 3 chunks" in swept[1]
 
@@ -151,6 +152,7 @@ def test_the_report_shows_the_maps_of_sweeps_that_were_made(mapped, root):
     ]  # fmt: skip
 
 
+@pytest.mark.slow("a sweep")
 def test_nothing_is_left_to_do_and_what_is_new_is_all_that_would_run(planned, swept):
     folder, _ = swept
     assert planned(folder, (DATA, *write(folder)[1:])) == {}

@@ -100,6 +100,7 @@ def test_a_trial_in_volts_needs_an_apparatus(tmp_path):
         verdicts(tmp_path, Planned("calibrated", (), 1.0, "white", 0))
 
 
+@pytest.mark.slow("a search")
 def test_an_effect_that_the_catalogue_lacks_is_unknown_and_named_after_nothing_else(tmp_path):
     ((one,), found) = verdicts(tmp_path, Planned("removed", ("base_vibration",), 2.0, "white", 0), rounds=1)
     verdict = found["c0"]["verdict"]
@@ -109,6 +110,7 @@ def test_an_effect_that_the_catalogue_lacks_is_unknown_and_named_after_nothing_e
     assert "base_vibration" not in verdict["sentence"]
 
 
+@pytest.mark.slow("a search")
 def test_a_recording_that_the_import_refuses_is_left_out_and_told(tmp_path):
     rows, _ = write_trial(drawn(SEED, Planned("null", (), 1.0, "white", 0)), SEED, "c0", tmp_path)
     sheet = pd.DataFrame(rows).drop(columns="sha256")
