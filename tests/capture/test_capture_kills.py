@@ -37,7 +37,8 @@ def killed(line, after, **more):
     process = subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE)
     process.stdout.readline()
     line.play(swing())
-    time.sleep(0.2 + after)
+    line.begun.wait(30)
+    time.sleep(after)
     process.send_signal(signal.SIGKILL)
     process.wait()
 

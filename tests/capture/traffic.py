@@ -2,6 +2,7 @@
 
 import os
 import pty
+import select
 import threading
 import time
 import tty
@@ -43,20 +44,27 @@ class Line:
         tty.setraw(slave)
         self.port = os.ttyname(slave)
         os.close(slave)
-        self._thread = None
+        self._thread, self._over, self.begun = None, threading.Event(), threading.Event()
 
     def send(self, data):
         os.write(self._board, data)
 
     def play(self, pieces, unplug=False):
-        """Sends (pause in s, bytes) in the background, then unplugs."""
+        """Sends (pause in s, bytes) in the background once the port is open, then unplugs; ``begun`` is set when it sends."""
+        self._end()
+        self._over.clear()
+        self.begun.clear()
 
         def run():
-            time.sleep(0.2)  # the recording opens the port, which empties it
+            self._wait_until_open()
+            if self._over.wait(0.2):  # whoever opens the port empties it
+                return
+            self.begun.set()
             due = time.monotonic()
             for pause, data in pieces:
                 due += pause
-                time.sleep(max(due - time.monotonic(), 0))
+                if self._over.wait(max(due - time.monotonic(), 0)):
+                    return
                 self.send(data)
             if unplug:
                 time.sleep(0.1)
@@ -65,12 +73,23 @@ class Line:
         self._thread = threading.Thread(target=run, daemon=True)
         self._thread.start()
 
+    def _wait_until_open(self):
+        """Until a recording has the port: the other end of a pseudo-terminal is hung up as long as nobody has it open."""
+        line = select.poll()
+        line.register(self._board, 0)
+        while line.poll(0) and not self._over.wait(0.005):
+            pass
+
     def unplug(self):
         if self._board is not None:
             os.close(self._board)
             self._board = None
 
-    def close(self):
+    def _end(self):
+        self._over.set()
         if self._thread:
             self._thread.join(10)
+
+    def close(self):
+        self._end()
         self.unplug()
