@@ -367,3 +367,59 @@ def test_a_swing_of_which_the_law_lacks_something_has_the_amplitude_and_the_peri
     found = swingdown.fit(times, angle)
     assert found.row["amplitude_rad"] == pytest.approx(1.34, rel=0.01)
     assert found["period"].value == pytest.approx(cycle(truth, 1.34).period, rel=0.01)
+
+
+@pytest.mark.parametrize(("release", "told"), [(1.4, True), (0.25, False)])
+def test_where_a_stop_watch_shows_it_the_course_of_the_period_is_told(release, told):
+    model = Model("viscous", {"natural_frequency": 6.2, "viscous_ratio": 0.03})
+    angle = simulate(model, TIMES, release) + NOISE * np.random.default_rng(3).standard_normal(TIMES.size)
+    row = swingdown.fit(TIMES, angle).row
+    ends = re.search(
+        r"the first and the last swing the period goes from (\S+)\(\d+\) to (\S+)\(\d+\) s",
+        str(row.get("note")),
+    )
+    assert bool(ends) == told
+    if told:
+        assert float(ends[1]) == pytest.approx(cycle(model, release).period, rel=1e-3)
+        assert float(ends[2]) == pytest.approx(2 * np.pi / 6.2, rel=0.01)
+
+
+def test_even_swings_that_keep_their_size_and_that_no_model_follows_tell_their_period_alone():
+    """A weight on a spring that hardly loses anything in seven swings, beyond the reach of its sensor on one side."""
+    times = np.arange(0, 5, 0.01)
+    seen = np.minimum(np.sin(2 * np.pi * times / 0.72), 0.4) + 0.003 * np.random.default_rng(
+        1
+    ).standard_normal(times.size)
+    with pytest.warns(DoubtfulFit):
+        found = swingdown.fit(times, seen, unit="rad", restoring="linear")
+    assert found["period"].value == pytest.approx(0.72, rel=3e-3)
+    assert "does not die away" in found.sentence and set(found.quantities) <= {"period", "natural_frequency"}
+
+
+def test_a_spring_needs_no_unit_for_its_period(first, tmp_path):
+    """Readings from 10 to 22 of nobody knows what: in rad that is two turns, which a wheel may do."""
+    spring = Model("viscous", TRUTH, restoring="linear")
+    path = written(tmp_path / "cm.txt", "", TIMES, 16 + 6 * simulate(spring, TIMES, 1.0), separator="\t")
+    row = first(path, "--restoring", "linear")
+    assert (
+        row["period_s"] == pytest.approx(2 * np.pi / 6.2, rel=1e-4)
+        and row["amplitude_text"] == "the first swing"
+    )
+
+
+def test_an_acceleration_swings_as_the_weight_on_its_spring_does(first, tmp_path):
+    spring = Model("viscous", TRUTH, restoring="linear")
+    seen = -9.81 - 0.5 * simulate(spring, TIMES, 1.0)
+    path = written(tmp_path / "spring.csv", "Time (s),Ay (m/s²),F (N)", TIMES, seen, 0.2 * seen)
+    with pytest.raises(InputError, match="name the column"):
+        swingdown.read(path)
+    for column in ("Ay (m/s²)", "F (N)"):
+        row = first(path, "--restoring", "linear", "--column", column)
+        assert row["period_s"] == pytest.approx(2 * np.pi / 6.2, rel=1e-4)
+
+
+def test_a_refused_swing_of_several_columns_that_mean_the_same_names_them(tmp_path):
+    draws = np.random.default_rng(4).standard_normal((2, TIMES.size))
+    path = written(tmp_path / "two.csv", "time,theta0,theta1", TIMES, np.cumsum(draws[0]) / 40, swing())
+    with pytest.raises(InputError, match="name the column .*theta0, theta1"):
+        swingdown.read(path).fit()

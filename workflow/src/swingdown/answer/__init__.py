@@ -195,8 +195,11 @@ def _of_swings(
     entries = catalogue(effects)
     label = described_by(norms, entries)
     table = pendulums(norms, [] if len(given) == 1 else [together], catalogue=entries)
-    if checked:
-        ask_counted(table, given)
+    if courses := ask_counted(table, given) if checked else {}:
+        own = table.get("note", pd.Series("", index=table.index)).fillna("")
+        table["note"] = [
+            joined(note, courses.get(name, "")) for name, note in zip(table["recording"], own, strict=True)
+        ]
     # a motor's period is that of its swings, whatever their unit
     steady = (table["model"] == NOT_DYING).any()
     again = {str(one.attrs["recording"]): str(one.attrs.get(TOLD, "")) for one in given}

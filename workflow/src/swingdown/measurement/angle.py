@@ -26,6 +26,7 @@ PAPER_BOUND = "half width of the paper's bound, limits added: it holds some 90 %
 _RAD = {"rad": 1.0, "deg": pi / 180} | TO_RAD_PER_S
 _PARTS = ("standard_uncertainty", "random_uncertainty", "systematic_uncertainty", "bound")
 _CARRIED = (
+    "columns_alike",
     "label",
     "unit_told",
     "scale",

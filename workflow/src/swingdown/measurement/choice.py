@@ -148,12 +148,16 @@ def with_rising_time(table: Table, row: Mapping[str, Any]) -> tuple[Table, Mappi
     return table, {**row, "time_column": rising[0]}, [told]
 
 
-def columns_of(table: Table, row: Mapping[str, Any], place: str) -> Chosen:
-    """The columns of time and swing, by the ``row`` of the sheet and their headers; InputError where these are none, or their units do not fit."""
+def columns_of(table: Table, row: Mapping[str, Any], place: str, restoring: str = "sine") -> Chosen:
+    """The columns of time and swing, by the ``row`` of the sheet and their headers; InputError where these are none, or their units do not fit.
+
+    What a spring pulls back has force and acceleration in step with its way: whatever the column that the sheet names then holds swings as it does.
+    """
     name = row["file"]
     for position, key in enumerate(("time_column", "signal_column")):
         _check_column(table.names, row[key], position, name, place, key)
-    stated = row["time_unit"], row["signal_unit"]
+    as_it_does = "any" if restoring == "linear" and row["signal_column"] else ""
+    stated = row["time_unit"], row["signal_unit"] or as_it_does
     clock, found = choose(
         table.names, row["time_column"], row["signal_column"], f"{name} ({place})", stated, table.units
     )

@@ -285,7 +285,8 @@ def _checked(one: Meaning, others: list[Meaning], place: str, stated: str) -> Me
     }
     if one.written.lower() in _ACCELERATIONS:
         mends[OTHER] = (
-            "record the gyroscope in the same way: an accelerometer that rides on the bob tells no angle"
+            "record the gyroscope in the same way: an accelerometer that rides on the bob tells no angle; for a weight on a spring, whose "
+            "acceleration swings as it does, write ⟨restoring=linear⟩ and name the column ⟨in signal_column⟩"
         )
     what = _saying(one)
     raise InputError(

@@ -22,6 +22,7 @@ from .choice import (
 from .clock import in_order, parts
 from .columns import (
     LENGTH,
+    OTHER,
     RATE,
     SPEED,
     axes_beside,
@@ -115,7 +116,7 @@ def interpret(table: Table, row: Mapping[str, Any], place: str, restoring: str) 
     rising = still + rising
     drives = input_of(table, row, place)
     columns = columns_of(
-        table._replace(names=tuple(one for one in table.names if one not in drives)), row, place
+        table._replace(names=tuple(one for one in table.names if one not in drives)), row, place, restoring
     )
     names, unsaid = [one.name for one in columns.found], []
     if columns.found[0].kind == RATE and not row["signal_column"]:
@@ -245,8 +246,9 @@ def _reading(
         return Reading(unit, True, 0.0 if scale is None else scale, restoring)
     if unit in TO_RAD_PER_S:
         return Reading(unit, True, 0.0, restoring)
-    if scale is not None and np.isnan(scale):
-        return Reading(NO_SCALE, True, np.nan, restoring)  # asked for by ``relative``: period and decay alone
+    # asked for by ``relative``: period and decay alone; so are a force and an acceleration, in step with what a spring pulls back
+    if (scale is not None and np.isnan(scale)) or columns.found[0].kind == OTHER:
+        return Reading(NO_SCALE, True, np.nan, restoring)
     if unit:
         return Reading(unit, True, in_rad(unit), restoring)
     if columns.found[0].kind == RATE:

@@ -60,16 +60,33 @@ def _longest(times: Floats, signal: Floats) -> tuple[int, int]:
 def in_step_and_dying(times: Floats, signal: Floats) -> bool:
     """True for a swing of ENOUGH half-swings or more whose passages of the middle are even and whose size falls: whatever its model, they
     tell its period."""
+    sizes = _sizes_in_step(times, signal)
+    part = len(sizes) // 3
+    return part > 0 and bool(np.median(sizes[-part:]) < DYING * np.median(sizes[:part]))
+
+
+def in_step_and_steady(times: Floats, signal: Floats) -> bool:
+    """True for a swing of ENOUGH half-swings or more whose passages of the middle are even and whose sizes are all alike: they tell its period,
+    and nothing of what stops it."""
+    sizes = _sizes_in_step(times, signal)
+    part = len(sizes) // 3
+    if not part:
+        return False
+    falls = np.median(sizes[-part:]) < DYING * np.median(sizes[:part])
+    return bool(not falls and np.quantile(sizes, 0.95) < GROWS * np.quantile(sizes, 0.05))
+
+
+def _sizes_in_step(times: Floats, signal: Floats) -> Floats:
+    """From turning point to turning point, of a swing whose passages of the middle are even; none of another, or of fewer than ENOUGH."""
     swings = half_swings(signal)
     passed = passages(times, signal, swings.centre() if len(swings.starts) > 4 else 0.0)
     periods, sizes = passed[2:] - passed[:-2], np.abs(np.diff(swings.turns[1:-1]))
-    part = len(sizes) // 3
-    if len(passed) < ENOUGH or part < 2:
-        return False
+    if len(passed) < ENOUGH or len(sizes) < 6:
+        return np.empty(0)
     usual = float(np.median(periods))
     even = float(np.median(np.abs(np.diff(periods)))) < EVEN * usual
     in_step = float(np.mean(np.abs(periods - usual) < STEADY * usual)) >= ALL
-    return bool(even and in_step and np.median(sizes[-part:]) < DYING * np.median(sizes[:part]))
+    return sizes if even and in_step else np.empty(0)
 
 
 def evenness(signal: Floats) -> float:

@@ -81,6 +81,8 @@ def ingest(
         try:
             found = interpret(table, row, place, restoring)
             about |= {OPEN: "yes"} if may_be_read_again(row, found.guessed) else {}
+            if others := may_be_it(table, row):
+                about["columns_alike"] = ", ".join(others)
             return _dataset(row, table, found, about, place)
         except (SeveralRuns, SeveralReleases):
             raise

@@ -131,18 +131,18 @@ def angle_unit(signal: Floats, unit: str, restoring: str, place: str) -> tuple[s
     if not too_far("rad"):
         return "rad", []
     turns = f"no unit is stated, and in rad it would swing back and forth by {reach.max() / TURNS['rad']:.3g} turns"
-    if too_far("deg"):
-        return NO_SCALE, [
-            f"{turns}, in degrees by {reach.max() / 360:.3g}: TAKEN AS A READING OF UNKNOWN SCALE. Period and decay need none; "
-            "for angles state the degrees that one unit is worth ⟨in scale⟩"
-        ]
-    if restoring == "linear" and far < 3 * TURNS["rad"]:
-        raise InputError(
-            place,
-            f"{turns}, which a wheel on a spring may do",
-            "a unit: in rad and in degrees it is possible",
-            "write rad or deg ⟨in signal_unit⟩",
+    # a spring's period is the same for all swings: it needs no unit
+    wheel = restoring == "linear" and far < 3 * TURNS["rad"]
+    if wheel or too_far("deg"):
+        doubt = "which a wheel on a spring may do" if wheel else f"in degrees by {reach.max() / 360:.3g}"
+        mend = (
+            "write rad or deg ⟨in signal_unit⟩"
+            if wheel
+            else "state the degrees that one unit is worth ⟨in scale⟩"
         )
+        return NO_SCALE, [
+            f"{turns}, {doubt}: TAKEN AS A READING OF UNKNOWN SCALE. Period and decay need none; for angles {mend}"
+        ]
     return "deg", [f"{turns}: TAKEN AS DEGREES (⟨signal_unit⟩ says otherwise)"]
 
 

@@ -13,7 +13,7 @@ from ..dataset import series_of
 from ..errors import InputError
 from ..measurement.driven import drive_of
 from ..measurement.half_swings import half_swings
-from ..measurement.plausibility import free_part
+from ..measurement.plausibility import free_part, in_step_and_steady
 from ..pendulum.catalogue import SHIPPED, Catalogue
 from ..pendulum.model import Model, everyday
 from ..rounding import value_with_uncertainty
@@ -21,11 +21,12 @@ from .experiment import fit_recording
 from .left_over import MUCH, doubt
 from .pendulums import describes
 from .scale import DEGREE, Scale, scale_of
-from .unscaled import of_first_swings, without_scale
+from .unscaled import COURSE, of_first_swings, of_last_swings, without_scale
 
 LEFT = 0.25  # of the swing (RMS of means over a part of a period): what a damping without a name leaves of a pendulum's is less
 SURE = 3.0  # standard errors from 0
 UNSURE = 0.1  # of the period: its standard uncertainty, or how far it may be from what is counted
+SHOWN = 0.01  # of the period: what a stop-watch shows
 UNEVEN = 0.1  # of the period: its standard uncertainty from the first swings of what no model follows
 BETTER = 0.8  # of what is left in rad: with so little left in degrees these may be the unit
 KEPT = 0.9  # of the first swings' size: the last ones of what does not shrink
@@ -45,6 +46,17 @@ class NotFree(InputError):
 
 class Moved(NotFree):
     """It does not die away, or gains energy: something drives it, and no part of it is a free swing for sure."""
+
+
+def mend_of(angle: xr.Dataset, more: str = "") -> str:
+    """What to do about a swing that no pendulum makes by itself, and ``more``; of several columns that mean the same, their names too."""
+    return MEND + (more or other_columns(angle))
+
+
+def other_columns(angle: xr.Dataset) -> str:
+    """Words that name the columns of which each may be the swing, to follow a mend; none where one alone may be."""
+    others = str(angle.attrs.get("columns_alike", ""))
+    return f"; or name the column of the swing ⟨in signal_column⟩: {others}" if others else ""
 
 
 def fit_free(angle: xr.Dataset, fitted: Sequence[Model], start: str = "free") -> xr.Dataset:
@@ -152,7 +164,7 @@ def unit_in_doubt(angles: Sequence[xr.Dataset], restoring: str = "sine") -> str:
         f"no unit is stated, and {doubt}",
         f"swings in {unit} or in {unit.replace('rad', 'deg')}, and which of the two",
         "write the unit ⟨in signal_unit⟩; for a wheel on a spring or a torsion pendulum, whose period is "
-        "the same for all swings, write ⟨restoring=linear⟩",
+        "the same for all swings, write ⟨restoring=linear⟩" + other_columns(angles[0]),
     )
 
 
@@ -235,7 +247,7 @@ def check_free(fits: xr.Dataset, given: xr.Dataset, label: str, catalogue: Catal
             f"recording {name}",
             f"it does not move as a pendulum that swings by itself: the best model of damping leaves {100 * left:.3g} % of it{_where(given)}",
             f"at most {100 * LEFT:.0f} %",
-            MEND,
+            mend_of(given),
         )
     effects = [catalogue[one] for one in label.split("+")]
     sizes = [one.size.name for one in effects if one.size and one.one_sided]
@@ -243,6 +255,9 @@ def check_free(fits: xr.Dataset, given: xr.Dataset, label: str, catalogue: Catal
         size: [float(own[key].sel(parameter=size)) for key in ("value", "standard_error")] for size in sizes
     }
     if left > MUCH:
+        if "half_swings" not in given and in_step_and_steady(given["time"].values, series_of(given).values):
+            warnings.warn(doubt(left, name), DoubtfulFit, stacklevel=2)
+            return  # even swings of one size tell their period, and no loss or gain is one of this model
         _check_dies(given, left, losses.values())
         _check_even(given)
         warnings.warn(doubt(left, name), DoubtfulFit, stacklevel=2)
@@ -252,16 +267,18 @@ def check_free(fits: xr.Dataset, given: xr.Dataset, label: str, catalogue: Catal
                 f"recording {name}",
                 f"it gains energy: a fit needs {size.replace('_', ' ')} below 0, {value:.3g} ± {error:.2g}",
                 "a pendulum that dies away by itself",
-                MEND,
+                mend_of(given),
             )
 
 
-def ask_counted(table: pd.DataFrame, angles: Sequence[xr.Dataset]) -> None:
-    """None; NotFree where a period of a ``table`` of pendulums is not known, or disagrees with the passages of the middle that no model enters.
+def ask_counted(table: pd.DataFrame, angles: Sequence[xr.Dataset]) -> dict[str, str]:
+    """By recording from where to where the period goes, where a stop-watch shows that; NotFree where a period of a ``table`` of pendulums is not
+    known, or disagrees with the passages of the middle that no model enters.
 
     Of swings so few, or so small beside the noise, that their period is known to a tenth alone, or of a model that counts other swings
     than there are, no number is told.
     """
+    courses = {}
     for one in angles:
         rows = table[table["recording"] == str(one.attrs["recording"])]
         if not len(rows) or "half_swings" in one or drive_of(one) is not None:
@@ -272,7 +289,7 @@ def ask_counted(table: pd.DataFrame, angles: Sequence[xr.Dataset]) -> None:
                 f"recording {one.attrs['recording']}",
                 f"its few swings give a period of {value_with_uncertainty(told, u)} s, and no better: is it a free swing?",
                 f"swings that give the period to {100 * UNSURE:.0f} %",
-                MEND + "; record longer; or name the column of the swing ⟨in signal_column⟩",
+                mend_of(one, "; record longer; or name the column of the swing ⟨in signal_column⟩"),
             )
         passed = of_first_swings(one["time"].values, series_of(one).values)
         counted, spread = passed["period_first"], passed["period_first_u"]
@@ -281,8 +298,13 @@ def ask_counted(table: pd.DataFrame, angles: Sequence[xr.Dataset]) -> None:
                 f"recording {one.attrs['recording']}",
                 f"a model of it has a period of {told:.4g} s, and its first swings pass the middle every {value_with_uncertainty(counted, spread)} s",
                 "a swing whose model and passages agree",
-                MEND,
+                mend_of(one),
             )
+        last, unsure = of_last_swings(one["time"].values, series_of(one).values)
+        if abs(last - told) > max(SURE * unsure, SHOWN * told) and not rows.iloc[0].get("note"):
+            ends = value_with_uncertainty(told, u), value_with_uncertainty(last, unsure)
+            courses[str(one.attrs["recording"])] = COURSE.format(*ends)
+    return courses
 
 
 def _where(given: xr.Dataset) -> str:
@@ -305,7 +327,7 @@ def _check_even(given: xr.Dataset) -> None:
             f"recording {given.attrs['recording']}",
             f"it passes its middle unevenly, each {value_with_uncertainty(first, error)} s of its first swings, and no model of damping follows it",
             "swings of one period",
-            MEND,
+            mend_of(given),
         )
 
 
@@ -320,5 +342,5 @@ def _check_dies(given: xr.Dataset, left: float, losses: Iterable[Sequence[float]
         f"recording {given.attrs['recording']}",
         f"its swings do not shrink, and the best model of damping leaves {100 * left:.3g} % of them, as where a motor drives it",
         "a pendulum that dies away by itself",
-        MEND,
+        mend_of(given),
     )

@@ -18,6 +18,7 @@ from ..fitting.result import Begin, Fit
 from ..fitting.slack import allowing
 from ..fitting.uncertainty import Uncertainty, uncertainty
 from ..measurement.driven import drive_of, driven
+from ..measurement.plausibility import in_step_and_steady
 from ..measurement.points_recording import are_points
 from ..measurement.slack import of_angles
 from ..pendulum.catalogue import ANGLE
@@ -108,6 +109,8 @@ def fit_recording(
         paces = of_first_swings(times, series)
     else:
         paces = {}
+    if any(badly) and paces:
+        paces |= {"steady": float(in_step_and_steady(times, series))}
     variables |= {key: (("fitted",), [value] * len(fits)) for key, value in paces.items()}
     variables |= _prior(slack)
     coords |= _slack_of(_any(fits)) | _of_recording(angle, names)

@@ -380,12 +380,14 @@ def _row(
     row["remark"] = joined(row["remark"], _doubt_of(row))
     if points:
         row = as_told(row, own.isel(recording=0), rivals(own, label, catalogue))
-    return _of_what_is_seen(row)
+    keeps_on = left > MUCH and "steady" in own and bool((own["steady"] == 1).any())
+    return _of_what_is_seen(row, keeps_on)
 
 
-def _of_what_is_seen(row: dict[str, Any]) -> dict[str, Any]:
-    """The row; of a swing whose loss is not seen without a damping, for its values would be those of noise."""
-    if doubted(row) or loss_seen(quantities_of(row)):  # where much is left no loss is one of this model
+def _of_what_is_seen(row: dict[str, Any], keeps_on: bool = False) -> dict[str, Any]:
+    """The row; of a swing whose loss is not seen, as one that ``keeps_on``, without a damping, for its values would be those of noise."""
+    # where much is left no loss is one of this model
+    if not keeps_on and (doubted(row) or loss_seen(quantities_of(row))):
         return row
     kept = {
         column

@@ -16,7 +16,9 @@ from .quantities import Quantity
 
 _STRAIGHT = 0.25  # of a half-swing about the middle: there a swing is a line to a hundredth of a half-swing
 _FIRST = 8  # periods, each half a swing after the one before
+_LAST = 4  # of the last periods, each half a swing after the one before
 _EARLY = 3  # periods, each half a swing after the one before, that the course of the period must meet
+COURSE = "between the first and the last swing the period goes from {} to {} s"
 NOTE = "the period is that of its first swings, by passages of the middle, for the model lacks something"
 
 
@@ -93,6 +95,15 @@ def of_first_swings(times: Floats, series: Floats) -> dict[str, float]:
     return {"period_first": first, "period_first_u": error}
 
 
+def of_last_swings(times: Floats, series: Floats) -> tuple[float, float]:
+    """The mean of the last few periods (s) between passages of the middle, and its standard uncertainty; nan for fewer than three."""
+    found = passages(times, series, half_swings(series).centre())
+    periods = (found[2:] - found[:-2])[-_LAST:]
+    if periods.size < _LAST:
+        return float("nan"), float("nan")
+    return float(periods.mean()), float(np.std(periods, ddof=1) / np.sqrt(periods.size / 2))
+
+
 def at_first_swing(own: xr.Dataset) -> tuple[Quantity | None, dict[str, Any]]:
     """The period of the first swing, and the cells of a row of ``studies.pendulums`` that say so: ``amplitude_text`` and ``note``.
 
@@ -108,7 +119,7 @@ def at_first_swing(own: xr.Dataset) -> tuple[Quantity | None, dict[str, Any]]:
         value_with_uncertainty(one, u)
         for one, u in ((first, u_first), (first + change, float(np.hypot(u_first, u_change))))
     ]
-    note = f"between the first and the last swing the period goes from {both[0]} to {both[1]} s; the period of small swings needs the scale"
+    note = f"{COURSE.format(*both)}; the period of small swings needs the scale"
     return Quantity(first, u_first, "s"), {"amplitude_text": "the first swing", "note": note}
 
 
