@@ -85,6 +85,10 @@ def test_an_archive_of_several_files_asks_which(read):
     same(read(two, "x.zip", "two.csv"))
 
 
+def test_notes_beside_the_table_in_an_archive_are_no_second_one(read):
+    same(read(zipped({"notes.txt": "Monday 12, run 3\nthe long rod\n", "data/one.csv": TEXT}), "x.zip"))
+
+
 @pytest.mark.parametrize(
     ("content", "name", "sheet", "words"),
     [

@@ -9,6 +9,7 @@ import zlib
 from typing import BinaryIO
 
 from ..errors import InputError
+from .text import HEAD
 from .workbook import sheet
 
 ZIP, OLD = b"PK\x03\x04", b"\xd0\xcf\x11\xe0"
@@ -61,11 +62,11 @@ def unpacked(source: BinaryIO, name: str, part: str) -> tuple[BinaryIO, str] | N
     return _sheet(source, name, part)
 
 
-def _holds_numbers(rows: bytes) -> bool:
-    """True for a sheet with as many rows of two numbers or more as a recording has at least."""
+def _holds_numbers(rows: bytes, between: bytes = rb"\t") -> bool:
+    """True for text with as many rows of two numbers or more as a recording has at least."""
     found = 0
     for line in rows.splitlines():
-        numbers = [cell for cell in line.split(b"\t") if _NUMBER.fullmatch(cell.strip())]
+        numbers = [cell for cell in re.split(between, line) if _NUMBER.fullmatch(cell.strip(b"\"' "))]
         found += len(numbers) > 1
         if found >= FEWEST_ROWS:
             return True
@@ -97,6 +98,12 @@ def _member(archive: zipfile.ZipFile, name: str, part: str) -> tuple[BinaryIO, s
         raise InputError(
             name, "the archive holds no table of numbers", "a CSV file in it, or a workbook", UNPACK
         )
+    if not part and len(files) > 1:  # notes are no recording
+        tables = []
+        for one in files:
+            with archive.open(one) as packed:
+                tables += [one] if _holds_numbers(packed.read(HEAD), rb"[\t;, ]") else []
+        files = tables or files
     if not part and len(files) > 1:
         raise InputError(
             name,

@@ -16,6 +16,7 @@ from .quantities import Quantity
 
 _STRAIGHT = 0.25  # of a half-swing about the middle: there a swing is a line to a hundredth of a half-swing
 _FIRST = 8  # periods, each half a swing after the one before
+_SEEN = 3.0  # standard errors of a slope
 _LAST = 4  # of the last periods, each half a swing after the one before
 _EARLY = 3  # periods, each half a swing after the one before, that the course of the period must meet
 COURSE = "between the first and the last swing the period goes from {} to {} s"
@@ -69,7 +70,7 @@ def _mixed(share: float, one: tuple[float, float], other: tuple[float, float]) -
 
 def of_first_swings(times: Floats, series: Floats) -> dict[str, float]:
     """``period_first`` (s) of the first whole swing, from the largest turning point on, with its standard uncertainty (``…_u``): by the first
-    few periods between passages of the middle, as their mean or on a line, weighed by AIC; nan for fewer than three."""
+    few periods between passages of the middle, as their mean or, where they surely change, on a line; nan for fewer than three."""
     swings = half_swings(series)
     found = passages(times, series, swings.centre())
     periods = (found[2:] - found[:-2])[:_FIRST]
@@ -79,20 +80,14 @@ def of_first_swings(times: Floats, series: Floats) -> dict[str, float]:
     at = np.arange(periods.size) + (
         0.5 if away[0] >= away[1] else -0.5
     )  # half-swings after the first whole swing
-    told, misfit = [], []
-    for slopes in (np.ones((periods.size, 1)), np.column_stack([np.ones(periods.size), at])):
-        left = periods - slopes @ np.linalg.lstsq(slopes, periods)[0]
-        free = periods.size - slopes.shape[1]
-        square = max(float(left @ left), (1e-9 * periods[0]) ** 2)
-        inverse = np.linalg.inv(slopes.T @ slopes)
-        u = np.sqrt(2 * square / free * inverse[0, 0])  # each half-swing is in two of them
-        told.append((float((inverse @ slopes.T @ periods)[0]), float(u)))
-        misfit.append(
-            periods.size / 2 * np.log(square) + slopes.shape[1]
-        )  # half of AIC, half of the periods being others' too
-    steady = 1 / (1 + np.exp(min(misfit[0] - misfit[1], 700.0)))
-    first, error = _mixed(steady, *told)
-    return {"period_first": first, "period_first_u": error}
+    twice = np.sqrt(2.0)  # each half-swing is in two of them
+    if periods.size > _EARLY:
+        line, covariance = np.polyfit(at, periods, 1, cov=True)
+        slope, first = twice * np.sqrt(np.diag(covariance))
+        if abs(line[0]) > _SEEN * slope:
+            return {"period_first": float(line[1]), "period_first_u": float(first)}
+    scatter = float(np.std(periods, ddof=1) / np.sqrt(periods.size))
+    return {"period_first": float(periods.mean()), "period_first_u": twice * scatter}
 
 
 def of_last_swings(times: Floats, series: Floats) -> tuple[float, float]:
