@@ -54,7 +54,12 @@ def backbone(data: xr.Dataset) -> style.Drawn:
     first.set(xlabel="frequency (Hz)", ylabel=unit)
     first.ticklabel_format(axis="x", useOffset=False)
     low, high = first.get_xlim()
-    first.locator_params(axis="x", nbins=4 if high - low > _WIDE else 1)
+    if high - low > _WIDE:
+        first.locator_params(axis="x", nbins=4)
+    else:
+        marks = MaxNLocator(4, steps=[1, 2, 5, 10]).tick_values(low, high)
+        inside = [mark for mark in marks if low <= mark <= high]
+        first.set_xticks(inside[:: max(len(inside) - 1, 1)])
     if torques:
         left, right = figure.add_subplot(grid[1, :3]), figure.add_subplot(grid[1, 3:])
         _restoring(left, data, timed)
