@@ -58,7 +58,10 @@ class Told:
 
 
 def right(row, told):
-    """Return whether every period that was told lies among those that were counted, from the first swings to the last."""
+    """Return whether every period that was told lies among those that were counted, from the first swings to the last; of a file without
+    a period that can be counted, False."""
+    if not row["period_s"]:
+        return False
     ends, tolerance = [float(row["period_s"]), float(row["period_end_s"])], float(row["tolerance_s"])
     return all(min(ends) - tolerance <= p <= max(ends) + tolerance for p in told.periods)
 
@@ -141,6 +144,8 @@ def cell(text, width=110):
 
 def counted(row):
     """Return the periods that a person counted, of the first swings and of the last, and how."""
+    if not row["period_s"]:
+        return "none"
     last = "" if row["period_end_s"] == row["period_s"] else f" … {row['period_end_s']}"
     return f"{row['period_s']}{last} ± {row['tolerance_s']}, {row['check']}"
 
