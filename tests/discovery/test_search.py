@@ -176,6 +176,22 @@ def test_a_search_that_breaks_off_ends_as_unknown_with_its_reason(two, monkeypat
     assert "the search broke off (float division by zero)" in found["sentence"]
 
 
+def test_a_model_that_cannot_follow_the_held_out_swings_is_no_better_than_the_base(two, monkeypatch):
+    from swingdown.discovery import confirm, judge, rounds
+
+    def follows(fit, swings):
+        if fit.model.names != ("viscous",):
+            raise TrajectoryError("no start gives a trajectory")
+        return confirm.predict(fit, swings)
+
+    for module in (judge, rounds):
+        monkeypatch.setattr(module, "predict", follows)
+    states = concluded(discover(two, "viscous", rounds=2), two)
+    found = verdict([summary(state, two) for state in states])
+    assert found["status"] == "unknown" and not found["failed"]
+    assert [state.fit.model.names for state in states] == [("viscous",)]
+
+
 def test_a_search_that_cannot_begin_ends_so_too(two, monkeypatch, tmp_path):
     def breaks(*arguments, **options):
         raise np.linalg.LinAlgError("Singular matrix")

@@ -120,14 +120,14 @@ class _Search:
         pool = self.pool
         last, found = told_of(pool, way[-1])
         way = way if last.key == way[-1].key else [*way[:-1], last] if len(way) > 1 else way
-        goes_on = [*way[1:], None]
-        states = [
-            round_of(k, pool, one, self.ranked.get(one.key, ()), to)
-            for k, (one, to) in enumerate(zip(way, goes_on, strict=True))
-        ]
-        if not any(one.sure for one in found.values()) and states[-1].holdout.rms > states[0].holdout.rms:
+        sure = any(one.sure for one in found.values())
+        try:
+            states = self._rounds(way)
+        except TrajectoryError:  # of held-out swings that a model on the way cannot follow
+            states = self._rounds([way[0], last]) if sure else []
+        if not (sure or states and states[-1].holdout.rms <= states[0].holdout.rms):
             # where nothing is told, what held-out swings speak against is no better model
-            last, found, states = way[0], {}, [replace(states[0], chosen=None)]
+            last, found, states = way[0], {}, self._rounds(way[:1])
         state = replace(
             states[-1], reason=self._reason(last), findings=found, probabilities=pool.effects(), nothing=pool.nothing(),
             spent=self.budget.spent,
@@ -141,6 +141,14 @@ class _Search:
                 state, unit_doubt=scale.doubt(READINGS[self.campaign.reading]), next_swing=self._next(state)
             )
         return [*states[:-1], replace(state, counting=tuple(self._counting(last)))]
+
+    def _rounds(self, way: list[Structure]) -> list[Round]:
+        """The rounds of the way; TrajectoryError where held-out swings cannot be followed."""
+        goes_on = [*way[1:], None]
+        return [
+            round_of(k, self.pool, one, self.ranked.get(one.key, ()), to)
+            for k, (one, to) in enumerate(zip(way, goes_on, strict=True))
+        ]
 
     def _reason(self, last: Structure) -> str:
         """Why nothing more was chosen."""
