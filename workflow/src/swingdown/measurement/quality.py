@@ -10,6 +10,7 @@ EDGES = (
     2  # samples that noise may put on the other side of a step, one where a top begins and one where it ends
 )
 STEPS = 8  # quantisation steps below it that are compared with it
+CLEAR = 16  # quantisation steps that a stretch beside it falls by, in which rounding is little
 
 
 def check_signal(times: Floats, signal: Floats, place: str, static: bool = False) -> None:
@@ -76,6 +77,15 @@ def _smallest_step(levels: Floats) -> float:
 
 
 def _corner(side: Floats, step: float) -> bool:
-    """True if the samples beyond a plateau leave it in a straight line, faster than a few steps a sample."""
-    second, third = side[0] - side[1], side[1] - side[2]  # the first step is cut short by the rail
-    return second > 3 * abs(third - second) and second > 2 * step
+    """True if the samples beyond a plateau leave it in a straight line, whatever the ``step`` of the sensor took from each or gave it.
+
+    From rest the first of two stretches of n samples falls by less than 1 + 2/n of how much more the second falls: the release is up to
+    a sample before the first, and by a third of a stretch where its step hides it.
+    """
+    clear = np.flatnonzero(side[0] - side > CLEAR * step)
+    n = int(clear[0]) if clear.size else side.size
+    # by half of all it goes as fast as it ever does, from rest as well
+    if 2 * n >= side.size or side[0] - side[2 * n] > np.ptp(side) / 2:
+        return False
+    first, second = -np.diff(side[: 2 * n + 1 : n])
+    return bool(first - step > (1 + 2 / n) * (abs(second - first) + 2 * step))
