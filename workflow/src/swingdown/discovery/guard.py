@@ -12,7 +12,9 @@ from importlib import resources
 
 import yaml
 
-GUARD = yaml.safe_load(resources.files(__package__).joinpath("guard.yaml").read_text())
+from ..sealed import read_text
+
+GUARD = yaml.safe_load(read_text(str(resources.files(__package__) / "guard.yaml")))
 PROBABLE, SHARE, HELD_OUT, CLEAR, TIES = (
     GUARD[name] for name in ("probable", "share", "held_out", "clear", "ties")
 )
