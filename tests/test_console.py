@@ -97,6 +97,7 @@ def test_words_alone_make_no_full_disk(tmp_path):
     assert "Traceback" in (tmp_path / "job.log").read_text()
 
 
+@pytest.mark.filterwarnings("default:model .* gains energy:UserWarning")
 def test_a_kind_of_warning_is_told_once(tmp_path, capsys):
     with console.job(tmp_path / "log"):
         for k in range(300):
