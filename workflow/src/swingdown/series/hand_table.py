@@ -20,7 +20,8 @@ _LINES = 200  # of trials; a recording has more
 _HEADS = 10  # lines in which the heads stand
 _TITLES = 3000  # bytes of them
 _TEXT = (".csv", ".tsv", ".txt", ".dat")
-_WORKBOOKS, _LARGEST = (".xlsx", ".xls", ".ods"), 300_000  # bytes: to look into one takes half a second
+_WORKBOOKS = (".xlsx", ".xls", ".ods")
+_LARGEST = 300_000  # bytes: a recording may have more than can be held
 _SWINGS = "osc|swing|cycle|period|périod|períod|vibr|schwing"
 _COUNTED = re.compile(rf"(?<![\d.,])(\d+)\s*[x×*·]?\s*(?:(?:full|complete)\s+)?(?:{_SWINGS}|t(?![^\W\d_]))|^t_?\{{?(\d\d+)\}}?(?!\d)", re.I)  # fmt: skip
 _PERIOD = re.compile(r"(?:(?:mean|average|avg)\W*)?(?:(?-i:T)|period|periode|période|periodo|período|schwingungsdauer)(?:[\s_]*(?:mean|avg|average|\d))?", re.I)  # fmt: skip
@@ -135,19 +136,22 @@ def hand_table(path: Path) -> HandTable | None:
 def _lines(path: Path) -> list[list[str]]:
     """The cells of each line; none for a file that holds no such table at a glance."""
     ending = path.suffix.lower()
-    if not path.is_file():
+    if not path.is_file() or path.stat().st_size > _LARGEST:
         return []
-    if ending in _TEXT:
-        with path.open("rb") as file:
-            first = file.read(_TITLES)
-        if not re.search(rb"(?i)(period|osc|swing|schwing|cycle|p\xc3\xa9riod|(\b|\d)t)", first):
-            return []
-        try:
-            return cells_of(path, path)[0]
-        except InputError:  # the readers of recordings tell it better
-            return []
-    if ending not in _WORKBOOKS or path.stat().st_size > _LARGEST:
+    try:
+        return _of_text(path) if ending in _TEXT else _of_workbook(path) if ending in _WORKBOOKS else []
+    except InputError:  # the readers of recordings tell it better
         return []
+
+
+def _of_text(path: Path) -> list[list[str]]:
+    with path.open("rb") as file:
+        first = file.read(_TITLES)
+    named = re.search(rb"(?i)(period|osc|swing|schwing|cycle|p\xc3\xa9riod|(\b|\d)t)", first)
+    return cells_of(path, path)[0] if named else []
+
+
+def _of_workbook(path: Path) -> list[list[str]]:
     with path.open("rb") as file:
         inside = unpacked(file, path.name, "")
         if inside is None:
