@@ -82,8 +82,11 @@ def inverse_of(problem: Problem, hessian: Floats, best: Floats, quickly: bool = 
 
 def _inverse(matrix: Floats, scale: Floats) -> Floats | None:
     """The inverse of a positive matrix with the roots ``scale`` of its diagonal; None where it is singular or not of numbers."""
-    size = scale[:, None] * scale
-    scaled = matrix / size
+    with np.errstate(over="ignore", invalid="ignore"):
+        size = scale[:, None] * scale
+        scaled = matrix / size
+    if not np.isfinite(scaled).all():
+        return None
     try:
         inverse = np.linalg.inv(scaled)
         # by the product of Frobenius' norms first, which is never smaller than the condition number and takes a tenth of the time

@@ -117,6 +117,7 @@ def half_width(limited: float) -> float:
     return float(brentq(beyond, 1.0, 3.0))
 
 
+@np.errstate(over="ignore", invalid="ignore")  # what runs off has no standard errors: NaN
 def uncertainty(fit: Fit, swings: Swings, free: bool = False) -> Uncertainty:
     """The ``Uncertainty`` of a fit's values.
 
