@@ -121,5 +121,5 @@ def test_a_recording_without_a_quantity_is_left_out_and_too_few_make_no_series()
 
 
 def test_a_column_that_is_not_there_is_refused_with_those_that_are():
-    with pytest.raises(InputError, match="there is length"):
+    with pytest.raises(InputError, match="the recordings have length"):
         series_of(*table(), by="mass")

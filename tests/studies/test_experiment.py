@@ -147,9 +147,9 @@ def test_too_few_swings_are_refused(angles, fits):
     short = angles[0].isel(time=slice(0, 60))  # 1.2 s of a period of 0.87 s
     with pytest.raises(InputError, match=r"swing_0: too few swings to fit.*widen start_s"):
         fit_recording(short, ["viscous"])
-    with pytest.raises(InputError, match="too few swings to fit"):
+    with pytest.raises(InputError, match="there is no swing to fit"):
         fit_campaign([], ["viscous"])
-    with pytest.raises(InputError, match="too few swings to fit"):
+    with pytest.raises(InputError, match="there is no swing to fit"):
         norms.combine_recordings([])
     with pytest.raises(InputError, match="twice"):
         norms.combine_recordings([fits[0], fits[0]])

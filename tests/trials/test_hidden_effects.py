@@ -224,7 +224,7 @@ def test_naming_exactly_is_asked_only_where_no_other_effect_does_as_well():
 def test_the_guard_tells_the_false_alarms_that_were_counted():
     told = guard(pd.DataFrame([scored(), scored(kind="null", alarm=True), scored(kind="null", alarm=False)]))
     assert (told["nulls"], told["false_alarms"]) == (2, 1)
-    assert set(told) == {"probable", "share", "held_out", "nulls", "false_alarms"}
+    assert set(told) == {"probable", "share", "held_out", "clear", "ties", "nulls", "false_alarms"}
 
 
 def test_campaigns_with_nothing_hidden_are_there_when_scores_are_read_again_and_drawn(tmp_path):

@@ -94,7 +94,8 @@ def _dialect(lines: Sequence[str], name: str, single: bool) -> Dialect | None:
 def _grouped(lines: Sequence[str], separator: str, decimal: str) -> tuple[int, Dialect | None]:
     """How many lines are rows of numbers with groups of three digits, and in which Dialect; 0 for none.
 
-    In a column with groups some number has none, or a decimal sign too: ``1,234`` alone may be a little more than 1.
+    In a column with groups some number has none, or a decimal sign too: ``1,234`` alone may be a little more than 1. One such cell
+    is a spoilt one.
     """
     best: tuple[int, Dialect | None] = (0, None)
     for mark in THOUSANDS:
@@ -105,7 +106,7 @@ def _grouped(lines: Sequence[str], separator: str, decimal: str) -> tuple[int, D
         rows, *_ = _rows(lines, separator, decimal, thousands=mark)
         cells = [split(lines[k], separator) for k in rows]
         columns = list(zip(*cells, strict=True))
-        marked = [column for column in columns if any(mark in cell for cell in column)]
+        marked = [column for column in columns if sum(mark in cell for cell in column) > 1]
         sure = all(any(mark not in cell or decimal in cell for cell in column) for column in marked)
         if len(rows) > best[0] and marked and sure:
             best = len(rows), Dialect(separator, decimal, size=len(columns), thousands=mark)
