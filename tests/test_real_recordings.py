@@ -115,15 +115,13 @@ def verdict_on(name, angles, base):
 
 
 @pytest.mark.slow("a search")
-@pytest.mark.parametrize(
-    ("base", "shrinks"), [(("viscous", "load_coulomb"), True), (("quadratic_drag", "load_coulomb"), False)]
-)
-def test_what_a_real_arm_lacks_is_told_and_its_gap_never_grows_on_what_was_held_out(angles, base, shrinks):
-    """The catalogue has no name for all of it, and the verdict says so; where what was found does worse on held-out parts, the base stands."""
+@pytest.mark.parametrize("base", [("viscous", "load_coulomb"), ("quadratic_drag", "load_coulomb")])
+def test_what_a_real_arm_lacks_is_told_and_its_gap_shrinks_on_what_was_held_out(angles, base):
+    """The catalogue has no name for all of it, and the verdict says so."""
     found = verdict_on("dynamicslab_single", [angles["free_swing_large"]], base)
     assert found["status"] in ("unknown", "partial")
-    first, *_, last = [*found["gap"]["holdout"], found["gap"]["holdout"][-1]]
-    assert last > 10 and (last < first if shrinks else last == first)
+    first, *_, last = found["gap"]["holdout"]
+    assert 10 < last < first
     assert "has no name in the catalogue" in found["sentence"]
     assert "every second held out" in found["split"]
     dissipations = {effect.size.name for effect in SHIPPED if effect.one_sided}
