@@ -8,7 +8,7 @@ from turning import turning_points
 import swingdown
 from swingdown.__main__ import main
 from swingdown.errors import InputError
-from swingdown.studies.pendulums import described, over_laws
+from swingdown.studies.described import described, over_laws
 
 VALUES = {"natural_frequency": 4.4, "viscous_ratio": 0.004}
 TIMES, ANGLES = turning_points(VALUES, 0.6, 80)

@@ -17,9 +17,10 @@ from swingdown.errors import InputError
 from swingdown.measurement.points_recording import as_recording, to_angle
 from swingdown.measurement.turning_points import points_in
 from swingdown.pendulum.model import PAPER_MODELS, Model, models
+from swingdown.studies.described import described, described_by
 from swingdown.studies.experiment import fit_recording
 from swingdown.studies.norms import combine_recordings
-from swingdown.studies.pendulums import described, described_by, pendulums, quantities_of
+from swingdown.studies.pendulums import pendulums, quantities_of
 from swingdown.studies.quantities import quantities
 
 ABOUT = {

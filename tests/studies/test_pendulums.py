@@ -8,9 +8,10 @@ import xarray as xr
 import swingdown
 from swingdown.engine.trajectory import simulate
 from swingdown.pendulum.model import Model
+from swingdown.studies.described import described_by, rivals
 from swingdown.studies.experiment import fit_campaign, fit_recording
 from swingdown.studies.norms import combine_recordings
-from swingdown.studies.pendulums import described_by, pendulums, quantities_of, rivals
+from swingdown.studies.pendulums import pendulums, quantities_of
 from swingdown.studies.quantities import quantities
 
 FITTED = ["viscous", "load_coulomb", "viscous+load_coulomb"]

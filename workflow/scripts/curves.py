@@ -19,8 +19,9 @@ from swingdown.plots import absent, save
 from swingdown.plots.curves import backbone, envelopes
 from swingdown.plots.style import in_language
 from swingdown.sealed import read_csv, read_json, write_csv
+from swingdown.studies.described import described_by, values_of
 from swingdown.studies.norms import combine_recordings
-from swingdown.studies.pendulums import NO_MODEL, REFUSED, described_by, values_of
+from swingdown.studies.pendulums import NO_MODEL, REFUSED
 
 
 class Given:

@@ -27,11 +27,12 @@ from ..measurement.driven import driven
 from ..measurement.slack import of_angles
 from ..pendulum.catalogue import READINGS, catalogue
 from ..pendulum.model import BASES, Model, everyday, models
+from ..studies.described import described_by, values_of
+from ..studies.described import reading_of as reading_in
 from ..studies.doubt import Moved, NotFree, ask_counted, breaks_off, fit_any, fit_free, unit_in_doubt
 from ..studies.experiment import fit_campaign, with_drive
 from ..studies.norms import combine_recordings
-from ..studies.pendulums import NOT_DYING, described_by, joined, pendulums, values_of
-from ..studies.pendulums import reading_of as reading_in
+from ..studies.pendulums import NOT_DYING, joined, pendulums
 from ..studies.quantities import Quantity
 from ..studies.unscaled import without_scale
 from .given import Driven, asked, swings

@@ -17,9 +17,9 @@ from ..measurement.plausibility import free_part, in_step_and_steady
 from ..pendulum.catalogue import SHIPPED, Catalogue
 from ..pendulum.model import Model, everyday
 from ..rounding import value_with_uncertainty
+from .described import describes
 from .experiment import fit_recording
 from .left_over import MUCH, doubt
-from .pendulums import describes
 from .scale import DEGREE, Scale, scale_of
 from .unscaled import COURSE, of_first_swings, of_last_swings, without_scale
 

@@ -1,0 +1,195 @@
+"""Which model of damping describes a pendulum, by its evidence, and the values that all of them tell."""
+
+from collections.abc import Mapping
+
+import numpy as np
+import xarray as xr
+
+from ..arrays import Floats
+from ..pendulum.catalogue import ANGLE, SHIPPED, Catalogue
+from ..pendulum.model import Model
+from .comparison import WORTH, aic_effective, bic_effective, terms_of
+from .norms import as_text
+from .quantities import UNITS, Beside, Quantity, over_models, quantities
+
+_COUNTS = 0.01  # share of a model in a value, below which it is left out
+_EVIDENCE = ["norm", "variance_inflation", "samples", "value"]  # what evidence is told by
+
+
+def described_by(norms: xr.Dataset, catalogue: Catalogue = SHIPPED) -> str:
+    """The label of the model of damping that describes these recordings: the smallest whose further terms are not worth it.
+
+    Parameters
+    ----------
+    norms
+        Over fitted, recording and parameter, as ``norms.combine_recordings`` gives them.
+    catalogue
+        The one that the models are of.
+
+    Returns
+    -------
+    str
+        By BIC, for as many samples as count as independent. A model whose effect has a size below 0 that it cannot have (a damper that
+        gives energy) is left out where there is another.
+    """
+    labels, evidence, usable = _evidence(norms, catalogue)
+    lowest, terms = min(evidence[k] for k in usable), terms_of(norms).sum(axis=1)
+    near = [
+        k for k in usable if evidence[k] - lowest <= WORTH
+    ] or usable  # of passages without speeds there is no evidence
+
+    def seldom(label: str) -> int:
+        """How many of its effects have no letter of their own: of laws that are as good, the usual one is named first."""
+        return sum(name not in catalogue or not catalogue[name].symbol for name in label.split("+"))
+
+    return labels[min(near, key=lambda k: (terms[k], seldom(labels[k]), evidence[k]))]
+
+
+def describes(fits: xr.Dataset, catalogue: Catalogue = SHIPPED) -> str:
+    """The label of ``described_by`` of one recording, by its ``fits`` of ``experiment.fit_recording``."""
+    return described_by(fits[_EVIDENCE].expand_dims("recording"), catalogue)
+
+
+def _evidence(norms: xr.Dataset, catalogue: Catalogue) -> tuple[list[str], Floats, list[int]]:
+    """The models' labels, their evidence, and which of them can be a pendulum's."""
+    labels, evidence = as_text(norms["fitted"]), bic_effective(norms)
+    effects = [catalogue[name] for name in dict.fromkeys("+".join(labels).split("+"))]
+    sizes = norms["value"].sel(parameter=[one.size.name for one in effects if one.size and one.one_sided])
+    sound = ~(sizes < 0).any([dim for dim in sizes.dims if dim != "fitted"]).values
+    usable = [k for k in range(len(labels)) if sound[k] and np.isfinite(evidence[k])] or list(
+        range(len(labels))
+    )
+    return labels, evidence, usable
+
+
+def rivals(norms: xr.Dataset, label: str, catalogue: Catalogue = SHIPPED) -> list[str]:
+    """The labels of the models that do not include the model ``label`` and whose evidence is as good as its within what is worth a word, those
+    that include none of the others."""
+    labels, evidence, usable = _evidence(norms, catalogue)
+    chosen = evidence[labels.index(label)]
+    near = [
+        labels[k]
+        for k in usable
+        if evidence[k] - chosen <= WORTH and not _includes(labels[k], label, catalogue)
+    ]
+    return [
+        one for one in near if not any(one != other and _includes(one, other, catalogue) for other in near)
+    ]
+
+
+def _includes(label: str, other: str, catalogue: Catalogue) -> bool:
+    """True where the model ``label`` has each effect of another one, or an effect that becomes it: a drag by a power of the speed is viscous at the
+    first power."""
+    there = set(label.split("+"))
+    there |= {
+        simpler.name for name in tuple(there) if name in catalogue for simpler in catalogue[name].contains
+    }
+    return set(other.split("+")) <= there
+
+
+def weights(norms: xr.Dataset, catalogue: Catalogue = SHIPPED) -> dict[str, float]:
+    """By label how much each model of damping that can be a pendulum's counts where a value is told, together 1: exp(-AIC / 2), with what
+    counts less than a hundredth left out (Burnham & Anderson, Sociol. Methods Res. 33, 261 (2004)). BIC, which chooses the model that is
+    named, leaves out terms that are too small to be seen and large enough to move a value by its uncertainty."""
+    labels, _, usable = _evidence(norms, catalogue)
+    misfit = aic_effective(norms)[usable]
+    found = np.exp(-(misfit - misfit.min()) / 2)
+    found[found < _COUNTS * found.sum()] = 0.0
+    return {labels[k]: float(one) for k, one in zip(usable, found / found.sum(), strict=True) if one > 0}
+
+
+def over_laws(
+    norms: xr.Dataset,
+    weight: Mapping[str, float],
+    amplitude: float,
+    catalogue: Catalogue = SHIPPED,
+    known: Mapping[str, Mapping[str, Quantity]] | None = None,
+) -> dict[str, Quantity]:
+    """Natural frequency, period, quality and decay time by name, whichever law of damping holds.
+
+    Parameters
+    ----------
+    norms
+        Over fitted, parameter and parameter_2, of one recording.
+    weight
+        How much each law counts, by label (``weights``).
+    amplitude
+        The angle at which they hold, rad.
+    catalogue
+        The one that the models are of.
+    known
+        The quantities of models by label, where they are known already.
+
+    Returns
+    -------
+    dict
+        The means over the laws; an uncertainty holds that of each law, and how far they are apart.
+    """
+    known = known or {}
+    each = [
+        (share, known.get(label) or described(norms, label, catalogue, amplitude)[1])
+        for label, share in weight.items()
+    ]
+    return over_models(each, UNITS)
+
+
+def described(
+    norms: xr.Dataset, label: str, catalogue: Catalogue = SHIPPED, amplitude: float | None = None
+) -> tuple[float, dict[str, Quantity]]:
+    """The amplitude (rad) at which the quantities of one recording hold, and these by name.
+
+    Parameters
+    ----------
+    norms
+        Over fitted, parameter and parameter_2: of one recording, or of several fitted together.
+    label
+        Of the model.
+    catalogue
+        The effects that the model is made of.
+    amplitude
+        In rad. Default: the largest fitted angle.
+    """
+    model, covariance = values_of(norms, label, catalogue)
+    if amplitude is None:
+        amplitude = float(norms["largest_angle"].sel(fitted=label).max())
+    return amplitude, quantities(model, amplitude, covariance, _beside(norms, label, model))
+
+
+def _beside(norms: xr.Dataset, label: str, model: Model) -> Beside | None:
+    """What the free courses beside the model ``label`` say; None where there are none."""
+    if "course_shift" not in norms:
+        return None
+    known, own = as_text(norms["parameter"]), as_text(norms["fitted"]).index(label)
+    at = [known.index(name) for name in model.parameters]
+    shift, covariance = (
+        norms[key].isel(fitted=own).transpose(*dims, ...).values
+        for key, dims in (("course_shift", ("course",)), ("course_covariance", ("course", "course_2")))
+    )
+    at += range(len(known), shift.size)
+    return Beside(shift[at], covariance[np.ix_(at, at)]) if np.isfinite(shift[at]).all() else None
+
+
+def values_of(norms: xr.Dataset, label: str, catalogue: Catalogue = SHIPPED) -> tuple[Model, Floats]:
+    """The fitted model, and the covariance of its parameters in the order of ``Model.parameters``.
+
+    Parameters
+    ----------
+    norms, label, catalogue
+        As of ``described``.
+    """
+    options = {key: str(norms.attrs[key]) for key in ("restoring", "form") if key in norms.attrs}
+    model = Model(tuple(label.split("+")), catalogue=catalogue, **options).of(reading_of(norms))  # type: ignore[arg-type]
+    # by position: a selection by name of a whole dataset takes longer than a fit
+    known, own = as_text(norms["parameter"]), as_text(norms["fitted"]).index(label)
+    at = [known.index(name) for name in model.parameters]
+    values, covariance = (
+        norms[key].isel(fitted=own).transpose(*dims, ...).values
+        for key, dims in (("value", ("parameter",)), ("covariance", ("parameter", "parameter_2")))
+    )
+    model = model.with_values(dict(zip(model.parameters, map(float, values[at]), strict=True)))
+    return model, covariance[np.ix_(at, at)]
+
+
+def reading_of(norms: xr.Dataset) -> str:
+    """What the sensor of these recordings reads: ``angle`` or ``rate``."""
+    return str(np.atleast_1d(norms["reading"].values)[0]) if "reading" in norms.coords else ANGLE
