@@ -10,8 +10,8 @@ from collections import defaultdict
 
 import numpy as np
 
+from swingdown.curves.amplitudes import of_samples
 from swingdown.curves.free import free
-from swingdown.curves.half_swings import of_samples
 from swingdown.curves.modelled import course
 from swingdown.engine.trajectory import simulate
 from swingdown.pendulum.model import Model

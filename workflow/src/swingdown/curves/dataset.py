@@ -13,8 +13,8 @@ from ..errors import InputError
 from ..measurement.slack import of_angles
 from ..pendulum.model import Model
 from ..studies.quantities import steady
+from .amplitudes import HalfSwings, half_swings_of
 from .free import Free, free
-from .half_swings import HalfSwings, half_swings_of
 from .modelled import Course, course_of, static, with_band
 from .regression import kernel
 from .torques import losses

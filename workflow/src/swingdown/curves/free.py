@@ -7,7 +7,7 @@ import numpy as np
 
 from ..arrays import Floats
 from ..errors import InputError
-from .half_swings import HalfSwings
+from .amplitudes import HalfSwings
 from .regression import Design, Posterior, regression
 from .second_order import Beyond, Course, Early, Table
 from .torques import Basis, Ideal, durations, friction, losses, stiffness

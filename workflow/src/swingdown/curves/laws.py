@@ -22,7 +22,7 @@ from ..pendulum.model import Model, model_words
 from ..rounding import value_with_uncertainty
 from ..studies.comparison import WORTH
 from ..studies.turning_points import fits_of
-from .half_swings import of_samples
+from .amplitudes import of_samples
 
 _SINGLE = ("viscous", "quadratic_drag", "load_coulomb", "constant_coulomb")
 _EXPONENTIAL = ("viscous", "structural_damping")  # they take the same share of every swing

@@ -25,10 +25,10 @@ from ..sealed import read_json, write_csv, write_json, write_text
 from ..studies.experiment import largest_angles
 from .campaign import Campaign, Swing, campaign
 from .confirm import gap, per_swing
-from .half_swings import said
 from .judge import Finding
 from .linear import frame
 from .locate import kind
+from .losses import said
 from .own_frequency import frequencies
 from .remainder import COURSE, MAP, Remainder, remainder
 from .state import Round

@@ -15,9 +15,9 @@ from .confirm import predict
 from .differences import coarse_noise
 from .evidence import Candidate, evidence
 from .free_form import COLUMNS, missing
-from .half_swings import COLUMNS as HALF_SWINGS
-from .half_swings import beside
 from .locate import groups
+from .losses import COLUMNS as HALF_SWINGS
+from .losses import beside
 from .refit import nudged
 from .state import Round
 from .structures import Pool, Structure

@@ -1,4 +1,4 @@
-"""Half-swings as they were recorded: how far each goes, when it passes the middle, and how well both are known."""
+"""Amplitude and time of each half-swing: how far it goes, when it passes the middle, and how well both are known."""
 
 from typing import NamedTuple
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from swingdown.discovery.half_swings import half_swings
+from swingdown.discovery.losses import half_swings
 from swingdown.engine.trajectory import simulate
 from swingdown.pendulum.model import Model
 
