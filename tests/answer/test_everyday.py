@@ -8,7 +8,7 @@ from swingdown.engine.trajectory import TrajectoryError, simulate
 from swingdown.errors import InputError
 from swingdown.fitting.uncertainty import uncertainty
 from swingdown.pendulum.model import PAPER_MODELS, Model
-from swingdown.studies import experiment
+from swingdown.studies import experiment, fit_rows
 from swingdown.studies.quantities import quantities
 
 TIMES = np.arange(1500) / 50  # s
@@ -59,7 +59,7 @@ BESIDE_LIST = {
 def test_a_law_that_no_list_has_costs_width_and_not_the_truth(label, monkeypatch):
     model, angle = swing(label, BESIDE_LIST[label])
     assert max(off(swingdown.fit(TIMES, angle, unit="rad"), model).values()) < 2.5
-    monkeypatch.setattr(experiment, "uncertainty", lambda fit, swings, free: uncertainty(fit, swings))
+    monkeypatch.setattr(fit_rows, "uncertainty", lambda fit, swings, free: uncertainty(fit, swings))
     assert max(off(swingdown.fit(TIMES, angle, unit="rad"), model).values()) > 5
 
 
@@ -75,7 +75,7 @@ def test_where_a_law_of_the_list_holds_nothing_is_wider(values, monkeypatch):
         return np.array([[one[name].u for name in ("period", "quality", "decay_time")] for one in found])
 
     wide = told()
-    monkeypatch.setattr(experiment, "uncertainty", lambda fit, swings, free: uncertainty(fit, swings))
+    monkeypatch.setattr(fit_rows, "uncertainty", lambda fit, swings, free: uncertainty(fit, swings))
     assert np.exp(np.mean(np.log(wide / told()), axis=0)) == pytest.approx(1, abs=0.1)
 
 

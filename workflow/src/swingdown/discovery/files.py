@@ -22,7 +22,7 @@ from ..pendulum.catalogue import READINGS
 from ..pendulum.model import Model
 from ..pendulum.model_file import write_model
 from ..sealed import read_json, write_csv, write_json, write_text
-from ..studies.experiment import largest_angles
+from ..studies.fit_rows import largest_angles
 from .campaign import Campaign, Swing, campaign
 from .confirm import gap, per_swing
 from .judge import Finding

@@ -1,0 +1,244 @@
+"""What a dataset of fits keeps of each: a row of values with their uncertainties, and the coordinates beside it."""
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from .. import dataset
+from ..arrays import Floats, Swing, standard_errors
+from ..engine.trajectory import simulate
+from ..fitting.course import TOLD, Courses
+from ..fitting.result import Fit
+from ..fitting.uncertainty import Uncertainty, uncertainty
+from ..pendulum.catalogue import ANGLE
+from ..pendulum.model import Model
+from ..pendulum.slack import Slack
+from .norms import Coordinate, Variable, spread
+
+DIMS: dict[str, tuple[str, ...]] = {
+    "fit": ("fitted", "time"),
+    "residual": ("fitted", "time"),
+    **dict.fromkeys(("correlation", "covariance"), ("fitted", "parameter", "parameter_2")),
+    **dict.fromkeys(
+        ("value", "standard_error", "random_standard_error", "systematic_standard_error", "coverage_factor"),
+        ("fitted", "parameter"),
+    ),
+    "systematic": ("fitted", "parameter", "source"),
+    "course_shift": ("fitted", "course"),
+    "course_covariance": ("fitted", "course", "course_2"),
+    "time_residual": ("fitted", "time"),
+    **dict.fromkeys(("nuisance_value", "nuisance_standard_error"), ("fitted", "nuisance")),
+}
+
+
+def row_of_fit(
+    fit: Fit, swings: Sequence[Swing], angles: Sequence[xr.Dataset], names: Sequence[str]
+) -> dict[str, Any]:
+    """What is kept of every fit, by name."""
+    known = uncertainty(fit, swings, free=True)
+    systematic = np.sqrt(np.sum(known.systematic**2, axis=1))
+    parts = {
+        "standard_error": standard_errors(known.covariance),
+        "random_standard_error": standard_errors(known.random),
+        "systematic_standard_error": systematic,
+        "coverage_factor": known.factors,
+    }
+    errors = {key: dict(zip(fit.free, values, strict=True)) for key, values in parts.items()}
+    nuisance = fit.model.slack.parameters
+    by_source = dict(zip(fit.free, known.systematic, strict=True))
+    absent = np.full(known.systematic.shape[1], np.nan)
+    return {
+        "value": spread(fit.model.values, names),
+        **{key: spread(values, names) for key, values in errors.items()},
+        "systematic": np.array([by_source[name] if name in fit.model.values else absent for name in names]),
+        "nuisance_value": spread(fit.model.values, nuisance),
+        "nuisance_standard_error": spread(errors["standard_error"], nuisance),
+        "correlation": _over(_correlated(known.covariance), fit, names),
+        "covariance": _over(known.covariance, fit, names),
+        "condition_number": _condition(known.covariance),
+        "reduced_chi2": _reduced_chi2(fit, swings, angles),
+        "bic": fit.bic,
+        "aicc": fit.aicc,
+        "variance_inflation": max(1.0, known.inflation),
+        **_beside(known, fit, names),
+        "largest_angle": np.array(largest_angles(fit, swings, known.courses)),
+        "converged": fit.converged,
+        "evaluations": fit.evaluations,
+    }
+
+
+def _beside(known: Uncertainty, fit: Fit, names: Sequence[str]) -> dict[str, Any]:
+    """What the free courses beside a law say of its evidence, of its parameters ``names``, and of the quantities."""
+    size, one = len(names) + len(TOLD), known.courses
+    norm = fit.rms * (np.sqrt(one.left) if one else 1.0)
+    shift, covariance = (
+        one.over(fit.free, names) if one else (np.full(size, np.nan), np.full((size, size), np.nan))
+    )
+    return {
+        "evidence_norm": np.degrees(norm),
+        "evidence_inflation": max(1.0, one.inflation if one else known.inflation),
+        "course_shift": shift,
+        "course_covariance": covariance,
+    }
+
+
+def largest_angles(fit: Fit, swings: Sequence[Swing], courses: Courses | None = None) -> list[float]:
+    """The largest angle (rad) of each fitted swing's motion; of a sensor of angles the largest that it reads.
+
+    Parameters
+    ----------
+    fit
+        Of the swings together.
+    swings
+        Times (s) and readings.
+    courses
+        What free courses do beside the fit: the angles are then those of both together.
+    """
+    begins = courses.begins if courses else [0.0] * len(fit.swings)
+    if fit.model.reading == ANGLE:
+        found = [float(np.abs(one.angle).max()) for one in fit.swings]
+    else:
+        found = [
+            float(np.abs(simulate(one.model.motion, times, one.release_angle, one.release_velocity)).max())
+            for (times, _), one in zip(swings, fit.swings, strict=True)
+        ]
+    return [angle * float(np.exp(more)) for angle, more in zip(found, begins, strict=True)]
+
+
+def rows_of(fits: Sequence[Fit | None], row_of: Callable[[Fit], dict[str, Any]]) -> list[dict[str, Any]]:
+    """The row of each fit; of a model that cannot be fitted one of NaN, and not converged."""
+    rows = [None if fit is None else row_of(fit) for fit in fits]
+    one = next(row for row in rows if row is not None)
+    nothing = {
+        key: np.zeros_like(value) if np.asarray(value).dtype.kind in "bi" else np.full_like(value, np.nan)
+        for key, value in one.items()
+    }
+    return [nothing if row is None else row for row in rows]
+
+
+def any_of(fits: Sequence[Fit | None]) -> Fit:
+    """The first fit of those that could be made."""
+    return next(fit for fit in fits if fit is not None)
+
+
+def options_of(models: Sequence[Model], start: str, bounded: bool) -> dict[str, Any]:
+    """What a dataset says of how its models were fitted."""
+    options = {"restoring": models[0].restoring, "form": models[0].form}
+    return {"start": start, **options, "bounded": int(bounded)}
+
+
+def facts_of(angle: xr.Dataset) -> dict[str, tuple[str, str]]:
+    """What is to be known of a recording's angle, as {name: (value, long_name)}."""
+    return {
+        "campaign": (str(angle.attrs.get("campaign", "")), "pendulum the recording belongs to"),
+        "emulated": (str(angle.attrs.get("emulated", "no")), "whether the recording is emulated"),
+        "label": (
+            str(angle.attrs.get("label", angle.attrs.get("recording", ""))),
+            "the recording's name as it was written",
+        ),
+        "reading": (str(dataset.series_of(angle).name), "what the sensor reads: angle or rate"),
+        "uncertainty": (str(angle.attrs.get("mode", "unknown")), "what the angle's uncertainty is from"),
+        "points": (
+            str(angle.attrs.get("points", "")),
+            "what the points are, where they are no samples of the motion",
+        ),
+        "points_unit": (str(angle.attrs.get("points_unit", "rad")), "unit of the amplitudes as read"),
+    }
+
+
+def coords_of(angle: xr.Dataset, names: Sequence[str]) -> dict[str, Coordinate]:
+    """The coordinates of a recording's fits: its times, and what is to be known of it."""
+    return {
+        "parameter_2": ("parameter_2", names, {"long_name": "other parameter"}),
+        "time": ("time", angle["time"].values, {}),
+        "recording": ((), str(angle.attrs.get("recording", "recording")), {"long_name": "recording"}),
+        **{key: ((), value, {"long_name": text}) for key, (value, text) in facts_of(angle).items()},
+    }
+
+
+def slack_of(fit: Fit) -> dict[str, Coordinate]:
+    """The coordinates of what a fit leaves open."""
+    parameters = fit.model.slack.parameters
+    return open_coords(parameters, [fit.model.units[name] for name in parameters], fit.sources)
+
+
+def open_coords(
+    parameters: Sequence[str], units: Sequence[str], sources: Sequence[str]
+) -> dict[str, Coordinate]:
+    """The coordinates of what is left open, and of where the systematic uncertainty comes from."""
+    return {
+        "nuisance": (
+            "nuisance",
+            np.array(parameters, dtype=str),
+            {"long_name": "what the measurement leaves open"},
+        ),
+        "nuisance_unit": (
+            "nuisance",
+            np.array(units, dtype=str),
+            {"long_name": "unit of the nuisance value"},
+        ),
+        "source": (
+            "source",
+            np.array(sources, dtype=str),
+            {"long_name": "source of systematic uncertainty"},
+        ),
+    }
+
+
+def prior_of(slack: Slack) -> dict[str, Variable]:
+    """What was known of the nuisance values: standard uncertainties about zero."""
+    return {"nuisance_prior": ("nuisance", list(slack.deviations.values()))}
+
+
+def in_units(found: xr.Dataset, reading: str) -> xr.Dataset:
+    """The dataset with the units of what was read: of rates rad/s and degrees/s where angles have rad and degrees."""
+    if reading == ANGLE:
+        return found
+    for name in ("fit", "residual", "rms", "norm", "error_bound_norm"):
+        if name in found:
+            about = found[name].attrs
+            about |= {
+                "units": f"{about['units']}/s",
+                "long_name": about["long_name"].replace("angle", "angular rate"),
+            }
+    return found
+
+
+def _reduced_chi2(fit: Fit, swings: Sequence[Swing], angles: Sequence[xr.Dataset]) -> float:
+    total = 0.0
+    for (_, series), angle, fitted in zip(swings, angles, fit.swings, strict=True):
+        random = known_part(angle, "random_uncertainty")
+        if random is None:
+            return np.nan
+        total += float(np.sum(((series - fitted.angle) / random) ** 2))
+    return total / (fit.n - len(fit.free))
+
+
+def _correlated(covariance: Floats) -> Floats:
+    errors = standard_errors(covariance)
+    return covariance / np.outer(errors, errors)
+
+
+def _over(matrix: Floats, fit: Fit, names: Sequence[str]) -> Floats:
+    """A fit's matrix (its correlation or covariance) over ``names``, NaN for those the model lacks."""
+    found = np.full((len(names), len(names)), np.nan)
+    own = [name for name in fit.model.parameters if name in names]
+    where, at = [names.index(name) for name in own], [fit.free.index(name) for name in own]
+    found[np.ix_(where, where)] = matrix[np.ix_(at, at)]
+    return found
+
+
+def _condition(covariance: Floats) -> float:
+    matrix = _correlated(covariance)
+    return float(np.linalg.cond(matrix)) if np.all(np.isfinite(matrix)) else np.nan
+
+
+def known_part(angle: xr.Dataset, name: str) -> Floats | None:
+    """The values of this part of the reading where it is there and above 0 throughout, else None."""
+    try:
+        values = dataset.series_of(angle, name).values
+    except KeyError:
+        return None
+    return np.broadcast_to(values, dataset.series_of(angle).shape) if np.all(values > 0) else None
