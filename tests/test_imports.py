@@ -77,6 +77,13 @@ def test_imports_are_found_wherever_they_stand(tmp_path):
     assert "trajectory" not in found
 
 
+def test_the_trials_beside_the_package_count_as_sources(root):
+    """An edited trial runs its rules again, and so does the science that it tries."""
+    found = sources.sources(root / "workflow/scripts/hidden_find.py")
+    for name in ("swingdown_trials/find.py", "swingdown_trials/torques.py", "swingdown/discovery/search.py"):
+        assert any(path.endswith(name) for path in found), name
+
+
 def test_the_engines_c_files_count_as_sources():
     assert any(path.endswith(".c") for path in sources.sources(PACKAGE / "fitting/batch.py"))
 

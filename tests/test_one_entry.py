@@ -27,11 +27,11 @@ from swingdown.studies.experiment import fit_campaign, fit_recording
 from swingdown.studies.norms import combine_recordings
 from swingdown.studies.paper_tables import comparison, table3
 from swingdown.studies.parameters import parameters
-from swingdown.trials.find import find
-from swingdown.trials.schedule import Planned, chunks, planned
-from swingdown.trials.schedule import drawn as drawn_trial
-from swingdown.trials.score import confusion, row, summarise
-from swingdown.trials.trial import BASE, hideable, write_trial
+from swingdown_trials.find import find
+from swingdown_trials.schedule import Planned, chunks, planned
+from swingdown_trials.schedule import drawn as drawn_trial
+from swingdown_trials.score import confusion, row, summarise
+from swingdown_trials.trial import BASE, hideable, write_trial
 
 TOY = Effect(
     "rolling_resistance",

@@ -13,7 +13,7 @@ from swingdown.errors import InputError
 from swingdown.measurement.angle import to_angle
 from swingdown.measurement.recording import ingest
 from swingdown.measurement.sheet import COLUMNS
-from swingdown.trials.second_pendulum import trajectory
+from swingdown_trials.second_pendulum import trajectory
 
 TRUTH = {"natural_frequency": 4.2, "viscous_ratio": 0.004, "load_friction": 0.003}
 HIDDEN = TRUTH | {"quadratic_coefficient": 0.12}

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
-from swingdown.trials.second_pendulum import trajectory
+from swingdown_trials.second_pendulum import trajectory
 
 REAL = Path(__file__).parents[3] / "shared/data/real"
 NAMES = ("Jürgen", "swing 1", "swing 2", "swing 10", "Anna-Lena", "Zoë", "groupe é", "Gruppe 3 a", "Gruppe 3 b", "Łukasz",

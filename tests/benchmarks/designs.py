@@ -24,9 +24,9 @@ from swingdown.discovery.verdict import verdict
 from swingdown.errors import InputError
 from swingdown.pendulum.catalogue import SHIPPED
 from swingdown.pendulum.model import Model
-from swingdown.trials import trial as trials
-from swingdown.trials.schedule import Planned, drawn
-from swingdown.trials.torques import FOREIGN
+from swingdown_trials import trial as trials
+from swingdown_trials.schedule import Planned, drawn
+from swingdown_trials.torques import FOREIGN
 
 KINDS = ("null", "single", "single", "removed", "foreign", "foreign", "pair")
 SWINGS, RATES, SECONDS, DEGREES = (1, 2, 4, 6, 12), (10.0, 30.0, 100.0, 1000.0), (10.0, 120.0), (5.0, 90.0)

@@ -18,7 +18,7 @@ from test_frozen import CAMPAIGNS, DURATION, NOISE, RATE, VALUES
 
 import swingdown
 from swingdown.engine.trajectory import TrajectoryWarning
-from swingdown.trials.second_pendulum import BELOW_NOISE, trajectory
+from swingdown_trials.second_pendulum import BELOW_NOISE, trajectory
 
 BURST = 40  # samples: 0.8 s, most of a period
 WAYS = {  # share that is missing, samples of a hole, noise over that of the campaigns

@@ -27,8 +27,8 @@ from swingdown.discovery.next_swing import APART, next_swing
 from swingdown.engine.trajectory import TrajectoryError
 from swingdown.fitting.least_squares import fit_jointly
 from swingdown.pendulum.model import Model
-from swingdown.trials.second_pendulum import trajectory
-from swingdown.trials.trial import NOISES, USUAL, Planned, draw
+from swingdown_trials.second_pendulum import trajectory
+from swingdown_trials.trial import NOISES, USUAL, Planned, draw
 
 DEVIATION, INTERVAL, DURATION = 1e-3, 0.02, 15.0  # rad, s, s
 RATIO = 1.15  # of what the base leaves of wide swings to the noise

@@ -22,7 +22,7 @@ from scipy.integrate import solve_ivp
 from scipy.signal import savgol_filter
 
 import swingdown
-from swingdown.trials.second_pendulum import trajectory
+from swingdown_trials.second_pendulum import trajectory
 
 SEED = 26
 DENSE = 4000  # samples of a swing that its turning points are told from

@@ -9,7 +9,7 @@ from swingdown.discovery.campaign import Swing, campaign
 from swingdown.discovery.change import Difference, difference
 from swingdown.discovery.sentence import follows
 from swingdown.pendulum.model import Model
-from swingdown.trials.second_pendulum import trajectory
+from swingdown_trials.second_pendulum import trajectory
 
 TIMES = np.arange(0, 15, 0.02)  # s
 NOISE = 1e-3  # rad

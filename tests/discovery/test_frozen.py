@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 import swingdown
-from swingdown.trials.second_pendulum import BELOW_NOISE, trajectory
+from swingdown_trials.second_pendulum import BELOW_NOISE, trajectory
 
 FROZEN = Path(__file__).with_name("frozen.json")
 NOISE, DURATION, RATE = 1.5e-3, 12, 50  # rad (rad/s of rates), s, samples a second

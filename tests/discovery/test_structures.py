@@ -15,7 +15,7 @@ from swingdown.discovery.structures import Pool
 from swingdown.discovery.verdict import verdict
 from swingdown.fitting.least_squares import fit_jointly
 from swingdown.pendulum.model import Model
-from swingdown.trials.second_pendulum import trajectory
+from swingdown_trials.second_pendulum import trajectory
 
 TIMES = np.arange(0, 12, 0.02)  # s
 NOISE = Noise(1e-3)  # rad

@@ -10,7 +10,7 @@ from swingdown.fitting.least_squares import fit_trajectory
 from swingdown.pendulum.catalogue import SHIPPED
 from swingdown.pendulum.model import Model
 from swingdown.pendulum.model_file import read_model, write_model
-from swingdown.trials.second_pendulum import trajectory
+from swingdown_trials.second_pendulum import trajectory
 
 TIMES = np.arange(0, 20, 0.01)
 VALUES = {"natural_frequency": 7.0, "viscous_ratio": 0.004, "load_friction": 0.003}

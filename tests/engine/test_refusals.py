@@ -11,7 +11,7 @@ from scipy.integrate import solve_ivp
 from swingdown.engine.trajectory import TrajectoryError, TrajectoryWarning, simulate
 from swingdown.errors import InputError
 from swingdown.pendulum.model import Model
-from swingdown.trials import second_pendulum as oracle
+from swingdown_trials import second_pendulum as oracle
 
 
 def test_friction_that_drives_is_told():

@@ -9,7 +9,7 @@ from swingdown.engine.trajectory import sensitivities, simulate
 from swingdown.errors import InputError
 from swingdown.pendulum.catalogue import SHIPPED
 from swingdown.pendulum.model import PAPER_MODELS, Model
-from swingdown.trials import second_pendulum as oracle
+from swingdown_trials import second_pendulum as oracle
 
 RELEASE = ("release_angle", "release_velocity")
 

@@ -6,7 +6,7 @@ from cases import TIMES, friction
 
 from swingdown.engine.trajectory import effort, sensitivities, simulate
 from swingdown.pendulum.model import Model
-from swingdown.trials import second_pendulum as oracle
+from swingdown_trials import second_pendulum as oracle
 
 
 @pytest.mark.parametrize("release", [0.3, 0.7, 1.0])

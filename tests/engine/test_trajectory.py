@@ -10,7 +10,7 @@ from scipy.special import ellipj, ellipk
 
 from swingdown.engine.trajectory import TrajectoryError, effort, sensitivities, simulate, simulate_each
 from swingdown.pendulum.model import PAPER_MODELS, Model
-from swingdown.trials import second_pendulum as oracle
+from swingdown_trials import second_pendulum as oracle
 
 # at 170 degrees friction in proportion to the load drives, and engine and oracle follow that to the letter alike
 pytestmark = pytest.mark.filterwarnings("ignore:.*gains energy")

@@ -14,7 +14,7 @@ from swingdown.pendulum import formula
 from swingdown.pendulum.catalogue import SHIPPED, Catalogue
 from swingdown.pendulum.effect import TERM_UNITS, VARIABLES, Effect, Parameter, State
 from swingdown.pendulum.model import Model
-from swingdown.trials.torques import KNOWN
+from swingdown_trials.torques import KNOWN
 
 UNITS = pint.UnitRegistry()
 ALL = [*SHIPPED.gravity.values(), *SHIPPED]

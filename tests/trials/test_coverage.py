@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from swingdown.measurement.apparatus import read_apparatus
-from swingdown.trials import coverage
-from swingdown.trials.coverage import CASES, bench, calibrations, swings, table
+from swingdown_trials import coverage
+from swingdown_trials.coverage import CASES, bench, calibrations, swings, table
 
 
 @pytest.fixture(scope="module")

@@ -12,11 +12,11 @@ from swingdown.pendulum.catalogue import SHIPPED
 from swingdown.pendulum.model import Model
 from swingdown.pendulum.slack import Slack
 from swingdown.plots.trials import detection
-from swingdown.trials.find import find
-from swingdown.trials.schedule import Planned, chunks, drawn, planned
-from swingdown.trials.score import confusion, guard, read_scores, row, summarise
-from swingdown.trials.second_pendulum import Runaway
-from swingdown.trials.trial import BASE, hideable, left_by_base, write_trial
+from swingdown_trials.find import find
+from swingdown_trials.schedule import Planned, chunks, drawn, planned
+from swingdown_trials.score import confusion, guard, read_scores, row, summarise
+from swingdown_trials.second_pendulum import Runaway
+from swingdown_trials.trial import BASE, hideable, left_by_base, write_trial
 
 SEED = 99  # not the seed of the scores in the README
 
@@ -90,7 +90,7 @@ def test_a_calibration_that_is_as_wrong_as_it_says_is_no_missing_effect(tmp_path
     assert row["holdout_sigma"] < 1.06
     assert pd.read_csv(tmp_path / "c0-1.csv").columns.tolist() == ["t_s", "encoder_V"]
     # the same readings, taken for what they say
-    monkeypatch.setattr("swingdown.trials.find.of_angles", lambda angles: Slack())
+    monkeypatch.setattr("swingdown_trials.find.of_angles", lambda angles: Slack())
     ((row,), _) = verdicts(tmp_path, one, rounds=1, apparatus=sheet)
     assert row["alarm"]
 

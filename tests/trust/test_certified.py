@@ -4,8 +4,8 @@ import shutil
 
 import pytest
 
-from swingdown.certified import table
 from swingdown.errors import InputError
+from swingdown_trials.certified import table
 
 
 @pytest.fixture(scope="module")

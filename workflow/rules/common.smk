@@ -45,7 +45,7 @@ def told():
 @cache
 def trials():
     """The trials of hidden effects by chunk; what they are drawn with takes a second to import, and most runs hide nothing."""
-    from swingdown.trials.schedule import chunks
+    from swingdown_trials.schedule import chunks
 
     with console.job():
         return chunks(config["hidden_effects"], catalogue(config["effects"]))

@@ -5,8 +5,8 @@ import swingdown.prefork  # noqa: F401  # first of all: it may take the job over
 from pathlib import Path
 
 from swingdown import console
-from swingdown.certified.table import quantities, table, told
 from swingdown.sealed import write_csv
+from swingdown_trials.certified.table import quantities, table, told
 
 if __name__ == "__main__":
     with console.job(snakemake.log[0]) as say:

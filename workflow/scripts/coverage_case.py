@@ -5,7 +5,7 @@ import swingdown.prefork  # noqa: F401  # first of all: it may take the job over
 from swingdown import console
 from swingdown.measurement.apparatus import read_apparatus
 from swingdown.sealed import write_csv
-from swingdown.trials.coverage import CASES, calibrations, swings
+from swingdown_trials.coverage import CASES, calibrations, swings
 
 
 def coverage_case(apparatus, case, count, seed, output):

@@ -7,7 +7,7 @@ from pathlib import Path
 from swingdown import console
 from swingdown.plots import save, trials
 from swingdown.sealed import read_csv
-from swingdown.trials.score import read_scores
+from swingdown_trials.score import read_scores
 
 
 def figures(scores, confusion, outputs):

@@ -6,8 +6,8 @@ from swingdown import console
 from swingdown.pendulum.catalogue import catalogue
 from swingdown.pendulum.model import Model
 from swingdown.sealed import read_bytes, read_json, write_json
-from swingdown.trials.find import find
-from swingdown.trials.trial import BASE
+from swingdown_trials.find import find
+from swingdown_trials.trial import BASE
 
 
 def verdicts(sheet, excluded, base, rounds, output):

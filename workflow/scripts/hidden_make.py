@@ -10,8 +10,8 @@ from swingdown import console
 from swingdown.measurement.apparatus import read_apparatus
 from swingdown.pendulum.catalogue import catalogue
 from swingdown.sealed import write_csv, write_json
-from swingdown.trials.schedule import Planned, drawn
-from swingdown.trials.trial import write_trial
+from swingdown_trials.schedule import Planned, drawn
+from swingdown_trials.trial import write_trial
 
 
 def make(chunk, trials, seed, known, apparatus, sheet, excluded, truth):

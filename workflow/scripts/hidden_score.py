@@ -8,8 +8,8 @@ import yaml
 from swingdown import console
 from swingdown.pendulum.catalogue import catalogue
 from swingdown.sealed import read_json, write_csv, write_text
-from swingdown.trials.reliability import reliability
-from swingdown.trials.score import confusion, guard, row, summarise
+from swingdown_trials.reliability import reliability
+from swingdown_trials.score import confusion, guard, row, summarise
 
 
 def score(truths, verdicts, known, scores, summary, matrix, reliable, guarded):

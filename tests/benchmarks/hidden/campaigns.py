@@ -9,7 +9,7 @@ import pandas as pd
 
 from swingdown import dataset
 from swingdown.errors import InputError
-from swingdown.trials.trial import calibration_of
+from swingdown_trials.trial import calibration_of
 
 
 @dataclass(frozen=True)

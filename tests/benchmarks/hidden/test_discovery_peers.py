@@ -11,8 +11,8 @@ from campaigns import Campaign, campaigns, row, swing
 
 from swingdown.errors import InputError
 from swingdown.measurement.apparatus import read_apparatus
-from swingdown.trials.schedule import Planned, drawn
-from swingdown.trials.trial import swings, write_trial
+from swingdown_trials.schedule import Planned, drawn
+from swingdown_trials.trial import swings, write_trial
 
 SEED = 99  # not the seed of the figures in the README
 EASY = Planned("single", ("quadratic_drag",), 2.0, "white", 0)

@@ -142,7 +142,7 @@ class Effect:
     ``largest_angle`` (rad)."""
     twin: Callable[..., float] | None = field(default=None, repr=False, compare=False)
     """The torque (rad/s^2) for the second pendulum, written by hand: a function of time, angle, velocity, direction of
-    motion, values by name and the record's duration. The shipped effects have theirs in ``trials.second_pendulum``."""
+    motion, values by name and the record's duration. The shipped effects have theirs in ``swingdown_trials``."""
 
     @property
     def size(self) -> Parameter | None:

@@ -11,6 +11,7 @@ from functools import cache
 from pathlib import Path
 
 PACKAGE = Path(__file__).resolve().parents[1]
+TRIALS = "swingdown_trials"  # the package beside it
 
 
 def sources(script: str | Path) -> list[str]:
@@ -41,7 +42,7 @@ def fingerprint(script: str | Path) -> str:
     """16 hexadecimal digits that change when a file of the package that ``script`` rests on is edited, added or taken away."""
     digest = hashlib.sha256()
     for file in sources(script):
-        digest.update(f"{Path(file).relative_to(PACKAGE).as_posix()} {_content(file)}\n".encode())
+        digest.update(f"{Path(file).relative_to(PACKAGE.parent).as_posix()} {_content(file)}\n".encode())
     return digest.hexdigest()[:16]
 
 
@@ -54,19 +55,21 @@ def _content(file: str) -> str:
 def imported(file: str | Path) -> tuple[Path, ...]:
     """The package's files that one Python file imports, as a tuple of paths."""
     file = Path(file).resolve()
-    inside = PACKAGE in file.parents
+    roots = {name: PACKAGE.with_name(name) for name in (PACKAGE.name, TRIALS)}
+    inside = any(root in file.parents for root in roots.values())
     found: list[Path] = []
     for node in _statements(ast.parse(file.read_text(encoding="utf-8")).body):
         if isinstance(node, ast.Import):
             for alias in node.names:
-                if alias.name.split(".")[0] == PACKAGE.name:
-                    found += _files(PACKAGE, alias.name.split(".")[1:])
+                first, *rest = alias.name.split(".")
+                if first in roots:
+                    found += _files(roots[first], rest)
         elif isinstance(node, ast.ImportFrom):
             parts = (node.module or "").split(".") if node.module else []
             if node.level and inside:
                 base = file.parents[node.level - 1]
-            elif not node.level and parts[:1] == [PACKAGE.name]:
-                base, parts = PACKAGE, parts[1:]
+            elif not node.level and parts and parts[0] in roots:
+                base, parts = roots[parts[0]], parts[1:]
             else:
                 continue
             for alias in node.names:

@@ -1,5 +1,5 @@
 """Trials of discovery: campaigns in which the truth is known and hidden, and the score of the verdicts on them.
 
-``pendulum`` has equations and an integrator of its own, and ``trials`` writes what it makes as sample sheet and CSV
+``second_pendulum`` has equations and an integrator of its own, and ``trial`` writes what it makes as sample sheet and CSV
 files, with the truth in another place; ``score`` alone reads both.
 """

@@ -7,8 +7,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..arrays import Floats
-from ..fitting.general import least_squares
+from swingdown.arrays import Floats
+from swingdown.fitting.general import least_squares
+
 from .case import Quantity, text
 
 SOURCE = "NIST StRD, nonlinear regression"

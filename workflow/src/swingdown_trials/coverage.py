@@ -16,21 +16,22 @@ import xarray as xr
 from scipy.signal import lfilter
 from scipy.special import stdtrit
 
-from ..arrays import Floats, Swing
-from ..calibration import from_means
-from ..calibration.geometry import arm_angle
-from ..calibration.layout import Read
-from ..fitting.least_squares import fit_jointly
-from ..fitting.prediction import predict_reading
-from ..fitting.result import Fit
-from ..fitting.slack import allowing
-from ..fitting.uncertainty import Uncertainty, uncertainty
-from ..measurement.angle import to_angle
-from ..measurement.apparatus import Apparatus, encoder_limit
-from ..measurement.slack import CLOCK_TOLERANCE, of_angles
-from ..measurement.uncertainty import Mean, mean_of_samples
-from ..pendulum.model import Model
-from ..studies.quantities import Quantity, quantities
+from swingdown.arrays import Floats, Swing
+from swingdown.calibration import from_means
+from swingdown.calibration.geometry import arm_angle
+from swingdown.calibration.layout import Read
+from swingdown.fitting.least_squares import fit_jointly
+from swingdown.fitting.prediction import predict_reading
+from swingdown.fitting.result import Fit
+from swingdown.fitting.slack import allowing
+from swingdown.fitting.uncertainty import Uncertainty, uncertainty
+from swingdown.measurement.angle import to_angle
+from swingdown.measurement.apparatus import Apparatus, encoder_limit
+from swingdown.measurement.slack import CLOCK_TOLERANCE, of_angles
+from swingdown.measurement.uncertainty import Mean, mean_of_samples
+from swingdown.pendulum.model import Model
+from swingdown.studies.quantities import Quantity, quantities
+
 from .second_pendulum import trajectory
 
 STATED = 0.95

@@ -8,10 +8,11 @@ import numpy as np
 import pandas as pd
 from scipy.stats import binomtest
 
-from ..discovery.campaign import Noise
-from ..discovery.guard import GUARD
-from ..pendulum.catalogue import SHIPPED, Catalogue
-from ..sealed import read_csv
+from swingdown.discovery.campaign import Noise
+from swingdown.discovery.guard import GUARD
+from swingdown.pendulum.catalogue import SHIPPED, Catalogue
+from swingdown.sealed import read_csv
+
 from .trial import CORRELATION
 
 _EXCESS = (

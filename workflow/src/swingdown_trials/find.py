@@ -6,17 +6,18 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from .. import dataset
-from ..discovery.campaign import Swing, campaign
-from ..discovery.files import summary
-from ..discovery.search import discover
-from ..discovery.verdict import verdict
-from ..errors import InputError
-from ..measurement.angle import to_angle
-from ..measurement.recording import ingest
-from ..measurement.sheet import read_sheet
-from ..measurement.slack import of_angles
-from ..pendulum.model import Model
+from swingdown import dataset
+from swingdown.discovery.campaign import Swing, campaign
+from swingdown.discovery.files import summary
+from swingdown.discovery.search import discover
+from swingdown.discovery.verdict import verdict
+from swingdown.errors import InputError
+from swingdown.measurement.angle import to_angle
+from swingdown.measurement.recording import ingest
+from swingdown.measurement.sheet import read_sheet
+from swingdown.measurement.slack import of_angles
+from swingdown.pendulum.model import Model
+
 from .trial import calibration_of
 
 

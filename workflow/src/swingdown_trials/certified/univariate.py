@@ -4,7 +4,8 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from ..measurement.uncertainty import mean_of_samples
+from swingdown.measurement.uncertainty import mean_of_samples
+
 from .case import Quantity, values
 
 SOURCE = "NIST StRD, univariate summary statistics"

@@ -4,7 +4,8 @@ pendulums that were taken down between the swings (``own``) or whose sensor was 
 from collections.abc import Mapping
 from typing import Any
 
-from ..pendulum.catalogue import SHIPPED, Catalogue
+from swingdown.pendulum.catalogue import SHIPPED, Catalogue
+
 from .torques import FOREIGN
 from .trial import NOISES, PAIRS, USUAL, Design, Planned, Trial, check_known, draw, hideable
 

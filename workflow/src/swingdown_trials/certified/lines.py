@@ -6,8 +6,9 @@ from pathlib import Path
 
 import numpy as np
 
-from ..arrays import Floats
-from ..measurement.line import Line, fit_line
+from swingdown.arrays import Floats
+from swingdown.measurement.line import Line, fit_line
+
 from .case import Quantity, text, values
 
 YORK = "York et al., Am. J. Phys. 72, 367 (2004); Pearson's data with York's weights"

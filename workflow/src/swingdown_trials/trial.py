@@ -9,18 +9,19 @@ import numpy as np
 import pandas as pd
 from scipy.signal import lfilter
 
-from .. import dataset
-from ..arrays import Floats
-from ..engine.trajectory import TrajectoryError
-from ..errors import InputError
-from ..fitting.guess import middle_crossings
-from ..fitting.least_squares import fit_jointly
-from ..manifest import checksum
-from ..measurement.apparatus import Apparatus
-from ..paths import write_csv
-from ..pendulum.catalogue import SHIPPED, Catalogue
-from ..pendulum.effect import Effect, Parameter
-from ..pendulum.model import BASES, Model
+from swingdown import dataset
+from swingdown.arrays import Floats
+from swingdown.engine.trajectory import TrajectoryError
+from swingdown.errors import InputError
+from swingdown.fitting.guess import middle_crossings
+from swingdown.fitting.least_squares import fit_jointly
+from swingdown.manifest import checksum
+from swingdown.measurement.apparatus import Apparatus
+from swingdown.paths import write_csv
+from swingdown.pendulum.catalogue import SHIPPED, Catalogue
+from swingdown.pendulum.effect import Effect, Parameter
+from swingdown.pendulum.model import BASES, Model
+
 from .coverage import SLOPE, Bench, bench
 from .second_pendulum import BELOW_NOISE, Runaway, trajectory
 from .torques import FOREIGN, KNOWN

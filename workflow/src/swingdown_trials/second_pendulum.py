@@ -15,7 +15,8 @@ from typing import NamedTuple
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from ..errors import InputError
+from swingdown.errors import InputError
+
 from .torques import KNOWN, TORQUES, of_twin
 
 _OF_ANGLES = {"backlash", "sensor_lag", "eccentricity", "sensor_curvature"}  # errors of an angle sensor alone

@@ -8,7 +8,7 @@ from decimal import Decimal
 from pathlib import Path
 from typing import Any
 
-from ..errors import InputError
+from swingdown.errors import InputError
 
 EXACT = 15  # digits that a double holds; a value that is certified exactly has no more
 

@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from ..arrays import Floats
-from ..measurement.uncertainty import (
+from swingdown.arrays import Floats
+from swingdown.measurement.uncertainty import (
     Input,
     coverage_factor,
     from_limit,
@@ -18,6 +18,7 @@ from ..measurement.uncertainty import (
     summarise,
     symmetric_interval,
 )
+
 from .case import Quantity, pairs, text, values
 from .lines import columns
 
