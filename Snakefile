@@ -3,7 +3,6 @@
 import logging
 import os
 import sys
-from functools import partial
 
 from snakemake.utils import min_version
 
@@ -12,6 +11,7 @@ from swingdown.capture import takes
 from swingdown.paths import find, is_url, remove_leftovers
 from swingdown.sealed import remove_orphans
 from swingdown.studies import left_out
+from swingdown.study.made import ROUND_FILES, SEEN, made as made_by
 from swingdown.study.plan import plan
 from swingdown.study.settings import complete
 from swingdown.study.sources import fingerprint
@@ -46,24 +46,18 @@ with console.job():
     PLAN = plan({} if AT_THE_BENCH else config)
     SWEEPS = sweeps(config, where)
 
-AT_START = [
-    partial(remove_leftovers, "results"),
-    partial(remove_orphans, "results"),
-]  # what is done before the first job, and never by a dry run
 # A study of recordings that leaves the paper's simulations out is somebody's own: its results show no trace of the paper.
 OWN = bool(PLAN.campaigns) and not config["simulation"]["simulated"]
 LANG = config["lang"] if OWN else "en"
-TABLES, FIGURES, VERDICTS = [], [], []  # each stage adds what it makes; the report shows all of it
-DATA = {
-    "study": [],
-    "discovery": [],
-}  # and what these rest on; the manifest lists it, by the part that it belongs to
+MADE = made_by(PLAN, config, OWN)
 
 
 onstart:
     with console.job():
-        for act in AT_START:
-            act()
+        remove_leftovers("results")
+        remove_orphans("results")
+        if not AT_THE_BENCH:
+            write_books()
     if workflow.local_exec and workflow.is_main_process:  # how jobs are executed is known only now
         prefork.start()
         # Snakemake's limit to 100 jobs a second looks at all jobs anew once a second for each job that has ended; on one

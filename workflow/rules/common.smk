@@ -54,14 +54,14 @@ def trials():
 def made(part):
     """What a part makes; of hidden effects what each chunk of campaigns does, too."""
     if part != "hidden_effects":
-        return MADE[part]
+        return MADE_OF[part]
     files = [
         "truth/{chunk}.json",
         "verdicts/{chunk}.json",
         "campaigns/{chunk}/sheet.csv",
         "campaigns/{chunk}/excluded.json",
     ]
-    return MADE[part] + expand("results/hidden_effects/{file}", file=expand(files, chunk=trials()))
+    return MADE_OF[part] + expand("results/hidden_effects/{file}", file=expand(files, chunk=trials()))
 
 
 def only_capture(wildcards):

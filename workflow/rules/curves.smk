@@ -4,15 +4,6 @@
 
 from pathlib import Path
 
-AGAINST = ["curves", "laws"]
-CURVES = expand(
-    "results/curves/{campaign}/{name}.{ending}",
-    campaign=PLAN.campaigns if OWN else [],
-    name=AGAINST,
-    ending=["csv", "svg", "png"],
-)
-DATA["study"] += CURVES
-
 
 rule curves:
     input:
@@ -23,8 +14,10 @@ rule curves:
         fits=lambda wildcards: expand(
             "results/experiment/fits/{recording}.nc", recording=PLAN.swings(wildcards.campaign)
         ),
-        joint=lambda wildcards: [path for path in JOINT if Path(path).stem == wildcards.campaign],
-        verdict=lambda wildcards: [path for path in VERDICTS if Path(path).parent.name == wildcards.campaign],
+        joint=lambda wildcards: [path for path in MADE.joint if Path(path).stem == wildcards.campaign],
+        verdict=lambda wildcards: [
+            path for path in MADE.verdicts if Path(path).parent.name == wildcards.campaign
+        ],
     output:
         curves=expand("results/curves/{{campaign}}/curves.{ending}", ending=["csv", "svg", "png"]),
         laws=expand("results/curves/{{campaign}}/laws.{ending}", ending=["csv", "svg", "png"]),

@@ -3,42 +3,6 @@
 # makes: results/discovery/{campaign}/: round-{n}/, difference.json, verdict.json and figures/
 
 ROUNDS = config["discovery"]["rounds"]
-ROUND_FILES = [
-    "round.json",
-    "model.yaml",
-    "fit.nc",
-    "groups.csv",
-    "ranking.csv",
-    "map.csv",
-    "half_swings.csv",
-    "remainder.csv",
-    "course.csv",
-]
-SEEN = [
-    "answer",
-    "remainder",
-    "residuals",
-    "map",
-    "half_swings",
-    "ranking",
-    "gap",
-]  # the figures: functions of swingdown.plots
-VERDICTS += expand("results/discovery/{campaign}/verdict.json", campaign=PLAN.searched)
-SEEN_FIGURES = expand("results/discovery/{campaign}/figures/{name}.svg", campaign=PLAN.searched, name=SEEN)
-DATA["discovery"] += expand(
-    "results/discovery/{campaign}/round-{n}/{file}",
-    campaign=PLAN.searched,
-    n=range(ROUNDS + 1),
-    file=ROUND_FILES,
-)
-DATA["discovery"] += expand(
-    "results/discovery/{campaign}/figures/{name}.png", campaign=PLAN.searched, name=SEEN
-)
-DATA["discovery"] += expand("results/discovery/{campaign}/difference.json", campaign=PLAN.searched)
-CHANGED = [campaign for campaign in PLAN.searched if PLAN.changed(campaign)]
-SEEN_FIGURES += expand("results/discovery/{campaign}/figures/difference.svg", campaign=CHANGED)
-DATA["discovery"] += expand("results/discovery/{campaign}/figures/difference.png", campaign=CHANGED)
-
 # the recordings of each campaign as discovery takes them: static ones tell the noise
 MEMBERS = {campaign: PLAN.swings(campaign) + PLAN.statics(campaign) for campaign in PLAN.searched}
 

@@ -29,7 +29,7 @@ if PLAN.campaigns:
 
 # In a study of one's own they are made when asked for by name; the calibration line is its own, too.
 SHOWN = [name for name in DRAWN if not OWN or name == "fig08"]
-FIGURES += expand("results/figures/{name}.{ending}", name=SHOWN, ending=["svg", "png"])
+FIGURES = MADE.figures + expand("results/figures/{name}.{ending}", name=SHOWN, ending=["svg", "png"])
 
 
 for name, needed in DRAWN.items():

@@ -2,18 +2,6 @@
 # needs: results/angles/
 # makes: results/experiment/, results/tables/table3.csv, comparison.csv, parameters.csv, parameter_budget.csv
 
-# A pendulum of one swing has nothing to fit together: that is the swing's own fit.
-JOINT = expand(
-    "results/experiment/joint/{campaign}.nc",
-    campaign=[name for name in PLAN.campaigns if len(PLAN.swings(name)) > 1],
-)
-DATA["study"] += [*JOINT, "results/experiment/norms.nc"]
-# Of campaigns that are only searched, too: they tell whether a swing is free.
-DATA["discovery"] += expand("results/experiment/fits/{recording}.nc", recording=PLAN.moving)
-TABLES += expand(
-    "results/tables/{table}.csv", table=["table3", "comparison", "parameters", "parameter_budget"]
-)
-
 
 rule fit_swing:
     input:
@@ -61,8 +49,8 @@ rule fit_campaign:
 rule table3:
     input:
         fits=expand("results/experiment/fits/{recording}.nc", recording=PLAN.swings()),
-        joint=JOINT,
-        verdicts=lambda wildcards: VERDICTS,  # what damping alone does not follow counts where they explain it
+        joint=MADE.joint,
+        verdicts=lambda wildcards: MADE.verdicts,  # what damping alone does not follow counts where they explain it
         published=find("resources/paper/table3.csv"),
     output:
         norms="results/experiment/norms.nc",

@@ -19,9 +19,9 @@ PARTS = {
     "coverage": ["coverage"],
 }
 # All that is made, and not its last files alone: what is deleted, as the mend of a damaged file says, is made anew.
-MADE = {
+MADE_OF = {
     "discovery": (
-        [*DATA["discovery"], *VERDICTS, *SEEN_FIGURES, "results/tables/left_out.csv"] if VERDICTS else []
+        [*MADE.searched, *MADE.verdicts, *MADE.seen, "results/tables/left_out.csv"] if MADE.verdicts else []
     ),
     "sweeps": ["results/sweeps.html"]
     + expand("results/sweeps/{sweep}/{file}", sweep=SWEEPS, file=["sweep.nc", "summary.csv"])
@@ -34,7 +34,7 @@ MADE = {
 
 rule manifest:
     input:
-        made=[*TABLES, *FIGURES, *DATA["study"], *MADE["discovery"], "results/report.html"],
+        made=[*MADE.tables, *FIGURES, *MADE.study, *MADE_OF["discovery"], "results/report.html"],
     output:
         "results/manifest.json",
     log:

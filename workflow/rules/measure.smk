@@ -5,10 +5,6 @@
 
 from swingdown.measurement.apparatus import read_apparatus
 
-DATA["discovery"] += expand(
-    "results/{kind}/{recording}.nc", kind=["recordings", "angles"], recording=PLAN.measured
-)
-
 
 rule record:
     input:
@@ -49,9 +45,6 @@ rule angle:
 
 
 if PLAN.in_volts:
-
-    TABLES += ["results/tables/uncertainty_budget.csv"]
-    DATA["discovery"] += ["results/calibration/calibration.nc"]
 
     rule calibrate:
         input:

@@ -3,23 +3,6 @@
 # makes: results/tables/left_out.csv and pendulums.csv, and where there are several recordings results/figures/pendulums.svg and .png;
 #        where the sheet states lengths or what was varied results/tables/g_budget.csv, series.csv, laws.csv, results/figures/series and groups
 
-from swingdown.study.varied import CELLS as SERIES_CELLS
-from swingdown.study.varied import varied_in
-
-TABLES += ["results/tables/left_out.csv", "results/tables/pendulums.csv"]
-SIDE_BY_SIDE = ["results/figures/pendulums.svg"] if OWN and len(PLAN.swings()) > 1 else []
-FIGURES += [path.replace(".svg", ending) for path in SIDE_BY_SIDE for ending in (".svg", ".png")]
-# Lengths, and what was varied between recordings, as the sample sheet states them.
-STATED = {
-    name: cells
-    for name in PLAN.moving
-    if (cells := {cell: PLAN.rows[name][cell] for cell in SERIES_CELLS if PLAN.rows[name][cell]})
-}
-VARIED = varied_in(STATED) if OWN else ()
-if OWN and STATED:
-    TABLES += expand("results/tables/{name}.csv", name=("g_budget", "series", "laws"))
-    FIGURES += expand("results/figures/{name}.{ending}", name=VARIED, ending=("svg", "png"))
-
 
 rule left_out:
     input:
@@ -28,7 +11,7 @@ rule left_out:
             recording=PLAN.moving,
         ),
         statics=expand("results/angles/{recording}.nc", recording=PLAN.still),
-        verdicts=VERDICTS,
+        verdicts=MADE.verdicts,
         before=str(find(config["left_out"])) if config.get("left_out") else [],
     output:
         report("results/tables/left_out.csv", category="Tables", labels={"table": "left out"}),
@@ -45,8 +28,8 @@ rule left_out:
 rule pendulums:
     input:
         norms="results/experiment/norms.nc",
-        joint=JOINT,
-        verdicts=VERDICTS,
+        joint=MADE.joint,
+        verdicts=MADE.verdicts,
         left_out=rules.left_out.output[0],
     output:
         report("results/tables/pendulums.csv", category="Tables", labels={"table": "pendulums"}),
@@ -54,7 +37,7 @@ rule pendulums:
         "results/logs/pendulums.log",
     params:
         effects=config["effects"],
-        stated=STATED,
+        stated=MADE.stated,
         restoring=config["model"]["restoring"],
         code=code("pendulums"),
     message:
@@ -90,7 +73,7 @@ rule series:
     log:
         "results/logs/series.log",
     params:
-        stated=STATED,
+        stated=MADE.stated,
         restoring=config["model"]["restoring"],
         code=code("series"),
     message:
@@ -110,7 +93,7 @@ rule series_figure:
     wildcard_constraints:
         kind="series|groups",
     params:
-        stated=STATED,
+        stated=MADE.stated,
         lang=LANG,
         code=code("series_figure"),
     message:

@@ -1,5 +1,5 @@
 # One page that holds it all.
-# needs: TABLES and FIGURES of the stages above, the captions in workflow/report/
+# needs: tables, verdicts and figures of the study, the captions in workflow/report/
 #        and, where they lie there, the results of sweeps: the report shows them but never computes them
 # makes: results/report.html
 
@@ -8,7 +8,11 @@ from swingdown.report.sections import FEW
 
 # What the swings are drawn from in the page of one's own recordings: the last round's fit. Of a class there is no room for it.
 FITS = (
-    expand("results/discovery/{campaign}/round-{n}/fit.nc", campaign=PLAN.searched, n=ROUNDS)
+    expand(
+        "results/discovery/{campaign}/round-{n}/fit.nc",
+        campaign=PLAN.searched,
+        n=config["discovery"]["rounds"],
+    )
     if OWN and len(PLAN.searched) <= FEW
     else []
 )
@@ -16,7 +20,7 @@ FITS = (
 
 rule page:
     input:
-        tables=TABLES,
+        tables=MADE.tables,
         figures=[path for path in FIGURES if path.endswith(".svg")],
         captions=[
             f"{workflow.basedir}/workflow/report/{Path(path).stem}.rst"
@@ -24,10 +28,10 @@ rule page:
             if path.endswith(".svg")
         ],
         recordings=expand("results/recordings/{recording}.nc", recording=PLAN.measured),
-        verdicts=VERDICTS,
-        seen=SEEN_FIGURES if VERDICTS else [],
+        verdicts=MADE.verdicts,
+        seen=MADE.seen,
         fits=FITS,
-        curves=CURVES if PLAN.campaigns else [],
+        curves=MADE.curves,
         sweep_captions=SWEEP_CAPTIONS,
         told=told(),
         form=list(map(str, FILES)),

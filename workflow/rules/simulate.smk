@@ -2,11 +2,6 @@
 # needs: the config alone
 # makes: results/simulation/, results/tables/table2.csv
 
-TABLES += ["results/tables/table2.csv"]
-DATA["study"] += ["results/simulation/realizations.nc", "results/simulation/norms.nc"] + expand(
-    "results/simulation/norms_{simulated}.nc", simulated=config["simulation"]["simulated"]
-)
-
 
 rule simulate:
     output:

@@ -120,6 +120,3 @@ def write_books():
         dealt.add_to_book(book(name), plan.new)
         if SWEEPS[name].format == "zarr":
             store.prepare(SWEEPS[name], plan, f"results/sweeps/{name}")
-
-
-AT_START.append(write_books)
