@@ -98,10 +98,11 @@ def _grouped(lines: Sequence[str], separator: str, decimal: str) -> tuple[int, D
     is a spoilt one.
     """
     best: tuple[int, Dialect | None] = (0, None)
+    text = "\n".join(lines)  # one search, for a file without groups is searched for each mark in each dialect
     for mark in THOUSANDS:
         if mark in (decimal, separator if separator != "," else "") or (mark == " " and separator == SPACES):
             continue
-        if not any(re.search(rf"\d{re.escape(mark)}\d{{3}}(?!\d)", line) for line in lines):
+        if not re.search(rf"\d{re.escape(mark)}\d{{3}}(?!\d)", text):
             continue
         rows, *_ = _rows(lines, separator, decimal, thousands=mark)
         cells = [split(lines[k], separator) for k in rows]
