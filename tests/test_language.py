@@ -107,7 +107,7 @@ def test_every_text_that_is_translated_is_one_that_the_program_says(catalogues):
             "No está establecido qué amortigua el péndulo; la resistencia del aire (viscosa), el rozamiento del cojinete y el rozamiento seco "
             "son lo que más se acerca: Q = 3,1(2).",
         ),
-        ("it", "What stops it is not known: it does not die away. T = 1.03 s.", "Non si può dire che cosa smorzi il pendolo: non si estingue. T = 1,03 s."),
+        ("it", "What stops it cannot be told: it does not die away. T = 1.03 s.", "Non si può dire che cosa smorzi il pendolo: non si estingue. T = 1,03 s."),
         ("pt", "Dry friction stops it.", "O atrito seco amortece o pêndulo."),
         (
             "de",

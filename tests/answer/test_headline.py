@@ -65,7 +65,7 @@ def test_of_a_wheel_on_a_spring_air_is_not_said_to_brake_it():
 
 def test_what_a_motor_keeps_going_is_not_said_to_be_stopped():
     found = swingdown.fit(TIMES, 0.3 * np.sin(7.0 * TIMES) + NOISE)
-    assert found.sentence.startswith("What stops it is not known: it does not die away. T = 0.89")
+    assert found.sentence.startswith("What stops it cannot be told: it does not die away. T = 0.89")
     assert set(found.quantities) == {"period", "natural_frequency"}
     assert "drag" not in str(found) and "Q" not in found.sentence and "unit is in doubt" not in str(found)
 

@@ -264,7 +264,7 @@ def test_what_does_not_die_away_has_no_effect_of_a_pendulum_unless_its_drive_was
     last |= {"conclusion": {"quantities": quantities}, "unit_doubt": ""}
     found = verdict([first, last])
     assert found["dies_away"] == told and found["status"] == ("named" if told else "unknown")
-    cannot = "What stops it is not known: it does not die away"
+    cannot = "What stops it cannot be told: it does not die away"
     assert found["sentence"].startswith(cannot) != told
     assert (found["next_measurement"] or "").startswith("Switch off what drives it") != told
     assert verdict([first, last | {"driven": True}])["status"] == "named"

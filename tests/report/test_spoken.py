@@ -58,6 +58,17 @@ def test_a_figure_has_its_words_and_its_marks_in_the_language():
     assert {"Zeit (s)", "Winkel (°)", "frei von einem Modell", "0,2"} <= said and "0.2" not in said
 
 
+def test_words_at_an_axis_are_in_the_language():
+    figure = style.new_figure(6)
+    axes = figure.subplots()
+    axes.set_xticks([0, 1], ["base model", "exchange load Coulomb for presliding"])
+    axes.set_title("time: push")
+    style.in_language(figure, GERMAN)
+    figure.draw_without_rendering()
+    said = {one.get_text() for one in figure.findobj(matplotlib.text.Text)}
+    assert {"Grundmodell", "Zeit: Stoß"} <= said and not any("exchange" in one for one in said)
+
+
 def test_a_legend_with_longer_words_stays_in_the_figure():
     figure = style.new_figure(6)
     axes = figure.subplots()

@@ -46,7 +46,7 @@ def sentence(found: Mapping[str, Any], catalogue: Catalogue = SHIPPED) -> str:
         )
         return text + dropped + end
     if not found.get("dies_away", True):
-        return "What stops it is not known: it does not die away, and what a motor does is no effect of a pendulum."
+        return "What stops it cannot be told: it does not die away, and what a motor does is no effect of a pendulum."
     if doubt := found.get("unit_doubt"):
         return f"{doubt[:1].upper()}{doubt[1:]}. No effect is named: another unit would explain the swings as well."
     seen = where["seen"][:1].upper() + where["seen"][1:] + ": " if where["seen"] else ""

@@ -19,7 +19,8 @@ _MANY, _GROUPS = 80, 12  # half-swings beyond which means of groups are drawn, a
 
 
 def _words(name: str) -> str:
-    return name.replace("_", " ")
+    """An effect or a move as one says it: Coulomb was a person."""
+    return name.replace("_", " ").replace("coulomb", "Coulomb")
 
 
 @style.styled

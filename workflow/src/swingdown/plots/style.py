@@ -121,13 +121,15 @@ class Drawn(Figure):
 
 
 class _Spoken(Formatter):
-    """What another formatter writes at an axis, with a language's decimal sign."""
+    """What another formatter writes at an axis, in a language: words as its catalogue has them, numbers with its decimal sign."""
 
     def __init__(self, inner: Formatter, spoken: Language) -> None:
         self.inner, self.spoken = inner, spoken
 
     def __call__(self, x: float, pos: int | None = None) -> str:
-        return self.spoken.number(self.inner(x, pos))
+        written = self.inner(x, pos)
+        spoken = self.spoken.text(written)
+        return spoken if spoken != written else self.spoken.number(written)
 
     def get_offset(self) -> str:
         return self.spoken.number(self.inner.get_offset())

@@ -132,7 +132,7 @@ _HEAD = ("campaign", "recording", "label", "amplitude_rad")
 RESIDUALS = {ANGLE: "residual_rad", RATE: "residual_rad_per_s"}
 _WITHOUT_SCALE = ("period", "quality", "decay_time")  # what readings without a scale tell
 DAMPING, SEARCH = "damping", "search"  # where a row's model comes from
-NOT_DYING = "not known: it does not die away"  # stands for a model
+NOT_DYING = "cannot be told: it does not die away"  # stands for a model
 NO_MODEL = (NOT_DAMPED, NOT_DYING)
 _TAIL = (
     "model",

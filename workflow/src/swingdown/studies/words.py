@@ -126,7 +126,7 @@ def headline(
 
 # Whole sentences, so that each can be said in another language.
 _UNTOLD = {
-    NOT_DYING: "What stops it is not known: it does not die away.",
+    NOT_DYING: "What stops it cannot be told: it does not die away.",
     NOT_DAMPED: "What stops it is not in the data.",
 }
 _STOPS = "{What} stops it: {numbers}."
