@@ -216,17 +216,18 @@ def test_kill_9_and_the_resume_command_of_the_docs_computes_only_what_is_missing
 
 
 @pytest.mark.slow("a sweep")
-def test_a_store_with_an_emptied_coordinate_stops_the_run_that_opens_it(snakemake, tmp_path):
+def test_a_store_with_an_emptied_coordinate_is_in_no_manifest(snakemake, tmp_path):
     write(tmp_path, realizations=8)
     config = tmp_path / "sweep.yaml"
     config.write_text(config.read_text().replace("chunk:", "format: zarr\n    chunk:"))
-    snakemake(DATA, "--configfile", config, directory=tmp_path)
-    coordinate = tmp_path / "results/sweeps/small/draws.zarr/fitted/0"
-    coordinate.write_bytes(b"")
-    config.write_text(config.read_text().replace("[20, 50]", "[20, 35, 50]"))
-    done = snakemake(DATA, "--configfile", config, directory=tmp_path, check=False)
+    snakemake("sweep", "--configfile", config, directory=tmp_path)
+    manifest = tmp_path / "results/sweeps/manifest.json"
+    assert "draws.zarr/fitted/0" in manifest.read_text()
+    (tmp_path / "results/sweeps/small/draws.zarr/fitted/0").write_bytes(b"")
+    manifest.unlink()
+    done = snakemake("sweep", "--configfile", config, directory=tmp_path, check=False)
     assert done.returncode and "draws.zarr/fitted/0" in done.stdout and "mend:" in done.stdout
-    assert "File " not in done.stdout
+    assert "File " not in done.stdout and not manifest.exists()
 
 
 IMPOSSIBLE = """\

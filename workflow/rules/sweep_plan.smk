@@ -8,7 +8,6 @@ from pathlib import Path
 
 from swingdown.sweep import chunks as dealt
 from swingdown.sweep import code as codes
-from swingdown.sweep import store
 
 CHUNK = "[0-9a-f]{16}(-[0-9a-f]{8})?"
 STORED = workflow.storage_settings.default_storage_provider is not None  # no file system that all nodes share
@@ -21,9 +20,8 @@ def book(name):
 
 
 def chunk_file(name, stem):
-    """Where a chunk's results are, or for a Zarr store the mark that they are in it."""
-    kind = SWEEPS[name].format if name in SWEEPS else "netcdf"
-    return f"results/sweeps/{name}/chunks/{stem}.{dealt.ENDING[kind]}"
+    """Where a chunk's results are."""
+    return f"results/sweeps/{name}/chunks/{stem}.nc"
 
 
 def result(name, stem):
@@ -47,7 +45,7 @@ def open_chunks(kind):
                 if os.path.isdir(f"results/sweeps/{name}/jobs")
                 else set()
             )
-            there = dealt.made(f"results/sweeps/{name}/chunks", dealt.ENDING[SWEEPS[name].format])
+            there = dealt.made(f"results/sweeps/{name}/chunks")
             stems = [dealt.stem(chunk, version) for chunk, all in there.items() for version in all]
             done += [f"{name}/jobs/{stem}" for stem in stems if f"{stem}.json" in kept]
     pattern = "|".join(names)
@@ -61,7 +59,7 @@ def planned(name):
     if name not in PLANS:
         with console.job():
             if STORED and SWEEPS[name].format == "zarr":
-                raise InputError(f"config, key sweeps.{name}.format", "jobs write into a Zarr store through a file system that they share",
+                raise InputError(f"config, key sweeps.{name}.format", "a Zarr store is a folder, and the storage plugin carries files alone",
                                  "`netcdf`, where a storage plugin carries the chunks", "write `format: netcdf`")  # fmt: skip
             PLANS[name] = dealt.deal(SWEEPS[name], book(name), codes.version(SWEEPS[name].computes), AGAIN)
         if workflow.is_main_process and not STORED:
@@ -118,5 +116,3 @@ def swept():
 def write_books():
     for name, plan in PLANS.items():
         dealt.add_to_book(book(name), plan.new)
-        if SWEEPS[name].format == "zarr":
-            store.prepare(SWEEPS[name], plan, f"results/sweeps/{name}")

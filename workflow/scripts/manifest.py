@@ -14,7 +14,6 @@ def check_stores(results):
         from swingdown.sweep import store  # takes a while to import, and few studies have one
 
         store.check(folder)
-        store.check_draws(folder)
 
 
 if __name__ == "__main__":

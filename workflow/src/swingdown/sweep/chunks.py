@@ -15,7 +15,6 @@ from ..errors import InputError
 from ..paths import written_whole
 from .draws import cell_keys
 
-ENDING = {"netcdf": "nc", "zarr": "json"}  # of the file whose being there says that a chunk is whole
 MOST_JOBS = 2000  # beyond that the workflow's own time and the file system are what one waits for
 
 
@@ -87,7 +86,7 @@ class Dealt:
     outdated: dict
 
 
-def made(folder, ending="nc"):
+def made(folder):
     """The versions of the code whose results lie in a folder of chunks, oldest first, by the chunk's name.
 
     Results that an earlier release wrote without a version have "".
@@ -97,7 +96,7 @@ def made(folder, ending="nc"):
         with os.scandir(folder) as files:
             for file in sorted(files, key=lambda file: file.stat().st_mtime_ns):
                 stem, _, last = file.name.rpartition(".")
-                if last == ending and not stem.startswith("."):
+                if last == "nc" and not stem.startswith("."):
                     name, _, code = stem.partition("-")
                     found.setdefault(name, []).append(code)
     return found
@@ -125,7 +124,7 @@ def deal(sweep, book, code="", again=False):
     InputError
         For more than ``MOST_JOBS`` chunks.
     """
-    there = made(Path(book).parent / "chunks", ENDING[sweep.format])
+    there = made(Path(book).parent / "chunks")
     chunks, open_parts = _held(sweep, book, there)
     new = tuple(_dealt(sweep, open_parts))
     if len(chunks) + len(new) > MOST_JOBS:

@@ -28,7 +28,7 @@ def combine(sweep, paths, output):
     """The path of the netCDF written: every draw of every cell, and the cells' probabilities (``summary``).
 
     Dimensions are the axes' names, ``realization``, and what the variables are listed by (``fitted``). ``noise_key`` has the
-    seeds, ``reason`` why a cell could not be made. Draws of a Zarr store stay there, and ``row`` is where each is.
+    seeds, ``reason`` why a cell could not be made. Of a sweep in a Zarr store, ``row`` is where each draw is in it (``store``).
 
     Parameters
     ----------
@@ -47,8 +47,6 @@ def combine(sweep, paths, output):
     output = Path(output)
     key_of = cell_keys(sweep.computes, sweep.settings, sweep.keys)
     where = {key_of(values): index for index, values in zip(np.ndindex(sweep.shape), sweep, strict=True)}
-    if sweep.format == "zarr":
-        store.check(Path(paths[0]).parent.parent)
     netCDF4.set_chunk_cache(_CACHE)  # of each variable; by default it is 64 MB
     found = [parts.about(path) for path in paths]
     listed = _listed(found)
@@ -60,13 +58,10 @@ def combine(sweep, paths, output):
             _check(sweep, taken)
             file.code = "; ".join(f"{version}: {draws} draws" for version, draws in sorted(versions.items()))
             summary.add(file, sweep, listed[1], _reasons(found, where))
-            _from_chunks(file, sweep, where, paths) if sweep.format == "zarr" else summary.from_file(
-                file, sweep
-            )
+            summary.from_file(file, sweep)
+        if sweep.format == "zarr":
+            store.move(partial, output.parent)
         seal_behind(partial)
-    if sweep.format == "zarr":
-        with xr.open_dataset(output, engine="netcdf4", decode_times=False, decode_timedelta=False) as cells:
-            store.add_cells(Path(paths[0]).parent.parent, cells.load())
     return output
 
 
@@ -137,26 +132,15 @@ def _realizations(file, sweep):
 
 
 def _fill(file, sweep, where, listed, paths, found):
-    """The ranges of draws that the chunks hold, by the cell's index, after their variables (or rows) are written; and how many
+    """The ranges of draws that the chunks hold, by the cell's index, after their variables are written; and how many
     draws each version of the code computed.
     """
     versions = Counter()
     dims, taken = (*(axis.dim for axis in sweep.axes), "realization"), {index: [] for index in where.values()}
-    if sweep.format == "zarr":
-        _create(
-            file,
-            "row",
-            np.dtype("i8"),
-            ("draw",),
-            {"long_name": "where along the dimension draw of the Zarr store this draw is"},
-            dims,
-            listed,
-        )
-    else:
-        for one in found:
-            for name, (kind, own, told) in one["variables"].items():
-                if name not in file.variables:
-                    _create(file, name, kind, own, told, dims, listed)
+    for one in found:
+        for name, (kind, own, told) in one["variables"].items():
+            if name not in file.variables:
+                _create(file, name, kind, own, told, dims, listed)
     for path, one in zip(paths, found, strict=True):
         own = [listed[1].index(name) for name in one["listed"][1]]
         told = one["attributes"]
@@ -172,7 +156,7 @@ def _fill(file, sweep, where, listed, paths, found):
                                  "each draw once", f"delete the folder {Path(path).parent.parent} and run the sweep again")  # fmt: skip
             _take(taken[index], start, stop)
             versions[version] += stop - start
-            for name in ["row"] if sweep.format == "zarr" else block:
+            for name in block:
                 values = block[name][: stop - start]
                 if values.ndim == 1:
                     file[name][(*index, slice(start, stop))] = values
@@ -194,7 +178,7 @@ def _create(file, name, kind, own, told, dims, listed):
     several = len(own) > 1
     size = file.dimensions["realization"].size
     shape = (1,) * (len(dims) - 1) + (min(size, _BLOCK),) + ((len(listed[1]),) if several else ())
-    kept = "i1" if kind.itemsize == 1 else "i8" if name == "row" else _KEPT[kind.kind]
+    kept = "i1" if kind.itemsize == 1 else _KEPT[kind.kind]
     made = file.createVariable(
         name,
         kept,
@@ -206,23 +190,6 @@ def _create(file, name, kind, own, told, dims, listed):
         fill_value=np.nan if kept == "f8" else None,
     )
     made.setncatts(told)
-
-
-def _from_chunks(file, sweep, where, paths):
-    """The probabilities of a sweep whose draws are in a store: read in the order in which they lie there."""
-    tallies = {}
-    settings = dict(zip(where.values(), (sweep.cell(values) for values in sweep), strict=True))
-    tell = summary.Tally(file, sweep)
-    for path in paths:
-        for key, start, block in parts.parts(path):
-            index = where.get(key)
-            if index is None or start >= sweep.realizations:
-                continue
-            one = tallies.setdefault(index, tell.cell(settings[index]))
-            one.feed(start, {name: values[: sweep.realizations - start] for name, values in block.items()})
-            if one.draws == sweep.realizations:
-                tell.keep(index, tallies.pop(index))
-    tell.write(file)
 
 
 def _check(sweep, taken):

@@ -12,7 +12,7 @@ from pathlib import Path
 from .. import dataset
 from ..errors import InputError
 from ..sealed import write_text
-from . import code, store
+from . import code
 from .chunks import find_chunk
 from .compute import compute, publish
 
@@ -20,8 +20,7 @@ from .compute import compute, publish
 def work(book: str, stem: str, results: str) -> str:
     """In words what was done: the chunk ``stem`` (its name, and the code's version) of the book, in the file ``results``.
 
-    ``results`` is a netCDF file, or with the ending json the record of a chunk that was written into a Zarr store. InputError
-    where the code is no longer the one that the run was started with.
+    InputError where the code is no longer the one that the run was started with.
     """
     if Path(results).exists():
         return f"{stem} is whole already"
@@ -31,18 +30,11 @@ def work(book: str, stem: str, results: str) -> str:
         raise InputError(f"sweep, code of {chunk.computes}", f"the code was changed since the run began (it was {wanted}, it is {code.version(chunk.computes)})",
                          "one code for a run", "give the same command again")  # fmt: skip
     data, told = compute(chunk, import_module(f".{chunk.computes}", __package__))
-    new = store.write(data, stem, results) if Path(results).suffix == ".json" else publish(data, results)
-    return told if new else f"{told}\nanother job was first; its results stay"
+    return told if publish(data, results) else f"{told}\nanother job was first; its results stay"
 
 
 def record(results: str, path: str) -> str:
     """The path of the record written: what the chunk in the file ``results`` took, by whose code (JSON)."""
-    told = _attributes(results)
+    told = dataset.attributes(results)
     kept = {key: told[key] for key in ("computes", "code", "swingdown", "cpu_s") if key in told}
     return str(write_text(path, json.dumps(kept | {"host": os.uname().nodename}) + "\n"))
-
-
-def _attributes(results):
-    if Path(results).suffix == ".json":
-        return store.read_mark(results)
-    return dataset.attributes(results)

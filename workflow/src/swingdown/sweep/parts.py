@@ -7,7 +7,6 @@ import numpy as np
 
 from .. import dataset
 from ..errors import MAKE_ANEW, InputError
-from . import store
 
 _BLOCK = 1 << 15  # draws
 _ABOUT = ("cell", "realization", "key", "reason")
@@ -16,11 +15,8 @@ _ABOUT = ("cell", "realization", "key", "reason")
 def parts(path):
     """(key of the cell, index of the first draw, variables of a block of its draws by name) of one chunk, one block at a time.
 
-    ``path`` is a chunk's netCDF file, or the mark of one in a Zarr store. InputError for a file that is not whole.
+    ``path`` is a chunk's netCDF file. InputError for one that is not whole.
     """
-    if Path(path).suffix == ".json":
-        yield from store.parts(path)
-        return
     with _opened(path) as file:
         keys, size = texts(file["key"]), file.dimensions["draw"].size
         names = [
@@ -42,8 +38,6 @@ def about(path):
     """What one chunk tells beside its draws: ``listed`` (dimension and entries beside the draw), attributes of each variable
     with its type and dimensions, ``reasons`` by the cell's key, and the chunk's own ``attributes``.
     """
-    if Path(path).suffix == ".json":
-        return store.about(path)
     with _opened(path) as file:
         variables = {
             name: (

@@ -93,55 +93,33 @@ def add(file, sweep, listed, reasons):
 
 
 def from_file(file, sweep):
-    """The probabilities of a combined sweep whose draws are in ``file``, written to it: a block of a cell's draws at a time."""
-    tally = Tally(file, sweep)
-    names = [name for name in tally.reads if name in file.variables]
+    """The probabilities of a combined sweep, with their intervals, written to the open ``file``: a block of a cell's draws at a time."""
+    identifies = sweep.computes == "identification"
+    make = _Identified if identifies else _Detected
+    entries = [str(name) for name in _texts(file["fitted" if identifies else "said"])]
+    names = [name for name in make.reads if name in file.variables]
+    found = {name: np.full(file[name].shape, np.nan) for name in _kinds(sweep)}
     for index, values in zip(np.ndindex(sweep.shape), sweep, strict=True):
-        one = tally.cell(sweep.cell(values))
+        cell = make(sweep.cell(values), entries)
         for first in range(0, sweep.realizations, _BLOCK):
             here = slice(first, min(first + _BLOCK, sweep.realizations))
-            one.feed(first, {name: plain(file[name][(*index, here)]) for name in names})
-        tally.keep(index, one)
-    tally.write(file)
-
-
-class Tally:
-    """The probabilities of all cells, kept cell by cell and written at the end."""
-
-    def __init__(self, file, sweep):
-        identifies = sweep.computes == "identification"
-        self._make = _Identified if identifies else _Detected
-        self._entries = [str(name) for name in _texts(file["fitted" if identifies else "said"])]
-        self.reads = self._make.reads
-        self._collected = {name: np.full(file[name].shape, np.nan) for name in _kinds(sweep)}
-
-    def cell(self, settings):
-        """What counts the draws of one cell: ``feed(first, block)`` takes them in any order, ``draws`` is how many it has."""
-        return self._make(settings, self._entries)
-
-    def keep(self, index, cell):
-        """Keeps what a cell's draws say."""
+            cell.feed({name: plain(file[name][(*index, here)]) for name in names})
         for name, value in cell.told().items():
-            self._collected[name][index] = value
-
-    def write(self, file):
-        """The probabilities written to the open file, with their intervals."""
-        found = self._collected
-        for name in [name.removesuffix("_low_95") for name in found if name.endswith("_low_95")]:
-            counted = found["sets_of_ten" if name == "true_by_ten" else "independent"]
-            found[f"{name}_low_95"], found[f"{name}_high_95"] = intervals(found[name], counted)
-        for name, values in found.items():
-            file[name][...] = values
+            found[name][index] = value
+    for name in [name.removesuffix("_low_95") for name in found if name.endswith("_low_95")]:
+        counted = found["sets_of_ten" if name == "true_by_ten" else "independent"]
+        found[f"{name}_low_95"], found[f"{name}_high_95"] = intervals(found[name], counted)
+    for name, values in found.items():
+        file[name][...] = values
 
 
 class _Cell:
     """Draws counted, and whether they are all alike: then they say no more than one."""
 
     def __init__(self):
-        self.draws, self.made, self._alike, self._first = 0, 0, True, None
+        self.made, self._alike, self._first = 0, True, None
 
     def _count(self, rows, made):
-        self.draws += len(rows)
         self.made += int(np.count_nonzero(made))
         rows = rows[made]
         if len(rows):
@@ -169,9 +147,9 @@ class _Identified(_Cell):
         self._four = (
             [fitted.index(name) for name in four] if truth in _SINGLE and set(four) <= set(fitted) else []
         )
-        self._true, self._sets, self._best, self._begun = four.index(truth) if truth in four else 0, 0, 0, {}
+        self._true, self._sets, self._best = four.index(truth) if truth in four else 0, 0, 0
 
-    def feed(self, first, block):
+    def feed(self, block):
         norm = block["norm"]
         made = np.isfinite(norm).any(axis=1)
         self._count(np.hstack([norm, block["residual_norm"]]), made)
@@ -181,24 +159,11 @@ class _Identified(_Cell):
         self._finite += np.isfinite(norm).sum(axis=0)
         self._converged += (block["converged"] > 0).sum(axis=0)
         if self._four:
-            self._feed_sets(first, norm[:, self._four])
+            self._feed_sets(norm[:, self._four])
 
-    def _feed_sets(self, first, four):
+    def _feed_sets(self, four):
         """The paper's comparison counted: three single terms and the pair without the true one, by the mean norm of ten runs."""
-        whole = slice(-first % TEN, -first % TEN + (len(four) - -first % TEN) // TEN * TEN)
-        if whole.start >= len(four) or whole.stop <= whole.start:
-            edges = range(len(four))
-        else:
-            edges = [*range(whole.start), *range(whole.stop, len(four))]
-            self._tell_sets(four[whole].reshape(-1, TEN, 4).mean(axis=1))
-        for k in edges:
-            begun = self._begun.setdefault((first + k) // TEN, {})
-            begun[first + k] = four[k]
-            if len(begun) == TEN:
-                rows = [row for _, row in sorted(self._begun.pop((first + k) // TEN).items())]
-                self._tell_sets(np.mean(rows, axis=0)[np.newaxis])
-
-    def _tell_sets(self, means):
+        means = four[: len(four) // TEN * TEN].reshape(-1, TEN, 4).mean(axis=1)
         self._sets += int(np.isfinite(means).any(axis=1).sum())
         self._best += int(_lowest(means)[self._true])
 
@@ -234,7 +199,7 @@ class _Detected(_Cell):
         self._not, self._asked = words.index("not_made"), settings["detection.size"]
         self._gap, self._gaps, self._size, self._left = 0.0, 0, math.nan, math.nan
 
-    def feed(self, first, block):
+    def feed(self, block):
         outcome, gap = block["outcome"].astype(int), block["gap"]
         made = outcome != self._not
         self._count(np.column_stack([outcome, gap]), made)
