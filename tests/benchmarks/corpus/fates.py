@@ -6,7 +6,8 @@
 FOLDER is what fetch.py filled. The second call puts the rows of each ROWS.json in place of those that docs/corpus.csv has of these files,
 and writes the counts into docs/corpus.md. Each file is one process, called as a user would call it. A file's fate is one of
 
-- answered: a period, and it is the pendulum's: within the tolerance of the period that a person counted in the plot;
+- answered: a period, and it is the pendulum's: the mean periods of the first and of the last ten swings that follow from it (``timed`` of
+  the JSON) are within the tolerance of those that a person counted in the plot;
 - asked: no number, but a question that a person would have to ask too (the file's `question` in files.csv); where that has
   an answer (`options`), the command with it then gives the period;
 - refused: no number, and no such question;
@@ -50,25 +51,25 @@ TITLES = {"learn": "Open while the reading was mended", "apart": "Kept apart at 
 
 @dataclass
 class Told:
-    """What one call gave: periods (s) by recording, as written with their uncertainty, and everything it said."""
+    """What one call gave: periods (s) as written with their uncertainty, those that a person would count, and everything it said."""
 
-    periods: list
     written: list
+    timed: list  # mean periods (s) of the first and of the last ten swings of each recording; the period itself where it has no course
     said: str
 
 
 def right(row, told):
-    """Return whether every period that was told lies among those that were counted, from the first swings to the last; of a file without
-    a period that can be counted, False."""
+    """Return whether every mean period that the answer gives of the first and of the last ten swings lies among those that were counted, from
+    the first ten swings to the last; of a file without a period that can be counted, False."""
     if not row["period_s"]:
         return False
     ends, tolerance = [float(row["period_s"]), float(row["period_end_s"])], float(row["tolerance_s"])
-    return all(min(ends) - tolerance <= p <= max(ends) + tolerance for p in told.periods)
+    return all(min(ends) - tolerance <= p <= max(ends) + tolerance for p in told.timed)
 
 
 def fate(row, first, second=None):
     """Return a file's fate from its first call and, where its question has an answer, from the call with that answer."""
-    if first.periods:
+    if first.written:
         return "answered" if right(row, first) else "wrong"
     if "Traceback" in first.said:
         return "refused"
@@ -76,7 +77,7 @@ def fate(row, first, second=None):
         return "refused"
     if not row["options"]:
         return "asked"
-    if not second or not second.periods:
+    if not second or not second.written:
         return "refused"
     return "asked" if right(row, second) else "wrong"
 
@@ -85,19 +86,31 @@ def called(path, options, seconds):
     """Return what `swingdown PATH --quick` told with these options."""
     with tempfile.TemporaryDirectory() as folder:
         study = Path(folder) / "study"
-        command = [COMMAND, path, "--quick", "--into", study, *options]
+        command = [COMMAND, path, "--quick", "--json", "--into", study, *options]
         try:
             done = subprocess.run(
                 command, capture_output=True, text=True, timeout=seconds, stdin=subprocess.DEVNULL
             )
-            said = done.stdout + "\n" + done.stderr
         except subprocess.TimeoutExpired:
             return Told([], [], f"problem: no answer within {seconds} s")
         answers = sorted(study.glob("**/first_answer.csv"))
-        if not answers:
-            return Told([], [], said)
+        if not answers or not done.stdout.strip():
+            return Told([], [], done.stderr)
+        found = json.loads(done.stdout)
         table = pd.read_csv(answers[0]).dropna(subset=["period_s"])
-        return Told(table["period_s"].tolist(), table["period_s_text"].astype(str).tolist(), said)
+        return Told(
+            table["period_s_text"].astype(str).tolist(),
+            [p for one in found["pendulums"] for p in means(one)],
+            done.stderr,
+        )
+
+
+def means(pendulum):
+    """Return the mean periods (s) of the first and of the last ten swings of each recording in the JSON of a pendulum; of points alone, and
+    of too few swings, the period."""
+    found = [one[part]["period_s"] for one in pendulum["timed"] for part in ("first", "last")]
+    period = pendulum["quantities"].get("period")
+    return found or ([period["value"]] if period else [])
 
 
 def short(said):
@@ -117,12 +130,12 @@ def tried(row, folder, seconds):
     path = place(folder, row)
     first = called(path, [], seconds)
     second = None
-    if not first.periods and row["demand"] == "ask" and row["options"]:
+    if not first.written and row["demand"] == "ask" and row["options"]:
         second = called(path, shlex.split(row["options"]), seconds)
-    last = first if first.periods or second is None else second
-    asked = "" if first.periods else short(first.said)
+    last = first if first.written or second is None else second
+    asked = "" if first.written else short(first.said)
     taken = re.search(r"took (.*)", last.said)
-    read = taken[1] if taken and last.periods else ""
+    read = taken[1] if taken and last.written else ""
     answer = ", ".join(last.written[:2]) + (
         f" and {len(last.written) - 2} more" if len(last.written) > 2 else ""
     )
@@ -133,6 +146,7 @@ def tried(row, folder, seconds):
         "said": asked,
         "answer": answer,
         "all": [first.said, second.said if second else ""],
+        "timed": last.timed,
     }
 
 

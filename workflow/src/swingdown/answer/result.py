@@ -26,6 +26,8 @@ from ..pendulum.model import Model
 from ..rounding import value_with_uncertainty
 from ..studies.pendulums import by_verdict, in_order, residual_of
 from ..studies.quantities import Quantity
+from ..studies.timed import Timed, timed
+from ..studies.unscaled import course_seen
 from ..studies.words import headline, lines, or_models, quantity_rows, short
 from .recorded import samples_of
 from .simulation import swing_of
@@ -388,12 +390,27 @@ class Answer:
             },
             "model": self.label,
             "or_models": or_models(row),
+            "timed": self._timed(),
             "residual": {"value": _known(residual_of(row)[0]), "unit": residual_of(row)[1]},
             "residual_rad": _known(row["residual_rad"]) if residual_of(row)[1] == "rad" else None,
             "emulated": row["emulated"] == "yes",
             "remarks": self.remarks,
             "verdict": dict(self.verdict) if self.verdict else None,
         }
+
+    def _timed(self) -> list[dict[str, Any]]:
+        """By recording the mean period of its first and of its last ten swings, as a stop-watch shows it, with the amplitude in their middle."""
+        rows = {one["recording"]: one for one in self.table.to_dict("records")}
+        told = []
+        for name in dict.fromkeys(one.recording for one in self.shown):
+            parts, row = [one for one in self.shown if one.recording == name], rows.get(name, self.row)
+            curve = np.concatenate([one.angle if course_seen(row) else one.fit for one in parts])
+            found = timed(np.concatenate([one.times for one in parts]), curve, float(row["period_s"]))
+            if found:
+                scale = parts[0].unit == "rad" and np.isfinite(row["amplitude_rad"])
+                first, last = (_as_timed(one, scale) for one in found)
+                told.append({"recording": name, "swings": found[0].swings, "first": first, "last": last})
+        return told
 
     def _repr_html_(self) -> str:
         rows = [
@@ -403,6 +420,11 @@ class Answer:
         said = [*self.remarks, *lines(self.row, self.verdict)[-1:]] if self.verdict else self.remarks
         picture = self.plot() if self.shown and has("matplotlib") else None
         return markup.page(said, markup.table([], rows), picture, self.sentence)
+
+
+def _as_timed(one: Timed, scaled: bool) -> dict[str, Any]:
+    """The mean period (s) of some swings, and their amplitude (rad) where it is known."""
+    return {"period_s": _known(one.period), "amplitude_rad": one.amplitude if scaled else None}
 
 
 def _known(value: float) -> float | None:

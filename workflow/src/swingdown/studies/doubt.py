@@ -301,7 +301,9 @@ def ask_counted(table: pd.DataFrame, angles: Sequence[xr.Dataset]) -> dict[str, 
                 mend_of(one),
             )
         last, unsure = of_last_swings(one["time"].values, series_of(one).values)
-        if abs(last - told) > max(SURE * unsure, SHOWN * told) and not rows.iloc[0].get("note"):
+        if abs(last - told) > max(SURE * unsure, SHOWN * told) and COURSE.split("{}")[0] not in str(
+            rows.iloc[0].get("note")
+        ):
             ends = value_with_uncertainty(told, u), value_with_uncertainty(last, unsure)
             courses[str(one.attrs["recording"])] = COURSE.format(*ends)
     return courses

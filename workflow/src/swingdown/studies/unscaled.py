@@ -1,5 +1,6 @@
 """The period as the passages through the middle have it: of readings without a scale, and of swings that no model follows well."""
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -28,9 +29,9 @@ def without_scale(angle: xr.Dataset) -> bool:
     return str(angle.attrs.get("mode", "")) == UNSCALED
 
 
-def pace_of(angle: xr.Dataset, times: Floats, series: Floats) -> dict[str, float]:
-    """``period_first`` and ``period_change`` (s) of a swing from its passages through the middle, each with its standard uncertainty
-    (``…_u``); nan for fewer than five. Passages that a hole hides are counted by the time between the others."""
+def counted_passages(times: Floats, series: Floats) -> tuple[Floats, np.ndarray]:
+    """When (s) a swing passes its middle, and how many half-swings after the first passage; of a hole, which hides when, none. What it hides is
+    counted by the time between the others."""
     found = passages(times, series, half_swings(series).centre())
     if found.size:  # across a hole the middle is passed at no known time
         after = np.searchsorted(times, found).clip(1, times.size - 1)
@@ -43,6 +44,13 @@ def pace_of(angle: xr.Dataset, times: Floats, series: Floats) -> dict[str, float
         if gaps.size
         else np.zeros(0, int)
     )
+    return found, halves
+
+
+def pace_of(angle: xr.Dataset, times: Floats, series: Floats) -> dict[str, float]:
+    """``period_first`` and ``period_change`` (s) of a swing from its passages through the middle, each with its standard uncertainty
+    (``…_u``); nan for fewer than five. Passages that a hole hides are counted by the time between the others."""
+    found, halves = counted_passages(times, series)
     names = ("period_first", "period_first_u", "period_change", "period_change_u")
     try:
         told = pace(both_ways(found, halves), halves, of_angles([angle]).clock)
@@ -72,14 +80,13 @@ def of_first_swings(times: Floats, series: Floats) -> dict[str, float]:
     """``period_first`` (s) of the first whole swing, from the largest turning point on, with its standard uncertainty (``…_u``): by the first
     few periods between passages of the middle, as their mean or, where they surely change, on a line; nan for fewer than three."""
     swings = half_swings(series)
-    found = passages(times, series, swings.centre())
-    periods = (found[2:] - found[:-2])[:_FIRST]
+    found, halves = counted_passages(times, series)
+    whole = halves[2:] - halves[:-2] == 2  # without a hole in them
+    periods, since = ((found[2:] - found[:-2])[whole][:_FIRST], halves[:-2][whole][:_FIRST])
     if periods.size < 3:
         return dict.fromkeys(("period_first", "period_first_u"), np.nan)
     away = np.abs(swings.turns[:2] - swings.centre())
-    at = np.arange(periods.size) + (
-        0.5 if away[0] >= away[1] else -0.5
-    )  # half-swings after the first whole swing
+    at = since + (0.5 if away[0] >= away[1] else -0.5)  # half-swings after the first whole swing
     twice = np.sqrt(2.0)  # each half-swing is in two of them
     if periods.size > _EARLY:
         line, covariance = np.polyfit(at, periods, 1, cov=True)
@@ -92,8 +99,8 @@ def of_first_swings(times: Floats, series: Floats) -> dict[str, float]:
 
 def of_last_swings(times: Floats, series: Floats) -> tuple[float, float]:
     """The mean of the last few periods (s) between passages of the middle, and its standard uncertainty; nan for fewer than three."""
-    found = passages(times, series, half_swings(series).centre())
-    periods = (found[2:] - found[:-2])[-_LAST:]
+    found, halves = counted_passages(times, series)
+    periods = (found[2:] - found[:-2])[halves[2:] - halves[:-2] == 2][-_LAST:]
     if periods.size < _LAST:
         return float("nan"), float("nan")
     return float(periods.mean()), float(np.std(periods, ddof=1) / np.sqrt(periods.size / 2))
@@ -127,3 +134,9 @@ def as_seen(own: xr.Dataset) -> tuple[Quantity | None, str]:
         return None, ""
     first, u_first = (float(np.atleast_1d(own[key].values)[0]) for key in ("period_first", "period_first_u"))
     return Quantity(first, u_first, "s"), NOTE
+
+
+def course_seen(row: Mapping[str, Any]) -> bool:
+    """True for a row of ``studies.pendulums`` that tells by passages of the middle, and by no model, how its period goes."""
+    note = row.get("note")
+    return isinstance(note, str) and any(one in note for one in (NOTE, COURSE.split("{}")[0]))
