@@ -17,7 +17,7 @@ from swingdown.errors import SHEET, InputError, as_told, told_to
 from swingdown.measurement.sheet import COLUMNS
 from swingdown.pendulum.catalogue import catalogue
 from swingdown.pendulum.model import Model
-from swingdown.studies.doubt import DoubtfulFit, NotFree, check_free, fit_any
+from swingdown.studies.doubt import DoubtfulFit, NotFree, ask_counted, check_free, fit_any
 from swingdown.studies.pendulums import by_verdict
 from swingdown.studies.quantities import cycle
 
@@ -423,3 +423,12 @@ def test_a_refused_swing_of_several_columns_that_mean_the_same_names_them(tmp_pa
     path = written(tmp_path / "two.csv", "time,theta0,theta1", TIMES, np.cumsum(draws[0]) / 40, swing())
     with pytest.raises(InputError, match="name the column .*theta0, theta1"):
         swingdown.read(path).fit()
+
+
+def test_a_model_without_a_period_is_no_answer():
+    """As of what somebody turns over by hand, again and again: the nearest model does not swing."""
+    given = swings(TIMES, swing(), "rad", None)
+    told = {"recording": [str(given[0].attrs["recording"])], "period_s": [np.nan], "period_s_u": [np.nan]}
+    with pytest.raises(NotFree, match="has no period"):
+        ask_counted(pd.DataFrame(told), given)
+    assert ask_counted(pd.DataFrame(told | {"period_s": [1.0134], "period_s_u": [1e-3]}), given) == {}

@@ -284,6 +284,13 @@ def ask_counted(table: pd.DataFrame, angles: Sequence[xr.Dataset]) -> dict[str, 
         if not len(rows) or "half_swings" in one or drive_of(one) is not None:
             continue
         told, u = (float(rows.iloc[0].get(key, np.nan)) for key in ("period_s", "period_s_u"))
+        if not np.isfinite(told):
+            raise NotFree(
+                f"recording {one.attrs['recording']}",
+                "the model that comes nearest does not swing back and forth: it has no period",
+                "a pendulum that swings by itself about where it hangs",
+                mend_of(one),
+            )
         if u > UNSURE * told:
             raise NotFree(
                 f"recording {one.attrs['recording']}",
