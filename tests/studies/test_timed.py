@@ -50,5 +50,7 @@ def test_an_answer_tells_them():
     assert told["swings"] == 10
     ends = 2 * np.pi / 3.0
     assert ends < told["last"]["period_s"] < told["first"]["period_s"] < answer["period"].value
-    middle = 5.25 * told["first"]["period_s"]  # the first passage comes a quarter of a swing after the release
+    middle = (
+        5.25 * told["first"]["period_s"]
+    )  # the first passage comes a quarter of a swing after the release
     assert told["first"]["amplitude_rad"] == pytest.approx(1.2 * np.exp(-0.02 * 3.0 * middle), rel=0.06)

@@ -80,9 +80,9 @@ def of_first_swings(times: Floats, series: Floats) -> dict[str, float]:
     """``period_first`` (s) of the first whole swing, from the largest turning point on, with its standard uncertainty (``…_u``): by the first
     few periods between passages of the middle, as their mean or, where they surely change, on a line; nan for fewer than three."""
     swings = half_swings(series)
-    found, halves = counted_passages(times, series)
-    whole = halves[2:] - halves[:-2] == 2  # without a hole in them
-    periods, since = ((found[2:] - found[:-2])[whole][:_FIRST], halves[:-2][whole][:_FIRST])
+    found = passages(times, series, swings.centre())
+    whole = _without_hole(times, found)
+    periods, since = (found[2:] - found[:-2])[whole][:_FIRST], np.flatnonzero(whole)[:_FIRST]
     if periods.size < 3:
         return dict.fromkeys(("period_first", "period_first_u"), np.nan)
     away = np.abs(swings.turns[:2] - swings.centre())
@@ -97,10 +97,20 @@ def of_first_swings(times: Floats, series: Floats) -> dict[str, float]:
     return {"period_first": float(periods.mean()), "period_first_u": twice * scatter}
 
 
+def _without_hole(times: Floats, found: Floats) -> np.ndarray:
+    """Of each period between passages whether the samples show all of it."""
+    if found.size < 3:
+        return np.zeros(0, bool)
+    # what is longer than a quarter of a period may hide a passage
+    holes = np.concatenate([[0], np.cumsum(np.diff(times) > 2 * _STRAIGHT * np.median(np.diff(found)))])
+    after = np.searchsorted(times, found).clip(1, times.size - 1)
+    return holes[after[2:]] == holes[after[:-2] - 1]
+
+
 def of_last_swings(times: Floats, series: Floats) -> tuple[float, float]:
     """The mean of the last few periods (s) between passages of the middle, and its standard uncertainty; nan for fewer than three."""
-    found, halves = counted_passages(times, series)
-    periods = (found[2:] - found[:-2])[halves[2:] - halves[:-2] == 2][-_LAST:]
+    found = passages(times, series, half_swings(series).centre())
+    periods = (found[2:] - found[:-2])[_without_hole(times, found)][-_LAST:]
     if periods.size < _LAST:
         return float("nan"), float("nan")
     return float(periods.mean()), float(np.std(periods, ddof=1) / np.sqrt(periods.size / 2))
