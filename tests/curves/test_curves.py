@@ -102,6 +102,15 @@ def test_where_in_a_swing_friction_acts_is_seen_in_the_restoring_torque(label, v
     assert np.max(free["restoring_u"] / free["restoring"]) < 0.024**2 / 3
 
 
+def test_a_fluid_that_takes_much_of_the_first_swings_takes_nothing_of_the_restoring_torque():
+    held = []
+    for seed in range(4):
+        angles, _ = recorded("quadratic_drag", {"quadratic_coefficient": 0.08}, 0.9, noise=2e-4, seed=seed)
+        found = curves(angles)
+        held.append(inside(found, "restoring", FREQUENCY**2 * np.sin(found["angle"].values)))
+    assert np.mean(held) > 0.9
+
+
 def test_free_bands_hold_the_truth_where_the_model_is_wrong():
     held, model_held = [], []
     for seed in range(6):

@@ -155,7 +155,7 @@ def _beyond(high: float, ideal: Ideal, recording: str) -> float:
             "swings to less than 180°",
             "correct its unit; for a wheel on a spring write ⟨restoring=linear⟩",
         )
-    return min(high * 1.02, (high + np.pi) / 2)
+    return min(high * 1.02, ideal.widest(high))
 
 
 def _first_course(one: HalfSwings) -> Course:

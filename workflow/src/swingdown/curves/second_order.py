@@ -9,11 +9,9 @@ from ..arrays import Floats
 from .regression import Posterior
 from .torques import Basis, Ideal, Swung, losses, swung
 
-_SPEEDS, _BEGUN, _REACH = (
-    400,
-    16,
-    1.3,
-)  # speeds of a friction that is swung, half-swings that are, and how far beyond the largest
+_SPEEDS, _BEGUN = 400, 24  # speeds of a friction that is swung, half-swings that are
+_FEWEST = 8  # of those that end in a turning point
+_REACH = 1.1  # times beyond the amplitudes asked for, and beyond what two half-swings lose there
 # Of a step in the torque at a turning point, over the torque, by how much (over the frequency) the polynomial through it turns too late
 _STEP_SEEN = 0.108
 _LONGER = 1.25  # period squared over its usual one, less 1, over the square of what a turning point comes early by: 1 viscous, 1.2 to 1.3 others
@@ -86,13 +84,17 @@ class Beyond(NamedTuple):
     def of(cls, ideal: Ideal, basis: Basis, loss: Posterior, amplitude: Floats) -> "Beyond":
         """That of the friction that a regression found."""
         mean = loss.mean[: len(basis.powers) + basis.nodes.size]
-        speeds = np.linspace(0.0, float(ideal.speed(amplitude[-1:] * _REACH)[0]), _SPEEDS)
+        # two half-swings that meet in a turning point of the table go from further out to further in
+        ends = amplitude[[0, -1]]
+        room = _REACH * np.exp(2 * (losses(ideal, basis, ends) @ mean))
+        least, most = float(ends[0] / room[0]), float(min(ends[1] * room[1], ideal.widest(ends[1])))
+        speeds = np.linspace(0.0, float(ideal.speed(np.array([most]))[0]), _SPEEDS)
         drag = basis.at(speeds) @ mean
-        begun = np.geomspace(amplitude[0] / _REACH, amplitude[-1] * _REACH, _BEGUN)
+        begun = np.geomspace(least, most, _BEGUN)
         found = swung(ideal, lambda speed: np.interp(speed, speeds, drag), begun)
         good = np.isfinite(found.loss) & np.isfinite(found.passage)
         if (
-            good.sum() < 8 or not (np.diff(found.amplitude[good]) > 0).all()
+            good.sum() < _FEWEST or not (np.diff(found.amplitude[good]) > 0).all()
         ):  # a friction that stops it before its next turning point
             return cls.none(amplitude)
         found = Swung(*(one[good] for one in found))
@@ -103,16 +105,20 @@ class Beyond(NamedTuple):
             for one in (found.passage - found.duration / 2, found.loss, found.duration)
         )
         # two half-swings meet in a turning point: between their passages lie half of each, and what their passages are beside their middles
-        here, before, after = np.log(at[2:-2]), np.log(at[2:-2]), np.log(at[2:-2])
+        here = before = after = np.log(at)
         for _ in range(4):
             before, after = here + loss_at(before) / 2, here - loss_at(after) / 2
+        known = (before <= here[-1]) & (after >= here[0])
+        if known.sum() < _FEWEST:
+            return cls.none(amplitude)
+        here, before, after, turned = here[known], before[known], after[known], at[known]
         between = (duration(before) + duration(after)) / 2 + beside(after) - beside(before)
         lead = (duration(after) - duration(before)) / 4 + (beside(after) + beside(before)) / 2
-        step = 2 * float(drag[0]) / ideal.torque(at[2:-2])
+        step = 2 * float(drag[0]) / ideal.torque(turned)
         columns = (
             CubicSpline(np.log(at), found.loss - losses(ideal, basis, at) @ mean),
             CubicSpline(np.log(at), found.duration / usual - 1),
-            CubicSpline(here, between / usual[2:-2] - 1),
+            CubicSpline(here, between / usual[known] - 1),
             beside,
             CubicSpline(here, lead - _STEP_SEEN * step),
         )

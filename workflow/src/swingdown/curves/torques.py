@@ -45,6 +45,10 @@ class Ideal(NamedTuple):
         """The period at an amplitude (rad) over that of small swings."""
         return lengthening(amplitude) if self.restoring == "sine" else np.ones_like(amplitude)
 
+    def widest(self, amplitude: float) -> float:
+        """An amplitude (rad) halfway from this one to where a pendulum no longer swings back; none is too wide for a spring."""
+        return (amplitude + np.pi) / 2 if self.restoring == "sine" else np.inf
+
     def speed(self, amplitude: Floats) -> Floats:
         """The largest speed (rad) of a swing of this amplitude (rad)."""
         return np.sqrt(2 * self.energy(amplitude))
