@@ -6,6 +6,7 @@ import warnings
 import numpy as np
 import pandas as pd
 import pytest
+import xarray as xr
 import yaml
 
 import swingdown
@@ -17,7 +18,7 @@ from swingdown.errors import SHEET, InputError, as_told, told_to
 from swingdown.measurement.sheet import COLUMNS
 from swingdown.pendulum.catalogue import catalogue
 from swingdown.pendulum.model import Model
-from swingdown.studies.doubt import DoubtfulFit, NotFree, ask_counted, check_free, fit_any
+from swingdown.studies.doubt import DoubtfulFit, NotFree, ask_counted, check_free, fit_any, unit_in_doubt
 from swingdown.studies.pendulums import by_verdict
 from swingdown.studies.quantities import cycle
 
@@ -432,3 +433,13 @@ def test_a_model_without_a_period_is_no_answer():
     with pytest.raises(NotFree, match="has no period"):
         ask_counted(pd.DataFrame(told), given)
     assert ask_counted(pd.DataFrame(told | {"period_s": [1.0134], "period_s_u": [1e-3]}), given) == {}
+
+
+def test_of_angles_beside_rates_no_common_unit_is_in_doubt():
+    """They are refused elsewhere, by what they are; here nothing is said of their unit."""
+    angle, rate = (
+        xr.Dataset({name: ("time", swing(), {"units": unit})}, {"time": TIMES}, {"unit_told": "no"})
+        for name, unit in (("angle", "rad"), ("rate", "rad/s"))
+    )
+    assert unit_in_doubt([angle, rate]) == ""
+    assert "taken for rad" in unit_in_doubt([angle.assign(angle=angle["angle"] * 0.01)])

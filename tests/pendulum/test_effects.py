@@ -258,3 +258,13 @@ def test_a_richer_effect_is_the_simpler_one_where_its_entry_says(effect):
 def test_the_second_pendulum_knows_every_effect():
     """An effect that trials cannot hide has no measured score: whoever adds one adds its twin."""
     assert set(SHIPPED.names) <= KNOWN | {effect.name for effect in SHIPPED if effect.twin}
+
+
+@pytest.mark.parametrize("effect", SHIPPED, **NAMED)
+def test_a_typical_value_is_one_that_the_effect_may_have_and_that_trials_draw(effect):
+    """A search measures its steps by it."""
+    for one in effect.parameters:
+        assert one.lower <= one.typical <= min(one.upper, one.largest), one.name
+        ranges = [part for part in one.drawn if isinstance(part, tuple)] or [one.drawn]
+        pairs = [part for part in ranges if len(part) == 2]
+        assert not pairs or any(low <= one.typical <= high for low, high in pairs), one.name

@@ -6,7 +6,7 @@ import pytest
 
 from swingdown.arrays import Shown
 from swingdown.plots import discovery
-from swingdown.plots.answer import swings_with_fit, thinned
+from swingdown.plots.answer import swings_alone, swings_with_fit, thinned
 from swingdown.plots.pendulums import side_by_side
 
 TIMES = np.arange(2000) / 100
@@ -35,6 +35,14 @@ def test_parts_of_one_recording_share_an_axis_and_what_was_held_out_is_told():
     words = [text.get_text() for text in figure.legends[0].get_texts()]
     assert "model, on a part held out of the fit" in words and "fit" in words
     assert "emulated" in figure.get_supxlabel()
+
+
+def test_each_swing_by_itself_has_room_of_its_own():
+    heights = [
+        swings_alone([swing(f"s{k}", 0.1) for k in range(many)], {"emulated": "no"}).get_size_inches()[1]
+        for many in (1, 3)
+    ]
+    assert heights[1] > 2 * heights[0]
 
 
 def test_of_many_recordings_the_largest_the_middle_and_the_smallest_are_drawn():

@@ -329,6 +329,12 @@ def test_a_rate_is_called_a_rate():
     assert [one["left"] for one in told] == ["data − fit (°)", "data − fit (°/s)"]
 
 
+def test_a_trace_with_room_for_every_sample_keeps_every_sample():
+    """Where the fit leaves nothing, too, and no sample stands out."""
+    told = json.loads(trace([Shown("a", "", TIMES, TIMES, TIMES)], 0.1, most=TIMES.size))
+    assert told["recordings"][0]["kept"] == told["recordings"][0]["samples"] == TIMES.size
+
+
 def test_names_in_a_trace_cannot_end_it():
     told = trace([Shown("</script><b>", "", TIMES[:9], TIMES[:9], TIMES[:9])], None)
     assert "<" not in told and json.loads(told)["recordings"][0]["name"] == "</script><b>"

@@ -373,7 +373,13 @@ class Answer:
         return envelopes_of(largest, exponential_words(found, curves), str(self.row["emulated"]))
 
     def to_dict(self) -> dict[str, Any]:
-        """A dict of plain numbers, texts and lists: sentence, quantities, model, verdict."""
+        """The answer in plain numbers, texts and lists.
+
+        Returns
+        -------
+        dict
+            Sentence, quantities with standard uncertainty and unit, model, verdict; what is not known is None.
+        """
         row = self.row
         return {
             "sentence": self.sentence,

@@ -188,7 +188,13 @@ class Model:
         return self if drive is self.drive else replace(self, drive=drive)
 
     def under(self, drive: Drive | None) -> "Model":
-        """The model with the effect by which a measured drive acts; itself of a free swing."""
+        """The model with the effect by which a measured drive acts.
+
+        Parameters
+        ----------
+        drive
+            As of ``driven_by``; None, of a free swing, gives the model itself.
+        """
         return self.with_effects((*self.names, drive.effect)).driven_by(drive) if drive else self
 
     @property
