@@ -5,9 +5,11 @@ import zipfile
 
 import numpy as np
 import openpyxl
+import pandas as pd
 import pytest
 from exports import zipped
 
+from swingdown.__main__ import main
 from swingdown.errors import InputError
 from swingdown.measurement.recording import ingest
 from swingdown.measurement.sheet import read_sheet
@@ -55,7 +57,7 @@ def same(found):
 def test_the_first_sheet_of_a_workbook(read):
     found = read(workbook(Data=ROWS, Notes=[["about", 1]]), "swing.xlsx")
     same(found)
-    assert found.attrs["taken"].endswith("50.0 samples a second, sheet `Data`")
+    assert found.attrs["taken"].endswith("50.0 samples a second, sheet `Data` of 2")
 
 
 def test_a_sheet_by_name_with_lines_of_title_above_the_header(read):
@@ -80,7 +82,7 @@ def test_an_archive_as_phyphox_exports_it(read):
 
 def test_an_archive_of_several_files_asks_which(read):
     two = zipped({"one.csv": TEXT, "two.csv": TEXT})
-    with pytest.raises(InputError, match="2 files of numbers.*one.csv, two.csv.*cell `sheet`"):
+    with pytest.raises(InputError, match="2 files of numbers.*which.*one.csv, two.csv.*cell `sheet`"):
         read(two, "x.zip")
     same(read(two, "x.zip", "two.csv"))
 
@@ -198,3 +200,14 @@ def test_a_workbook_called_csv_and_text_called_xlsx_are_read_or_refused(read):
             assert name in str(error.where) and error.mend
         else:
             same(found)
+
+
+def test_the_command_takes_the_sheet_that_is_named(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    slower = [ROWS[0], *[[1.25 * time, angle] for time, angle in ROWS[1:]]]
+    (tmp_path / "two.xlsx").write_bytes(workbook(Left=ROWS, Right=slower))
+    told = {}
+    for sheet in ("Left", "Right"):
+        assert main(["two.xlsx", "--quick", "--sheet", sheet, "--into", sheet]) == 0
+        told[sheet] = float(pd.read_csv(f"{sheet}/first_answer.csv")["period_s"].iloc[0])
+    assert told["Right"] == pytest.approx(1.25 * told["Left"], rel=0.01)

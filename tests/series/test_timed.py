@@ -137,3 +137,9 @@ def test_in_a_folder_of_recordings_it_is_told_apart(tmp_path, monkeypatch, capsy
     told = capsys.readouterr().out
     assert "watch.csv: NOT USED: it is a table of times that were taken by hand" in told
     assert "swingdown watch.csv" in told and "T = " in told
+
+
+def test_times_side_by_side_between_spaces_are_asked_about(tmp_path):
+    file = written(tmp_path, "# 5T ball 5T disc", ["9.53 9.28", "9.41 9.36", "9.44 9.31"], "two.txt")
+    with pytest.raises(InputError, match="line 2.*several times.*which of them"):
+        timed(file)

@@ -165,6 +165,7 @@ def _parser() -> argparse.ArgumentParser:
         help="resonance curves under torques of these amplitudes over the inertia, in rad/s^2, predicted from the ring-down",
     )
     add("--column", metavar="NAME", help="column of the angle, if the file has several")
+    add("--sheet", metavar="NAME", help="sheet of a workbook, or file in an archive, if there are several")
     add(
         "--input",
         metavar="COLUMN",

@@ -4,6 +4,7 @@ from ..errors import Audience
 
 # The options of the command that stand for a cell.
 CELLS = {
+    "sheet": "--sheet",
     "time_column": "--time-column",
     "time_unit": "--time-unit",
     "rate_hz": "--rate",
@@ -35,7 +36,7 @@ ARGUMENTS = {
     "input": "input_column",
 }
 _OF_A_CALL = {cell: f"{name}=" for name, cell in ARGUMENTS.items()} | {"restoring": "restoring="}
-_ALIKE = ("time_unit", "time_column", "counts_per_revolution", "scale", "length", "run")
+_ALIKE = ("time_unit", "time_column", "counts_per_revolution", "scale", "length", "run", "sheet")
 
 TO_THE_COMMAND = Audience(CELLS | {"restoring": "--restoring"})
 TO_READ = Audience(_OF_A_CALL | {name: f"{name}=" for name in _ALIKE}, pair="{}{}", quoted=True)

@@ -69,6 +69,8 @@ class Told(TypedDict, total=False):
     """What the input does between its samples: curve, line or hold."""
     run: str
     """Which run of a file with several."""
+    sheet: str
+    """Which sheet of a workbook, or file in an archive."""
 
 
 @dataclass(frozen=True)

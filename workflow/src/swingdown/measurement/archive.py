@@ -75,6 +75,7 @@ def _holds_numbers(rows: bytes, between: bytes = rb"\t") -> bool:
 
 def _sheet(source: BinaryIO, name: str, part: str) -> tuple[BinaryIO, str]:
     names, rows = sheet(source, name, part)
+    stated = bool(part)
     for other in names[1:] if not part and not _holds_numbers(rows) else ():
         more = sheet(source, name, other)[1]
         if _holds_numbers(more):
@@ -82,7 +83,9 @@ def _sheet(source: BinaryIO, name: str, part: str) -> tuple[BinaryIO, str]:
             break
     if part and part not in names:
         raise _no_part(name, part, names, "sheet")
-    return io.BytesIO(rows), f"sheet `{part or names[0]}`"
+    taken = part or names[0]
+    others = f" of {len(names)}" if len(names) > 1 and not stated else ""
+    return io.BytesIO(rows), f"sheet `{taken}`{others}"
 
 
 def _member(archive: zipfile.ZipFile, name: str, part: str) -> tuple[BinaryIO, str]:
@@ -107,9 +110,9 @@ def _member(archive: zipfile.ZipFile, name: str, part: str) -> tuple[BinaryIO, s
     if not part and len(files) > 1:
         raise InputError(
             name,
-            f"the archive holds {len(files)} files of numbers",
+            f"the archive holds {len(files)} files of numbers, and which of them is meant nobody says",
             ", ".join(files),
-            "name one of them ⟨in sheet⟩",
+            "name one of them ⟨in sheet⟩, or unpack it and give the folder: then each is a recording",
         )
     chosen = part or files[0]
     if (size := archive.getinfo(chosen).file_size) > LARGEST:

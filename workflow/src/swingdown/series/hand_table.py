@@ -84,6 +84,11 @@ class HandTable(NamedTuple):
             wrong = (self.cells[one.name] != "") & ~(values > 0)
             if wrong.any():
                 line = wrong.idxmax()
+                if re.fullmatch(r"[\d.]+(\s+[\d.]+)+", _decimal(self.cells[one.name])[line]):
+                    raise InputError(
+                        f"{path.name}, line {line}", "several times stand in it between spaces, and which of them is meant nobody says",
+                        "a column for each kind of time", f"put tabs or commas between them, and write {COUNTED}",
+                    )  # fmt: skip
                 raise InputError(
                     f"{path.name}, line {line}, column {one.name}", f"{self.cells[one.name][line]!r} is no time", "a number of s above 0", "correct the cell, or leave it empty",
                 )  # fmt: skip
