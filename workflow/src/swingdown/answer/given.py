@@ -15,8 +15,8 @@ from ..measurement.clock import in_order, parts
 from ..measurement.columns import ANGLE, RATE, choose, meaning
 from ..measurement.driven import as_variables, judge_driven, stated
 from ..measurement.even import evenly
+from ..measurement.gaps import missing_samples
 from ..measurement.gyroscope import TO_RAD_PER_S
-from ..measurement.holes import missing_samples
 from ..measurement.judge import Judged, Reading, check_used, judge, used_part
 from ..measurement.passages import Gate, as_passages, counted
 from ..measurement.points_recording import as_recording

@@ -8,8 +8,8 @@ from ..errors import InputError
 from ..quantisation import quantisation_step
 from .clock import UNEVEN
 from .even import evenly
+from .gaps import missing_samples
 from .half_swings import half_swings, passages
-from .holes import missing_samples
 from .renumbered import lost_evenly
 from .spikes import MOST, SIDE, Spikes, beside_holes, find_spikes, kernel, standing_out
 

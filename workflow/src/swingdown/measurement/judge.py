@@ -8,9 +8,9 @@ from ..arrays import Floats
 from ..errors import InputError
 from .continuity import check_alive, check_continuous
 from .even import evenly
+from .gaps import check_countable, uncounted
 from .gyroscope import TO_RAD_PER_S, check_rate
 from .half_swings import half_swings
-from .holes import check_countable, uncounted
 from .plausibility import check_shrinks, drift, hanging
 from .quality import check_signal
 from .release import Window, find_windows, within

@@ -41,17 +41,6 @@ def sweeps(material: Material) -> Section:
 
 
 SECTIONS = (findings, left_out, missing, simulation, apparatus, experiment, sweeps, settings, origin)
-OWN = (
-    answer,
-    series,
-    left_out,
-    evidence,
-    amplitude,
-    damping,
-    calibration,
-    settings,
-    origin,
-)  # of a study of one's own
 FOLDED = (
     evidence,
     amplitude,
@@ -59,7 +48,8 @@ FOLDED = (
     calibration,
     settings,
     origin,
-)  # what the answers rest on, until somebody asks
+)  # what the answers rest on, until asked for
+OWN = (answer, series, left_out, *FOLDED)  # of a study of one's own
 
 
 def sections(material: Material) -> list[Section]:

@@ -1,4 +1,4 @@
-"""What is reported of the holes in a recording, where samples are missing, and whether the swings that they hide can be counted."""
+"""What is reported of the gaps (holes) in a recording, where samples are missing, and whether the swings that they hide can be counted."""
 
 from typing import NamedTuple
 
