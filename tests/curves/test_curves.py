@@ -150,6 +150,32 @@ def test_turning_points_alone_have_curves_too():
     assert inside(found, "period", 4 * ellipk(np.sin(found["amplitude"].values / 2) ** 2) / FREQUENCY) > 0.8
 
 
+@pytest.mark.parametrize("kind", ["swing", "half_swings", "turning_points"])
+def test_each_swing_s_loss_and_period_are_the_decay_s_within_what_is_stated(kind):
+    """However they were recorded: samples, turning points of both sides, or those of one side."""
+    truth = Model("viscous", {"natural_frequency": FREQUENCY, "viscous_ratio": 0.006}, restoring="linear")
+    rng = np.random.default_rng(4)
+    times = np.arange(0, 60, 0.01 if kind == "swing" else 0.001)
+    angle = simulate(truth, times, 0.5)
+    if kind != "swing":
+        turns = np.flatnonzero(np.diff(np.sign(np.diff(angle)))) + 1
+        turns = turns[1::2] if kind == "turning_points" else turns
+        times = times[turns] + 2e-3 * rng.standard_normal(turns.size)
+        angle = angle[turns]
+    angle = angle + NOISE * rng.standard_normal(angle.size)
+    found = curves(swings(times, angle, "rad", restoring="linear", kind=kind), restoring="linear")
+    own = FREQUENCY * np.sqrt(1 - 0.006**2)
+    truths = {"loss": 1 - np.exp(-2 * np.pi * 0.006 * FREQUENCY / own), "period": 2 * np.pi / own}
+    for name, exact in truths.items():
+        value, u = (found[f"swing_{name}{end}"].values for end in ("", "_u"))
+        assert np.isfinite(value).sum() > 40, name
+        assert np.median(value) == pytest.approx(exact, rel=0.02), name
+        if (
+            kind == "swing"
+        ):  # how well points are known is taken from their digits, and these have all of them
+            assert 0.8 < np.sqrt(np.mean(((value - exact) / u) ** 2)) < 1.25, name
+
+
 def test_angular_rates_have_the_curves_of_the_angles_behind_them():
     truth = Model("viscous", {"natural_frequency": FREQUENCY, "viscous_ratio": 0.005})
     rate = simulate(truth.of(RATE), TIMES, 0.8) + 5e-3 * np.random.default_rng(3).standard_normal(TIMES.size)

@@ -303,7 +303,8 @@ def _measured(one: HalfSwings) -> Floats:
         points = np.array(around, dtype=float)
         if one.both:
             sizes = np.abs(np.diff(points[:, 0])) / 2
-            u, swing = 1.22 * float(points[:, 1].mean()), 1.0
+            # the turn in the middle is in both sizes alike, so the outer two alone move their ratio
+            u, swing = np.sqrt(0.5) * float(points[:, 1].mean()), 1.0
         else:
             sizes, u, swing = np.abs(points[:, 0]), np.sqrt(2) * float(points[:, 1].mean()), step / 2
         power = 2.0 if one.both else 1 / swing
