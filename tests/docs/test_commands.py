@@ -23,6 +23,7 @@ PAGES = {
     for path in sorted((ROOT / "docs").glob("*.md"))
 }
 PAGES = {name: blocks for name, blocks in PAGES.items() if blocks}
+FIRST = ("notebook.md", "own-file.md")
 # what a clone has, but for what is made in it
 THERE = (
     ".venv",
@@ -76,19 +77,18 @@ def run(page, folder, slow):
             printed = ""
 
 
-@pytest.mark.parametrize(
-    "page", [page for page, blocks in PAGES.items() if any(b[0] == "run" for b in blocks)]
-)
-def test_what_a_page_tells_to_type_works(page, clone):
-    run(page, clone, slow=False)
+def _marked(page):
+    """The page as a test of its own: the two that one begins with are of the usual ones."""
+    return pytest.param(page, marks=() if page in FIRST else pytest.mark.slow("a page's commands"))
 
 
-@pytest.mark.slow("a page's commands")
 @pytest.mark.parametrize(
-    "page", [page for page, blocks in PAGES.items() if any(b[0] == "run slow" for b in blocks)]
+    "page",
+    [_marked(page) for page, blocks in PAGES.items() if any(b[0].startswith("run") for b in blocks)],
 )
-def test_so_does_what_takes_longer(page, clone):
-    run(page, clone, slow=True)
+def test_what_a_page_tells_to_type_works(page, clone, pytestconfig):
+    wanted = os.environ.get("SWINGDOWN_SLOW") or "slow" in (pytestconfig.option.markexpr or "")
+    run(page, clone, slow=bool(wanted))
 
 
 def test_each_kind_of_user_has_a_tutorial_that_is_run():
