@@ -120,3 +120,14 @@ def test_two_large_effects_that_nearly_cancel_are_not_believed():
     allowed = ("viscous", "constant_torque", "sensor_zero", "eccentricity", "quadratic_stiffness")
     last = discover(campaign("bent", swings), "viscous", allowed=allowed)[-1]
     assert not any(one.sure for one in last.findings.values())
+
+
+def test_what_a_weight_adds_to_a_spring_is_found_though_it_has_no_size():
+    """Swings of three minutes from 69°, taken for one on a spring: far from where it begins its fit would end elsewhere."""
+    times, draws = np.arange(3000) / 15, np.random.default_rng(4)
+    true = Model("viscous", {"natural_frequency": 4.0, "viscous_ratio": 0.004})
+    swing = Swing("a", times, simulate(true, times, 1.2) + NOISE * draws.standard_normal(times.size))
+    begun = fit_jointly(Model("viscous+cubic_stiffness", restoring="linear"), [swing.pair], bounded=True)
+    assert begun.rms > 2 * NOISE
+    (one,) = in_place_of(frame(begun, (swing,)), Noise(NOISE), "cubic_stiffness", ["finite_amplitude"])
+    assert one.fit.rms == pytest.approx(NOISE, rel=0.1)

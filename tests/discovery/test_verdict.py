@@ -31,9 +31,9 @@ def state(
     }  # fmt: skip
 
 
-def finding(doubt="", ties=(), probability=0.9999, without=3.0):
+def finding(doubt="", ties=(), probability=0.9999, without=3.0, at_shape=1.0):
     """What round.json holds of what is judged of an effect."""
-    return {"probability": probability, "ties": list(ties), "share": 0.01, "held_out": 0.0, "without": without, "doubt": doubt}  # fmt: skip
+    return {"probability": probability, "ties": list(ties), "share": 0.01, "held_out": 0.0, "without": without, "doubt": doubt, "at_shape": at_shape}  # fmt: skip
 
 
 def test_nothing_missing_is_consistent():
@@ -203,7 +203,11 @@ def test_a_wrong_gain_that_the_calibration_allows_is_told_as_that(gain, within):
          "natural_frequency is no more than 2 standard errors from nothing"),
         ("base_vibration", {"vibration_acceleration": (0.3, 0.01, "rad/s^2"), "vibration_frequency": (0.03, 0.001, "Hz")},
          "vibration_frequency is less than one in the longest recording"),
-        ("magnet", {"magnet_depth": (0.1, 0.01, "1/s^2"), "magnet_width": (0.2, 0.11, "rad")}, "magnet_width is no more than"),
+        ("magnet", {"magnet_depth": (0.1, 0.06, "1/s^2"), "magnet_width": (0.2, 0.01, "rad")}, "magnet_depth is no more than"),
+        ("flexible_pivot", {"pivot_mass_ratio": (0.02, 0.001, "1"), "pivot_frequency": (30.0, 16.0, "rad/s"),
+                            "pivot_damping_ratio": (0.01, 0.03, "1")}, "pivot_frequency is no more than"),
+        # of any width it is a spring, with which it is tied
+        ("magnet", {"magnet_depth": (0.1, 0.01, "1/s^2"), "magnet_width": (0.2, 0.11, "rad")}, ""),
         ("flexible_pivot", {"pivot_mass_ratio": (0.02, 0.001, "1"), "pivot_frequency": (30.0, 1.0, "rad/s"),
                             "pivot_damping_ratio": (0.01, 0.03, "1")}, ""),
         ("base_vibration", {"vibration_acceleration": (0.3, 0.01, "rad/s^2"), "vibration_frequency": (0.06, 0.001, "Hz")}, ""),
@@ -219,6 +223,17 @@ def test_what_could_as_well_be_nothing_or_is_slower_than_the_recording_is_no_fin
     assert found["status"] == ("unknown" if doubt else "named")
     assert [one["name"] for one in found["stand_ins" if doubt else "effects"]] == [name]
     assert not doubt or found["stand_ins"][0]["doubt"].startswith(doubt)
+
+
+@pytest.mark.parametrize(("at_shape", "status"), [(0.1, "named"), (1.0, "unknown")])
+def test_a_size_is_asked_at_its_shape(at_shape, status):
+    """A coefficient at 1 rad/s is as free as its exponent is, and clear at the exponent that it has."""
+    known = {"power_law_coefficient": (2.0, 1.5, "rad/s^2"), "power_law_exponent": (1.3, 0.4, "1")}
+    parameters = {key: dict(zip(("value", "standard_error", "unit"), one, strict=True)) for key, one in known.items()}  # fmt: skip
+    first = state(0, missing=True, chosen="power_law_drag", holdout=3.0)
+    last = state(1, missing=False, found=["power_law_drag"], effects=("viscous", "power_law_drag"), parameters=parameters,
+                 holdout=1.01, judged={"power_law_drag": finding(at_shape=at_shape)})  # fmt: skip
+    assert verdict([first, last])["status"] == status
 
 
 def test_a_size_that_may_be_nothing_beside_what_has_no_name_is_never_asserted():

@@ -7,7 +7,7 @@ reading do to the reading, to first order. What the fit's own values can imitate
 largest marginal likelihood (Kennedy and O'Hagan, J. R. Stat. Soc. B 63, 425 (2001)).
 """
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from functools import cache
 
@@ -58,7 +58,7 @@ class Discrepancy:
     constant for all fits of the same swings); ``size`` (rad), the RMS of its work on the readings beyond what the fit imitates, with what
     is as quick as noise and not the noise; ``sizes`` the same by kind; ``rest``, the RMS beyond fit and discrepancy in units of the
     noise; ``widened``, by how much the standard error of each value that all swings share is larger where the discrepancy may do some
-    of its work."""
+    of its work; ``covariance``, that of the values ``names`` beside the discrepancy, in units of its own."""
 
     log_evidence: float
     log_plain: float
@@ -66,6 +66,18 @@ class Discrepancy:
     sizes: dict[str, float]
     rest: float
     widened: dict[str, float]
+    names: tuple[str, ...]
+    covariance: Floats
+
+    def given(self, name: str, held: Collection[str]) -> float:
+        """The standard error of a value where those ``held`` are, over that where they are free; 1 of what was not fitted."""
+        if name not in self.names:
+            return 1.0
+        at = [self.names.index(one) for one in (name, *held) if one in self.names]
+        known = self.covariance[np.ix_(at, at)]
+        scale = np.sqrt(np.maximum(np.diag(known), 1e-300))
+        alone = np.linalg.pinv(known / np.outer(scale, scale), hermitian=True)[0, 0]
+        return float(1 / np.sqrt(max(alone, 1.0)))
 
 
 class Unnamed:
@@ -109,15 +121,21 @@ class Unnamed:
         scale = 1 / np.sqrt(frame.samples)
         sizes, whole = at.work()
         quick = max(at.noise - noise.slow_variance, 0.0) * (left.size - basis.shape[1])
-        ratio = _ratio(triangle.T @ triangle, triangle.T @ at.seen @ triangle * at.noise)
+        alone, beside = (
+            _inverse(one) for one in (triangle.T @ triangle, triangle.T @ at.seen @ triangle * at.noise)
+        )
+        ratio = np.sqrt(np.maximum(np.diag(beside) / np.maximum(np.diag(alone), 1e-300), 1.0))
         named = [(name, of) for name, of, there in zip(frame.names, frame.of, kept, strict=True) if there]
+        shared = [k for k, (_, of) in enumerate(named) if of < 0]
         return Discrepancy(
             -float(at.cost),
             -model.plain(float(np.hypot(_NOISE_KNOWN, noise.known))),
             float(np.hypot(whole, np.sqrt(quick)) * scale),
             dict(zip(KINDS, (sizes * scale).tolist(), strict=True)),
             float(np.sqrt(at.left / (left.size - basis.shape[1]) / noise.slow_variance)),
-            {name: float(one) for (name, of), one in zip(named, ratio, strict=True) if of < 0},
+            {named[k][0]: float(ratio[k]) for k in shared},
+            tuple(named[k][0] for k in shared),
+            beside[np.ix_(shared, shared)],
         )
 
     def _binned(self, frame: Frame, series: Floats) -> Floats:
@@ -126,10 +144,8 @@ class Unnamed:
         return np.concatenate([np.concatenate(binned) * self._weight[:, None], series[frame.samples :]])
 
 
-def _ratio(alone: Floats, beside: Floats) -> Floats:
-    """By how much standard errors are larger beside a discrepancy, from the information of either."""
-    less, more = (np.diag(np.linalg.pinv(one, rcond=1e-13, hermitian=True)) for one in (alone, beside))
-    return np.sqrt(np.maximum(more / np.maximum(less, 1e-300), 1.0))
+def _inverse(information: Floats) -> Floats:
+    return np.linalg.pinv(information, rcond=1e-13, hermitian=True)
 
 
 def _reduced(columns: Floats, kinds: NDArray[np.intp]) -> tuple[Floats, Floats]:

@@ -1,11 +1,13 @@
-"""What a model leaves that only something that takes energy could do.
+"""What a model leaves that only friction or drag could do.
 
 A spring that stiffens, a string that stretches, a zero that is another in each recording: they move a swing in time and to a side, and
 take nothing from it. What they would do to the residuals tells nothing of friction, and is projected out: any torque over the angle, in
-each recording its own, and the zero of its readings, each beside what the fit itself can imitate.
+each recording its own, and the zero of its readings, each beside what the fit itself can imitate. Of the rest that counts which a
+torque over angle, speed and side would do: what comes and goes with time is no law of friction.
 """
 
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 
@@ -16,16 +18,26 @@ from .green import Motion, hats, motion, motions_of, response
 from .linear import Frame, orthonormal
 
 _ANGLES = 7  # nodes over the angle of a recording
+_OVER, _SPEEDS = 11, 5  # nodes of a dissipative torque over the angle, and over the speed to either side
+_SEEN = 1e-3  # of the strongest direction: weaker ones are left out
 _EACH = 2  # samples for each direction that is projected out, of fewer nothing is told
 
 
-def fitted(frame: Frame) -> float | None:
-    """The mean square (rad^2) of a fit's residuals beyond what takes no energy; None of too few samples."""
-    columns = frame.padded(_conserving(motions_of(frame)))
-    return _beyond(frame.residual, np.hstack([frame.slopes, columns]), frame.samples)
+class Work(NamedTuple):
+    """The mean square (rad^2) of residuals that friction could take away, and what share of them that is in directions."""
+
+    mean_square: float
+    share: float
 
 
-def held_out(fit: Fit, swings: Sequence[Swing]) -> float | None:
+def fitted(frame: Frame) -> Work | None:
+    """The ``Work`` that is left to friction in a fit's residuals; None of too few samples."""
+    motions = motions_of(frame)
+    conserving, dissipative = (frame.padded(one(motions)) for one in (_conserving, _dissipative))
+    return _work(frame.residual, np.hstack([frame.slopes, conserving]), dissipative, frame.samples)
+
+
+def held_out(fit: Fit, swings: Sequence[Swing]) -> Work | None:
     """The same of swings of which only the releases were fitted."""
     pairs = zip(fit.swings, swings, strict=True)
     motions = [motion(one.model, swing, one.release_angle, one.release_velocity) for one, swing in pairs]
@@ -33,7 +45,8 @@ def held_out(fit: Fit, swings: Sequence[Swing]) -> float | None:
         [swing.angle - one.angle for one, swing in zip(fit.swings, swings, strict=True)]
     )
     releases = _apart([one.slopes.T for one in motions])
-    return _beyond(residual, np.hstack([releases, _conserving(motions)]), residual.size)
+    own = np.hstack([releases, _conserving(motions)])
+    return _work(residual, own, _dissipative(motions), residual.size)
 
 
 def _conserving(motions: Sequence[Motion]) -> Floats:
@@ -43,6 +56,20 @@ def _conserving(motions: Sequence[Motion]) -> Floats:
         torques = hats(one.angle / np.max(np.abs(one.angle)), np.linspace(-1, 1, _ANGLES))
         worked.append(np.column_stack([response(one, torques), np.ones(one.at.size)]))
     return _apart(worked)
+
+
+def _dissipative(motions: Sequence[Motion]) -> Floats:
+    """What torques over angle, speed and side do to the readings (sample, any), the same in all recordings."""
+    largest = max(float(np.max(np.abs(one.angle))) for one in motions)
+    fastest = max(float(np.max(np.abs(one.speed))) for one in motions)
+    worked = []
+    for one in motions:
+        at = hats(one.angle / largest, np.linspace(-1, 1, _OVER))
+        either = hats(np.abs(one.speed) / fastest, np.linspace(0, 1, _SPEEDS))
+        side = (one.speed >= 0)[:, None]
+        sides = np.hstack([either * side, either * ~side])
+        worked.append(response(one, np.einsum("ta,ts->tas", at, sides).reshape(len(at), -1)))
+    return np.concatenate(worked)
 
 
 def _apart(blocks: Sequence[Floats]) -> Floats:
@@ -55,9 +82,11 @@ def _apart(blocks: Sequence[Floats]) -> Floats:
     return wide
 
 
-def _beyond(residual: Floats, columns: Floats, samples: int) -> float | None:
-    basis = orthonormal(columns)
+def _work(residual: Floats, own: Floats, columns: Floats, samples: int) -> Work | None:
+    basis = orthonormal(own)
     if samples < _EACH * basis.shape[1]:
         return None
-    left = residual - basis @ (basis.T @ residual)
-    return float(left @ left) / (residual.size - basis.shape[1])
+    left, beyond = (one - basis @ (basis.T @ one) for one in (residual, columns))
+    directions, strength, _ = np.linalg.svd(beyond, full_matrices=False)
+    directions = directions[:, strength > _SEEN * strength[0]]
+    return Work(float(np.sum((directions.T @ left) ** 2)) / samples, directions.shape[1] / samples)

@@ -5,11 +5,13 @@ them. Of an effect that takes energy the shares are asked of what only such an e
 as well, or a natural frequency that drifts, says nothing of friction.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
 from ..engine.trajectory import TrajectoryError
+from ..pendulum.effect import Contained
 from . import friction
 from .campaign import Noise
 from .confirm import gap, predict
@@ -21,7 +23,8 @@ from .structures import Key, Pool, Structure
 class Finding:
     """What is to be said of an effect that the most probable structure has: the ``probability`` that it or one of its ``ties`` is there,
     the ``share`` of the discrepancy that is left with it, that of the ``held_out`` swings' excess over the noise, what they leave
-    ``without`` it (in units of the noise), NaN where that cannot be computed, and the ``doubt``, why it is not told, or empty."""
+    ``without`` it (in units of the noise), NaN where that cannot be computed, the ``doubt``, why it is not told, or empty, and
+    ``at_shape``, the standard error of its size where its shape is held, over the reported one."""
 
     probability: float
     ties: tuple[str, ...] = ()
@@ -29,6 +32,7 @@ class Finding:
     held_out: float = np.nan
     without: float = np.nan
     doubt: str = ""
+    at_shape: float = 1.0
 
     @property
     def sure(self) -> bool:
@@ -68,15 +72,15 @@ def _finding(pool: Pool, best: Structure, name: str) -> Finding:
         ties.append(nearest)
         others.discard(nearest)
         chance = pool.of([*same, *ties])
-    near = pool.lacking(best, [name])
+    near, at_shape = pool.lacking(best, [name]), _at_its_shape(best, name)
     if not near:
-        return Finding(chance, tuple(ties), doubt="no model without it can be fitted")
+        return Finding(chance, tuple(ties), doubt="no model without it can be fitted", at_shape=at_shape)
     # what the base has may be improbable beside a discrepancy, and does more of the work than it does
     without = min(near, key=lambda one: one.left(pool.noise))
     share, held, rms = _whole(pool, best, without)
     if _too_little(share, held) and best.fit.model.catalogue.damps(name):
         share, held = min((share, held), _of_friction(pool, best, without))
-    return Finding(chance, tuple(ties), share, held, rms, _doubt(chance, share, held))
+    return Finding(chance, tuple(ties), share, held, rms, _doubt(chance, share, held), at_shape)
 
 
 def _too_little(share: float, held_out: float) -> bool:
@@ -104,7 +108,7 @@ def _at_its_values(pool: Pool, best: Structure, name: str) -> set[str]:
         if simpler is None or there is None:
             continue
         values, errors = there.fit.model.values, there.fit.model.standard_errors
-        if all(abs(values[p] - wanted) <= CLEAR * errors.get(p, 0.0) for p, wanted in simpler.at.items()):
+        if _as_likely(simpler, values, errors):
             found.add(richer.name)
     return found
 
@@ -116,10 +120,28 @@ def _nearly(best: Structure, name: str) -> list[str]:
     return [
         simpler.name
         for simpler in best.fit.model.catalogue[name].contains
-        if simpler.name not in best.key
-        and simpler.at
-        and all(abs(values[p] - wanted) <= CLEAR * errors.get(p, 0.0) for p, wanted in simpler.at.items())
+        if simpler.name not in best.key and simpler.at and _as_likely(simpler, values, errors)
     ]
+
+
+def _as_likely(simpler: Contained, values: Mapping[str, float], errors: Mapping[str, float]) -> bool:
+    """True where the values that make an effect a simpler one are as likely as its own; beyond all bounds by the inverse: a width of which
+    no more is known than that it is not small."""
+    return all(
+        abs(values[p] - (0.0 if np.isinf(wanted) else wanted)) <= CLEAR * errors.get(p, 0.0)
+        for p, wanted in simpler.at.items()
+    )
+
+
+def _at_its_shape(best: Structure, name: str) -> float:
+    """The standard error of an effect's size where its shape is held, over that where it is free: of an effect of nothing there is no
+    shape, and what is as likely as nothing is asked with the shape that it has."""
+    effect = best.fit.model.catalogue[name]
+    return (
+        best.lacks.given(effect.size.name, [p.name for p in effect.with_role("shape")])
+        if effect.size
+        else 1.0
+    )
 
 
 def _with(key: Key, old: str, new: str) -> Key:
@@ -144,25 +166,34 @@ def _whole(pool: Pool, best: Structure, without: Structure) -> tuple[float, floa
 
 
 def _of_friction(pool: Pool, best: Structure, without: Structure) -> tuple[float, float]:
-    """The same two shares of what only something that takes energy could do; infinite where that is less than the noise without it."""
-    noise, swings = pool.noise.deviation**2, pool.campaign.holdout
+    """The same two shares of what only friction or drag could do; infinite where that is less than the noise without it."""
+    variance, swings = pool.noise.slow_variance, pool.campaign.holdout
     now, then = friction.fitted(best.frame), friction.fitted(without.frame)
-    if now is None or then is None or then < 2 * noise:
+    if now is None or then is None or then.mean_square < variance * (1 + then.share):
         return np.inf, np.inf
-    share = np.sqrt(max(now - noise, 0.0) / (then - noise)) * (1 - best.whole)
+    left, lacked = (max(one.mean_square - variance * one.share, 0.0) for one in (now, then))
+    share = np.sqrt(left / lacked) * (1 - best.whole)
     try:
         now, then = (friction.held_out(predict(one.fit, swings), swings) for one in (best, without))
     except TrajectoryError:
         return float(share), np.inf
     if now is None or then is None:
         return np.inf, np.inf
-    return float(share), _share(pool.noise, sum(one.times.size for one in swings), now, then)
+    directions = now.share * sum(one.times.size for one in swings)
+    known = np.hypot(np.sqrt(2 / directions), pool.noise.known)
+    return float(share), _left(now.mean_square, then.mean_square, variance * now.share, known)
 
 
 def _share(noise: Noise, samples: int, now: float, then: float) -> float:
-    """What is left of a mean square beyond what the noise allows, as a share in size of what was left then
-    beyond the noise; infinite where that was nothing."""
-    allowed = noise.deviation**2 * (1 + CLEAR * np.hypot(np.sqrt(2 / noise.effective(samples)), noise.known))
+    """What is left of a mean square beyond what the noise allows, as a share in size of what was left then."""
+    known = np.hypot(np.sqrt(2 / noise.effective(samples)), noise.known)
+    return _left(now, then, noise.deviation**2, known)
+
+
+def _left(now: float, then: float, variance: float, known: float) -> float:
+    """What is left of a mean square beyond a noise of this variance, which is known to such a share, as a share in size of what was
+    left then beyond the noise; infinite where that was nothing."""
+    allowed = variance * (1 + CLEAR * known)
     if then <= allowed:
         return np.inf
-    return float(np.sqrt(max(now - allowed, 0.0) / (then - noise.deviation**2)))
+    return float(np.sqrt(max(now - allowed, 0.0) / (then - variance)))

@@ -291,6 +291,8 @@ def drops(here: Frame, noise: Noise) -> list[Candidate]:
 def _best(
     starts: Sequence[Start], here: Frame, noise: Noise, grown: bool = False, enough: float = np.inf
 ) -> Candidate | None:
+    # what has no size cannot begin small: parts of the swings that grow lead to it
+    grown = grown or not _sized(here, list(starts))
     # friction that does the work of what is missing is far too large: what damps is given its share of the decay, too
     seen = grown and any(
         here.fit.model.catalogue.damps(name) for name in (starts[0].added, *starts[0].also) if name

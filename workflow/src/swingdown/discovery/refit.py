@@ -77,7 +77,9 @@ def refit_by_the_widest(
         for name in alone.free
         if name in begin.model.parameters and name not in begin.model.each
     }
-    return refit([moved(begin, **shared), begin], swings, grown=False)
+    followed = list(moved(begin, **shared).swings)
+    followed[k] = alone.begin.swings[0]
+    return refit([Begin(begin.model, tuple(followed)), begin], swings, grown=False)
 
 
 def opened(fit: Fit, swings: Sequence[Swing], slack: Slack, noise: Noise) -> Fit:

@@ -142,14 +142,19 @@ def _no_finding(effect: Effect, values: Mapping[str, Any], told: Mapping[str, An
     """
     frequency = NATURAL_FREQUENCY.name
     known = {frequency: told["parameters"].get(frequency, {})} | dict(values)
+    # a size is asked at its shape, and a shape that leaves the bounds makes the effect a simpler one, with which it is tied
+    at_shape = told["findings"][effect.name]["at_shape"]
+    simpler = {name for one in effect.contains for name in one.at}
     for parameter in (NATURAL_FREQUENCY, *effect.parameters):
         one = known[parameter.name]
         value, error = one.get("value"), one.get("standard_error")
         # what may be nothing beside the rest of its effect, as a damping of the pivot may, is as well where it is
         beside = parameter.role == "shape" and parameter.lower == 0 and not parameter.at_line
-        free = beside or parameter.role in ("phase", "range") or parameter.each
+        free = beside or parameter.role in ("phase", "range") or parameter.each or parameter.name in simpler
         if free or value is None:
             continue
+        if error is not None and parameter.role == "size":
+            error *= at_shape
         if error is not None and abs(value) < CLEAR * error:
             return f"{parameter.name} is no more than {CLEAR:g} standard errors from nothing"
         if parameter.at_line and value * (told.get("duration_s") or np.inf) < 1:
