@@ -1,7 +1,7 @@
-"""What is told of real pendulums of others of which it is known what is there, as a table in Markdown.
+"""What is told of real pendulums of others of which it is known what is there, as a table.
 
     .venv/bin/python tests/benchmarks/labelled/labelled.py FOLDER --split learn|apart [--mirrors FOLDER] [--data FOLDER]
-        [--only TEXT] [--budget SECONDS] [--out FILE.md] [--pickles FOLDER]
+        [--only TEXT] [--budget SECONDS] [--out docs/labelled.csv] [--pickles FOLDER]
 
 campaigns.csv has a row for each recording. Those of one ``campaign`` are one; ``base`` and ``restoring`` are what the search begins
 with, ``label`` is what is known to be there and not in the base (``|`` between those that a person cannot tell apart), ``source`` says
@@ -9,7 +9,8 @@ whence. Half of the apparatuses or more are kept ``apart``: those whose name has
 before. They are for one run, at the end.
 
 FOLDER is filled as corpus/fetch.py fills its own. Recordings without a commit were prepared by others and lie in the folder that
-``--data`` names. ``--pickles`` writes the campaigns, and searches nothing.
+``--data`` names. ``--pickles`` writes the campaigns, and searches nothing. ``--out`` puts the rows in the place of those that the table has of
+these campaigns.
 """
 
 import argparse
@@ -37,10 +38,8 @@ LIST = Path(__file__).with_name("campaigns.csv")
 KNOWN_BEFORE = {"pohl-kit", "dynamicslab-arm", "jensen-link", "khasawneh-arm"}
 # columns that are arguments of swingdown.read
 TOLD = ("column", "run", "unit", "rate", "scale", "start", "stop")
-HEAD = (
-    "| campaign | base | known | asserted | status | wrong | held out, times the noise | CPU |\n"
-    "|---|---|---|---|---|---|---|---|"
-)
+COLUMNS = ("campaign", "half", "base", "known", "asserted", "status", "told", "held out, times the noise", "CPU (s)")  # fmt: skip
+HALVES = {"learn": "open", "apart": "kept apart"}
 
 
 def listed(split=None):
@@ -107,18 +106,29 @@ def line(rows, one, budget):
     status, effects, (before, after), said = asked(one, base, budget)
     spent = time.process_time() - began
     there, wrong = right(first["label"], effects)
-    names = [" or ".join([name, *ties]) for name, ties in effects.items()]
     cells = [
         first["campaign"],
+        HALVES[first["split"]],
         first["base"] + (", linear" if first["restoring"] == "linear" else ""),
         first["label"].replace("|", " or "),
-        ("**" + " · ".join(names) + "**" if there else " · ".join(names)) or "–",
+        " · ".join(" or ".join([name, *ties]) for name, ties in effects.items()) or "–",
         status,
-        "**yes**" if wrong else "no",
+        "right" if there else "wrong" if wrong else "nothing",
         f"{before:.3g} → {after:.3g}",
-        f"{spent:.0f} s",
+        f"{spent:.0f}",
     ]
-    return "| " + " | ".join(cells) + " |", there, wrong, said
+    return cells, there, wrong, said
+
+
+def written(rows, path):
+    """Return nothing; a table has these rows in the place of those that it had of their campaigns, in the order of campaigns.csv."""
+    known = {row[0]: row for row in rows}
+    if path.exists():
+        with path.open(encoding="utf-8", newline="") as file:
+            known = {row[0]: row for row in list(csv.reader(file))[1:]} | known
+    with path.open("w", encoding="utf-8", newline="") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerows([COLUMNS, *(known[name] for name in listed() if name in known)])
 
 
 def main(argv=None):
@@ -146,8 +156,7 @@ def main(argv=None):
     fetched(
         [row for row in files.values() if not place(given.folder, row).exists()], given.folder, given.mirrors
     )
-    lines, told = [HEAD], []
-    print(HEAD, flush=True)
+    lines, told = [], []
     for name, rows in campaigns.items():
         try:
             one = built(rows, given.folder, given.data or Path())
@@ -157,12 +166,14 @@ def main(argv=None):
             row, there, wrong, said = line(rows, one, given.budget)
             told.append((rows[0]["apparatus"], there, wrong))
         except InputError as problem:
-            row, said = f"| {name} | – | – | – | not read: {problem.problem} | – | – | – |", []
+            blank = [name, HALVES[given.split], *"–" * 3, f"not read: {problem.problem}", "nothing", "–", "–"]
+            row, said = blank, []
             told.append((rows[0]["apparatus"], False, False))
         lines.append(row)
-        print(row, *(f"<!-- {text} -->" for text in said), sep="\n", flush=True)
+        print(*row, sep=" | ")
+        print(*(f"    {text}" for text in said), sep="\n", flush=True)
         if given.out:
-            given.out.write_text("\n".join(lines) + "\n", encoding="utf-8")
+            written(lines, given.out)
     right_of = {name: [there for apparatus, there, _ in told if apparatus == name] for name, _, _ in told}
     print(f"told right: {sum(there for _, there, _ in told)} of {len(told)} campaigns, wrong: {sum(wrong for _, _, wrong in told)}; "
           f"of {len(right_of)} apparatuses every campaign: {sum(map(all, right_of.values()))}, at least one: {sum(map(any, right_of.values()))}")  # fmt: skip
