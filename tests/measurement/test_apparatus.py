@@ -1,6 +1,7 @@
 """The apparatus sheet: what it may not hold is refused by name before anything is computed."""
 
 import copy
+import re
 
 import numpy as np
 import pytest
@@ -113,3 +114,14 @@ def test_the_shipped_sheet_is_that_of_the_emulated_bench(root):
     angle = (volts - encoder["zero_V"]) * encoder["slope_rad_per_V"]
     nominal = encoder["nominal_zero_V"] + angle / encoder["nominal_slope_rad_per_V"]
     assert np.all(np.abs(volts - nominal) <= encoder_limit(apparatus, volts))
+
+
+def test_the_heights_that_a_refusal_names_are_the_ends_of_those_that_can_be(read):
+    with pytest.raises(InputError) as caught:
+        read(put("points", 0, "height", 5.0))
+    low, high = map(float, re.findall(r"[-\d.]+(?= and| m)", caught.value.expected))
+    for height in (low + 1e-5, high - 1e-5):
+        read(put("points", 0, "height", height))
+    for height in (low - 1e-4, high + 1e-4):
+        with pytest.raises(InputError, match="the tower is above|does not reach"):
+            read(put("points", 0, "height", height))

@@ -32,6 +32,8 @@ def test_parts_of_one_recording_share_an_axis_and_what_was_held_out_is_told():
         [swing("a", 0.3), swing("a", 0.2, "part 2 of 3", 20.0)], 0.002, {"emulated": "yes"}
     )
     assert len(figure.axes) == 2
+    band = figure.axes[1].patches[0]
+    assert band.get_y() + band.get_height() == pytest.approx(np.degrees(2 * 0.002))
     words = [text.get_text() for text in figure.legends[0].get_texts()]
     assert "model, on a part held out of the fit" in words and "fit" in words
     assert "emulated" in figure.get_supxlabel()
