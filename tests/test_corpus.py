@@ -28,7 +28,7 @@ QUESTION = fates.Told([], [], "it swings by three turns: --restoring LINEAR of a
 
 
 def number(*periods):
-    return fates.Told(list(periods), [str(p) for p in periods], "")
+    return fates.Told([str(p) for p in periods], list(periods), "")
 
 
 @pytest.mark.parametrize(

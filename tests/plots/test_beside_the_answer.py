@@ -47,3 +47,11 @@ def test_a_part_where_no_pendulum_stays_is_spoken_of_where_it_is_drawn(answer):
         lines = [line for line in figure.axes[0].lines if line.get_linestyle() == "--"]
         drawn = any(np.isfinite(line.get_xdata()).any() for line in lines)
         assert ("no pendulum stays" in figure.get_supxlabel()) is drawn
+
+
+def test_a_band_without_an_end_leaves_the_picture_its_limits(answer):
+    """A period whose lower bound is no time has a frequency without an upper one."""
+    curves = answer.curves().copy(deep=True)
+    curves["frequency_high"][{"source": 0, "amplitude": -1}] = np.inf
+    figure = backbone(curves)
+    assert all(np.isfinite([*axes.get_xlim(), *axes.get_ylim()]).all() for axes in figure.axes)

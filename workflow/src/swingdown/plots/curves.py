@@ -117,15 +117,17 @@ def _curve(axes: Axes, at: Floats, data: xr.Dataset, name: str, scale: float, up
             axes.fill_between(at, low, high, color=colour, alpha=0.25, lw=0)
             axes.plot(at, value, color=colour, ls=dashed, label=words)
     free = data.sel(source="free")
-    ends = [
-        scale * float(function(free[name + end]))
-        for function, end in ((np.nanmin, "_low"), (np.nanmax, "_high"))
+    bands = {end: free[name + end].values for end in ("_low", "_high")}
+    ends = [  # a band without an end reaches to infinity
+        scale * float(function(bands[end][np.isfinite(bands[end])]))
+        for function, end in ((np.min, "_low"), (np.max, "_high"))
     ]
     values = scale * free[name].values
-    reach = _REACH * float(np.ptp(values[np.isfinite(values)])) + 0.02 * abs(float(np.nanmean(values)))
+    spread = float(np.ptp(values[np.isfinite(values)]))  # of widest swings the period may not be known
+    reach = _REACH * spread + 0.02 * abs(float(np.nanmean(values)))
     middle = (np.nanmin(values) + np.nanmax(values)) / 2
     if upright:  # a frequency changes by little
-        reach = max(_REACH * float(np.ptp(values)), 4 * float(np.nanmedian(ends[1] - ends[0])) / 2, 1e-6)
+        reach = max(_REACH * spread, 4 * float(np.nanmedian(ends[1] - ends[0])) / 2, 1e-6)
     limits = max(ends[0], middle - reach), min(ends[1], middle + reach)
     room = 0.08 * (limits[1] - limits[0])
     (axes.set_xlim if upright else axes.set_ylim)(limits[0] - room, limits[1] + room)

@@ -6,7 +6,7 @@ import numpy as np
 
 from ..arrays import Floats
 from ..measurement.half_swings import half_swings
-from .unscaled import counted_passages, of_first_swings
+from .unscaled import HIDES, counted_passages, of_first_swings
 
 SWINGS = 10  # that are timed; of a shorter recording all
 _FEWEST = 2
@@ -37,7 +37,7 @@ def timed(times: Floats, curve: Floats, period: float, most: int = SWINGS) -> tu
     """
     swings = half_swings(curve)
     centre = swings.centre()
-    passed, halves = counted_passages(times, curve)
+    passed, halves = counted_passages(times, curve, HIDES)
     first = of_first_swings(times, curve)["period_first"]
     if passed.size < 2 * _FEWEST + 1 or not np.isfinite(first):
         return None

@@ -16,6 +16,7 @@ from ..rounding import value_with_uncertainty
 from .quantities import Quantity
 
 _STRAIGHT = 0.25  # of a half-swing about the middle: there a swing is a line to a hundredth of a half-swing
+HIDES = 0.5  # of a half-swing: a hole that is longer may hide a passage
 _FIRST = 8  # periods, each half a swing after the one before
 _SEEN = 3.0  # standard errors of a slope
 _LAST = 4  # of the last periods, each half a swing after the one before
@@ -29,15 +30,13 @@ def without_scale(angle: xr.Dataset) -> bool:
     return str(angle.attrs.get("mode", "")) == UNSCALED
 
 
-def counted_passages(times: Floats, series: Floats) -> tuple[Floats, np.ndarray]:
-    """When (s) a swing passes its middle, and how many half-swings after the first passage; of a hole, which hides when, none. What it hides is
-    counted by the time between the others."""
+def counted_passages(times: Floats, series: Floats, hole: float = _STRAIGHT) -> tuple[Floats, np.ndarray]:
+    """When (s) a swing passes its middle, and how many half-swings after the first passage; of a ``hole`` of more than that share of a
+    half-swing, which hides when, none. What it hides is counted by the time between the others."""
     found = passages(times, series, half_swings(series).centre())
     if found.size:  # across a hole the middle is passed at no known time
         after = np.searchsorted(times, found).clip(1, times.size - 1)
-        found = found[
-            times[after] - times[after - 1] < _STRAIGHT * np.median(np.diff(found, prepend=times[0]))
-        ]
+        found = found[times[after] - times[after - 1] < hole * np.median(np.diff(found, prepend=times[0]))]
     gaps = np.diff(found)
     halves = (
         np.concatenate([[0], np.cumsum(np.round(gaps / np.median(gaps)))]).astype(int)
@@ -101,8 +100,7 @@ def _without_hole(times: Floats, found: Floats) -> np.ndarray:
     """Of each period between passages whether the samples show all of it."""
     if found.size < 3:
         return np.zeros(0, bool)
-    # what is longer than a quarter of a period may hide a passage
-    holes = np.concatenate([[0], np.cumsum(np.diff(times) > 2 * _STRAIGHT * np.median(np.diff(found)))])
+    holes = np.concatenate([[0], np.cumsum(np.diff(times) > HIDES * np.median(np.diff(found)))])
     after = np.searchsorted(times, found).clip(1, times.size - 1)
     return holes[after[2:]] == holes[after[:-2] - 1]
 
