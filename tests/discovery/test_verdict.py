@@ -204,6 +204,8 @@ def test_a_wrong_gain_that_the_calibration_allows_is_told_as_that(gain, within):
         ("base_vibration", {"vibration_acceleration": (0.3, 0.01, "rad/s^2"), "vibration_frequency": (0.03, 0.001, "Hz")},
          "vibration_frequency is less than one in the longest recording"),
         ("magnet", {"magnet_depth": (0.1, 0.06, "1/s^2"), "magnet_width": (0.2, 0.01, "rad")}, "magnet_depth is no more than"),
+        # of any width it is the viscous drag that the base has
+        ("eddy_brake", {"eddy_coefficient": (0.1, 0.01, "1/s"), "eddy_width": (0.2, 0.11, "rad")}, "eddy_width is no more than"),
         ("flexible_pivot", {"pivot_mass_ratio": (0.02, 0.001, "1"), "pivot_frequency": (30.0, 16.0, "rad/s"),
                             "pivot_damping_ratio": (0.01, 0.03, "1")}, "pivot_frequency is no more than"),
         # of any width it is a spring, with which it is tied
@@ -223,6 +225,20 @@ def test_what_could_as_well_be_nothing_or_is_slower_than_the_recording_is_no_fin
     assert found["status"] == ("unknown" if doubt else "named")
     assert [one["name"] for one in found["stand_ins" if doubt else "effects"]] == [name]
     assert not doubt or found["stand_ins"][0]["doubt"].startswith(doubt)
+
+
+def test_sentence_and_table_have_one_number_for_a_size():
+    """The whole of every recording has it better than the parts that were searched."""
+    values = {"sensor_gain": {"value": 0.050, "standard_error": 0.004, "unit": "1"}}
+    whole = {"sensor_gain": {"value": 0.048, "standard_uncertainty": 0.003, "unit": "1"}}
+    first = state(0, missing=True, chosen="sensor_gain", holdout=3.0)
+    last = state(
+        1, missing=False, found=["sensor_gain"], effects=("viscous", "sensor_gain"), parameters=values
+    )
+    found = verdict([first, last | {"conclusion": {"quantities": whole}}])
+    told = found["effects"][0]["parameters"]["sensor_gain"]
+    assert told == {"value": 0.048, "standard_error": 0.003, "unit": "1"}
+    assert "0.048 ± 0.003" in found["sentence"]
 
 
 @pytest.mark.parametrize(("at_shape", "status"), [(0.1, "named"), (1.0, "unknown")])
