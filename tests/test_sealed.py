@@ -173,9 +173,9 @@ def test_results_are_read_by_the_one_reader(root):
         "scripts/table2.py: pd.read_csv(published)",
         "scripts/table3.py: pd.read_csv(published)",
         "src/snakemake_logger_plugin_swingdown/__init__.py: Path(path).read_text(encoding='utf-8', errors='replace')",  # a log
-        "sweep/combine.py: xr.open_dataset(output, engine='netcdf4', decode_times=False, decode_timedelta=False)",
         "sweep/combine.py: xr.open_dataset(path, engine='netcdf4', decode_times=False, decode_timedelta=False)",
         "sweep/compute.py: Path(partial).read_bytes()",
+        "sweep/store.py: xr.open_dataset(path, engine='netcdf4', decode_times=False, decode_timedelta=False)",
         "sweep/noise_free.py: json.loads(settings)",  # a key of what is kept, and no file
     ]
     assert [one for one in found if one not in allowed] == []
