@@ -31,7 +31,7 @@ class Work(NamedTuple):
 
 
 def fitted(frame: Frame) -> Work | None:
-    """The ``Work`` that is left to friction in a fit's residuals; None of too few samples."""
+    """The ``Work`` that is left to friction in a fit's residuals; None of too few samples, or of nothing that moves."""
     motions = motions_of(frame)
     conserving, dissipative = (frame.padded(one(motions)) for one in (_conserving, _dissipative))
     return _work(frame.residual, np.hstack([frame.slopes, conserving]), dissipative, frame.samples)
@@ -89,4 +89,6 @@ def _work(residual: Floats, own: Floats, columns: Floats, samples: int) -> Work 
     left, beyond = (one - basis @ (basis.T @ one) for one in (residual, columns))
     directions, strength, _ = np.linalg.svd(beyond, full_matrices=False)
     directions = directions[:, strength > _SEEN * strength[0]]
+    if not directions.shape[1]:  # of a pendulum that hangs still
+        return None
     return Work(float(np.sum((directions.T @ left) ** 2)) / samples, directions.shape[1] / samples)
