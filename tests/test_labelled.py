@@ -94,15 +94,27 @@ def recorded(tmp_path, monkeypatch):
 def test_a_known_effect_is_told_and_counted(recorded, capsys):
     labelled.main(recorded())
     said = capsys.readouterr().out
-    assert "| wheel | constant_coulomb, linear | viscous | **viscous" in said
+    assert "wheel | open | constant_coulomb, linear | viscous | viscous | named | right | " in said
     assert (
         "told right: 1 of 1 campaigns, wrong: 0; of 1 apparatuses every campaign: 1, at least one: 1" in said
     )
 
 
-def test_nothing_is_told_beside_it(recorded, capsys):
-    labelled.main(recorded())
-    assert "| viscous | **viscous** |" in capsys.readouterr().out
+def test_a_row_takes_the_place_that_its_campaign_had_in_the_table(recorded, tmp_path):
+    table = tmp_path / "table.csv"
+    other = ["other", *"12345678"]
+    labelled.main(
+        [*recorded({}, {"campaign": "other", "label": "magnet"}), "--only", "wheel", "--out", str(table)]
+    )
+    labelled.written([other], table)
+    labelled.main(
+        [*recorded({}, {"campaign": "other"}, label="magnet"), "--only", "wheel", "--out", str(table)]
+    )
+    with table.open(newline="") as file:
+        head, wheel, kept = csv.reader(file)
+    assert head == list(labelled.COLUMNS)
+    assert wheel[:7] == ["wheel", "open", "constant_coulomb, linear", "magnet", "viscous", "named", "wrong"]
+    assert kept == other
 
 
 def test_another_effect_in_its_place_is_counted_as_wrong(recorded, capsys):

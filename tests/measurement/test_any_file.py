@@ -1,7 +1,7 @@
 """Whatever a sheet and a file hold: an InputError with a mend, or the right numbers."""
 
 import numpy as np
-from hypothesis import HealthCheck, given, settings
+from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 
 from swingdown.errors import InputError
@@ -64,6 +64,7 @@ def read(tmp_path, raw, name="a.csv"):
 
 
 @FUZZ
+@example(raw=b"0", ending="csv")
 @given(raw=st.binary(max_size=600), ending=st.sampled_from(["csv", "txt", "xlsx", "zip"]))
 def test_any_bytes_as_a_recording(tmp_path, monkeypatch, raw, ending):
     monkeypatch.chdir(tmp_path)

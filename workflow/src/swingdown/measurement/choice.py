@@ -131,9 +131,11 @@ def with_rising_time(table: Table, row: Mapping[str, Any]) -> tuple[Table, Mappi
     first = next(pieces, None)
     if first is None:
         return table, row, []
+    table = table._replace(pieces=itertools.chain([first], pieces))
+    if len(first) < 2:  # of one row nothing rises
+        return table, row, []
     steps = {key: np.diff(numbers(first[key], table.decimal)) for key in table.names}
     rising = [key for key, own in steps.items() if np.nansum(own) > 0 and np.mean(own >= 0) > _RISES]
-    table = table._replace(pieces=itertools.chain([first], pieces))
     falls = np.mean(steps[table.names[0]] <= 0) > _RISES
     if not rising and not falls and len(table.names) > 1 and len(first) >= SHORTEST:
         raise InputError(
