@@ -20,7 +20,7 @@ from scipy.optimize import brentq
 from ..arrays import Floats
 from ..fitting.result import Fit
 from .campaign import Noise, Swing
-from .green import Motion, hats, motion, response
+from .green import Motion, hats, motion, over_both, response
 from .linear import Frame
 
 _BINS = 24  # a period: as finely as a pendulum's response to a smooth torque is seen
@@ -346,10 +346,8 @@ def _shapes(one: Motion, largest: float, fastest: float) -> tuple[list[Floats], 
     """Torques on the grid of times (restoring, dissipative, in time for each smoothness, and a fine one over the angle of either) and errors of the reading at its samples."""
     angles, speeds, since = np.linspace(-1, 1, _ANGLES), np.linspace(0, 1, _SPEEDS), np.linspace(0, 1, _TIMES)
     at = hats(one.angle / largest, angles)
-    either = hats(np.abs(one.speed) / fastest, speeds)
     side = (one.speed >= 0)[:, None]
-    sides = np.hstack([either * side, either * ~side])
-    both = np.einsum("ta,ts->tas", at, sides).reshape(len(at), -1)
+    both = over_both(one.angle / largest, one.speed / fastest, angles, speeds)
     elapsed = hats((one.times - one.times[0]) / (one.times[-1] - one.times[0]), since)
     torques: list[Floats] = []
     readings: list[Floats] = []

@@ -14,7 +14,7 @@ import numpy as np
 from ..arrays import Floats
 from ..fitting.result import Fit
 from .campaign import Swing
-from .green import Motion, hats, motion, motions_of, response
+from .green import Motion, hats, motion, motions_of, over_both, response, responses
 from .linear import Frame, orthonormal
 
 _ANGLES = 7  # nodes over the angle of a recording
@@ -62,14 +62,9 @@ def _dissipative(motions: Sequence[Motion]) -> Floats:
     """What torques over angle, speed and side do to the readings (sample, any), the same in all recordings."""
     largest = max(float(np.max(np.abs(one.angle))) for one in motions)
     fastest = max(float(np.max(np.abs(one.speed))) for one in motions)
-    worked = []
-    for one in motions:
-        at = hats(one.angle / largest, np.linspace(-1, 1, _OVER))
-        either = hats(np.abs(one.speed) / fastest, np.linspace(0, 1, _SPEEDS))
-        side = (one.speed >= 0)[:, None]
-        sides = np.hstack([either * side, either * ~side])
-        worked.append(response(one, np.einsum("ta,ts->tas", at, sides).reshape(len(at), -1)))
-    return np.concatenate(worked)
+    angles, speeds = np.linspace(-1, 1, _OVER), np.linspace(0, 1, _SPEEDS)
+    torques = [over_both(one.angle / largest, one.speed / fastest, angles, speeds) for one in motions]
+    return responses(motions, torques)
 
 
 def _apart(blocks: Sequence[Floats]) -> Floats:

@@ -77,3 +77,11 @@ def responses(motions: Sequence[Motion], torques: Sequence[Floats]) -> Floats:
 def hats(x: Floats, nodes: Floats) -> Floats:
     """Linear interpolation between nodes as columns (place, node)."""
     return np.column_stack([np.interp(x, nodes, unit) for unit in np.eye(nodes.size)])
+
+
+def over_both(angle: Floats, speed: Floats, angles: Floats, speeds: Floats) -> Floats:
+    """Interpolation between nodes over the angle and over the speed's size as columns (place, node), for either direction its own: a friction
+    jumps where the motion turns."""
+    either, side = hats(np.abs(speed), speeds), (speed >= 0)[:, np.newaxis]
+    sides = np.hstack([either * side, either * ~side])
+    return np.einsum("ta,ts->tas", hats(angle, angles), sides).reshape(angle.size, -1)

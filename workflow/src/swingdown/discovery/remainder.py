@@ -13,7 +13,7 @@ from scipy.optimize import minimize_scalar
 from ..arrays import Floats
 from ..pendulum.effect import NATURAL_FREQUENCY
 from .campaign import Noise
-from .green import Motion, hats, motions_of, responses
+from .green import Motion, motions_of, over_both, responses
 from .linear import Frame
 
 MAP = ["angle_rad", "speed_rad_per_s", "torque", "band", "known", "seen"]
@@ -58,12 +58,7 @@ def _map(frame: Frame, motions: Sequence[Motion], noise: Noise) -> tuple[pd.Data
     largest = max(float(np.max(np.abs(one.angle))) for one in motions)
     fastest = max(float(np.max(np.abs(one.speed))) for one in motions)
     angles, speeds = np.linspace(-1, 1, _ANGLES), np.linspace(0, 1, _SPEEDS)
-    torques = [
-        np.einsum(
-            "ta,ts->tas", hats(one.angle / largest, angles), _sides(one.speed / fastest, speeds)
-        ).reshape(one.times.size, -1)
-        for one in motions
-    ]
+    torques = [over_both(one.angle / largest, one.speed / fastest, angles, speeds) for one in motions]
     seen = np.concatenate(torques).sum(axis=0)
     columns = responses(motions, torques)
     basis, triangle = np.linalg.qr(frame.outside(columns))
@@ -90,12 +85,6 @@ def _map(frame: Frame, motions: Sequence[Motion], noise: Noise) -> tuple[pd.Data
     places = np.meshgrid(angles * largest, np.r_[speeds, -speeds] * fastest, indexing="ij")
     shown = (places[0].ravel(), places[1].ravel(), told.value, told.error, told.known, seen / seen.sum())
     return pd.DataFrame(dict(zip(MAP, shown, strict=True))), shares
-
-
-def _sides(x: Floats, nodes: Floats) -> Floats:
-    """The same over a speed's size, for either direction its own: a friction jumps where the motion turns."""
-    either = hats(np.abs(x), nodes)
-    return np.hstack([either * (x >= 0)[:, np.newaxis], either * (x < 0)[:, np.newaxis]])
 
 
 def _near(nodes: Floats) -> Floats:
