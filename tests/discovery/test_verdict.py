@@ -227,20 +227,6 @@ def test_what_could_as_well_be_nothing_or_is_slower_than_the_recording_is_no_fin
     assert not doubt or found["stand_ins"][0]["doubt"].startswith(doubt)
 
 
-def test_sentence_and_table_have_one_number_for_a_size():
-    """The whole of every recording has it better than the parts that were searched."""
-    values = {"sensor_gain": {"value": 0.050, "standard_error": 0.004, "unit": "1"}}
-    whole = {"sensor_gain": {"value": 0.048, "standard_uncertainty": 0.003, "unit": "1"}}
-    first = state(0, missing=True, chosen="sensor_gain", holdout=3.0)
-    last = state(
-        1, missing=False, found=["sensor_gain"], effects=("viscous", "sensor_gain"), parameters=values
-    )
-    found = verdict([first, last | {"conclusion": {"quantities": whole}}])
-    told = found["effects"][0]["parameters"]["sensor_gain"]
-    assert told == {"value": 0.048, "standard_error": 0.003, "unit": "1"}
-    assert "0.048 ± 0.003" in found["sentence"]
-
-
 @pytest.mark.parametrize(("at_shape", "status"), [(0.1, "named"), (1.0, "unknown")])
 def test_a_size_is_asked_at_its_shape(at_shape, status):
     """A coefficient at 1 rad/s is as free as its exponent is, and clear at the exponent that it has."""

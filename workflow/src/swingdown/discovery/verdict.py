@@ -58,7 +58,7 @@ def verdict(
         if doubt := doubt or _no_finding(catalogue[name], one["parameters"], last):
             stand_ins.append(one | {"doubt": doubt})
         else:
-            asserted.append(one | {"parameters": _of_the_whole(one["parameters"], last.get("conclusion"))})
+            asserted.append(one)
     if last["missing"] or stand_ins or last.get("failed"):
         status = "partial" if asserted or (difference and difference["effect"]) else "unknown"
     elif not asserted:
@@ -163,21 +163,6 @@ def _no_finding(effect: Effect, values: Mapping[str, Any], told: Mapping[str, An
         if parameter.at_line and value * (told.get("duration_s") or np.inf) < 1:
             return f"{parameter.name} is less than one in the longest recording"
     return ""
-
-
-def _of_the_whole(values: Mapping[str, Any], concluded: Mapping[str, Any] | None) -> dict[str, Any]:
-    """An effect's values as the whole of every recording has them, where that was fitted: one number for one thing."""
-    known = concluded["quantities"] if concluded else {}
-    return {
-        name: value
-        if name not in known
-        else {
-            "value": known[name]["value"],
-            "standard_error": known[name]["standard_uncertainty"],
-            "unit": value["unit"],
-        }
-        for name, value in values.items()
-    }
 
 
 def no_verdict(state: Mapping[str, Any]) -> dict[str, Any]:
