@@ -241,3 +241,56 @@ def test_a_second_stamp_is_no_swing():
         table_of(io.BytesIO((head + "".join(lines)).encode()), {"file": "log.csv"}).names, "", "", "log.csv"
     )
     assert [one.name for one in swing] == ["/joints/arm/position"]
+
+
+# an uneven clock: from row to row its steps rise and fall
+PASSED = np.append(0.0, np.random.default_rng(3).integers(40, 60, 299)) / 1000
+UNEVEN = np.cumsum(PASSED)
+UNEVEN_SWING = 0.4 * np.exp(-0.03 * UNEVEN) * np.cos(5 * UNEVEN)
+
+
+def columns(header, *values):
+    return (
+        header
+        + "\n"
+        + "".join(",".join(f"{one:.6g}" for one in row) + "\n" for row in zip(*values, strict=True))
+    )
+
+
+@pytest.mark.parametrize(
+    "name", ["time_from_previous_sample(ms)", "dt (ms)", "delta_t_ms", "Time since last row (ms)"]
+)
+@pytest.mark.parametrize("piece", [500, 1 << 20])
+def test_what_passed_since_the_row_before_is_summed(take, monkeypatch, name, piece):
+    monkeypatch.setattr("swingdown.measurement.text.PIECE", piece)
+    made = take(columns(f"theta_rad,{name}", UNEVEN_SWING, 1000 * PASSED))
+    np.testing.assert_allclose(made["time"].values, UNEVEN, atol=1e-9)
+    np.testing.assert_allclose(made["signal"].values, UNEVEN_SWING, atol=1e-6)
+    assert "its running sum is the time" in made.attrs["remarks"]
+
+
+@pytest.mark.parametrize("header", ["dt,t_s,theta", "delta t (s),time (s),theta"])
+def test_a_clock_goes_before_what_passed_since_the_row_before(take, header):
+    made = take(columns(header, PASSED, UNEVEN, UNEVEN_SWING))
+    np.testing.assert_allclose(made["time"].values, UNEVEN, atol=1e-5)
+    assert "running sum" not in made.attrs.get("remarks", "")
+
+
+def test_a_clock_that_is_called_dt_is_one(take):
+    made = take(columns("dt (s),theta_rad", UNEVEN, UNEVEN_SWING))
+    np.testing.assert_allclose(made["time"].values, UNEVEN, atol=1e-5)
+
+
+def test_what_runs_back_and_forth_is_no_clock(take):
+    with pytest.raises(InputError, match=r"no clock: .* back at \d\d %") as caught:
+        take(columns("t (ms),theta_rad", 1000 * PASSED, UNEVEN_SWING))
+    assert "rate_hz" in caught.value.mend
+
+
+def test_x_y_and_z_on_no_circle_may_be_an_acceleration(take):
+    y = 0.1 * np.exp(-0.03 * TIME) * np.cos(10 * TIME + 1) + 0.05 * np.random.default_rng(2).standard_normal(
+        300
+    )
+    with pytest.raises(InputError, match="positions of a bob, or its acceleration"):
+        take(columns("t (s),X,Y,Z", TIME, SWING, y, 9.8 + SWING**2))
+    assert "one coordinate" in take(columns("t (s),X,Y", TIME, SWING, y)).attrs["remarks"]

@@ -5,8 +5,10 @@ from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
+import pandas as pd
 
 from ..errors import InputError
+from .clock import RISES, goes_on
 from .columns import (
     ANGLE,
     COUNTS,
@@ -17,6 +19,7 @@ from .columns import (
     Meaning,
     choose,
     drives,
+    from_row_to_row,
     known_unit,
     meaning,
     numbers_rows,
@@ -27,7 +30,6 @@ from .table import Table, numbers
 
 SHORTEST = 10  # samples; fewer tell nothing about a swing
 _LOOKED_AT = 200_000  # rows of which each column is looked at before the swing is chosen
-_RISES = 0.95  # of the rows: so often a time is no earlier than in the row before, though a clock stumbles
 
 
 class Uncalibrated(InputError):
@@ -115,6 +117,48 @@ def without_still(table: Table, row: Mapping[str, Any]) -> tuple[Table, list[str
     return kept._replace(names=moving, pieces=[piece[list(moving)] for piece in held]), [told]
 
 
+def with_running_time(table: Table, row: Mapping[str, Any]) -> tuple[Table, Mapping[str, Any], list[str]]:
+    """The table and the row with a clock, and a remark, where a column holds how much time passed since the row before.
+
+    Such a column rises and falls from row to row. Where another one is a time it is left out, and else its running sum is the time.
+    """
+    known = [meaning(name, table.units.get(name, "")) for name in table.names]
+    named = [one.name for one in known if from_row_to_row(one)]
+    if not named or len(known) < 2:
+        return table, row, []
+    pieces = iter(table.pieces)
+    first = next(pieces, None)
+    if first is None:
+        return table, row, []
+    table = table._replace(pieces=itertools.chain([first], pieces))
+    steps = [name for name in named if not goes_on(numbers(first[name], table.decimal))]
+    if not steps or len(first) < 2:
+        return table, row, []
+    others = [one.name for one in known if one.kind == TIME and one.name not in steps]
+    clock = row["time_column"] or (others[0] if others else steps[0])
+    kept = {clock, row["signal_column"], *set(table.names).difference(steps)}
+    names = tuple(name for name in table.names if name in kept)
+    if clock not in steps:
+        return table._replace(names=names), row, []
+    passed = 0.0
+
+    def summed(rows: pd.DataFrame) -> pd.DataFrame:
+        nonlocal passed
+        own = numbers(rows[clock], table.decimal)
+        if rows.index[0] == first.index[0]:
+            own = np.concatenate([[0.0], own[1:]])  # before the first row there is none
+        times = passed + np.cumsum(own)
+        passed = float(times[-1])
+        return rows.assign(**{clock: times})
+
+    told = f"`{clock}` tells what passed since the row before: its running sum is the time"
+    return (
+        table._replace(names=names, pieces=map(summed, table.pieces)),
+        {**row, "time_column": clock},
+        [told],
+    )
+
+
 def with_rising_time(table: Table, row: Mapping[str, Any]) -> tuple[Table, Mapping[str, Any], list[str]]:
     """The table and the row with the column of the time, and a remark, where none says that it is one and another than the first rises."""
     kinds = [meaning(name, table.units.get(name, "")).kind for name in table.names]
@@ -134,9 +178,9 @@ def with_rising_time(table: Table, row: Mapping[str, Any]) -> tuple[Table, Mappi
     table = table._replace(pieces=itertools.chain([first], pieces))
     if len(first) < 2:  # of one row nothing rises
         return table, row, []
-    steps = {key: np.diff(numbers(first[key], table.decimal)) for key in table.names}
-    rising = [key for key, own in steps.items() if np.nansum(own) > 0 and np.mean(own >= 0) > _RISES]
-    falls = np.mean(steps[table.names[0]] <= 0) > _RISES
+    values = {key: numbers(first[key], table.decimal) for key in table.names}
+    rising = [key for key, own in values.items() if goes_on(own)]
+    falls = np.mean(np.diff(values[table.names[0]]) <= 0) > RISES
     if not rising and not falls and len(table.names) > 1 and len(first) >= SHORTEST:
         raise InputError(
             f"{row['file']}, {place_of(table.names[0])}",

@@ -13,6 +13,7 @@ from .noise_level import scatter
 UNEVEN = 0.2  # of the usual interval: a step that differs by less is an even one
 DIGITS = range(7)  # decimal places of a second to which a clock may round
 FIGURES = range(2, 7)  # significant figures to which a program may write its times
+RISES = 0.95  # of the changes of a clock: so often it goes on, though it stumbles
 RESTART = 10  # samples that a clock must repeat before a step back is its restart, and not a row out of place
 ROUNDED = 0.55  # of a digit: how far a rounded stamp lies from the line through all of them, which is not quite the clock's
 EXACT = 1e-6  # of the interval: a clock that is more even is even
@@ -49,11 +50,12 @@ def in_order(times: Floats, signal: Floats, place: str) -> Ordered:
     Raises
     ------
     InputError
-        If no time passes.
+        If no time passes, or the times run back and forth, as those of no clock do.
     """
     going, stopped = _going(times)
     cut = _cut(times[:going])
     whole = np.flatnonzero(~cut)
+    _check_goes_on(times[whole], place)
     kept, told = _sorted(times[whole], signal[whole])
     kept = slice(going) if isinstance(kept, slice) and not cut.any() else whole[kept]
     if cut.any():
@@ -78,6 +80,30 @@ def _going(times: Floats) -> tuple[int, list[str]]:
     return int(edges[-2]) + 1, [
         f"THE CLOCK STOPS at {times[-1]:.6g} s: the last {sizes[-1] - 1} rows, which have no other time, were left out"
     ]
+
+
+def goes_on(times: Floats) -> bool:
+    """True for readings of a clock: from row to row they stay, or rise, but for a few rows; and they rise more often than a few times."""
+    changes = _changes(times)
+    return changes.size >= min(RESTART, times.size - 1) > 0 and bool(np.mean(changes > 0) > RISES)
+
+
+def _changes(times: Floats) -> Floats:
+    """The steps from one finite reading to the next that are not 0."""
+    steps = np.diff(times[np.isfinite(times)])
+    return steps[steps != 0]
+
+
+def _check_goes_on(times: Floats, place: str) -> None:
+    """None for times that rise from row to row, or fall, but for a few rows; InputError for others."""
+    back = np.mean(_changes(times) < 0) if np.ptp(times) else 0.0
+    if 1 - RISES < back < RISES:
+        raise InputError(
+            place,
+            f"it is no clock: from row to row it runs back at {round(100 * back)} % of its changes",
+            "times that rise from row to row; of time that passed since the row before, a name that says so: `dt (ms)`",
+            "name the column of the time ⟨in time_column⟩, write the samples a second ⟨in rate_hz⟩, or sort the rows by their time",
+        )
 
 
 def parts(times: Floats) -> list[slice]:

@@ -40,6 +40,9 @@ _ACCELERATIONS = ("m/s^2", "m/s²", "m/s2", "g", "mg")
 UNITS = {written: meaning for meaning, all_ in _WRITTEN.items() for written in all_}
 
 _TIMES = re.compile(r"(?i)\b(t|time|zeit|temps|tiempo|tempo|timestamp|stamp|elapsed|millis|micros)\b")
+_FROM_ROW_TO_ROW = re.compile(
+    r"(?i)Δ|\b(previous|prev|last|delta|diff|difference|interval|step|between|d) ?t?\b|\bdt\b"
+)
 _ANGLES = re.compile(r"(?i)θ|φ|\b(theta|phi|angle|angular position|winkel|ángulo|angulo|ausschlag)\b")
 _DRIVES = re.compile(
     r"(?i)\b(drive|driver|driving|motor|forcing|excitation|exciter|input|forzante|forzatura|erreger|antrieb|excitateur|torques?|tau|effort|"
@@ -51,6 +54,10 @@ _NUMBERS = re.compile(
 )
 _QUATERNION = re.compile(r"(?i)(q|quat|quaternion|orientation)[ _.]?[wxyz0-3]")
 _COORDINATE = re.compile(r"(?i)^(?:.*[ _-])?(?:position[ _-]?)?([xy])(?:[ _-]?(?:position|pos))?$")
+OF_ACCELERATIONS = (
+    "record the gyroscope in the same way: an accelerometer that rides on the bob tells no angle; for a weight on a spring, whose "
+    "acceleration swings as it does, write ⟨restoring=linear⟩ and name the column ⟨in signal_column⟩"
+)
 
 
 @dataclass(frozen=True)
@@ -284,10 +291,7 @@ def _checked(one: Meaning, others: list[Meaning], place: str, stated: str) -> Me
         VOLTAGE: "convert it to V, rad or deg",
     }
     if one.written.lower() in _ACCELERATIONS:
-        mends[OTHER] = (
-            "record the gyroscope in the same way: an accelerometer that rides on the bob tells no angle; for a weight on a spring, whose "
-            "acceleration swings as it does, write ⟨restoring=linear⟩ and name the column ⟨in signal_column⟩"
-        )
+        mends[OTHER] = OF_ACCELERATIONS
     what = _saying(one)
     raise InputError(
         f"{place}, {place_of(one.name)}",
@@ -303,6 +307,13 @@ def _checked(one: Meaning, others: list[Meaning], place: str, stated: str) -> Me
         + (f"; the file has {', '.join(column.name for column in others)}" if len(others) > 1 else ""),
         mends.get(one.kind, "name the column of the angle ⟨in signal_column⟩"),
     )
+
+
+def from_row_to_row(one: Meaning) -> bool:
+    """True for a column that by its name holds how much time passed since the row before: ``dt``, ``time from previous sample (ms)``."""
+    words = one.name.replace("_", " ")
+    named = one.kind == TIME or re.fullmatch(r"(?i)(d|Δ|delta) ?t", words)
+    return bool(named and _FROM_ROW_TO_ROW.search(words))
 
 
 def numbers_rows(name: str) -> bool:

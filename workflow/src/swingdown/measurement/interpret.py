@@ -17,11 +17,13 @@ from .choice import (
     input_of,
     unnamed,
     with_rising_time,
+    with_running_time,
     without_still,
 )
 from .clock import in_order, parts
 from .columns import (
     LENGTH,
+    OF_ACCELERATIONS,
     OTHER,
     RATE,
     SPEED,
@@ -112,8 +114,9 @@ def interpret(table: Table, row: Mapping[str, Any], place: str, restoring: str) 
     if (paired := f"{row['signal_column']} x") in table.names:
         row = {**row, "signal_column": paired}
     table, still = without_still(table, row)
+    table, row, running = with_running_time(table, row)
     table, row, rising = with_rising_time(table, row)
-    rising = still + rising
+    rising = still + running + rising
     drives = input_of(table, row, place)
     columns = columns_of(
         table._replace(names=tuple(one for one in table.names if one not in drives)), row, place, restoring
@@ -157,7 +160,8 @@ def interpret(table: Table, row: Mapping[str, Any], place: str, restoring: str) 
         remarks.append(
             f"the file has {len(table.names)} columns and no names of them: `{names[0]}` was taken (⟨signal_column⟩ says otherwise)"
         )
-    made = _signal(row, place, columns, names, times, values, restoring)
+    third = next((name for name in table.names if name.strip().lower() == "z"), "")
+    made = _signal(row, place, columns, names, times, values, restoring, third)
     if len(names) > 1 and len(columns.found) == 1:  # of a gyroscope's axes the one that turns most
         columns = columns._replace(found=[replace(columns.found[0], name=made.column)])
     told_unit = columns.time_unit or {
@@ -201,8 +205,12 @@ def _signal(
     times: Floats,
     values: list[Floats],
     restoring: str,
+    third: str,
 ) -> Interpreted:
-    """The signal that the columns hold: an angle about a fitted pivot, one by a coordinate and a length, or as recorded."""
+    """The signal that the columns hold: an angle about a fitted pivot, one by a coordinate and a length, or as recorded.
+
+    ``third`` is the column z beside x and y, "" for none.
+    """
     first, file = columns.found[0], row["file"]
     where = f"{file}, {place_of(first.name)} ({place})"
     if len(columns.found) == 2:
@@ -216,6 +224,13 @@ def _signal(
         except InputError:
             if (line := along_most(times, values[0], values[1])) is None:
                 raise
+            if third and not first.written:
+                raise InputError(
+                    f"{file}, columns {first.name}, {columns.found[1].name} and {third} ({place})",
+                    "no unit is stated, and they lie on no circle: are they positions of a bob, or its acceleration?",
+                    "positions, or an angle or an angular rate",
+                    f"write the unit of positions in the header, as `x (m)`; of an acceleration {OF_ACCELERATIONS}",
+                ) from None
             made = _coordinate(row, both, columns, times, line, restoring)
             no_circle = "THE POSITIONS LIE ON NO CIRCLE: how far along the axis on which they move most is taken for one coordinate"
             return made._replace(remarks=[no_circle, *made.remarks])
