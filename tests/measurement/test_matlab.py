@@ -65,3 +65,20 @@ def test_what_the_reader_does_not_know_is_told(tmp_path, content, words):
     path.write_bytes(content)
     with open(path, "rb") as source, pytest.raises(InputError, match=f"{words}.*writematrix"):
         arrays(source, "a.mat")
+
+
+def test_of_several_arrays_that_swing_the_user_names_one(tmp_path):
+    other, still = 0.1 * np.exp(-TIME / 20) * np.cos(4.4 * TIME), 0.01 * TIME
+    row = {**COLUMNS, "recording": "a", "file": str(tmp_path / "a.mat")}
+    savemat(tmp_path / "a.mat", {"mytime": TIME, "one": other, "two": SWING, "gains": still})
+    with pytest.raises(InputError, match="2 of its arrays swing.*: one, two") as caught:
+        ingest(row)
+    assert "signal_column" in caught.value.mend
+    named = ingest({**row, "time_column": "mytime", "signal_column": "two"})
+    assert named["signal"].values == pytest.approx(SWING)
+    savemat(tmp_path / "a.mat", {"mytime": TIME, "two": SWING, "zero": 0.9 + 0.01 * np.cos(TIME)})
+    assert ingest({**row, "time_column": "mytime"})["signal"].values == pytest.approx(SWING)
+    savemat(tmp_path / "a.mat", {"time": TIME, "one": other, "theta": SWING})
+    assert ingest(row)["signal"].values == pytest.approx(SWING)
+    savemat(tmp_path / "a.mat", {"data": np.column_stack([TIME, SWING, other])})
+    assert ingest(row)["signal"].values == pytest.approx(SWING)

@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import pandas as pd
 
+from ..arrays import Floats
 from ..errors import InputError
 from .clock import RISES, goes_on
 from .columns import (
@@ -26,6 +27,7 @@ from .columns import (
     place_of,
 )
 from .gyroscope import TO_RAD_PER_S
+from .plausibility import ENOUGH, in_a_row
 from .table import Table, numbers
 
 SHORTEST = 10  # samples; fewer tell nothing about a swing
@@ -34,6 +36,10 @@ _LOOKED_AT = 200_000  # rows of which each column is looked at before the swing 
 
 class Uncalibrated(InputError):
     """A recording in volts of which nobody says how many degrees a volt is."""
+
+
+class SeveralSwings(InputError):
+    """Several arrays that swing, none of which says that it is the pendulum's."""
 
 
 class Chosen(NamedTuple):
@@ -220,6 +226,31 @@ def unnamed(table: Table, names: list[str]) -> list[str]:
     if "no header" not in table.layout:
         return []
     return list(table.names[table.names.index(names[-1]) + 1 :])
+
+
+def alike_in(table: Table, chosen: Chosen) -> list[str]:
+    """The arrays beside the one ``chosen`` of which each may be the swing as well: by name and order none of them says so."""
+    others = [meaning(name, table.units.get(name, "")) for name in table.names]
+    swing = chosen.found[0]
+    if table.ordered or swing.kind != UNTOLD or len(chosen.found) > 1:
+        return []
+    return [one.name for one in others if one.kind == UNTOLD and one.name not in (swing.name, chosen.clock.name) and not drives(one.name)]  # fmt: skip
+
+
+def ask_which(times: Floats, swings: Mapping[str, Floats], place: str) -> None:
+    """None where at most one of several arrays by name swings; SeveralSwings for more, none of which says what it holds."""
+    swinging = [
+        name
+        for name, own in swings.items()
+        if in_a_row(times[np.isfinite(own)], own[np.isfinite(own)]) >= ENOUGH
+    ]
+    if len(swinging) > 1:
+        raise SeveralSwings(
+            place,
+            f"{len(swinging)} of its arrays swing, and none says that it is the pendulum's: {', '.join(swinging)}",
+            "one swing",
+            "name the array of the swing ⟨in signal_column⟩",
+        )
 
 
 def _check_own_unit(column: Meaning, row: Mapping[str, Any], key: str, name: str, place: str) -> None:

@@ -1,14 +1,16 @@
 """What programs save as XML, read within bounds: its elements, and the columns that a reader finds in them."""
 
+import re
 import zipfile
 import zlib
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import Any, BinaryIO, NamedTuple
 from xml.etree import ElementTree
 from xml.etree.ElementTree import Element
 
 import pandas as pd
 
+from ..arrays import Floats
 from ..errors import InputError
 
 ZIP = b"PK\x03\x04"
@@ -24,6 +26,15 @@ class Columns(NamedTuple):
     about: dict[str, Any] = {}
     remarks: tuple[str, ...] = ()  # to the user, beside the layout
     usual: dict[str, float] = {}  # cells of the sample sheet where it says nothing
+    ordered: bool = True  # False of arrays that were saved by their names: the first of them is the swing no more than another
+
+    @classmethod
+    def of_arrays(cls, kept: Mapping[str, Floats], kind: str, more: str = "") -> "Columns":
+        """The Columns of arrays that ``kind`` saved, by their names; those of one array, ``name 1`` and so on, are in order."""
+        one = {re.sub(r" \d+$", "", name) for name in kept}
+        return cls(
+            pd.DataFrame(kept), f"arrays of {kind}{more}", about={"source": kind}, ordered=len(one) == 1
+        )
 
 
 class _Plain(ElementTree.TreeBuilder):

@@ -12,6 +12,8 @@ from ..errors import InputError
 from .choice import (
     SHORTEST,
     Chosen,
+    alike_in,
+    ask_which,
     columns_of,
     guessed_in,
     input_of,
@@ -125,10 +127,10 @@ def interpret(table: Table, row: Mapping[str, Any], place: str, restoring: str) 
     if columns.found[0].kind == RATE and not row["signal_column"]:
         names = axes_beside(table.names, columns.found[0], table.units) or names
     if not row["signal_column"] and not drives and len(columns.found) == 1:
-        unsaid = unnamed(table, names)
+        unsaid = unnamed(table, names)[:1] or alike_in(table, columns)
     where = f"{row['file']}, {place_of(columns.clock.name)} ({place})"
     read = [*names, *drives]
-    times, values, told = series(table, row, columns.clock.name, read, columns.time_unit or "s", unsaid[:1])
+    times, values, told = series(table, row, columns.clock.name, read, columns.time_unit or "s", unsaid)
     piece, chosen = _part(times, row, where)
     times, values, told = times[piece], [one[piece] for one in values], told + chosen
     if len(times) < SHORTEST:
@@ -152,7 +154,9 @@ def interpret(table: Table, row: Mapping[str, Any], place: str, restoring: str) 
     if row["role"] != "static":
         factor, told = time_factor(times, values[0], bool(columns.time_unit), where)
         times, remarks = times * factor if factor != 1.0 else times, remarks + told
-    if unsaid:
+    if unsaid and not table.ordered:
+        ask_which(times, dict(zip([*names, *unsaid], values, strict=True)), f"{row['file']} ({place})")
+    elif unsaid:
         pair, both = (values[0], values[len(names)]), f"{row['file']}, {names[0]} and {unsaid[0]} ({place})"
         _check_slowest(times, *pair, both)
         if not columns.unit and np.isfinite(pair[1]).all():

@@ -5,7 +5,6 @@ from collections.abc import Iterable, Mapping
 from typing import BinaryIO
 
 import numpy as np
-import pandas as pd
 from scipy.io import loadmat
 
 from ..arrays import Floats
@@ -48,12 +47,12 @@ def arrays(source: BinaryIO, name: str) -> dict[str, Columns]:
         raise InputError(
             name, f"it holds no array of {FEWEST} numbers or more", "arrays of a time and a swing", mend
         )
-    layout = f"arrays of {PROGRAM}"
+    more = ""
     if not any(meaning(key).kind == TIME for key in kept) and (stated := _rate(saved)):
         key, rate = stated
         kept = {CLOCKED: np.arange(length) / rate, **kept}
-        layout += f", times by its `{key}`, {rate:g} Hz"
-    return {"": Columns(pd.DataFrame(kept), layout, {}, {"source": PROGRAM})}
+        more = f", times by its `{key}`, {rate:g} Hz"
+    return {"": Columns.of_arrays(kept, PROGRAM, more)}
 
 
 def _rate(saved: Mapping[str, object]) -> tuple[str, float] | None:

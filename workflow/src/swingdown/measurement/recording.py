@@ -12,7 +12,7 @@ from .. import dataset
 from ..errors import InputError, as_told
 from . import phyphox
 from .again import OPEN, may_be_read_again
-from .choice import may_be_it
+from .choice import SeveralSwings, may_be_it
 from .columns import place_of
 from .driven import UNITS, Stated, as_variables, judge_driven, stated
 from .interpret import Interpreted, interpret
@@ -84,7 +84,7 @@ def ingest(
             if others := may_be_it(table, row):
                 about["columns_alike"] = ", ".join(others)
             return _dataset(row, table, found, about, place)
-        except (SeveralRuns, SeveralReleases):
+        except (SeveralRuns, SeveralReleases, SeveralSwings):
             raise
         except InputError as problem:
             # what is taken for the swing may be another column

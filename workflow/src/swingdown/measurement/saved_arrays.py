@@ -49,7 +49,7 @@ def saved_arrays(source: BinaryIO, name: str) -> dict[str, Columns]:
             name, f"it holds no array of {FEWEST} numbers or more", "arrays of a time and a swing", _MEND
         )
     kind = "JSON" if ending == ".json" else "numpy"
-    return {"": Columns(pd.DataFrame(kept), f"arrays of {kind}", {}, {"source": kind})}
+    return {"": Columns.of_arrays(kept, kind)}
 
 
 def _of_numpy(saved: Any) -> dict[str, Floats]:

@@ -130,6 +130,7 @@ def _of_program(columns: Columns, rate: float) -> Table:
         units=columns.units,
         remarks=columns.remarks,
         usual=columns.usual,
+        ordered=columns.ordered,
     )
 
 

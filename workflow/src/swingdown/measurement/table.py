@@ -29,6 +29,7 @@ class Table(NamedTuple):
     cut: bool = False  # the last line was cut while it was written
     remarks: tuple[str, ...] = ()  # to the user: on lines that are no rows, pauses, how a film was followed
     usual: dict[str, float] = {}  # cells of the sample sheet where it says nothing
+    ordered: bool = True  # False of arrays by name: the first of them is the swing no more than another
 
 
 def apart(table: Table) -> Table:
