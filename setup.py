@@ -23,7 +23,7 @@ WORKFLOW = (
     "profiles/default/*.yaml",
     "resources/paper/*.csv",
     "workflow/profiles/*/*.yaml",
-    "workflow/report/*.rst",
+    "workflow/report/*",
     "workflow/rules/*.smk",
     "workflow/scripts/*.py",
 )

@@ -10,7 +10,16 @@ from swingdown.plots.sweep import MAPS
 
 
 @pytest.mark.parametrize(
-    "name", ["pendulums", "series", "groups", *sorted(FIGURES), *(f"sweep_{name}" for name in MAPS)]
+    "name",
+    [
+        "pendulums",
+        "series",
+        "groups",
+        "fig01",
+        "fig06",
+        *sorted(FIGURES),
+        *(f"sweep_{name}" for name in MAPS),
+    ],
 )
 def test_a_caption_is_a_few_sentences_without_results_in_numbers(root, name):
     text = (root / "workflow/report" / f"{name}.rst").read_text(encoding="utf-8")

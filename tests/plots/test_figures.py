@@ -1,6 +1,7 @@
 """Each figure shows what the paper's shows: labels with units, every model and point, and where its data come from."""
 
 import inspect
+from xml.etree import ElementTree
 
 import numpy as np
 import pytest
@@ -12,7 +13,8 @@ from swingdown.pendulum.model import PAPER_MODELS, symbol
 from swingdown.plots import FIGURES, style
 
 EMULATED = {"fig07", "fig08", "fig09", "fig10", "fig11", "fig12", "fig13", "fig14", "fig15"}
-WITH_AXES = set(FIGURES) - {"fig01", "fig06", "fig07"}
+WITH_AXES = set(FIGURES) - {"fig07"}
+DRAWINGS = ("fig01", "fig06")  # take no data
 
 
 @pytest.fixture
@@ -39,7 +41,22 @@ def said(figure):
 
 
 def test_the_fifteen_figures_of_the_paper_are_there():
-    assert sorted(FIGURES) == [f"fig{number:02d}" for number in range(1, 16)]
+    assert sorted([*FIGURES, *DRAWINGS]) == [f"fig{number:02d}" for number in range(1, 16)]
+
+
+@pytest.mark.parametrize(
+    ("name", "words"),
+    [("fig01", ("pivot", "tension", "damping")), ("fig06", ("rotary", "magnets", "not to scale"))],
+)
+def test_a_drawing_names_its_parts_and_is_one_picture_in_both_formats(root, name, words):
+    drawn = ElementTree.parse(root / f"workflow/report/{name}.svg").getroot()
+    said = " ".join("".join(text.itertext()) for text in drawn.iter("{http://www.w3.org/2000/svg}text"))
+    assert all(word in said for word in words)
+    *_, wide, high = map(float, drawn.get("viewBox").split())
+    head = (root / f"workflow/report/{name}.png").read_bytes()[16:24]
+    width, height = int.from_bytes(head[:4], "big"), int.from_bytes(head[4:], "big")
+    assert width / 200 * 2.54 == pytest.approx(style.WIDTH_CM, abs=0.02)
+    assert height / width == pytest.approx(high / wide, rel=2e-3)
 
 
 @pytest.mark.parametrize("name", sorted(WITH_AXES))

@@ -43,20 +43,23 @@ def test_what_is_emulated_says_so_once_beside_a_figures_own_remarks(tmp_path):
 
 
 def test_the_suffix_chooses_the_format(tmp_path):
-    assert [path.name for path in save(FIGURES["fig01"](), tmp_path / "fig01")] == ["fig01.svg", "fig01.png"]
-    assert save(FIGURES["fig01"](), tmp_path / "only.png") == [tmp_path / "only.png"]
+    assert [path.name for path in save(style.absent("nothing to see"), tmp_path / "fig01")] == [
+        "fig01.svg",
+        "fig01.png",
+    ]
+    assert save(style.absent("nothing to see"), tmp_path / "only.png") == [tmp_path / "only.png"]
     left = sorted(path.name for path in tmp_path.iterdir() if not path.name.startswith("."))
     assert left == ["fig01.png", "fig01.svg", "only.png"]
 
 
 def test_a_png_is_as_wide_as_the_column_at_200_dpi(tmp_path):
-    (path,) = save(FIGURES["fig01"](), tmp_path / "fig01.png")
+    (path,) = save(style.absent("nothing to see"), tmp_path / "fig01.png")
     width = int.from_bytes(path.read_bytes()[16:20], "big")
     assert width / 200 * 2.54 == pytest.approx(style.WIDTH_CM, abs=0.02)
 
 
 def test_a_failed_save_leaves_the_old_file_and_nothing_else(tmp_path, monkeypatch):
-    figure = FIGURES["fig01"]()
+    figure = style.absent("nothing to see")
     (path,) = save(figure, tmp_path / "fig01.png")
     before = path.read_bytes()
     monkeypatch.setattr("os.fsync", lambda _: (_ for _ in ()).throw(OSError("the disk is full")))

@@ -3,8 +3,9 @@
 # makes: results/figures/fig01 … fig15 (.svg and .png); results/figures/recordings/
 
 # A figure, and what its function in swingdown.plots takes, by the names of its arguments. A further figure is a line
-# here, that function, and a caption in workflow/report/.
-DRAWN = {"fig01": {}}
+# here, that function, and a caption in workflow/report/. Those that take no data lie drawn beside their captions.
+DRAWN = {}
+DRAWINGS = ["fig01"] + (["fig06"] if PLAN.in_volts else [])
 
 if config["simulation"]["simulated"]:
     norms = {"norms": "results/simulation/norms.nc", "table2": "results/tables/table2.csv"}
@@ -12,7 +13,7 @@ if config["simulation"]["simulated"]:
     DRAWN |= {"fig03": norms, "fig04": norms, "fig05": norms}
 
 if PLAN.in_volts:
-    DRAWN |= {"fig06": {}, "fig07": {"apparatus": str(find(PLAN.apparatus))}}
+    DRAWN["fig07"] = {"apparatus": str(find(PLAN.apparatus))}
     DRAWN["fig08"] = {"calibration": "results/calibration/calibration.nc"}
 
 if PLAN.campaigns:
@@ -28,8 +29,33 @@ if PLAN.campaigns:
 
 
 # In a study of one's own they are made when asked for by name; the calibration line is its own, too.
-SHOWN = [name for name in DRAWN if not OWN or name == "fig08"]
+SHOWN = [name for name in (*DRAWINGS, *DRAWN) if not OWN or name == "fig08"]
 FIGURES = MADE.figures + expand("results/figures/{name}.{ending}", name=SHOWN, ending=["svg", "png"])
+
+
+for name in DRAWINGS:
+
+    rule:
+        name:
+            name
+        input:
+            here([f"{workflow.basedir}/workflow/report/{name}.{ending}" for ending in ("svg", "png")]),
+        output:
+            svg=report(
+                f"results/figures/{name}.svg",
+                caption=f"../report/{name}.rst",
+                category="Figures",
+                labels={"figure": str(int(name.removeprefix("fig")))},
+            ),
+            png=f"results/figures/{name}.png",
+        log:
+            f"results/logs/figures/{name}.log",
+        params:
+            code=code("drawing"),
+        message:
+            f"Copying Figure {int(name.removeprefix('fig'))}"
+        script:
+            "../scripts/drawing.py"
 
 
 for name, needed in DRAWN.items():
