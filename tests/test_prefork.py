@@ -20,7 +20,7 @@ STARTER = "from swingdown import prefork\nprefork.start()\nimport os\nprint(os.e
 def environment(tmp_path):
     """Linear algebra in one thread, as Snakemake has it, and a module whose imports are counted in a file."""
     (tmp_path / "slow.py").write_text("open('imported', 'a').write('once ')\n")
-    return os.environ | prefork._THREADS | {"PYTHONPATH": str(tmp_path)}
+    return os.environ | prefork.THREADS | {"PYTHONPATH": str(tmp_path)}
 
 
 @pytest.fixture

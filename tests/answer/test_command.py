@@ -340,3 +340,14 @@ def test_several_releases_in_a_series_are_swings_of_one_pendulum():
     assert len(found.swings) == 3
     value = found.row["natural_frequency_rad_per_s"]
     assert abs(value - 7.25) < 4 * found.row["natural_frequency_rad_per_s_u"]
+
+
+def test_linear_algebra_takes_one_thread_as_its_last_bits_go_by_their_number(here):
+    export(here / "anna.csv")
+    program = (
+        "import threadpoolctl; from swingdown.__main__ import main; main(['anna.csv', '--quick']); "
+        "print('threads', {one['num_threads'] for one in threadpoolctl.threadpool_info()})"
+    )
+    bare = {name: value for name, value in os.environ.items() if not name.endswith("_NUM_THREADS")}
+    done = subprocess.run([sys.executable, "-c", program], env=bare, text=True, capture_output=True)
+    assert "threads {1}" in done.stdout, done.stdout + done.stderr

@@ -15,6 +15,7 @@ from .errors import InputError
 from .language import ENGLISH, languages
 from .manifest import verify
 from .paths import printable
+from .prefork import THREADS
 
 COMMANDS = ("verify",)
 
@@ -261,6 +262,7 @@ def _main(given: Sequence[str]) -> int:
 
         with console.job():
             return study(options.given[0], options.given[1:], options.directory, options.cores, handed_in)
+    os.environ |= THREADS | os.environ  # before linear algebra is imported
     from .answer.command import Wishes, answer  # some seconds of imports, which `verify` need not wait for
     from .answer.lengths import PIVOTS
     from .answer.options import CELLS

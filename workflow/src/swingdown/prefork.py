@@ -16,8 +16,9 @@ from typing import Any, NoReturn
 _EARLY = os.path.join(os.path.dirname(__file__), "early")
 ADDRESS = "SWINGDOWN_PREFORK"  # the environment variable with the path of the process's socket
 _PATH = "PYTHONPATH"
-# Linear algebra decides when it is imported how many threads it takes; jobs that ask for more do their own imports.
-_THREADS = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
+# Linear algebra decides when it is imported how many threads it takes, and several gain nothing on matrices as small as these; jobs that
+# ask for more do their own imports.
+THREADS = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
 
 
 def start() -> None:
@@ -38,7 +39,7 @@ def start() -> None:
         command = [sys.executable, "-P", "-m", "swingdown.prefork", str(listening.fileno())]
         # it ends when its standard input does, however this process comes to end
         process = subprocess.Popen(
-            command, stdin=subprocess.PIPE, pass_fds=[listening.fileno()], env=os.environ | _THREADS
+            command, stdin=subprocess.PIPE, pass_fds=[listening.fileno()], env=os.environ | THREADS
         )
     os.environ[ADDRESS] = path
     os.environ[_PATH] = os.pathsep.join([_EARLY, *filter(None, [os.environ.get(_PATH)])])
@@ -63,7 +64,7 @@ def _forget_early() -> None:
 
 def hand_over() -> None:
     """Does not return if the job of this process, which is a script of the workflow, has been done elsewhere."""
-    if ADDRESS not in os.environ or any(os.environ.get(k) != v for k, v in _THREADS.items()):
+    if ADDRESS not in os.environ or any(os.environ.get(k) != v for k, v in THREADS.items()):
         return
     import json
     import signal

@@ -12,10 +12,11 @@ from ..arrays import Floats
 from ..fitting.nested import contains
 from ..pendulum.model import symbol
 from ..rounding import plus_minus
-from .norms import as_text
+from .norms import as_text, over
 
 _FEW = 5  # swings below which a scatter is hardly known
 LEVEL = 0.05  # of the p-values after Holm's correction
+_EACH = ("fitted", "recording")
 _BY_MODEL = ("norm", "bic", "variance_inflation")
 WORTH = 6.0  # "strong" evidence on the scale of Kass and Raftery, J. Am. Stat. Assoc. 90, 773 (1995)
 
@@ -41,7 +42,7 @@ def comparison(norms: xr.Dataset) -> pd.DataFrame:
 
 def _campaign(campaign: str, norms: xr.Dataset) -> pd.DataFrame:
     # arrays once, and not a selection by name for each pair, which of many pendulums takes most of a minute
-    by_model = {key: norms[key].transpose("fitted", "recording").values for key in _BY_MODEL}
+    by_model = {key: over(norms, key, *_EACH) for key in _BY_MODEL}
     by_model["terms"] = terms_of(norms)
     samples = norms["samples"].values
     models = [
@@ -95,33 +96,32 @@ def bic_effective(norms: xr.Dataset) -> Floats:
     array
         Of shape (fitted,).
     """
-    misfit, independent = _misfit(norms)
+    norm, inflation = (over(norms, name, *_EACH) for name in ("norm", "variance_inflation"))
+    misfit, independent = _misfit(norm, inflation, norms["samples"].values)
     return np.sum(misfit + terms_of(norms) * np.log(independent), axis=1)
 
 
 def aic_effective(norms: xr.Dataset) -> Floats:
     """AIC by model as ``bic_effective`` has BIC, with free courses beside each law where there are some (``fitting.course``); the weights of
     models follow from it."""
-    norm, inflation = norms["norm"], norms["variance_inflation"]
+    norm, inflation = (over(norms, name, *_EACH) for name in ("norm", "variance_inflation"))
     if "evidence_norm" in norms:
-        norm, inflation = norms["evidence_norm"].fillna(norm), norms["evidence_inflation"].fillna(inflation)
-    misfit, _ = _misfit(norms.assign(norm=norm, variance_inflation=inflation))
+        own, its = (over(norms, name, *_EACH) for name in ("evidence_norm", "evidence_inflation"))
+        norm, inflation = np.where(np.isnan(own), norm, own), np.where(np.isnan(its), inflation, its)
+    misfit, _ = _misfit(norm, inflation, norms["samples"].values)
     return np.sum(misfit + 2 * terms_of(norms), axis=1)
 
 
-def _misfit(norms: xr.Dataset) -> tuple[Floats, Floats]:
+def _misfit(norm: Floats, inflation: Floats, samples: Floats) -> tuple[Floats, Floats]:
     """-2 ln of the likelihood by model and recording but for a constant, and how many samples of each recording count as independent."""
-    norm = norms["norm"].transpose("fitted", "recording")
-    inflations = norms["variance_inflation"].transpose(*norm.dims).values
-    least = np.where(np.isfinite(norm.values), norm.values, np.inf).argmin(axis=0)
-    inflation = np.take_along_axis(inflations, least[np.newaxis], axis=0)
-    independent = np.maximum(norms["samples"].values / inflation, 2.0)
-    return 2 * independent * np.log(np.radians(norm.values)), independent
+    least = np.where(np.isfinite(norm), norm, np.inf).argmin(axis=0)
+    independent = np.maximum(samples / np.take_along_axis(inflation, least[np.newaxis], axis=0), 2.0)
+    return 2 * independent * np.log(np.radians(norm)), independent
 
 
 def terms_of(norms: xr.Dataset) -> Floats:
     """How many values each model was fitted with, by model and recording."""
-    return np.isfinite(norms["value"].transpose("fitted", "recording", "parameter").values).sum(axis=-1)
+    return np.isfinite(over(norms, "value", *_EACH, "parameter")).sum(axis=-1)
 
 
 def _effective(first: Mapping[str, Floats], second: Mapping[str, Floats], samples: Floats) -> Floats:

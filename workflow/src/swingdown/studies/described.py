@@ -9,7 +9,7 @@ from ..arrays import Floats
 from ..pendulum.catalogue import ANGLE, SHIPPED, Catalogue
 from ..pendulum.model import Model
 from .comparison import WORTH, aic_effective, bic_effective, terms_of
-from .norms import as_text
+from .norms import as_text, over
 from .quantities import UNITS, Beside, Quantity, over_models, quantities
 
 _COUNTS = 0.01  # share of a model in a value, below which it is left out
@@ -54,11 +54,11 @@ def _evidence(norms: xr.Dataset, catalogue: Catalogue) -> tuple[list[str], Float
     """The models' labels, their evidence, and which of them can be a pendulum's."""
     labels, evidence = as_text(norms["fitted"]), bic_effective(norms)
     effects = [catalogue[name] for name in dict.fromkeys("+".join(labels).split("+"))]
-    sizes = norms["value"].sel(parameter=[one.size.name for one in effects if one.size and one.one_sided])
-    sound = ~(sizes < 0).any([dim for dim in sizes.dims if dim != "fitted"]).values
-    usable = [k for k in range(len(labels)) if sound[k] and np.isfinite(evidence[k])] or list(
-        range(len(labels))
-    )
+    known = as_text(norms["parameter"])
+    at = [known.index(one.size.name) for one in effects if one.size and one.one_sided]
+    sizes = over(norms, "value", "fitted", "parameter")[:, at].reshape(len(labels), -1)
+    sound = ~(sizes < 0).any(axis=1) & np.isfinite(evidence)
+    usable = np.flatnonzero(sound).tolist() or list(range(len(labels)))
     return labels, evidence, usable
 
 
@@ -162,7 +162,7 @@ def _beside(norms: xr.Dataset, label: str, model: Model) -> Beside | None:
     known, own = as_text(norms["parameter"]), as_text(norms["fitted"]).index(label)
     at = [known.index(name) for name in model.parameters]
     shift, covariance = (
-        norms[key].isel(fitted=own).transpose(*dims, ...).values
+        over(norms, key, "fitted", *dims)[own]
         for key, dims in (("course_shift", ("course",)), ("course_covariance", ("course", "course_2")))
     )
     at += range(len(known), shift.size)
@@ -183,7 +183,7 @@ def values_of(norms: xr.Dataset, label: str, catalogue: Catalogue = SHIPPED) -> 
     known, own = as_text(norms["parameter"]), as_text(norms["fitted"]).index(label)
     at = [known.index(name) for name in model.parameters]
     values, covariance = (
-        norms[key].isel(fitted=own).transpose(*dims, ...).values
+        over(norms, key, "fitted", *dims)[own]
         for key, dims in (("value", ("parameter",)), ("covariance", ("parameter", "parameter_2")))
     )
     model = model.with_values(dict(zip(model.parameters, map(float, values[at]), strict=True)))
