@@ -5,7 +5,7 @@ import pytest
 
 from swingdown.engine.trajectory import simulate
 from swingdown.errors import InputError
-from swingdown.fitting.guess import amplitude_factor, first_guess
+from swingdown.fitting.guess import first_guess
 from swingdown.pendulum.model import Model
 
 TIMES = np.arange(1001) / 100
@@ -41,17 +41,6 @@ def test_the_loss_tells_each_damping_alone(name):
     seen = first_guess(TIMES[:400], angle).damping(model)
     assert list(seen) == [parameter]
     assert seen[parameter] == pytest.approx(float(size), rel=0.5)
-
-
-def test_amplitude_factor():
-    """Against the period by the complete elliptic integral; at 90 degrees a swing takes 18 % longer."""
-    from scipy.special import ellipk
-
-    for amplitude in (0.0, 0.1, 1.0, np.pi / 2, 3.0):
-        assert amplitude_factor(amplitude) == pytest.approx(
-            np.pi / 2 / ellipk(np.sin(amplitude / 2) ** 2), rel=1e-12
-        )
-    assert amplitude_factor(np.pi / 2) == pytest.approx(1 / 1.18034, rel=1e-5)
 
 
 @pytest.mark.parametrize(

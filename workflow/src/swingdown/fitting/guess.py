@@ -37,8 +37,8 @@ class Guess:
         }
 
 
-def amplitude_factor(amplitude: float) -> float:
-    """Frequency of undamped swings of that amplitude (rad) over that of small ones: agm(1, cos(amplitude / 2))."""
+def _amplitude_factor(amplitude: float) -> float:
+    """One over ``pendulum.ideal.lengthening``, to the same digits in a part of the time: agm(1, cos(amplitude / 2))."""
     mean, root = 1.0, max(cos(min(abs(amplitude), 3.1) / 2), 1e-3)
     for _ in range(6):
         mean, root = (mean + root) / 2, sqrt(mean * root)
@@ -120,7 +120,7 @@ def first_guess(times: Any, angle: Any, restoring: str = "sine", reading: str = 
     used = [k for k, one in enumerate(reached) if one >= 0.5 * reached[0]]
     half = _median([seen[k + 1] - seen[k] for k in used])
     amplitude = _median([reached[k] for k in used])
-    frequency = pi / half / (amplitude_factor(amplitude) if restoring == "sine" else 1.0)
+    frequency = pi / half / (_amplitude_factor(amplitude) if restoring == "sine" else 1.0)
     loss = (reached[0] - reached[-1]) / (len(reached) - 1) if len(reached) > 1 else 0.01 * amplitude
     release, velocity = at_first(times, angle, half)
     return Guess(frequency, release, velocity, amplitude, loss)
@@ -163,7 +163,7 @@ def _guess_from_rate(times: Floats, rate: Floats, restoring: str) -> Guess:
     half, fastest = float(np.median(np.diff(crossings)[used])), float(np.median(speeds[used]))
     frequency = observed = np.pi / half
     for _ in range(30 if restoring == "sine" else 0):  # the faster of two that depend on each other
-        frequency = observed / amplitude_factor(_amplitude(fastest, frequency, restoring))
+        frequency = observed / _amplitude_factor(_amplitude(fastest, frequency, restoring))
     reached = np.array([_amplitude(one, frequency, restoring) for one in speeds])
     amplitude = float(np.median(reached[used]))
     loss = (reached[0] - reached[-1]) / max(1, reached.size - 1) if reached.size > 1 else 0.01 * amplitude

@@ -17,11 +17,12 @@ from ..engine.trajectory import TrajectoryError, sensitivities, simulate
 from ..errors import InputError
 from ..pendulum.catalogue import RATE
 from ..pendulum.effect import NATURAL_FREQUENCY
+from ..pendulum.ideal import lengthening
 from ..pendulum.model import Model
 from ..pendulum.slack import time_power
 from ..quantisation import rounding
 from .colour import autoregression, weighted
-from .guess import Guess, amplitude_factor
+from .guess import Guess
 from .nested import unseen
 
 _SAMPLES = 24  # a period, between which turning points are looked for
@@ -181,7 +182,7 @@ def frequency_of(turns: Turns, restoring: str) -> float:
         ``sine`` or ``linear``.
     """
     size = np.abs(turns.angles)
-    longer = [1 / amplitude_factor(one) if restoring == "sine" else 1.0 for one in (size[1:] + size[:-1]) / 2]
+    longer = lengthening((size[1:] + size[:-1]) / 2) if restoring == "sine" else 1.0
     passed = np.concatenate([[0.0], np.cumsum(np.diff(turns.halves) * longer)])
     return float(np.pi / np.polyfit(passed, turns.times, 1)[0])
 
@@ -295,9 +296,8 @@ def _about(turning: Model, release: float, count: int) -> Floats | None:
     frequency = turning.values[NATURAL_FREQUENCY.name]
     if not (frequency > 0 and 0 < abs(release) < 3.1):
         return None
-    longest = (
-        (count + 2) * np.pi / frequency / (amplitude_factor(release) if turning.restoring == "sine" else 1.0)
-    )
+    longer = float(lengthening(release)) if turning.restoring == "sine" else 1.0
+    longest = (count + 2) * np.pi / frequency * longer
     times = np.arange(0.0, longest, 2 * np.pi / frequency / _SAMPLES)
     speed = simulate(turning, times, release)
     before = np.flatnonzero(speed[1:-1] * speed[2:] < 0)[:count] + 1

@@ -9,8 +9,8 @@ import pandas as pd
 
 from ..arrays import Floats
 from ..errors import InputError
-from ..fitting.guess import amplitude_factor
 from ..measurement.stated import UNITS, Stated, read
+from ..pendulum.ideal import lengthening
 from ..studies.gravity import ON_EARTH
 from .hand_table import COUNTED, HandTable, Head, hand_table
 from .values import GROUP, KNOWN, Values, cell
@@ -122,7 +122,7 @@ def _longer(cells: pd.Series, unit: str, where: str) -> Floats:
         factor = UNITS["deg"][1]
     if not np.all(known * factor < np.pi):
         raise InputError(where, "it is no angle of release in each line", "angles below 180°", "correct it")
-    return np.array([1 / amplitude_factor(float(one)) for one in known * factor])
+    return lengthening(known * factor)
 
 
 def _of_trials(times: pd.DataFrame, alike: pd.DataFrame, digit: float) -> tuple[pd.DataFrame, list[Any]]:

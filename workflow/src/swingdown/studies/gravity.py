@@ -8,8 +8,8 @@ import numpy as np
 import pandas as pd
 
 from ..errors import InputError
-from ..fitting.guess import amplitude_factor
 from ..measurement.stated import Stated, quantity
+from ..pendulum.ideal import lengthening
 from ..rounding import plus_minus, value_with_uncertainty
 from .pendulums import TOGETHER, cells_of, in_order
 from .quantities import Quantity
@@ -205,7 +205,7 @@ def _corrections(frequency: float, amplitude: float, period: float) -> list[dict
     """Rows of the budget for what the fit has taken off: their errors are in that of the natural frequency."""
     if not (np.isfinite(amplitude) and np.isfinite(period)):
         return []
-    longer = amplitude_factor(amplitude) ** -2
+    longer = float(lengthening(amplitude)) ** 2
     whole = (frequency * period / (2 * np.pi)) ** 2
     note = "made by the fit; its uncertainty is in that of the natural frequency"
     return [

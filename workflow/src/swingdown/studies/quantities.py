@@ -11,9 +11,9 @@ import numpy as np
 
 from ..arrays import Floats, standard_errors
 from ..engine.trajectory import TrajectoryError, simulate
-from ..fitting.guess import amplitude_factor
 from ..pendulum.effect import NATURAL_FREQUENCY, Effect
 from ..pendulum.formula import names_in
+from ..pendulum.ideal import lengthening
 from ..pendulum.model import Model
 from ..rounding import value_with_uncertainty
 
@@ -132,7 +132,7 @@ def _cycle(model: Model, amplitude: float, later: int = 0) -> Cycle:
     nothing = Cycle(np.nan, np.nan, amplitude)
     if not frequency > 0:
         return nothing
-    ideal = 2 * np.pi / (frequency * amplitude_factor(amplitude))
+    ideal = 2 * np.pi / frequency * float(lengthening(amplitude))
     span = 1.5 + later / 2
     times = span * ideal * np.arange(int(span * _SAMPLES)) / (span * _SAMPLES)
     try:

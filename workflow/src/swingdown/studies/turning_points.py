@@ -7,13 +7,13 @@ import numpy as np
 import xarray as xr
 
 from ..errors import InputError
-from ..fitting.guess import amplitude_factor
 from ..fitting.nested import fit_nested, stand_ins
 from ..fitting.passages import Pace, both_ways, pace
 from ..fitting.turning_points import Turns, TurnsFit, fit_turns
 from ..measurement.points_recording import COUNTED, NOT_IN_IT, PASSED, READ
 from ..measurement.slack import of_angles
 from ..measurement.turning_points import BOTH_SIDES, PASSAGES, PERIODS
+from ..pendulum.ideal import lengthening
 from ..pendulum.model import Model, model_words
 from ..rounding import value_with_uncertainty
 from .norms import spread
@@ -186,7 +186,7 @@ def amplitude_share(fit: TurnsFit) -> tuple[float, float]:
     if not turns.timed:
         return float("nan"), float("nan")
     size = np.abs(fit.angles)
-    longer = [1 / amplitude_factor(one) - 1 for one in (size[1:] + size[:-1]) / 2]
+    longer = lengthening((size[1:] + size[:-1]) / 2) - 1
     half = np.pi / fit.model.values["natural_frequency"]
     more = half * np.concatenate([[0.0], np.cumsum(np.diff(turns.halves) * longer)])
     # what a line in the count, as of time and frequency, takes away is not seen
