@@ -178,3 +178,14 @@ def test_an_empty_dimension_is_no_reason_to_warn_when_the_rest_is_written_again(
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         dataset.write(read[["values"]], tmp_path / "two.nc")
+
+
+@pytest.mark.parametrize("name", ["angle", "rate"])
+def test_a_series_and_its_parts_are_those_of_the_sensor(name):
+    data = xr.Dataset({name: ("time", [1.0, 2.0]), f"{name}_bound": ("time", [0.1, 0.2])})
+    assert list(dataset.series_of(data)) == [1.0, 2.0] and list(dataset.series_of(data, "bound")) == [
+        0.1,
+        0.2,
+    ]
+    with pytest.raises(KeyError):
+        dataset.series_of(data, "random_uncertainty")

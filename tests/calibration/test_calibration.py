@@ -260,3 +260,13 @@ def test_deviation_lines_lie_on_either_side_of_the_line():
     assert lines[1, 1] == pytest.approx([line.intercept - u_intercept, line.slope + u_slope])
     far = 1000.0  # far out the band of the covariance is as wide as its asymptotes
     assert lines[2, 1] @ [1, far] - line.predict(far)[0] == pytest.approx(line.predict(far)[1], rel=0.01)
+
+
+def test_the_lines_of_the_covariance_cross_where_the_line_is_known_best():
+    x, y = np.array([1.0, 2.0, 3.0, 6.0]), np.array([0.52, 0.98, 1.53, 2.99])
+    line = fit_line(x, y, 0.05, 0.03)
+    ((low, high),) = deviation_lines(line, x, y, np.full(4, 0.05), np.full(4, 0.03))[0][2:]
+    crossing = (low[0] - high[0]) / (high[1] - low[1])
+    at = np.linspace(0, 6, 6001)
+    assert crossing == pytest.approx(at[np.argmin(line.predict(at)[1])], abs=2e-3)
+    assert low[0] + low[1] * crossing == pytest.approx(line.predict(crossing)[0])

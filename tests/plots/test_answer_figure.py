@@ -3,6 +3,7 @@
 import numpy as np
 import pandas as pd
 import pytest
+from written import in_the_way
 
 from swingdown.arrays import Shown
 from swingdown.plots import discovery
@@ -64,6 +65,28 @@ def test_a_class_is_drawn_with_its_verdicts_and_what_is_not_in_it():
     assert [label.get_text() for label in figure.axes[0].get_yticklabels()] == ["a", "b"]
     assert [text.get_text() for text in figure.legends[0].get_texts()] == ["nothing missing", "unknown"]
     assert "could not be used: broken" in figure.get_supxlabel()
+    bars = figure.axes[0].collections
+    reach = [float(np.ptp(bar.get_segments()[0][:, 0])) for bar in bars]
+    assert reach == pytest.approx(
+        [0.4, 0.0]
+    )  # of two standard uncertainties to either side; none where it is not known
+
+
+@pytest.mark.parametrize("count", [2, 12])
+def test_each_pendulum_of_a_class_has_a_line_of_its_own(count):
+    names = [f"pendulum {k}" for k in range(count)]
+    rows = {
+        "campaign": names,
+        "recording": names,
+        "model": "viscous",
+        "verdict": "consistent",
+        "emulated": "no",
+    }
+    for column in ("period_s", "quality", "decay_time_s"):
+        rows |= {column: np.linspace(1.0, 2.0, count), f"{column}_u": 0.1}
+    assert not in_the_way(side_by_side(pd.DataFrame(rows)))
+    never = side_by_side(pd.DataFrame(rows | {"verdict": np.nan}))  # as a table of such is read from its file
+    assert [text.get_text() for text in never.legends[0].get_texts()] == ["not searched"]
 
 
 def test_the_larger_gap_is_told_above():

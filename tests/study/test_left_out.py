@@ -7,12 +7,12 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from swingdown import dataset
+from swingdown import dataset, sealed
 from swingdown.__main__ import main
 from swingdown.engine.trajectory import simulate
 from swingdown.errors import InputError
 from swingdown.pendulum.model import Model, everyday
-from swingdown.studies.left_out import left_out
+from swingdown.studies.left_out import OF_ALL, OF_SEARCH, last_words, left_out
 
 TIMES = np.arange(1001) / 100
 TRUTH = Model("viscous", {"natural_frequency": 7.25, "viscous_ratio": 0.008})
@@ -225,3 +225,22 @@ def test_what_the_command_left_out_before_is_told_beside(tmp_path):
     table = left_out([], before=pd.DataFrame(columns), members={"7", "good"}).set_index("recording")
     assert table["left_out_of"].to_dict() == {"bad": "everything", 7: "the search"}
     assert table.loc["bad", "problem"] == "no numbers"
+
+
+def test_a_run_ends_with_what_it_left_out_also_where_no_mend_is_known(tmp_path):
+    path = tmp_path / "left_out.csv"
+    rows = {
+        "recording": ["a", "b"],
+        "left_out_of": [OF_ALL, OF_SEARCH],
+        "problem": "it is too short",
+        "mend": "",
+    }
+    sealed.write_csv(pd.DataFrame(rows), path)
+    said = last_words(path)
+    assert (
+        "a: it is too short\n" in said and "b: not searched: it is too short\n" in said and "Mend" not in said
+    )
+    sealed.write_csv(pd.DataFrame(rows | {"mend": "record longer"}), path)
+    assert "a: it is too short. Mend: record longer" in last_words(path)
+    sealed.write_csv(pd.DataFrame(rows).head(0), path)
+    assert last_words(path) == last_words(tmp_path / "none.csv") == ""

@@ -197,7 +197,7 @@ def _of_swings(
     label = described_by(norms, entries)
     table = pendulums(norms, [] if len(given) == 1 else [together], catalogue=entries)
     if courses := ask_counted(table, given) if checked else {}:
-        own = table.get("note", pd.Series("", index=table.index)).fillna("")
+        own = table.get("note", pd.Series("", index=table.index)).astype(object).fillna("")
         table["note"] = [
             joined(note, courses.get(name, "")) for name, note in zip(table["recording"], own, strict=True)
         ]

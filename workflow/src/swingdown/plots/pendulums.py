@@ -27,9 +27,9 @@ def side_by_side(table: pd.DataFrame) -> Figure:
     table = table if "label" in table else table.assign(label=table["recording"])
     shown = table[table["model"].notna()].reset_index(drop=True)
     left = table.loc[table["model"].isna(), "label"].astype(str)
-    figure = style.new_figure(2.6 + 0.42 * len(shown))
+    figure = style.new_figure(3.4 + 0.42 * len(shown))
     grid = figure.subplots(1, len(_COLUMNS), sharey=True)
-    status = shown["verdict"].fillna("").astype(str)
+    status = shown["verdict"].astype(object).fillna("").astype(str)
     for axes, (column, label) in zip(grid, _COLUMNS, strict=True):
         for place, value, error, kind in zip(
             shown.index, shown[column], shown[f"{column}_u"], status, strict=True

@@ -67,6 +67,6 @@ def last_words(path: str | Path) -> str:
     lines = [
         f"{row['recording']}: {'not searched: ' if row['left_out_of'] == OF_SEARCH else ''}{row['problem']}"
         + (f". Mend: {row['mend']}" if row["mend"] else "")
-        for row in table.fillna("").to_dict("records")
+        for row in table.astype(object).fillna("").to_dict("records")
     ]
     return framed("Left out of these results; the report lists them:", *lines)

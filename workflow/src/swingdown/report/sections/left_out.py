@@ -12,7 +12,7 @@ def left_out(material: Material) -> Section | None:
         return None
     rows = [
         [row["recording"], row["campaign"], row["file"], row["left_out_of"], row["problem"], row["mend"]]
-        for row in table.fillna("").astype(str).to_dict("records")
+        for row in table.astype(object).fillna("").astype(str).to_dict("records")
     ]
     columns = [Column(name) for name in ("recording", "campaign", "file", "left out of", "why", "mend")]
     caption = (

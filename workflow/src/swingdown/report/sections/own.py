@@ -196,6 +196,7 @@ def _side_by_side(table: pd.DataFrame, material: Material) -> Iterator[Item]:
     campaigns = tuple(dict.fromkeys(used["campaign"].astype(str)))
     counts = (
         used.drop_duplicates("campaign")["verdict"]
+        .astype(object)
         .fillna("")
         .map(lambda kind: STATUS.get(kind, kind))
         .value_counts()
