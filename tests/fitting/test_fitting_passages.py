@@ -1,0 +1,71 @@
+"""Times of passages alone: the period, the first one, and how it changes."""
+
+import numpy as np
+import pytest
+
+from swingdown.errors import InputError
+from swingdown.fitting.passages import both_ways, pace
+
+HALVES = np.arange(81)
+
+
+def passed(change, noise=0.0, seed=1):
+    """Passages of a pendulum whose period falls evenly from 2 s by ``change`` over 40 periods."""
+    swings = HALVES / 2
+    times = 2.0 * swings + change * swings**2 / 80
+    return times + noise * np.random.default_rng(seed).standard_normal(HALVES.size)
+
+
+def test_a_steady_pendulum_has_one_period():
+    found = pace(passed(0.0, 1e-3), HALVES)
+    assert found.period == pytest.approx(2.0, abs=4 * found.u_period) and 0 < found.u_period < 1e-3
+    assert found.change == pytest.approx(0.0, abs=4 * found.u_change)
+    assert found.scatter == pytest.approx(1e-3, rel=0.25) and found.residuals.std() == pytest.approx(
+        1e-3, rel=0.25
+    )
+
+
+def test_a_period_that_falls_has_its_first_its_middle_and_its_change():
+    """Of 40 periods the first is half a swing from the start, the last as much from the end."""
+    found = pace(passed(-0.04), HALVES)
+    assert found.first == pytest.approx(2.0 - 0.04 * 0.5 / 40, abs=1e-9)
+    assert found.period == pytest.approx(1.98, abs=1e-9)
+    assert found.change == pytest.approx(-0.04 * 39 / 40, abs=1e-9)
+
+
+def test_the_truth_lies_within_two_uncertainties_as_often_as_it_should():
+    truth = {"first": 2.0 - 0.04 * 0.5 / 40, "period": 1.98, "change": -0.04 * 39 / 40}
+    many = [pace(passed(-0.04, 1e-3, seed), HALVES) for seed in range(300)]
+    for name, value in truth.items():
+        away = [(getattr(one, name) - value) / getattr(one, f"u_{name}") for one in many]
+        assert 0.9 < np.mean(np.abs(away) < 1.96) < 0.99, name
+
+
+def test_a_clock_and_its_steps_make_it_less_sure():
+    exact = pace(passed(-0.04), HALVES)
+    assert exact.u_period < 1e-6
+    clocked = pace(passed(-0.04), HALVES, clock=1e-3)
+    assert clocked.u_period == pytest.approx(1e-3 * clocked.period, rel=1e-3)
+    assert clocked.u_change == pytest.approx(1e-3 * abs(clocked.change), rel=1e-3)
+    stepped = pace(np.round(passed(-0.04), 2), HALVES, step=0.01)
+    assert stepped.scatter >= 0.01 / np.sqrt(12)
+
+
+def test_passages_that_are_missing_are_counted_over():
+    there = np.delete(np.arange(81), [7, 30, 31, 32])
+    assert pace(passed(-0.04)[there], HALVES[there]).first == pytest.approx(1.9995, abs=1e-9)
+
+
+def test_too_few_passages_are_refused_and_five_are_enough():
+    with pytest.raises(InputError, match="there are 4 of them"):
+        pace(passed(0.0)[:4], HALVES[:4])
+    assert pace(passed(0.0)[:5], HALVES[:5]).period == pytest.approx(2.0)
+
+
+def test_a_gate_beside_the_middle_is_taken_off():
+    """Passed one way the pendulum is late and the other way early, the more the smaller it swings."""
+    late = 0.01 * np.exp(HALVES / 80) * (-1.0) ** HALVES
+    assert both_ways(passed(0.0) + late, HALVES) == pytest.approx(passed(0.0), abs=2e-5)
+    assert both_ways(passed(-0.04), HALVES) == pytest.approx(passed(-0.04), abs=1e-9)
+    one_way = HALVES[::2]
+    assert both_ways(passed(0.0)[::2] + 0.01, one_way) == pytest.approx(passed(0.0)[::2] + 0.01)
