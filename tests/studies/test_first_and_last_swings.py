@@ -54,3 +54,12 @@ def test_an_answer_tells_them():
         5.25 * told["first"]["period_s"]
     )  # the first passage comes a quarter of a swing after the release
     assert told["first"]["amplitude_rad"] == pytest.approx(1.2 * np.exp(-0.02 * 3.0 * middle), rel=0.06)
+
+
+def test_two_whole_swings_are_the_fewest():
+    """They take five passages of the middle; the period is that of both together."""
+    times = TIMES[TIMES < 4.6]
+    first, last = timed(times, np.cos(np.pi * times), 2.0)
+    assert first == last and first.swings == 2 and first.period == pytest.approx(2.0, abs=1e-3)
+    times = TIMES[TIMES < 4.4]
+    assert timed(times, np.cos(np.pi * times), 2.0) is None

@@ -5,7 +5,6 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-import xarray as xr
 
 from ..arrays import Floats
 from ..errors import InputError
@@ -55,12 +54,11 @@ def numbers(given: Any, what: str) -> Floats:
     try:
         if isinstance(given, pd.Series | pd.Index | pd.api.extensions.ExtensionArray):
             return np.array(pd.Series(given).to_numpy(dtype=float, na_value=np.nan))
-        values = getattr(given, "values", given) if isinstance(given, xr.DataArray) else given
-        if np.iscomplexobj(values):
+        if np.iscomplexobj(given):
             raise TypeError("complex numbers")
-        if np.ma.isMaskedArray(values):
-            return np.ma.filled(values.astype(float), np.nan)
-        return np.array(values, dtype=float)
+        if np.ma.isMaskedArray(given):
+            return np.ma.filled(given.astype(float), np.nan)
+        return np.array(given, dtype=float)
     except (TypeError, ValueError) as problem:
         raise InputError(what, f"they are no numbers ({problem})", "numbers, all in one row") from problem
 
