@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import swingdown
+from swingdown.studies.quantities import cycle
 from swingdown.studies.timed import timed
 
 TIMES = np.arange(0.0, 40.0, 0.02)
@@ -18,27 +19,43 @@ def chirp(times, first=2.0, last=1.6, swings=22):
 def test_ten_swings_take_as_long_as_a_stop_watch_shows():
     times = TIMES[TIMES < 39.0]
     swing, ends = chirp(times)
-    first, last = timed(times, swing, 2.0)
+    first, last = timed(times, swing, swing)
     assert first.swings == last.swings == 10
     assert first.period == pytest.approx((ends[10] - ends[0]) / 10, abs=0.012)
     assert last.period == pytest.approx((ends[-1] - ends[-11]) / 10, abs=0.025)
     assert 0.8 < first.amplitude < 0.98 and last.amplitude < first.amplitude
 
 
-def test_they_follow_the_period_that_is_reported():
-    swing, _ = chirp(TIMES)
-    right, wrong = timed(TIMES, swing, 2.0), timed(TIMES, swing, 2.2)
-    assert wrong[0].period == pytest.approx(1.1 * right[0].period)
+def test_passages_that_run_away_from_the_curve_tell_the_mean():
+    noise = 0.02 * np.random.default_rng(5).standard_normal(TIMES.size)
+    swing, curve = np.cos(np.pi * TIMES) + noise, np.cos(np.pi * TIMES / 1.01)
+    first, last = timed(TIMES, swing, curve)
+    assert first.period == pytest.approx(2.0, abs=0.002) and last.period == pytest.approx(2.0, abs=0.002)
+    lost = np.where(
+        np.abs(TIMES - 2.5) < 0.2, 0.9, swing
+    )  # a tracker that follows something else at a passage
+    assert timed(TIMES, lost, curve)[0].period == pytest.approx(2.0, abs=0.002)
+
+
+def test_noise_does_not_move_what_a_curve_tells_that_it_follows():
+    off = []
+    for seed in range(20):
+        noise = 0.3 * np.random.default_rng(seed).standard_normal(TIMES.size)
+        first, _ = timed(TIMES, np.cos(np.pi * TIMES) + noise, np.cos(np.pi * TIMES))
+        off.append(first.period - 2.0)
+    assert np.std(off) < 0.004  # a passage is known to 0.02 s
 
 
 def test_swings_in_a_hole_are_counted():
     there = (TIMES < 8.1) | (TIMES > 14.3)
-    first, _ = timed(TIMES[there], np.cos(np.pi * TIMES[there]), 2.0)
+    swing = np.cos(np.pi * TIMES[there])
+    first, _ = timed(TIMES[there], swing, swing)
     assert first.period == pytest.approx(2.0, abs=0.01)
 
 
 def test_of_one_swing_nothing_is_timed():
-    assert timed(TIMES[:140], np.cos(np.pi * TIMES[:140]), 2.0) is None
+    swing = np.cos(np.pi * TIMES[:140])
+    assert timed(TIMES[:140], swing, swing) is None
 
 
 def test_an_answer_tells_them():
@@ -50,6 +67,7 @@ def test_an_answer_tells_them():
     assert told["swings"] == 10
     ends = 2 * np.pi / 3.0
     assert ends < told["last"]["period_s"] < told["first"]["period_s"] < answer["period"].value
+    assert told["first_swing"]["period_s"] == pytest.approx(answer["period"].value, rel=0.01)
     middle = (
         5.25 * told["first"]["period_s"]
     )  # the first passage comes a quarter of a swing after the release
@@ -59,7 +77,26 @@ def test_an_answer_tells_them():
 def test_two_whole_swings_are_the_fewest():
     """They take five passages of the middle; the period is that of both together."""
     times = TIMES[TIMES < 4.6]
-    first, last = timed(times, np.cos(np.pi * times), 2.0)
+    first, last = timed(times, np.cos(np.pi * times), np.cos(np.pi * times))
     assert first == last and first.swings == 2 and first.period == pytest.approx(2.0, abs=1e-3)
     times = TIMES[TIMES < 4.4]
-    assert timed(times, np.cos(np.pi * times), 2.0) is None
+    assert timed(times, np.cos(np.pi * times), np.cos(np.pi * times)) is None
+
+
+def test_the_amplitude_is_about_where_the_pendulum_hangs(tmp_path):
+    model = swingdown.Model(("viscous",), {"natural_frequency": 3.0, "viscous_ratio": 0.01})
+    times, draws = np.arange(0, 40, 0.04), np.random.default_rng(3)
+    swing = swingdown.simulate(model, times, 1.4).values + 0.06  # a camera that hangs askew
+    places = np.array([np.sin(swing), -np.cos(swing)]) + 1e-3 * draws.standard_normal((2, swing.size))
+    np.savetxt(
+        tmp_path / "a.csv",
+        np.c_[times, places.T],
+        fmt="%.6f",
+        delimiter=",",
+        header="t_s,x_m,y_m",
+        comments="",
+    )
+    recording = swingdown.read(tmp_path / "a.csv")
+    answer = recording.fit(fitted=("viscous",))
+    assert answer.to_dict()["amplitude_rad"] == pytest.approx(1.4, abs=0.01)
+    assert answer["period"].value == pytest.approx(cycle(model, 1.4).period, abs=0.004)

@@ -56,6 +56,7 @@ class Told:
     written: list
     timed: list  # mean periods (s) of the first and of the last ten swings of each recording; the period itself where it has no course
     said: str
+    apart: float = 0.0  # how far (s) the period is from that of the first swing by passages alone, beyond two standard uncertainties
 
 
 def right(row, told):
@@ -102,7 +103,19 @@ def called(path, options, seconds):
             table["period_s_text"].astype(str).tolist(),
             [p for one in found["pendulums"] for p in means(one)],
             done.stderr,
+            max(map(apart, found["pendulums"]), default=0.0),
         )
+
+
+def apart(pendulum):
+    """Return how far the period of a pendulum of one recording is from that of its first swing by passages of the middle alone, beyond two
+    standard uncertainties; 0 where either is not told."""
+    period, timed = pendulum["quantities"].get("period"), pendulum["timed"]
+    first = timed[0]["first_swing"] if len(timed) == 1 else {"period_s": None}
+    if period is None or first["period_s"] is None:
+        return 0.0
+    u = [one or 0.0 for one in (period["standard_uncertainty"], first["standard_uncertainty"])]
+    return abs(period["value"] - first["period_s"]) - 2 * (u[0] ** 2 + u[1] ** 2) ** 0.5
 
 
 def means(pendulum):

@@ -27,7 +27,7 @@ from ..rounding import value_with_uncertainty
 from ..studies.pendulums import by_verdict, in_order, residual_of
 from ..studies.quantities import Quantity
 from ..studies.timed import Timed, timed
-from ..studies.unscaled import course_seen
+from ..studies.unscaled import course_seen, of_first_swings
 from ..studies.words import headline, lines, or_models, quantity_rows, short
 from .recorded import samples_of
 from .simulation import swing_of
@@ -405,17 +405,32 @@ class Answer:
         }
 
     def _timed(self) -> list[dict[str, Any]]:
-        """By recording the mean period of its first and of its last ten swings, as a stop-watch shows it, with the amplitude in their middle."""
+        """By recording the mean period of its first and of its last ten swings, as a stop-watch shows it, with the amplitude in their middle; and the
+        period of the first whole swing by its passages of the middle alone."""
         rows = {one["recording"]: one for one in self.table.to_dict("records")}
         told = []
         for name in dict.fromkeys(one.recording for one in self.shown):
             parts, row = [one for one in self.shown if one.recording == name], rows.get(name, self.row)
-            curve = np.concatenate([one.angle if course_seen(row) else one.fit for one in parts])
-            found = timed(np.concatenate([one.times for one in parts]), curve, float(row["period_s"]))
+            times, series, fit = (
+                np.concatenate([getattr(one, key) for one in parts]) for key in ("times", "angle", "fit")
+            )
+            found = timed(times, series, series if course_seen(row) else fit)
             if found:
                 scale = parts[0].unit == "rad" and np.isfinite(row["amplitude_rad"])
                 first, last = (_as_timed(one, scale) for one in found)
-                told.append({"recording": name, "swings": found[0].swings, "first": first, "last": last})
+                alone = of_first_swings(times, series)
+                told.append(
+                    {
+                        "recording": name,
+                        "first_swing": {
+                            "period_s": _known(alone["period_first"]),
+                            "standard_uncertainty": _known(alone["period_first_u"]),
+                        },
+                        "swings": found[0].swings,
+                        "first": first,
+                        "last": last,
+                    }
+                )
         return told
 
     def _repr_html_(self) -> str:

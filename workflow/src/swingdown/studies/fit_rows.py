@@ -85,7 +85,7 @@ def _beside(known: Uncertainty, fit: Fit, names: Sequence[str]) -> dict[str, Any
 
 
 def largest_angles(fit: Fit, swings: Sequence[Swing], courses: Courses | None = None) -> list[float]:
-    """The largest angle (rad) of each fitted swing's motion; of a sensor of angles the largest that it reads.
+    """The largest angle (rad) of each fitted swing's motion, about where it hangs.
 
     Parameters
     ----------
@@ -97,13 +97,10 @@ def largest_angles(fit: Fit, swings: Sequence[Swing], courses: Courses | None = 
         What free courses do beside the fit: the angles are then those of both together.
     """
     begins = courses.begins if courses else [0.0] * len(fit.swings)
-    if fit.model.reading == ANGLE:
-        found = [float(np.abs(one.angle).max()) for one in fit.swings]
-    else:
-        found = [
-            float(np.abs(simulate(one.model.motion, times, one.release_angle, one.release_velocity)).max())
-            for (times, _), one in zip(swings, fit.swings, strict=True)
-        ]
+    found = [
+        float(np.abs(simulate(one.model.motion, times, one.release_angle, one.release_velocity)).max())
+        for (times, _), one in zip(swings, fit.swings, strict=True)
+    ]
     return [angle * float(np.exp(more)) for angle, more in zip(found, begins, strict=True)]
 
 

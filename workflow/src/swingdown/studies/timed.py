@@ -3,13 +3,15 @@
 from typing import NamedTuple
 
 import numpy as np
+from scipy.stats import theilslopes
 
 from ..arrays import Floats
-from ..measurement.half_swings import half_swings
-from .unscaled import HIDES, counted_passages, of_first_swings
+from ..measurement.half_swings import half_swings, passages
+from .unscaled import HIDES, counted_passages
 
 SWINGS = 10  # that are timed; of a shorter recording all
 _FEWEST = 2
+_ENOUGH = 5  # passages that have a scatter about a line
 
 
 class Timed(NamedTuple):
@@ -20,34 +22,62 @@ class Timed(NamedTuple):
     amplitude: float
 
 
-def timed(times: Floats, curve: Floats, period: float, most: int = SWINGS) -> tuple[Timed, Timed] | None:
+def timed(times: Floats, series: Floats, curve: Floats, most: int = SWINGS) -> tuple[Timed, Timed] | None:
     """The first and the last swings of a recording, each timed together as with a stop-watch; None where fewer than two whole ones are seen.
 
     Parameters
     ----------
     times
         In s, of shape (sample,).
+    series
+        The swing as recorded, of shape (sample,).
     curve
-        The fitted swing, or the swing itself where no model follows it, of shape (sample,). It tells how its period changes from swing to
-        swing. Passages that a hole hides are counted by the time between the others.
-    period
-        That of the first whole swing (s), as it is reported; all others follow from it.
+        The fitted swing, or ``series`` where no model follows it, of shape (sample,). It tells when the middle is passed. Where passages of the
+        recording run away from these, they tell the mean. Passages that a hole hides are counted by the time between the others.
     most
         Swings that are timed together.
     """
     swings = half_swings(curve)
-    centre = swings.centre()
     passed, halves = counted_passages(times, curve, HIDES)
-    first = of_first_swings(times, curve)["period_first"]
-    if passed.size < 2 * _FEWEST + 1 or not np.isfinite(first):
+    if passed.size < 2 * _FEWEST + 1:
         return None
-    away = np.abs(swings.turns[1:-1] - centre)
+    late = _late(times, series, passed)
+    away = np.abs(swings.turns[1:-1] - swings.centre())
     count = int(min(most, halves[-1] // 2))
 
     def of(begin: int, end: int) -> Timed:
-        mean = 2 * (passed[end] - passed[begin]) / (halves[end] - halves[begin])
-        return Timed(count, float(period * mean / first), float(np.median(away[begin:end])))
+        mean = (passed[end] - passed[begin]) / (halves[end] - halves[begin])
+        each = slice(begin, end + 1)
+        mean += _run_away(halves[each], late[each])
+        return Timed(count, float(2 * mean), float(np.median(away[begin:end])))
 
     end = int(np.searchsorted(halves, 2 * count))
     begin = int(np.searchsorted(halves, halves[-1] - 2 * count, side="right")) - 1
     return of(0, end), of(begin, passed.size - 1)
+
+
+def _late(times: Floats, series: Floats, passed: Floats) -> Floats:
+    """How much later (s) than each of the times ``passed`` the recording passes its middle; nan where it does not within a quarter period."""
+    seen = passages(times, series, half_swings(series).centre())
+    if not seen.size:
+        return np.full(passed.size, np.nan)
+    after = np.searchsorted(seen, passed).clip(1, max(seen.size - 1, 1))
+    both = seen[np.array([after - 1, after.clip(max=seen.size - 1)])] - passed
+    late = np.where(np.abs(both[0]) < np.abs(both[1]), *both)
+    late[np.abs(late) > np.median(np.diff(passed)) / 2] = np.nan
+    return late
+
+
+def _run_away(halves: np.ndarray, late: Floats) -> float:
+    """How much later (s) passages are with each half-swing: the median slope, weighed by AIC beside none, as laws of damping are."""
+    known = np.isfinite(late)
+    at, late = halves[known].astype(float), late[known]
+    if late.size < _ENOUGH:
+        return 0.0
+    slope, middle = theilslopes(late, at)[:2]
+    scatter = 1.4826 * float(
+        np.median(np.abs(late - middle - slope * at))
+    )  # standard deviation, of normal numbers
+    u = scatter / float(np.sqrt(np.sum((at - at.mean()) ** 2)))
+    doubt = np.exp(min(1 - (slope / u) ** 2 / 2, 700.0)) if u > 0 else 0.0
+    return float(slope / (1 + doubt))
