@@ -294,3 +294,15 @@ def test_x_y_and_z_on_no_circle_may_be_an_acceleration(take):
     with pytest.raises(InputError, match="positions of a bob, or its acceleration"):
         take(columns("t (s),X,Y,Z", TIME, SWING, y, 9.8 + SWING**2))
     assert "one coordinate" in take(columns("t (s),X,Y", TIME, SWING, y)).attrs["remarks"]
+
+
+@pytest.mark.parametrize(
+    ("zero", "words"), [(9.85, "swings about 9.8.* accelerometer"), (40.0, "of one side stay where they are")]
+)
+def test_what_a_bob_does_twice_a_period_is_asked_about(take, zero, words):
+    long = np.arange(1200) / 20
+    swing = 0.4 * np.exp(-0.01 * long) * np.cos(5 * long)
+    values = zero + swing if zero < 10 else zero - 2 * swing**2
+    with pytest.raises(InputError, match=words):
+        take(columns("t (s),data", long, values))
+    assert take(columns("t (s),data (rad)", long, zero + swing))["signal"].size == 1200

@@ -6,6 +6,7 @@ from scipy.integrate import solve_ivp
 
 from swingdown.errors import InputError, as_told
 from swingdown.measurement.judge import Reading, check_used, judge
+from swingdown.measurement.plausibility import in_step_and_dying, in_step_and_steady
 from swingdown.measurement.recording import ingest
 from swingdown.measurement.sheet import read_sheet
 from swingdown.measurement.units import in_rad, time_factor
@@ -279,3 +280,11 @@ def test_samples_lost_about_a_turning_point_leave_the_swing_out_of_step():
     assert len(remarks) == 1 and "out of step with the clock" in remarks[0]
     told = float(remarks[0].partition(" at ")[2].partition(" s")[0])
     assert told == pytest.approx(top / RATE, abs=0.45)
+
+
+def test_a_period_that_changes_by_half_is_in_step_where_the_swing_dies():
+    """As of a ball in a bowl that is no circle: what a motor sweeps does not die."""
+    phase = 2 * np.pi * (0.5 * TIME + 0.004 * TIME**2)  # from 2 to 1.35 s
+    dying, kept = np.exp(-0.05 * TIME) * np.cos(phase), np.cos(phase)
+    assert in_step_and_dying(TIME, dying)
+    assert not in_step_and_dying(TIME, kept) and not in_step_and_steady(TIME, kept)

@@ -62,7 +62,9 @@ def test_positions_without_names_are_asked_about(take):
     with pytest.raises(InputError, match=r"column 2 and column 3.*on a circle.*`t x y`"):
         take(text)
     assert "as positions" in take("t\tx\ty\n" + text).attrs["taken"]
-    assert "`column 3` as rad" in take(text, signal_column="column 3").attrs["taken"]
+    assert "`column 2` as rad" in take(text, signal_column="column 2").attrs["taken"]
+    with pytest.raises(InputError, match="height of a bob.* twice a period"):
+        take(text, signal_column="column 3")
 
 
 def test_pictures_count_y_downwards(take):

@@ -29,6 +29,7 @@ from .columns import (
     OTHER,
     RATE,
     SPEED,
+    UNTOLD,
     axes_beside,
     meaning,
     place_of,
@@ -36,7 +37,7 @@ from .columns import (
 from .gyroscope import TO_RAD_PER_S, rate_unit, turning_most
 from .half_swings import half_swings
 from .judge import Reading
-from .plausibility import evenness
+from .plausibility import EVEN_SIDES, check_once, evenness
 from .positions import (
     Circle,
     along_a_line,
@@ -59,7 +60,6 @@ UNIT_WORDS = {
     "deg/s": "degrees a second, an angular rate", NO_SCALE: "readings of unknown scale",
 }  # fmt: skip
 MOST_LOST = 0.2  # of the positions: a tracker that loses more follows no bob
-EVEN_SIDES = 0.25  # the share by which the turning points of one side shrink of how much the others do: less is a height's
 TWICE = 0.2  # by which the ratio of two periods may be off 2
 RELATIVE = "relative"  # in the cell scale: nobody knows it
 _RAW = re.compile(r"(?i)\b(adc|raw|analog\w*|a0|sensor ?value|poti?|potentiometer|au|a\.u|arb)\b")
@@ -249,6 +249,8 @@ def _signal(
         return _coordinate(row, where, columns, times, values[0], restoring)
     taken, told = turning_most(names, values[: len(names)])
     about = {"counts_per_revolution": row["counts_per_revolution"]} if columns.unit == "counts" else {}
+    if first.kind == UNTOLD and not columns.unit and not row.get("scale"):
+        check_once(values[taken], where)
     reading = _reading(row, columns, times, values[taken], restoring, where)
     return Interpreted(times, values[taken], reading, told, about, names[taken])
 

@@ -6,6 +6,7 @@ import numpy as np
 
 from ..arrays import Floats
 from ..errors import InputError
+from .columns import OF_ACCELERATIONS
 from .half_swings import half_swings, passages
 
 CENTRED = 0.1  # rad; friction does not hold a pendulum that far from the vertical
@@ -18,6 +19,8 @@ ENOUGH = 8  # half-swings in step of which there is something to tell
 EVEN = 0.05  # of a period: by so much at most does one differ from the next, where they tell it
 DYING = 0.98  # times: from its first third to its last, of what surely shrinks
 DIED = 0.05  # of the widest swing, by which one side shrinks from its first third to its last, where that tells something
+GRAVITY, NEAR = 9.81, 0.02  # m/s², and the share by which a cheap sensor is off
+EVEN_SIDES = 0.25  # the share by which the turning points of one side shrink of how much the others do: less is a height's
 _EACH = 3  # turning points on a side
 ALL = 0.95  # of the half-swings: with so many in step there is nothing to tell
 TO_RAD = {"rad": 1.0, "deg": pi / 180}
@@ -59,8 +62,8 @@ def _longest(times: Floats, signal: Floats) -> tuple[int, int]:
 
 def in_step_and_dying(times: Floats, signal: Floats) -> bool:
     """True for a swing of ENOUGH half-swings or more whose passages of the middle are even and whose size falls: whatever its model, they
-    tell its period."""
-    sizes = _sizes_in_step(times, signal)
+    tell its period. That may change from swing to swing, as a ball's in a bowl that is no circle."""
+    sizes = _sizes_in_step(times, signal, step=2)
     part = len(sizes) // 3
     return part > 0 and bool(np.median(sizes[-part:]) < DYING * np.median(sizes[:part]))
 
@@ -76,8 +79,11 @@ def in_step_and_steady(times: Floats, signal: Floats) -> bool:
     return bool(not falls and np.quantile(sizes, 0.95) < GROWS * np.quantile(sizes, 0.05))
 
 
-def _sizes_in_step(times: Floats, signal: Floats) -> Floats:
-    """From turning point to turning point, of a swing whose passages of the middle are even; none of another, or of fewer than ENOUGH."""
+def _sizes_in_step(times: Floats, signal: Floats, step: int = 0) -> Floats:
+    """From turning point to turning point, of a swing whose passages of the middle are even; none of another, or of fewer than ENOUGH.
+
+    Its periods are near to the usual one, or with a ``step`` each to that so many half-swings before.
+    """
     swings = half_swings(signal)
     passed = passages(times, signal, swings.centre() if len(swings.starts) > 4 else 0.0)
     periods, sizes = passed[2:] - passed[:-2], np.abs(np.diff(swings.turns[1:-1]))
@@ -85,7 +91,8 @@ def _sizes_in_step(times: Floats, signal: Floats) -> Floats:
         return np.empty(0)
     usual = float(np.median(periods))
     even = float(np.median(np.abs(np.diff(periods)))) < EVEN * usual
-    in_step = float(np.mean(np.abs(periods - usual) < STEADY * usual)) >= ALL
+    near, other = (periods[step:], periods[:-step]) if step else (periods, usual)
+    in_step = float(np.mean(np.abs(near - other) < STEADY * other)) >= ALL
     return sizes if even and in_step else np.empty(0)
 
 
@@ -100,6 +107,26 @@ def evenness(signal: Floats) -> float:
     moved = sorted(abs(float(np.median(side[:part]) - np.median(side[-part:]))) for side in sides)
     inwards = np.ptp(turns[-2:]) < np.ptp(turns[:2])
     return moved[0] / moved[1] if inwards and moved[1] > DIED * np.ptp(turns) else float("nan")
+
+
+def check_once(signal: Floats, place: str) -> None:
+    """None for readings that nobody says to be an angle and that go back and forth once a period; InputError for what a bob does twice.
+
+    An accelerometer along the string reads the fall of weight at rest; a height and a distance to the side have one side of turning points
+    that stays where it is.
+    """
+    centre, what = half_swings(signal).centre(), ""
+    if abs(abs(centre) / GRAVITY - 1) < NEAR:  # not nan
+        what = f"it swings about {centre:.3g}, as what an accelerometer along the string reads in m/s²"
+    elif evenness(signal) < EVEN_SIDES:
+        what = "its turning points of one side stay where they are, as of the height of a bob or its distance from the middle"
+    if what:
+        raise InputError(
+            place,
+            f"no unit is stated, and {what}: that goes up and down twice a period",
+            "an angle or an angular rate",
+            f"if it is an angle write its unit ⟨in signal_unit⟩; of an acceleration {OF_ACCELERATIONS}",
+        )
 
 
 def check_shrinks(signal: Floats, place: str) -> list[str]:

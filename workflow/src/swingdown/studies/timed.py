@@ -3,7 +3,7 @@
 from typing import NamedTuple
 
 import numpy as np
-from scipy.stats import theilslopes
+from scipy import stats
 
 from ..arrays import Floats
 from ..measurement.half_swings import half_swings, passages
@@ -74,7 +74,7 @@ def _run_away(halves: np.ndarray, late: Floats) -> float:
     at, late = halves[known].astype(float), late[known]
     if late.size < _ENOUGH:
         return 0.0
-    slope, middle = theilslopes(late, at)[:2]
+    slope, middle = stats.theilslopes(late, at)[:2]
     scatter = 1.4826 * float(
         np.median(np.abs(late - middle - slope * at))
     )  # standard deviation, of normal numbers
