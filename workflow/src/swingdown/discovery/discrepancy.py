@@ -58,7 +58,8 @@ class Discrepancy:
     constant for all fits of the same swings); ``size`` (rad), the RMS of its work on the readings beyond what the fit imitates, with what
     is as quick as noise and not the noise; ``sizes`` the same by kind; ``rest``, the RMS beyond fit and discrepancy in units of the
     noise; ``widened``, by how much the standard error of each value that all swings share is larger where the discrepancy may do some
-    of its work; ``covariance``, that of the values ``names`` beside the discrepancy, in units of its own."""
+    of its work; ``covariance``, that of the values ``names`` beside the discrepancy, in units of its own; ``friction`` and
+    ``friction_error`` (rad/s^2), the unnamed torque against the motion that is left at the middle as the speed goes to nothing."""
 
     log_evidence: float
     log_plain: float
@@ -68,6 +69,8 @@ class Discrepancy:
     widened: dict[str, float]
     names: tuple[str, ...]
     covariance: Floats
+    friction: float = 0.0
+    friction_error: float = 0.0
 
     def given(self, name: str, held: Collection[str]) -> float:
         """The standard error of a value where those ``held`` are, over that where they are free; 1 of what was not fitted."""
@@ -98,6 +101,7 @@ class Unnamed:
         self._directions, along = _reduced(columns * self._weight[:, None], kinds)
         self._parts = [along[:, kinds == kind] for kind in range(kinds[-1] + 1)]
         self._kernels = np.stack([part @ part.T for part in self._parts])
+        self._rubs = _rubs(self._parts)
 
     def beside(self, frame: Frame, noise: Noise) -> Discrepancy:
         """The ``Discrepancy`` of a fit seen in a ``Frame``, under this noise."""
@@ -136,6 +140,7 @@ class Unnamed:
             {named[k][0]: float(ratio[k]) for k in shared},
             tuple(named[k][0] for k in shared),
             beside[np.ix_(shared, shared)],
+            *at.told(self._rubs),
         )
 
     def _binned(self, frame: Frame, series: Floats) -> Floats:
@@ -175,7 +180,7 @@ class _Likelihood:
         rows: int,
         variance: float,
     ):
-        self.residual, self.basis, self.rows, self.variance = residual, basis, rows, variance
+        self.parts, self.residual, self.basis, self.rows, self.variance = parts, residual, basis, rows, variance
         self.squares, self.kernels = squares, kernels
         self.beyond = (
             np.eye(basis.shape[1]) - basis.T @ basis,
@@ -266,6 +271,15 @@ class _At:
             np.maximum(np.sum(done**2, axis=1) - np.sum((done @ self.model.basis) ** 2, axis=1), 0.0)
         )
         return beyond[:-1], float(beyond[-1])
+
+    def told(self, weights: Sequence[Floats]) -> tuple[float, float]:
+        """(value, standard error) of what is linear in the units of each kind, with these weights."""
+        of = zip(self.sizes, self.model.parts, weights, strict=True)
+        along = np.sum([size * part @ weight for size, part, weight in of], axis=0)
+        across = self.across.T @ along
+        known = along @ cho_solve((self.root, True), along, check_finite=False) - across @ self.inverse @ across
+        free = sum(size * weight @ weight for size, weight in zip(self.sizes, weights, strict=True))
+        return float(along @ self.pulled), float(np.sqrt(max(free - known, 0.0)))
 
     @property
     def left(self) -> float:
@@ -359,6 +373,21 @@ def _shapes(one: Motion, largest: float, fastest: float) -> tuple[list[Floats], 
         readings.append(along[one.at])
     fine = hats(one.angle / largest, np.linspace(-1, 1, _FINE[0])) @ _root(_FINE[0], 2.0, _FINE[1])
     return [*torques, fine, np.hstack([fine * side, fine * ~side])], readings
+
+
+def _rubs(parts: Sequence[Floats]) -> list[Floats]:
+    """The weights of the units of each kind in the torque against the motion at the middle, as the speed goes to nothing.
+
+    At the middle, since at an edge a loss in bent material is a torque at rest as well.
+    """
+    weights = [np.zeros(part.shape[1]) for part in parts]
+    slow = np.zeros((_ANGLES, 2, _SPEEDS))
+    slow[_ANGLES // 2, :, 0] = -0.5, 0.5  # of those of either direction (``over_both``)
+    for k, smooth in enumerate(_SMOOTH):
+        weights[len(KINDS) * k + 1] = _root_of_both(smooth).T @ slow.ravel()
+    middle = _root(_FINE[0], 2.0, _FINE[1])[_FINE[0] // 2]
+    weights[-1] = np.concatenate([-0.5 * middle, 0.5 * middle])
+    return weights
 
 
 def _near(count: int, span: float, smooth: float) -> Floats:

@@ -5,8 +5,8 @@ them. Of an effect that takes energy the shares are asked of what only such an e
 as well, or a natural frequency that drifts, says nothing of friction.
 """
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -23,8 +23,9 @@ from .structures import Key, Pool, Structure
 class Finding:
     """What is to be said of an effect that the most probable structure has: the ``probability`` that it or one of its ``ties`` is there,
     the ``share`` of the discrepancy that is left with it, that of the ``held_out`` swings' excess over the noise, what they leave
-    ``without`` it (in units of the noise), NaN where that cannot be computed, the ``doubt``, why it is not told, or empty, and
-    ``at_shape``, the standard error of its size where its shape is held, over the reported one."""
+    ``without`` it (in units of the noise), NaN where that cannot be computed, the ``doubt``, why it is not told, or empty,
+    ``at_shape``, the standard error of its size where its shape is held, over the reported one, and ``law_open``, True where the
+    probability is that of a friction of whatever law."""
 
     probability: float
     ties: tuple[str, ...] = ()
@@ -33,6 +34,7 @@ class Finding:
     without: float = np.nan
     doubt: str = ""
     at_shape: float = 1.0
+    law_open: bool = False
 
     @property
     def sure(self) -> bool:
@@ -41,13 +43,25 @@ class Finding:
 
 
 def judged(pool: Pool, best: Structure) -> dict[str, Finding]:
-    """The ``Finding`` of each effect that a structure has beside the base."""
-    return {name: _finding(pool, best, name) for name in pool.added(best.key)}
+    """The ``Finding`` of each effect that a structure has beside the base; of its frictions in one, where they are not sure each."""
+    found = {name: _finding(pool, best, name) for name in pool.added(best.key)}
+    rubbing = [name for name in pool.frictions(best.key) if name in found]
+    if all(found[name].sure for name in rubbing) or pool.frictions(pool.base):
+        return found
+    first = max(rubbing, key=lambda name: pool.of([name]))
+    as_one = _friction(pool, best, first, rubbing)
+    if not as_one.sure:
+        return found
+    return {name: as_one if name == first else found[name] for name in found if name not in rubbing or name == first}
 
 
 def told_of(pool: Pool, best: Structure) -> tuple[Structure, dict[str, Finding]]:
     """(the structure that is told, the ``Finding`` of each effect that it adds): the best one without the effects that take away too
-    little of what is missing, if some effect is told then; else the best one."""
+    little of what is missing, if some effect is told then; else the best one. A friction that is sure without being named has the
+    most probable structure that names one."""
+    if not pool.frictions(best.key) and pool.of_friction() >= PROBABLE:
+        rubbing = [one for one in pool.known.values() if pool.frictions(one.key)]
+        best = max(rubbing, key=lambda one: one.evidence, default=best)
     whole = found = judged(pool, best)
     here = best
     while any(one.share > SHARE for one in found.values()):
@@ -72,15 +86,30 @@ def _finding(pool: Pool, best: Structure, name: str) -> Finding:
         ties.append(nearest)
         others.discard(nearest)
         chance = pool.of([*same, *ties])
-    near, at_shape = pool.lacking(best, [name]), _at_its_shape(best, name)
+    return _asked(pool, best, name, [name], Finding(chance, tuple(ties)))
+
+
+def _friction(pool: Pool, best: Structure, name: str, rubbing: Sequence[str]) -> Finding:
+    """That of all frictions of a structure, told by the name of one: what is left as the speed goes to nothing has a law that the data may
+    not tell, and an unnamed torque may hold it as well."""
+    others = [one for one in pool.frictions() if one in rubbing or pool.of([one]) >= POSSIBLE]
+    ties = dict.fromkeys([*_nearly(best, name), *others])
+    ties.pop(name, None)
+    return _asked(pool, best, name, rubbing, Finding(pool.of_friction(), tuple(ties), law_open=True))
+
+
+def _asked(pool: Pool, best: Structure, name: str, names: Sequence[str], one: Finding) -> Finding:
+    """The finding with the shares that are left with these effects, and what speaks against it."""
+    near, at_shape = pool.lacking(best, names), _at_its_shape(best, name)
     if not near:
-        return Finding(chance, tuple(ties), doubt="no model without it can be fitted", at_shape=at_shape)
+        return replace(one, doubt="no model without it can be fitted", at_shape=at_shape)
     # what the base has may be improbable beside a discrepancy, and does more of the work than it does
-    without = min(near, key=lambda one: one.left(pool.noise))
+    without = min(near, key=lambda other: other.left(pool.noise))
     share, held, rms = _whole(pool, best, without)
     if _too_little(share, held) and best.fit.model.catalogue.damps(name):
         share, held = min((share, held), _of_friction(pool, best, without))
-    return Finding(chance, tuple(ties), share, held, rms, _doubt(chance, share, held), at_shape)
+    doubt = _doubt(one.probability, share, held)
+    return replace(one, share=share, held_out=held, without=rms, doubt=doubt, at_shape=at_shape)
 
 
 def _too_little(share: float, held_out: float) -> bool:

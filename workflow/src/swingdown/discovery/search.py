@@ -119,7 +119,7 @@ class _Search:
         """The rounds of the way, the last with what is judged."""
         pool = self.pool
         last, found = told_of(pool, way[-1])
-        way = way if last.key == way[-1].key else [*way[:-1], last] if len(way) > 1 else way
+        way = way if last.key == way[-1].key else [way[0], *way[1:-1], last]
         sure = any(one.sure for one in found.values())
         try:
             states = self._rounds(way)

@@ -10,6 +10,7 @@ from contextlib import suppress
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.special import erf
 
 from ..engine.trajectory import TrajectoryError
 from ..fitting.result import Fit
@@ -50,6 +51,13 @@ class Structure:
     def whole(self) -> float:
         """The probability that nothing else is missing, given these effects."""
         return float(np.exp(self.plain - self.evidence))
+
+    @property
+    def rubs(self) -> float:
+        """How sure it is that what it lacks holds a friction: a torque against the motion that is left as the speed goes to nothing."""
+        lacks = self.lacks
+        clear = lacks.friction / lacks.friction_error if lacks.friction_error > 0 else 0.0
+        return (1 - self.whole) * float(erf(max(clear, 0.0) / np.sqrt(2)))
 
     @property
     def widened(self) -> dict[str, float]:
@@ -179,6 +187,17 @@ class Pool:
         """The probability that at least one of these effects is there."""
         wanted = frozenset(names)
         return sum(chance for key, chance in self.probabilities().items() if key & wanted)
+
+    def of_friction(self) -> float:
+        """The probability that a friction is there, of whatever law: one of the catalogue, or one that an unnamed torque holds."""
+        rubbing = frozenset(self.frictions())
+        shares = self.probabilities().items()
+        return sum(chance * (1.0 if key & rubbing else self.known[key].rubs) for key, chance in shares)
+
+    def frictions(self, key: Key | None = None) -> list[str]:
+        """The frictions among the effects of a structure (default: of the catalogue)."""
+        catalogue = self.first.fit.model.catalogue
+        return [name for name in catalogue.names if catalogue.rubs(name) and (key is None or name in key)]
 
     def effects(self) -> dict[str, float]:
         """The probability of being there of each effect beside the base, the most probable first."""

@@ -48,7 +48,7 @@ def verdict(
     asserted, stand_ins = [], []
     dies_away = bool(last.get("driven")) or _dies_away(last.get("conclusion"))
     unit_doubt = last.get("unit_doubt", "") if dies_away else ""
-    for name in last["found"]:
+    for name in last["findings"]:
         one = _effect(catalogue[name], rounds)
         doubt = last["findings"][name]["doubt"]
         if unit_doubt:  # whatever was found does the work of another unit
@@ -230,6 +230,7 @@ def _effect(effect: Effect, rounds: Sequence[Mapping[str, Any]]) -> dict[str, An
         "gap_without": judged["without"],
         "delta_bic": state["chosen"]["gain_bic"],
         "tied_with": judged["ties"],
+        "law_open": judged["law_open"],
         "replaces": state["chosen"]["dropped"],
         "within_calibration": _within_calibration(effect, last),
     }

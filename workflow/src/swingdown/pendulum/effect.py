@@ -20,11 +20,14 @@ from dataclasses import dataclass, field
 from math import inf
 from typing import Any, Literal, NamedTuple
 
+from .formula import evaluate
+
 INPUTS = {"input": "1", "input_rate": "1/s", "input_curve": "1/s**2"}
 VARIABLES = {"theta": "1", "thetadot": "1/s", "t": "s", "duration": "s", "omega_n": "1/s", **INPUTS}
 TERM_UNITS = {"torque": "1/s**2", "sensor": "1", "play": "1", "clock": "s"}
 
 _INPUT = re.compile(r"\binput(_rate|_curve)?\b")
+_SLOW, _NOTHING = 1e-300, 1e-9  # a speed (rad/s) so small, and a torque so small, that they are none
 
 Role = Literal["size", "shape", "phase", "range", "delay"]
 
@@ -153,6 +156,16 @@ class Effect:
     def one_sided(self) -> bool:
         """True where a size below zero would be another thing than the effect: it takes energy, or pulls back."""
         return self.size is not None and self.size.lower == 0
+
+    @property
+    def rubs(self) -> bool:
+        """True of a friction: a torque against the motion that is left at the middle as the speed goes to nothing."""
+        if self.acts_on != "torque" or self.states or self.takes_input:
+            return False
+        values = {one.symbol: one.starts[0] if one.starts else 1.0 for one in self.parameters}
+        at = dict.fromkeys(VARIABLES, 0.0) | {"duration": 1.0, "omega_n": 1.0} | values
+        forth, back = (evaluate(self.term, **at | {"thetadot": speed}) for speed in (_SLOW, -_SLOW))
+        return bool(abs(forth - back) > _NOTHING)
 
     def with_role(self, *roles: Role) -> tuple[Parameter, ...]:
         """The parameters that have one of these roles."""

@@ -178,6 +178,11 @@ class Catalogue:
         """True for an effect that takes energy from a swing: its entry says how, or that of a simpler effect that it becomes."""
         return any(self[one].damping for one in (name, *self.contained_in(name)))
 
+    def rubs(self, name: str) -> bool:
+        """True for a friction: its torque is left as the speed goes to nothing, or it becomes such an effect where its memory is short."""
+        effect = self[name]
+        return effect.rubs or (bool(effect.states) and any(self[one].rubs for one in self.contained_in(name)))
+
     def measurement(self, one: str, other: str) -> str | None:
         """The measurement that tells two effects apart, as a sentence, or None where none is known.
 
