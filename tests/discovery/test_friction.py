@@ -1,12 +1,14 @@
 """What only something that takes energy could do, apart from springs and zeros: on swings that the second pendulum makes."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from swingdown.discovery import friction
 from swingdown.discovery.campaign import Noise, Swing, campaign
 from swingdown.discovery.confirm import predict
-from swingdown.discovery.judge import judged
+from swingdown.discovery.judge import judged, told_of
 from swingdown.discovery.linear import frame
 from swingdown.discovery.structures import Pool
 from swingdown.fitting.least_squares import fit_jointly
@@ -116,3 +118,48 @@ def test_of_few_samples_nothing_is_told_apart(beside_a_spring):
     few = tuple(Swing(one.name, one.times[::30], one.angle[::30]) for one in beside_a_spring.fit)
     fit = fit_jointly(Model("viscous"), [swing.pair for swing in few], bounded=True)
     assert friction.fitted(frame(fit, few)) is None
+
+
+@pytest.mark.slow("many trajectories")
+@pytest.mark.parametrize(
+    ("hidden", "values", "friction"),
+    [
+        ("constant_coulomb", {"constant_friction": 0.05}, 0.05),
+        ("presliding", {"presliding_friction": 0.05, "presliding_angle": 0.005}, 0.05),
+        ("structural_damping", {"structural_coefficient": 0.5}, 0.0),
+        ("quadratic_drag", {"quadratic_coefficient": 0.02}, 0.0),
+        ("one_sided_drag", {"one_sided_drag": 0.05}, 0.0),
+    ],
+)
+def test_an_unnamed_torque_holds_a_friction_where_one_is_left_at_no_speed(hidden, values, friction):
+    one = swings((hidden,), **values)
+    pool = Pool(one, NOISE, fitted(one, "viscous"))
+    lacks = pool.first.lacks
+    if friction:
+        assert abs(lacks.friction - friction) < 3 * lacks.friction_error
+        assert pool.of_friction() > 0.999
+    else:
+        assert pool.of_friction() < 0.1
+
+
+@pytest.mark.slow("many trajectories")
+def test_a_friction_is_told_though_its_law_has_no_name():
+    """Where an unnamed torque is more probable than each name, and holds a friction, that there is one is sure, and its law is open."""
+    one = swings(("presliding",), presliding_friction=0.05, presliding_angle=0.005)
+    pool = Pool(one, NOISE, fitted(one, "viscous"))
+    pool.look(fitted(one, "viscous+constant_coulomb"))
+    named = frozenset(("viscous", "constant_coulomb"))
+    for key, unnamed in ((pool.base, 0.0), (named, -10.0)):  # as if the name were that improbable
+        pool.known[key] = replace(pool.known[key], plain=-1e3, unnamed=unnamed)
+    last, found = told_of(pool, pool.best)
+    finding = found["constant_coulomb"]
+    assert last.key == named and finding.sure and finding.law_open and finding.probability > 0.999
+
+
+@pytest.mark.slow("many trajectories")
+def test_no_friction_is_told_of_an_unnamed_drag():
+    one = swings(("quadratic_drag",), quadratic_coefficient=0.02)
+    pool = Pool(one, NOISE, fitted(one, "viscous"))
+    pool.look(fitted(one, "viscous+constant_coulomb"))
+    last, found = told_of(pool, pool.best)
+    assert not any(finding.sure for finding in found.values())

@@ -31,9 +31,9 @@ def state(
     }  # fmt: skip
 
 
-def finding(doubt="", ties=(), probability=0.9999, without=3.0, at_shape=1.0):
+def finding(doubt="", ties=(), probability=0.9999, without=3.0, at_shape=1.0, law_open=False):
     """What round.json holds of what is judged of an effect."""
-    return {"probability": probability, "ties": list(ties), "share": 0.01, "held_out": 0.0, "without": without, "doubt": doubt, "at_shape": at_shape}  # fmt: skip
+    return {"probability": probability, "ties": list(ties), "share": 0.01, "held_out": 0.0, "without": without, "doubt": doubt, "at_shape": at_shape, "law_open": law_open}  # fmt: skip
 
 
 def test_nothing_missing_is_consistent():
@@ -236,6 +236,14 @@ def test_a_size_is_asked_at_its_shape(at_shape, status):
     last = state(1, missing=False, found=["power_law_drag"], effects=("viscous", "power_law_drag"), parameters=parameters,
                  holdout=1.01, judged={"power_law_drag": finding(at_shape=at_shape)})  # fmt: skip
     assert verdict([first, last])["status"] == status
+
+
+def test_a_friction_whose_law_is_open_is_told_as_a_tie_with_another():
+    first = state(0, missing=True, chosen="presliding", holdout=3.0)
+    judged = {"presliding": finding(law_open=True)}
+    found = verdict([first, state(1, missing=False, found=["presliding"], effects=("viscous", "presliding"), holdout=1.01, judged=judged)])  # fmt: skip
+    assert found["status"] == "ambiguous"
+    assert "or friction of another law, which the data do not distinguish" in found["sentence"]
 
 
 def test_a_size_that_may_be_nothing_beside_what_has_no_name_is_never_asserted():

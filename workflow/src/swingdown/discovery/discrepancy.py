@@ -180,7 +180,13 @@ class _Likelihood:
         rows: int,
         variance: float,
     ):
-        self.parts, self.residual, self.basis, self.rows, self.variance = parts, residual, basis, rows, variance
+        self.parts, self.residual, self.basis, self.rows, self.variance = (
+            parts,
+            residual,
+            basis,
+            rows,
+            variance,
+        )
         self.squares, self.kernels = squares, kernels
         self.beyond = (
             np.eye(basis.shape[1]) - basis.T @ basis,
@@ -277,7 +283,9 @@ class _At:
         of = zip(self.sizes, self.model.parts, weights, strict=True)
         along = np.sum([size * part @ weight for size, part, weight in of], axis=0)
         across = self.across.T @ along
-        known = along @ cho_solve((self.root, True), along, check_finite=False) - across @ self.inverse @ across
+        known = (
+            along @ cho_solve((self.root, True), along, check_finite=False) - across @ self.inverse @ across
+        )
         free = sum(size * weight @ weight for size, weight in zip(self.sizes, weights, strict=True))
         return float(along @ self.pulled), float(np.sqrt(max(free - known, 0.0)))
 
@@ -380,7 +388,7 @@ def _rubs(parts: Sequence[Floats]) -> list[Floats]:
 
     At the middle, since at an edge a loss in bent material is a torque at rest as well.
     """
-    weights = [np.zeros(part.shape[1]) for part in parts]
+    weights: list[Floats] = [np.zeros(part.shape[1]) for part in parts]
     slow = np.zeros((_ANGLES, 2, _SPEEDS))
     slow[_ANGLES // 2, :, 0] = -0.5, 0.5  # of those of either direction (``over_both``)
     for k, smooth in enumerate(_SMOOTH):

@@ -24,8 +24,8 @@ class Finding:
     """What is to be said of an effect that the most probable structure has: the ``probability`` that it or one of its ``ties`` is there,
     the ``share`` of the discrepancy that is left with it, that of the ``held_out`` swings' excess over the noise, what they leave
     ``without`` it (in units of the noise), NaN where that cannot be computed, the ``doubt``, why it is not told, or empty,
-    ``at_shape``, the standard error of its size where its shape is held, over the reported one, and ``law_open``, True where the
-    probability is that of a friction of whatever law."""
+    ``at_shape``, the standard error of its size where its shape is held, over the reported one, and ``law_open``, True of a friction
+    whose law may be one that the catalogue has not."""
 
     probability: float
     ties: tuple[str, ...] = ()
@@ -52,7 +52,11 @@ def judged(pool: Pool, best: Structure) -> dict[str, Finding]:
     as_one = _friction(pool, best, first, rubbing)
     if not as_one.sure:
         return found
-    return {name: as_one if name == first else found[name] for name in found if name not in rubbing or name == first}
+    return {
+        name: as_one if name == first else found[name]
+        for name in found
+        if name not in rubbing or name == first
+    }
 
 
 def told_of(pool: Pool, best: Structure) -> tuple[Structure, dict[str, Finding]]:
@@ -95,7 +99,8 @@ def _friction(pool: Pool, best: Structure, name: str, rubbing: Sequence[str]) ->
     others = [one for one in pool.frictions() if one in rubbing or pool.of([one]) >= POSSIBLE]
     ties = dict.fromkeys([*_nearly(best, name), *others])
     ties.pop(name, None)
-    return _asked(pool, best, name, rubbing, Finding(pool.of_friction(), tuple(ties), law_open=True))
+    law_open = pool.of(pool.frictions()) < PROBABLE
+    return _asked(pool, best, name, rubbing, Finding(pool.of_friction(), tuple(ties), law_open=law_open))
 
 
 def _asked(pool: Pool, best: Structure, name: str, names: Sequence[str], one: Finding) -> Finding:

@@ -9,6 +9,7 @@ from ..pendulum.catalogue import SHIPPED, Catalogue
 from ..pendulum.effect import Effect
 from ..rounding import plus_minus
 
+LAW_OPEN = "friction of another law"
 _SMALLER = {"rad": (1e-3, "mrad"), "rad/s": (1e-3, "mrad/s"), "s": (1e-3, "ms")}
 _ASKED = 3.0  # standard errors
 _PLAIN = 0.999  # probability above which one says no more
@@ -168,7 +169,8 @@ def _spoken(name: str) -> str:
 
 def _described(one: Mapping[str, Any], effect: Effect) -> str:
     """An effect with the parameters that the catalogue has told first, and its rivals."""
-    name, ties = one["name"].replace("_", " "), one["tied_with"]
+    name = one["name"].replace("_", " ")
+    ties = [*map(_spoken, one["tied_with"]), *([LAW_OPEN] if one.get("law_open") else [])]
     told = [
         _quantity(_words(key, name), one["parameters"][key])
         for key in effect.told
@@ -176,7 +178,7 @@ def _described(one: Mapping[str, Any], effect: Effect) -> str:
     ]
     if told and one["within_calibration"]:
         told.append("within what the calibration leaves open")
-    rivals = " or ".join(map(_spoken, ties))
+    rivals = " or ".join(ties)
     return (
         _spoken(name)
         + (f" ({', '.join(told)})" if told else "")

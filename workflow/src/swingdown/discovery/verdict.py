@@ -64,7 +64,7 @@ def verdict(
     elif not asserted:
         status = "consistent"
     else:
-        status = "ambiguous" if any(one["tied_with"] for one in asserted) else "named"
+        status = "ambiguous" if any(one["tied_with"] or one["law_open"] for one in asserted) else "named"
     found = {
         "campaign": last["campaign"],
         "reading": reading,
