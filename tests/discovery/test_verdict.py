@@ -3,6 +3,7 @@
 import pytest
 
 from swingdown.discovery.verdict import verdict
+from swingdown.language import language
 
 UNIT = {"constant_torque": "rad/s^2", "natural_frequency": "rad/s"}
 
@@ -236,6 +237,21 @@ def test_a_size_is_asked_at_its_shape(at_shape, status):
     last = state(1, missing=False, found=["power_law_drag"], effects=("viscous", "power_law_drag"), parameters=parameters,
                  holdout=1.01, judged={"power_law_drag": finding(at_shape=at_shape)})  # fmt: skip
     assert verdict([first, last])["status"] == status
+
+
+def test_of_several_that_are_not_sure_enough_the_names_are_told():
+    """Their values, and why each is not asserted, are the table's."""
+    names = ["constant_torque", "detent", "damping_drift"]
+    judged = {name: finding(doubt="swings that were held out do not confirm it") for name in names}
+    rounds = [state(0, missing=True, chosen="constant_torque", holdout=3.0)]
+    rounds += [state(k, missing=True, found=names[:k], chosen=names[k], holdout=2.0) for k in (1, 2)]
+    rounds.append(
+        state(3, missing=True, found=names, effects=("viscous", *names), holdout=2.0, judged=judged)
+    )
+    said = verdict(rounds)["sentence"]
+    assert "be constant torque, detent and damping drift: not sure enough to be named." in said
+    german = language("de").text(said)
+    assert "nicht sicher genug" in german and "sure enough" not in german
 
 
 def test_a_friction_whose_law_is_open_is_told_as_a_tie_with_another():

@@ -1,6 +1,6 @@
 """What a person would say of a verdict, in a sentence or two."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -122,17 +122,25 @@ def _sure(one: Mapping[str, Any]) -> str:
 def _remains(found: Mapping[str, Any], catalogue: Catalogue) -> str:
     """What remains, how large it is, and what may be there and is not sure enough to be named."""
     kind = f", mostly {found['where']['remaining_kind']}," if found["where"]["remaining_kind"] else ""
-    joined = " and ".join(_described(one, catalogue[one["name"]]) for one in found["stand_ins"]).rstrip(",")
-    doubts = "; ".join(dict.fromkeys(one["doubt"] for one in found["stand_ins"] if one.get("doubt")))
+    joined, why = _may_be(found["stand_ins"], catalogue)
     remaining = found["where"]["remaining"]
     what = "Part of it" if remaining else "The rest" if found["effects"] else "It"
-    may_be = f"{what} may be {joined}: not sure enough to be named ({doubts})." if joined else ""
+    may_be = f"{what} may be {joined}: not sure enough to be named{why}." if joined else ""
     if not remaining:
         return f"{may_be} Nothing more is missing." if not found["effects"] else may_be
     left = found["gap"]["left"]
     size = f"{1e3 * left.get('rad', left.get('rad_per_s')):.3g} m{found.get('unit', 'rad')}"
     rest = f"{'The rest' if found['effects'] else 'What remains'}, {left['noise']:.3g} times the noise ({size}){kind} has no name in the catalogue."
     return " ".join(filter(None, (rest, may_be)))
+
+
+def _may_be(stand_ins: Sequence[Mapping[str, Any]], catalogue: Catalogue) -> tuple[str, str]:
+    """What helps without being asserted, and why it is not: of one effect with its values, of more their names."""
+    if len(stand_ins) == 1:
+        (one,) = stand_ins
+        return _described(one, catalogue[one["name"]]).rstrip(","), f" ({one['doubt']})"
+    names = [_spoken(one["name"]) for one in stand_ins]
+    return " and ".join(filter(None, [", ".join(names[:-1]), *names[-1:]])), ""
 
 
 def _used(nuisance: Mapping[str, Any]) -> bool:
