@@ -21,6 +21,7 @@ from swingdown.pendulum.model import Model
 from swingdown.studies.doubt import DoubtfulFit, NotFree, ask_counted, check_free, fit_any, unit_in_doubt
 from swingdown.studies.pendulums import by_verdict
 from swingdown.studies.quantities import cycle
+from swingdown.study.settings import complete
 
 TRUTH = {"natural_frequency": 6.2, "viscous_ratio": 0.006}
 TIMES = np.arange(900) / 60
@@ -129,7 +130,7 @@ def test_a_wheel_on_a_spring_has_a_linear_restoring_torque(tmp_path, first):
     assert abs(row["viscous_ratio"] - 0.01 / truth) < 4 * row["viscous_ratio_u"]
     settings = yaml.safe_load((tmp_path / "study" / "study.yaml").read_text())
     assert settings["model"] == {"restoring": "linear"}
-    assert settings["discovery"] == {"base": ["viscous", "constant_coulomb"]}
+    assert complete(settings)["discovery"]["base"] == ["viscous", "constant_coulomb"]
     found = swingdown.fit(times, angle, restoring="linear").row
     assert found["period_s"] == pytest.approx(2 * np.pi / 4.8, rel=1e-4)
 

@@ -25,8 +25,12 @@ def test_the_shipped_config_is_the_defaults_with_the_bench(root):
     assert complete(files) == complete({}) | files
 
 
-def test_a_search_starts_from_the_same_base_by_the_settings_and_by_a_call():
-    assert complete({})["discovery"]["base"] == list(BASES["sine"])
+@pytest.mark.parametrize("restoring", ["sine", "linear"])
+def test_a_search_starts_from_the_same_base_by_the_settings_and_by_a_call(restoring):
+    model = {"model": {"restoring": restoring}}
+    assert complete(model)["discovery"]["base"] == list(BASES[restoring])
+    assert complete(model | {"discovery": {"base": ["viscous"]}})["discovery"]["base"] == ["viscous"]
+    assert complete({}) == complete({"model": {"restoring": "sine"}})
 
 
 def test_what_is_given_is_kept_and_the_given_config_is_not_changed():

@@ -14,11 +14,12 @@ from ..errors import InputError
 from ..extras import lacking
 from ..manifest import write_manifest
 from ..report import contents, page
-from ..schema import filled, read_yaml
+from ..schema import read_yaml
 from ..sealed import read_csv, write_csv, write_json
 from ..studies.left_out import left_out
 from ..studies.pendulums import judged
 from ..study import own
+from ..study.settings import with_defaults
 from . import Answer, explained
 
 
@@ -61,7 +62,7 @@ def alone(
         tables=tables,
         figures={},
         recordings=[one.recording.attrs for one in kept],
-        settings=filled(read_yaml(config, config), "config.schema.yaml"),
+        settings=with_defaults(read_yaml(config, config)),
         inputs=[str(config), str(config.parent / own.SHEET)],
         verdicts=verdicts,
         swings={campaign: list(one.shown) for campaign, one in ended.items() if one.shown},

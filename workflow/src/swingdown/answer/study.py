@@ -8,8 +8,8 @@ from ..errors import InputError
 from ..extras import needed
 from ..language import language
 from ..paths import PROJECT
-from ..schema import filled, read_yaml
-from ..study.settings import check_config
+from ..schema import read_yaml
+from ..study.settings import check_config, with_defaults
 from .command import run_workflow
 from .hand_in import check_able, hand_in, studied
 
@@ -34,7 +34,7 @@ def study(
     needed("snakemake")
     code = run_workflow(PROJECT, path, folder, cores, targets)
     if handed_in and not code:
-        settings = filled(read_yaml(path, path), "config.schema.yaml")
+        settings = with_defaults(read_yaml(path, path))
         found = studied(folder / "results", settings)
         for line in hand_in(handed_in, found, folder, language(settings["lang"])):
             print(line, flush=True)

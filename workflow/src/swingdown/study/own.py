@@ -27,7 +27,7 @@ from ..measurement.runs import SeveralRuns
 from ..measurement.sheet import COLUMNS
 from ..measurement.source import NETCDF
 from ..paths import for_spreadsheets, printable, safe_name, write_csv, write_text
-from ..pendulum.model import BASES, everyday
+from ..pendulum.model import everyday
 
 # What of a folder is given to the readers; they tell of each that they cannot use why.
 ENDINGS = (
@@ -315,17 +315,13 @@ def _written(
         "experiment": {"fitted": list(everyday(restoring))},
     }
     settings |= {"lang": lang} if lang != ENGLISH else {}
-    search: dict[str, Any] = {}
-    if restoring == "linear":
-        settings |= {"model": {"restoring": restoring}}
-        search["base"] = list(BASES[restoring])
+    settings |= {"model": {"restoring": restoring}} if restoring == "linear" else {}
     if left_out:
         write_csv(for_spreadsheets(pd.DataFrame(left_out)), folder / LEFT_OUT)
         settings["left_out"] = LEFT_OUT
     campaigns = dict.fromkeys(row["campaign"] for row in kept)
     if [name for name in campaigns if name not in searched]:
-        search["campaigns"] = list(searched)
-    settings |= {"discovery": search} if search else {}
+        settings["discovery"] = {"campaigns": list(searched)}
     body = yaml.safe_dump(settings, sort_keys=False, allow_unicode=True)
     opening = _OPENING.format(sheet=SHEET, config=folder / CONFIG, folder=folder)
     digest = _digest((folder / SHEET).read_bytes(), body)

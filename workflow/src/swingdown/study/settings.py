@@ -6,9 +6,11 @@ from typing import Any
 
 from ..errors import InputError
 from ..pendulum.catalogue import Catalogue, catalogue
-from ..schema import as_said, check, near, read_yaml
+from ..pendulum.model import BASES
+from ..schema import as_said, check, filled, near, read_yaml
 
 CONFIGS = (".yaml", ".yml")
+_SCHEMA = "config.schema.yaml"
 
 
 def check_config(path: Path) -> None:
@@ -38,10 +40,10 @@ def complete(config: Mapping[str, Any], where: str = "config") -> dict[str, Any]
     """
     config = as_said(
         config,
-        "config.schema.yaml",
+        _SCHEMA,
         ("capture", "live", "recover", "recompute", "height", "count", "session", "monitor"),
     )
-    settings = check(config, "config.schema.yaml", where)
+    settings = with_defaults(check(config, _SCHEMA, where))
     _check_size(settings["simulation"], f"{where}, key simulation")
     known = catalogue(settings["effects"], f"{where}, key effects")
     for number, name in enumerate(settings["discovery"]["base"], 1):
@@ -52,6 +54,13 @@ def complete(config: Mapping[str, Any], where: str = "config") -> dict[str, Any]
     for part in ("simulation", "experiment"):
         for number, label in enumerate(settings[part]["fitted"], 1):
             _check_model(label, known, f"{where}, key {part}.fitted[{number}]")
+    return settings
+
+
+def with_defaults(config: Mapping[str, Any]) -> dict[str, Any]:
+    """A copy of ``config`` with every default filled in, of which nothing is checked."""
+    settings = filled(dict(config), _SCHEMA)
+    settings["discovery"].setdefault("base", list(BASES[settings["model"]["restoring"]]))
     return settings
 
 
