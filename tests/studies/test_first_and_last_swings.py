@@ -100,3 +100,10 @@ def test_the_amplitude_is_about_where_the_pendulum_hangs(tmp_path):
     answer = recording.fit(fitted=("viscous",))
     assert answer.to_dict()["amplitude_rad"] == pytest.approx(1.4, abs=0.01)
     assert answer["period"].value == pytest.approx(cycle(model, 1.4).period, abs=0.004)
+
+
+def test_a_middle_that_is_off_moves_no_mean():
+    """It is passed later and later on the way up, and earlier and earlier on the way down, of a swing that dies."""
+    swing = np.exp(-TIMES / 15) * np.cos(np.pi * TIMES)
+    for mean in timed(TIMES, swing + 0.05 * (1 + TIMES / 40), swing + 0.05 * (1 + TIMES / 40)):
+        assert mean.period == pytest.approx(2.0, abs=1e-3)

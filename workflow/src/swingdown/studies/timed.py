@@ -45,15 +45,19 @@ def timed(times: Floats, series: Floats, curve: Floats, most: int = SWINGS) -> t
     away = np.abs(swings.turns[1:-1] - swings.centre())
     count = int(min(most, halves[-1] // 2))
 
-    def of(begin: int, end: int) -> Timed:
-        mean = (passed[end] - passed[begin]) / (halves[end] - halves[begin])
-        each = slice(begin, end + 1)
+    def of(first: int, last: int, other: int) -> Timed:
+        """Of these half-swings; both ways through the middle count alike, so that one beside the true one moves nothing."""
+        ways = [
+            np.searchsorted(halves, (first + k, last + k))
+            for k in (0, other)
+            if first + k >= 0 and last + k <= halves[-1]
+        ]
+        mean = np.mean([(passed[end] - passed[begin]) / (halves[end] - halves[begin]) for begin, end in ways])
+        each = slice(np.min(ways), np.max(ways) + 1)
         mean += _run_away(halves[each], late[each])
-        return Timed(count, float(2 * mean), float(np.median(away[begin:end])))
+        return Timed(count, float(2 * mean), float(np.median(away[slice(*ways[0])])))
 
-    end = int(np.searchsorted(halves, 2 * count))
-    begin = int(np.searchsorted(halves, halves[-1] - 2 * count, side="right")) - 1
-    return of(0, end), of(begin, passed.size - 1)
+    return of(0, 2 * count, 1), of(halves[-1] - 2 * count, halves[-1], -1)
 
 
 def _late(times: Floats, series: Floats, passed: Floats) -> Floats:
