@@ -211,3 +211,20 @@ def test_the_command_takes_the_sheet_that_is_named(tmp_path, monkeypatch):
         assert main(["two.xlsx", "--quick", "--sheet", sheet, "--into", sheet]) == 0
         told[sheet] = float(pd.read_csv(f"{sheet}/first_answer.csv")["period_s"].iloc[0])
     assert told["Right"] == pytest.approx(1.25 * told["Left"], rel=0.01)
+
+
+def test_an_archive_of_several_files_is_opened_as_a_folder(tmp_path, capsys):
+    other = "\n".join(";".join(map(str, row)) for row in [ROWS[0], *([t, 0.8 * a] for t, a in ROWS[1:])])
+    (tmp_path / "x.zip").write_bytes(
+        zipped(
+            {"one.csv": TEXT, "sub/two.csv": other, "photo.jpg": "x", "meta/device.csv": "property;value\n"}
+        )
+    )
+    main([str(tmp_path / "x.zip"), "--quick", "--into", str(tmp_path / "study")])
+    sheet = pd.read_csv(tmp_path / "study" / "recordings.csv")
+    assert sheet["sheet"].tolist() == ["one.csv", "sub/two.csv"] and set(sheet["file"]) == {"../x.zip"}
+    assert sheet["campaign"].is_unique
+    left = pd.read_csv(tmp_path / "study" / "left_out.csv")
+    assert left["problem"].str.contains("photo.jpg").tolist() == [True]
+    found = pd.read_csv(tmp_path / "study" / "first_answer.csv").dropna(subset=["period_s"])
+    assert found["period_s"].to_numpy() == pytest.approx(2 * np.pi / 5, rel=0.02) and len(found) == 2

@@ -288,3 +288,10 @@ def test_a_period_that_changes_by_half_is_in_step_where_the_swing_dies():
     dying, kept = np.exp(-0.05 * TIME) * np.cos(phase), np.cos(phase)
     assert in_step_and_dying(TIME, dying)
     assert not in_step_and_dying(TIME, kept) and not in_step_and_steady(TIME, kept)
+
+
+def test_what_hangs_turns_beside_zero_in_degrees_is_no_angle():
+    """A converter's readings about 2000, that in rad swing back and forth by many turns."""
+    raw = 1975 + 140 * swing()
+    assert any("READING OF UNKNOWN SCALE" in one for one in looked_at(raw, unit_told=False))
+    assert any("TAKEN AS DEGREES" in one for one in looked_at(raw - 1975, unit_told=False))

@@ -20,6 +20,13 @@ TEXT = (".csv", ".txt", ".tsv", ".dat")
 UNPACK = "unpack the archive and name the file in it"
 
 
+class SeveralFiles(InputError):
+    """An archive with several files of numbers, none of which is asked for: ``names`` are theirs, ``others`` what else is in it."""
+
+    names: tuple[str, ...] = ()
+    others: tuple[str, ...] = ()
+
+
 def unpacked(source: BinaryIO, name: str, part: str) -> tuple[BinaryIO, str] | None:
     """An open text file of the table inside, and a word on where that is; None for a file that is no archive.
 
@@ -101,6 +108,11 @@ def _member(archive: zipfile.ZipFile, name: str, part: str) -> tuple[BinaryIO, s
         raise InputError(
             name, "the archive holds no table of numbers", "a CSV file in it, or a workbook", UNPACK
         )
+    all_ = [
+        one
+        for one in archive.namelist()
+        if not one.endswith("/") and not {"meta", "__MACOSX"} & set(one.split("/")[:-1])
+    ]
     if not part and len(files) > 1:  # notes are no recording
         tables = []
         for one in files:
@@ -108,12 +120,14 @@ def _member(archive: zipfile.ZipFile, name: str, part: str) -> tuple[BinaryIO, s
                 tables += [one] if _holds_numbers(packed.read(HEAD), rb"[\t;, ]") else []
         files = tables or files
     if not part and len(files) > 1:
-        raise InputError(
+        several = SeveralFiles(
             name,
             f"the archive holds {len(files)} files of numbers, and which of them is meant nobody says",
             ", ".join(files),
             "name one of them ⟨in sheet⟩, or unpack it and give the folder: then each is a recording",
         )
+        several.names, several.others = tuple(files), tuple(one for one in all_ if one not in files)
+        raise several
     chosen = part or files[0]
     if (size := archive.getinfo(chosen).file_size) > LARGEST:
         raise InputError(

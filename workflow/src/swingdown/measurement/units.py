@@ -133,8 +133,15 @@ def angle_unit(signal: Floats, unit: str, restoring: str, place: str) -> tuple[s
     turns = f"no unit is stated, and in rad it would swing back and forth by {reach.max() / TURNS['rad']:.3g} turns"
     # a spring's period is the same for all swings: it needs no unit
     wheel = restoring == "linear" and far < 3 * TURNS["rad"]
-    if wheel or too_far("deg"):
-        doubt = "which a wheel on a spring may do" if wheel else f"in degrees by {reach.max() / 360:.3g}"
+    aside = abs(swings.centre()) / TURNS["deg"]
+    if wheel or too_far("deg") or aside > 1:
+        doubt = (
+            "which a wheel on a spring may do"
+            if wheel
+            else f"in degrees by {reach.max() / 360:.3g}"
+            if too_far("deg")
+            else f"in degrees about {aside:.3g} turns, as no pendulum hangs and a converter's readings do"
+        )
         mend = (
             "write rad or deg ⟨in signal_unit⟩"
             if wheel

@@ -16,6 +16,7 @@ import yaml
 from ..errors import InputError
 from ..language import ENGLISH
 from ..measurement.angle import to_angle
+from ..measurement.archive import SeveralFiles
 from ..measurement.choice import Uncalibrated
 from ..measurement.interpret import RELATIVE
 from ..measurement.points_recording import are_points
@@ -191,15 +192,19 @@ def rows(
 
 
 def take(row: Mapping[str, Any], path: Path, restoring: str = "sine") -> list[Taken | Refused]:
-    """What a file of the sheet's ``row`` gives: its angle, or why it has none; of several runs or releases in a row each.
+    """What a file of the sheet's ``row`` gives: its angle, or why it has none; of several runs, releases or files in an archive in a row each.
 
-    Releases are recordings of one campaign, whose names end in their number. Runs are pendulums of their own, as files are,
+    Releases are recordings of one campaign, whose names end in their number. Runs and files are pendulums of their own,
     unless the row's campaign is another than the recording.
     """
     try:
         return [_taken(row, path, restoring)]
     except SeveralRuns as found:
         parts = [_run(row, name) for name in found.names]
+    except SeveralFiles as found:
+        parts = [_inside(row, name) for name in found.names]
+        told = [_passed_inside(row, name) for name in found.others]
+        return [*(one for part in parts for one in take(part, path, restoring)), *told]
     except SeveralReleases as found:
         parts = [_release(row, number, cells) for number, cells in enumerate(found.cells, 1)]
     except InputError as problem:
@@ -232,6 +237,25 @@ def _run(row: Mapping[str, Any], run: str) -> dict[str, Any]:
     campaign = name if row["campaign"] == row["recording"] else row["campaign"]
     label = f"{row.get('label', row['recording'])}, {run}"
     return {**row, "recording": name, "campaign": campaign, "label": label, "run": run}
+
+
+def _inside(row: Mapping[str, Any], file: str) -> dict[str, Any]:
+    """The row of one file of several in the archive of a row."""
+    return {key: cell for key, cell in {**_run(row, file), "sheet": file}.items() if key != "run"}
+
+
+def _passed_inside(row: Mapping[str, Any], file: str) -> Refused:
+    """A file in the archive of a row that is not looked at."""
+    part = _inside(row, file)
+    return Refused(
+        part["recording"],
+        row["file"],
+        f"not looked at: {printable(file)} in it is no table of numbers as text",
+        "",
+        "unpack it and name it by itself, if it is a recording",
+        printable(part["label"]),
+        NOT_LOOKED_AT,
+    )
 
 
 def _release(row: Mapping[str, Any], number: int, cells: Mapping[str, str]) -> dict[str, Any]:
