@@ -444,3 +444,15 @@ def test_of_angles_beside_rates_no_common_unit_is_in_doubt():
     )
     assert unit_in_doubt([angle, rate]) == ""
     assert "taken for rad" in unit_in_doubt([angle.assign(angle=angle["angle"] * 0.01)])
+
+
+def test_an_array_that_says_it_is_emulated_is_told_as_such():
+    given = xr.DataArray(swing(), attrs={"units": "rad", "emulated": "yes"})
+    assert swings(TIMES, given)[0].attrs["emulated"] == "yes"
+    assert swings(TIMES, swing(), "rad")[0].attrs["emulated"] == "no"
+
+
+@pytest.mark.parametrize("given", [np.zeros((50, 3)), np.zeros(50), np.zeros((2, 3, 2))])
+def test_numbers_without_times_beside_them_are_refused(given):
+    with pytest.raises(InputError, match="no angles are given, and the times bring none along"):
+        swings(given)

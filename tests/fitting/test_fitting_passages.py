@@ -69,3 +69,11 @@ def test_a_gate_beside_the_middle_is_taken_off():
     assert both_ways(passed(-0.04), HALVES) == pytest.approx(passed(-0.04), abs=1e-9)
     one_way = HALVES[::2]
     assert both_ways(passed(0.0)[::2] + 0.01, one_way) == pytest.approx(passed(0.0)[::2] + 0.01)
+
+
+def test_of_fewer_than_six_passages_one_way_nothing_is_taken_off():
+    for count, taken in ((11, False), (12, True)):  # five and six of those the other way
+        halves = HALVES[:count]
+        beside = passed(0.0)[:count] + 0.01 * (-1.0) ** halves
+        assert np.array_equal(both_ways(beside, halves), beside) != taken
+    assert both_ways(beside, halves) == pytest.approx(passed(0.0)[:12], abs=1e-9)

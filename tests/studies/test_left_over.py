@@ -28,4 +28,4 @@ def test_a_swing_of_few_samples_is_taken_as_it_is():
 
 def test_much_is_told_with_its_share_and_little_is_not():
     assert doubt(0.9 * MUCH, "anna") == ""
-    assert "leaves 17 % of anna" in doubt(0.17, "anna")
+    assert "leaves 66 % of anna" in doubt(0.66, "anna")

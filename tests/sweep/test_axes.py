@@ -26,6 +26,11 @@ def test_a_range_has_both_its_ends_in_equal_steps_or_equal_ratios():
         (1.0,),
         (10.0,),
     ]
+    assert steps("a", {"from": 1, "to": 0.01, "steps": 3, "spacing": "log"}, "here") == [
+        (1.0,),
+        (0.1,),
+        (0.01,),
+    ]
     assert steps("a", {"from": 0, "to": 0.3, "steps": 4}, "here") == [
         (0.0,),
         (0.1,),

@@ -10,7 +10,7 @@ from swingdown.errors import InputError
 from swingdown.pendulum.model import Model
 from swingdown.pendulum.model_file import write_model
 from swingdown.study.settings import complete
-from swingdown.sweep.draws import cell_key, cell_keys, noise_key, stream
+from swingdown.sweep.draws import cell_key, cell_keys, noise_key, stream, value_of
 from swingdown.sweep.table import READS, sweeps
 
 SMALL = {
@@ -227,3 +227,8 @@ def test_a_model_of_a_rate_is_no_pendulum_of_a_sweep(tmp_path):
     file = write_model(Model("viscous", {"natural_frequency": 7.0, "viscous_ratio": 0.01}).of("rate"), tmp_path / "model.yaml")  # fmt: skip
     with pytest.raises(InputError, match="angular rate"):
         of_pendulum({"pendulum": str(file), "computes": "detection"}, "config, key sweeps")
+
+
+def test_a_parameter_has_its_own_key_or_that_of_the_simulation():
+    settings = {"simulation.viscous_ratio": 0.01, "parameters.detent_order": 3.0}
+    assert value_of(settings, "viscous_ratio") == 0.01 and value_of(settings, "detent_order") == 3.0

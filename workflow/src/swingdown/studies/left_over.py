@@ -27,7 +27,7 @@ def share_left(residual: Floats, series: Floats) -> float:
 
 def _samples(series: Floats) -> int:
     """How many samples a part of a period has, by the strongest line of the spectrum: noise moves no crossings there."""
-    line = 1 + int(np.argmax(np.abs(np.fft.rfft(series - series.mean()))[1:]))
+    line = 1 + int(np.argmax(np.abs(np.fft.rfft(series))[1:]))
     return max(1, int(_PART * series.size / line))
 
 
