@@ -148,7 +148,7 @@ def test_of_a_model_that_lacks_much_the_period_is_that_of_the_passages():
     with pytest.warns(DoubtfulFit, match="leaves 17 % of swing"):
         row = swingdown.fit(times, size * np.cos(np.cumsum(pace) * 0.02), unit="rad").row
     assert row["period_s"] == pytest.approx(0.9 * (1 + 1.2**2 / 16), abs=1e-3)
-    assert "by passages of the middle" in row["note"]
+    assert "by passages of the middle" in row["note"] and row["period_of"] == "passages"
 
 
 def test_what_a_motor_drives_gives_no_number():

@@ -199,8 +199,11 @@ def _of_swings(
     if courses := ask_counted(table, given) if checked else {}:
         own = table.get("note", pd.Series("", index=table.index)).astype(object).fillna("")
         table["note"] = [
-            joined(note, courses.get(name, "")) for name, note in zip(table["recording"], own, strict=True)
+            joined(note, courses[name][1] if name in courses else "")
+            for name, note in zip(table["recording"], own, strict=True)
         ]
+        last = {name: period for name, (period, _) in courses.items()}
+        table["last_period_s"] = table["recording"].map(last).fillna(table.get("last_period_s", np.nan))
     # a motor's period is that of its swings, whatever their unit
     steady = (table["model"] == NOT_DYING).any()
     again = {str(one.attrs["recording"]): str(one.attrs.get(TOLD, "")) for one in given}

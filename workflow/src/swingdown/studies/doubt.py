@@ -271,8 +271,8 @@ def check_free(fits: xr.Dataset, given: xr.Dataset, label: str, catalogue: Catal
             )
 
 
-def ask_counted(table: pd.DataFrame, angles: Sequence[xr.Dataset]) -> dict[str, str]:
-    """By recording from where to where the period goes, where a stop-watch shows that; NotFree where a period of a ``table`` of pendulums is not
+def ask_counted(table: pd.DataFrame, angles: Sequence[xr.Dataset]) -> dict[str, tuple[float, str]]:
+    """By recording the last period (s), and in words from where to where it goes, where a stop-watch shows that; NotFree where a period of a ``table`` of pendulums is not
     known, or disagrees with the passages of the middle that no model enters.
 
     Of swings so few, or so small beside the noise, that their period is known to a tenth alone, or of a model that counts other swings
@@ -308,11 +308,10 @@ def ask_counted(table: pd.DataFrame, angles: Sequence[xr.Dataset]) -> dict[str, 
                 mend_of(one),
             )
         last, unsure = of_last_swings(one["time"].values, series_of(one).values)
-        if abs(last - told) > max(SURE * unsure, SHOWN * told) and COURSE.split("{}")[0] not in str(
-            rows.iloc[0].get("note")
-        ):
+        known = np.isfinite(rows.iloc[0].get("last_period_s", np.nan))
+        if abs(last - told) > max(SURE * unsure, SHOWN * told) and not known:
             ends = value_with_uncertainty(told, u), value_with_uncertainty(last, unsure)
-            courses[str(one.attrs["recording"])] = COURSE.format(*ends)
+            courses[str(one.attrs["recording"])] = last, COURSE.format(*ends)
     return courses
 
 

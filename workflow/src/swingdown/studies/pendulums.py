@@ -139,6 +139,8 @@ _TAIL = (
     "or_model",
     "share_left",
     "model_of",
+    "period_of",
+    "last_period_s",
     *RESIDUALS.values(),
     "record_s",
     "verdict",
@@ -150,7 +152,16 @@ _TAIL = (
     "remark",
 )
 # columns that are there where a row has them
-_SELDOM = (RESIDUALS[RATE], "amplitude_text", "g_of", "note", "or_model", "share_left")
+_SELDOM = (
+    RESIDUALS[RATE],
+    "amplitude_text",
+    "g_of",
+    "note",
+    "or_model",
+    "share_left",
+    "period_of",
+    "last_period_s",
+)
 
 
 def _row(
@@ -185,15 +196,15 @@ def _row(
     if unscaled:
         period, more = at_first_swing(own.isel(recording=0)) if name != TOGETHER else (None, {})
         if period is None and name != TOGETHER:
-            period, note = as_seen(own.isel(recording=0))
-            more = {"amplitude_text": "the first swings", "note": note} if period else {}
+            period, more = as_seen(own.isel(recording=0))
+            more |= {"amplitude_text": "the first swings"} if period else {}
         derived = {key: derived[key] for key in _WITHOUT_SCALE} | ({"period": period} if period else {})
         row |= {"amplitude_rad": np.nan, **more}
     elif left > MUCH and name != TOGETHER and not points:
-        period, note = as_seen(own.isel(recording=0))
+        period, more = as_seen(own.isel(recording=0))
         if period:
             derived = derived | {"period": period}
-            row["note"] = note
+            row |= more
     for key, quantity in derived.items():
         row |= cells_of(key, quantity)
     rms = np.nan if unscaled else np.radians(np.sqrt(np.mean(fitted["norm"].sel(fitted=label).values ** 2)))
@@ -255,7 +266,12 @@ def by_verdict(row: Mapping[str, Any], verdict: Mapping[str, Any]) -> dict[str, 
     if not concluded or verdict["status"] == "unknown":
         return dict(row)
     ends = ("", "_u", "_text")
-    old = {"or_model", "share_left", *(f"{key}{end}" for key in row if f"{key}_u" in row for end in ends)}
+    old = {
+        "or_model",
+        "share_left",
+        "period_of",
+        *(f"{key}{end}" for key in row if f"{key}_u" in row for end in ends),
+    }
     found = {key: value for key, value in row.items() if key not in old and key not in RESIDUALS.values()}
     for name, one in concluded["quantities"].items():
         value, error = (np.nan if one[key] is None else one[key] for key in ("value", "standard_uncertainty"))

@@ -22,6 +22,7 @@ _SEEN = 3.0  # standard errors of a slope
 _LAST = 4  # of the last periods, each half a swing after the one before
 _EARLY = 3  # periods, each half a swing after the one before, that the course of the period must meet
 COURSE = "between the first and the last swing the period goes from {} to {} s"
+PASSAGES = "passages"  # where a row's period comes from, if from no model
 NOTE = "the period is that of its first swings, by passages of the middle, for the model lacks something"
 
 
@@ -115,7 +116,8 @@ def of_last_swings(times: Floats, series: Floats) -> tuple[float, float]:
 
 
 def at_first_swing(own: xr.Dataset) -> tuple[Quantity | None, dict[str, Any]]:
-    """The period of the first swing, and the cells of a row of ``studies.pendulums`` that say so: ``amplitude_text`` and ``note``.
+    """The period of the first swing, and the cells of a row of ``studies.pendulums`` that say so: ``amplitude_text``, ``note``, ``period_of`` and
+    ``last_period_s``.
 
     ``own`` is the recording's part of the norms. None and no cells where too few passages tell it.
     """
@@ -130,21 +132,21 @@ def at_first_swing(own: xr.Dataset) -> tuple[Quantity | None, dict[str, Any]]:
         for one, u in ((first, u_first), (first + change, float(np.hypot(u_first, u_change))))
     ]
     note = f"{COURSE.format(*both)}; the period of small swings needs the scale"
-    return Quantity(first, u_first, "s"), {"amplitude_text": "the first swing", "note": note}
+    cells = {"period_of": PASSAGES, "last_period_s": first + change}
+    return Quantity(first, u_first, "s"), {"amplitude_text": "the first swing", "note": note, **cells}
 
 
-def as_seen(own: xr.Dataset) -> tuple[Quantity | None, str]:
-    """The period of the first swings of what a model of damping follows badly, and a note; None where too few passages tell it.
+def as_seen(own: xr.Dataset) -> tuple[Quantity | None, dict[str, Any]]:
+    """The period of the first swings of what a model of damping follows badly, and the cells that say so; None where too few passages tell it.
 
     A model that lacks something may have another period than the swing, and its uncertainty knows nothing of that.
     """
     if "period_first" not in own or not np.isfinite(own["period_first"].values).all():
-        return None, ""
+        return None, {}
     first, u_first = (float(np.atleast_1d(own[key].values)[0]) for key in ("period_first", "period_first_u"))
-    return Quantity(first, u_first, "s"), NOTE
+    return Quantity(first, u_first, "s"), {"note": NOTE, "period_of": PASSAGES}
 
 
 def course_seen(row: Mapping[str, Any]) -> bool:
     """True for a row of ``studies.pendulums`` that tells by passages of the middle, and by no model, how its period goes."""
-    note = row.get("note")
-    return isinstance(note, str) and any(one in note for one in (NOTE, COURSE.split("{}")[0]))
+    return row.get("period_of") == PASSAGES or bool(np.isfinite(row.get("last_period_s", np.nan)))
