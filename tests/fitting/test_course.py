@@ -38,3 +38,12 @@ def test_a_swing_tells_its_amplitude_its_loss_and_by_how_much_a_larger_one_is_sl
 def test_a_course_counts_where_it_gains_more_than_its_price(of_frequency, of_loss, of_both, kinds):
     gains = np.array([[0.0, of_loss], [of_frequency, of_both]])
     assert {(f, g) for f, g, gain in _chosen(gains) if gain > 0 or (f, g) == (0, 0)} == kinds
+
+
+@pytest.mark.parametrize("value", [0.0, 0.3, np.inf])
+def test_a_fit_that_does_not_move_has_no_courses(value):
+    still = Pieces(
+        np.zeros(0, dtype=int), np.zeros((0, 50)), np.zeros(50), np.ones(50), np.full(50, value), 0.02, 1.0
+    )
+    with np.errstate(invalid="ignore"), pytest.raises(np.linalg.LinAlgError):
+        _swing(still, 1e-3)

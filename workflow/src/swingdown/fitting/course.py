@@ -79,10 +79,13 @@ class _Swing(NamedTuple):
 
 
 def _swing(piece: Pieces, floor: float) -> _Swing:
-    """The fitted swing; nothing is told of amplitudes below the ``floor``."""
+    """The fitted swing; nothing is told of amplitudes below the ``floor``. LinAlgError for a fit that does not move."""
     reading = piece.reading - np.mean(piece.reading)
     speed = np.gradient(reading, piece.interval)
-    frequency = float(np.sqrt(speed @ speed / (reading @ reading)))
+    moved, turned = float(reading @ reading), float(speed @ speed)
+    if not (0 < moved < np.inf and 0 < turned < np.inf):
+        raise np.linalg.LinAlgError("no swing")
+    frequency = float(np.sqrt(turned / moved))
     wide = np.log(np.maximum(np.hypot(reading, speed / frequency), floor))
     period = max(1, round(2 * np.pi / frequency / piece.interval))
     place = np.arange(wide.size)
