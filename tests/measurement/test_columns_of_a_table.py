@@ -306,3 +306,13 @@ def test_what_a_bob_does_twice_a_period_is_asked_about(take, zero, words):
     with pytest.raises(InputError, match=words):
         take(columns("t (s),data", long, values))
     assert take(columns("t (s),data (rad)", long, zero + swing))["signal"].size == 1200
+
+
+@pytest.mark.parametrize("header", ["Sample,Distance (cm)", "Sampleid,Distance"])
+def test_with_a_rate_what_counts_the_rows_is_no_swing(take, header):
+    rows = "".join(f"{k},{20 + 2 * x:.4f}\n" for k, x in enumerate(SWING))
+    with pytest.raises(InputError, match="counts frames or samples"):
+        take(f"{header}\n{rows}")
+    recording = take(f"{header}\n{rows}", rate_hz=20)
+    assert "`Distance" in recording.attrs["taken"]
+    assert "counts the rows: left out" in recording.attrs["remarks"]

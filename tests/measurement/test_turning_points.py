@@ -109,6 +109,14 @@ def test_times_without_a_common_interval_are_refused_in_words(tmp_path):
         taken(tmp_path, "t (s),amplitude (rad)", times, np.abs(A[::2]))
 
 
+def test_a_few_points_of_which_some_do_not_fit_are_asked_about(tmp_path):
+    """Turning points written down now and then fall, and some of them happen to be as far apart as others."""
+    times = [0, 7.23, 17.5, 31.9, 47.4, 63.7, 79.1, 93.4]
+    with pytest.raises(InputError, match="cannot be told") as problem:
+        taken(tmp_path, "t (s),theta (rad)", times, 0.22 * np.exp(-0.02 * np.array(times)))
+    assert "signal_kind" in problem.value.mend
+
+
 def test_a_sampled_swing_is_never_taken_for_turning_points(tmp_path):
     for rate, offset, name in (
         (8, 0.0, "amplitude (rad)"),

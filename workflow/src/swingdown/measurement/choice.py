@@ -27,6 +27,7 @@ from .columns import (
     place_of,
 )
 from .gyroscope import TO_RAD_PER_S
+from .layout import CLOCKED
 from .plausibility import ENOUGH, in_a_row
 from .table import Table, numbers
 
@@ -91,7 +92,8 @@ def may_be_it(table: Table, row: Mapping[str, Any]) -> list[str]:
 
 
 def without_still(table: Table, row: Mapping[str, Any]) -> tuple[Table, list[str]]:
-    """The table without the columns that hold one value throughout, and a remark on them, where others move: they are no swing.
+    """The table without the columns that hold one value throughout, or where a rate made the times count the rows, and remarks on them, where
+    others move: they are no swing.
 
     A long file is taken as it is, and so is a column that the sheet names, and one that is alone beside the time.
     """
@@ -116,11 +118,26 @@ def without_still(table: Table, row: Mapping[str, Any]) -> tuple[Table, list[str
         and np.isfinite(one).sum() >= SHORTEST
         and np.nanmax(one) == np.nanmin(one)
     ]
-    moving = tuple(name for name in table.names if name not in still)
-    if not still or len(moving) < 2:
+    counting = [
+        name
+        for name, one in values.items()
+        if CLOCKED in table.names
+        and name not in named | {CLOCKED}
+        and np.size(one)
+        and np.all(np.diff(one) == 1)
+    ]
+    moving = tuple(name for name in table.names if name not in still + counting)
+    if not still + counting or len(moving) < 2:
         return kept, []
-    told = f"{', '.join(f'`{name}`' for name in still)} hold{'s' if len(still) == 1 else ''} one value throughout: left out"
-    return kept._replace(names=moving, pieces=[piece[list(moving)] for piece in held]), [told]
+    told = [
+        f"{', '.join(f'`{name}`' for name in left)} {words if len(left) == 1 else more}: left out"
+        for left, words, more in (
+            (still, "holds one value throughout", "hold one value throughout"),
+            (counting, "counts the rows", "count the rows"),
+        )
+        if left
+    ]
+    return kept._replace(names=moving, pieces=[piece[list(moving)] for piece in held]), told
 
 
 def with_running_time(table: Table, row: Mapping[str, Any]) -> tuple[Table, Mapping[str, Any], list[str]]:

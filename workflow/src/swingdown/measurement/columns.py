@@ -50,7 +50,7 @@ _DRIVES = re.compile(
 )
 _SIZE_ALONE = re.compile(r"(?i)\b(abs|absolute|magnitude|norm|total|betrag)\b")
 _NUMBERS = re.compile(
-    r"(?i)(frame|frames|frame ?(no|nr|number|index|id)|bild|bildnummer|fotograma|image|sample|samples|sample ?(no|number|index)|index|idx|n|no|nr)\.?"
+    r"(?i)(frame|frames|frame ?(no|nr|number|index|id)|bild|bildnummer|fotograma|image|sample|samples|sample ?(no|nr|number|id|index)|index|idx|n|no|nr)\.?"
 )
 _QUATERNION = re.compile(r"(?i)(q|quat|quaternion|orientation)[ _.]?[wxyz0-3]")
 _COORDINATE = re.compile(r"(?i)^(?:.*[ _-])?(?:position[ _-]?)?([xy])(?:[ _-]?(?:position|pos))?$")

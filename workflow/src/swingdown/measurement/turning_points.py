@@ -110,6 +110,10 @@ def points_in(
         times, readings, told = _once(times, readings, signed)
         count, used = _counts(times, np.abs(readings) * in_rad, place)
         halves = step * count
+        if halves.size < min(times.size, 2 * FEWEST) and not stated:
+            raise _no_count(
+                place
+            )  # that they are turning points is a guess: of a few points it has to suit all
         if halves.size < times.size:
             told.append(
                 f"used from {times[used][0]:.6g} to {times[used][-1]:.6g} s: how many swings passed beyond cannot be told"
@@ -291,7 +295,8 @@ def _check_marks(times: Floats, place: str) -> None:
 def _no_count(place: str) -> InputError:
     return InputError(
         place, "how many swings passed between its points cannot be told: their times are not multiples of one interval",
-        "turning points of which some follow each other", "write down every turning point, or their numbers instead of times",
+        "turning points of which some follow each other",
+        "write down every turning point, or their numbers instead of times; " + _ALTERNATIVES,
     )  # fmt: skip
 
 
