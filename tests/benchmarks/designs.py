@@ -1,11 +1,13 @@
 """Campaigns of designs drawn at random through the search: how each ends, what it names, how long it takes.
 
     .venv/bin/python tests/benchmarks/designs.py SEED COUNT [--first K] [--kinds null,single,removed,foreign,pair] [--swings N] [--rate R]
+        [--seconds S] [--samples N] [--no-friction]
 
 Campaign K of a seed is always the same: so many swings of so many seconds at so many samples a second, up to an angle between 5 and 90 degrees, under
 a weight or a spring, read as an angle or a rate, under white, coloured or stepped noise; half of them with a misfit that has no name.
 The search begins with what damps the pendulum, or with a base that is too rich, too poor, or the default one. A line is printed for each
-campaign, and at the end how often each kind ended in which way.
+campaign, and at the end how often each kind ended in which way. Without friction viscous drag alone damps the pendulums, so that what rubs is
+nothing that the search begins with.
 """
 
 import argparse
@@ -44,19 +46,21 @@ class Asked(NamedTuple):
     base: str
 
 
-def asked(seed, number, kinds=KINDS, swings=SWINGS, rates=RATES):
+def asked(seed, number, kinds=KINDS, swings=SWINGS, rates=RATES, longest=SECONDS[1], most=MOST, rubs=True):
     """The ``Asked`` of a seed and a number."""
     rng = np.random.default_rng([seed, number])
     while True:
         count, rate = int(rng.choice(swings)), float(rng.choice(rates))
-        seconds, degrees = (float(np.exp(rng.uniform(*np.log(limits)))) for limits in (SECONDS, DEGREES))
-        if count * rate * seconds <= MOST:
+        seconds, degrees = (
+            float(np.exp(rng.uniform(*np.log(limits)))) for limits in ((SECONDS[0], longest), DEGREES)
+        )
+        if count * rate * seconds <= most:
             break
     largest = np.radians(degrees)
     smallest = largest if count == 1 else 0.3 * largest
     design = trials.Design(
         count, seconds, rate, smallest, (largest, largest), str(rng.choice(["sine", "sine", "linear"])),
-        str(rng.choice(["angle"] * 4 + ["rate"])),
+        str(rng.choice(["angle"] * 4 + ["rate"])), rubs,
     )  # fmt: skip
     kind = str(rng.choice(kinds))
     names = trials.hideable(SHIPPED, design)
@@ -105,11 +109,16 @@ def main(argv=None):
     parser.add_argument("--kinds", default=",".join(KINDS))
     parser.add_argument("--swings", type=int)
     parser.add_argument("--rate", type=float)
+    parser.add_argument("--seconds", type=float, default=SECONDS[1], help="of the longest swing")
+    parser.add_argument("--samples", type=int, default=MOST, help="the most of a campaign")
+    parser.add_argument("--no-friction", action="store_true")
     given = parser.parse_args(argv)
     swings, rates = (given.swings,) if given.swings else SWINGS, (given.rate,) if given.rate else RATES
     ends, spent = Counter(), []
     for number in range(given.first, given.first + given.count):
-        one = asked(given.seed, number, given.kinds.split(","), swings, rates)
+        one = asked(
+            given.seed, number, given.kinds.split(","), swings, rates, given.seconds, given.samples, not given.no_friction
+        )  # fmt: skip
         trial = drawn(given.seed, one.planned, design=one.design)
         if trial is not None and one.misfit:
             try:

@@ -46,7 +46,7 @@ PAIRS = (
 
 class Design(NamedTuple):
     """How a campaign was recorded: the number of swings, of so many seconds at so many samples a second, between which angles (rad) their
-    amplitudes are spread (the largest is drawn between two), what pulls back, and what the sensor reads."""
+    amplitudes are spread (the largest is drawn between two), what pulls back, what the sensor reads, and whether the bearing rubs."""
 
     swings: int = 6
     duration: float = 20.0
@@ -55,10 +55,13 @@ class Design(NamedTuple):
     largest: tuple[float, float] = (0.8, 1.05)
     restoring: str = "sine"
     reading: str = "angle"
+    rubs: bool = True
 
     @property
     def base(self) -> tuple[str, ...]:
         """What damps every pendulum of this design: friction goes with the load where a weight pulls back."""
+        if not self.rubs:
+            return ("viscous",)
         return BASE if self.restoring == "sine" else ("viscous", "constant_coulomb")
 
 
