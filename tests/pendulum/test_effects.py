@@ -14,6 +14,7 @@ from swingdown.pendulum import formula
 from swingdown.pendulum.catalogue import SHIPPED, Catalogue
 from swingdown.pendulum.effect import TERM_UNITS, VARIABLES, Effect, Parameter, State
 from swingdown.pendulum.model import Model
+from swingdown.pendulum.own import own_effects
 from swingdown_trials.torques import KNOWN
 
 UNITS = pint.UnitRegistry()
@@ -268,3 +269,20 @@ def test_a_typical_value_is_one_that_the_effect_may_have_and_that_trials_draw(ef
         ranges = [part for part in one.drawn if isinstance(part, tuple)] or [one.drawn]
         pairs = [part for part in ranges if len(part) == 2]
         assert not pairs or any(low <= one.typical <= high for low, high in pairs), one.name
+
+
+def test_a_friction_is_what_is_left_at_no_speed():
+    """Whatever its formula: structural damping is left where a swing turns, and nothing of it at the middle; a memory has what it becomes."""
+    own = own_effects(
+        {
+            "felt": {
+                "torque": "-c*(1 + 0.3*cos(theta))*sign(thetadot)",
+                "parameters": {"c": {"unit": "rad/s^2"}},
+            },
+            "comb": {"torque": "-c*sin(theta)/theta", "parameters": {"c": {"unit": "rad/s^2"}}},
+        }
+    )
+    known = SHIPPED.with_effects(*own)
+    assert [name for name in known.names if known.rubs(name)] == [
+        "load_coulomb", "constant_coulomb", "stribeck", "presliding", "felt",
+    ]  # fmt: skip

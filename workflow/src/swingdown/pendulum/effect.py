@@ -20,6 +20,8 @@ from dataclasses import dataclass, field
 from math import inf
 from typing import Any, Literal, NamedTuple
 
+import numpy as np
+
 from .formula import evaluate
 
 INPUTS = {"input": "1", "input_rate": "1/s", "input_curve": "1/s**2"}
@@ -164,8 +166,12 @@ class Effect:
             return False
         values = {one.symbol: one.starts[0] if one.starts else 1.0 for one in self.parameters}
         at = dict.fromkeys(VARIABLES, 0.0) | {"duration": 1.0, "omega_n": 1.0} | values
-        forth, back = (evaluate(self.term, **at | {"thetadot": speed}) for speed in (_SLOW, -_SLOW))
-        return bool(abs(forth - back) > _NOTHING)
+        forth, back = (
+            {name: np.float64(value) for name, value in (at | {"thetadot": speed}).items()}
+            for speed in (_SLOW, -_SLOW)
+        )
+        with np.errstate(all="ignore"):  # of a formula that has no value at the middle
+            return bool(abs(evaluate(self.term, **forth) - evaluate(self.term, **back)) > _NOTHING)
 
     def with_role(self, *roles: Role) -> tuple[Parameter, ...]:
         """The parameters that have one of these roles."""
