@@ -26,11 +26,10 @@ from ..pendulum.model import Model
 from ..rounding import value_with_uncertainty
 from ..studies.pendulums import by_verdict, in_order, residual_of
 from ..studies.quantities import Quantity
-from ..studies.timed import Timed, timed
-from ..studies.unscaled import course_seen, of_first_swings
 from ..studies.words import headline, lines, or_models, quantity_rows, short
 from .recorded import samples_of
 from .simulation import swing_of
+from .stop_watch import by_stop_watch, known
 
 if TYPE_CHECKING:
     from ..plots.style import Drawn
@@ -384,11 +383,11 @@ class Answer:
         return {
             "sentence": self.sentence,
             "recordings": [str(one.attrs["recording"]) for one in self.swings],
-            "amplitude_rad": _known(row["amplitude_rad"]),
+            "amplitude_rad": known(row["amplitude_rad"]),
             "quantities": {
                 one.name: {
                     "value": one.value,
-                    "standard_uncertainty": _known(one.uncertainty),
+                    "standard_uncertainty": known(one.uncertainty),
                     "unit": one.unit,
                     "text": value_with_uncertainty(one.value, one.uncertainty),
                 }
@@ -396,42 +395,13 @@ class Answer:
             },
             "model": self.label,
             "or_models": or_models(row),
-            "timed": self._timed(),
-            "residual": {"value": _known(residual_of(row)[0]), "unit": residual_of(row)[1]},
-            "residual_rad": _known(row["residual_rad"]) if residual_of(row)[1] == "rad" else None,
+            "timed": by_stop_watch(self.shown, self.table),
+            "residual": {"value": known(residual_of(row)[0]), "unit": residual_of(row)[1]},
+            "residual_rad": known(row["residual_rad"]) if residual_of(row)[1] == "rad" else None,
             "emulated": row["emulated"] == "yes",
             "remarks": self.remarks,
             "verdict": dict(self.verdict) if self.verdict else None,
         }
-
-    def _timed(self) -> list[dict[str, Any]]:
-        """By recording the mean period of its first and of its last ten swings, as a stop-watch shows it, with the amplitude in their middle; and the
-        period of the first whole swing by its passages of the middle alone."""
-        rows = {one["recording"]: one for one in self.table.to_dict("records")}
-        told = []
-        for name in dict.fromkeys(one.recording for one in self.shown):
-            parts, row = [one for one in self.shown if one.recording == name], rows.get(name, self.row)
-            times, series, fit = (
-                np.concatenate([getattr(one, key) for one in parts]) for key in ("times", "angle", "fit")
-            )
-            found = timed(times, series, series if course_seen(row) else fit)
-            if found:
-                scale = parts[0].unit == "rad" and np.isfinite(row["amplitude_rad"])
-                first, last = (_as_timed(one, scale) for one in found)
-                alone = of_first_swings(times, series)
-                told.append(
-                    {
-                        "recording": name,
-                        "first_swing": {
-                            "period_s": _known(alone["period_first"]),
-                            "standard_uncertainty": _known(alone["period_first_u"]),
-                        },
-                        "swings": found[0].swings,
-                        "first": first,
-                        "last": last,
-                    }
-                )
-        return told
 
     def _repr_html_(self) -> str:
         rows = [
@@ -441,13 +411,3 @@ class Answer:
         said = [*self.remarks, *lines(self.row, self.verdict)[-1:]] if self.verdict else self.remarks
         picture = self.plot() if self.shown and has("matplotlib") else None
         return markup.page(said, markup.table([], rows), picture, self.sentence)
-
-
-def _as_timed(one: Timed, scaled: bool) -> dict[str, Any]:
-    """The mean period (s) of some swings, and their amplitude (rad) where it is known."""
-    return {"period_s": _known(one.period), "amplitude_rad": one.amplitude if scaled else None}
-
-
-def _known(value: float) -> float | None:
-    """The number, or None where it is not known: JSON has none for that."""
-    return float(value) if np.isfinite(value) else None
