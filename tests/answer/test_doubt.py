@@ -12,10 +12,8 @@ import yaml
 import swingdown
 from swingdown.__main__ import main
 from swingdown.answer.given import swings
-from swingdown.answer.options import CELLS, TO_READ, TO_THE_COMMAND
 from swingdown.engine.trajectory import simulate
-from swingdown.errors import SHEET, InputError, as_told, told_to
-from swingdown.measurement.sheet import COLUMNS
+from swingdown.errors import InputError
 from swingdown.pendulum.catalogue import catalogue
 from swingdown.pendulum.model import Model
 from swingdown.studies.doubt import DoubtfulFit, NotFree, ask_counted, check_free, fit_any, unit_in_doubt
@@ -216,38 +214,6 @@ def test_the_command_names_its_options_and_the_line(tmp_path, monkeypatch, capsy
         assert words in told.err and words not in told.out
 
 
-NAMED = "name it ⟨in time_column⟩; ⟨start_s⟩ and ⟨stop_s=3.2⟩; say ⟨restoring=linear⟩; write counts ⟨in signal_unit⟩; ⟨in gain_tolerance⟩"
-
-
-@pytest.mark.parametrize(
-    ("audience", "told"),
-    [
-        (SHEET, "name it in the cell time_column of the sheet; start_s and stop_s: 3.2; say restoring: linear; write counts in the cell signal_unit of the sheet; "),
-        (TO_THE_COMMAND, "name it with --time-column; --start and --stop 3.2; say --restoring linear; write counts with --unit; "),
-        (TO_READ, "name it with time_column=; start= and stop=3.2; say restoring='linear'; write counts with unit=; "),
-    ],
-)  # fmt: skip
-def test_settings_are_named_as_those_say_them_who_are_told(audience, told):
-    told += "in the cell gain_tolerance of the sheet"  # which no option or argument stands for
-    with told_to(audience):
-        problem = InputError("a.csv", "it is no swing", "one", NAMED)
-    assert problem.mend == told and told in str(problem)
-    assert problem.settings["stop_s"] == "3.2" and problem.settings["time_column"] == ""
-    assert as_told("⟨rate_hz⟩") == "rate_hz"  # the block is left
-
-
-def test_each_setting_that_a_text_names_is_one(root):
-    """A cell of the sheet, or what pulls a pendulum back; a name that is in no list would be told as a cell that nobody has."""
-    texts = [
-        path.read_text()
-        for path in (root / "workflow/src/swingdown").rglob("*.py")
-        if path.name != "errors.py"
-    ]
-    names = {name for text in texts for name in re.findall(r"⟨(?:in )?(\w+)", text)}
-    assert len(names) > 8 and names <= {*COLUMNS, "restoring"}
-    assert {*CELLS} <= {*COLUMNS}
-
-
 @pytest.mark.slow("a search")
 def test_what_damping_alone_does_not_follow_is_explained_where_a_name_is_found():
     """A spring that softens so much that a pendulum's period is wrong by whole swings."""
@@ -288,57 +254,6 @@ def test_where_nothing_is_established_the_numbers_are_those_of_damping():
     assert by_verdict(row, {"status": "unknown", "conclusion": concluded}) == row
     found = by_verdict(row, {"status": "partial", "conclusion": concluded})
     assert (found["period_s"], found["model_of"]) == (1.02, "search")
-
-
-def in_degrees(release=2.2, effects="viscous+load_coulomb", **values):
-    """The times, and the angles in degrees, of a pendulum that swings a little."""
-    values = {"natural_frequency": 6.2, "viscous_ratio": 0.004} | values
-    times, model = np.arange(1500) / 60, Model(effects, values | {"load_friction": 1e-5})
-    angle = np.degrees(simulate(model, times, np.radians(release)))
-    return times, angle + 0.004 * np.random.default_rng(6).standard_normal(times.size)
-
-
-@pytest.mark.parametrize("call", [swingdown.fit, swingdown.explain])
-@pytest.mark.parametrize("release", [0.4, 2.2])
-def test_degrees_without_a_word_are_asked_about_however_small(call, release):
-    with pytest.raises(InputError, match="no unit is stated, and the unit is in doubt") as caught:
-        call(*in_degrees(release))
-    assert "in rad or in deg" in caught.value.expected and "write restoring='linear'" in caught.value.mend
-    assert swingdown.fit(*in_degrees(release), unit="deg").table["remark"].tolist() == [""]
-
-
-@pytest.mark.slow("a search")
-@pytest.mark.parametrize("scale", [1.0, np.radians(1) ** 2])
-def test_a_stated_unit_is_never_overruled_and_nothing_is_named_whose_work_is_that_of_another(scale):
-    """Degrees that are called rad, and rad that are called degrees."""
-    times, angle = in_degrees(release=2.2 if scale == 1 else 60)
-    found = swingdown.explain(
-        times, angle if scale == 1 else np.radians(angle), unit="rad" if scale == 1 else "deg"
-    )
-    assert found.verdict["status"] == "unknown" and not found.verdict["effects"]
-    assert str(found).startswith("What stops it is not established")
-    assert "\nBeware: the unit is in doubt" in str(found)
-    assert "57.3 times" in found.verdict["sentence"] and "57.3 times" in found.row["remark"]
-
-
-def test_degrees_without_a_word_that_no_model_follows_are_asked_about():
-    """Two coupled pendulums: their beats are of no damping, in any unit."""
-    times = np.arange(0, 45, 0.025)
-    beat = 2.7 * np.cos(4.06 * times) + 0.2 * np.cos(3.9 * times + 1)
-    with pytest.raises(InputError, match="no unit is stated, and the unit is in doubt"):
-        swingdown.fit(times, beat * np.exp(-0.004 * times))
-
-
-def test_swings_too_small_to_tell_their_unit_say_so_where_nobody_does():
-    times, degrees = in_degrees(release=0.5)
-    told = "no unit is stated: taken for rad, and the swings are too small to tell it from deg"
-    assert told in str(swingdown.fit(times, np.radians(degrees)))
-    assert "no unit" not in str(swingdown.fit(times, np.radians(degrees), unit="rad"))
-
-
-def test_large_swings_in_rad_need_no_word():
-    times, degrees = in_degrees(release=50)
-    assert swingdown.fit(times, np.radians(degrees)).remarks == []
 
 
 def test_a_wheel_that_nobody_calls_one_is_asked_about():

@@ -1,0 +1,60 @@
+"""Degrees and radians: what is stated is taken, what large swings tell is taken, and the rest is asked about."""
+
+import numpy as np
+import pytest
+
+import swingdown
+from swingdown.engine.trajectory import simulate
+from swingdown.errors import InputError
+from swingdown.pendulum.model import Model
+
+
+def in_degrees(release=2.2, effects="viscous+load_coulomb", **values):
+    """The times, and the angles in degrees, of a pendulum that swings a little."""
+    values = {"natural_frequency": 6.2, "viscous_ratio": 0.004} | values
+    times, model = np.arange(1500) / 60, Model(effects, values | {"load_friction": 1e-5})
+    angle = np.degrees(simulate(model, times, np.radians(release)))
+    return times, angle + 0.004 * np.random.default_rng(6).standard_normal(times.size)
+
+
+@pytest.mark.parametrize("call", [swingdown.fit, swingdown.explain])
+@pytest.mark.parametrize("release", [0.4, 2.2])
+def test_degrees_without_a_word_are_asked_about_however_small(call, release):
+    with pytest.raises(InputError, match="no unit is stated, and the unit is in doubt") as caught:
+        call(*in_degrees(release))
+    assert "in rad or in deg" in caught.value.expected and "write restoring='linear'" in caught.value.mend
+    assert swingdown.fit(*in_degrees(release), unit="deg").table["remark"].tolist() == [""]
+
+
+@pytest.mark.slow("a search")
+@pytest.mark.parametrize("scale", [1.0, np.radians(1) ** 2])
+def test_a_stated_unit_is_never_overruled_and_nothing_is_named_whose_work_is_that_of_another(scale):
+    """Degrees that are called rad, and rad that are called degrees."""
+    times, angle = in_degrees(release=2.2 if scale == 1 else 60)
+    found = swingdown.explain(
+        times, angle if scale == 1 else np.radians(angle), unit="rad" if scale == 1 else "deg"
+    )
+    assert found.verdict["status"] == "unknown" and not found.verdict["effects"]
+    assert str(found).startswith("What stops it is not established")
+    assert "\nBeware: the unit is in doubt" in str(found)
+    assert "57.3 times" in found.verdict["sentence"] and "57.3 times" in found.row["remark"]
+
+
+def test_degrees_without_a_word_that_no_model_follows_are_asked_about():
+    """Two coupled pendulums: their beats are of no damping, in any unit."""
+    times = np.arange(0, 45, 0.025)
+    beat = 2.7 * np.cos(4.06 * times) + 0.2 * np.cos(3.9 * times + 1)
+    with pytest.raises(InputError, match="no unit is stated, and the unit is in doubt"):
+        swingdown.fit(times, beat * np.exp(-0.004 * times))
+
+
+def test_swings_too_small_to_tell_their_unit_say_so_where_nobody_does():
+    times, degrees = in_degrees(release=0.5)
+    told = "no unit is stated: taken for rad, and the swings are too small to tell it from deg"
+    assert told in str(swingdown.fit(times, np.radians(degrees)))
+    assert "no unit" not in str(swingdown.fit(times, np.radians(degrees), unit="rad"))
+
+
+def test_large_swings_in_rad_need_no_word():
+    times, degrees = in_degrees(release=50)
+    assert swingdown.fit(times, np.radians(degrees)).remarks == []
