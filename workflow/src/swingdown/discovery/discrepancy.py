@@ -140,7 +140,7 @@ class Unnamed:
             {named[k][0]: float(ratio[k]) for k in shared},
             tuple(named[k][0] for k in shared),
             beside[np.ix_(shared, shared)],
-            *at.told(self._rubs),
+            *at.linear(self._rubs),
         )
 
     def _binned(self, frame: Frame, series: Floats) -> Floats:
@@ -180,13 +180,8 @@ class _Likelihood:
         rows: int,
         variance: float,
     ):
-        self.parts, self.residual, self.basis, self.rows, self.variance = (
-            parts,
-            residual,
-            basis,
-            rows,
-            variance,
-        )
+        self.residual, self.basis, self.rows, self.variance = residual, basis, rows, variance
+        self.parts = parts
         self.squares, self.kernels = squares, kernels
         self.beyond = (
             np.eye(basis.shape[1]) - basis.T @ basis,
@@ -278,7 +273,7 @@ class _At:
         )
         return beyond[:-1], float(beyond[-1])
 
-    def told(self, weights: Sequence[Floats]) -> tuple[float, float]:
+    def linear(self, weights: Sequence[Floats]) -> tuple[float, float]:
         """(value, standard error) of what is linear in the units of each kind, with these weights."""
         of = zip(self.sizes, self.model.parts, weights, strict=True)
         along = np.sum([size * part @ weight for size, part, weight in of], axis=0)

@@ -111,9 +111,8 @@ def points_in(
         count, used = _counts(times, np.abs(readings) * in_rad, place)
         halves = step * count
         if halves.size < min(times.size, 2 * FEWEST) and not stated:
-            raise _no_count(
-                place
-            )  # that they are turning points is a guess: of a few points it has to suit all
+            # that they are turning points is a guess: of a few points it has to suit all
+            raise _no_count(place)
         if halves.size < times.size:
             told.append(
                 f"used from {times[used][0]:.6g} to {times[used][-1]:.6g} s: how many swings passed beyond cannot be told"
