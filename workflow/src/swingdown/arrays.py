@@ -51,3 +51,8 @@ class Shown(NamedTuple):
         """Recording and part of a name such as ``anna, part 2 of 5``."""
         recording, comma, part = name.rpartition(", part ")
         return (recording, f"part {part}") if comma else (name, "")
+
+
+def finite_or_none(value: float | None) -> float | None:
+    """The number, or None where it is not known: JSON has none for that."""
+    return float(value) if value is not None and np.isfinite(value) else None

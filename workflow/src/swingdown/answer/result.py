@@ -11,7 +11,7 @@ import xarray as xr
 from numpy.typing import ArrayLike
 
 from .. import markup
-from ..arrays import Shown
+from ..arrays import Shown, finite_or_none
 from ..curves.chosen import Fitted, of_verdict
 from ..curves.dataset import curves as curves_of
 from ..curves.laws import Laws, exponential_words, laws
@@ -29,7 +29,7 @@ from ..studies.quantities import Quantity
 from ..studies.words import headline, lines, or_models, quantity_rows, short
 from .recorded import samples_of
 from .simulation import swing_of
-from .stop_watch import by_stop_watch, known
+from .stop_watch import by_stop_watch
 
 if TYPE_CHECKING:
     from ..plots.style import Drawn
@@ -383,11 +383,11 @@ class Answer:
         return {
             "sentence": self.sentence,
             "recordings": [str(one.attrs["recording"]) for one in self.swings],
-            "amplitude_rad": known(row["amplitude_rad"]),
+            "amplitude_rad": finite_or_none(row["amplitude_rad"]),
             "quantities": {
                 one.name: {
                     "value": one.value,
-                    "standard_uncertainty": known(one.uncertainty),
+                    "standard_uncertainty": finite_or_none(one.uncertainty),
                     "unit": one.unit,
                     "text": value_with_uncertainty(one.value, one.uncertainty),
                 }
@@ -396,8 +396,8 @@ class Answer:
             "model": self.label,
             "or_models": or_models(row),
             "timed": by_stop_watch(self.shown, self.table),
-            "residual": {"value": known(residual_of(row)[0]), "unit": residual_of(row)[1]},
-            "residual_rad": known(row["residual_rad"]) if residual_of(row)[1] == "rad" else None,
+            "residual": {"value": finite_or_none(residual_of(row)[0]), "unit": residual_of(row)[1]},
+            "residual_rad": finite_or_none(row["residual_rad"]) if residual_of(row)[1] == "rad" else None,
             "emulated": row["emulated"] == "yes",
             "remarks": self.remarks,
             "verdict": dict(self.verdict) if self.verdict else None,

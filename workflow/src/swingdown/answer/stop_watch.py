@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from ..arrays import Shown
+from ..arrays import Shown, finite_or_none
 from ..studies.timed import Timed, timed
 from ..studies.unscaled import course_seen, of_first_swings
 
@@ -38,8 +38,8 @@ def by_stop_watch(shown: Sequence[Shown], table: pd.DataFrame) -> list[dict[str,
                 {
                     "recording": name,
                     "first_swing": {
-                        "period_s": known(alone["period_first"]),
-                        "standard_uncertainty": known(alone["period_first_u"]),
+                        "period_s": finite_or_none(alone["period_first"]),
+                        "standard_uncertainty": finite_or_none(alone["period_first_u"]),
                     },
                     "swings": found[0].swings,
                     "first": first,
@@ -49,11 +49,6 @@ def by_stop_watch(shown: Sequence[Shown], table: pd.DataFrame) -> list[dict[str,
     return told
 
 
-def known(value: float) -> float | None:
-    """The number, or None where it is not known: JSON has none for that."""
-    return float(value) if np.isfinite(value) else None
-
-
 def _as_timed(one: Timed, scaled: bool) -> dict[str, Any]:
     """The mean period (s) of some swings, and their amplitude (rad) where it is known."""
-    return {"period_s": known(one.period), "amplitude_rad": one.amplitude if scaled else None}
+    return {"period_s": finite_or_none(one.period), "amplitude_rad": one.amplitude if scaled else None}

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from ..arrays import finite_or_none
 from ..engine.trajectory import simulate
 from ..fitting.result import Begin, Fit, SwingStart
 from ..fitting.uncertainty import uncertainty
@@ -63,15 +64,15 @@ def conclusion(state: Round, campaign: Campaign) -> dict[str, Any] | None:
         "residual": last.fit.rms,
         "quantities": {
             name: {
-                "value": _finite(one.value),
-                "standard_uncertainty": _finite(one.uncertainty),
+                "value": finite_or_none(one.value),
+                "standard_uncertainty": finite_or_none(one.uncertainty),
                 "unit": one.unit,
             }
             for name, one in found.items()
             if name not in last.motion.parameters[1:] or name in named
         },
         "parameters": list(last.motion.parameters),
-        "covariance": [[_finite(cell) for cell in row] for row in last.covariance],
+        "covariance": [[finite_or_none(cell) for cell in row] for row in last.covariance],
         "left_out": [name for name in last.fit.model.motion.names if name not in last.motion.names],
     }
 
@@ -163,7 +164,3 @@ def _of(names: tuple[str, ...], fit: Fit, known: np.ndarray) -> np.ndarray:
     free = [k for k, place in enumerate(at) if place >= 0]
     found[np.ix_(free, free)] = known[np.ix_([at[k] for k in free], [at[k] for k in free])]
     return found
-
-
-def _finite(value: float) -> float | None:
-    return float(value) if np.isfinite(value) else None

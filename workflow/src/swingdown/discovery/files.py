@@ -11,6 +11,7 @@ import pandas as pd
 import xarray as xr
 
 from .. import dataset
+from ..arrays import finite_or_none
 from ..engine.trajectory import TrajectoryError
 from ..errors import InputError
 from ..measurement.angle import UNSCALED
@@ -274,7 +275,7 @@ def _parameters(model: Model) -> dict[str, dict[str, Any]]:
     return {
         name: {
             "value": value,
-            "standard_error": _finite(model.standard_errors.get(name)),
+            "standard_error": finite_or_none(model.standard_errors.get(name)),
             "unit": model.units[name],
         }
         for name, value in model.values.items()
@@ -285,7 +286,7 @@ def _parameters(model: Model) -> dict[str, dict[str, Any]]:
 def _nuisance(model: Model) -> dict[str, dict[str, Any]]:
     """What the measurement left open, as it came out, and the standard uncertainty it had before."""
     return {
-        name: {"value": model.values[name], "standard_error": _finite(model.standard_errors.get(name)), "unit": model.units[name],
+        name: {"value": model.values[name], "standard_error": finite_or_none(model.standard_errors.get(name)), "unit": model.units[name],
                "before": before}
         for name, before in model.slack.deviations.items()
     }  # fmt: skip
@@ -293,12 +294,11 @@ def _nuisance(model: Model) -> dict[str, dict[str, Any]]:
 
 def _finding(one: Finding) -> dict[str, Any]:
     """A ``Finding`` for a file: a number that is none is null there."""
-    told = {key: _finite(value) if isinstance(value, float) else value for key, value in asdict(one).items()}
+    told = {
+        key: finite_or_none(value) if isinstance(value, float) else value
+        for key, value in asdict(one).items()
+    }
     return told | {"ties": list(one.ties)}
-
-
-def _finite(value: float | None) -> float | None:
-    return float(value) if value is not None and np.isfinite(value) else None
 
 
 def read_rounds(folders: Iterable[Path | str]) -> list[dict[str, Any]]:
