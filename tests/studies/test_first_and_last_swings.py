@@ -19,7 +19,7 @@ def chirp(times, first=2.0, last=1.6, swings=22):
 def test_ten_swings_take_as_long_as_a_stop_watch_shows():
     times = TIMES[TIMES < 39.0]
     swing, ends = chirp(times)
-    first, last = timed(times, swing, swing)
+    first, last = timed(times, swing)
     assert first.swings == last.swings == 10
     assert first.period == pytest.approx((ends[10] - ends[0]) / 10, abs=0.012)
     assert last.period == pytest.approx((ends[-1] - ends[-11]) / 10, abs=0.025)
@@ -49,13 +49,13 @@ def test_noise_does_not_move_what_a_curve_tells_that_it_follows():
 def test_swings_in_a_hole_are_counted():
     there = (TIMES < 8.1) | (TIMES > 14.3)
     swing = np.cos(np.pi * TIMES[there])
-    first, _ = timed(TIMES[there], swing, swing)
+    first, _ = timed(TIMES[there], swing)
     assert first.period == pytest.approx(2.0, abs=0.01)
 
 
 def test_of_one_swing_nothing_is_timed():
     swing = np.cos(np.pi * TIMES[:140])
-    assert timed(TIMES[:140], swing, swing) is None
+    assert timed(TIMES[:140], swing) is None
 
 
 def test_an_answer_tells_them():
@@ -77,10 +77,10 @@ def test_an_answer_tells_them():
 def test_two_whole_swings_are_the_fewest():
     """They take five passages of the middle; the period is that of both together."""
     times = TIMES[TIMES < 4.6]
-    first, last = timed(times, np.cos(np.pi * times), np.cos(np.pi * times))
+    first, last = timed(times, np.cos(np.pi * times))
     assert first == last and first.swings == 2 and first.period == pytest.approx(2.0, abs=1e-3)
     times = TIMES[TIMES < 4.4]
-    assert timed(times, np.cos(np.pi * times), np.cos(np.pi * times)) is None
+    assert timed(times, np.cos(np.pi * times)) is None
 
 
 def test_the_amplitude_is_about_where_the_pendulum_hangs(tmp_path):
@@ -105,5 +105,13 @@ def test_the_amplitude_is_about_where_the_pendulum_hangs(tmp_path):
 def test_a_middle_that_is_off_moves_no_mean():
     """It is passed later and later on the way up, and earlier and earlier on the way down, of a swing that dies."""
     swing = np.exp(-TIMES / 15) * np.cos(np.pi * TIMES)
-    for mean in timed(TIMES, swing + 0.05 * (1 + TIMES / 40), swing + 0.05 * (1 + TIMES / 40)):
+    for mean in timed(TIMES, swing + 0.05 * (1 + TIMES / 40)):
         assert mean.period == pytest.approx(2.0, abs=1e-3)
+
+
+def test_a_bad_passage_at_an_end_moves_no_mean():
+    """As where the last swing drowns in noise: by the first and the last passage alone the period would be 1.96 s."""
+    times = TIMES[TIMES < 9.0]
+    swing = np.cos(np.pi * np.where(times > 8.2, times + 0.15, times))
+    first, last = timed(times, swing)
+    assert first == last and first.swings == 4 and first.period == pytest.approx(2.0, abs=0.01)

@@ -29,7 +29,7 @@ def by_stop_watch(shown: Sequence[Shown], table: pd.DataFrame) -> list[dict[str,
         times, series, fit = (
             np.concatenate([getattr(one, key) for one in parts]) for key in ("times", "angle", "fit")
         )
-        found = timed(times, series, series if course_seen(row) else fit)
+        found = timed(times, series, None if course_seen(row) else fit)
         if found:
             scaled = parts[0].unit == "rad" and np.isfinite(row["amplitude_rad"])
             first, last = (_as_timed(one, scaled) for one in found)

@@ -22,7 +22,9 @@ class Timed(NamedTuple):
     amplitude: float
 
 
-def timed(times: Floats, series: Floats, curve: Floats, most: int = SWINGS) -> tuple[Timed, Timed] | None:
+def timed(
+    times: Floats, series: Floats, curve: Floats | None = None, most: int = SWINGS
+) -> tuple[Timed, Timed] | None:
     """The first and the last swings of a recording, each timed together as with a stop-watch; None where fewer than two whole ones are seen.
 
     Parameters
@@ -32,13 +34,14 @@ def timed(times: Floats, series: Floats, curve: Floats, most: int = SWINGS) -> t
     series
         The swing as recorded, of shape (sample,).
     curve
-        The fitted swing, or ``series`` where no model follows it, of shape (sample,). It tells when the middle is passed. Where passages of the
-        recording run away from these, they tell the mean. Passages that a hole hides are counted by the time between the others.
+        The fitted swing, of shape (sample,). It tells when the middle is passed. Where passages of the recording run away from these, they
+        tell the mean. None where no model follows the swing: then each passage of the recording counts, so that a bad one at an end
+        moves nothing. Passages that a hole hides are counted by the time between the others.
     most
         Swings that are timed together.
     """
-    swings = half_swings(curve)
-    passed, halves = counted_passages(times, curve, HIDES)
+    swings = half_swings(course := series if curve is None else curve)
+    passed, halves = counted_passages(times, course, HIDES)
     if passed.size < 2 * _FEWEST + 1:
         return None
     late = _late(times, series, passed)
@@ -52,12 +55,21 @@ def timed(times: Floats, series: Floats, curve: Floats, most: int = SWINGS) -> t
             for k in (0, other)
             if first + k >= 0 and last + k <= halves[-1]
         ]
-        mean = np.mean([(passed[end] - passed[begin]) / (halves[end] - halves[begin]) for begin, end in ways])
         each = slice(np.min(ways), np.max(ways) + 1)
-        mean += _run_away(halves[each], late[each])
+        if curve is None:
+            mean = _apart(halves[each], passed[each])
+        else:
+            whole = [(passed[end] - passed[begin]) / (halves[end] - halves[begin]) for begin, end in ways]
+            mean = np.mean(whole) + _run_away(halves[each], late[each])
         return Timed(count, float(2 * mean), float(np.median(away[slice(*ways[0])])))
 
     return of(0, 2 * count, 1), of(halves[-1] - 2 * count, halves[-1], -1)
+
+
+def _apart(halves: np.ndarray, passed: Floats) -> float:
+    """How long (s) a half-swing takes by all of these passages: the median slope of each way through the middle, and the mean of both."""
+    ways = [way for side in (0, 1) if (way := halves % 2 == side).sum() > 1] or [halves >= 0]
+    return float(np.mean([stats.theilslopes(passed[way], halves[way])[0] for way in ways]))
 
 
 def _late(times: Floats, series: Floats, passed: Floats) -> Floats:
