@@ -170,7 +170,9 @@ def test_the_quantities_of_an_explanation_are_those_of_the_model_it_ends_with(wi
     ended = found.verdict["conclusion"]
     covariance = np.array(ended["covariance"], dtype=float)
     at = ended["parameters"].index("presliding_angle")
-    assert np.sqrt(covariance[at, at]) == pytest.approx(told["presliding_angle"][1])
+    # what the model may lack is in the value's uncertainty alone
+    assert np.sqrt(covariance[at, at]) == pytest.approx(told["presliding_angle"][1], rel=1e-3)
+    assert np.sqrt(covariance[at, at]) <= told["presliding_angle"][1]
 
 
 def test_first_answer_and_verdict_agree_where_they_have_one_model():

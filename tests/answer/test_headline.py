@@ -17,6 +17,7 @@ import swingdown
 from swingdown.__main__ import main
 from swingdown.engine.trajectory import simulate
 from swingdown.pendulum.model import Model
+from swingdown.rounding import plus_minus
 from swingdown.studies.words import headline
 
 TIMES = np.arange(1501) / 100
@@ -108,7 +109,24 @@ def test_after_a_search_one_thing_has_one_number_too():
             == text.removesuffix(" s")
         )
         assert content["verdict"]["conclusion"]["quantities"][name]["value"] == found[name].value
-    assert found.model.values["presliding_angle"] == found["presliding_angle"].value
+    told, (effect,) = found["presliding_angle"], content["verdict"]["effects"]
+    assert found.model.values["presliding_angle"] == told.value
+    entry = effect["parameters"]["presliding_angle"]
+    assert (entry["value"], entry["standard_error"]) == (told.value, told.u)
+    size = plus_minus(1e3 * told.value, 1e3 * told.u, "one")
+    assert f"Presliding (angle {size} mrad)" in content["verdict"]["sentence"]
+
+
+def test_a_model_that_holds_part_by_part_alone_has_the_values_of_its_parts():
+    """A clock that loses 20 ms at the tenth swing: each part is a pendulum's, and the whole is none's."""
+    times = np.arange(2000) / 100
+    truth = Model("viscous", FREQUENCY | {"viscous_ratio": 0.004})
+    angles = simulate(truth, np.where(times < 6, times, times + 0.02), 0.4)
+    found = swingdown.explain(times, angles + np.random.default_rng(3).normal(0, 1e-3, times.size))
+    assert abs(found["natural_frequency"].value - 7.25) < 2.5 * found["natural_frequency"].u < 0.003
+    said = re.search(r"Fitted to the whole recordings the model leaves (\S+) times the noise: its values are those of the fitted swings\.", found.verdict["sentence"])  # fmt: skip
+    assert said and 5 < float(said[1]) < 15
+    assert said[0] in str(found)
 
 
 def test_a_verdict_that_is_unknown_or_partial_does_not_claim_all(here):

@@ -279,6 +279,37 @@ def test_a_size_that_may_be_nothing_beside_what_has_no_name_is_never_asserted():
     assert [one["name"] for one in found["stand_ins"]] == ["constant_torque"]
 
 
+def test_a_value_that_is_not_known_to_its_own_size_is_not_told():
+    """The width of a magnet that may as well be as wide as a spring reaches."""
+    known = {"magnet_depth": (0.1, 0.01, "1/s^2"), "magnet_width": (32318.9, 3.8e11, "rad")}
+    parameters = {key: dict(zip(("value", "standard_error", "unit"), one, strict=True)) for key, one in known.items()}  # fmt: skip
+    first = state(0, missing=True, chosen="magnet", holdout=3.0)
+    last = state(1, missing=False, found=["magnet"], effects=("viscous", "magnet"), parameters=parameters)
+    assert "magnet (depth 0.10 ± 0.01 1/s^2) is missing" in verdict([first, last])["sentence"]
+
+
+@pytest.mark.parametrize(
+    ("leaves", "told"),
+    [
+        (6.41, "Fitted to the whole recordings the model leaves 6.41 times the noise: its values are those of the fitted swings."),
+        (None, "The model cannot be fitted to the whole recordings: its values are those of the fitted swings."),
+    ],
+)  # fmt: skip
+def test_the_values_told_are_those_that_the_search_concludes_with_and_it_is_said_what_they_are_of(
+    leaves, told
+):
+    first = state(0, missing=True, chosen="constant_torque", holdout=3.0)
+    last = state(1, missing=False, found=["constant_torque"], effects=("viscous", "constant_torque"), parameters=TORQUE)  # fmt: skip
+    size = {"value": 0.42, "standard_error": 0.01, "unit": "rad/s^2"}
+    concluded = {"quantities": {}, "values": {"constant_torque": size}, "of_the_whole": False, "whole_leaves": leaves}  # fmt: skip
+    found = verdict([first, last | {"conclusion": concluded}])
+    assert found["effects"][0]["parameters"]["constant_torque"] == found["model"]["constant_torque"] == size
+    assert "0.42 ± 0.01 rad/s^2" in found["sentence"] and told in found["sentence"]
+    spoken = [language(code).text(told) for code in ("de", "fr", "es", "it", "pt")]
+    assert all("whole" not in text for text in spoken)
+    assert "Fitted" not in verdict([first, last | {"conclusion": concluded | {"of_the_whole": True}}])["sentence"]  # fmt: skip
+
+
 def test_nothing_is_named_where_another_unit_would_do_its_work():
     first = state(0, missing=True, chosen="constant_torque", holdout=3.0)
     doubt = "the unit is in doubt (degrees taken for rad?): damping leaves 30 mrad"
@@ -302,7 +333,7 @@ def test_what_does_not_die_away_has_no_effect_of_a_pendulum_unless_its_drive_was
     }
     first = state(0, missing=True, chosen="constant_torque", holdout=3.0)
     last = state(1, missing=False, found=["constant_torque"], effects=("constant_torque",), parameters=TORQUE)
-    last |= {"conclusion": {"quantities": quantities}, "unit_doubt": ""}
+    last |= {"conclusion": {"quantities": quantities, "of_the_whole": True}, "unit_doubt": ""}
     found = verdict([first, last])
     assert found["dies_away"] == told and found["status"] == ("named" if told else "unknown")
     cannot = "What stops it cannot be told: it does not die away"

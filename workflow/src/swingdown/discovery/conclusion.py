@@ -1,4 +1,4 @@
-"""The model that a search ends with, fitted once more to the whole of every recording: its quantities, with their covariance."""
+"""What a search says of its pendulum: the values of the model that it ends with, and the quantities, with their covariance."""
 
 from collections.abc import Sequence
 from contextlib import suppress
@@ -8,23 +8,25 @@ from typing import Any
 
 import numpy as np
 
-from ..arrays import finite_or_none
+from ..arrays import finite_or_none, standard_errors
 from ..engine.trajectory import simulate
 from ..fitting.result import Begin, Fit, SwingStart
 from ..fitting.uncertainty import uncertainty
 from ..pendulum.free_form import FreeForm
 from ..studies.quantities import UNITS, Beside, Quantity, over_models, quantities, steady
-from .campaign import Campaign
+from .campaign import Campaign, Swing
+from .confirm import predict
 from .refit import FAILURES, refit
 from .state import Round
 
 
-def conclusion(state: Round, campaign: Campaign) -> dict[str, Any] | None:
-    """What a search says of its pendulum, as verdict.json has it.
+def conclusion(state: Round, campaign: Campaign) -> dict[str, Any]:
+    """What a search says of its pendulum, as verdict.json has it: the one source of each value in sentence, table and JSON.
 
-    A search holds swings, or parts of a recording, out of its fits; here nothing is. Natural frequency, period, quality and decay time are
-    means over the structures that the data leave. Effects that change with the time of the record (``left_out``) are in the fit and in no
-    quantity: a pendulum has none of these once for all.
+    A search holds swings, or parts of a recording, out of its fits; here nothing is, unless the model does not follow the whole: where
+    the values of the whole add more to what the fitted swings leave than these leave with their own, the latter are reported. Natural
+    frequency, period, quality and decay time are means over the structures that the data leave. Effects that change with the time of the
+    record (``left_out``) are in the fit and in no quantity: a pendulum has none of these once for all.
 
     Parameters
     ----------
@@ -36,30 +38,32 @@ def conclusion(state: Round, campaign: Campaign) -> dict[str, Any] | None:
     Returns
     -------
     dict
-        ``model``, the last model's label; ``amplitude_rad``, the largest angle of its motion, at which ``quantities`` (value,
-        standard_uncertainty, unit) hold; ``residual``, the RMS that it leaves (rad, of a rate rad/s); ``covariance``, that of the ``parameters``
-        of its motion, in their units, with the residuals' colour and what the measurement leaves open.
+        ``model``, the last model's label; ``values`` (value, standard_error, unit) of all its parameters; ``amplitude_rad``, the largest
+        angle of its motion, at which ``quantities`` (value, standard_uncertainty, unit) hold; ``residual``, the RMS that it leaves (rad,
+        of a rate rad/s); ``covariance``, that of the ``parameters`` of its motion, in their units, with the residuals' colour and what the
+        measurement leaves open; ``of_the_whole``, whether all these are of the whole recordings; ``whole_leaves``, what the model leaves
+        of these (noise standard deviations), None where it cannot be fitted to them.
 
     Raises
     ------
     TrajectoryError
-        If the last model cannot be fitted to the whole.
+        If the motion of the last model cannot be followed.
     """
-    last = _Told(state.fit, state, campaign)
-    found = last.quantities()
+    whole = _of_the_whole(state.fit, state, campaign)
+    follows = whole is not None and _follows(whole.fit, state.fit, campaign)
+    last = whole if whole is not None and follows else _Told(state.fit, campaign.fit)
+    values, derived = last.values(state), last.derived()
     each = [
-        (share, found if fit is state.fit else _said(fit, state, campaign)) for share, fit in state.counting
+        (share, derived if fit is state.fit else _derived(fit, state, campaign, follows))
+        for share, fit in state.counting
     ]
-    named = {
-        p.name
-        for effect in last.motion.effects
-        if not isinstance(effect, FreeForm)
-        for p in effect.parameters
-        if not p.each
-    }
-    found = found | over_models(each, UNITS) | last.of_the_drive()
+    told = derived | over_models(each, UNITS) | {name: values[name] for name in last.reported}
     return {
         "model": last.fit.model.label,
+        "values": {
+            name: {"value": one.value, "standard_error": finite_or_none(one.uncertainty), "unit": one.unit}
+            for name, one in values.items()
+        },
         "amplitude_rad": last.amplitude,
         "residual": last.fit.rms,
         "quantities": {
@@ -68,9 +72,10 @@ def conclusion(state: Round, campaign: Campaign) -> dict[str, Any] | None:
                 "standard_uncertainty": finite_or_none(one.uncertainty),
                 "unit": one.unit,
             }
-            for name, one in found.items()
-            if name not in last.motion.parameters[1:] or name in named
+            for name, one in told.items()
         },
+        "of_the_whole": follows,
+        "whole_leaves": None if whole is None else whole.fit.rms / state.noise.deviation,
         "parameters": list(last.motion.parameters),
         "covariance": [[finite_or_none(cell) for cell in row] for row in last.covariance],
         "left_out": [name for name in last.fit.model.motion.names if name not in last.motion.names],
@@ -78,17 +83,15 @@ def conclusion(state: Round, campaign: Campaign) -> dict[str, Any] | None:
 
 
 class _Told:
-    """What a model that a search looked at says of the pendulum, fitted once more to the whole of every recording."""
+    """What a fitted model says of the pendulum."""
 
-    def __init__(self, fit: Fit, state: Round, campaign: Campaign) -> None:
-        whole = campaign.whole
-        self.pairs = [swing.pair for swing in whole]
-        self.fit = refit(Begin(fit.model, _begins(fit, state, campaign)), whole, grown=False, ended=True)
-        self.motion = steady(self.fit.model.motion)
-        known = uncertainty(self.fit, self.pairs, free=True)
+    def __init__(self, fit: Fit, swings: Sequence[Swing]) -> None:
+        self.fit, self.pairs = fit, [swing.pair for swing in swings]
+        self.motion = steady(fit.model.motion)
+        known = uncertainty(fit, self.pairs, free=True)
         self.known = known.covariance
-        self.covariance = _of(self.motion.parameters, self.fit, self.known)
-        over = known.courses and known.courses.over(self.fit.free, self.motion.parameters)
+        self.covariance = _of(self.motion.parameters, fit, self.known)
+        over = known.courses and known.courses.over(fit.free, self.motion.parameters)
         self.beside = over and Beside(*over)
         self.begins = known.courses.begins if known.courses else [0.0] * len(self.pairs)
 
@@ -101,27 +104,67 @@ class _Told:
             for (times, _), one, more in swings
         )  # fmt: skip
 
-    def quantities(self) -> dict[str, Quantity]:
-        """The quantities by name, of the largest swing."""
-        return quantities(self.motion, self.amplitude, self.covariance, self.beside)
+    def derived(self) -> dict[str, Quantity]:
+        """Natural frequency, period, quality and decay time of the largest swing."""
+        found = quantities(self.motion, self.amplitude, self.covariance, self.beside)
+        return {name: found[name] for name in UNITS}
 
-    def of_the_drive(self) -> dict[str, Quantity]:
-        """What was fitted of the sensor of a measured drive: gain and delay. They are no part of the pendulum by itself."""
+    def values(self, state: Round) -> dict[str, Quantity]:
+        """All values of the model that are the same in every swing and no part of what the measurement leaves open.
+
+        What the model may lack (``Round.widened``) is in their uncertainties as it was in the search's: more samples take none of it away.
+        """
         model = self.fit.model
-        driven = [p for effect in model.effects if effect.takes_input for p in effect.parameters]
-        errors = np.sqrt(np.diag(_of(tuple(p.name for p in driven), self.fit, self.known)))
-        return {
-            p.name: Quantity(model.values[p.name], float(error), p.unit)
-            for p, error in zip(driven, errors, strict=True)
-            if p.name in self.fit.free
-        }
+        own = dict(zip(self.fit.free, standard_errors(self.known), strict=True))
+
+        def error(name: str) -> float:
+            searched, wider = state.model.standard_errors.get(name, np.nan), state.widened.get(name, 1.0)
+            lacks = searched * np.sqrt(1 - 1 / wider**2) if wider > 1 else 0.0
+            return float(np.hypot(own.get(name, np.nan), lacks))
+
+        kept = [
+            p for p in model.definitions if p.name not in model.slack.parameters and p.name not in model.each
+        ]
+        return {p.name: Quantity(model.values[p.name], error(p.name), p.unit) for p in kept}
+
+    @property
+    def reported(self) -> list[str]:
+        """The parameters that are quantities of the pendulum, or of the sensor of its drive."""
+        effects = [one for one in self.fit.model.effects if not isinstance(one, FreeForm)]
+        names = [
+            p.name for one in effects if one.name in self.motion.names for p in one.parameters if not p.each
+        ]
+        drive = [
+            p.name for one in effects if one.takes_input for p in one.parameters if p.name in self.fit.free
+        ]
+        return [*names, *drive]
 
 
-def _said(fit: Fit, state: Round, campaign: Campaign) -> dict[str, Quantity]:
-    """The quantities of a model; none where it cannot be fitted to the whole."""
+def _of_the_whole(fit: Fit, state: Round, campaign: Campaign) -> _Told | None:
+    """What a model that a search looked at says, fitted once more to the whole of every recording; None where it cannot be."""
+    begin = Begin(fit.model, _begins(fit, state, campaign))
+    try:
+        return _Told(refit(begin, campaign.whole, grown=False, ended=True), campaign.whole)
+    except FAILURES:
+        return None
+
+
+def _derived(fit: Fit, state: Round, campaign: Campaign, whole: bool) -> dict[str, Quantity]:
+    """The quantities by another model, of the whole recordings or of the fitted swings; none where it cannot be followed."""
     with suppress(*FAILURES):
-        return _Told(fit, state, campaign).quantities()
+        one = _of_the_whole(fit, state, campaign) if whole else _Told(fit, campaign.fit)
+        return {} if one is None else one.derived()
     return {}
+
+
+def _follows(whole: Fit, fitted: Fit, campaign: Campaign) -> bool:
+    """Whether a model holds from part to part: of the fitted swings its values of the whole add no more to what is left than was left
+    anyway."""
+    try:
+        with_these = predict(whole, campaign.fit)
+    except FAILURES:
+        return False
+    return bool(with_these.rss <= 2 * fitted.rss)
 
 
 def concluded(states: Sequence[Round], campaign: Campaign) -> list[Round]:

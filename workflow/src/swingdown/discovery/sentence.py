@@ -35,6 +35,7 @@ def sentence(found: Mapping[str, Any], catalogue: Catalogue = SHIPPED) -> str:
     dropped = f" Not needed: {_listed(found['removed'])}." if found["removed"] else ""
     end = (
         _frequencies(found)
+        + _of_parts(found)
         + _misspecified(found)
         + (" The search stopped: its time was used up." if found["stopped"] else "")
     )
@@ -157,6 +158,18 @@ def _frequencies(found: Mapping[str, Any]) -> str:
     )
 
 
+def _of_parts(found: Mapping[str, Any]) -> str:
+    """That the model does not follow the whole recordings as it does the fitted swings, where it does not and its values are reported."""
+    concluded = found.get("conclusion")
+    if not concluded or concluded["of_the_whole"] or found["status"] == "unknown":
+        return ""
+    if (leaves := concluded["whole_leaves"]) is None:
+        return (
+            " The model cannot be fitted to the whole recordings: its values are those of the fitted swings."
+        )
+    return f" Fitted to the whole recordings the model leaves {leaves:.3g} times the noise: its values are those of the fitted swings."
+
+
 def _misspecified(found: Mapping[str, Any]) -> str:
     names = found["misspecified"]
     return (
@@ -182,7 +195,7 @@ def _described(one: Mapping[str, Any], effect: Effect) -> str:
     told = [
         _quantity(_words(key, name), one["parameters"][key])
         for key in effect.told
-        if one["parameters"].get(key, {}).get("value") is not None
+        if _known(one["parameters"].get(key, {}))
     ]
     if told and one["within_calibration"]:
         told.append("within what the calibration leaves open")
@@ -192,6 +205,12 @@ def _described(one: Mapping[str, Any], effect: Effect) -> str:
         + (f" ({', '.join(told)})" if told else "")
         + (f", or {rivals}, which the data do not distinguish," if ties else "")
     )
+
+
+def _known(entry: Mapping[str, Any]) -> bool:
+    """Whether a value is known at all: to better than its own size, where its error is known."""
+    value, error = entry.get("value"), entry.get("standard_error")
+    return value is not None and not (error or 0.0) > abs(value) > 0
 
 
 def _words(key: str, name: str) -> str:

@@ -46,16 +46,17 @@ def verdict(
     first, last = rounds[0], rounds[-1]
     reading = last.get("reading", ANGLE)
     asserted, stand_ins = [], []
+    values = last["parameters"] | ((last.get("conclusion") or {}).get("values") or {})
     dies_away = bool(last.get("driven")) or _dies_away(last.get("conclusion"))
     unit_doubt = last.get("unit_doubt", "") if dies_away else ""
     for name in last["findings"]:
-        one = _effect(catalogue[name], rounds)
+        one = _effect(catalogue[name], rounds, values)
         doubt = last["findings"][name]["doubt"]
         if unit_doubt:  # whatever was found does the work of another unit
             doubt = "another unit would explain it as well"
         if not dies_away:  # and here perhaps that of a motor
             doubt = "it does not die away"
-        if doubt := doubt or _no_finding(catalogue[name], one["parameters"], last):
+        if doubt := doubt or _no_finding(catalogue[name], last):
             stand_ins.append(one | {"doubt": doubt})
         else:
             asserted.append(one)
@@ -100,11 +101,11 @@ def verdict(
         "recordings": last.get("recordings", []),
         "left_out": last.get("left_out", []),
         "moves": [state["chosen"]["move"] for state in rounds if state["chosen"]],
-        "model": last["parameters"],
+        "model": values,
         "own_frequency": last.get("own_frequency", {}),
         "conclusion": last.get("conclusion"),
         "nuisance": last.get("nuisance", {}),
-        "misspecified": _at_their_bounds([catalogue[name] for name in last["effects"]], last["parameters"]),
+        "misspecified": _at_their_bounds([catalogue[name] for name in last["effects"]], values),
         "next_measurement": _next_measurement(asserted, status, catalogue, last.get("next_swing"))
         if dies_away
         else _LET_GO,
@@ -134,14 +135,10 @@ def _dies_away(concluded: Mapping[str, Any] | None) -> bool:
     return loss_seen(known)
 
 
-def _no_finding(effect: Effect, values: Mapping[str, Any], told: Mapping[str, Any]) -> str:
-    """In words why these values are none: one that nothing is as likely as, or a frequency that the recordings are too short for;
-    empty where there is no reason.
-
-    ``told`` is the round that they are of.
-    """
-    frequency = NATURAL_FREQUENCY.name
-    known = {frequency: told["parameters"].get(frequency, {})} | dict(values)
+def _no_finding(effect: Effect, told: Mapping[str, Any]) -> str:
+    """In words why an effect's values in a round are none: one that nothing is as likely as, or a frequency that the recordings are too
+    short for; empty where there is no reason."""
+    known = told["parameters"]
     # a size is asked at its shape, and a shape of nothing, or without bounds, makes the effect a simpler one: a tie, unless that is there
     at_shape = told["findings"][effect.name]["at_shape"]
     ends = {
@@ -149,7 +146,7 @@ def _no_finding(effect: Effect, values: Mapping[str, Any], told: Mapping[str, An
     }
     simpler = ends.keys() - {name for name, one in ends.items() if one in told["effects"]}
     for parameter in (NATURAL_FREQUENCY, *effect.parameters):
-        one = known[parameter.name]
+        one = known.get(parameter.name, {})
         value, error = one.get("value"), one.get("standard_error")
         # what may be nothing beside the rest of its effect, as a damping of the pivot may, is as well where it is
         beside = parameter.role == "shape" and parameter.lower == 0 and not parameter.at_line
@@ -214,16 +211,16 @@ def _explained(first: Mapping[str, Any], last: Mapping[str, Any]) -> float | Non
     return float(1 - max(after, 0.0) / before) if before > 0 else None
 
 
-def _effect(effect: Effect, rounds: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
+def _effect(effect: Effect, rounds: Sequence[Mapping[str, Any]], values: Mapping[str, Any]) -> dict[str, Any]:
     """What is told of one effect: its round, values, evidence, what is judged of it, and what the data do not tell it from."""
     last, name = rounds[-1], effect.name
     state = next(state for state in reversed(rounds) if state["chosen"] and name in _names(state["chosen"]))
-    known, judged = last["parameters"], last["findings"][name]
+    judged = last["findings"][name]
     nothing = {"value": None, "standard_error": None}
     return {
         "name": name,
         "round": state["round"] + 1,
-        "parameters": {p.name: known.get(p.name, nothing | {"unit": p.unit}) for p in effect.parameters},
+        "parameters": {p.name: values.get(p.name, nothing | {"unit": p.unit}) for p in effect.parameters},
         "probability": judged["probability"],
         "share_left": judged["share"],
         "held_out_left": judged["held_out"],
