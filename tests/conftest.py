@@ -3,6 +3,7 @@
 import ctypes
 import fcntl
 import os
+import shutil
 import signal
 import subprocess
 import sys
@@ -60,6 +61,26 @@ def certified():
 def root():
     """The project's folder."""
     return ROOT
+
+
+CHROMIUM = os.environ.get("SWINGDOWN_CHROMIUM") or shutil.which("chromium") or "/usr/bin/chromium"
+QUIET = ["--disable-quic", "--no-first-run", "--disable-background-networking", "--disable-component-update", "--disable-sync"]  # fmt: skip
+
+
+@pytest.fixture(scope="session")
+def browser():
+    """A real browser, that asks nobody anything by itself."""
+    if not Path(CHROMIUM).exists():
+        pytest.skip(
+            f"NOT TESTED: no browser at {CHROMIUM} (tools/install-test-tools, or set SWINGDOWN_CHROMIUM)"
+        )
+    from playwright.sync_api import sync_playwright
+
+    with sync_playwright() as playwright:
+        flags = ["--headless", "--no-sandbox", "--disable-gpu", *QUIET]
+        started = playwright.chromium.launch(executable_path=CHROMIUM, args=flags)
+        yield started
+        started.close()
 
 
 def ends_with_its_parent():

@@ -70,8 +70,9 @@ def test_what_no_pendulum_has_is_refused(changed, words):
 
 def test_a_measured_drive_acts_and_its_gain_is_a_value_like_others():
     force = 0.5 * np.sin(7 * TIMES)
-    under = {"input": force, "input_kind": "torque", "input_unit": "rad/s^2"}
-    pushed = simulate("viscous", TIMES, 0.0, **VALUES, **under)
-    assert np.abs(pushed.values).max() > 0.05
+    under = {"input": force, "input_kind": "torque", "restoring": "linear"}
+    once = simulate("viscous", TIMES, 0.0, **VALUES, **under, input_unit="rad/s^2").values
+    twice = simulate("viscous", TIMES, 0.0, **VALUES, **under, input_free="gain", torque_gain=2.0).values
+    assert np.abs(once).max() > 0.05 and twice == pytest.approx(2 * once, abs=1e-9)
     with pytest.raises(InputError, match="values of the drive"):
         simulate("viscous", TIMES, 0.0, **VALUES, input_kind="torque")

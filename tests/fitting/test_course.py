@@ -4,21 +4,26 @@ import numpy as np
 import pytest
 from scipy.special import ellipk
 
-from swingdown.fitting.course import Pieces, _chosen, _swing
+from swingdown.fitting.course import Free, Pieces, _chosen
 
 TIMES = np.arange(0, 20, 0.02)
 
 
 def piece(angle):
     """The pieces of a swing that lies there as it was read."""
-    nothing = np.zeros((TIMES.size, 0))
-    return Pieces(np.zeros(0, dtype=int), nothing, 0 * TIMES, np.ones(TIMES.size), angle, 0.02, 1.0)
+    slopes = np.cos(6 * TIMES)[np.newaxis]
+    return Pieces(np.zeros(1, dtype=int), slopes, 0 * TIMES, np.ones(TIMES.size), angle, 0.02, 1.0)
+
+
+def beside(one):
+    """The free courses beside a law that follows this swing to a milliradian."""
+    return Free([one], np.zeros((1, 1)), np.ones(1, dtype=bool), 1e-6 * TIMES.size)
 
 
 def test_a_swing_tells_its_amplitude_its_loss_and_by_how_much_a_larger_one_is_slower():
     """The frequency of an amplitude A is pi / (2 K(sin^2(A/2))) of that of small swings (Nayfeh and Mook 1979)."""
     amplitude = 0.5 * np.exp(-0.02 * TIMES)
-    found = _swing(piece(amplitude * np.cos(6 * TIMES)), 1e-3)
+    found = beside(piece(amplitude * np.cos(6 * TIMES))).leading
     middle = slice(100, -100)
     assert np.exp(found.level)[middle] == pytest.approx(amplitude[middle], rel=0.02)
     assert found.pace[middle] == pytest.approx(0.02, rel=0.1)
@@ -42,8 +47,5 @@ def test_a_course_counts_where_it_gains_more_than_its_price(of_frequency, of_los
 
 @pytest.mark.parametrize("value", [0.0, 0.3, np.inf])
 def test_a_fit_that_does_not_move_has_no_courses(value):
-    still = Pieces(
-        np.zeros(0, dtype=int), np.zeros((0, 50)), np.zeros(50), np.ones(50), np.full(50, value), 0.02, 1.0
-    )
     with np.errstate(invalid="ignore"), pytest.raises(np.linalg.LinAlgError):
-        _swing(still, 1e-3)
+        beside(piece(np.full(TIMES.size, value)))

@@ -1,8 +1,13 @@
 """Each figure shows what the paper's shows: labels with units, every model and point, and where its data come from."""
 
 import inspect
+import re
+from base64 import b64encode
+from pathlib import Path
 from xml.etree import ElementTree
 
+import cv2
+import matplotlib
 import numpy as np
 import pytest
 import xarray as xr
@@ -15,6 +20,7 @@ from swingdown.plots import FIGURES, style
 EMULATED = {"fig07", "fig08", "fig09", "fig10", "fig11", "fig12", "fig13", "fig14", "fig15"}
 WITH_AXES = set(FIGURES) - {"fig07"}
 DRAWINGS = ("fig01", "fig06")  # take no data
+FONTS = Path(matplotlib.get_data_path()) / "fonts/ttf"
 
 
 @pytest.fixture
@@ -48,7 +54,7 @@ def test_the_fifteen_figures_of_the_paper_are_there():
     ("name", "words"),
     [("fig01", ("pivot", "tension", "damping")), ("fig06", ("rotary", "magnets", "not to scale"))],
 )
-def test_a_drawing_names_its_parts_and_is_one_picture_in_both_formats(root, name, words):
+def test_a_drawing_names_its_parts_and_is_as_wide_as_the_others_in_both_formats(root, name, words):
     drawn = ElementTree.parse(root / f"workflow/report/{name}.svg").getroot()
     said = " ".join("".join(text.itertext()) for text in drawn.iter("{http://www.w3.org/2000/svg}text"))
     assert all(word in said for word in words)
@@ -57,6 +63,29 @@ def test_a_drawing_names_its_parts_and_is_one_picture_in_both_formats(root, name
     width, height = int.from_bytes(head[:4], "big"), int.from_bytes(head[4:], "big")
     assert width / 200 * 2.54 == pytest.approx(style.WIDTH_CM, abs=0.02)
     assert height / width == pytest.approx(high / wide, rel=2e-3)
+
+
+@pytest.mark.parametrize("name", DRAWINGS)
+def test_a_drawing_is_one_picture_in_both_formats(root, browser, name):
+    """As a browser draws the SVG in the fonts that it names; in means over a letter a tenth of black is less than any line or word."""
+    path = root / f"workflow/report/{name}.png"
+    kept = cv2.imread(str(path), cv2.IMREAD_GRAYSCALE).astype(float)
+    fonts = "".join(
+        f"@font-face {{font-family: STIXGeneral; font-style: {slant}; src: url(data:font/ttf;base64,{b64encode(file.read_bytes()).decode()})}}"
+        for slant, file in (
+            ("normal", FONTS / "STIXGeneral.ttf"),
+            ("italic", FONTS / "STIXGeneralItalic.ttf"),
+        )
+    )
+    high, wide = kept.shape
+    drawing = path.with_suffix(".svg").read_text(encoding="utf-8")
+    drawing = re.sub('width="[^"]*" height="[^"]*"', f'width="{wide}" height="{high}"', drawing, count=1)
+    page = browser.new_page(viewport={"width": wide, "height": high})
+    page.set_content(f"<style>{fonts} body {{margin: 0}} svg {{display: block}}</style>{drawing}")
+    page.evaluate("document.fonts.ready")
+    seen = cv2.imdecode(np.frombuffer(page.screenshot(), np.uint8), cv2.IMREAD_GRAYSCALE).astype(float)
+    page.close()
+    assert np.abs(cv2.blur(seen - kept, (15, 15))).max() < 25.5
 
 
 @pytest.mark.parametrize("name", sorted(WITH_AXES))

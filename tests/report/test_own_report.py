@@ -3,9 +3,7 @@
 import base64
 import dataclasses
 import json
-import os
 import re
-import shutil
 from pathlib import Path
 
 import numpy as np
@@ -23,7 +21,6 @@ from swingdown.report.trace import MOST, trace
 from swingdown.studies.pendulums import in_order, pendulums
 from swingdown.study.settings import complete
 
-CHROMIUM = os.environ.get("SWINGDOWN_CHROMIUM") or shutil.which("chromium") or "/usr/bin/chromium"
 TIMES = np.arange(1001) / 100
 CAPTION = "Pendulums side by side."
 
@@ -207,21 +204,6 @@ def test_the_papers_study_keeps_its_own(made):
     paper = dataclasses.replace(own, settings=complete({"recordings": "recordings.csv"}))
     titles = [section.title for section in contents.sections(paper)]
     assert titles[:3] == ["Findings", "Recordings left out", "What is missing"]
-
-
-@pytest.fixture(scope="module")
-def browser():
-    if not Path(CHROMIUM).exists():
-        pytest.skip(
-            f"NOT TESTED: no browser at {CHROMIUM} (tools/install-test-tools, or set SWINGDOWN_CHROMIUM)"
-        )
-    from playwright.sync_api import sync_playwright
-
-    with sync_playwright() as playwright:
-        flags = ["--headless", "--no-sandbox", "--disable-gpu", "--disable-background-networking"]
-        started = playwright.chromium.launch(executable_path=CHROMIUM, args=flags)
-        yield started
-        started.close()
 
 
 def test_in_a_browser_the_table_sorts_and_fits_a_phone_by_day_and_night(made, browser):

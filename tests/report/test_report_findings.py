@@ -9,7 +9,6 @@ import pytest
 from swingdown.report.sections.findings import findings, simplest
 
 PAIRS = ["campaign", "model_a", "model_b", "mean_difference", "delta_bic_effective", "verdict"]
-NOT_WORTH = "κv against κv,c: the added term does not earn its parameter"
 
 
 def rows(**changed):
