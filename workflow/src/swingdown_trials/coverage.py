@@ -21,7 +21,6 @@ from swingdown.calibration import from_means
 from swingdown.calibration.geometry import arm_angle
 from swingdown.calibration.layout import Read
 from swingdown.fitting.least_squares import fit_jointly
-from swingdown.fitting.prediction import predict_reading
 from swingdown.fitting.result import Fit
 from swingdown.fitting.slack import allowing
 from swingdown.fitting.uncertainty import Uncertainty, uncertainty
@@ -32,6 +31,7 @@ from swingdown.measurement.uncertainty import Mean, mean_of_samples
 from swingdown.pendulum.model import Model
 from swingdown.studies.quantities import Quantity, quantities
 
+from .prediction import predict_reading
 from .second_pendulum import trajectory
 
 STATED = 0.95

@@ -4,11 +4,11 @@ from typing import Any
 
 import numpy as np
 
-from ..arrays import Floats
-from ..engine.trajectory import checked_times, sensitivities
-from .problem import RELEASE
-from .result import Fit
-from .uncertainty import Uncertainty
+from swingdown.arrays import Floats
+from swingdown.engine.trajectory import checked_times, sensitivities
+from swingdown.fitting.problem import RELEASE
+from swingdown.fitting.result import Fit
+from swingdown.fitting.uncertainty import Uncertainty
 
 
 def predict_reading(fit: Fit, known: Uncertainty, times: Any, swing: int = 0) -> tuple[Floats, Floats]:
