@@ -46,9 +46,17 @@ def test_angles_have_the_unit_that_they_state(given, unit):
     assert stated == unit and values == pytest.approx([1.0, 2.0])
 
 
-@pytest.mark.parametrize("given", [xr.DataArray([1.0], attrs={"units": "V"}), Quantity([1.0], "m")])
-def test_a_unit_of_something_else_is_no_angle(given):
-    with pytest.raises(InputError, match="the angles: their unit is '(v|m)'"):
+@pytest.mark.parametrize(
+    ("given", "unit"),
+    [
+        (xr.DataArray([1.0], attrs={"units": "V"}), "V"),
+        (xr.DataArray([1.0], attrs={"units": "Pa"}), "Pa"),
+        (pd.Series([1.0], name="reading (mV)"), "mV"),
+        (Quantity([1.0], "m"), "m"),
+    ],
+)
+def test_a_unit_of_something_else_is_no_angle_and_is_named_as_it_is_stated(given, unit):
+    with pytest.raises(InputError, match=f"the angles: their unit is '{unit}'"):
         angles(given)
 
 

@@ -86,10 +86,9 @@ def _unit(given: Any) -> str:
 
 def _written(given: Any, called: str) -> str:
     """A series' unit as it states it: in its attribute ``units`` or at the end of its name; "" for none."""
-    beside = getattr(given, "attrs", {}).get("units", "")
-    if beside:
-        found = meaning(called, str(beside))
-        return found.written or str(beside)
+    if beside := str(getattr(given, "attrs", {}).get("units", "")).strip():
+        written = meaning(called, beside).written
+        return beside if written in ("", beside.lower()) else written
     return meaning(str(getattr(given, "name", "") or "")).written
 
 
