@@ -110,21 +110,20 @@ class _Told:
         return {name: found[name] for name in UNITS}
 
     def values(self, state: Round) -> dict[str, Quantity]:
-        """All values of the model that are the same in every swing and no part of what the measurement leaves open.
+        """All values of the model but those that the measurement leaves open, and that each swing has for itself.
 
         What the model may lack (``Round.widened``) is in their uncertainties as it was in the search's: more samples take none of it away.
         """
         model = self.fit.model
-        own = dict(zip(self.fit.free, standard_errors(self.known), strict=True))
+        errors = standard_errors(self.known)
+        own = {name: errors[self.fit.free.index(name)] for name in self.fit.free}
 
         def error(name: str) -> float:
             searched, wider = state.model.standard_errors.get(name, np.nan), state.widened.get(name, 1.0)
             lacks = searched * np.sqrt(1 - 1 / wider**2) if wider > 1 else 0.0
             return float(np.hypot(own.get(name, np.nan), lacks))
 
-        kept = [
-            p for p in model.definitions if p.name not in model.slack.parameters and p.name not in model.each
-        ]
+        kept = [p for p in model.definitions if p.name not in model.slack.parameters and not p.each]
         return {p.name: Quantity(model.values[p.name], error(p.name), p.unit) for p in kept}
 
     @property
