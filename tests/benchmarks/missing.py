@@ -1,6 +1,6 @@
 """How often stated 95 % intervals hold period and damping where samples are missing or stamped wrongly, in simulated swings.
 
-    .venv/bin/python tests/benchmarks/missing.py [SWINGS [ROW …]]
+    .venv/bin/python tests/benchmarks/missing.py [--swings 300] [--seed NUMBER] [ROW …]
 
 Prints a table in Markdown (docs/files.md holds it): by what is wrong with the times, the share of swings in which the interval
 value ± k u of the natural frequency and of each damping holds the truth, and the pulls' standard deviation. Each swing is a file's
@@ -8,6 +8,7 @@ way: times put in order, the swing judged, the law given, fitted. Beside the sha
 where noise and times are known and the error is that of linear least squares: how lucky the draws are.
 """
 
+import argparse
 import sys
 
 import numpy as np
@@ -19,7 +20,6 @@ from swingdown.engine.trajectory import sensitivities, simulate
 from swingdown.pendulum.model import Model
 
 LAW = "viscous+quadratic_drag"
-SEED = 20261123
 
 
 def drawn(draws):
@@ -81,6 +81,7 @@ KINDS = {
     "1 % missing at random": without(0.01),
     "5 % missing at random": without(0.05),
     "20 % missing at random": without(0.2),
+    "1 % missing in bursts of 10": without(0.01, 10),
     "5 % missing in bursts of 20": without(0.05, 20),
     "20 % missing in bursts of 40": without(0.2, 40),
     "uneven, stamped rightly": jittered,
@@ -110,9 +111,9 @@ def with_noise_known(model, release, true, white):
     return (covariance @ (slopes @ white) / np.sqrt(np.diag(covariance)))[1 : len(values)]
 
 
-def pulls(kind, count):
+def pulls(kind, count, seed):
     """(error, u, k) of each value in each swing, the pull of each damping with the noise known, and how many could not be fitted."""
-    draws, found, known, lost = np.random.default_rng(SEED), [], [], 0
+    draws, found, known, lost = np.random.default_rng(seed), [], [], 0
     for _ in range(count):
         model, even, release = drawn(draws)
         true, told = KINDS[kind](draws, even)
@@ -137,11 +138,15 @@ def pulls(kind, count):
 
 
 def main():
-    count = int(sys.argv[1]) if len(sys.argv) > 1 else 300
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("rows", nargs="*", default=list(KINDS))
+    parser.add_argument("--swings", type=int, default=300)
+    parser.add_argument("--seed", type=int, default=20261123)
+    args = parser.parse_args()
     print("| what is wrong with the times | frequency inside | damping inside | … with the noise known | pulls (standard deviation) | not fitted |")  # fmt: skip
     print("|---|---|---|---|---|---|")
-    for kind in sys.argv[2:] or KINDS:
-        found, known, lost = pulls(kind, count)
+    for kind in args.rows:
+        found, known, lost = pulls(kind, args.swings, args.seed)
         error, u, factor = found.transpose(1, 0, 2)
         inside = 100 * np.mean(np.abs(error) <= factor * u, axis=0)
         lucky = 100 * np.mean(np.abs(known) <= 1.96, axis=0)

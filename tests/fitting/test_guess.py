@@ -49,3 +49,11 @@ def test_the_loss_tells_each_damping_alone(name):
 def test_what_does_not_swing_is_refused(angle):
     with pytest.raises(InputError, match="half-swing"):
         first_guess(np.arange(50) / 100, angle)
+
+
+def test_holes_of_several_half_swings_tell_no_frequency():
+    """Bursts of lost samples as long as four half-swings, the first of them among those that are widest."""
+    times = np.arange(0, 20, 0.04)
+    kept = ((times < 0.5) | (times > 2.1)) & ((times < 3.9) | (times > 5.5))
+    swing = 0.6 * np.exp(-0.3 * times) * np.cos(8.0 * times)
+    assert first_guess(times[kept], swing[kept], "linear").natural_frequency == pytest.approx(8.0, rel=0.02)

@@ -119,11 +119,22 @@ def first_guess(times: Any, angle: Any, restoring: str = "sine", reading: str = 
     seen, reached = crossings.tolist(), extremes.tolist()
     used = [k for k, one in enumerate(reached) if one >= 0.5 * reached[0]]
     half = _median([seen[k + 1] - seen[k] for k in used])
+    if (steps := times[1:] - times[:-1]).max() > half / 2:  # what a hole hides may be several half-swings
+        shown = _without_hole(times, steps, crossings)
+        used = [k for k in used if shown[k]] or [int(k) for k in shown.nonzero()[0]] or used
+        half = _median([seen[k + 1] - seen[k] for k in used])
     amplitude = _median([reached[k] for k in used])
     frequency = pi / half / (_amplitude_factor(amplitude) if restoring == "sine" else 1.0)
     loss = (reached[0] - reached[-1]) / (len(reached) - 1) if len(reached) > 1 else 0.01 * amplitude
     release, velocity = at_first(times, angle, half)
     return Guess(frequency, release, velocity, amplitude, loss)
+
+
+def _without_hole(times: Floats, steps: Floats, crossings: Floats) -> np.ndarray:
+    """Of each half-swing between crossings of the middle whether samples show it, no step between them being most of it."""
+    before = times.searchsorted(crossings) - 1
+    longest = np.array([steps[a : b + 1].max() for a, b in zip(before, before[1:], strict=False)])
+    return longest < np.diff(crossings) / 2
 
 
 def at_first(times: Floats, series: Floats, half: float) -> tuple[float, float]:
