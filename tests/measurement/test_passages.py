@@ -41,7 +41,7 @@ def edges(width):
 
 
 def test_even_times_ask_whether_they_are_half_swings(tmp_path):
-    with pytest.raises(InputError, match="is that a half-swing or a whole period"):
+    with pytest.raises(InputError, match="is that a half-swing, a whole period, or several"):
         taken(tmp_path, column("t (s)", T))
     assert list(taken(tmp_path, column("t (s)", T), signal_kind="passages")["half_swings"].values) == list(
         NUMBER
@@ -72,11 +72,21 @@ def test_numbers_beside_the_times_and_no_unit(tmp_path):
     assert found["time"].values[0] == pytest.approx(1.3, abs=0.01)
 
 
+def test_times_by_hand_that_are_called_t_may_be_of_several_swings(tmp_path):
+    """As ten times five swings of a ball on a spring, which the head calls T."""
+    times = [9.03, 9.12, 9.12, 8.97, 9.03, 9.12, 9.06, 9.03, 9.09, 9.06]
+    with pytest.raises(InputError, match="or several") as asked:
+        taken(tmp_path, column("T / s", times))
+    assert "10T (s)" in asked.value.mend
+    assert taken(tmp_path, column("Periodendauer / s", times)).attrs["kind"] == "periods"
+    assert taken(tmp_path, column("T / s", times), signal_kind="periods").attrs["kind"] == "periods"
+
+
 def test_periods_are_summed(tmp_path):
     found = taken(tmp_path, columns("swing,period (s)", NUMBER[1:30], np.diff(T[::2])))
     assert found.attrs["kind"] == "periods" and found["half_swings"].values[-1] == 58
     assert np.ptp(found["time"].values) == pytest.approx(np.ptp(T[::2]), abs=1e-3)
-    with pytest.raises(InputError, match="half-swing or a whole period"):
+    with pytest.raises(InputError, match="half-swing, a whole period, or several"):
         taken(tmp_path, columns("n,interval (s)", NUMBER[1:30], np.diff(T[::2])))
 
 
@@ -122,7 +132,7 @@ def test_nothing_else_is_taken_for_passages(tmp_path, text):
     try:
         found = taken(tmp_path, text)
     except InputError as problem:
-        assert "half-swing or a whole period" not in problem.problem
+        assert "half-swing, a whole period, or several" not in problem.problem
     else:
         assert "half_swings" not in found or found.attrs["kind"] not in ("passages", "periods")
 

@@ -13,6 +13,7 @@ import swingdown
 from swingdown.answer.command import Wishes, answer
 from swingdown.errors import InputError
 from swingdown.measurement.again import OPEN, readings
+from swingdown.measurement.plausibility import in_step_and_dying
 from swingdown.study import own
 
 TIMES = np.arange(0, 30, 0.02)
@@ -178,6 +179,18 @@ def test_a_steady_drive_is_no_free_stretch():
 
     assert len(read_again(dies=30.0)) == 2
     assert read_again(dies=1e9) == []
+
+
+def test_what_takes_longer_on_one_side_is_no_free_stretch():
+    """As a bob beside a magnet: its periods are even, and it is no swing about where it rests."""
+
+    def even(longer):
+        along = (TIMES / 1.3) % 1.0
+        side = np.where(along < longer, along / longer, 1 + (along - longer) / (1 - longer))
+        return in_step_and_dying(TIMES, np.exp(-TIMES / 30) * np.sin(np.pi * side))
+
+    assert even(0.5) and even(0.52)
+    assert not even(0.55) and not even(0.45)
 
 
 def test_the_height_of_a_bob_on_a_spring_is_its_swing(tmp_path):

@@ -61,11 +61,12 @@ class Told:
 
 def right(row, told):
     """Return whether every mean period that the answer gives of the first and of the last ten swings lies among those that were counted, from
-    the first ten swings to the last; of a file without a period that can be counted, False."""
+    the first ten swings to the last, and its period is that of the first swing; of a file without a period that can be counted, False."""
     if not row["period_s"]:
         return False
     ends, tolerance = [float(row["period_s"]), float(row["period_end_s"])], float(row["tolerance_s"])
-    return all(min(ends) - tolerance <= p <= max(ends) + tolerance for p in told.timed)
+    among = all(min(ends) - tolerance <= p <= max(ends) + tolerance for p in told.timed)
+    return among and told.apart <= tolerance
 
 
 def fate(row, first, second=None):
@@ -160,6 +161,7 @@ def tried(row, folder, seconds):
         "answer": answer,
         "all": [first.said, second.said if second else ""],
         "timed": last.timed,
+        "apart": last.apart,
     }
 
 

@@ -33,7 +33,9 @@ from .turning_points import (
 )
 
 _GATE = re.compile(r"(?i)\b(gate ?\d*|gate ?states?|state|blocked|photogate|lichtschranke) ?\d*\b")
-_PERIOD = re.compile(r"(?i)\b(t|period|periods|période|periode|periodo|schwingungsdauer)\b")
+_NAMED = r"period\w*|période|período|schwingungsdauer"
+_PERIOD = re.compile(rf"(?i)\b(t|{_NAMED})\b")
+_ONE_PERIOD = re.compile(rf"(?i)\b({_NAMED})\b")  # what a hand calls T may be the time of several swings
 _INTERVAL = re.compile(r"(?i)\b(intervals?|dt|Δt|delta t)\b")
 _HALF = re.compile(r"(?i)half|halb|demi|medio|t ?/ ?2")
 _SPEED = re.compile(r"(?i)\b(speed|velocity|geschwindigkeit)\b")
@@ -138,7 +140,7 @@ def counted(gate: Gate, stated: str, place: str) -> tuple[Points, str]:
         if not unequal_sides(np.diff(times)[: _halves(times, PASSAGES, 1, place)[1].stop - 1]):
             step = float(np.median(np.diff(times)))
             raise InputError(
-                place, f"its times are {step:.4g} s apart: is that a half-swing or a whole period?", "passages through a gate, and which of the two", _WORDS,
+                place, f"its times are {step:.4g} s apart: is that a half-swing, a whole period, or several?", "passages through a gate, and which of these", _WORDS + "; of several swings write their number into the name, as `10T (s)`",
             )  # fmt: skip
         kind = PASSAGES
     step, remarks = (1 if kind == PASSAGES else 2), list(gate.remarks)
@@ -286,7 +288,7 @@ def _alone(one: Meaning, values: Floats, row: Mapping[str, Any]) -> Gate | None:
         return Gate(
             scale * values, unknown, "", "", f"took `{one.name}` as times of passages, in {unit}", told
         )
-    kind = PASSAGES if _HALF.search(name) else "" if _INTERVAL.search(name) else PERIODS
+    kind = PASSAGES if _HALF.search(name) else PERIODS if _ONE_PERIOD.search(name) else ""
     times = scale * np.concatenate([[0.0], np.cumsum(values)])
     return Gate(times, unknown, "", kind, f"took `{one.name}` as intervals between passages, in {unit}", told)
 
