@@ -8,6 +8,7 @@ import openpyxl
 import pandas as pd
 import pytest
 from exports import zipped
+from scipy.io import savemat
 
 from swingdown.__main__ import main
 from swingdown.errors import InputError
@@ -228,3 +229,22 @@ def test_an_archive_of_several_files_is_opened_as_a_folder(tmp_path, capsys):
     assert left["problem"].str.contains("photo.jpg").tolist() == [True]
     found = pd.read_csv(tmp_path / "study" / "first_answer.csv").dropna(subset=["period_s"])
     assert found["period_s"].to_numpy() == pytest.approx(2 * np.pi / 5, rel=0.02) and len(found) == 2
+
+
+def test_workbooks_and_files_of_programs_in_an_archive_are_read_as_in_a_folder(read, tmp_path, capsys):
+    same(read(zipped({"deep/swing.xlsx": workbook(Notes=[["about", 1]], Data=ROWS)}), "x.zip"))
+    arrays = io.BytesIO()
+    savemat(arrays, {"t": TIME, "theta": np.radians(SWING)})
+    both = {
+        "one.csv": TEXT,
+        "two.xlsx": workbook(Data=ROWS),
+        "three.mat": arrays.getvalue(),
+        "bad.xlsx": "no workbook",
+    }
+    (tmp_path / "y.zip").write_bytes(zipped(both))
+    main([str(tmp_path / "y.zip"), "--quick", "--into", str(tmp_path / "study")])
+    sheet = pd.read_csv(tmp_path / "study" / "recordings.csv")
+    assert sheet["sheet"].tolist() == ["one.csv", "two.xlsx", "three.mat"]
+    found = pd.read_csv(tmp_path / "study" / "first_answer.csv").dropna(subset=["period_s"])
+    assert found["period_s"].to_numpy() == pytest.approx(2 * np.pi / 5, rel=0.02) and len(found) == 3
+    assert "y.zip, bad.xlsx: NOT USED: " in capsys.readouterr().out

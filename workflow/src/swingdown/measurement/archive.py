@@ -1,4 +1,4 @@
-"""Tables inside other files, as text: a sheet of a workbook (Excel, OpenDocument), a CSV file in a zip archive (phyphox)."""
+"""Tables inside other files: a sheet of a workbook (Excel, OpenDocument) as text, a file in a zip archive (phyphox)."""
 
 import io
 import re
@@ -6,7 +6,7 @@ import shutil
 import tempfile
 import zipfile
 import zlib
-from typing import BinaryIO
+from typing import BinaryIO, NamedTuple
 
 from ..errors import InputError
 from .text import HEAD
@@ -17,7 +17,16 @@ FEWEST_ROWS = 10  # of numbers in a sheet that holds a recording
 _NUMBER = re.compile(rb"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?")
 LARGEST = 500_000_000  # bytes, unpacked: a workbook is held whole
 TEXT = (".csv", ".txt", ".tsv", ".dat")
+OTHERS = (".xlsx", ".xls", ".ods", ".trk", ".trz", ".labx", ".cmbl", ".mat")  # that may be in a zip archive
 UNPACK = "unpack the archive and name the file in it"
+
+
+class Inside(NamedTuple):
+    """An open file from inside another, and a word on where that is; its own ``name``, where it is no text and has a reader of its own."""
+
+    file: BinaryIO
+    where: str
+    name: str = ""
 
 
 class SeveralFiles(InputError):
@@ -27,8 +36,8 @@ class SeveralFiles(InputError):
     others: tuple[str, ...] = ()
 
 
-def unpacked(source: BinaryIO, name: str, part: str) -> tuple[BinaryIO, str] | None:
-    """An open text file of the table inside, and a word on where that is; None for a file that is no archive.
+def unpacked(source: BinaryIO, name: str, part: str) -> Inside | None:
+    """The ``Inside`` of a workbook or an archive; None for a file that is neither.
 
     ``part`` names the workbook's sheet or the archive's file; "" takes the first sheet, or the only file of numbers. InputError
     where there is no such part, none at all, several to choose from, or one too large to hold.
@@ -80,7 +89,7 @@ def _holds_numbers(rows: bytes, between: bytes = rb"\t") -> bool:
     return False
 
 
-def _sheet(source: BinaryIO, name: str, part: str) -> tuple[BinaryIO, str]:
+def _sheet(source: BinaryIO, name: str, part: str) -> Inside:
     names, rows = sheet(source, name, part)
     stated = bool(part)
     for other in names[1:] if not part and not _holds_numbers(rows) else ():
@@ -92,15 +101,15 @@ def _sheet(source: BinaryIO, name: str, part: str) -> tuple[BinaryIO, str]:
         raise _no_part(name, part, names, "sheet")
     taken = part or names[0]
     others = f" of {len(names)}" if len(names) > 1 and not stated else ""
-    return io.BytesIO(rows), f"sheet `{taken}`{others}"
+    return Inside(io.BytesIO(rows), f"sheet `{taken}`{others}")
 
 
-def _member(archive: zipfile.ZipFile, name: str, part: str) -> tuple[BinaryIO, str]:
+def _member(archive: zipfile.ZipFile, name: str, part: str) -> Inside:
     """The file of that name, or the only one of numbers; what stands in a folder `meta` tells of the device."""
     files = [
         one
         for one in archive.namelist()
-        if one.lower().endswith(TEXT) and not {"meta", "__MACOSX"} & set(one.split("/")[:-1])
+        if one.lower().endswith(TEXT + OTHERS) and not {"meta", "__MACOSX"} & set(one.split("/")[:-1])
     ]
     if part and part not in archive.namelist():
         raise _no_part(name, part, files, "file")
@@ -117,7 +126,8 @@ def _member(archive: zipfile.ZipFile, name: str, part: str) -> tuple[BinaryIO, s
         tables = []
         for one in files:
             with archive.open(one) as packed:
-                tables += [one] if _holds_numbers(packed.read(HEAD), rb"[\t;, ]") else []
+                text = one.lower().endswith(TEXT)
+                tables += [one] if not text or _holds_numbers(packed.read(HEAD), rb"[\t;, ]") else []
         files = tables or files
     if not part and len(files) > 1:
         several = SeveralFiles(
@@ -136,11 +146,11 @@ def _member(archive: zipfile.ZipFile, name: str, part: str) -> tuple[BinaryIO, s
             f"at most {LARGEST / 1e6:.0f} MB",
             "unpack the archive: a CSV file by itself is read in pieces",
         )
-    text = tempfile.TemporaryFile()  # noqa: SIM115 - closed with the last reference
+    copy = tempfile.TemporaryFile()  # noqa: SIM115 - closed with the last reference
     with archive.open(chosen) as packed:
-        shutil.copyfileobj(packed, text)
-    text.seek(0)
-    return text, f"`{chosen}` in the archive"
+        shutil.copyfileobj(packed, copy)
+    copy.seek(0)
+    return Inside(copy, f"`{chosen}` in the archive", chosen if chosen.lower().endswith(OTHERS) else "")
 
 
 def _no_part(name: str, part: str, there: list[str], what: str) -> InputError:

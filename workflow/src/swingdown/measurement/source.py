@@ -95,7 +95,10 @@ def tables(source: BinaryIO, row: Mapping[str, Any]) -> dict[str, Table]:
     if saved := saved_by_program(source, name):
         return {run: _of_program(columns, rate) for run, columns in saved.items()}
     if inside := unpacked(source, name, str(row.get("sheet", ""))):
-        text, where = inside
+        text, where, own = inside
+        if own:  # what has a reader of its own is read as in a folder
+            found = tables(text, {**row, "file": f"{name}, {own}", "sheet": ""})
+            return {run: one._replace(layout=f"{where}, {one.layout}") for run, one in found.items()}
         about, paused = phyphox.told(source)
         return {
             run: table._replace(

@@ -250,7 +250,7 @@ def _passed_inside(row: Mapping[str, Any], file: str) -> Refused:
     return Refused(
         part["recording"],
         row["file"],
-        f"not looked at: {printable(file)} in it is no table of numbers as text",
+        f"not looked at: {printable(file)} in it is no table of numbers",
         "",
         "unpack it and name it by itself, if it is a recording",
         printable(part["label"]),
