@@ -144,7 +144,7 @@ def lost(how, size, rng):
     return kept
 
 
-def stated_over_scatter(how, copies=100):
+def stated_over_scatter(how, copies=200):
     """The stated error of frequency and damping over their scatter, beside a support that moves at nearly the pendulum's frequency."""
     memory, step = np.exp(-0.5 / 50), 6.0 / 50
     values, errors = [], []

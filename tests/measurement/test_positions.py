@@ -71,3 +71,13 @@ def test_pictures_count_y_downwards(take):
     x, y = video()
     made = take("frame,t,x (px),y (px)\n" + rows(np.arange(600), TIME, 500 * x, 900 - 500 * y))
     assert made["signal"].values == pytest.approx(SWING, abs=1e-5)
+
+
+@pytest.mark.parametrize("length", [120, 300])
+def test_positions_in_whole_pixels_are_at_no_rail(take, length):
+    """At a turning point several frames have the same place, and the angle that is computed of it the same last digit."""
+    times = np.arange(3300) / 60
+    swing = 0.2 * np.exp(-times / 60) * np.cos(4.05 * times + 1)
+    places = np.round(271 + length * np.sin(swing)), np.round(440 + length * np.cos(swing))
+    made = take("t (s),x (px),y (px)\n" + rows(times, *places))
+    assert made["signal"].values == pytest.approx(swing, abs=0.03)  # as the pivot is known

@@ -84,6 +84,15 @@ def test_a_recording_is_no_table_of_periods(tmp_path, head):
     assert timed(written(tmp_path, head, rows)) is None
 
 
+def test_a_sentence_with_commas_is_no_head(tmp_path):
+    path = written(
+        tmp_path,
+        "# I in A, +/- 0.1    T in s, +/- 0.01, 10 Schwingungen",
+        ["0.3 28.12", "0.6 20.67", "0.9 17.11"],
+    )
+    assert timed(path) is None
+
+
 def test_trials_of_one_pendulum_at_the_command_give_g(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     times = [20.04, 20.11, 20.02, 20.09, 20.05]

@@ -2,10 +2,13 @@
 
 import numpy as np
 import pytest
+import xarray as xr
 
 import swingdown
+from swingdown.studies.pendulums import NOT_DYING, pendulums
 from swingdown.studies.quantities import cycle
 from swingdown.studies.timed import timed
+from swingdown.studies.unscaled import pace_of
 
 TIMES = np.arange(0.0, 40.0, 0.02)
 
@@ -115,3 +118,23 @@ def test_a_bad_passage_at_an_end_moves_no_mean():
     swing = np.cos(np.pi * np.where(times > 8.2, times + 0.15, times))
     first, last = timed(times, swing)
     assert first == last and first.swings == 4 and first.period == pytest.approx(2.0, abs=0.01)
+
+
+def test_a_period_that_falls_at_once_is_that_of_the_first_swing():
+    """A smooth course through all passages is too slow for it: it would tell 0.88 s."""
+    ends = np.concatenate([[0.0], np.cumsum(0.84 + 0.09 * np.exp(-np.arange(20) / 1.5))])
+    times = np.arange(0.0, 14.0, 0.005)
+    jitter = 0.006 * np.random.default_rng(0).standard_normal(ends.size)
+    phase = np.interp(times, ends + jitter, np.arange(ends.size))
+    series = np.exp(-times / 6) * np.cos(2 * np.pi * phase)
+    angle = xr.Dataset({"angle": ("time", series)}, {"time": times})
+    assert pace_of(angle, times, series)["period_first"] == pytest.approx(ends[1], abs=0.03)
+
+
+def test_what_dies_in_its_turning_points_has_a_loss_however_unsure_the_model():
+    model = swingdown.Model(("viscous",), {"natural_frequency": 3.0, "viscous_ratio": 0.02})
+    swing = swingdown.simulate(model, np.arange(0, 30, 0.04), 0.5)
+    norms = swingdown.fit(swing["time"].values, swing.values, unit="rad", fitted=("viscous",)).fits
+    unsure = norms.assign(covariance=1e23 * norms["covariance"])
+    assert pendulums(unsure)["model"][0] == "viscous"
+    assert pendulums(unsure.assign(narrowing=1 + 0 * norms["narrowing"]))["model"][0] == NOT_DYING

@@ -222,7 +222,9 @@ def _signal(
         if (line := along_a_line(values[0], values[1])) is not None:
             made = _coordinate(row, both, columns, times, line, restoring)
             on_a_line = "the positions lie on a line, which tells no pivot: how far along it is taken for one coordinate"
-            return made._replace(remarks=[on_a_line, *made.remarks])
+            return made._replace(
+                reading=replace(made.reading, computed=True), remarks=[on_a_line, *made.remarks]
+            )
         try:
             circle = fit_circle(values[0], values[1], both)
         except InputError:
@@ -237,13 +239,20 @@ def _signal(
                 ) from None
             made = _coordinate(row, both, columns, times, line, restoring)
             no_circle = "THE POSITIONS LIE ON NO CIRCLE: how far along the axis on which they move most is taken for one coordinate"
-            return made._replace(remarks=[no_circle, *made.remarks])
+            return made._replace(
+                reading=replace(made.reading, computed=True), remarks=[no_circle, *made.remarks]
+            )
         away = lost(values[0], values[1], circle)
         signal = to_angles(values[0], values[1], circle)
         about = {f"pivot_{key}": value for key, value in circle._asdict().items()}
         remarks = [_pivot(circle, first.written), *_told_lost(away, circle, signal, first.written, both)]
         return Interpreted(
-            times[~away], signal[~away], Reading("rad", True, 1.0, restoring), remarks, about, first.name
+            times[~away],
+            signal[~away],
+            Reading("rad", True, 1.0, restoring, True),
+            remarks,
+            about,
+            first.name,
         )
     if not columns.unit and (first.kind in (LENGTH, SPEED) or (first.axis and columns.clock.axis != "x")):
         return _coordinate(row, where, columns, times, values[0], restoring)

@@ -28,12 +28,13 @@ UNSCALED = (
 @dataclass(frozen=True)
 class Reading:
     """What a signal is read as: its ``unit`` (NO_SCALE for a reading without one), whether that was ``stated``, and rad per unit of
-    it (``scale``; NaN where that is not known, 0 for no angle)."""
+    it (``scale``; NaN where that is not known, 0 for no angle). What was ``computed`` of two coordinates has no rail and no smallest step."""
 
     unit: str
     stated: bool
     scale: float = 0.0
     restoring: str = "sine"
+    computed: bool = False
 
     @property
     def told(self) -> str:
@@ -75,7 +76,7 @@ def judge(times: Floats, signal: Floats, reading: Reading, place: str) -> Judged
     remarks: list[str] = []
     if reading.unit in TURNS:
         signal, remarks = unwrapped(signal, unit)
-    check_signal(times, signal, place)
+    check_signal(times, signal, place, computed=reading.computed)
     spikes = find_spikes(times, signal)
     if reading.unit in TURNS:
         known, told = angle_unit(spikes.healed, unit, reading.restoring, place)

@@ -18,6 +18,7 @@ STEADY = 0.15  # of a period: half-swings in step have theirs so near to the usu
 ENOUGH = 8  # half-swings in step of which there is something to tell
 EVEN = 0.05  # of a period: by so much at most does one differ from the next, where they tell it
 DYING = 0.98  # times: from its first third to its last, of what surely shrinks
+KEPT = 0.9  # of the first swings' size: the last ones of what does not shrink
 DIED = 0.05  # of the widest swing, by which one side shrinks from its first third to its last, where that tells something
 GRAVITY, NEAR = 9.81, 0.02  # m/s², and the share by which a cheap sensor is off
 EVEN_SIDES = 0.25  # the share by which the turning points of one side shrink of how much the others do: less is a height's
@@ -58,6 +59,13 @@ def _longest(times: Floats, signal: Floats) -> tuple[int, int]:
         elif last - first > best[1] - best[0]:
             best = first, last
     return best
+
+
+def narrowing(signal: Floats) -> float:
+    """How wide the last third of the swings is over the first third; nan of too few. Below ``KEPT`` it dies away, whatever its model."""
+    sizes = np.abs(np.diff(half_swings(signal).turns[1:-1]))
+    part = len(sizes) // 3
+    return float(np.median(sizes[-part:]) / np.median(sizes[:part])) if part else float("nan")
 
 
 def in_step_and_dying(times: Floats, signal: Floats) -> bool:

@@ -80,8 +80,6 @@ def timed(path: Path, by: str = "", u: float = np.nan) -> Timed | None:
     times = given.seconds(path)
     kept = times.notna().any(axis=1)
     given, times = given._replace(cells=given.cells[kept]), times[kept]
-    if times.empty:
-        raise InputError(f"{path.name}, column {given.times[0].name}", "it has no times", "times in s", "write them into it")  # fmt: skip
     alike = {name: one for name, one in given.heads.items() if not (one.counts or one.error)}
     told = [_told(given)]
     if angle := next((name for name, one in alike.items() if one.angle), None):

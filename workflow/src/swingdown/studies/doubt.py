@@ -12,8 +12,7 @@ from ..arrays import Swing
 from ..dataset import series_of
 from ..errors import InputError
 from ..measurement.driven import drive_of
-from ..measurement.half_swings import half_swings
-from ..measurement.plausibility import free_part, in_step_and_steady
+from ..measurement.plausibility import KEPT, free_part, in_step_and_dying, in_step_and_steady, narrowing
 from ..pendulum.catalogue import SHIPPED, Catalogue
 from ..pendulum.model import Model, everyday
 from ..rounding import value_with_uncertainty
@@ -29,7 +28,6 @@ UNSURE = 0.1  # of the period: its standard uncertainty, or how far it may be fr
 SHOWN = 0.01  # of the period: what a stop-watch shows
 UNEVEN = 0.1  # of the period: its standard uncertainty from the first swings of what no model follows
 BETTER = 0.8  # of what is left in rad: with so little left in degrees these may be the unit
-KEPT = 0.9  # of the first swings' size: the last ones of what does not shrink
 MEND = (
     "leave out what a hand moves or a motor drives (⟨start_s⟩ and ⟨stop_s⟩), and check the column of the angle and its unit; for a wheel on a spring or a torsion "
     "pendulum write ⟨restoring=linear⟩"
@@ -342,9 +340,8 @@ def _check_even(given: xr.Dataset) -> None:
 def _check_dies(given: xr.Dataset, left: float, losses: Iterable[Sequence[float]]) -> None:
     """NotFree where a swing keeps its size, and the model that leaves so large a share (``left``) of it has no loss that is seen."""
     seen = [abs(value) > SURE * error for value, error in losses if np.isfinite(error)]
-    sizes = np.abs(np.diff(half_swings(series_of(given).values).turns[1:-1]))
-    part = len(sizes) // 3
-    if any(seen) or not seen or part < 1 or np.median(sizes[-part:]) < KEPT * np.median(sizes[:part]):
+    times, values = given["time"].values, series_of(given).values
+    if any(seen) or not seen or not narrowing(values) >= KEPT or in_step_and_dying(times, values):
         return
     raise Moved(
         f"recording {given.attrs['recording']}",

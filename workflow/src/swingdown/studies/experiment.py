@@ -16,7 +16,7 @@ from ..fitting.nested import fit_nested, stand_ins, unseen
 from ..fitting.result import Begin, Fit
 from ..fitting.slack import allowing
 from ..measurement.driven import drive_of, driven
-from ..measurement.plausibility import in_step_and_steady
+from ..measurement.plausibility import in_step_and_steady, narrowing
 from ..measurement.points_recording import are_points
 from ..measurement.slack import of_angles
 from ..pendulum.model import Model, as_model
@@ -97,6 +97,7 @@ def fit_recording(
     bound = known_part(angle, "bound")
     variables["error_bound_norm"] = ((), np.nan if bound is None else np.degrees(np.sqrt(np.mean(bound**2))))
     variables |= {"samples": ((), times.size), "record_s": ((), float(times[-1] - times[0]))}
+    variables["narrowing"] = ((), narrowing(series) if drive is None else np.nan)
     badly = [one["share_left"] > MUCH for one in rows]
     if drive is not None:
         paces = {}

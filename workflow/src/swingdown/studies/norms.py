@@ -69,6 +69,7 @@ LABELS: dict[str, tuple[str | None, str]] = {
     "period_first": ("s", "first period between passages"),
     "period_first_u": ("s", "its standard uncertainty"),
     "steady": ("1", "1 of even swings that keep their size"),
+    "narrowing": ("1", "how wide the last third of the swings is over the first"),
     "period_change": ("s", "change of the period from the first one to the last"),
     "period_change_u": ("s", "its standard uncertainty"),
     "points_scale": ("1", "number of the unit that points_unit names which 1 rad stands for"),

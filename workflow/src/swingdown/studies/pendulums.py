@@ -12,6 +12,7 @@ import xarray as xr
 
 from ..engine.trajectory import TrajectoryWarning
 from ..measurement.angle import UNSCALED
+from ..measurement.plausibility import KEPT
 from ..measurement.points_recording import PASSED
 from ..measurement.refused import NOT_LOOKED_AT
 from ..paths import printable
@@ -214,13 +215,15 @@ def _row(
     if points:
         row = as_told(row, own.isel(recording=0), rivals(own, label, catalogue))
     keeps_on = left > MUCH and "steady" in own and bool((own["steady"] == 1).any())
-    return _of_what_is_seen(row, keeps_on)
+    dies = "narrowing" in own and bool((own["narrowing"] < KEPT).any())
+    return _of_what_is_seen(row, keeps_on, dies)
 
 
-def _of_what_is_seen(row: dict[str, Any], keeps_on: bool = False) -> dict[str, Any]:
-    """The row; of a swing whose loss is not seen, as one that ``keeps_on``, without a damping, for its values would be those of noise."""
+def _of_what_is_seen(row: dict[str, Any], keeps_on: bool = False, dies: bool = False) -> dict[str, Any]:
+    """The row; of a swing whose loss is not seen, as one that ``keeps_on``, without a damping, for its values would be those of noise. What
+    ``dies`` in its turning points has one, however unsure the model's is."""
     # where much is left no loss is one of this model
-    if not keeps_on and (doubted(row) or loss_seen(quantities_of(row))):
+    if not keeps_on and (doubted(row) or dies or loss_seen(quantities_of(row))):
         return row
     kept = {
         column

@@ -20,7 +20,7 @@ HIDES = 0.5  # of a half-swing: a hole that is longer may hide a passage
 _FIRST = 8  # periods, each half a swing after the one before
 _SEEN = 3.0  # standard errors of a slope
 _LAST = 4  # of the last periods, each half a swing after the one before
-_EARLY = 3  # periods, each half a swing after the one before, that the course of the period must meet
+_EARLY = 3  # periods, each half a swing after the one before: more may lie on a line
 COURSE = "between the first and the last swing the period goes from {} to {} s"
 PASSAGES = "passages"  # where a row's period comes from, if from no model
 NOTE = "the period is that of its first swings, by passages of the middle, for the model lacks something"
@@ -56,11 +56,10 @@ def pace_of(angle: xr.Dataset, times: Floats, series: Floats) -> dict[str, float
         told = pace(both_ways(found, halves), halves, of_angles([angle]).clock)
     except InputError:
         return dict.fromkeys(names, np.nan)
-    early = (found[2:] - found[:-2])[:_EARLY]
-    u_early = max(2 * told.scatter / _EARLY, float(np.std(early)))
-    if abs(early.mean() - told.first) > 2 * np.hypot(told.u_first, u_early):
+    alone = of_first_swings(times, series)
+    if abs(alone["period_first"] - told.first) > 2 * np.hypot(told.u_first, alone["period_first_u"]):
         # a smooth course that misses the first periods is not theirs
-        return dict.fromkeys(names, np.nan) | of_first_swings(times, series)
+        return dict.fromkeys(names, np.nan) | alone
     # weighed by AIC, as the laws are: a course on which the period changes, and one on which it does not
     seen = (told.change / told.u_change) ** 2 if told.u_change > 0 else np.inf
     steady = 1 / (1 + np.exp(min(seen / 2 - 1, 700.0)))
