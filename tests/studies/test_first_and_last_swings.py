@@ -138,3 +138,16 @@ def test_what_dies_in_its_turning_points_has_a_loss_however_unsure_the_model():
     unsure = norms.assign(covariance=1e23 * norms["covariance"])
     assert pendulums(unsure)["model"][0] == "viscous"
     assert pendulums(unsure.assign(narrowing=1 + 0 * norms["narrowing"]))["model"][0] == NOT_DYING
+
+
+@pytest.mark.parametrize(("off", "told"), [(0.03, True), (-0.03, True), (0.006, False)])
+def test_where_model_and_passages_surely_disagree_the_passages_are_told(off, told):
+    model = swingdown.Model(("viscous",), {"natural_frequency": 3.0, "viscous_ratio": 0.02})
+    swing = swingdown.simulate(model, np.arange(0, 30, 0.04), 0.5)
+    noise = 1e-3 * np.random.default_rng(3).standard_normal(swing.size)
+    norms = swingdown.fit(swing["time"].values, swing.values + noise, unit="rad", fitted=("viscous",)).fits
+    other = norms.assign(period_first=(1 + off) * norms["period_first"])
+    found, row = float(other["period_first"].values.ravel()[0]), pendulums(other).iloc[0]
+    assert (row["period_s"] == pytest.approx(found, rel=1e-9)) == told
+    if told:
+        assert row["period_of"] == "passages" and "passages of the middle" in row["note"]

@@ -110,8 +110,9 @@ def called(path, options, seconds):
 
 def apart(pendulum):
     """Return how far the period of a pendulum of one recording is from that of its first swing by passages of the middle alone, beyond two
-    standard uncertainties; 0 where either is not told."""
-    period, timed = pendulum["quantities"].get("period"), pendulum["timed"]
+    standard uncertainties; 0 where either is not told, and of what does not die away, whose first swing need not be the widest."""
+    dies = "quality" in pendulum["quantities"]
+    period, timed = pendulum["quantities"].get("period") if dies else None, pendulum["timed"]
     first = timed[0]["first_swing"] if len(timed) == 1 else {"period_s": None}
     if period is None or first["period_s"] is None:
         return 0.0

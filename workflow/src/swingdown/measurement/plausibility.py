@@ -90,8 +90,8 @@ def in_step_and_steady(times: Floats, signal: Floats) -> bool:
 def _sizes_in_step(times: Floats, signal: Floats, step: int = 0) -> Floats:
     """From turning point to turning point, of a swing whose passages of the middle are even; none of another, or of fewer than ENOUGH.
 
-    Its periods are near to the usual one, or with a ``step`` each to that so many half-swings before; and what swings by itself about
-    where it rests takes as long on one side as on the other.
+    Its periods are near to the usual one; or with a ``step`` each to that so many half-swings before, and then it is one that swings by
+    itself about where it rests, which takes as long on one side as on the other.
     """
     swings = half_swings(signal)
     passed = passages(times, signal, swings.centre() if len(swings.starts) > 4 else 0.0)
@@ -100,7 +100,7 @@ def _sizes_in_step(times: Floats, signal: Floats, step: int = 0) -> Floats:
         return np.empty(0)
     usual = float(np.median(periods))
     halves = np.diff(passed)
-    sides = abs(float(np.median(halves[::2])) - float(np.median(halves[1::2])))
+    sides = abs(float(np.median(halves[::2])) - float(np.median(halves[1::2]))) if step else 0.0
     even = max(sides, float(np.median(np.abs(np.diff(periods))))) < EVEN * usual
     near, other = (periods[step:], periods[:-step]) if step else (periods, usual)
     in_step = float(np.mean(np.abs(near - other) < STEADY * other)) >= ALL

@@ -20,12 +20,11 @@ from .described import describes
 from .experiment import fit_recording
 from .left_over import MUCH, doubt
 from .scale import DEGREE, Scale, scale_of
-from .unscaled import COURSE, of_first_swings, of_last_swings, without_scale
+from .unscaled import COURSE, SHOWN, of_first_swings, of_last_swings, without_scale
 
 LEFT = 0.25  # of the swing (RMS of means over a part of a period): what a damping without a name leaves of a pendulum's is less
 SURE = 3.0  # standard errors from 0
 UNSURE = 0.1  # of the period: its standard uncertainty, or how far it may be from what is counted
-SHOWN = 0.01  # of the period: what a stop-watch shows
 UNEVEN = 0.1  # of the period: its standard uncertainty from the first swings of what no model follows
 BETTER = 0.8  # of what is left in rad: with so little left in degrees these may be the unit
 MEND = (

@@ -103,10 +103,8 @@ def fit_recording(
         paces = {}
     elif without_scale(angle) and not all(badly):
         paces = pace_of(angle, times, series)
-    elif any(badly):
-        paces = of_first_swings(times, series)
     else:
-        paces = {}
+        paces = of_first_swings(times, series)
     if any(badly) and paces:
         paces |= {"steady": float(in_step_and_steady(times, series))}
     variables |= {key: (("fitted",), [value] * len(fits)) for key, value in paces.items()}

@@ -23,7 +23,7 @@ from .left_over import MUCH, doubt
 from .norms import as_text
 from .quantities import UNITS, Quantity, loss_seen
 from .turning_points import NOT_DAMPED, as_told, passages_told, period_of_passages
-from .unscaled import as_seen, at_first_swing
+from .unscaled import as_seen, at_first_swing, meets
 
 _SUFFIX = {
     "1": "",
@@ -201,7 +201,7 @@ def _row(
             more |= {"amplitude_text": "the first swings"} if period else {}
         derived = {key: derived[key] for key in _WITHOUT_SCALE} | ({"period": period} if period else {})
         row |= {"amplitude_rad": np.nan, **more}
-    elif left > MUCH and name != TOGETHER and not points:
+    elif name != TOGETHER and not points and (left > MUCH or not meets(own, derived.get("period"))):
         period, more = as_seen(own.isel(recording=0))
         if period:
             derived = derived | {"period": period}

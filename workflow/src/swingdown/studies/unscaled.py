@@ -11,6 +11,7 @@ from ..errors import InputError
 from ..fitting.passages import both_ways, pace
 from ..measurement.angle import UNSCALED
 from ..measurement.half_swings import half_swings, passages
+from ..measurement.plausibility import KEPT
 from ..measurement.slack import of_angles
 from ..rounding import value_with_uncertainty
 from .quantities import Quantity
@@ -19,6 +20,7 @@ _STRAIGHT = 0.25  # of a half-swing about the middle: there a swing is a line to
 HIDES = 0.5  # of a half-swing: a hole that is longer may hide a passage
 _FIRST = 8  # periods, each half a swing after the one before
 _SEEN = 3.0  # standard errors of a slope
+SHOWN = 0.01  # of the period: what a stop-watch shows
 _LAST = 4  # of the last periods, each half a swing after the one before
 _EARLY = 3  # periods, each half a swing after the one before: more may lie on a line
 COURSE = "between the first and the last swing the period goes from {} to {} s"
@@ -144,6 +146,18 @@ def as_seen(own: xr.Dataset) -> tuple[Quantity | None, dict[str, Any]]:
         return None, {}
     first, u_first = (float(np.atleast_1d(own[key].values)[0]) for key in ("period_first", "period_first_u"))
     return Quantity(first, u_first, "s"), {"note": NOTE, "period_of": PASSAGES}
+
+
+def meets(own: xr.Dataset, period: Quantity | None) -> bool:
+    """False where the ``period`` of a model is surely another than that of the first swings by passages of the middle, as a stop-watch shows.
+
+    ``own`` is the recording's part of the norms. Of a swing that does not shrink the first swings need not be the widest.
+    """
+    seen, _ = as_seen(own.isel(recording=0))
+    if period is None or seen is None or not (own["narrowing"] < KEPT).any():
+        return True
+    off = abs(period.value - seen.value)
+    return not off > max(_SEEN * float(np.hypot(period.uncertainty, seen.uncertainty)), SHOWN * seen.value)
 
 
 def course_seen(row: Mapping[str, Any]) -> bool:
