@@ -7,6 +7,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
+import swingdown
 from swingdown import dataset, sealed
 from swingdown.__main__ import main
 from swingdown.engine.trajectory import simulate
@@ -23,7 +24,7 @@ REASONS = {
     "hand": "it does not move as a pendulum that swings by itself",
 }
 # Campaigns of two good swings and others: `some` with the bad ones, `rest` with a record at rest that is one, and `whole` without. Campaigns
-# of one recording: `lost` a bad one, `brief` too short for a search, `moved` by a hand, `soft` under a spring that damping does not explain.
+# of one recording: `lost` a bad one, `brief` too short for a search, `moved` by a hand, `soft` under a spring that damping does not explain, `kicked` on its way.
 ROWS = [
     "recording,campaign,file,role",
     *(f"{name}-{k},{name},{file}.csv," for name in ("some", "rest") for k, file in ((1, "one"), (2, "two"))),
@@ -35,6 +36,7 @@ ROWS = [
     "brief,brief,brief.csv,",
     "moved,moved,hand.csv,",
     "soft,soft,soft.csv,",
+    "kicked,kicked,kicked.csv,",
 ]
 CONFIG = "recordings: sheet.csv\nsimulation: {simulated: []}\ndiscovery: {rounds: 1}\n"
 
@@ -48,8 +50,16 @@ def series():
     hand = 0.3 * np.exp(-0.02 * TIMES) * np.sin(7 * TIMES + 2 * np.sin(1.3 * TIMES)) + noise[3]
     return {
         "one": (TIMES, one), "two": (TIMES, two), "three": (TIMES, three), "grown": (TIMES, three[::-1]), "hand": (TIMES, hand),
-        "short": (TIMES[:70], three[:70]), "brief": (TIMES[:190], three[:190]), "soft": softening(),
+        "short": (TIMES[:70], three[:70]), "brief": (TIMES[:190], three[:190]), "soft": softening(), "kicked": kicked(),
     }  # fmt: skip
+
+
+def kicked():
+    """(times, angles) of a swing that is kicked at 6.5 s, and free from there on."""
+    times = np.arange(0, 30, 0.02)
+    late = times >= 6.5
+    size = np.where(late, 0.3, 0.08) * np.exp(-np.where(late, times - 6.5, times) / 10)
+    return times, size * np.sin(2 * np.pi * times / 1.3)
 
 
 def softening():
@@ -112,6 +122,17 @@ def test_a_campaign_goes_on_with_the_recordings_that_can_be_used(study, name, re
     table = pd.read_csv(folder / "results/tables/pendulums.csv").set_index(["campaign", "recording"])
     same = ["period_s", "period_s_u", "quality", "natural_frequency_rad_per_s", "model", "verdict"]
     assert table.loc[(name, "(joint)"), same].equals(table.loc[("whole", "(joint)"), same])
+
+
+@pytest.mark.slow("a whole study")
+def test_the_free_stretch_of_what_no_model_follows_is_used_as_by_the_command(study):
+    folder, _ = study
+    table = pd.read_csv(folder / "results/tables/pendulums.csv").set_index("recording")
+    assert "USED FROM 6.5" in table.loc["kicked", "remark"]
+    assert table.loc["kicked", "period_s"] == pytest.approx(1.3, rel=5e-3)
+    assert dataset.read(folder / "results/angles/kicked.nc")["time"].values[0] > 6.4
+    (used,) = swingdown.read(folder / "kicked.csv").fit().swings
+    assert used["time"].size == dataset.read(folder / "results/angles/kicked.nc")["time"].size
 
 
 @pytest.mark.slow("a whole study")

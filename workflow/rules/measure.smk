@@ -37,6 +37,7 @@ rule angle:
         "results/logs/angle/{recording}.log",
     params:
         mode=config["calibration"]["mode"],
+        restoring=config["model"]["restoring"],
         code=code("angle"),
     message:
         "From signal to angle: {wildcards.recording}"

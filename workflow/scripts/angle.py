@@ -1,4 +1,4 @@
-"""One swing in radians, with its uncertainty."""
+"""One swing in radians, with its uncertainty; of one that no model follows, its longest free stretch."""
 
 import swingdown.prefork  # noqa: F401  # first of all: it may take the job over
 
@@ -6,18 +6,20 @@ import numpy as np
 
 from swingdown import console, dataset
 from swingdown.errors import InputError
+from swingdown.measurement.again import TOLD
 from swingdown.measurement.angle import to_angle
 from swingdown.measurement.points_recording import are_points
 from swingdown.measurement.recording import read_recording
 from swingdown.measurement.refused import problem_in, refuse
+from swingdown.studies.doubt import free_stretch
 
 
-def angle(recording, calibration, mode, output):
+def angle(recording, calibration, mode, restoring, output):
     if (problem := problem_in(recording)) is not None:
         return refuse(problem, dataset.attributes(recording), output, known=True)
     calibration, read = dataset.read(calibration) if calibration else None, read_recording(recording)
     try:
-        result = to_angle(read, calibration, mode=mode)
+        result = free_stretch(to_angle(read, calibration, mode=mode), restoring)
     except InputError as problem:
         return refuse(problem, read.attrs, output)
     dataset.write(result, output)
@@ -28,10 +30,11 @@ def angle(recording, calibration, mode, output):
     if are_points(result):
         return f"{span} at {series.size} turning points; how they scatter the fit tells"
     uncertainty = np.degrees(float(np.sqrt((dataset.series_of(result, "standard_uncertainty") ** 2).mean())))
-    return f"{span}, standard uncertainty {uncertainty:.2g}{unit} ({result.attrs['mode']})"
+    again = f"; {result.attrs[TOLD]}" if TOLD in result.attrs else ""
+    return f"{span}, standard uncertainty {uncertainty:.2g}{unit} ({result.attrs['mode']}){again}"
 
 
 if __name__ == "__main__":
     with console.job(snakemake.log[0]) as say:
-        files = snakemake.input
-        say(angle(files.recording, files.calibration, snakemake.params.mode, snakemake.output[0]))
+        files, params = snakemake.input, snakemake.params
+        say(angle(files.recording, files.calibration, params.mode, params.restoring, snakemake.output[0]))

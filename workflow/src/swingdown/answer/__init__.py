@@ -1,7 +1,7 @@
 """From somebody's arrays to an answer in one call: ``fit`` for the damping, ``explain`` for what is missing as well."""
 
 import warnings
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from os import PathLike
@@ -22,14 +22,23 @@ from ..discovery.state import Round
 from ..discovery.verdict import verdict
 from ..engine.trajectory import TrajectoryWarning, engine
 from ..errors import InputError, told_to
-from ..measurement.again import TOLD, readings
+from ..measurement.again import readings
 from ..measurement.driven import driven
 from ..measurement.slack import of_angles
 from ..pendulum.catalogue import READINGS, catalogue
 from ..pendulum.model import BASES, Model, everyday, models
 from ..studies.described import described_by, values_of
 from ..studies.described import reading_of as reading_in
-from ..studies.doubt import Moved, NotFree, ask_counted, breaks_off, fit_any, fit_free, unit_in_doubt
+from ..studies.doubt import (
+    Moved,
+    NotFree,
+    ask_counted,
+    breaks_off,
+    fit_any,
+    fit_free,
+    followed,
+    unit_in_doubt,
+)
 from ..studies.experiment import fit_campaign, with_drive
 from ..studies.norms import combine_recordings
 from ..studies.pendulums import NOT_DYING, joined, pendulums
@@ -183,8 +192,8 @@ def _of_swings(
     fit_one = fit_free if checked or drive else fit_any
     try:
         with _of_none_compared():
-            followed = [_followed(one, known, fit_one, len(given) == 1) for one in given]
-            given, each = [angle for angle, _ in followed], [fits for _, fits in followed]
+            each_way = [followed(one, known, fit_one, len(given) == 1) for one in given]
+            given, each = [angle for angle, _ in each_way], [fits for _, fits in each_way]
             together = each[0] if len(given) == 1 else fit_campaign(given, known)
     except NotFree as problem:
         raise type(problem)(
@@ -206,11 +215,7 @@ def _of_swings(
         table["last_period_s"] = table["recording"].map(last).fillna(table.get("last_period_s", np.nan))
     # a motor's period is that of its swings, whatever their unit
     steady = (table["model"] == NOT_DYING).any()
-    again = {str(one.attrs["recording"]): str(one.attrs.get(TOLD, "")) for one in given}
-    table["remark"] = [
-        joined(again.get(name, ""), "" if steady else unit, remark)
-        for name, remark in zip(table["recording"], table["remark"], strict=True)
-    ]
+    table["remark"] = [joined("" if steady else unit, remark) for remark in table["remark"]]
     shown = [
         Shown(
             str(one["recording"].item()),
@@ -234,23 +239,6 @@ def _of_swings(
         begins=begins,
         fitted=values_of(together, label, entries),
     )
-
-
-def _followed(
-    angle: xr.Dataset, known: Sequence[Model], fit_one: Callable[..., xr.Dataset], alone: bool
-) -> tuple[xr.Dataset, xr.Dataset]:
-    """The angles of a recording with its fits: of one beside others that no model follows, those of its longest free stretch."""
-    try:
-        return angle, fit_one(angle, known)
-    except Moved:
-        raise
-    except (InputError, ArithmeticError, np.linalg.LinAlgError):
-        for other in () if alone or fit_one is fit_any else readings(angle, in_rad=True):
-            try:
-                return other, fit_one(other, known)
-            except InputError:
-                continue
-        raise
 
 
 def _fitted(

@@ -27,6 +27,11 @@ def may_be_read_again(row: Mapping[str, Any], guessed: bool) -> bool:
     return not guessed and all(cell is None or cell == "" or cell != cell for cell in stated)
 
 
+def may_be_read_once_more(angle: xr.Dataset) -> bool:
+    """True for a dataset of angles of a free swing with samples of its own, of which nothing was stated that a second reading overrules."""
+    return angle.attrs.get(OPEN) == "yes" and not are_points(angle) and drive_of(angle) is None
+
+
 def readings(angle: xr.Dataset, in_rad: bool = False) -> Iterator[xr.Dataset]:
     """The datasets of angles with which a recording is read once more, the first one that is a free swing being its own.
 
@@ -35,7 +40,7 @@ def readings(angle: xr.Dataset, in_rad: bool = False) -> Iterator[xr.Dataset]:
     of it is the attribute ``again``, and the cells of the sheet that read it so are those of ``cells``. None of what has no samples of
     its own, is driven, or was stated.
     """
-    if angle.attrs.get(OPEN) != "yes" or are_points(angle) or drive_of(angle) is not None:
+    if not may_be_read_once_more(angle):
         return
     used, told = angle, ""
     if part := free_part(angle["time"].values, series_of(angle).values):

@@ -1,7 +1,7 @@
 """Whether the model that describes a swing is one of a pendulum that swings by itself; if not, no number of it is told."""
 
 import warnings
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -11,6 +11,7 @@ import xarray as xr
 from ..arrays import Swing
 from ..dataset import series_of
 from ..errors import InputError
+from ..measurement.again import may_be_read_once_more, readings
 from ..measurement.driven import drive_of
 from ..measurement.plausibility import KEPT, free_part, in_step_and_dying, in_step_and_steady, narrowing
 from ..pendulum.catalogue import SHIPPED, Catalogue
@@ -194,6 +195,56 @@ def fit_any(angle: xr.Dataset, fitted: Sequence[Model], start: str = "free") -> 
         return fit_recording(angle, fitted, start=start)
     except (ArithmeticError, np.linalg.LinAlgError) as problem:
         raise breaks_off(f"recording {angle.attrs['recording']}") from problem
+
+
+def followed(
+    angle: xr.Dataset,
+    known: Sequence[Model],
+    fit_one: Callable[..., xr.Dataset] = fit_free,
+    alone: bool = False,
+) -> tuple[xr.Dataset, xr.Dataset]:
+    """The angles of a recording with their fits: of one that no model follows, those of its longest free stretch.
+
+    Parameters
+    ----------
+    angle
+        As ``measurement.angle.to_angle`` returns it.
+    known
+        The models to fit.
+    fit_one
+        ``fit_free`` or ``fit_any``.
+    alone
+        Whether it has no others beside it, and is read once more by who asks.
+
+    Raises
+    ------
+    InputError
+        As of ``fit_one``, where no stretch is followed either.
+    """
+    try:
+        return angle, fit_one(angle, known)
+    except Moved:
+        raise
+    except (InputError, ArithmeticError, np.linalg.LinAlgError):
+        for other in () if alone or fit_one is fit_any else readings(angle, in_rad=True):
+            try:
+                return other, fit_one(other, known)
+            except InputError:
+                continue
+        raise
+
+
+def free_stretch(angle: xr.Dataset, restoring: str = "sine") -> xr.Dataset:
+    """The angles of a recording, or where no model of damping follows them those of its longest free stretch, if one follows that."""
+    if angle.attrs.get("role") == "static" or not may_be_read_once_more(angle):
+        return angle
+    known = [Model(tuple(label.split("+")), restoring=restoring) for label in everyday(restoring)]
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # what is wrong with it is told where it is fitted
+            return followed(angle, known)[0]
+    except (InputError, ArithmeticError, np.linalg.LinAlgError):
+        return angle
 
 
 def ask(fits: xr.Dataset, angle: xr.Dataset, fitted: Sequence[Model], start: str = "free") -> None:

@@ -12,6 +12,7 @@ from ..engine.trajectory import simulate
 from ..fitting.course import TOLD, Courses
 from ..fitting.result import Fit
 from ..fitting.uncertainty import Uncertainty, uncertainty
+from ..measurement.again import TOLD as AGAIN
 from ..pendulum.catalogue import ANGLE
 from ..pendulum.model import Model
 from ..pendulum.slack import Slack
@@ -141,6 +142,7 @@ def facts_of(angle: xr.Dataset) -> dict[str, tuple[str, str]]:
             str(angle.attrs.get("points", "")),
             "what the points are, where they are no samples of the motion",
         ),
+        "again": (str(angle.attrs.get(AGAIN, "")), "how it was read once more, as no model followed it"),
         "points_unit": (str(angle.attrs.get("points_unit", "rad")), "unit of the amplitudes as read"),
     }
 

@@ -211,7 +211,8 @@ def _row(
     rms = np.nan if unscaled else np.radians(np.sqrt(np.mean(fitted["norm"].sel(fitted=label).values ** 2)))
     emulated = "yes" if "yes" in own["emulated"].values else "no"
     row |= {RESIDUALS[reading_of(fitted)]: float(rms), "emulated": emulated, "remark": joined(*doubts)}
-    row["remark"] = joined(row["remark"], _doubt_of(row))
+    again = as_text(own["again"])[0] if "again" in own.coords and name != TOGETHER else ""
+    row["remark"] = joined(again, row["remark"], _doubt_of(row))
     if points:
         row = as_told(row, own.isel(recording=0), rivals(own, label, catalogue))
     keeps_on = left > MUCH and "steady" in own and bool((own["steady"] == 1).any())
