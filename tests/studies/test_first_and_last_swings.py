@@ -112,12 +112,12 @@ def test_a_middle_that_is_off_moves_no_mean():
         assert mean.period == pytest.approx(2.0, abs=1e-3)
 
 
-def test_a_bad_passage_at_an_end_moves_no_mean():
+def test_all_passages_tell_the_mean_where_no_model_does():
     """As where the last swing drowns in noise: by the first and the last passage alone the period would be 1.96 s."""
     times = TIMES[TIMES < 9.0]
     swing = np.cos(np.pi * np.where(times > 8.2, times + 0.15, times))
     first, last = timed(times, swing)
-    assert first == last and first.swings == 4 and first.period == pytest.approx(2.0, abs=0.01)
+    assert first == last and first.swings == 4 and first.period == pytest.approx(2.0, abs=0.025)
 
 
 def test_a_period_that_falls_at_once_is_that_of_the_first_swing():

@@ -35,8 +35,8 @@ def timed(
         The swing as recorded, of shape (sample,).
     curve
         The fitted swing, of shape (sample,). It tells when the middle is passed. Where passages of the recording run away from these, they
-        tell the mean. None where no model follows the swing: then each passage of the recording counts, so that a bad one at an end
-        moves nothing. Passages that a hole hides are counted by the time between the others.
+        tell the mean. None where no model follows the swing: then each passage of the recording counts, so that one at an end that noise
+        moved matters less. Passages that a hole hides are counted by the time between the others.
     most
         Swings that are timed together.
     """
@@ -67,9 +67,9 @@ def timed(
 
 
 def _apart(halves: np.ndarray, passed: Floats) -> float:
-    """How long (s) a half-swing takes by all of these passages: the median slope of each way through the middle, and the mean of both."""
+    """How long (s) a half-swing takes by all of these passages: a line through those of each way through the middle, the mean of both."""
     ways = [way for side in (0, 1) if (way := halves % 2 == side).sum() > 1] or [halves >= 0]
-    return float(np.mean([stats.theilslopes(passed[way], halves[way])[0] for way in ways]))
+    return float(np.mean([np.polyfit(halves[way], passed[way], 1)[0] for way in ways]))
 
 
 def _late(times: Floats, series: Floats, passed: Floats) -> Floats:
