@@ -222,9 +222,7 @@ def _signal(
         if (line := along_a_line(values[0], values[1])) is not None:
             made = _coordinate(row, both, columns, times, line, restoring)
             on_a_line = "the positions lie on a line, which tells no pivot: how far along it is taken for one coordinate"
-            return made._replace(
-                reading=replace(made.reading, computed=True), remarks=[on_a_line, *made.remarks]
-            )
+            return _computed(made, on_a_line)
         try:
             circle = fit_circle(values[0], values[1], both)
         except InputError:
@@ -239,9 +237,7 @@ def _signal(
                 ) from None
             made = _coordinate(row, both, columns, times, line, restoring)
             no_circle = "THE POSITIONS LIE ON NO CIRCLE: how far along the axis on which they move most is taken for one coordinate"
-            return made._replace(
-                reading=replace(made.reading, computed=True), remarks=[no_circle, *made.remarks]
-            )
+            return _computed(made, no_circle)
         away = lost(values[0], values[1], circle)
         signal = to_angles(values[0], values[1], circle)
         about = {f"pivot_{key}": value for key, value in circle._asdict().items()}
@@ -400,6 +396,11 @@ def _read(table: Table, columns: Chosen, time_unit: str, times: Floats, scaled: 
     what = " and ".join(f"`{one.name}`" for one in found)
     clock = f"`{columns.clock.name}` as {time_unit}"
     return what, instead, clock, f"{rate:.1f} samples a second", *([table.layout] if table.layout else [])
+
+
+def _computed(made: Interpreted, remark: str) -> Interpreted:
+    """What was computed of two coordinates, with a remark before its own."""
+    return made._replace(reading=replace(made.reading, computed=True), remarks=[remark, *made.remarks])
 
 
 def _pivot(circle: Circle, unit: str) -> str:

@@ -131,9 +131,8 @@ def hand_table(path: Path) -> HandTable | None:
         most = max(one.swings for one in times)
         times = [one for one in times if one.swings == most]
         cells = pd.DataFrame.from_dict(rows, orient="index", columns=names, dtype=str)
-        empty = (
-            not cells[[one.name for one in times]].ne("").to_numpy().any()
-        )  # a sentence with commas is no head
+        # a sentence with commas is no head: there are no times below it
+        empty = not cells[[one.name for one in times]].ne("").to_numpy().any()
         if empty or not 0 < len(rows) <= _LINES or _is_clock(cells, times[0]):
             return None
         emulated = any("emulated: yes" in " ".join(cells) for cells in lines[:place])
