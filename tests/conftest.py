@@ -67,9 +67,9 @@ CHROMIUM = os.environ.get("SWINGDOWN_CHROMIUM") or shutil.which("chromium") or "
 QUIET = ["--disable-quic", "--no-first-run", "--disable-background-networking", "--disable-component-update", "--disable-sync"]  # fmt: skip
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="module")
 def browser():
-    """A real browser, that asks nobody anything by itself."""
+    """A real browser, that asks nobody anything by itself; closed after each module, for its event loop forbids others."""
     if not Path(CHROMIUM).exists():
         pytest.skip(
             f"NOT TESTED: no browser at {CHROMIUM} (tools/install-test-tools, or set SWINGDOWN_CHROMIUM)"
