@@ -4,8 +4,13 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
-from swingdown.discovery.campaign import Noise, Swing, at_most, measure_noise
+from swingdown.discovery.campaign import Noise, Swing, at_most, campaign, measure_noise
 from swingdown.discovery.differences import coarse_noise
+from swingdown.discovery.files import summary
+from swingdown.discovery.search import discover
+from swingdown.discovery.verdict import verdict
+from swingdown.pendulum.model import Model
+from swingdown_trials.second_pendulum import trajectory
 
 SIZE, FREQUENCY, DRAWS = 2e-3, 1.0, 300  # rad, Hz
 
@@ -16,7 +21,7 @@ def measured(samples, rate, correlation=0.0):
     for seed in range(DRAWS):
         draws = np.random.default_rng([5, seed]).standard_normal(samples + 300)
         series = SIZE * lfilter([np.sqrt(1 - correlation**2)], [1, -correlation], draws)[300:]
-        noise = measure_noise([series], [1 / rate], FREQUENCY)
+        noise = next(iter(measure_noise([series], [1 / rate], FREQUENCY)))
         noise = coarse_noise(noise, [Swing("a", np.arange(samples) / rate, series)], FREQUENCY)
         found.append((noise.slow_variance, noise.known))
     slow, known = np.array(found).T
@@ -41,3 +46,19 @@ def test_of_two_estimates_that_chance_tells_apart_the_smaller_is_no_better():
     noise = Noise(1.0, 0.0, 0.1)
     assert at_most(noise, 0.95, 0.1) is noise
     assert at_most(noise, 0.5, 0.1).deviation == 0.5
+
+
+@pytest.mark.parametrize("seed", [1, 5, 6])
+def test_noise_with_a_memory_is_no_effect_where_samples_are_few(seed):
+    """Of some 25 samples a period the band above the harmonics hardly tells noise with a memory from less white noise."""
+    rng, times, made = np.random.default_rng([7, seed]), np.arange(0, 20, 1 / 30), []
+    for angle in (0.4, -0.25):
+        clean = trajectory(
+            ("viscous",), {"natural_frequency": 5.2, "viscous_ratio": 0.006}, times, angle
+        ).reading
+        noise = lfilter([np.sqrt(0.75)], [1, -0.5], rng.standard_normal(times.size + 100))[100:]
+        made.append(Swing(f"{angle}", times, clean + SIZE * noise))
+    one = campaign("coloured", made)
+    base = Model("viscous")
+    said = verdict([summary(state, one) for state in discover(one, base)], base.catalogue)
+    assert said["status"] == "consistent"

@@ -156,7 +156,7 @@ def test_of_coarse_samples_neighbours_tell_the_noise(every, told):
     """18 samples a period have no band that is free of what a wrong model leaves; 36 have."""
     draws, times = np.random.default_rng(8), np.arange(0, 60, 0.025 * every)
     angle = 0.8 * np.sin(2 * np.pi / 0.9 * times) + NOISE * draws.standard_normal(times.size)
-    far = Noise(20 * NOISE, 0.9)
+    far = Noise(20 * NOISE)
     found = coarse_noise(far, [Swing("one", times, angle)], 1 / 0.9)
     if told:
         assert found.deviation == pytest.approx(NOISE, rel=0.1)

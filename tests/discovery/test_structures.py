@@ -52,7 +52,7 @@ def spring():
 
 def lacking(one, label):
     fit = fitted(one, label)
-    return Unnamed(fit, one.fit, 2 * np.pi / 7).beside(frame(fit, one.fit), NOISE)
+    return Unnamed(fit, one.fit, 2 * np.pi / 7, NOISE).beside(frame(fit, one.fit))
 
 
 def test_a_model_that_is_right_lacks_nothing_and_one_that_is_not_lacks_as_much_as_it_leaves(spring):

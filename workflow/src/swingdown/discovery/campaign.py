@@ -9,7 +9,7 @@ import numpy as np
 from ..arrays import Floats, swing_under
 from ..errors import InputError
 from ..fitting.guess import middle_crossings
-from ..measurement.noise_level import HANN, HARMONICS, whittle
+from ..measurement.noise_level import HANN, HARMONICS, either
 from ..pendulum.catalogue import ANGLE
 from ..pendulum.drive import Drive
 from ..pendulum.slack import Slack
@@ -160,10 +160,10 @@ def measure_noise(
     frequency: float,
     static: Sequence[tuple[Floats, Floats]] = (),
     free: int = 0,
-) -> Noise:
-    """The ``Noise`` of a campaign, from the residuals of a fit above the pendulum's harmonics and from static records.
+) -> dict[Noise, float]:
+    """What the ``Noise`` of a campaign may be, the most likely first, by the logarithm of how likely: white, and with a memory.
 
-    The spectrum of first-order autocorrelated noise is fitted (Whittle's likelihood) to the periodograms above eight times the pendulum's
+    Each is measured from the residuals of a fit and from static records: the spectrum of first-order autocorrelated noise is fitted (Whittle's likelihood) to the periodograms above eight times the pendulum's
     frequency, where a model's error leaves nothing; a static record counts in full.
 
     Parameters
@@ -201,10 +201,12 @@ def measure_noise(
     # what a kinked error leaves in the band looks like strong slow noise; the noise is not more than the whole residual
     squares = np.concatenate([np.square(residual) for residual in residuals])
     whole = float(np.sqrt(squares.sum() / max(squares.size - free, 1)))
-    found = whittle(cosine, power, HANN, (whole, squares.size))
-    # that the noise rises within the band does not say that it is next to none below
-    noise = Noise(found.deviation, max(found.correlation, 0.0), found.known)
-    return at_most(noise, whole, float(np.sqrt(2 / squares.size)))
+    found = {}
+    for likely, one in either(cosine, power, HANN, whole, squares.size):
+        # that the noise rises within the band does not say that it is next to none below
+        noise = Noise(one.deviation, max(one.correlation, 0.0), one.known)
+        found[at_most(noise, whole, float(np.sqrt(2 / squares.size)))] = likely
+    return dict(sorted(found.items(), key=lambda entry: -entry[1]))
 
 
 def at_most(noise: Noise, deviation: float, known: float) -> Noise:

@@ -287,7 +287,7 @@ def _told(rivals: Sequence[_Rival], every: Campaign, changed: Mapping[str, Value
     swings, best = every.fit, min(rivals, key=lambda one: one.fit.rss)
     noise = noise_of(every, best.fit)
     period = 2 * np.pi / best.fit.model.values[NATURAL_FREQUENCY.name]
-    torques = Unnamed(best.fit, swings, period)
+    torques = Unnamed(best.fit, swings, period, noise)
     plain, unnamed = np.array([_evidence(one, swings, noise, torques) for one in rivals]).T
     logs = np.logaddexp(plain, unnamed)
     shares = np.exp(logs - np.logaddexp.reduce(logs))
@@ -317,7 +317,7 @@ def _told(rivals: Sequence[_Rival], every: Campaign, changed: Mapping[str, Value
 def _evidence(one: _Rival, swings: Sequence[Swing], noise: Noise, torques: Unnamed) -> tuple[float, float]:
     """The evidence (natural logarithm) of an explanation as if nothing else were missing, and beside a discrepancy that all recordings
     share."""
-    lacks, each = torques.beside(frame(one.fit, swings), noise), np.log(len(one.fit.model.catalogue))
+    lacks, each = torques.beside(frame(one.fit, swings)), np.log(len(one.fit.model.catalogue))
     known = -0.5 * len(one.fit.free) * np.log(noise.effective(one.fit.n)) - each * one.added
     return lacks.log_plain + known, lacks.log_evidence - each + known
 

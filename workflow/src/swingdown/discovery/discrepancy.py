@@ -87,30 +87,32 @@ class Unnamed:
     """What may be missing of a pendulum, by what it would do to swings near those of one ``fit``: the same for all fits of these swings, so
     that they can be compared.
 
-    ``period`` (s), the pendulum's, about, sets the bins of time in which residuals are looked at.
+    ``period`` (s), the pendulum's, about, sets the bins of time in which residuals are looked at; those of a ``noise`` with memory by what
+    they do not have from the bin before.
     """
 
-    def __init__(self, fit: Fit, swings: Sequence[Swing], period: float):
-        self._means = [_Means(swing.times, period / _BINS) for swing in swings]
-        self._weight = np.concatenate([mean.weight for mean in self._means])
+    def __init__(self, fit: Fit, swings: Sequence[Swing], period: float, noise: Noise):
+        self._noise = noise
+        self._means = [_Means(swing.times, period / _BINS, noise) for swing in swings]
         motions = []
         for swing, mean, one in zip(swings, self._means, fit.swings, strict=True):
             coarse = Swing(swing.name, mean.times, mean(swing.angle), swing.drive)
             motions.append(motion(one.model, coarse, one.release_angle, one.release_velocity))
-        columns, kinds = _columns(motions)
-        self._directions, along = _reduced(columns * self._weight[:, None], kinds)
+        columns, kinds = _columns(motions, self._means)
+        self._directions, along = _reduced(columns, kinds)
         self._parts = [along[:, kinds == kind] for kind in range(kinds[-1] + 1)]
         self._kernels = np.stack([part @ part.T for part in self._parts])
         self._rubs = _rubs(self._parts)
 
-    def beside(self, frame: Frame, noise: Noise) -> Discrepancy:
-        """The ``Discrepancy`` of a fit seen in a ``Frame``, under this noise."""
+    def beside(self, frame: Frame) -> Discrepancy:
+        """The ``Discrepancy`` of a fit seen in a ``Frame``."""
+        noise = self._noise
         size = np.linalg.norm(frame.slopes, axis=0)
         kept = size > 0
         basis, triangle = np.linalg.qr(self._binned(frame, frame.slopes[:, kept] / size[kept]))
         residual = self._binned(frame, frame.residual[:, None])[:, 0]
         left = residual - basis @ (basis.T @ residual)
-        within = slice(None, self._weight.size)
+        within = slice(None, len(self._directions))
         inside = self._directions.T @ np.column_stack([left[within], basis[within]])
         model = _Likelihood(
             self._parts,
@@ -143,10 +145,18 @@ class Unnamed:
             *at.linear(self._rubs),
         )
 
+    def level(self, frame: Frame) -> float:
+        """What the logarithms of evidences lack of those of the readings themselves, in rad: the same for all fits under this noise."""
+        rows = sum(mean.count.size for mean in self._means)
+        free = rows - np.count_nonzero(np.linalg.norm(frame.slopes, axis=0))
+        return sum(mean.volume for mean in self._means) - 0.5 * free * float(
+            np.log(self._noise.slow_variance)
+        )
+
     def _binned(self, frame: Frame, series: Floats) -> Floats:
         """Series (samples and what stands below them, any) in bins of time, weighed by their samples."""
-        binned = [mean(series[rows]) for mean, rows in zip(self._means, frame.slices, strict=True)]
-        return np.concatenate([np.concatenate(binned) * self._weight[:, None], series[frame.samples :]])
+        binned = [mean.news(mean(series[rows])) for mean, rows in zip(self._means, frame.slices, strict=True)]
+        return np.concatenate([*binned, series[frame.samples :]])
 
 
 def _inverse(information: Floats) -> Floats:
@@ -322,22 +332,53 @@ def _minimal(model: _Likelihood) -> "_At":
 
 
 class _Means:
-    """Means over bins of time, the first sample a bin of its own, since a motion begins there."""
+    """Means over bins of time, the first sample a bin of its own, since a motion begins there; and their ``news``.
 
-    def __init__(self, times: Floats, width: float):
+    Of first-order autocorrelated noise the means over so many samples are about such noise as well.
+    """
+
+    def __init__(self, times: Floats, width: float, noise: Noise):
         label = np.r_[-1, np.floor((times[1:] - times[0]) / width)].astype(int)
-        _, self.label, self.count = np.unique(label, return_inverse=True, return_counts=True)
+        bins, self.label, self.count = np.unique(label, return_inverse=True, return_counts=True)
         self.times = self(times)
         self.weight = np.sqrt(self.count)
+        rho, size = noise.correlation, float(np.median(self.count))
+        forgotten = 1 - rho**size
+        own = (
+            1 - rho**2
+        ) * size - 2 * rho * forgotten  # of a mean's variance, of the noise's over (1 - rho)^2 size^2
+        self._memory = rho * forgotten**2 / own
+        # what is slow is as large beside noise without memory as it was
+        self._alone = np.sqrt((1 - rho**2) * size / own)
+        self._next = self._alone / np.sqrt(1 - self._memory**2)
+        self._first = np.sqrt(noise.inflation)
+        # the first mean is of one sample; where bins are missing nothing is remembered
+        self._goes_on = np.flatnonzero(np.diff(bins) == 1)[1:]
 
     def __call__(self, series: Floats) -> Floats:
         flat = series.reshape(series.shape[0], -1)
         sums = np.stack([np.bincount(self.label, one) for one in flat.T], axis=1) / self.count[:, None]
         return sums.reshape(-1, *series.shape[1:])
 
+    @property
+    def volume(self) -> float:
+        """The logarithm of the determinant of the ``news`` by the means."""
+        goes_on, alone = self._goes_on.size, self.count.size - 1 - self._goes_on.size
+        return float(np.log(self._first) + goes_on * np.log(self._next) + alone * np.log(self._alone))
 
-def _columns(motions: list[Motion]) -> tuple[Floats, NDArray[np.intp]]:
-    """The work of each unit of discrepancy on the readings (bin, unit), and the kind of each unit, first of the first smoothness."""
+    def news(self, means: Floats) -> Floats:
+        """Means (bin, any), weighed by their samples, without what noise remembers of the bin before."""
+        weighed = means * self.weight[:, None]
+        found = weighed * self._alone
+        found[0] = weighed[0] * self._first
+        found[self._goes_on + 1] = self._next * (
+            weighed[self._goes_on + 1] - self._memory * weighed[self._goes_on]
+        )
+        return found
+
+
+def _columns(motions: list[Motion], means: Sequence[_Means]) -> tuple[Floats, NDArray[np.intp]]:
+    """The work of each unit of discrepancy on the news of the readings (bin, unit), and the kind of each unit, first of the first smoothness."""
     largest = max(float(np.max(np.abs(one.angle))) for one in motions)
     fastest = max(float(np.max(np.abs(one.speed))) for one in motions)
     blocks: list[list[Floats]] = []
@@ -356,7 +397,8 @@ def _columns(motions: list[Motion]) -> tuple[Floats, NDArray[np.intp]]:
         found += [worked[:, edges[-3] : edges[-2]], worked[:, edges[-2] :]]
         blocks.append(found)
     kinds = np.concatenate([np.full(block.shape[1], k) for k, block in enumerate(blocks[0])])
-    return np.concatenate([np.hstack(found) for found in blocks]), kinds
+    news = [mean.news(np.hstack(found)) for mean, found in zip(means, blocks, strict=True)]
+    return np.concatenate(news), kinds
 
 
 def _shapes(one: Motion, largest: float, fastest: float) -> tuple[list[Floats], list[Floats]]:

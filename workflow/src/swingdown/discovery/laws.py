@@ -1,6 +1,6 @@
 """Each everyday law of damping in the place of a structure's own: what a pendulum's values are told from."""
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from contextlib import suppress
 
 from ..engine.trajectory import TrajectoryError
@@ -17,8 +17,11 @@ def damping(model: Model) -> frozenset[str]:
     return frozenset(name for law in everyday(model.restoring) for name in law.split("+"))
 
 
-def with_each_law(fit: Fit, campaign: Campaign, noise: Noise, budget: Budget) -> Iterator[Fit]:
-    """The ``Fit`` of each law beside what else a fit has, the fit's own law and hopeless ones left out.
+def with_each_law(
+    fit: Fit, campaign: Campaign, noise: Noise, budget: Budget, allowed: Collection[str] | None = None
+) -> Iterator[Fit]:
+    """The ``Fit`` of each law beside what else a fit has, the fit's own law and hopeless ones left out, and those of effects that are not
+    ``allowed`` (all of the catalogue by default).
 
     A law at a bound is another law, whose values are better known: it is left out.
     """
@@ -28,7 +31,8 @@ def with_each_law(fit: Fit, campaign: Campaign, noise: Noise, budget: Budget) ->
     for law in everyday(model.restoring):
         names = law.split("+")
         one = model.with_effects((*names, *others))
-        if budget.spent or one.names == model.names:
+        known = allowed is None or set(names) <= {*allowed, *model.names}
+        if budget.spent or one.names == model.names or not known:
             continue
         starts = tuple(
             swing._replace(values={name: swing.values.get(name, 0.0) for name in one.parameters})

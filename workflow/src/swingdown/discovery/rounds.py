@@ -15,6 +15,7 @@ from .confirm import predict
 from .differences import coarse_noise
 from .evidence import Candidate, evidence
 from .free_form import COLUMNS, missing
+from .guard import POSSIBLE
 from .locate import groups
 from .losses import COLUMNS as HALF_SWINGS
 from .losses import beside
@@ -32,13 +33,29 @@ def first_fit(campaign: Campaign, base: Model) -> Fit:
     return nudged(fit, campaign.fit)
 
 
-def noise_of(campaign: Campaign, fit: Fit) -> Noise:
-    """The noise on a campaign's swings, from the residuals of a fit to them."""
-    swings, frequency = campaign.fit, fit.model.values[NATURAL_FREQUENCY.name]
+def noise_of(campaign: Campaign, fit: Fit, base: Fit | None = None) -> Noise:
+    """The noise on a campaign's swings, from the residuals of a fit to them: of what it may be that which makes these residuals most
+    probable, whether or not something is missing. The pendulum's frequency is that of ``base``, by default of the fit itself."""
+    base = base or fit
+    swings, frequency = campaign.fit, base.model.values[NATURAL_FREQUENCY.name] / (2 * np.pi)
     intervals = [(swing.times[-1] - swing.times[0]) / (swing.times.size - 1) for swing in swings]
     residuals = [swing.angle - one.angle for swing, one in zip(swings, fit.swings, strict=True)]
-    noise = measure_noise(residuals, intervals, frequency / (2 * np.pi), campaign.static, len(fit.free))
-    return coarse_noise(noise, swings, frequency / (2 * np.pi))
+    measured = measure_noise(residuals, intervals, frequency, campaign.static, len(fit.free))
+    likely = {coarse_noise(noise, swings, frequency): how for noise, how in measured.items()}
+    most = max(likely.values())
+    rivals = [noise for noise, how in likely.items() if how > most + np.log(POSSIBLE)]
+    return (
+        rivals[0]
+        if len(rivals) < 2
+        else max(rivals, key=lambda one: likely[one] + _pool(campaign, one, base, fit).absolute)
+    )
+
+
+def _pool(campaign: Campaign, noise: Noise, base: Fit, fit: Fit) -> Pool:
+    """The structures of two fits, seen near the second."""
+    pool = Pool(campaign, noise, base, fit)
+    pool.look(fit)
+    return pool
 
 
 def unseen(campaign: Campaign, fit: Fit) -> Round:

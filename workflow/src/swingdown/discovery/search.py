@@ -38,7 +38,7 @@ from .rounds import first_fit, noise_of, round_of, unseen
 from .state import Round
 from .structures import Key, Pool, Structure
 
-_QUIETER = 0.97  # times the noise: less of a difference is its own uncertainty
+_LOUDER = 1.03  # times what a structure leaves: less of a difference is the noise's own uncertainty
 _AGAIN = 2  # times that what else would do may turn out to be more probable
 
 
@@ -91,6 +91,7 @@ class _Search:
         base = opened(begun, campaign.fit, campaign.slack, noise_of(campaign, begun))
         self.pool = Pool(campaign, noise_of(campaign, base), base)
         self.ranked: dict[Key, list[Candidate]] = {}  # by structure, what was tried there
+        self.with_laws: set[Key] = set()  # what each law of damping was tried beside
 
     def searched(self, rounds: int) -> list[Structure]:
         """The way to the most probable structure."""
@@ -210,13 +211,17 @@ class _Search:
     def _heard(self, best: Structure) -> None:
         """What the best structure leaves in the band of the noise is the noise: what a worse one leaves there may be its misfit. Unnamed
         torques are those that act on its swings."""
-        noise = noise_of(self.campaign, best.fit)
-        quieter = noise.deviation < _QUIETER * self.pool.noise.deviation
-        if quieter or best.fit is not self.pool.near:
-            self.pool = self.pool.under(noise if quieter else self.pool.noise, best.fit)
+        if best.fit is self.pool.near:
+            return
+        noise = noise_of(self.campaign, best.fit, self.pool.first.fit)
+        # no noise is more than what some structure leaves
+        least = min(one.fit.rms for one in self.pool.known.values())
+        kept = noise.deviation > _LOUDER * least and noise.deviation > self.pool.noise.deviation
+        self.pool = self.pool.under(self.pool.noise if kept else noise, best.fit)
 
     def _doubt(self, last: Structure) -> None:
-        """What else would do: the structure without each of its effects, those of the base too, and with another in the place of each."""
+        """What else would do: the structure without each of its effects, those of the base too, with another in the place of each, and with
+        each law of damping."""
         for name in self.pool.base & last.key if len(last.key) > 1 else ():
             if not self.budget.spent:
                 self.pool.lacking(last, [name])
@@ -230,11 +235,19 @@ class _Search:
             for old in self.pool.base - last.key:
                 with suppress(TrajectoryError):
                     self.pool.look(self._restored(last.fit, name, old))
+        self._look_at_laws(last)
+
+    def _look_at_laws(self, last: Structure) -> None:
+        """Each law of damping in the place of the structure's own."""
+        beside = last.key - damping(last.fit.model)
+        if beside not in self.with_laws:
+            for fit in with_each_law(last.fit, self.campaign, self.pool.noise, self.budget, self.allowed):
+                self.pool.look(fit)
+            self.with_laws.add(beside)
 
     def _counting(self, last: Structure) -> list[tuple[float, Fit]]:
         """What values are told from: each law of damping in the place of the model's own, beside what else the structures have."""
-        for fit in with_each_law(last.fit, self.campaign, self.pool.noise, self.budget):
-            self.pool.look(fit)
+        self._look_at_laws(last)
         laws = damping(last.fit.model)
         for _, fit in self.pool.counting(laws):
             with suppress(TrajectoryError):

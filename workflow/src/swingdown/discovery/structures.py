@@ -84,11 +84,16 @@ class Pool:
     def __init__(self, campaign: Campaign, noise: Noise, base: Fit, near: Fit | None = None):
         self.campaign, self.noise, self.base, self.near = campaign, noise, key_of(base), near or base
         period = 2 * np.pi / base.model.values[NATURAL_FREQUENCY.name]
-        self._unnamed = Unnamed(self.near, campaign.fit, period)
+        self._unnamed = Unnamed(self.near, campaign.fit, period, noise)
         self._each = float(np.log(len(base.model.catalogue)))
         self.known: dict[Key, Structure] = {}
         self.first = self._seen(base, frame(base, campaign.fit))
         self.known[self.base] = self.first
+
+    @property
+    def absolute(self) -> float:
+        """The evidence of the best structure in units that no noise sets."""
+        return self.best.evidence + self._unnamed.level(self.best.frame)
 
     def look(self, fit: Fit) -> None:
         """Keep a fit where it is the best of its effects; one that cannot be seen to first order is passed over."""
@@ -128,7 +133,7 @@ class Pool:
         return one.whole < 0.5 and one.left(self.noise) > self.noise.deviation
 
     def _seen(self, fit: Fit, there: Frame) -> Structure:
-        lacks = self._unnamed.beside(there, self.noise)
+        lacks = self._unnamed.beside(there)
         free, key = len(fit.free) - len(fit.model.slack.names), key_of(fit)
         known = -0.5 * free * np.log(self.noise.effective(fit.n)) - self._each * len(key - self.base)
         beside = self._each * (1 + len(self.base - key))

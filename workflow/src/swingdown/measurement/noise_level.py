@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 from scipy.optimize import minimize_scalar
-from scipy.special import ndtr
+from scipy.special import log_ndtr
 
 from ..arrays import Floats
 from ..errors import InputError
@@ -63,55 +63,65 @@ def noise_of(times: ArrayLike, signal: ArrayLike) -> Noise:
     return found if found.correlation else Noise(level, 0.0)
 
 
-def whittle(
-    cosine: Floats, power: Floats, independent: float = 1.0, whole: tuple[float, int] | None = None
-) -> Noise:
-    """The first-order autocorrelated ``Noise`` whose spectrum is most likely for these powers (Whittle's likelihood).
+def whittle(cosine: Floats, power: Floats, independent: float = 1.0) -> Noise:
+    """The first-order autocorrelated ``Noise`` whose spectrum is most likely for these powers (Whittle's likelihood); a correlation that BIC
+    does not ask for is none.
 
-    ``cosine`` of 2 pi frequency times sampling interval, ``power`` the periodogram there, of which the share
-    ``independent`` counts. A correlation that BIC does not ask for is none. Of one that is there the powers tell little, and less of the spectrum
-    below them: where the standard deviation of the ``whole`` series and the number of its samples are given, means over all correlations are told
-    (``_over_correlations``).
+    ``cosine`` of 2 pi frequency times sampling interval, ``power`` the periodogram there, of which the share ``independent`` counts.
     """
-    own = 1 / np.sqrt(power.size * independent)
-    floor = 1e-300 + 1e-12 * np.mean(power)
-
-    def level(correlation: float) -> tuple[float, float]:
-        """-ln of the likelihood but for a constant, and the variance of the innovations."""
-        shape = 1 / (1 + correlation**2 - 2 * correlation * cosine)
-        variance = np.mean((power + floor) / shape)
-        return float(np.sum(np.log(variance * shape)) + power.size) * independent, float(variance)
-
+    effective = power.size * independent
     best = minimize_scalar(
-        lambda one: level(one)[0], bounds=(-0.9, 0.95), method="bounded", options={"xatol": 1e-4}
+        lambda one: _level(one, cosine, power)[0],
+        bounds=(-0.9, 0.95),
+        method="bounded",
+        options={"xatol": 1e-4},
     ).x
-    if level(0.0)[0] - level(best)[0] <= 0.5 * np.log(power.size * independent):
-        return Noise(float(np.sqrt(level(0.0)[1])), 0.0, own)
-    if whole is None:
-        return Noise(float(np.sqrt(level(best)[1] / (1 - best**2))), float(best), own)
-    costs, innovations = np.array([level(one) for one in _CORRELATIONS]).T
-    return _over_correlations(costs, innovations, own, *whole)
+    (white, level), (coloured, innovations) = (_level(one, cosine, power) for one in (0.0, best))
+    if (white - coloured) * independent <= 0.5 * np.log(effective):
+        return Noise(float(np.sqrt(level)), 0.0, 1 / np.sqrt(effective))
+    return Noise(float(np.sqrt(innovations / (1 - best**2))), float(best), 1 / np.sqrt(effective))
 
 
-def _over_correlations(costs: Floats, innovations: Floats, own: float, whole: float, samples: int) -> Noise:
-    """The ``Noise`` by the means of the logarithms of its variance and of its slow spectrum over ``_CORRELATIONS``, any level of slow noise as likely
-    before, and the noise as likely to be all of the series as any part of it.
+def either(
+    cosine: Floats, power: Floats, independent: float, whole: float, samples: int
+) -> list[tuple[float, Noise]]:
+    """What the noise may be by powers above the pendulum's: white, and with a memory; each with the logarithm of how likely it is.
 
-    ``costs`` and ``innovations`` by correlation: -ln of the likelihood, and the variance, whose logarithm is known to ``own``.
+    The powers tell little of a memory, and less of the spectrum below them: of it means over ``_CORRELATIONS`` are told, of the logarithms of
+    variance and slow spectrum. The noise is as likely to be all of a series, whose standard deviation is ``whole``, as any part of it.
+
+    Parameters
+    ----------
+    cosine, power, independent
+        As of ``whittle``.
+    whole, samples
+        The standard deviation of the series, and how many samples it has.
     """
-    rho = _CORRELATIONS
+    rho, own = np.r_[0.0, _CORRELATIONS], 1 / np.sqrt(power.size * independent)
+    costs, innovations = np.array([_level(one, cosine, power) for one in rho]).T
     variance, slow = np.log(innovations / (1 - rho**2)), np.log(innovations / (1 - rho) ** 2)
     above = np.log(whole**2) - variance
     known = np.hypot(own, np.sqrt(2 / samples * (1 + rho**2) / (1 - rho**2)))
-    every = np.exp(-0.5 * (above / known) ** 2) / (np.sqrt(2 * np.pi) * known)
-    weight = np.exp(costs.min() - costs) * (every + ndtr(above / known) / max(float(above.max()), own))
-    if not weight.sum() > 0:  # more noise than there is of anything
-        weight = np.exp(costs.min() - costs)
-    weight /= weight.sum()
-    size, level = float(weight @ variance), float(weight @ slow)
-    error = float(np.sqrt(weight @ (slow - level) ** 2 + own**2))
-    # the correlation of a spectrum that has these two levels
-    return Noise(float(np.exp(0.5 * size)), float(np.tanh(0.5 * (level - size))), error)
+    every = -0.5 * (above / known) ** 2 - np.log(np.sqrt(2 * np.pi) * known)
+    part = log_ndtr(above / known) - np.log(max(float(above.max()), own))
+    likely = np.logaddexp(every, part) - costs * independent
+    found = []
+    for these in (slice(0, 1), slice(1, None)):
+        together = float(np.logaddexp.reduce(likely[these]))
+        weight = np.exp(likely[these] - together)
+        size, level = float(weight @ variance[these]), float(weight @ slow[these])
+        error = float(np.sqrt(weight @ (slow[these] - level) ** 2 + own**2))
+        # the correlation of a spectrum that has these two levels
+        memory = Noise(float(np.exp(0.5 * size)), float(np.tanh(0.5 * (level - size))), error)
+        found.append((together - float(np.log(weight.size)), memory))
+    return found
+
+
+def _level(correlation: float, cosine: Floats, power: Floats) -> tuple[float, float]:
+    """-ln of the likelihood of a correlation but for a constant, and the variance of the innovations."""
+    shape = 1 / (1 + correlation**2 - 2 * correlation * cosine)
+    variance = np.mean((power + 1e-300 + 1e-12 * np.mean(power)) / shape)
+    return float(np.sum(np.log(variance * shape)) + power.size), float(variance)
 
 
 def noise_level(times: ArrayLike, signal: ArrayLike, band: tuple[float, float] = BAND) -> float:
