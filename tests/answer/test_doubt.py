@@ -149,6 +149,34 @@ def test_of_a_model_that_lacks_much_the_period_is_that_of_the_passages():
     assert "by passages of the middle" in row["note"] and row["period_of"] == "passages"
 
 
+def test_of_swings_too_few_to_count_a_model_that_lacks_much_tells_no_period():
+    """As of a weight on a hard spring that stops after two swings."""
+    times = np.arange(0, 1.9, 0.01)
+    sine = np.exp(-times / 1.5) * np.cos(2 * np.pi * times)
+    peaked = 0.3 * np.sign(sine) * np.abs(sine) ** 2.2 + 1e-3 * np.random.default_rng(1).standard_normal(
+        times.size
+    )
+    with pytest.raises(NotFree, match="leaves 13 % of it, and its swings are too few to count") as caught:
+        swingdown.fit(times, peaked, unit="rad")
+    assert "record longer" in caught.value.mend
+
+
+def test_what_a_named_column_may_drive_is_asked_about(tmp_path, monkeypatch, capsys):
+    """Even swings of one size have a motor's period; a file that holds the motor's voltage says so itself."""
+    monkeypatch.chdir(tmp_path)
+    times = np.arange(0, 30, 0.05)
+    phase = 2 * np.pi * times / 2.7
+    driven = 0.5 * np.sin(phase) + 0.03 * np.sin(3 * phase) + 0.08 * np.sin(2 * phase + 1)
+    columns = times, driven, 2 + 0.5 * np.sin(phase + 1)
+    alone = written(tmp_path / "alone.csv", "time (s),angle (rad)", *columns[:2])
+    assert main([str(alone), "--quick", "--into", "one"]) == 0
+    beside = written(tmp_path / "beside.csv", "time (s),angle (rad),Output Voltage (V)", *columns)
+    with pytest.raises(SystemExit):
+        main([str(beside), "--quick", "--into", "two"])
+    told = capsys.readouterr().err
+    assert "holds what may drive them: Output Voltage (V)" in told and "with --input" in told
+
+
 def test_what_a_motor_drives_gives_no_number():
     phase = 2 * np.pi * np.arange(0, 30, 0.05) / 2.7
     driven = 0.5 * np.sin(phase) + 0.075 * np.sin(1.5 * phase + 1)

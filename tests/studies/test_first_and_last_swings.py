@@ -8,7 +8,7 @@ import swingdown
 from swingdown.studies.pendulums import NOT_DYING, pendulums
 from swingdown.studies.quantities import cycle
 from swingdown.studies.timed import timed
-from swingdown.studies.unscaled import pace_of
+from swingdown.studies.unscaled import of_first_swings, pace_of
 
 TIMES = np.arange(0.0, 40.0, 0.02)
 
@@ -129,6 +129,17 @@ def test_a_period_that_falls_at_once_is_that_of_the_first_swing():
     series = np.exp(-times / 6) * np.cos(2 * np.pi * phase)
     angle = xr.Dataset({"angle": ("time", series)}, {"time": times})
     assert pace_of(angle, times, series)["period_first"] == pytest.approx(ends[1], abs=0.03)
+
+
+@pytest.mark.parametrize("release", [1.5, 2.2, 2.5])
+def test_a_period_that_falls_ever_slower_is_that_of_the_first_swing(release):
+    """As of a wide swing: by a straight line the period of 2.71 s from 2.2 rad would be 2.53(5) s."""
+    model = swingdown.Model(("viscous",), {"natural_frequency": 3.0, "viscous_ratio": 0.03})
+    swing = swingdown.simulate(model, np.arange(0, 30, 0.01), release)
+    noise = 1e-3 * np.random.default_rng(1).standard_normal(swing.size)
+    told = of_first_swings(swing["time"].values, swing.values + noise)
+    off = abs(told["period_first"] - cycle(model, release).period)
+    assert off < 2 * told["period_first_u"] < 0.2 * told["period_first"]
 
 
 def test_what_dies_in_its_turning_points_has_a_loss_however_unsure_the_model():

@@ -27,6 +27,7 @@ _RAD = {"rad": 1.0, "deg": pi / 180} | TO_RAD_PER_S
 _PARTS = ("standard_uncertainty", "random_uncertainty", "systematic_uncertainty", "bound")
 _CARRIED = (
     "columns_alike",
+    "drive_beside",
     "label",
     "unit_told",
     "scale",

@@ -46,7 +46,7 @@ _FROM_ROW_TO_ROW = re.compile(
 _ANGLES = re.compile(r"(?i)θ|φ|\b(theta|phi|angle|angular position|winkel|ángulo|angulo|ausschlag)\b")
 _DRIVES = re.compile(
     r"(?i)\b(drive|driver|driving|motor|forcing|excitation|exciter|input|forzante|forzatura|erreger|antrieb|excitateur|torques?|tau|effort|"
-    r"forces?|pwm|control|command|cmd|set ?point|desired|reference)\b"
+    r"forces?|pwm|control|command|cmd|set ?point|desired|reference|output (voltage|current|power))\b"
 )
 _SIZE_ALONE = re.compile(r"(?i)\b(abs|absolute|magnitude|norm|total|betrag)\b")
 _NUMBERS = re.compile(

@@ -34,6 +34,7 @@ from .columns import (
     meaning,
     place_of,
 )
+from .columns import drives as moves_it
 from .gyroscope import TO_RAD_PER_S, rate_unit, turning_most
 from .half_swings import half_swings
 from .judge import Reading
@@ -173,6 +174,8 @@ def interpret(table: Table, row: Mapping[str, Any], place: str, restoring: str) 
         1e-6: "US (no unit is stated)",
         1e-9: "NS (no unit is stated)",
     }.get(factor, "s (no unit is stated)")
+    if moved := [one for one in table.names if one not in read and moves_it(one)]:
+        made = made._replace(about=made.about | {"drive_beside": ", ".join(moved)})
     return made._replace(
         remarks=remarks + made.remarks, rate=ordered.rate, input=drive,
         read=_read(table, columns, told_unit, made.times, "pivot_x" in made.about),

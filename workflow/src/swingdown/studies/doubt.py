@@ -290,6 +290,13 @@ def check_free(fits: xr.Dataset, given: xr.Dataset, label: str, catalogue: Catal
     name = str(given.attrs["recording"])
     own = fits[["share_left", "value", "standard_error"]].sel(fitted=label)
     left = float(own["share_left"])
+    if (drive := given.attrs.get("drive_beside", "")) and not left <= MUCH:
+        raise Moved(
+            f"recording {name}",
+            f"the best model of damping leaves {100 * left:.3g} % of its swings, and the file holds what may drive them: {drive}",
+            "a pendulum that swings by itself, or the drive that was measured",
+            "name the column of the drive ⟨in input_column⟩, or leave out what it drives (⟨start_s⟩ and ⟨stop_s⟩)",
+        )
     if not left <= LEFT:
         raise NotFree(
             f"recording {name}",
@@ -348,6 +355,13 @@ def ask_counted(table: pd.DataFrame, angles: Sequence[xr.Dataset]) -> dict[str, 
             )
         passed = of_first_swings(one["time"].values, series_of(one).values)
         counted, spread = passed["period_first"], passed["period_first_u"]
+        if np.isfinite(rows.iloc[0].get("share_left", np.nan)) and not np.isfinite(counted):
+            raise NotFree(
+                f"recording {one.attrs['recording']}",
+                f"the best model of damping leaves {100 * rows.iloc[0]['share_left']:.2g} % of it, and its swings are too few to count a period without a model",
+                "three whole swings or more, or a model that follows them",
+                mend_of(one, "; record longer; or name the column of the swing ⟨in signal_column⟩"),
+            )
         if abs(told - counted) > UNSURE * counted + SURE * spread:
             raise NotFree(
                 f"recording {one.attrs['recording']}",

@@ -58,10 +58,10 @@ def pace_of(angle: xr.Dataset, times: Floats, series: Floats) -> dict[str, float
         told = pace(both_ways(found, halves), halves, of_angles([angle]).clock)
     except InputError:
         return dict.fromkeys(names, np.nan)
-    alone = of_first_swings(times, series)
-    if abs(alone["period_first"] - told.first) > 2 * np.hypot(told.u_first, alone["period_first_u"]):
+    alone, u_alone, _ = _first_swing(times, series)
+    if abs(alone - told.first) > 2 * np.hypot(told.u_first, u_alone):
         # a smooth course that misses the first periods is not theirs
-        return dict.fromkeys(names, np.nan) | alone
+        return dict.fromkeys(names, np.nan) | of_first_swings(times, series)
     # weighed by AIC, as the laws are: a course on which the period changes, and one on which it does not
     seen = (told.change / told.u_change) ** 2 if told.u_change > 0 else np.inf
     steady = 1 / (1 + np.exp(min(seen / 2 - 1, 700.0)))
@@ -79,23 +79,36 @@ def _mixed(share: float, one: tuple[float, float], other: tuple[float, float]) -
 
 def of_first_swings(times: Floats, series: Floats) -> dict[str, float]:
     """``period_first`` (s) of the first whole swing, from the largest turning point on, with its standard uncertainty (``…_u``): by the first
-    few periods between passages of the middle, as their mean or, where they surely change, on a line; nan for fewer than three."""
+    few periods between passages of the middle, as their mean or, where they surely change, on a line, and where that surely bends, on a
+    parabola; nan for fewer than three."""
+    first, u_first, further = _first_swing(times, series)
+    return {"period_first": first, "period_first_u": float(np.hypot(u_first, further))}
+
+
+def _first_swing(times: Floats, series: Floats) -> tuple[float, float, float]:
+    """The period (s) of ``of_first_swings``, its standard uncertainty by scatter, and how far it may bend further."""
     swings = half_swings(series)
     found = passages(times, series, swings.centre())
     whole = _without_hole(times, found)
     periods, since = (found[2:] - found[:-2])[whole][:_FIRST], np.flatnonzero(whole)[:_FIRST]
     if periods.size < 3:
-        return dict.fromkeys(("period_first", "period_first_u"), np.nan)
+        return np.nan, np.nan, np.nan
     away = np.abs(swings.turns[:2] - swings.centre())
     at = since + (0.5 if away[0] >= away[1] else -0.5)  # half-swings after the first whole swing
     twice = np.sqrt(2.0)  # each half-swing is in two of them
-    if periods.size > _EARLY:
-        line, covariance = np.polyfit(at, periods, 1, cov=True)
-        slope, first = twice * np.sqrt(np.diag(covariance))
-        if abs(line[0]) > _SEEN * slope:
-            return {"period_first": float(line[1]), "period_first_u": float(first)}
     scatter = float(np.std(periods, ddof=1) / np.sqrt(periods.size))
-    return {"period_first": float(periods.mean()), "period_first_u": twice * scatter}
+    told = float(periods.mean()), twice * scatter, 0.0
+    for degree in (1, 2):
+        if periods.size < _EARLY + degree:
+            break
+        course, covariance = np.polyfit(at, periods, degree, cov=True)
+        errors = twice * np.sqrt(np.diag(covariance))
+        if not abs(course[0]) > _SEEN * errors[0]:
+            break
+        # of what comes after the bend nothing is known: as much again as that does
+        further = abs(float(course[-1]) - told[0]) if degree > 1 else 0.0
+        told = float(course[-1]), float(errors[-1]), further
+    return told
 
 
 def _without_hole(times: Floats, found: Floats) -> np.ndarray:
