@@ -177,6 +177,27 @@ def test_what_a_named_column_may_drive_is_asked_about(tmp_path, monkeypatch, cap
     assert "holds what may drive them: Output Voltage (V)" in told and "with --input" in told
 
 
+@pytest.mark.parametrize("header", ["t,angle (rad)", "time,angle (rad)", ""])
+def test_what_counts_the_rows_is_no_time(tmp_path, header):
+    """Of ten samples a second it would tell a period ten times too long."""
+    path = written(
+        tmp_path / "a.csv",
+        header,
+        np.arange(400),
+        simulate(Model("viscous", TRUTH), np.arange(400) / 10, 0.25),
+    )
+    with pytest.raises(InputError, match="it counts the rows, and no unit says") as caught:
+        swingdown.read(path)
+    assert "rate=" in caught.value.mend and "time_unit=" in caught.value.mend
+    assert swingdown.read(path, time_unit="s").swings[0]["time"][-1] == 399
+
+
+def test_a_number_of_the_sample_is_no_swing(tmp_path, first):
+    """As a microcontroller logs it: a count, the time, the angle."""
+    path = written(tmp_path / "a.csv", "n,t_ms,angle_deg", np.arange(900), 1e3 * TIMES, np.degrees(swing()))
+    holds_the_truth(first(path))
+
+
 def test_what_a_motor_drives_gives_no_number():
     phase = 2 * np.pi * np.arange(0, 30, 0.05) / 2.7
     driven = 0.5 * np.sin(phase) + 0.075 * np.sin(1.5 * phase + 1)

@@ -196,6 +196,8 @@ def _swing(
         return [_checked(chosen, others, place, stated)]
     # what drives a pendulum is none, while there is another column
     others = [one for one in others if not drives(one.name)] or others
+    # nor is a number of the sample
+    others = [one for one in others if not numbers_rows(one.name)] or others
     # what stands beside a table without a name is no part of it, while there is another column
     others = [one for one in others if not one.name.startswith(UNNAMED)] or others
     if not others:

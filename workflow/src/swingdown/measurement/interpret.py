@@ -152,6 +152,8 @@ def interpret(table: Table, row: Mapping[str, Any], place: str, restoring: str) 
         *ordered.remarks,
     ]
     factor = 1.0
+    if row["role"] != "static" and not columns.time_unit:
+        _check_no_count(times, where)
     if row["role"] != "static":
         factor, told = time_factor(times, values[0], bool(columns.time_unit), where)
         times, remarks = times * factor if factor != 1.0 else times, remarks + told
@@ -369,6 +371,17 @@ def _told_lost(away: np.ndarray, circle: Circle, angle: Floats, unit: str, place
             f"THE TRACKER SCATTERS by {100 * circle.residual / swing:.0f} % of the swing: values are as unsure as that makes them"
         )
     return told
+
+
+def _check_no_count(times: Floats, place: str) -> None:
+    """InputError where what stands for the time, in no stated unit, counts the rows: how many a second were taken nobody says."""
+    if np.array_equal(times, np.round(times)) and np.median(np.diff(times)) == 1:
+        raise InputError(
+            place,
+            "it counts the rows, and no unit says that it is a time",
+            "a column of time, or the samples a second",
+            "write the samples a second ⟨in rate_hz⟩; if one was taken each second or millisecond, s or ms ⟨in time_unit⟩",
+        )
 
 
 def _check_slowest(times: Floats, taken: Floats, other: Floats, place: str) -> None:

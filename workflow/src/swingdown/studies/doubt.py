@@ -391,7 +391,7 @@ def _check_even(given: xr.Dataset) -> None:
     """NotFree where no period is seen: the passages through the middle that a model follows badly are at uneven distances."""
     if "half_swings" in given:
         return
-    first, error = of_first_swings(given["time"].values, series_of(given).values).values()
+    first, error, _ = of_first_swings(given["time"].values, series_of(given).values).values()
     if error > UNEVEN * first:
         raise NotFree(
             f"recording {given.attrs['recording']}",

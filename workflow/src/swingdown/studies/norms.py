@@ -68,6 +68,7 @@ LABELS: dict[str, tuple[str | None, str]] = {
     "amplitude_share_u": ("1", "its standard uncertainty"),
     "period_first": ("s", "first period between passages"),
     "period_first_u": ("s", "its standard uncertainty"),
+    "period_first_scatter": ("s", "the part of that which the scatter of the periods has"),
     "steady": ("1", "1 of even swings that keep their size"),
     "narrowing": ("1", "how wide the last third of the swings is over the first"),
     "period_change": ("s", "change of the period from the first one to the last"),

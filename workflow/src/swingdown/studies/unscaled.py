@@ -80,9 +80,10 @@ def _mixed(share: float, one: tuple[float, float], other: tuple[float, float]) -
 def of_first_swings(times: Floats, series: Floats) -> dict[str, float]:
     """``period_first`` (s) of the first whole swing, from the largest turning point on, with its standard uncertainty (``…_u``): by the first
     few periods between passages of the middle, as their mean or, where they surely change, on a line, and where that surely bends, on a
-    parabola; nan for fewer than three."""
+    parabola; nan for fewer than three. ``period_first_scatter`` is the part of that which their scatter has."""
     first, u_first, further = _first_swing(times, series)
-    return {"period_first": first, "period_first_u": float(np.hypot(u_first, further))}
+    whole = float(np.hypot(u_first, further))
+    return {"period_first": first, "period_first_u": whole, "period_first_scatter": u_first}
 
 
 def _first_swing(times: Floats, series: Floats) -> tuple[float, float, float]:
@@ -169,8 +170,9 @@ def meets(own: xr.Dataset, period: Quantity | None) -> bool:
     seen, _ = as_seen(own.isel(recording=0))
     if period is None or seen is None or not (own["narrowing"] < KEPT).any():
         return True
+    scatter = float(own["period_first_scatter"].max()) if "period_first_scatter" in own else seen.uncertainty
     off = abs(period.value - seen.value)
-    return not off > max(_SEEN * float(np.hypot(period.uncertainty, seen.uncertainty)), SHOWN * seen.value)
+    return not off > max(_SEEN * float(np.hypot(period.uncertainty, scatter)), SHOWN * seen.value)
 
 
 def course_seen(row: Mapping[str, Any]) -> bool:
