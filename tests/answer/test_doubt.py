@@ -420,3 +420,28 @@ def test_an_array_that_says_it_is_emulated_is_told_as_such():
 def test_numbers_without_times_beside_them_are_refused(given):
     with pytest.raises(InputError, match="no angles are given, and the times bring none along"):
         swings(given)
+
+
+@pytest.mark.parametrize(
+    ("header", "rest", "words"),
+    [
+        ("t,a", 1.0, "along the string reads in g"),
+        ("", -1000.0, "along the string reads in mg"),
+        ("t,y", 1000.0, "along the string reads in mg"),
+        ("t,accel", 0.0, "an acceleration is no angle"),
+        ("t,acc_x", 0.0, "an acceleration is no angle"),
+    ],
+)
+def test_an_accelerometer_along_the_string_is_asked_about(tmp_path, header, rest, words):
+    """It goes up and down twice a period: half of that would be told."""
+    angle = simulate(Model("viscous", TRUTH), TIMES, 0.3)
+    rate = np.gradient(angle, TIMES)
+    pull = np.cos(angle) + rate**2 / TRUTH["natural_frequency"] ** 2 + 1e-3 * np.sin(997 * TIMES)
+    readings = pull * rest if rest else 9.81 * (pull - 1)
+    with pytest.raises(InputError, match=words):
+        swingdown.read(written(tmp_path / "a.csv", header, TIMES, readings))
+
+
+def test_a_swing_about_one_degree_is_no_accelerometer(tmp_path, first):
+    path = written(tmp_path / "a.csv", "t,a", TIMES, 1.0 + np.degrees(swing()))
+    assert first(path)["natural_frequency_rad_per_s"] == pytest.approx(TRUTH["natural_frequency"], abs=0.01)

@@ -3,6 +3,7 @@
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from types import MappingProxyType
 
 from ..errors import InputError
@@ -48,6 +49,9 @@ _DRIVES = re.compile(
     r"(?i)\b(drive|driver|driving|motor|forcing|excitation|exciter|input|forzante|forzatura|erreger|antrieb|excitateur|torques?|tau|effort|"
     r"forces?|pwm|control|command|cmd|set ?point|desired|reference|output (voltage|current|power))\b"
 )
+_ACCELERATES = re.compile(
+    r"(?i)α|\b(acceleration|accelerations|accelerometer|accel|acc|beschleunigung|accélération|aceleración|aceleracion|aceleração|accelerazione)[ .]?[xyz]?\b"
+)
 _SIZE_ALONE = re.compile(r"(?i)\b(abs|absolute|magnitude|norm|total|betrag)\b")
 _NUMBERS = re.compile(
     r"(?i)(frame|frames|frame ?(no|nr|number|index|id)|bild|bildnummer|fotograma|image|sample|samples|sample ?(no|nr|number|id|index)|index|idx|n|no|nr)\.?"
@@ -72,6 +76,7 @@ class Meaning:
     attribute: bool = False  # True where the file states the unit beside the header, as netCDF does
 
 
+@lru_cache(maxsize=10_000)  # each row of a table is asked whether it is a header
 def meaning(name: str, beside: str = "") -> Meaning:
     """What one column holds, as far as its header says.
 
@@ -93,8 +98,10 @@ def meaning(name: str, beside: str = "") -> Meaning:
     words = label.replace("_", " ")
     if kind == UNTOLD:
         kind = TIME if _TIMES.search(words) else ANGLE if _ANGLES.search(words) else UNTOLD
-        if re.search(r"(?i)\b(velocity|acceleration|rate|gyro\w*|omega)\b|ω|α", words):
-            kind = OTHER if re.search(r"(?i)acceleration|α", words) else RATE
+        if _ACCELERATES.search(words):
+            kind = OTHER
+        elif re.search(r"(?i)\b(velocity|rate|gyro\w*|omega)\b|ω", words):
+            kind = RATE
     if kind == UNTOLD and _QUATERNION.fullmatch(label):
         kind, written = OTHER, "part of a quaternion"
     coordinate = _COORDINATE.match(label) if kind in (LENGTH, UNTOLD) else None
@@ -269,8 +276,15 @@ def _pair(columns: list[Meaning]) -> list[Meaning]:
     return [x, y] if x and y else []
 
 
+def _accelerates(one: Meaning) -> bool:
+    """True of an acceleration, by its unit or, without one, by its name."""
+    return one.written.lower() in _ACCELERATIONS or (
+        not one.written and one.kind == OTHER and bool(_ACCELERATES.search(one.name.replace("_", " ")))
+    )
+
+
 def _saying(one: Meaning) -> str:
-    kind = "an acceleration" if one.written.lower() in _ACCELERATIONS else one.kind
+    kind = "an acceleration" if _accelerates(one) else one.kind
     return f"{kind or 'a column'}" + (f" in {one.written!r}" if one.written else "")
 
 
@@ -292,7 +306,7 @@ def _checked(one: Meaning, others: list[Meaning], place: str, stated: str) -> Me
         ANGLE: "convert it to rad or deg",
         VOLTAGE: "convert it to V, rad or deg",
     }
-    if one.written.lower() in _ACCELERATIONS:
+    if _accelerates(one):
         mends[OTHER] = OF_ACCELERATIONS
     what = _saying(one)
     raise InputError(

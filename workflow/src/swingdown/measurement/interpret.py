@@ -333,6 +333,8 @@ def _coordinate(
             "the horizontal coordinate, or both",
             "export x too, or name its column ⟨in signal_column⟩",
         )
+    if not unit and alone:
+        check_once(x, where)
     reading = Reading("rad", True, 1.0, restoring)
     if cell and first.kind != SPEED:
         length = metres(cell, unit, where)

@@ -20,7 +20,8 @@ EVEN = 0.05  # of a period: by so much at most does one differ from the next, wh
 DYING = 0.98  # times: from its first third to its last, of what surely shrinks
 KEPT = 0.9  # of the first swings' size: the last ones of what does not shrink
 DIED = 0.05  # of the widest swing, by which one side shrinks from its first third to its last, where that tells something
-GRAVITY, NEAR = 9.81, 0.02  # m/s², and the share by which a cheap sensor is off
+GRAVITY = {"m/s²": 9.81, "g": 1.0, "mg": 1000.0}  # what an accelerometer at rest reads
+NEAR = 0.02  # the share by which a cheap sensor is off
 EVEN_SIDES = 0.25  # the share by which the turning points of one side shrink of how much the others do: less is a height's
 _EACH = 3  # turning points on a side
 ALL = 0.95  # of the half-swings: with so many in step there is nothing to tell
@@ -126,9 +127,11 @@ def check_once(signal: Floats, place: str) -> None:
     An accelerometer along the string reads the fall of weight at rest; a height and a distance to the side have one side of turning points
     that stays where it is.
     """
-    centre, what = half_swings(signal).centre(), ""
-    if abs(abs(centre) / GRAVITY - 1) < NEAR:  # not nan
-        what = f"it swings about {centre:.3g}, as what an accelerometer along the string reads in m/s²"
+    swings, what = half_swings(signal), ""
+    centre, turns = swings.centre(), swings.turns * np.sign(swings.centre())
+    known = [unit for unit, rest in GRAVITY.items() if abs(abs(centre) / rest - 1) < NEAR]  # not nan
+    if known and turns.min() > 0:  # weight pulls the string, and never pushes it
+        what = f"it swings about {centre:.3g}, as what an accelerometer along the string reads in {known[0]}"
     elif evenness(signal) < EVEN_SIDES:
         what = "its turning points of one side stay where they are, as of the height of a bob or its distance from the middle"
     if what:
