@@ -125,6 +125,27 @@ def test_free_bands_hold_the_truth_where_the_model_is_wrong():
     assert np.mean(model_held) < 0.2
 
 
+@pytest.mark.parametrize(
+    ("label", "values"),
+    [
+        ("viscous+torsion_spring", {"viscous_ratio": 0.005, "torsion_stiffness": 5.0}),
+        ("viscous", {"viscous_ratio": 0.005}),
+    ],
+)
+def test_the_model_s_bands_are_as_wide_as_period_and_quality_are_uncertain(label, values):
+    angles, _ = recorded(label, values, 0.7, noise=2e-3)
+    answer = swingdown.fit(angles[0]["time"].values, angles[0]["angle"].values)
+    assert answer.label == "viscous"  # a wrong model of the first
+    middle = answer.row["amplitude_rad"] * np.exp(-np.pi / (2 * answer["quality"].value))
+    found = answer.curves().sel(source="model")
+    own = found.interp(amplitude=min(middle, float(found["amplitude"][-1])))
+    for name in ("period", "quality"):
+        told = answer[name].u / answer[name].value
+        assert 0.97 < float(own[f"{name}_u"] / own[name]) / told < 1.15, name
+        half = float(own[f"{name}_high"] - own[f"{name}_low"]) / 2
+        assert half == pytest.approx(1.96 * float(own[f"{name}_u"]), rel=0.05), name
+
+
 def test_the_model_s_curves_are_those_of_the_free_ones_where_it_is_right():
     angles, model = recorded("viscous+load_coulomb", {"viscous_ratio": 0.004, "load_friction": 0.001}, 0.5)
     answer = swingdown.fit(angles[0]["time"].values, angles[0]["angle"].values)

@@ -42,7 +42,8 @@ class Given:
         own = rows[(rows["campaign"].astype(str) == campaign) & (rows["verdict"] != REFUSED)]
         if own.empty or not self.angles:
             raise InputError(campaign, "no recording can be used")
-        self.emulated, model = str(own.iloc[-1]["emulated"]), str(own.iloc[-1]["model"])
+        self.row = own.iloc[-1].to_dict()
+        self.emulated, model = str(self.row["emulated"]), str(self.row["model"])
         if model in NO_MODEL:
             raise InputError(campaign, f"damping {model}")
 
@@ -58,7 +59,7 @@ def against(given):
     check_free(given.angles, CURVES)
     found = [of_verdict(one, given.restoring, given.known) for one in given.verdicts]
     model, covariance = next(filter(None, found), None) or given.of_damping() or (None, None)
-    return curves_of(given.angles, model, covariance, given.restoring)
+    return curves_of(given.angles, model, covariance, given.restoring, given.row)
 
 
 def compared(given):

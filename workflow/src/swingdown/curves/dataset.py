@@ -88,6 +88,7 @@ def curves(
     model: Model | None = None,
     covariance: Floats | None = None,
     restoring: str = "sine",
+    told: Mapping[str, Any] | None = None,
 ) -> xr.Dataset:
     """A Dataset of a pendulum's curves over ``amplitude`` and ``angle`` (rad) and ``speed`` (rad/s).
 
@@ -99,6 +100,9 @@ def curves(
         The model and the covariance of its parameters, for the curves of the model.
     restoring
         ``sine`` or ``linear``.
+    told
+        The pendulum's row of ``studies.pendulums``. What its period and quality leave open beyond the covariance, as where the model is
+        wrong, is in the bands of the model.
 
     Returns
     -------
@@ -130,7 +134,7 @@ def curves(
     clock = of_angles(angles).clock
     bands = [
         _of_free(found, clock, amplitude, angle, speed),
-        _of_model(found, model, covariance, amplitude, angle, speed),
+        _as_told(_of_model(found, model, covariance, amplitude, angle, speed), amplitude, told or {}),
     ]
     variables = _by_source(bands, scaled)
     variables |= _single(swings, scale)
@@ -168,15 +172,15 @@ def _of_free(found: Free, clock: float, amplitude: Floats, angle: Floats, speed:
     restoring = Band(*found.restoring_at(inside), period)
     zero = angle / inside
     return {
-        "period": _with_clock(Band(*found.period_at(amplitude), period), clock),
+        "period": _with_share(Band(*found.period_at(amplitude), period), clock),
         "loss": Band(*found.loss_at(amplitude), loss),
-        "restoring": _with_clock(Band(restoring.value * zero, restoring.u * zero, period), 2 * clock),
-        "friction": _with_clock(Band(*found.friction_at(speed), loss), 2 * clock),
+        "restoring": _with_share(Band(restoring.value * zero, restoring.u * zero, period), 2 * clock),
+        "friction": _with_share(Band(*found.friction_at(speed), loss), 2 * clock),
     }
 
 
-def _with_clock(band: Band, share: float) -> Band:
-    """The band with a standard uncertainty that is a share of the value, as of a clock's rate."""
+def _with_share(band: Band, share: float) -> Band:
+    """The band with one more standard uncertainty that is a share of the value, as of a clock's rate."""
     return band._replace(u=np.hypot(band.u, share * band.value))
 
 
@@ -224,6 +228,31 @@ def _of_model(
     return {
         name: Band(whole[a:b], u[a:b], factor) for name, a, b in zip(sizes, edges, edges[1:], strict=False)
     }
+
+
+def _as_told(bands: dict[str, Band], amplitude: Floats, told: Mapping[str, Any]) -> dict[str, Band]:
+    """The bands of a model, of which period and loss are at least as uncertain as the period and quality that are told of its first swing.
+
+    What these leave open beyond the parameters is a share of the value that is the same at all amplitudes, as free courses beside a model are.
+    """
+    size, period, u_period, quality, u_quality = (
+        float(told.get(name, np.nan)) for name in ("amplitude_rad", "period_s", "period_s_u", "quality", "quality_u")
+    )  # fmt: skip
+    middle = size * np.exp(-np.pi / (2 * quality)) if quality > 0 else size
+
+    def lacking(band: Band, share: float) -> float:
+        known = np.isfinite(band.u)
+        if not (known.any() and np.isfinite([middle, share]).all()):
+            return 0.0
+        own = float(np.interp(middle, amplitude[known], np.abs(band.u / band.value)[known]))
+        return float(np.sqrt(max(share**2 - own**2, 0.0)))
+
+    of_period, of_loss = (
+        lacking(bands["period"], u_period / period),
+        lacking(bands["loss"], u_quality / quality),
+    )
+    shares = {"period": of_period, "loss": of_loss, "restoring": 2 * of_period, "friction": of_loss}
+    return {name: _with_share(band, shares[name]) for name, band in bands.items()}
 
 
 def _friction_of(found: Free, amplitude: Floats) -> Floats:
