@@ -5,6 +5,7 @@ import pytest
 from written import boxes, in_the_way
 
 import swingdown
+from swingdown.plots import save
 from swingdown.plots.curves import backbone, resonances
 
 TIMES = np.arange(2001) / 100
@@ -31,6 +32,17 @@ def test_the_qualities_beside_the_damping_ratio_can_be_read(answer):
     told = [float(one.get_text()) for one in scale.get_yticklabels()]
     assert len(told) >= 2 and min(told) > 0
     np.testing.assert_allclose(told, scale.get_yticks())
+
+
+@pytest.mark.parametrize(("restoring", "there"), [("sine", True), ("linear", False)])
+def test_a_spring_s_torque_is_named_where_it_is_seen_beside_the_pendulum_s(tmp_path, restoring, there):
+    swing = swingdown.simulate(
+        "viscous", np.arange(1801) / 10, 0.5, noise=1e-3, seed=1, restoring=restoring, natural_frequency=0.62, viscous_ratio=0.012
+    )  # fmt: skip
+    figure = backbone(swingdown.fit(swing, fitted=["viscous"], restoring=restoring).curves())
+    save(figure, tmp_path / "curves.svg")  # the layout is settled once
+    assert not in_the_way(figure)
+    assert ("a spring's" in [text for text, _ in boxes(figure)]) is there
 
 
 def test_a_resonance_beyond_the_ring_down_is_told_and_leaves_the_legend_its_room(answer):

@@ -16,6 +16,7 @@ _GROUPS = 16
 _WIDE = 1e-3  # Hz: marks of less have so many digits that two of them fill a panel
 _APART = 0.12  # of a panel's height: between two marks of a scale that is not even
 _REACH = 1.35  # of the free curve's range that single swings, which scatter more, may widen a panel to
+_SEEN = 0.01  # of the largest torque: nearer than this, one line hides the other
 
 
 @style.styled
@@ -170,9 +171,12 @@ def _restoring(axes: Axes, data: xr.Dataset, timed: bool) -> None:
     _curve(axes, angle, data, "restoring", 1.0)
     value = data["restoring"].sel(source="free").values
     slope = value[1] / data["angle"].values[1]
-    axes.plot(angle, slope * data["angle"].values, color=style.GREY, lw=0.8, ls=":", label="a spring's")
-    axes.set_ylim(0, 1.08 * max(value.max(), slope * float(data["angle"].values[-1])))
+    spring = slope * data["angle"].values
+    if np.abs(value - spring).max() > _SEEN * spring[-1]:  # else it lies under the others
+        axes.plot(angle, spring, color=style.GREY, lw=0.8, ls=":", label="a spring's")
+    axes.set_ylim(0, 1.08 * max(value.max(), spring[-1]))
     axes.set(xlabel="angle (°)", ylabel="restoring torque (rad/s²)")
+    axes.locator_params(axis="y", nbins=4)  # more have longer numbers as soon as the layout is settled
 
 
 @style.styled
