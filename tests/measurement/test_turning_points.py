@@ -34,6 +34,8 @@ def test_turning_points_by_turns_are_one_each_half_swing(tmp_path, sign):
     found = taken(tmp_path, "t (s),angle (rad)", T, sign * A)
     assert "each half-swing" in found.attrs["taken"]
     assert list(found["half_swings"].values) == list(range(60))
+    sizes = np.abs(points_in(T, sign * A, "here", stated="").readings)
+    np.testing.assert_array_equal(sizes, np.abs(A))
 
 
 def test_a_coordinate_at_its_turning_points_is_no_angle(tmp_path):
@@ -107,6 +109,14 @@ def test_times_without_a_common_interval_are_refused_in_words(tmp_path):
     times = np.cumsum(np.random.default_rng(5).uniform(1, 2, 30))
     with pytest.raises(InputError, match="how many swings passed between its points cannot be told"):
         taken(tmp_path, "t (s),amplitude (rad)", times, np.abs(A[::2]))
+
+
+def test_points_are_used_up_to_the_last_that_can_be_counted():
+    gaps = np.random.default_rng(5).uniform(3, 5, 8)
+    times = np.append(1.4612 * np.arange(40), 1.4612 * 39 + np.cumsum(gaps))
+    found = points_in(times, 0.3 * np.exp(-times / 60), "here", stated="")
+    assert 40 <= found.times.size < times.size
+    assert f"used from 0 to {found.times[-1]:.6g} s: how many swings passed beyond" in " ".join(found.remarks)
 
 
 def test_a_few_points_of_which_some_do_not_fit_are_asked_about(tmp_path):

@@ -2,6 +2,7 @@
 
 import builtins
 import contextlib
+import math
 import os
 
 import pytest
@@ -22,6 +23,8 @@ def test_arithmetic_means_what_it_says():
     assert formula.parse("abs(theta)*sign(theta)", NAMES).subs(theta, -3) == -3
     assert formula.parse("2**-3", NAMES) == sympy.Rational(1, 8)
     assert float(formula.parse("1e-3", NAMES)) == 1e-3
+    taken = formula.evaluate("-k*sin(5*theta + pi/2)**2/2", k=2.0, theta=0.3)
+    assert taken == pytest.approx(-(math.cos(1.5) ** 2))
 
 
 @pytest.mark.parametrize("name", formula.FUNCTIONS)
