@@ -20,11 +20,11 @@ NOISE = Noise(1e-3)  # rad
 VALUES = {"natural_frequency": 7.0, "viscous_ratio": 0.008}
 
 
-def swings(hidden, zeros=(0.0, 0.0, 0.0, 0.0), **values):
+def swings(hidden, zeros=(0.0, 0.0, 0.0, 0.0), angles=(0.9, -0.7, 0.5, 0.3), **values):
     """A campaign of a pendulum with viscous drag and what is hidden; each recording's zero (rad)."""
     rng = np.random.default_rng(3)
     made = []
-    for angle, zero in zip((0.9, -0.7, 0.5, 0.3), zeros, strict=True):
+    for angle, zero in zip(angles, zeros, strict=True):
         reading = trajectory(("viscous", *hidden), VALUES | values, TIMES, angle).reading
         noise = NOISE.deviation * rng.standard_normal(TIMES.size)
         made.append(Swing(f"{angle}", TIMES, reading + zero + noise))
@@ -94,6 +94,32 @@ def test_a_brake_that_may_be_as_wide_as_the_swing_is_tied_with_the_uniform_one()
     values, errors = best.fit.model.values, best.fit.model.standard_errors
     assert values["eddy_width"] < 2 * errors["eddy_width"] * best.widened["eddy_width"]
     assert "viscous" in judged(pool, best)["eddy_brake"].ties
+
+
+@pytest.mark.slow("many trajectories")
+@pytest.mark.parametrize("stiffness", [0.0, 2.0])
+def test_a_spring_that_softens_as_a_weight_does_is_tied_with_it(stiffness):
+    """A wheel on a spring that turns out to be a pendulum: its torque is that of a cubic spring of one size."""
+    one = swings(("cubic_stiffness",), angles=(0.3, -0.25, 0.2, 0.15), cubic_stiffness=stiffness)
+    base = Model("viscous", restoring="linear")
+    fits = [
+        fit_jointly(model, [swing.pair for swing in one.fit], bounded=True)
+        for model in (base, base.with_effects(("viscous", "cubic_stiffness")))
+    ]
+    pool = Pool(one, NOISE, fits[0])
+    pool.look(fits[1])
+    found = judged(pool, pool.known[frozenset(("viscous", "cubic_stiffness"))])
+    assert ("finite_amplitude" in found["cubic_stiffness"].ties) is (stiffness == 0)
+
+
+@pytest.mark.slow("many trajectories")
+def test_drags_that_share_the_work_are_judged_as_one():
+    one = swings((), viscous_ratio=0.02)
+    pool = Pool(one, NOISE, fitted(one, "constant_coulomb"))
+    pool.look(fitted(one, "constant_coulomb+viscous+structural_damping"))
+    found = judged(pool, pool.known[frozenset(("constant_coulomb", "viscous", "structural_damping"))])
+    assert list(found) == ["viscous"] and found["viscous"].sure
+    assert "structural_damping" in found["viscous"].ties
 
 
 @pytest.mark.slow("many trajectories")

@@ -228,14 +228,17 @@ def test_what_could_as_well_be_nothing_or_is_slower_than_the_recording_is_no_fin
     assert not doubt or found["stand_ins"][0]["doubt"].startswith(doubt)
 
 
-@pytest.mark.parametrize(("at_shape", "status"), [(0.1, "named"), (1.0, "unknown")])
-def test_a_size_is_asked_at_its_shape(at_shape, status):
+@pytest.mark.parametrize(
+    ("at_shape", "law_open", "status"),
+    [(0.1, False, "named"), (1.0, False, "unknown"), (1.0, True, "ambiguous")],
+)
+def test_a_size_is_asked_at_its_shape_unless_it_was_seen_without_a_law(at_shape, law_open, status):
     """A coefficient at 1 rad/s is as free as its exponent is, and clear at the exponent that it has."""
     known = {"power_law_coefficient": (2.0, 1.5, "rad/s^2"), "power_law_exponent": (1.3, 0.4, "1")}
     parameters = {key: dict(zip(("value", "standard_error", "unit"), one, strict=True)) for key, one in known.items()}  # fmt: skip
     first = state(0, missing=True, chosen="power_law_drag", holdout=3.0)
     last = state(1, missing=False, found=["power_law_drag"], effects=("viscous", "power_law_drag"), parameters=parameters,
-                 holdout=1.01, judged={"power_law_drag": finding(at_shape=at_shape)})  # fmt: skip
+                 holdout=1.01, judged={"power_law_drag": finding(at_shape=at_shape, law_open=law_open)})  # fmt: skip
     assert verdict([first, last])["status"] == status
 
 

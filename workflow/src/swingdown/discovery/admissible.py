@@ -1,6 +1,6 @@
 """Whether a fit can be what it is called: residuals of the noise's size, sizes and shapes within their bounds and determined."""
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 
 import numpy as np
 
@@ -43,17 +43,26 @@ def inadmissible(fit: Fit, added: str | None, noise: Noise) -> str:
             low, high = parameter.apart_from_swing
             if low < values[parameter.name] / own < high:
                 return f"{parameter.name} is that of the pendulum's own swing"
-    for parameter in effect.parameters:
-        if parameter.role == "phase":
+    if bound := at_its_bound(fit, added):
+        return bound
+    for parameter in effect.with_role("shape"):
+        if not parameter.each and _vague(fit, parameter.name, values[parameter.name]):
+            return f"{parameter.name} is not determined"
+    return ""
+
+
+def at_its_bound(fit: Fit, name: str, ends: Collection[str] = ()) -> str:
+    """The parameter of an effect that a fit ends with at its bound, in words; empty where there is none but those at whose ``ends`` it is
+    another effect."""
+    for parameter in fit.model.catalogue[name].parameters:
+        if parameter.role == "phase" or parameter.name in ends:
             continue
-        value = values[parameter.name]
+        value = fit.models[0].values[parameter.name]
         if value >= parameter.upper * (1 - 1e-9):
             return f"{parameter.name} runs to its bound {parameter.upper:g} {parameter.unit}"
         # where a search may begin, a fit may end
         if value <= parameter.lower + 1e-9 * abs(parameter.lower) and parameter.lower not in parameter.starts:
             return f"{parameter.name} runs to its bound {parameter.lower:g} {parameter.unit}"
-        if parameter.role == "shape" and not parameter.each and _vague(fit, parameter.name, value):
-            return f"{parameter.name} is not determined"
     return ""
 
 

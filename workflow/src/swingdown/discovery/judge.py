@@ -11,12 +11,16 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..engine.trajectory import TrajectoryError
-from ..pendulum.effect import Contained
+from ..pendulum.effect import NATURAL_FREQUENCY, VARIABLES, Contained
+from ..pendulum.formula import evaluate
 from . import friction
+from .admissible import at_its_bound
 from .campaign import Noise
 from .confirm import gap, predict
 from .guard import CLEAR, HELD_OUT, POSSIBLE, PROBABLE, SHARE, TIES
 from .structures import Key, Pool, Structure
+
+_ANGLES = 101  # at which two torques are compared
 
 
 @dataclass(frozen=True)
@@ -43,20 +47,22 @@ class Finding:
 
 
 def judged(pool: Pool, best: Structure) -> dict[str, Finding]:
-    """The ``Finding`` of each effect that a structure has beside the base; of its frictions in one, where they are not sure each."""
+    """The ``Finding`` of each effect that a structure has beside the base; of its frictions in one, and of its drags, where they are not
+    sure each."""
     found = {name: _finding(pool, best, name) for name in pool.added(best.key)}
-    rubbing = [name for name in pool.frictions(best.key) if name in found]
-    if all(found[name].sure for name in rubbing) or pool.frictions(pool.base):
-        return found
-    first = max(rubbing, key=lambda name: pool.of([name]))
-    as_one = _friction(pool, best, first, rubbing)
-    if not as_one.sure:
-        return found
-    return {
-        name: as_one if name == first else found[name]
-        for name in found
-        if name not in rubbing or name == first
-    }
+    for kind in (pool.frictions, pool.drags):
+        names = [name for name in kind(best.key) if name in found]
+        if all(found[name].sure for name in names) or kind(pool.base):
+            continue
+        first = max(names, key=lambda name: pool.of([name]))
+        as_one = _as_one(pool, best, first, names, kind())
+        if as_one.sure:
+            found = {
+                name: as_one if name == first else one
+                for name, one in found.items()
+                if name == first or name not in names
+            }
+    return found
 
 
 def told_of(pool: Pool, best: Structure) -> tuple[Structure, dict[str, Finding]]:
@@ -93,19 +99,21 @@ def _finding(pool: Pool, best: Structure, name: str) -> Finding:
     return _asked(pool, best, name, [name], Finding(chance, tuple(ties)))
 
 
-def _friction(pool: Pool, best: Structure, name: str, rubbing: Sequence[str]) -> Finding:
-    """That of all frictions of a structure, told by the name of one: what is left as the speed goes to nothing has a law that the data may
-    not tell, and an unnamed torque may hold it as well."""
-    others = [one for one in pool.frictions() if one in rubbing or pool.of([one]) >= POSSIBLE]
-    ties = dict.fromkeys([*_nearly(best, name), *others])
-    ties.pop(name, None)
-    law_open = pool.of(pool.frictions()) < PROBABLE
-    return _asked(pool, best, name, rubbing, Finding(pool.of_friction(), tuple(ties), law_open=law_open))
+def _as_one(pool: Pool, best: Structure, name: str, names: Sequence[str], kind: Sequence[str]) -> Finding:
+    """That of all effects of one kind of damping that a structure has, told by the name of one: the data may not tell their law. Of
+    friction, which is left as the speed goes to nothing, the law may be none of the catalogue's: an unnamed torque may hold it as well."""
+    others = sorted(
+        (one for one in kind if one in names or pool.of([one]) >= POSSIBLE), key=lambda one: -pool.of([one])
+    )
+    ties = tuple(one for one in dict.fromkeys([*_nearly(best, name), *others]) if one != name)[: TIES - 1]
+    chance, rubs = pool.of([name, *ties]), pool.first.fit.model.catalogue.rubs(name)
+    one = Finding(pool.of_friction() if rubs else chance, ties, law_open=rubs and chance < PROBABLE)
+    return _asked(pool, best, name, names, one)
 
 
 def _asked(pool: Pool, best: Structure, name: str, names: Sequence[str], one: Finding) -> Finding:
     """The finding with the shares that are left with these effects, and what speaks against it."""
-    near, at_shape = pool.lacking(best, names), _at_its_shape(best, name)
+    near, at_shape = pool.lacking(best, names), _at_its_shape(best, name, names)
     if not near:
         return replace(one, doubt="no model without it can be fitted", at_shape=at_shape)
     # what the base has may be improbable beside a discrepancy, and does more of the work than it does
@@ -113,7 +121,9 @@ def _asked(pool: Pool, best: Structure, name: str, names: Sequence[str], one: Fi
     share, held, rms = _whole(pool, best, without)
     if _too_little(share, held) and best.fit.model.catalogue.damps(name):
         share, held = min((share, held), _of_friction(pool, best, without))
-    doubt = _doubt(one.probability, share, held)
+    effect = best.fit.model.catalogue[name]
+    ends = {parameter for simpler in effect.contains for parameter, at in simpler.at.items() if at == 0}
+    doubt = at_its_bound(best.fit, name, ends) or _doubt(one.probability, share, held)
     return replace(one, share=share, held_out=held, without=rms, doubt=doubt, at_shape=at_shape)
 
 
@@ -151,11 +161,34 @@ def _nearly(best: Structure, name: str) -> list[str]:
     """The simpler effects that this one is at values that are as likely as those it is fitted with: presliding over no angle."""
     values, errors = best.fit.model.values, best.fit.model.standard_errors
     errors = {one: error * best.widened.get(one, 1.0) for one, error in errors.items()}
-    return [
+    found = [
         simpler.name
         for simpler in best.fit.model.catalogue[name].contains
         if simpler.name not in best.key and simpler.at and _as_likely(simpler, values, errors)
     ]
+    return [*found, *(one for one in _of_no_size(best, name, values, errors) if one not in best.key)]
+
+
+def _of_no_size(
+    best: Structure, name: str, values: Mapping[str, float], errors: Mapping[str, float]
+) -> list[str]:
+    """The effects that have no size, and whose torque over the angles of the swings is that of this one at a size as likely as its own: what
+    a weight does under a linear restoring torque, and a cubic spring."""
+    model, effect = best.fit.model, best.fit.model.catalogue[name]
+    if effect.size is None or effect.parameters != (effect.size,) or effect.acts_on != "torque":
+        return []
+    angles = np.linspace(-1, 1, _ANGLES) * max(float(np.max(np.abs(one.angle))) for one in best.fit.swings)
+    own = {"theta": angles, "duration": 1.0, "omega_n": values[NATURAL_FREQUENCY.name]}
+    at = dict.fromkeys(VARIABLES, 0.0) | own
+    unit = evaluate(effect.term, **at, **{effect.size.symbol: 1.0}) * np.ones(_ANGLES)
+    if not np.any(unit):
+        return []
+    alike = (
+        Contained(other.name, {effect.size.name: float(evaluate(other.term, **at) @ unit / (unit @ unit))})
+        for other in model.catalogue
+        if not other.parameters and other.beside in ("", model.restoring)
+    )
+    return [one.name for one in alike if _as_likely(one, values, errors)]
 
 
 def _as_likely(simpler: Contained, values: Mapping[str, float], errors: Mapping[str, float]) -> bool:
@@ -167,15 +200,17 @@ def _as_likely(simpler: Contained, values: Mapping[str, float], errors: Mapping[
     )
 
 
-def _at_its_shape(best: Structure, name: str) -> float:
-    """The standard error of an effect's size where its shape is held, over that where it is free: of an effect of nothing there is no
-    shape, and what is as likely as nothing is asked with the shape that it has."""
-    effect = best.fit.model.catalogue[name]
-    return (
-        best.lacks.given(effect.size.name, [p.name for p in effect.with_role("shape")])
-        if effect.size
-        else 1.0
-    )
+def _at_its_shape(best: Structure, name: str, names: Sequence[str]) -> float:
+    """The standard error of an effect's size where its shape is held, and those that are judged with it, over that where all are free: of
+    an effect of nothing there is no shape, and what is as likely as nothing is asked with the shape that it has."""
+    catalogue = best.fit.model.catalogue
+    size = catalogue[name].size
+    held = [
+        p.name
+        for one in names
+        for p in (catalogue[one].with_role("shape") if one == name else catalogue[one].parameters)
+    ]
+    return best.lacks.given(size.name, held) if size else 1.0
 
 
 def _with(key: Key, old: str, new: str) -> Key:

@@ -204,6 +204,12 @@ class Pool:
         catalogue = self.first.fit.model.catalogue
         return [name for name in catalogue.names if catalogue.rubs(name) and (key is None or name in key)]
 
+    def drags(self, key: Key | None = None) -> list[str]:
+        """What takes energy and is no friction among the effects of a structure (default: of the catalogue)."""
+        catalogue = self.first.fit.model.catalogue
+        names = (name for name in catalogue.names if catalogue.damps(name) and not catalogue.rubs(name))
+        return [name for name in names if key is None or name in key]
+
     def effects(self) -> dict[str, float]:
         """The probability of being there of each effect beside the base, the most probable first."""
         names = {name for key in self.known for name in self.added(key)}

@@ -140,7 +140,7 @@ def _no_finding(effect: Effect, told: Mapping[str, Any]) -> str:
     short for; empty where there is no reason."""
     known = told["parameters"]
     # a size is asked at its shape, and a shape of nothing, or without bounds, makes the effect a simpler one: a tie, unless that is there
-    at_shape = told["findings"][effect.name]["at_shape"]
+    judged = told["findings"][effect.name]
     ends = {
         name: one.name for one in effect.contains for name, at in one.at.items() if at == 0 or np.isinf(at)
     }
@@ -151,10 +151,12 @@ def _no_finding(effect: Effect, told: Mapping[str, Any]) -> str:
         # what may be nothing beside the rest of its effect, as a damping of the pivot may, is as well where it is
         beside = parameter.role == "shape" and parameter.lower == 0 and not parameter.at_line
         free = beside or parameter.role in ("phase", "range") or parameter.each or parameter.name in simpler
+        # a friction whose law is open has been seen without its law, and so has its size
+        free |= parameter.role == "size" and judged["law_open"]
         if free or value is None:
             continue
         if error is not None and parameter.role == "size":
-            error *= at_shape
+            error *= judged["at_shape"]
         if error is not None and abs(value) < CLEAR * error:
             return f"{parameter.name} is no more than {CLEAR:g} standard errors from nothing"
         if parameter.at_line and value * (told.get("duration_s") or np.inf) < 1:
