@@ -19,6 +19,7 @@ from swingdown.pendulum.model import Model
 from swingdown.studies.doubt import DoubtfulFit, NotFree, ask_counted, check_free, fit_any, unit_in_doubt
 from swingdown.studies.pendulums import by_verdict
 from swingdown.studies.quantities import cycle
+from swingdown.study.own import Refused, take
 from swingdown.study.settings import complete
 
 TRUTH = {"natural_frequency": 6.2, "viscous_ratio": 0.006}
@@ -445,3 +446,21 @@ def test_an_accelerometer_along_the_string_is_asked_about(tmp_path, header, rest
 def test_a_swing_about_one_degree_is_no_accelerometer(tmp_path, first):
     path = written(tmp_path / "a.csv", "t,a", TIMES, 1.0 + np.degrees(swing()))
     assert first(path)["natural_frequency_rad_per_s"] == pytest.approx(TRUTH["natural_frequency"], abs=0.01)
+
+
+def test_where_one_part_of_a_file_asks_which_column_swings_none_is_taken_without(tmp_path):
+    """An acceleration along the string, twice a swing, and one across it, which is clipped until the clock begins anew."""
+    parts = []
+    for stamps, size in ((np.arange(0, 1.5, 0.036), 0), (np.arange(0, 14.6, 0.036), 300)):
+        noise, turned = (
+            4 * np.random.default_rng(1).standard_normal((2, stamps.size)),
+            2 * np.pi / 1.45 * stamps,
+        )
+        along, across = 900 + 80 * np.cos(2 * turned) + noise[0], size * np.sin(turned) + noise[1]
+        parts += zip(stamps, along, across, strict=True)
+    rows = "\n".join(f"{t:.3f},{along:.0f},{across:.0f},-80" for t, along, across in parts)
+    (tmp_path / "board.csv").write_text(rows + "\n")
+    row = {"recording": "board", "campaign": "board", "file": "board.csv"}
+    found = take(row, tmp_path / "board.csv")
+    assert len(found) == 2
+    assert all(isinstance(one, Refused) and "twice as fast" in one.problem for one in found)

@@ -51,6 +51,7 @@ from .positions import (
     to_angles,
     without_length,
 )
+from .refused import WHICH_COLUMN
 from .runs import clock_part, several_runs
 from .series import series
 from .table import Table, apart
@@ -398,6 +399,7 @@ def _check_slowest(times: Floats, taken: Floats, other: Floats, place: str) -> N
             "and the file does not say what its columns hold",
             "a column with the angle",
             "name the column of the angle ⟨in signal_column⟩; an accelerometer that rides on the bob shows none",
+            WHICH_COLUMN,
         )
 
 

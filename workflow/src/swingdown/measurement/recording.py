@@ -92,7 +92,7 @@ def ingest(
                 raise
             also = f"; or name the column of the angle ⟨in signal_column⟩: {', '.join(others)}"
             raise type(problem)(
-                problem.where, problem.problem, problem.expected, problem.mend + also
+                problem.where, problem.problem, problem.expected, problem.mend + also, problem.code
             ) from None
 
 

@@ -22,6 +22,7 @@ COLUMNS = (
     "code",
 )  # of a row on what is left out
 NOT_LOOKED_AT = "not looked at"  # the code of a file in a folder that no reader is given
+WHICH_COLUMN = "which column"  # the code of what does not say which of its columns swings
 _WHY = ("where", "problem", "expected", "mend")
 _DOUBT = "doubt_"  # before each of these, where a recording can be used, and may be no free swing
 

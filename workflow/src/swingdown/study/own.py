@@ -22,7 +22,7 @@ from ..measurement.interpret import RELATIVE
 from ..measurement.points_recording import are_points
 from ..measurement.programs import CLOSED, READERS
 from ..measurement.recording import ingest
-from ..measurement.refused import NOT_LOOKED_AT, place_in
+from ..measurement.refused import NOT_LOOKED_AT, WHICH_COLUMN, place_in
 from ..measurement.release import SeveralReleases
 from ..measurement.runs import SeveralRuns
 from ..measurement.sheet import COLUMNS
@@ -209,7 +209,19 @@ def take(row: Mapping[str, Any], path: Path, restoring: str = "sine") -> list[Ta
         parts = [_release(row, number, cells) for number, cells in enumerate(found.cells, 1)]
     except InputError as problem:
         return [refused(row, problem, path)]
-    return _without_rest([one for part in parts for one in take(part, path, restoring)], path)
+    taken = _asked_alike([one for part in parts for one in take(part, path, restoring)])
+    return _without_rest(taken, path)
+
+
+def _asked_alike(parts: list[Taken | Refused]) -> list[Taken | Refused]:
+    """The parts of a file; where one of them does not say which column swings, none does in which another column may be the swing."""
+    asked = next((one for one in parts if isinstance(one, Refused) and one.code == WHICH_COLUMN), None)
+    return [
+        asked._replace(recording=one.row["recording"], label=one.row.get("label", ""))
+        if asked and isinstance(one, Taken) and one.recording.attrs.get("columns_alike")
+        else one
+        for one in parts
+    ]
 
 
 def _without_rest(parts: list[Taken | Refused], path: Path) -> list[Taken | Refused]:
