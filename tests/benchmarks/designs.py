@@ -123,7 +123,8 @@ def main(argv=None):
         one = asked(
             given.seed, number, given.kinds.split(","), swings, rates, given.seconds, given.samples, not given.no_friction
         )  # fmt: skip
-        trial = drawn(given.seed, one.planned, design=one.design)
+        sized = all(SHIPPED[name].size for name in one.planned.hidden if name in SHIPPED.names)
+        trial = drawn(given.seed, one.planned, design=one.design) if sized else None
         if trial is not None and one.misfit:
             try:
                 trial = trials.with_misfit(trial, given.seed, one.misfit)
