@@ -30,8 +30,10 @@ SETTINGS = {
     "structures": ("POSSIBLE",),
     "verdict": ("CLEAR",),
     "friction": ("_ANGLES", "_EACH"),
-    "discrepancy": ("_BINS", "_ANGLES", "_SPEEDS", "_TIMES", "_SMOOTH", "_KEPT", "_SEEN", "_NOISE_KNOWN", "_ANY", "_FINE"),
-    "search": ("_QUIETER", "_AGAIN"),
+    "discrepancy": ("_BINS", "_SEEN", "_NOISE_KNOWN"),
+    "kinds": ("_ANGLES", "_SPEEDS", "_TIMES", "_SMOOTH", "_KEPT", "_FINE"),
+    "restricted": ("_ANY",),
+    "search": ("_LOUDER", "_AGAIN"),
     "admissible": ("CLEAR", "_VAGUE", "_HOPELESS"),
     "ranking": ("_PROMISING", "_HOPEFUL", "_FIRST", "_WIDE", "_FEW", "_FAR", "_FELL_SHORT", "_NUDGED", "_SHARES", "_SHAPES"),
     "evidence": ("TIE",),
@@ -40,8 +42,8 @@ SETTINGS = {
     "own_frequency": ("_SUBSTANTIAL", "_FEWEST"),
     "refit": ("_BETTER",),
 }  # fmt: skip
-SHARES = {"PROBABLE", "_QUIETER", "_ALIKE"}  # below 1: what they leave of 1 is halved and doubled
-RATIOS = {"_FELL_SHORT"}  # above 1: what they have beyond 1 is
+SHARES = {"PROBABLE", "_ALIKE"}  # below 1: what they leave of 1 is halved and doubled
+RATIOS = {"_FELL_SHORT", "_LOUDER"}  # above 1: what they have beyond 1 is
 
 
 def scaled(name, value, factor):

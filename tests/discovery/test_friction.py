@@ -113,6 +113,15 @@ def test_a_spring_that_softens_as_a_weight_does_is_tied_with_it(stiffness):
 
 
 @pytest.mark.slow("many trajectories")
+def test_a_brake_narrower_than_a_brake_can_be_is_not_told():
+    """A brush at the very bottom, of which it leaves next to nothing: the fit ends at the bound of the brake's width."""
+    one = swings(("friction_patch",), patch_friction=0.6, patch_from=-0.004, patch_to=0.004)
+    finding, _ = asked(one, "eddy_brake", eddy_coefficient=1.0, eddy_width=0.02)
+    assert finding.share < 0.1 and finding.held_out < 0.1
+    assert finding.doubt == "eddy_width runs to its bound 0.01 rad"
+
+
+@pytest.mark.slow("many trajectories")
 def test_drags_that_share_the_work_are_judged_as_one():
     one = swings((), viscous_ratio=0.02)
     pool = Pool(one, NOISE, fitted(one, "constant_coulomb"))

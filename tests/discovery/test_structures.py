@@ -6,10 +6,11 @@ import numpy as np
 import pytest
 
 from swingdown.discovery.campaign import Noise, Swing, campaign
-from swingdown.discovery.discrepancy import Unnamed, _Likelihood
+from swingdown.discovery.discrepancy import Unnamed
 from swingdown.discovery.files import summary
 from swingdown.discovery.judge import judged
 from swingdown.discovery.linear import frame, orthonormal
+from swingdown.discovery.restricted import Likelihood
 from swingdown.discovery.search import discover
 from swingdown.discovery.structures import Pool
 from swingdown.discovery.verdict import verdict
@@ -91,7 +92,7 @@ def reduced(parts, residual, basis, variance=0.8):
     directions = orthonormal(np.hstack(parts))
     parts = [directions.T @ part for part in parts]
     kernels, inside = np.stack([part @ part.T for part in parts]), directions.T @ basis
-    return _Likelihood(
+    return Likelihood(
         parts, kernels, directions.T @ residual, inside, float(residual @ residual), residual.size, variance
     )
 

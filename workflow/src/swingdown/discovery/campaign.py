@@ -163,8 +163,9 @@ def measure_noise(
 ) -> dict[Noise, float]:
     """What the ``Noise`` of a campaign may be, the most likely first, by the logarithm of how likely: white, and with a memory.
 
-    Each is measured from the residuals of a fit and from static records: the spectrum of first-order autocorrelated noise is fitted (Whittle's likelihood) to the periodograms above eight times the pendulum's
-    frequency, where a model's error leaves nothing; a static record counts in full.
+    Each is measured from the residuals of a fit and from static records. The spectrum of first-order autocorrelated noise is fitted
+    (Whittle's likelihood) to the periodograms above eight times the pendulum's frequency, where a model's error leaves nothing; a static
+    record counts in full.
 
     Parameters
     ----------

@@ -44,11 +44,9 @@ def noise_of(campaign: Campaign, fit: Fit, base: Fit | None = None) -> Noise:
     likely = {coarse_noise(noise, swings, frequency): how for noise, how in measured.items()}
     most = max(likely.values())
     rivals = [noise for noise, how in likely.items() if how > most + np.log(POSSIBLE)]
-    return (
-        rivals[0]
-        if len(rivals) < 2
-        else max(rivals, key=lambda one: likely[one] + _pool(campaign, one, base, fit).absolute)
-    )
+    if len(rivals) == 1:
+        return rivals[0]
+    return max(rivals, key=lambda noise: likely[noise] + _pool(campaign, noise, base, fit).absolute)
 
 
 def _pool(campaign: Campaign, noise: Noise, base: Fit, fit: Fit) -> Pool:
