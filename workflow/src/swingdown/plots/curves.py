@@ -73,7 +73,7 @@ def backbone(data: xr.Dataset) -> style.Drawn:
         handles |= {str(one.get_label()): one for one in axes.get_legend_handles_labels()[0]}
     figure.legend(handles=list(handles.values()), loc="outside upper left", ncols=4)
     of_model = f"model: {style.name(data.attrs['model'])}" if data.attrs["model"] else ""
-    over = "torques over inertia; bands hold the truth with 95 %"
+    over = "torques over inertia; 95 % bands, the model's where it is right"
     return style.footnote(figure, of_model, over, style.emulated_note(data))
 
 
