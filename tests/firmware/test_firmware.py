@@ -1,5 +1,6 @@
 """What the sampler's firmware can be set to, emulated and recorded in real time, and what its compiler refuses."""
 
+import re
 import subprocess
 import time
 from concurrent.futures import ThreadPoolExecutor
@@ -115,8 +116,10 @@ def test_what_lies_beyond_the_converters_range_is_told(tmp_path, monkeypatch, ov
     )
     samples = volts[: len(volts) // oversample * oversample].reshape(-1, oversample)[data["sequence"].values]
     beyond = ((samples >= 1023 * boards.STEP) | (samples < boards.STEP)).any(axis=1)
-    assert data.attrs["partial"] == "yes" and "the true signal lies beyond" in data.attrs["problems"]
-    assert int(data.attrs["problems"].split(" samples")[0]) == pytest.approx(beyond.sum(), abs=3)
+    assert data.attrs["partial"] == "yes"
+    # a busy machine may have a problem of its own to tell before it
+    (told,) = re.findall(r"(\d+) samples[^;]*the true signal lies beyond", data.attrs["problems"])
+    assert int(told) == pytest.approx(beyond.sum(), abs=3)
 
 
 def test_another_reference_is_taken_from_its_pin(tmp_path, monkeypatch):
