@@ -189,3 +189,18 @@ def test_a_series_and_its_parts_are_those_of_the_sensor(name):
     ]
     with pytest.raises(KeyError):
         dataset.series_of(data, "random_uncertainty")
+
+
+@pytest.mark.parametrize("links", [True, False], ids=["with links", "without"])
+def test_what_must_not_replace_leaves_what_is_there(labelled, tmp_path, monkeypatch, links):
+    def refused(*_):
+        raise PermissionError(errno.EPERM, "no links on this file system")
+
+    if not links:
+        monkeypatch.setattr("swingdown.paths.os.link", refused)
+    path = dataset.write(labelled, tmp_path / "runs" / "a.nc", replace=False)
+    before = path.read_bytes()
+    assert dataset.read(path).title == "runs: a"
+    with pytest.raises(FileExistsError):
+        dataset.write(labelled.assign_attrs(title="another"), path, replace=False)
+    assert path.read_bytes() == before and list(path.parent.iterdir()) == [path]

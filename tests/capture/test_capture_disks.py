@@ -42,7 +42,7 @@ def test_a_disk_that_fills_up_during_the_recording(record, monkeypatch):
 
 
 def test_a_disk_without_room_for_the_recording_keeps_the_raw_stream(record, monkeypatch):
-    def full(*_):
+    def full(*_, **__):
         raise OSError(errno.ENOSPC, "the disk is full: a.nc needs 1 MB. Mend: make room")
 
     monkeypatch.setattr(take.dataset, "write", full)

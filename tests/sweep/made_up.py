@@ -3,6 +3,7 @@
 import numpy as np
 import xarray as xr
 
+from swingdown.dataset import write as write_whole
 from swingdown.sweep import compute, detection, identification
 from swingdown.sweep.chunks import add_to_book, deal
 
@@ -30,8 +31,7 @@ def write(sweep, folder, results_of):
     paths = []
     for name, chunk in dealt.chunks.items():
         paths.append(folder / "chunks" / f"{dealt.files[name]}.nc")
-        paths[-1].parent.mkdir(parents=True, exist_ok=True)
-        compute.publish(results(chunk, results_of), paths[-1])
+        write_whole(results(chunk, results_of), paths[-1], replace=False)
     return paths
 
 

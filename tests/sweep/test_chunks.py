@@ -9,7 +9,6 @@ from swingdown.errors import InputError
 from swingdown.study.settings import complete
 from swingdown.sweep.chunks import add_to_book, deal, find_chunk
 from swingdown.sweep.combine import combine, read_maps
-from swingdown.sweep.compute import publish
 from swingdown.sweep.job import work as job
 from swingdown.sweep.summary import intervals, table
 from swingdown.sweep.table import sweeps
@@ -237,9 +236,10 @@ def test_the_first_of_two_jobs_with_one_chunk_is_kept(tmp_path):
     path = tmp_path / "chunks" / f"{names[0]}.nc"
     before = path.stat()
     data = dataset.read(path)
-    assert publish(data, path) is False
+    with pytest.raises(FileExistsError):
+        dataset.write(data, path, replace=False)
     assert (path.stat().st_ino, path.stat().st_mtime_ns) == (before.st_ino, before.st_mtime_ns)
-    assert publish(data, path.with_name("other.nc")) is True
+    dataset.write(data, path.with_name("other.nc"), replace=False)
     assert sorted(one.name for one in path.parent.iterdir()) == sorted(
         [*(f"{name}.nc" for name in names), "other.nc"]
     )

@@ -21,7 +21,7 @@ SEALED = "sealed"  # the attribute that tells of a seal behind the end, which a 
 REFUSED = "refused"  # the role of a dataset without samples that says why a recording cannot be used
 
 
-def write(dataset: xr.Dataset, path: str | Path) -> Path:
+def write(dataset: xr.Dataset, path: str | Path, replace: bool = True) -> Path:
     """The path written. The file appears under its name only when it is complete and on the disk.
 
     Every variable is compressed with zlib and carries the format's own checksum (Fletcher-32), which any reader of
@@ -35,6 +35,8 @@ def write(dataset: xr.Dataset, path: str | Path) -> Path:
         Each float variable has ``units`` and ``long_name``.
     path
         The netCDF file. A write that fails leaves nothing behind.
+    replace
+        Whether a file of that name may be replaced.
 
     Raises
     ------
@@ -42,6 +44,8 @@ def write(dataset: xr.Dataset, path: str | Path) -> Path:
         If a float variable lacks ``units`` or ``long_name``.
     Unwritten
         If the disk is full (ENOSPC); it names the space wanted and free.
+    FileExistsError
+        If there is a file of that name that may not be replaced.
     """
     path, netcdf = Path(path), needed("netCDF4")
     if lost := [f"{name}: no {key}" for name, key in _unlabelled(dataset)]:
@@ -59,7 +63,7 @@ def write(dataset: xr.Dataset, path: str | Path) -> Path:
             encoding[name]["dtype"] = "int32"  # the Conventions know no longer integers
 
     try:
-        with written_whole(path) as partial:
+        with written_whole(path, replace) as partial:
             # a dimension of nothing comes back from a file as one without a limit
             dataset.to_netcdf(
                 partial, engine="netcdf4", format="NETCDF4", encoding=encoding, unlimited_dims=()
@@ -116,14 +120,6 @@ def read(path: str | Path) -> xr.Dataset:
         If the file is missing, damaged, incomplete, changed since, or lost the unit of a float variable. Of a file that stands for a
         recording that cannot be used it is that recording's.
     """
-    path = Path(path)
-    if not path.exists():
-        raise InputError(
-            path,
-            "there is no such file",
-            "a dataset written by an earlier step",
-            "give the same command again",
-        )
     needed("netCDF4")
     with reading(path):
         dataset = xr.load_dataset(path, engine="netcdf4", decode_times=False, decode_timedelta=False)
@@ -166,14 +162,22 @@ def check_sealed(path: str | Path) -> None:
 
 def attributes(path: str | Path) -> dict[str, Any]:
     """The attributes of a file written by ``write``, as a dict; its data are not read. InputError for a damaged one."""
-    netcdf = needed("netCDF4")
-    with reading(path), netcdf.Dataset(path) as file:
+    with opened(path) as file:
         return {name: file.getncattr(name) for name in file.ncattrs()}
+
+
+@contextmanager
+def opened(path: str | Path) -> Iterator[Any]:
+    """The netCDF4.Dataset of a file written by ``write``, open for a block; errors as of ``reading``."""
+    with reading(path), needed("netCDF4").Dataset(path) as file:
+        yield file
 
 
 @contextmanager
 def reading(path: str | Path) -> Iterator[None]:
     """A block that reads the netCDF file ``path``: whatever goes wrong in it is told as an InputError."""
+    if not Path(path).exists():
+        raise InputError(path, "there is no such file", "a dataset written by an earlier step", "give the same command again")  # fmt: skip
     try:
         check_sealed(path)
         yield

@@ -104,11 +104,11 @@ _SPELT = {
 
 
 @contextmanager
-def written_whole(path: str | Path) -> Iterator[Path]:
+def written_whole(path: str | Path, replace: bool = True) -> Iterator[Path]:
     """A path to write to, beside ``path``: what is there at the end takes its name, on disk and whole.
 
     Where writing fails, ``path`` is as it was before and nothing is left behind. Unwritten where the disk is full or the folder cannot be
-    written.
+    written; FileExistsError, unless it may ``replace``, where there is a file of that name.
     """
     path = Path(path)
     partial = path.with_name(f".{path.name}.{_HOST}-{os.getpid()}.part")
@@ -116,7 +116,7 @@ def written_whole(path: str | Path) -> Iterator[Path]:
         path.parent.mkdir(parents=True, exist_ok=True)
         yield partial
         _to_disk(partial)
-        os.replace(partial, path)
+        (os.replace if replace else _named)(partial, path)
         _to_disk(path.parent)
     except Unwritten:
         raise
@@ -127,6 +127,18 @@ def written_whole(path: str | Path) -> Iterator[Path]:
     finally:
         with suppress(OSError):
             partial.unlink(missing_ok=True)
+
+
+def _named(partial: Path, path: Path) -> None:
+    """The file ``partial`` gets the name ``path``. FileExistsError where there is one of that name, made at the same moment included."""
+    try:
+        os.link(partial, path)  # unlike a rename it never replaces
+    except OSError as error:
+        if error.errno not in (errno.EPERM, errno.ENOTSUP, errno.EOPNOTSUPP):
+            raise
+        if path.exists():  # a file system without links
+            raise FileExistsError(errno.EEXIST, os.strerror(errno.EEXIST), str(path)) from None
+        os.rename(partial, path)
 
 
 def in_words(number: int | None, path: str | Path) -> str:

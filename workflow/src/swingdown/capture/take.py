@@ -1,7 +1,5 @@
 """A recording that has ended as a dataset, and on disk: never in the place of another."""
 
-import errno
-import os
 from datetime import UTC, datetime
 from pathlib import Path
 
@@ -136,21 +134,11 @@ def write_new(data, path):
     InputError
         If there is a file of that name, which is left as it is.
     """
-    path = Path(path)
     check_absent(path)
-    whole = dataset.write(data, path.with_name(f".{path.name}.{os.getpid()}.new"))
     try:
-        os.link(whole, path)  # unlike a rename it never replaces
+        return dataset.write(data, path, replace=False)
     except FileExistsError:
         raise _there(path) from None
-    except OSError as error:
-        if error.errno not in (errno.EPERM, errno.ENOTSUP, errno.EOPNOTSUPP):
-            raise
-        check_absent(path)  # a file system without links
-        os.rename(whole, path)
-    finally:
-        whole.unlink(missing_ok=True)
-    return path
 
 
 def check_absent(path):

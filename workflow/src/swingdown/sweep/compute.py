@@ -1,16 +1,12 @@
 """One chunk as a dataset: every draw of its cells, in the order of the book."""
 
-import os
 import resource
 import time
-from pathlib import Path
 
 import numpy as np
 import xarray as xr
 
-from .. import dataset
 from ..errors import InputError
-from ..paths import written_whole
 from . import code
 
 
@@ -66,31 +62,6 @@ def compute(chunk, computation):
          "swingdown": code.project(), "cpu_s": took},
     )  # fmt: skip
     return data, "\n".join([_took(chunk, len(keys), fits, took, computation), *_told(reasons, chunk)])
-
-
-def publish(data, path):
-    """Whether ``data`` were written: they appear whole under ``path``, and never in place of what is there already."""
-    path = Path(path)
-    partial = path.with_name(f".{path.name}.{os.uname().nodename}.{os.getpid()}")
-    try:
-        dataset.write(data, partial)
-        return appear(partial, path)
-    finally:
-        partial.unlink(missing_ok=True)
-
-
-def appear(partial, path):
-    """Whether the file ``partial`` got the name ``path`` as well: not where there is one of that name."""
-    try:
-        os.link(partial, path)  # unlike a rename it fails where another job was first
-    except FileExistsError:
-        return False
-    except OSError:  # a file system without links: a rename of the same numbers, if both came at once
-        if Path(path).exists():
-            return False
-        with written_whole(path) as other:
-            other.write_bytes(Path(partial).read_bytes())
-    return True
 
 
 def _results(computation, settings, first, count, axes):

@@ -14,7 +14,7 @@ from ..errors import InputError
 from ..sealed import write_text
 from . import code
 from .chunks import find_chunk
-from .compute import compute, publish
+from .compute import compute
 
 
 def work(book: str, stem: str, results: str) -> str:
@@ -30,7 +30,11 @@ def work(book: str, stem: str, results: str) -> str:
         raise InputError(f"sweep, code of {chunk.computes}", f"the code was changed since the run began (it was {wanted}, it is {code.version(chunk.computes)})",
                          "one code for a run", "give the same command again")  # fmt: skip
     data, told = compute(chunk, import_module(f".{chunk.computes}", __package__))
-    return told if publish(data, results) else f"{told}\nanother job was first; its results stay"
+    try:
+        dataset.write(data, results, replace=False)
+    except FileExistsError:
+        return f"{told}\nanother job was first; its results stay"
+    return told
 
 
 def record(results: str, path: str) -> str:

@@ -1,12 +1,9 @@
 """The draws of a sweep as its jobs left them, part by part: no more is in memory than a block of one cell's draws."""
 
-from pathlib import Path
-
 import netCDF4
 import numpy as np
 
 from .. import dataset
-from ..errors import MAKE_ANEW, InputError
 
 _BLOCK = 1 << 15  # draws
 _ABOUT = ("cell", "realization", "key", "reason")
@@ -17,7 +14,7 @@ def parts(path):
 
     ``path`` is a chunk's netCDF file. InputError for one that is not whole.
     """
-    with _opened(path) as file:
+    with dataset.opened(path) as file:
         keys, size = texts(file["key"]), file.dimensions["draw"].size
         names = [
             name
@@ -38,7 +35,7 @@ def about(path):
     """What one chunk tells beside its draws: ``listed`` (dimension and entries beside the draw), attributes of each variable
     with its type and dimensions, ``reasons`` by the cell's key, and the chunk's own ``attributes``.
     """
-    with _opened(path) as file:
+    with dataset.opened(path) as file:
         variables = {
             name: (
                 one.dtype,
@@ -72,23 +69,3 @@ def values(found):
     if np.ma.isMaskedArray(found):
         return found.filled(np.nan) if found.dtype.kind == "f" else found.data
     return np.asarray(found)
-
-
-def _opened(path):
-    if not Path(path).exists():
-        raise InputError(
-            path, "there is no such file", "a chunk that a job has computed", "give the same command again"
-        )
-    try:
-        dataset.check_sealed(path)
-        file = netCDF4.Dataset(path)
-    except OSError as error:
-        raise InputError(
-            path, f"it cannot be read ({error})", "an undamaged netCDF file", MAKE_ANEW
-        ) from error
-    if "complete" not in file.ncattrs():
-        file.close()
-        raise InputError(
-            path, "it has no completeness mark", "the attribute complete = 1, written last", MAKE_ANEW
-        )
-    return file

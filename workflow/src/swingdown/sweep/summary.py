@@ -7,6 +7,7 @@ import numpy as np
 import pandas as pd
 from scipy.stats import binomtest
 
+from .parts import texts
 from .parts import values as plain
 
 REACHED = 0.05  # share of the size asked for within which what a hidden effect leaves counts as that size
@@ -84,19 +85,19 @@ def add(file, sweep, listed, reasons):
             name, "f8", (*axes, *more), zlib=True, complevel=4, fletcher32=True, fill_value=np.nan
         )
         made.setncatts({"units": units, "long_name": meaning})
-    texts = np.full(sweep.shape, "", dtype=object)
+    told = np.full(sweep.shape, "", dtype=object)
     for index, why in reasons.items():
-        texts[index] = why
+        told[index] = why
     why = file.createVariable("reason", str, axes)
     why.long_name = "why not, where a cell or a draw of it could not be made"
-    why[...] = texts
+    why[...] = told
 
 
 def from_file(file, sweep):
     """The probabilities of a combined sweep, with their intervals, written to the open ``file``: a block of a cell's draws at a time."""
     identifies = sweep.computes == "identification"
     make = _Identified if identifies else _Detected
-    entries = [str(name) for name in _texts(file["fitted" if identifies else "said"])]
+    entries = texts(file["fitted" if identifies else "said"])
     names = [name for name in make.reads if name in file.variables]
     found = {name: np.full(file[name].shape, np.nan) for name in _kinds(sweep)}
     for index, values in zip(np.ndindex(sweep.shape), sweep, strict=True):
@@ -228,14 +229,6 @@ class _Detected(_Cell):
 
 def _kinds(sweep):
     return IDENTIFICATION if sweep.computes == "identification" else DETECTION
-
-
-def _texts(variable):
-    """The entries of a text coordinate, kept as characters or as strings."""
-    import netCDF4
-
-    values = np.asarray(variable[:])
-    return netCDF4.chartostring(values) if values.dtype.kind == "S" and values.ndim == 2 else values
 
 
 @cache
