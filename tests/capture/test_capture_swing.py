@@ -49,5 +49,5 @@ def test_a_signal_that_stands_still_or_has_hardly_begun_is_none():
     assert measure(np.arange(50) / RATE, np.zeros(50)) is None
     times, values = swing(12.0)
     assert measure(times[:7], values[:7]) is None
-    assert measure(*swing(1.6)) is None  # one passage: no whole swing yet
-    assert measure(*swing(1.9)).swings == 1
+    assert measure(*swing(1.2)) is None  # two passages: no whole swing yet
+    assert measure(*swing(1.3)).swings == 1

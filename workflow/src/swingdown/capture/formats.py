@@ -185,60 +185,43 @@ class Readings:
     that is not finite stands for a reading that the converter lost.
     """
 
-    _ONE = struct.Struct("<Qd")
-    sequence_modulus, tick, tick_modulus, resolution = 1 << 64, None, None, None
+    PAIR = struct.Struct("<Qd")
+    sequence_modulus: int | None = 1 << 64
+    tick: float | None = None
+    tick_modulus, resolution, pending = None, None, (0, ())
 
     def __init__(self, settings=None):
         self._rest = b""
 
     @classmethod
-    def encoded(cls, first, values):
-        """The bytes of consecutive readings."""
-        return b"".join(cls._ONE.pack(first + k, value) for k, value in enumerate(values))
+    def encoded(cls, places, values):
+        """The bytes of readings: their numbers, or their times (s), and values."""
+        return b"".join(cls.PAIR.pack(*pair) for pair in zip(places, values, strict=True))
 
     def feed(self, data):
         """The samples that are whole now, as a list."""
         data = self._rest + data
-        whole = len(data) // self._ONE.size * self._ONE.size
+        whole = len(data) // self.PAIR.size * self.PAIR.size
         self._rest = data[whole:]
-        return [
-            Sample(number, None, value)
-            for number, value in self._ONE.iter_unpack(data[:whole])
-            if math.isfinite(value)
-        ]
+        return [self.sample(*pair) for pair in self.PAIR.iter_unpack(data[:whole]) if all(map(math.isfinite, pair))]  # fmt: skip
 
-    pending = 0, ()
+    def sample(self, place, value):
+        """The ``Sample`` of a reading."""
+        return Sample(place, None, value)
 
 
-class Timed:
+class Timed(Readings):
     """What a device with a clock of its own gives, with the time of each reading: time (s) and value, both as IEEE 754 doubles, low byte first.
 
     Like ``Readings`` it never leaves this computer. A gap is told by the times alone.
     """
 
-    _ONE = struct.Struct("<dd")
-    sequence_modulus, tick, tick_modulus, resolution = None, 1.0, None, None
+    PAIR = struct.Struct("<dd")
+    sequence_modulus, tick = None, 1.0
 
-    def __init__(self, settings=None):
-        self._rest = b""
-
-    @classmethod
-    def encoded(cls, times, values):
-        """The bytes of readings at these times (s)."""
-        return b"".join(cls._ONE.pack(*pair) for pair in zip(times, values, strict=True))
-
-    def feed(self, data):
-        """The samples that are whole now, as a list."""
-        data = self._rest + data
-        whole = len(data) // self._ONE.size * self._ONE.size
-        self._rest = data[whole:]
-        return [
-            Sample(None, at, value)
-            for at, value in self._ONE.iter_unpack(data[:whole])
-            if math.isfinite(at) and math.isfinite(value)
-        ]
-
-    pending = 0, ()
+    def sample(self, place, value):
+        """The ``Sample`` of a reading."""
+        return Sample(None, place, value)
 
 
 FORMATS = {"frames": Frames, "csv": Lines, "readings": Readings, "timed": Timed}

@@ -41,9 +41,9 @@ class Stream:
             if error.errorCode == self._ljm.errorcodes.NO_SCANS_RETURNED:
                 return b""
             raise Gone(f"the LabJack stopped streaming: {error}") from error
-        first = self._next
-        self._next += len(data)
-        return Readings.encoded(first, [math.nan if value == LOST else value for value in data])
+        numbers = range(self._next, self._next + len(data))
+        self._next = numbers.stop
+        return Readings.encoded(numbers, [math.nan if value == LOST else value for value in data])
 
     def close(self) -> None:
         """Stops the stream and lets the device go."""

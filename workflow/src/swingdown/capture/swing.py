@@ -5,6 +5,8 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from ..fitting.guess import middle_crossings
+
 MANY = 10  # swings that the loss is told over
 _CLEAR = 6  # standard deviations of the noise that a swing's amplitude must have to be one
 
@@ -31,26 +33,14 @@ def measure(times: npt.ArrayLike, values: npt.ArrayLike, noise: float = 0.0) -> 
     times, values = np.asarray(times, float), np.asarray(values, float)
     if len(values) < 8:
         return None
-    middle = (np.max(values) + np.min(values)) / 2
-    away = values - middle
-    hysteresis = max(_CLEAR / 2 * noise, 0.02 * np.max(np.abs(away)))
+    away = values - (np.max(values) + np.min(values)) / 2
     if np.max(np.abs(away)) < max(_CLEAR * noise, 1e-12):
         return None
-    crossings, below = [], False
-    for k in range(1, len(away)):
-        below = below or away[k] < -hysteresis
-        if below and away[k] >= 0 > away[k - 1]:
-            crossings.append(k)
-            below = False
-    if len(crossings) < 2:
+    crossings, extremes = middle_crossings(times, away)
+    count = (len(crossings) - 1) // 2
+    if count < 1:
         return None
-    after = np.array(crossings)
-    before = after - 1
-    part = away[before] / (away[before] - away[after])
-    at = times[before] + part * (times[after] - times[before])
-    sizes = np.array([np.ptp(values[a:b]) / 2 for a, b in zip(after[:-1], after[1:], strict=True)])
-    last = min(len(at) - 1, MANY)
-    loss = None
-    if len(sizes) > MANY:
-        loss = float(1 - (sizes[-1] / sizes[-1 - MANY]) ** (1 / MANY))
-    return Swing(float(sizes[-1]), float((at[-1] - at[-1 - last]) / last), len(sizes), loss)
+    at, halves = crossings[::-2][::-1], extremes[len(extremes) - 2 * count :].reshape(count, 2)
+    sizes, last = halves.mean(axis=1), min(count, MANY)
+    loss = float(1 - (sizes[-1] / sizes[-1 - MANY]) ** (1 / MANY)) if count > MANY else None
+    return Swing(float(sizes[-1]), float((at[-1] - at[-1 - last]) / last), count, loss)
