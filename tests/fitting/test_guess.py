@@ -57,3 +57,20 @@ def test_holes_of_several_half_swings_tell_no_frequency():
     kept = ((times < 0.5) | (times > 2.1)) & ((times < 3.9) | (times > 5.5))
     swing = 0.6 * np.exp(-0.3 * times) * np.cos(8.0 * times)
     assert first_guess(times[kept], swing[kept], "linear").natural_frequency == pytest.approx(8.0, rel=0.02)
+
+
+@pytest.mark.parametrize("reading", ["angle", "rate"])
+@pytest.mark.parametrize("restoring", ["sine", "linear"])
+@pytest.mark.parametrize("degrees", [10, 60, 110, -60])
+def test_all_that_a_swing_shows_of_itself(reading, restoring, degrees):
+    """From an angle and from a rate the same: frequency, release, amplitude and what a half-swing loses."""
+    model = Model("viscous", {"natural_frequency": 7.0, "viscous_ratio": 0.05}, restoring=restoring).of(reading)  # fmt: skip
+    release, velocity = np.radians(degrees), 1.0
+    seen = first_guess(TIMES, simulate(model, TIMES, release, velocity), restoring, reading)
+    angle = simulate(model.of("angle"), TIMES, release, velocity)
+    peaks = np.abs(angle[1:-1][(np.diff(angle)[1:] * np.diff(angle)[:-1]) < 0])
+    assert seen.natural_frequency == pytest.approx(7.0, rel=0.02)
+    assert seen.release_angle == pytest.approx(release, rel=0.15)
+    assert seen.release_velocity == pytest.approx(velocity, abs=0.5)
+    assert peaks[0] / 2 < seen.amplitude < 1.02 * peaks[0]
+    assert seen.loss == pytest.approx((peaks[0] - peaks[-1]) / (peaks.size - 1), rel=0.15)

@@ -179,10 +179,12 @@ def _guess_from_rate(times: Floats, rate: Floats, restoring: str) -> Guess:
     amplitude = float(np.median(reached[used]))
     loss = (reached[0] - reached[-1]) / max(1, reached.size - 1) if reached.size > 1 else 0.01 * amplitude
     velocity, acceleration = at_first(times, rate, half)
-    sine = float(np.clip(-acceleration / frequency**2, -1.0, 1.0))
-    # beyond 90° the pull falls again: which side of it the release is on, the energy tells
-    cosine = np.cos(reached[0]) + 0.5 * (velocity / frequency) ** 2 if restoring == "sine" else 1.0
-    release = float(np.arctan2(sine, cosine)) if cosine < 0.5 else float(np.arcsin(sine))
+    release = -acceleration / frequency**2  # of a spring; a weight pulls with the sine of the angle
+    if restoring == "sine":
+        sine = float(np.clip(release, -1.0, 1.0))
+        # beyond 90° the pull falls again: which side of it the release is on, the energy tells
+        cosine = np.cos(reached[0]) + 0.5 * (velocity / frequency) ** 2
+        release = float(np.arctan2(sine, cosine)) if cosine < 0.5 else float(np.arcsin(sine))
     return Guess(float(frequency), release, velocity, amplitude, float(loss))
 
 
