@@ -11,7 +11,7 @@ from .. import numbers
 from ..material import Material
 from ..page import Column, Figure, Item, Section, Table, Text
 
-_SEEN = {
+CAPTIONS = {
     "remainder": "What the last model still lacks: a torque over angle and speed together, of what it is a function, and when it acts.",
     "residuals": "What the base model and the last model leave of the swings that were worst at first, with the measured noise.",
     "gap": "The residual in units of the measured noise, move by move; the held-out swings had no part in any fit but their own releases.",
@@ -57,7 +57,7 @@ def missing(material: Material) -> Section:
             items.append(_helping(found))
         if found["where"]["groups"]:
             items.append(_where(found))
-        for name, caption in _SEEN.items():
+        for name, caption in CAPTIONS.items():
             if not tells(name, found):
                 continue
             paths = [

@@ -22,18 +22,12 @@ from ..trace import MOST, trace
 from ..wording import model_symbol
 from . import FEW
 from .experiment import fitted_parameters, paired, table3
-from .missing import drawn_by, missing, tells
+from .missing import CAPTIONS, drawn_by, missing, tells
 
-_TORQUE = "The torque that is missing, over angle, velocity and time, from the equations of variation: no data are differentiated."
-_LEFT = (
-    "What the last model still lacks: a torque over angle and speed together, of what it is a function, and when it acts. It has no "
-    "name here."
-)
 _CURVES = (
     "Frequency, loss and damping ratio against the amplitude, restoring torque over the angle, friction over the speed: free of a model, "
     "and of the model that describes it. Where the two differ, the model lacks something."
 )
-_FOLLOWS = "The size of the effect that goes with what was changed, in each recording; all else of the model is the same in all of them."
 _LAWS = (
     "The turning points of the recording, with each single law of damping and the law with the most evidence."
 )
@@ -62,8 +56,10 @@ def answer(material: Material) -> Section | None:
         if found is not None:
             items += _verdict(found)
         if found is not None and tells("remainder", found):
-            items += _drawn(material, str(campaign), "remainder", "What remains", _LEFT)
-        items += _drawn(material, str(campaign), "difference", "What follows the change", _FOLLOWS)
+            items += _drawn(material, str(campaign), "remainder", "What remains", CAPTIONS["remainder"])
+        items += _drawn(
+            material, str(campaign), "difference", "What follows the change", CAPTIONS["difference"]
+        )
         drawn = _drawn(material, str(campaign), "answer", "Recording and fit", _FITTED)
         if not drawn and material.swings.get(str(campaign)):
             drawn = [Figure(f"Recording and fit, {campaign}", "", _FITTED, of=(str(campaign),))]
@@ -72,7 +68,7 @@ def answer(material: Material) -> Section | None:
             [_quantities(rows, found)] if len(rows) == 1 else [_recordings(rows, material, str(campaign))]
         )
         if found is not None and tells("map", found):
-            items += _drawn(material, str(campaign), "map", "Missing torque", _TORQUE)
+            items += _drawn(material, str(campaign), "map", "Missing torque", CAPTIONS["map"])
     return Section("The answer", items)
 
 
