@@ -15,6 +15,7 @@ from ..errors import InputError
 from ..measurement.apparatus import Apparatus
 from ..measurement.line import FEWEST
 from ..measurement.recording import ingest
+from ..measurement.sheet import COLUMNS
 from ..measurement.uncertainty import Mean, Propagation, mean_of_samples
 from . import layout, modes
 from .chain import OUTPUTS, measurement
@@ -132,22 +133,14 @@ def tower(apparatus: Apparatus, number: int) -> xr.Dataset:
         If the recording cannot be used, or is not in volts.
     """
     point = apparatus["points"][number - 1]
-    row = {
+    stated = {name: cell for name, cell in point.items() if name in COLUMNS}
+    known = {
         "recording": f"tower_{number}",
         "campaign": apparatus["campaigns"][0],
-        "file": point["file"],
-        "time_column": point.get("time_column", ""),
-        "time_unit": point.get("time_unit", "s"),
-        "signal_column": point.get("signal_column", ""),
         "signal_unit": "V",
-        "counts_per_revolution": np.nan,
-        "start_s": np.nan,
-        "stop_s": np.nan,
         "role": "static",
-        "sha256": point.get("sha256", ""),
-        "partial": point.get("partial", ""),
     }
-    return ingest(row, f"{apparatus['path']}, key points[{number}]")
+    return ingest(COLUMNS | {"time_unit": "s"} | stated | known, f"{apparatus['path']}, key points[{number}]")
 
 
 def budget(propagation: Propagation) -> pd.DataFrame:

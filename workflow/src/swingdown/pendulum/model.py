@@ -267,19 +267,7 @@ class Model:
         InputError
             If an effect or a parameter is unknown.
         """
-        return Model(
-            tuple(names),
-            dict(values or {}),
-            {},
-            self.restoring,
-            self.form,
-            self.catalogue,
-            self.slack,
-            self.record,
-            self.own_frequency,
-            self.own,
-            self.drive,
-        )
+        return replace(self, names=tuple(names), values=dict(values or {}), standard_errors={})
 
     def with_slack(self, slack: Slack) -> "Model":
         """The same model of a measurement that leaves this open.

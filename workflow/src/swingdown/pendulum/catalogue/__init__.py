@@ -36,19 +36,6 @@ class Catalogue:
     of one name.
     """
 
-    __slots__ = (
-        "_known",
-        "_of_rates",
-        "_parameters",
-        "_places",
-        "free_forms",
-        "gravity",
-        "inputs",
-        "names",
-        "reading",
-        "whole",
-    )
-
     def __init__(
         self,
         entries: tuple[Effect, ...] = ENTRIES,
