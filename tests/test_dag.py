@@ -214,7 +214,6 @@ def test_the_settings_of_a_capture_run_nothing_again(rules, sheet):
         ("sead: 1\n", "key sead"),
         ("recordings: nowhere.csv\n", "nowhere.csv"),
         ("recordings: sheet.csv\nexperiment: {campaigns: [mime]}\n", "'mine'"),
-        ("recordings: config/recordings.csv\n", "no apparatus sheet"),
         ("recordings: config/recordings.csv\napparatus: none.yaml\n", "none.yaml"),
     ],
 )

@@ -23,11 +23,18 @@ REASONS = {
     "short": "too few swings to fit",
     "hand": "it does not move as a pendulum that swings by itself",
 }
-# Campaigns of two good swings and others: `some` with the bad ones, `rest` with a record at rest that is one, and `whole` without. Campaigns
+# Campaigns of two good swings and others: `some` with the bad ones, `rest` with a record at rest that is one, `mixed` with such as hold no
+# angle, and `whole` without. Campaigns
 # of one recording: `lost` a bad one, `brief` too short for a search, `moved` by a hand, `soft` under a spring that damping does not explain, `kicked` on its way.
+ALONE = {"counts": "no scale", "volts": "no scale", "peaks": "points of the motion only"}
 ROWS = [
     "recording,campaign,file,role",
-    *(f"{name}-{k},{name},{file}.csv," for name in ("some", "rest") for k, file in ((1, "one"), (2, "two"))),
+    *(
+        f"{name}-{k},{name},{file}.csv,"
+        for name in ("some", "rest", "mixed")
+        for k, file in ((1, "one"), (2, "two"))
+    ),
+    *(f"mixed-{kind},mixed,{kind}.csv," for kind in ALONE),
     *(f"{kind}-3,some,{kind}.csv," for kind in REASONS),
     "rest-3,rest,words.csv,static",
     "whole-1,whole,one.csv,",
@@ -80,6 +87,14 @@ def recorded(folder):
     for name, columns in series().items():
         rows = [f"{time:.2f},{angle:.5f}" for time, angle in zip(*columns, strict=True)]
         (folder / f"{name}.csv").write_text("\n".join(["time_s,angle_rad", *rows, ""]))
+    times, angles = series()["two"]
+    for name, column in (("counts", "adc"), ("volts", "U (V)")):
+        pd.DataFrame({"t_ms": 1e3 * times, column: np.round(512 + 900 * angles)}).to_csv(
+            folder / f"{name}.csv", index=False
+        )
+    each = np.arange(12) * np.pi / 7.25
+    peaks = 11.5 * (-1) ** np.arange(12) * np.exp(-0.008 * 7.25 * each)
+    pd.DataFrame({"time_s": each, "angle_deg": peaks}).round(3).to_csv(folder / "peaks.csv", index=False)
     for name in ("text", "words"):
         (folder / f"{name}.csv").write_text("time_s,angle_rad\n0,0.1\n0.01,lots\n0.02,0.3\n")
     return folder
@@ -109,6 +124,7 @@ def verdict(folder, campaign):
     [
         ("some", {f"{kind}-3": reason for kind, reason in REASONS.items()}),
         ("rest", {"rest-3": REASONS["text"]}),
+        ("mixed", {f"mixed-{kind}": reason for kind, reason in ALONE.items()}),
     ],
 )
 def test_a_campaign_goes_on_with_the_recordings_that_can_be_used(study, name, reasons):
@@ -122,6 +138,15 @@ def test_a_campaign_goes_on_with_the_recordings_that_can_be_used(study, name, re
     table = pd.read_csv(folder / "results/tables/pendulums.csv").set_index(["campaign", "recording"])
     same = ["period_s", "period_s_u", "quality", "natural_frequency_rad_per_s", "model", "verdict"]
     assert table.loc[(name, "(joint)"), same].equals(table.loc[("whole", "(joint)"), same])
+
+
+@pytest.mark.slow("a whole study")
+@pytest.mark.parametrize("kind", ALONE)
+def test_what_holds_no_angle_has_a_period_and_a_decay_beside_angles(study, kind):
+    row = pd.read_csv(study[0] / "results/tables/pendulums.csv").set_index("recording").loc[f"mixed-{kind}"]
+    assert row["period_s"] == pytest.approx(2 * np.pi / 7.25, rel=0.01)
+    assert row["quality"] == pytest.approx(1 / 0.016, rel=0.1)
+    assert ALONE[kind] in row["remark"] and np.isnan(row["verdict"])
 
 
 @pytest.mark.slow("a whole study")
@@ -141,7 +166,9 @@ def test_the_run_its_table_and_the_report_tell_each_with_its_reason(study):
     last = told[told.index("Left out of these results") :]
     report = (folder / "results/report.html").read_text()
     table = pd.read_csv(folder / "results/tables/left_out.csv").set_index("recording")
-    assert set(table.index) == {*(f"{kind}-3" for kind in (*REASONS, "rest")), "lost", "brief", "moved"}
+    assert set(table.index) == {
+        *(f"{kind}-3" for kind in (*REASONS, "rest")), *(f"mixed-{kind}" for kind in ALONE), "lost", "brief", "moved",
+    }  # fmt: skip
     for kind, reason in REASONS.items():
         assert reason in table.loc[f"{kind}-3", "problem"] and table.loc[f"{kind}-3", "mend"]
         assert f"{kind}-3: " in last and reason in last and reason in report
@@ -199,7 +226,15 @@ def test_once_mended_it_takes_part(study, snakemake, tmp_path):
     assert {one["recording"] for one in found["left_out"]} == {"grown-3", "short-3", "hand-3"}
     assert verdict(folder, "lost")["status"] == "consistent"
     lost = set(pd.read_csv(folder / "results/tables/left_out.csv")["recording"])
-    assert lost == {"grown-3", "short-3", "hand-3", "rest-3", "brief", "moved"}
+    assert lost == {
+        "grown-3",
+        "short-3",
+        "hand-3",
+        "rest-3",
+        "brief",
+        "moved",
+        *(f"mixed-{kind}" for kind in ALONE),
+    }
 
 
 @pytest.mark.slow("a whole study")

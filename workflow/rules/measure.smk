@@ -17,6 +17,7 @@ rule record:
         row=lambda wildcards: PLAN.rows[wildcards.recording],
         sheet=config.get("recordings"),
         unnamed=lambda wildcards: unnamed(wildcards.recording),
+        calibrated=PLAN.apparatus is not None,
         restoring=config["model"]["restoring"],
         code=code("record"),
     message:

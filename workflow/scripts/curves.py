@@ -14,6 +14,7 @@ from swingdown.errors import InputError
 from swingdown.language import language
 from swingdown.measurement.driven import CURVES, LAWS, check_free
 from swingdown.measurement.refused import used
+from swingdown.measurement.sharing import sharing
 from swingdown.pendulum.catalogue import catalogue
 from swingdown.plots import absent, save
 from swingdown.plots.curves import backbone, envelopes
@@ -21,7 +22,7 @@ from swingdown.plots.style import in_language
 from swingdown.sealed import read_csv, read_json, write_csv
 from swingdown.studies.described import described_by, values_of
 from swingdown.studies.norms import combine_recordings
-from swingdown.studies.pendulums import NO_MODEL, REFUSED
+from swingdown.studies.pendulums import NO_MODEL, TOGETHER
 
 
 class Given:
@@ -34,12 +35,16 @@ class Given:
             (used([path])[0], used([fit])[0]) for path, fit in zip(files.angles, files.fits, strict=True)
         ]
         free = [pair for pair in pairs if all(pair)]  # damping follows them; else a search may explain them
-        self.angles = [angle for one, _ in free or pairs for angle in one]
-        self.fits = [fit for _, one in free for fit in one]
+        known = [pair for pair in free or pairs if pair[0]]
+        shared = sharing([angle for (angle,), _ in known])[0]
+        known = [known[k] for k in shared] or known[:1]  # of what shares no model the first
+        self.angles = [angle for (angle,), _ in known]
+        self.fits = [fit for _, one in known for fit in one]
         self.joint = used(list(files.joint))[0] or self.fits[:1]
         self.verdicts = [read_json(path) for path in files.verdict]
         rows = read_csv(files.table)
-        own = rows[(rows["campaign"].astype(str) == campaign) & (rows["verdict"] != REFUSED)]
+        names = {TOGETHER, *(str(angle.attrs["recording"]) for angle in self.angles)}
+        own = rows[(rows["campaign"].astype(str) == campaign) & rows["recording"].astype(str).isin(names)]
         if own.empty or not self.angles:
             raise InputError(campaign, "no recording can be used")
         self.row = own.iloc[-1].to_dict()

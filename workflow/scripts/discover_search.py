@@ -4,7 +4,7 @@ import swingdown.prefork  # noqa: F401  # first of all: it may take the job over
 
 from pathlib import Path
 
-from swingdown import console
+from swingdown import console, dataset
 from swingdown.discovery import files
 from swingdown.discovery.budget import Budget
 from swingdown.discovery.change import difference
@@ -12,7 +12,8 @@ from swingdown.discovery.conclusion import concluded
 from swingdown.discovery.files import DIFFERENCE
 from swingdown.discovery.search import discover
 from swingdown.errors import InputError
-from swingdown.measurement.refused import doubt_in, left_out, none_left, taking_part
+from swingdown.measurement.refused import doubt_in, left_out, none_left, row_on, taking_part
+from swingdown.measurement.sharing import sharing
 from swingdown.pendulum.catalogue import catalogue
 from swingdown.pendulum.model import Model
 
@@ -27,14 +28,20 @@ def discover_search(campaign, angles, fits, roles, base, rounds, budget_s, chang
     rows = {path: left_out(path) for path in angles[len(fits) :]}
     lost += [row for row in rows.values() if row]
     told = [*fits, *rows]
-    kept = [k for k, path in enumerate(told) if path in free or (path in rows and not rows[path])]
+    able = [k for k, path in enumerate(told) if path in free or (path in rows and not rows[path])]
+    usable = [dataset.read(angles[k]) for k in able]
+    shared, alone = sharing(usable)
+    lost += [row_on(usable[k].attrs, why) for k, why in alone.items()]
+    kept = [able[k] for k in shared]
     members = {
         "recordings": [Path(angles[k]).stem for k in kept],
-        "left_out": [{key: row[key] for key in ("recording", "file", "problem")} for row in lost],
-        "doubt": doubt_in(free[0]) if free else {},
+        "left_out": [
+            {key: row[key] for key in ("recording", "file", "problem", "expected", "mend")} for row in lost
+        ],
+        "doubt": doubt_in(told[kept[0]]) if kept else {},
     }
     try:
-        if not free:
+        if not any(k < len(fits) for k in kept):
             raise none_left(lost)
         swings, emulated = files.read_campaign(campaign, [angles[k] for k in kept], [roles[k] for k in kept])
     except InputError as problem:

@@ -7,14 +7,16 @@ import numpy as np
 from swingdown import console, dataset
 from swingdown.errors import InputError
 from swingdown.measurement.refused import refuse, taking_part
+from swingdown.measurement.sharing import sharing
 from swingdown.pendulum.model import models, symbol
 from swingdown.studies import experiment
 
 
 def fit_campaign(angles, alone, campaign, fitted, start, output):
-    """The joint fit written, of the swings whose fits ``alone`` say that they can be used; or why there is none."""
+    """The joint fit written, of the swings whose fits ``alone`` say that they can be used and that share a model; or why there is none."""
     kept, _ = taking_part(alone, [campaign])
     used = [dataset.read(path) for path, fit in zip(angles, alone, strict=True) if fit in kept]
+    used = [used[k] for k in sharing(used)[0]]
     try:
         if len(used) < 2:
             problem = f"{len(used)} of its {len(angles)} swings can be used"

@@ -6,15 +6,13 @@ import pandas as pd
 
 from swingdown import console, dataset
 from swingdown.errors import InputError
-from swingdown.measurement.points_recording import check_said
 from swingdown.measurement.recording import ingest
 from swingdown.measurement.refused import may_pass, refuse
 
 
-def record(row, sheet, restoring, output):
+def record(row, sheet, restoring, calibrated, output):
     try:
-        recording = ingest(pd.Series(row, name=row["recording"]), sheet, restoring)
-        check_said(recording, row, sheet)
+        recording = ingest(pd.Series(row, name=row["recording"]), sheet, restoring, calibrated)
     except InputError as problem:
         if may_pass(problem, row):
             raise
@@ -33,6 +31,10 @@ if __name__ == "__main__":
     with console.job(snakemake.log[0]) as say:
         say(
             record(
-                snakemake.params.row, snakemake.params.sheet, snakemake.params.restoring, snakemake.output[0]
+                snakemake.params.row,
+                snakemake.params.sheet,
+                snakemake.params.restoring,
+                snakemake.params.calibrated,
+                snakemake.output[0],
             )
         )

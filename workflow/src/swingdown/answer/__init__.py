@@ -16,7 +16,7 @@ from ..arrays import Shown
 from ..dataset import series_of
 from ..discovery.campaign import Campaign, Swing, campaign
 from ..discovery.conclusion import concluded
-from ..discovery.files import check_sampled, reading_of, summary, swing_of
+from ..discovery.files import reading_of, summary, swing_of
 from ..discovery.search import discover
 from ..discovery.state import Round
 from ..discovery.verdict import verdict
@@ -24,6 +24,7 @@ from ..engine.trajectory import TrajectoryWarning, engine
 from ..errors import InputError, told_to
 from ..measurement.again import readings
 from ..measurement.driven import driven
+from ..measurement.sharing import sharing
 from ..measurement.slack import of_angles
 from ..pendulum.catalogue import READINGS, catalogue
 from ..pendulum.model import BASES, Model, everyday, models
@@ -387,9 +388,10 @@ def searchable(name: str, given: Sequence[xr.Dataset]) -> Campaign:
     Raises
     ------
     InputError
-        If the swings are too few or too short to hold any out.
+        If the swings are too few or too short to hold any out, or one holds no angle.
     """
-    check_sampled(name, given)
+    for why in sharing(given)[1].values():
+        raise why
     driven(given)
     return replace(
         campaign(name, [swing_of(one) for one in given]),

@@ -153,7 +153,7 @@ def _study(given: Sequence[str], told: Mapping[str, Any], wishes: Wishes) -> Fou
     with_lengths(rows, about_one, told.get(PIVOTS))
     _tell_passed(passed)
     taken, left_out = _read(paths, rows, restoring)
-    left_out += passed
+    taken, left_out = own.apart(taken), left_out + passed
     if not taken:
         raise _none_of(left_out)
     with warnings_once(_say):

@@ -14,9 +14,7 @@ from .. import dataset
 from ..arrays import finite_or_none
 from ..engine.trajectory import TrajectoryError
 from ..errors import InputError
-from ..measurement.angle import UNSCALED
 from ..measurement.driven import drive_of, driven
-from ..measurement.points_recording import NOT_IN_IT, POINTS_ALONE, are_points
 from ..measurement.refused import refuse
 from ..measurement.slack import of_angles
 from ..pendulum.catalogue import READINGS
@@ -59,7 +57,6 @@ def read_campaign(name: str, paths: Sequence[Path | str], roles: Sequence[str]) 
     read: list[xr.Dataset] = []
     for path, role in zip(paths, roles, strict=True):
         data = dataset.read(path)
-        check_sampled(name, [data])
         swing = swing_of(data)
         systematic = max(systematic, float(dataset.series_of(data, "systematic_uncertainty").max()))
         emulated |= str(data.attrs.get("emulated", "no")) == "yes"
@@ -79,22 +76,8 @@ def swing_of(angle: xr.Dataset) -> Swing:
     )
 
 
-def check_sampled(name: str, angles: Sequence[xr.Dataset]) -> None:
-    """None where these are samples of the motion; InputError where some are turning points alone, which no search can use."""
-    if any(map(are_points, angles)):
-        raise InputError(
-            f"campaign {name}", NOT_IN_IT, "samples of the motion itself",
-            "record the motion itself", POINTS_ALONE,
-        )  # fmt: skip
-
-
 def reading_of(name: str, angles: Sequence[xr.Dataset]) -> str:
-    """What the sensor of a campaign reads, ``angle`` or ``rate``; InputError where its recordings differ, or one has no scale."""
-    if any(one.attrs.get("mode") == UNSCALED for one in angles):
-        raise InputError(
-            f"campaign {name}", "its readings have no scale: they allow no search, and period and decay alone are reported",
-            "angles", "state the degrees that one unit is worth ⟨in scale⟩",
-        )  # fmt: skip
+    """What the sensor of a campaign reads, ``angle`` or ``rate``; InputError where its recordings differ."""
     kinds = {str(dataset.series_of(one).name) for one in angles}
     if len(kinds) > 1:
         raise InputError(

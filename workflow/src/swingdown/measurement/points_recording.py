@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from ..errors import InputError, as_told
+from ..errors import as_told
 from ..quantisation import quantisation_step
 from .slack import tolerances
 from .source import Table
@@ -116,15 +116,3 @@ def to_angle(recording: xr.Dataset) -> xr.Dataset:
 def are_points(data: xr.Dataset) -> bool:
     """True for a dataset of turning points, of a recording or of angles."""
     return "half_swings" in data
-
-
-def check_said(recording: xr.Dataset, row: Mapping[str, Any], sheet: str) -> None:
-    """None for samples of the motion, and for turning points that the sheet's ``row`` calls so; InputError for others.
-
-    A study's jobs are laid down before a file is read: what cannot be searched must be said by then.
-    """
-    if are_points(recording) and not row.get("signal_kind"):
-        raise InputError(
-            f"{sheet}, {row['recording']}, column signal_kind", f"the file holds turning points alone ({recording.attrs['taken']})",
-            "that the sheet says so", f"write {recording.attrs['kind']} ⟨in signal_kind⟩",
-        )  # fmt: skip

@@ -12,10 +12,10 @@ from .. import dataset
 from ..errors import InputError, as_told
 from . import phyphox
 from .again import OPEN, may_be_read_again
-from .choice import SeveralSwings, may_be_it
+from .choice import SeveralSwings, Uncalibrated, may_be_it
 from .columns import place_of
 from .driven import UNITS, Stated, as_variables, judge_driven, stated
-from .interpret import Interpreted, interpret
+from .interpret import RELATIVE, Interpreted, interpret
 from .judge import Judged, Reading, check_used, judge, used_part
 from .passages import ask_periods, passages
 from .points_table import turning_points
@@ -40,7 +40,10 @@ STATIC = Judged(np.empty(0), Reading("rad", False), Spikes(np.empty(0, dtype=boo
 
 
 def ingest(
-    row: Mapping[str, Any] | pd.Series, sheet: str = "sample sheet", restoring: str = "sine"
+    row: Mapping[str, Any] | pd.Series,
+    sheet: str = "sample sheet",
+    restoring: str = "sine",
+    calibrated: bool = True,
 ) -> xr.Dataset:
     """The dataset of one recording: ``signal(time)`` as recorded, ``time`` in s, provenance.
 
@@ -55,6 +58,8 @@ def ingest(
         The sheet's name, for errors.
     restoring
         ``sine`` or ``linear``.
+    calibrated
+        Whether an apparatus tells the angle of readings in volts; else they have no scale unless the row states one.
 
     Raises
     ------
@@ -63,6 +68,16 @@ def ingest(
         an unknown number of swings, a partial recording, fewer than 10 samples, a constant or saturated signal.
     """
     row = {"recording": getattr(row, "name", None), **row}
+    if calibrated or row["scale"] or row["role"] == "static":
+        return _ingest(row, sheet, restoring)
+    bare = {**row, "scale": RELATIVE, "signal_unit": "V"}
+    try:
+        return _ingest(bare if row["signal_unit"] == "V" else row, sheet, restoring)
+    except Uncalibrated:
+        return _ingest(bare, sheet, restoring)
+
+
+def _ingest(row: dict[str, Any], sheet: str, restoring: str) -> xr.Dataset:
     place = (
         f"{sheet}, line {row['line']}, {row['recording']}"
         if "line" in row

@@ -71,7 +71,16 @@ def left_out(path: str | Path) -> dict[str, str]:
     why = {key: about[key] for key in _WHY} if about.get("role") == dataset.REFUSED else doubt_in(path)
     if not why:
         return {}
-    row = {key: str((_named(about) | {"code": ""} | why)[key]) for key in COLUMNS}
+    return _row(about, why)
+
+
+def row_on(about: Mapping[str, Any], problem: InputError) -> dict[str, str]:
+    """The row (``COLUMNS``) on a recording, by the attributes of a step, that cannot be used because of a ``problem``."""
+    return _row(about, {key: getattr(problem, key) for key in (*_WHY, "code")})
+
+
+def _row(about: Mapping[str, Any], why: Mapping[str, str]) -> dict[str, str]:
+    row = {key: str((_named(about) | {"code": ""} | dict(why))[key]) for key in COLUMNS}
     return row | {"problem": place_in(row["file"], why["where"], row["recording"]) + row["problem"]}
 
 

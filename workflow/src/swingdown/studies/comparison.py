@@ -10,6 +10,7 @@ import xarray as xr
 
 from ..arrays import Floats
 from ..fitting.nested import contains
+from ..measurement.angle import UNSCALED
 from ..pendulum.model import symbol
 from ..rounding import plus_minus
 from .norms import as_text, over
@@ -36,8 +37,16 @@ def comparison(norms: xr.Dataset) -> pd.DataFrame:
     norms
         As ``norms.combine_recordings`` returns them.
     """
-    tables = [_campaign(str(name), chosen) for name, chosen in norms.groupby("campaign", squeeze=False)]
+    each = norms.groupby("campaign", squeeze=False)
+    tables = [_campaign(str(name), _of_angles(chosen)) for name, chosen in each]
     return pd.concat(tables, ignore_index=True)
+
+
+def _of_angles(norms: xr.Dataset) -> xr.Dataset:
+    """The recordings of one campaign whose norms are of angles; all where none are: of points and of readings without a scale they are not."""
+    alone = (norms["uncertainty"] == UNSCALED).values
+    alone |= (norms["points"] != "").values if "points" in norms.coords else False
+    return norms.isel(recording=~alone) if not alone.all() else norms
 
 
 def _campaign(campaign: str, norms: xr.Dataset) -> pd.DataFrame:

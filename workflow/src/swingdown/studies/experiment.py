@@ -18,6 +18,7 @@ from ..fitting.slack import allowing
 from ..measurement.driven import drive_of, driven
 from ..measurement.plausibility import in_step_and_steady, narrowing
 from ..measurement.points_recording import are_points
+from ..measurement.sharing import sharing
 from ..measurement.slack import of_angles
 from ..pendulum.model import Model, as_model
 from ..pendulum.slack import Slack
@@ -151,8 +152,10 @@ def fit_campaign(
     Raises
     ------
     InputError
-        If there is no swing, or one too short to fit.
+        If there is no swing, or one too short to fit, or without an angle.
     """
+    for why in sharing(angles)[1].values():
+        raise why
     if not angles:
         raise InputError(
             "campaign",

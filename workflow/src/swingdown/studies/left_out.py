@@ -42,6 +42,15 @@ def left_out(
     ]
     found += [{"left_out_of": OF_ALL} | dict(row) for row in lost]
     for verdict in verdicts:
+        found += [
+            {
+                "left_out_of": OF_SEARCH,
+                "campaign": verdict["campaign"],
+                "label": row["recording"],
+                **row,
+            }
+            for row in verdict["left_out"]
+        ]
         if verdict["status"] == NO_VERDICT:
             why = {key: verdict["no_verdict"][key] for key in ("problem", "expected", "mend")}
             found += [

@@ -82,7 +82,8 @@ def pendulums(
             own = chosen.sel(recording=[name])
             rows.append(_row(campaign, name, own, own.isel(recording=0), catalogue))
         if chosen.sizes["recording"] > 1 and campaign in together:
-            rows.append(_row(campaign, TOGETHER, chosen, together[campaign], catalogue))
+            shared = chosen.sel(recording=as_text(together[campaign]["recording"]))
+            rows.append(_row(campaign, TOGETHER, shared, together[campaign], catalogue))
     return judged(rows, verdicts, left_out)
 
 
@@ -92,15 +93,15 @@ def judged(
     """The table of ``pendulums`` from its rows before anything was searched, with the verdicts and what was left out."""
     found = {str(one["campaign"]): one for one in verdicts}
     told = {} if left_out is None else {str(one.recording): one for one in left_out.itertuples()}
-    each = Counter(row["campaign"] for row in rows)
+    each = Counter(row["campaign"] for row in rows if row["recording"] not in told)
     rows = [
         by_verdict(row, found.get(row["campaign"], {}))
-        if each[row["campaign"]] == 1 or row["recording"] == TOGETHER
+        if row["recording"] not in told and (each[row["campaign"]] == 1 or row["recording"] == TOGETHER)
         else row
         for row in rows
     ]
     for row in rows:
-        verdict = found.get(row["campaign"], {})
+        verdict = {} if row["recording"] in told else found.get(row["campaign"], {})
         left = told.pop(row["recording"]).problem if row["recording"] in told else ""
         remark = joined(verdict.get("unit_doubt", ""), row["remark"], left)
         row |= {"verdict": verdict.get("status", ""), "missing": _named(verdict), "remark": remark}
@@ -195,8 +196,8 @@ def _row(
     }
     unscaled = UNSCALED in own["uncertainty"].values
     if unscaled:
-        period, more = at_first_swing(own.isel(recording=0)) if name != TOGETHER else (None, {})
-        if period is None and name != TOGETHER:
+        period, more = at_first_swing(own.isel(recording=0))
+        if period is None:
             period, more = as_seen(own.isel(recording=0))
             more |= {"amplitude_text": "the first swings"} if period else {}
         derived = {key: derived[key] for key in _WITHOUT_SCALE} | ({"period": period} if period else {})

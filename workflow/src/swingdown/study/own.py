@@ -17,14 +17,12 @@ from ..errors import InputError
 from ..language import ENGLISH
 from ..measurement.angle import to_angle
 from ..measurement.archive import SeveralFiles
-from ..measurement.choice import Uncalibrated
-from ..measurement.interpret import RELATIVE
-from ..measurement.points_recording import are_points
 from ..measurement.programs import CLOSED, READERS
 from ..measurement.recording import ingest
 from ..measurement.refused import NOT_LOOKED_AT, WHICH_COLUMN, place_in
 from ..measurement.release import SeveralReleases
 from ..measurement.runs import SeveralRuns
+from ..measurement.sharing import sharing
 from ..measurement.sheet import COLUMNS
 from ..measurement.source import NETCDF
 from ..paths import for_spreadsheets, printable, safe_name, write_csv, write_text
@@ -278,17 +276,20 @@ def _release(row: Mapping[str, Any], number: int, cells: Mapping[str, str]) -> d
 
 
 def _taken(row: Mapping[str, Any], path: Path, restoring: str) -> Taken:
-    """The recording and its angle; of volts without an apparatus or a scale period and decay alone are told."""
-    cells = {**COLUMNS, **row, "file": str(path)}
-    try:
-        recording = ingest(cells, restoring=restoring)
-        if recording["signal"].attrs["units"] == "V" and "rad_per_unit" not in recording.attrs:
-            raise Uncalibrated(path.name, "it is in volts", "a scale", "state one")
-    except Uncalibrated:
-        row = {**row, "scale": RELATIVE, "signal_unit": "V"}
-        recording = ingest({**cells, **row, "file": str(path)}, restoring=restoring)
-    kind = {"signal_kind": recording.attrs["kind"]} if are_points(recording) else {}
-    return Taken(dict(row) | kind, recording, to_angle(recording))
+    """The recording and its angle."""
+    recording = ingest({**COLUMNS, **row, "file": str(path)}, restoring=restoring, calibrated=False)
+    return Taken(dict(row), recording, to_angle(recording))
+
+
+def apart(taken: Sequence[Taken]) -> list[Taken]:
+    """The recordings, those that share no model with the others of their pendulum as pendulums of their own."""
+    found = list(taken)
+    for campaign in dict.fromkeys(one.row["campaign"] for one in taken):
+        members = [k for k, one in enumerate(taken) if one.row["campaign"] == campaign]
+        for k in sharing([taken[k].angle for k in members])[1] if len(members) > 1 else ():
+            one = taken[members[k]]
+            found[members[k]] = one._replace(row=one.row | {"campaign": one.row["recording"]})
+    return found
 
 
 def refused(row: Mapping[str, Any], problem: InputError, path: Path | None = None) -> Refused:

@@ -8,7 +8,6 @@ from typing import Any
 from ..errors import InputError
 from ..measurement.apparatus import read_apparatus
 from ..measurement.sheet import read_sheet
-from ..measurement.turning_points import KINDS, SWING
 from ..paths import safe_name
 
 
@@ -57,7 +56,7 @@ class Plan:
     @property
     def in_volts(self) -> list[str]:
         """The names of the recordings whose angle follows from the calibration."""
-        return [name for name in self.measured if self.rows[name]["signal_unit"] == "V"]
+        return [name for name in self.measured if self.apparatus and self.rows[name]["signal_unit"] == "V"]
 
     @property
     def moving(self) -> list[str]:
@@ -85,8 +84,8 @@ class Plan:
 def plan(settings: dict[str, Any]) -> Plan:
     """The Plan that complete settings (``settings.complete``) and the sheets they name lay down.
 
-    InputError for a campaign that is not in the sheet or has nothing to fit, and for recordings in volts without an
-    apparatus sheet that covers their campaign.
+    InputError for a campaign that is not in the sheet or has nothing to fit, and for recordings in volts whose campaign the apparatus sheet
+    does not cover.
     """
     if "recordings" not in settings:
         return Plan({})
@@ -97,10 +96,7 @@ def plan(settings: dict[str, Any]) -> Plan:
     }
     known = list(dict.fromkeys(row["campaign"] for row in rows.values()))
     campaigns = _chosen(settings, "experiment", known) or tuple(known)
-    points = _of_points(settings, rows)
-    searched = tuple(
-        name for name in _chosen(settings, "discovery", known) or campaigns if name not in points
-    )
+    searched = _chosen(settings, "discovery", known) or campaigns
     result = Plan(rows, campaigns, searched, settings.get("apparatus"))
     for name in dict.fromkeys((*campaigns, *searched)):
         if not result.swings(name):
@@ -108,25 +104,9 @@ def plan(settings: dict[str, Any]) -> Plan:
             raise InputError(where, "every recording is static", "at least one swing to fit", "add a swing")
     for name in searched:
         result.changed(name)
-    if result.in_volts:
-        _check_apparatus(result, settings)
+    if result.apparatus and result.in_volts:
+        _check_apparatus(result, result.apparatus)
     return result
-
-
-def _of_points(settings: dict[str, Any], rows: dict[str, dict[str, Any]]) -> set[str]:
-    """The campaigns of turning points alone, in which nothing is searched; InputError for one with several recordings."""
-    found = {
-        row["campaign"]
-        for row in rows.values()
-        if row["signal_kind"] in KINDS and row["signal_kind"] != SWING
-    }
-    for name in found:
-        if len(members := [key for key, row in rows.items() if row["campaign"] == name]) > 1:
-            raise InputError(
-                f"{settings['recordings']}, campaign {name}", f"turning points are fitted one recording at a time, and it has {', '.join(members)}",
-                "a campaign for each recording of turning points", "give each its own name in the column campaign",
-            )  # fmt: skip
-    return found
 
 
 def _chosen(settings: dict[str, Any], part: str, known: Sequence[str]) -> tuple[str, ...]:
@@ -140,17 +120,10 @@ def _chosen(settings: dict[str, Any], part: str, known: Sequence[str]) -> tuple[
     return chosen
 
 
-def _check_apparatus(plan: Plan, settings: dict[str, Any]) -> None:
-    first = plan.in_volts[0]
-    where = f"{settings['recordings']} ({first})"
-    if not plan.apparatus:
-        mend = "set the key `apparatus`, or convert the recording to rad or deg"
-        raise InputError(
-            where, "the recording is in volts and no apparatus sheet calibrates it", "an apparatus", mend
-        )
-    covered = read_apparatus(plan.apparatus)["campaigns"]
+def _check_apparatus(plan: Plan, apparatus: str) -> None:
+    covered = read_apparatus(apparatus)["campaigns"]
     for name in plan.in_volts:
         if (campaign := plan.rows[name]["campaign"]) not in covered:
-            where = f"{plan.apparatus}, key campaigns"
+            where = f"{apparatus}, key campaigns"
             problem = f"the campaign {campaign!r} of recording {name!r} (in volts) is not listed"
             raise InputError(where, problem, "every campaign that is recorded in volts", f"add {campaign!r}")
