@@ -11,10 +11,10 @@ from swingdown.capture import takes
 from swingdown.paths import find, is_url, remove_leftovers
 from swingdown.sealed import remove_orphans
 from swingdown.studies import left_out
-from swingdown.study.made import ROUND_FILES, SEEN, made as made_by
-from swingdown.study.plan import plan
-from swingdown.study.settings import complete
-from swingdown.study.sources import fingerprint
+from swingdown.planning.made import ROUND_FILES, SEEN, made as made_by
+from swingdown.planning.plan import plan
+from swingdown.planning.settings import complete
+from swingdown.planning.sources import fingerprint
 from swingdown.sweep.table import sweeps
 
 min_version("9.0")

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from swingdown.study import sources
+from swingdown.planning import sources
 
 PACKAGE = sources.PACKAGE
 FILES = sorted(PACKAGE.rglob("*.py"))

@@ -33,7 +33,7 @@ from swingdown.fitting.least_squares import fit_trajectory
 from swingdown.measurement.sheet import read_sheet
 from swingdown.pendulum.model import Model
 from swingdown.report import contents, page, provenance, trace
-from swingdown.study.settings import complete
+from swingdown.planning.settings import complete
 
 print("package", Path(swingdown.__file__).parent)
 assert paths.PROJECT == Path(swingdown.__file__).parent / "project"

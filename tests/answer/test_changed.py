@@ -10,8 +10,8 @@ from swingdown.__main__ import main
 from swingdown.engine.trajectory import simulate
 from swingdown.errors import InputError
 from swingdown.pendulum.model import Model
-from swingdown.study.plan import plan
-from swingdown.study.settings import complete
+from swingdown.planning.plan import plan
+from swingdown.planning.settings import complete
 
 TIMES = np.arange(0, 20, 0.02)  # s
 CURRENTS = (0.1, 0.2, 0.3, 0.4)  # A

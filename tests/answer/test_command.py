@@ -18,7 +18,7 @@ from swingdown.__main__ import main
 from swingdown.engine.trajectory import simulate
 from swingdown.measurement.sheet import read_sheet
 from swingdown.pendulum.model import Model
-from swingdown.study import own
+from swingdown.planning import own
 
 
 def test_a_file_gives_its_first_answer_and_a_study_beside_it(here, capsys):

@@ -17,10 +17,10 @@ from swingdown.engine.trajectory import simulate
 from swingdown.errors import InputError
 from swingdown.pendulum.catalogue import catalogue
 from swingdown.pendulum.model import Model
+from swingdown.planning.settings import complete
 from swingdown.studies.doubt import DoubtfulFit, NotFree, ask_counted, check_free, fit_any, unit_in_doubt
 from swingdown.studies.pendulums import by_verdict
 from swingdown.studies.quantities import cycle
-from swingdown.study.settings import complete
 
 
 def test_a_camera_that_hangs_askew_spoils_no_answer(tmp_path, first):

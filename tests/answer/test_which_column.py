@@ -9,7 +9,7 @@ from swingdown.__main__ import main
 from swingdown.engine.trajectory import simulate
 from swingdown.errors import InputError
 from swingdown.pendulum.model import Model
-from swingdown.study.own import Refused, take
+from swingdown.planning.own import Refused, take
 
 
 def test_what_a_named_column_may_drive_is_asked_about(tmp_path, monkeypatch, capsys):

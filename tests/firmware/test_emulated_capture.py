@@ -19,7 +19,7 @@ from swingdown.capture import job as jobs
 from swingdown.capture import session, takes
 from swingdown.measurement.recording import ingest
 from swingdown.measurement.sheet import read_sheet
-from swingdown.study.settings import complete
+from swingdown.planning.settings import complete
 
 STUDY = """\
 recordings: recordings.csv

@@ -16,7 +16,7 @@ from swingdown import dataset
 from swingdown.capture import job as jobs
 from swingdown.capture import recording
 from swingdown.errors import InputError
-from swingdown.study.settings import complete
+from swingdown.planning.settings import complete
 
 
 def recorded(tmp_path, monkeypatch, scene, settings=None, **more):

@@ -12,7 +12,7 @@ from swingdown.measurement import elements
 from swingdown.measurement.programs import CLOSED, saved_by_program
 from swingdown.measurement.recording import ingest
 from swingdown.measurement.sheet import COLUMNS
-from swingdown.study.own import Refused, Taken, files, rows, take
+from swingdown.planning.own import Refused, Taken, files, rows, take
 
 LENGTH, OMEGA = 0.8, 3.5  # m, rad/s
 PER_METRE, ORIGIN, TILT = 500.0, (640.0, 100.0), 0.2  # what a project's axes are: px/m, px, rad

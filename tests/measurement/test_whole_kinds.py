@@ -14,7 +14,7 @@ from swingdown.answer.command import Wishes, answer
 from swingdown.errors import InputError
 from swingdown.measurement.again import OPEN, readings
 from swingdown.measurement.plausibility import in_step_and_dying
-from swingdown.study import own
+from swingdown.planning import own
 
 TIMES = np.arange(0, 30, 0.02)
 

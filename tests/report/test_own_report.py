@@ -15,11 +15,11 @@ import swingdown
 from swingdown.arrays import Shown
 from swingdown.engine.trajectory import simulate
 from swingdown.pendulum.model import Model
+from swingdown.planning.settings import complete
 from swingdown.plots import save
 from swingdown.report import contents, page
 from swingdown.report.trace import MOST, trace
 from swingdown.studies.pendulums import in_order, pendulums
-from swingdown.study.settings import complete
 
 TIMES = np.arange(1001) / 100
 CAPTION = "Pendulums side by side."

@@ -5,6 +5,7 @@ import pandas as pd
 import pytest
 
 from swingdown.measurement.stated import Stated
+from swingdown.planning.varied import varied_in
 from swingdown.plots import save
 from swingdown.plots.series import drawn
 from swingdown.report import page
@@ -12,7 +13,6 @@ from swingdown.report.material import Material
 from swingdown.report.sections.series import series
 from swingdown.series import as_laws, of_sheet
 from swingdown.studies.gravity import budgets, gravity
-from swingdown.study.varied import varied_in
 
 LENGTHS = {"a": "0.200(1) m", "b": "0.400(1) m", "c": "0.800(1) m"}
 

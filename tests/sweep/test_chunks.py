@@ -6,7 +6,7 @@ import xarray as xr
 
 from swingdown import dataset
 from swingdown.errors import InputError
-from swingdown.study.settings import complete
+from swingdown.planning.settings import complete
 from swingdown.sweep.chunks import add_to_book, deal, find_chunk
 from swingdown.sweep.combine import combine, read_maps
 from swingdown.sweep.job import work as job

@@ -9,8 +9,8 @@ import pytest
 import xarray as xr
 from made_up import verdicts, write
 
+from swingdown.planning.settings import complete
 from swingdown.plots import sweep as plots
-from swingdown.study.settings import complete
 from swingdown.sweep.combine import combine, read_maps
 from swingdown.sweep.summary import interval, table
 from swingdown.sweep.table import sweeps
@@ -201,7 +201,7 @@ sys.path.insert(0, {tests!r})
 import numpy as np
 from pathlib import Path
 from made_up import write
-from swingdown.study.settings import complete
+from swingdown.planning.settings import complete
 from swingdown.sweep.combine import combine
 from swingdown.sweep.table import sweeps
 entry = {{"computes": "identification", "axes": {{"simulation.simulated": ["viscous"]}}, "realizations": {draws}, "chunk": 200000,

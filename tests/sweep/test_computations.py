@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from swingdown.fitting.batch import Search, fit_batch
-from swingdown.study.settings import complete
+from swingdown.planning.settings import complete
 from swingdown.sweep import detection, identification, noise_free
 from swingdown.sweep.cost import seconds
 from swingdown.sweep.summary import DETECTION, IDENTIFICATION

@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import pytest
 
 from swingdown.errors import InputError
-from swingdown.study.settings import complete
+from swingdown.planning.settings import complete
 from swingdown.sweep import cost
 from swingdown.sweep.chunks import deal
 from swingdown.sweep.table import sweeps

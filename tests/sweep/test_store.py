@@ -6,7 +6,7 @@ import pytest
 import xarray as xr
 
 from swingdown.errors import InputError
-from swingdown.study.settings import complete
+from swingdown.planning.settings import complete
 from swingdown.sweep import store
 from swingdown.sweep.chunks import add_to_book, deal
 from swingdown.sweep.combine import combine

@@ -9,7 +9,7 @@ import yaml
 from swingdown.errors import InputError
 from swingdown.pendulum.model import Model
 from swingdown.pendulum.model_file import write_model
-from swingdown.study.settings import complete
+from swingdown.planning.settings import complete
 from swingdown.sweep.draws import cell_key, cell_keys, noise_key, stream, value_of
 from swingdown.sweep.table import READS, sweeps
 

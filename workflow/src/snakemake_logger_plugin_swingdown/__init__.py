@@ -35,7 +35,7 @@ _KNOWN = (
 
 def _of_config():
     """What is wrong with a config file that the command line names; empty where nothing is."""
-    from swingdown.study.settings import check_config  # which the Snakefile imports, too
+    from swingdown.planning.settings import check_config  # which the Snakefile imports, too
 
     for path in _after(sys.argv, ("--configfile", "--configfiles")):
         try:

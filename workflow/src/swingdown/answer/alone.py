@@ -13,13 +13,13 @@ from ..engine.trajectory import TrajectoryError
 from ..errors import InputError
 from ..extras import lacking
 from ..manifest import write_manifest
+from ..planning import own
+from ..planning.settings import with_defaults
 from ..report import contents, page
 from ..schema import read_yaml
 from ..sealed import read_csv, write_csv, write_json
 from ..studies.left_out import left_out
 from ..studies.pendulums import judged
-from ..study import own
-from ..study.settings import with_defaults
 from . import Answer, explained
 
 

@@ -24,6 +24,7 @@ from ..measurement.again import cells as cells_again
 from ..measurement.points_recording import POINTS_ALONE, are_points
 from ..measurement.programs import FILMS
 from ..paths import PROJECT, for_spreadsheets, printable, write_csv, written_whole
+from ..planning import own
 from ..rounding import value_with_uncertainty
 from ..sealed import read_json
 from ..series import Series
@@ -32,7 +33,6 @@ from ..studies.doubt import DoubtfulFit
 from ..studies.gravity import Gravity
 from ..studies.pendulums import in_order
 from ..studies.words import damping_words, details, lines, quantity_rows, told_of
-from ..study import own
 from . import Answer, of_swings, searchable
 from .alone import alone
 from .beside import write_beside

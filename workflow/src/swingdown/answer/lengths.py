@@ -11,8 +11,8 @@ import pandas as pd
 from ..errors import InputError
 from ..measurement.stated import quantity
 from ..paths import for_spreadsheets, write_csv, write_text
+from ..planning.own import Taken
 from ..studies.gravity import PIVOT, PIXELS, STATED, TWO, Gravity, budgets, of_two_pivots, with_gravity
-from ..study.own import Taken
 from . import Answer
 from .options import CELLS
 

@@ -16,8 +16,8 @@ from ..arrays import Shown
 from ..dataset import series_of
 from ..errors import InputError, told_to
 from ..extras import has, needed
+from ..planning import own
 from ..studies.gravity import with_gravity
-from ..study import own
 from .options import ARGUMENTS, TO_READ
 
 if TYPE_CHECKING:

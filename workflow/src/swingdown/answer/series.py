@@ -13,9 +13,9 @@ from ..extras import has
 from ..measurement.line import FEWEST
 from ..measurement.stated import Stated, read
 from ..paths import for_spreadsheets, write_csv, write_text
+from ..planning.own import Taken
 from ..series import Series, as_table, from_names, from_rows, from_table, merged, series_of
 from ..series.values import GROUP, KNOWN, table_beside
-from ..study.own import Taken
 from . import Answer
 
 TABLE, RECORD, FIGURE, GROUPS = "series.csv", "series.json", "series.png", "groups.png"

@@ -8,8 +8,8 @@ from ..errors import InputError
 from ..extras import needed
 from ..language import language
 from ..paths import PROJECT
+from ..planning.settings import check_config, with_defaults
 from ..schema import read_yaml
-from ..study.settings import check_config, with_defaults
 from .command import run_workflow
 from .hand_in import check_able, hand_in, studied
 

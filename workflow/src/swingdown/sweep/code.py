@@ -11,7 +11,7 @@ from pathlib import Path
 
 import yaml
 
-from ..study.sources import PACKAGE, sources
+from ..planning.sources import PACKAGE, sources
 
 # The rooms whose code makes the numbers, and the files beside them; what reads, writes and prints changes no number.
 _ROOMS = ("pendulum", "engine", "fitting", "discovery")

@@ -10,8 +10,8 @@ import numpy as np
 from ..errors import InputError
 from ..pendulum.catalogue import catalogue
 from ..pendulum.model import Model
+from ..planning.settings import complete
 from ..schema import near
-from ..study.settings import complete
 from . import axes as written
 from .measured import of_pendulum
 

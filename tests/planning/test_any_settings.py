@@ -9,8 +9,8 @@ from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 
 from swingdown.errors import InputError
-from swingdown.study.plan import plan
-from swingdown.study.settings import complete
+from swingdown.planning.plan import plan
+from swingdown.planning.settings import complete
 
 FUZZ = settings(deadline=None, max_examples=150, suppress_health_check=[HealthCheck.function_scoped_fixture])
 

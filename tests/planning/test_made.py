@@ -2,9 +2,9 @@
 
 import pytest
 
-from swingdown.study.made import made
-from swingdown.study.plan import plan
-from swingdown.study.settings import complete
+from swingdown.planning.made import made
+from swingdown.planning.plan import plan
+from swingdown.planning.settings import complete
 
 SHEET = """recording,campaign,file,length
 a,one,a.csv,0.5 m

@@ -5,7 +5,7 @@ import yaml
 
 from swingdown.errors import InputError
 from swingdown.pendulum.model import BASES
-from swingdown.study.settings import complete
+from swingdown.planning.settings import complete
 
 
 def test_the_shipped_config_is_the_defaults_with_the_bench(root):
