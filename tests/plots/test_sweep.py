@@ -5,7 +5,7 @@ import pytest
 import xarray as xr
 from matplotlib.text import Text
 
-from swingdown.plots.sweep import by_bic, by_norm, by_ten, detection
+from swingdown.plots.sweep import MAPS
 
 
 def said(figure):
@@ -35,9 +35,9 @@ def maps():
     return made
 
 
-@pytest.mark.parametrize("draw", [by_norm, by_bic, by_ten])
-def test_every_cell_is_written_in_per_cent_beside_the_papers_level(maps, draw):
-    texts = said(draw(maps))
+@pytest.mark.parametrize("name", ["by_norm", "by_bic", "by_ten"])
+def test_every_cell_is_written_in_per_cent_beside_the_papers_level(maps, name):
+    texts = said(MAPS[name](maps))
     for value in maps["true_by_norm"].values.ravel():
         assert f"{100 * value:.0f}" in texts
     assert "68 %\n(paper)" in texts
@@ -49,7 +49,7 @@ def test_every_cell_is_written_in_per_cent_beside_the_papers_level(maps, draw):
         "SNR",
         "release angle (°)",
     } <= set(texts)
-    kind = "sets of ten draws" if draw is by_ten else "draws"
+    kind = "sets of ten draws" if name == "by_ten" else "draws"
     assert any(f"40 {kind} a cell" in text and "seed 150" in text for text in texts)
 
 
@@ -59,7 +59,7 @@ def test_axes_that_do_not_fit_a_page_are_shown_at_one_value_that_is_told(maps):
     many = many.transpose("sampling_rate_hz", "form", *maps.attrs["axes"].split())
     many["sampling_rate_hz"].attrs = {"long_name": "sampling rate", "units": "Hz"}
     many.attrs = maps.attrs | {"axes": "sampling_rate_hz form " + maps.attrs["axes"]}
-    figure = by_norm(many)
+    figure = MAPS["by_norm"](many)
     assert any("shown at sampling rate 90 Hz" in text for text in said(figure))
     assert len(figure.axes) == 2 * 4 + 1
 
@@ -68,13 +68,13 @@ def test_one_axis_alone_is_a_row_of_cells(maps):
     one = maps.isel(start=0, release_angle_deg=0, simulated=0, drop=True).assign_attrs(
         maps.attrs | {"axes": "snr"}
     )
-    assert len(by_norm(one).axes) == 2
+    assert len(MAPS["by_norm"](one).axes) == 2
 
 
 def test_too_few_draws_for_the_papers_comparison_are_told(maps):
     assert any(
         "fewer than ten draws" in text
-        for text in said(by_ten(maps.assign(true_by_ten=maps["true_by_ten"] * np.nan)))
+        for text in said(MAPS["by_ten"](maps.assign(true_by_ten=maps["true_by_ten"] * np.nan)))
     )
 
 
@@ -93,7 +93,7 @@ def test_what_discovery_said_adds_up_to_all_campaigns():
         {"effect": ["quadratic_drag", "detent"], "size": [0.0, 0.3, 1.0], "said": said_words},
         {"axes": "effect size", "realizations": 12, "seed": 1},
     )
-    figure = detection(maps)
+    figure = MAPS["detection"](maps)
     heights = np.zeros((2, 3))
     for panel, axes in enumerate(figure.axes[:2]):
         for bar in axes.patches:

@@ -78,8 +78,8 @@ def test_a_probability_of_sets_of_ten_is_counted_in_sets(tmp_path):
     rows = table(maps)
     assert rows["sets_of_ten"].tolist() == [12, 12] and rows["true_by_ten"].tolist() == [1, 1]
     assert rows["true_by_ten_low_95"][0] == pytest.approx(interval(12, 12)[0])
-    assert "12 sets of ten draws a cell" in words(plots.by_ten(maps)) and "125 draws a cell" in words(
-        plots.by_norm(maps)
+    assert "12 sets of ten draws a cell" in words(plots.MAPS["by_ten"](maps)) and "125 draws a cell" in words(
+        plots.MAPS["by_norm"](maps)
     )
 
 
@@ -91,7 +91,9 @@ def test_a_cell_that_was_not_made_is_counted_with_its_reason_and_crossed_out(tmp
         False,
         True,
     ]
-    assert "×" in words(plots.by_norm(maps)) and "cannot be made" in words(plots.by_norm(maps))
+    assert "×" in words(plots.MAPS["by_norm"](maps)) and "cannot be made" in words(
+        plots.MAPS["by_norm"](maps)
+    )
     maps = combined(
         sweep(**DETECT, realizations=20),
         tmp_path / "verdicts",
@@ -129,7 +131,7 @@ def test_how_fits_start_stands_on_the_map(tmp_path, start, said):
     maps = combined(
         sweep(**IDENTIFY, realizations=10, settings={"simulation.start": start}), tmp_path, fits()
     )
-    assert said in words(plots.by_norm(maps))
+    assert said in words(plots.MAPS["by_norm"](maps))
 
 
 def test_no_label_of_a_small_map_lies_on_another(tmp_path):
@@ -143,7 +145,7 @@ def test_no_label_of_a_small_map_lies_on_another(tmp_path):
         maps = combined(
             sweep(computes="identification", axes=chosen, realizations=1, chunk=1000), tmp_path / name, fits()
         )
-        drawn = plots.by_norm(maps)
+        drawn = plots.MAPS["by_norm"](maps)
         drawn.canvas.draw()
         for panel in drawn.axes:
             ticks = [

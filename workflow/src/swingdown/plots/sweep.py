@@ -2,6 +2,7 @@
 
 import textwrap
 from collections.abc import Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -34,21 +35,6 @@ _CRITERIA = {
 }
 _STARTS = {"rest": "fits start at rest at the first sample", "free": "the release is fitted too"}
 _AXES = {"snr": "SNR"}
-
-
-def by_norm(maps: xr.Dataset) -> Figure:
-    """How often the true model has the lowest norm; see ``probability``."""
-    return probability(maps, "true_by_norm")
-
-
-def by_bic(maps: xr.Dataset) -> Figure:
-    """How often the true model has the lowest BIC; see ``probability``."""
-    return probability(maps, "true_by_bic")
-
-
-def by_ten(maps: xr.Dataset) -> Figure:
-    """How often the true model has the lowest mean norm of ten runs, as the paper compares; see ``probability``."""
-    return probability(maps, "true_by_ten")
 
 
 @style.styled
@@ -257,7 +243,7 @@ def _bars(panel: Axes, maps: xr.Dataset, order: Sequence[str]) -> None:
     panel.tick_params(axis="x", length=0)
 
 
-MAPS = {function.__name__: function for function in (by_norm, by_bic, by_ten, detection)}
+MAPS = {name: partial(probability, name=f"true_{name}") for name in ("by_norm", "by_bic", "by_ten")} | {"detection": detection}  # fmt: skip
 
 
 def _told(maps: xr.Dataset, dim: str, k: int) -> str:
