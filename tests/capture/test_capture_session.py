@@ -13,6 +13,7 @@ from traffic import SETTINGS, Line, frame
 from swingdown import dataset
 from swingdown.capture import job as jobs
 from swingdown.capture import monitor, recording, session, source
+from swingdown.capture.guide import Guide
 from swingdown.capture.takes import takes
 from swingdown.errors import InputError
 from swingdown.measurement.sheet import read_sheet
@@ -88,7 +89,7 @@ def run(made, keyboard=None, stop=None, seconds=0.1):
     """What was said, in a session of the Jobs."""
     said, stop = [], stop or threading.Event()
     stream = io.StringIO()
-    guide = session.Guide(seconds, stop, keyboard or Hand(), stream)
+    guide = Guide(seconds, stop, keyboard or Hand(), stream)
     try:
         said.append(session.run(made, guide, stop=stop, say=said.append))
     finally:
@@ -187,7 +188,7 @@ def test_what_an_earlier_capture_left_unfinished_is_told_before_the_bob_is_lifte
     with pytest.raises(InputError, match="--config recording=a recover=true"):
         recording.capture(*asked(line, {"recording": "a"}, trigger=trigger))
     hand, said = Hand(), []
-    guide = session.Guide(0.1, threading.Event(), hand, io.StringIO())
+    guide = Guide(0.1, threading.Event(), hand, io.StringIO())
     with pytest.raises(InputError, match="1 of 2 recorded; not whole, or not at all: a"):
         session.run(asked(line, {"recording": "a,b"}), guide, say=said.append)
     assert "a.raw" in said[0] and "`--config recording=a recover=true` makes a recording of it" in said[0]

@@ -310,3 +310,14 @@ def batch_by(library, effect):
     interface.fit_batch(library, common, series, np.tile(first, (11, 1)), options, result)
     assert not result.alone.any() and np.all(result.converged == 1)
     return result.values, result.rss, result.evaluations
+
+
+@pytest.mark.parametrize("count", [0, 1, 2, 3, 17])
+@pytest.mark.parametrize("workers", [2, 3, 40])
+def test_threads_share_all_series_and_change_none(count, workers):
+    series, guess = noisy(FULL, SPARSE, count=max(count, 1))[:count], model(FULL)
+    one = fit_batch(guess, SPARSE, series, RELEASE)
+    many = fit_batch(guess, SPARSE, series, RELEASE, workers=workers)
+    assert many.values.shape == (count, 7) and many.converged.all() and (many.rss > 0).all()
+    for name in ("values", "rss", "converged", "evaluations", "alone"):
+        assert np.array_equal(getattr(one, name), getattr(many, name))

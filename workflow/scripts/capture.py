@@ -5,6 +5,7 @@ import threading
 
 from swingdown import console
 from swingdown.capture import job, live, monitor, recording, session, takes
+from swingdown.capture.guide import Guide
 from swingdown.plots.live import Window
 
 
@@ -27,7 +28,7 @@ def capture(config, say):
             say(f"no live window: {problem}. The recording goes on without it.")
     if len(jobs) == 1:
         return recording.capture(jobs[0], views, stop)
-    guide = session.Guide(config["capture"]["countdown_s"], stop)
+    guide = Guide(config["capture"]["countdown_s"], stop)
     return session.run(jobs, guide, views, stop, leave, say)
 
 

@@ -5,7 +5,6 @@ import threading
 from ..console import block
 from ..errors import InputError
 from . import recording, source
-from .guide import Guide  # noqa: F401  (``session.Guide`` leads through ``session.run``)
 from .journal import in_the_way
 from .listener import Listener
 from .monitor import Monitor
