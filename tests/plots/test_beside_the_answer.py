@@ -5,8 +5,10 @@ import pytest
 from written import boxes, in_the_way
 
 import swingdown
+from swingdown.language import language, languages
 from swingdown.plots import save
 from swingdown.plots.curves import backbone, resonances
+from swingdown.plots.style import in_language
 
 TIMES = np.arange(2001) / 100
 LAWS = {
@@ -67,3 +69,13 @@ def test_a_band_without_an_end_leaves_the_picture_its_limits(answer):
     curves["frequency_high"][{"source": 0, "amplitude": -1}] = np.inf
     figure = backbone(curves)
     assert all(np.isfinite([*axes.get_xlim(), *axes.get_ylim()]).all() for axes in figure.axes)
+
+
+def test_nothing_is_cut_in_any_language(tmp_path):
+    swing = swingdown.simulate("viscous", TIMES, 0.35, noise=1e-3, seed=1, natural_frequency=7.25, viscous_ratio=0.008)  # fmt: skip
+    curves = swingdown.fit(swing, fitted=["viscous"]).curves()
+    curves = curves.assign_attrs(model="viscous+presliding", emulated="yes")
+    for code in languages():
+        figure = in_language(backbone(curves), language(code))
+        save(figure, tmp_path / f"{code}.png")
+        assert not in_the_way(figure), code

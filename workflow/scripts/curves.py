@@ -64,7 +64,7 @@ def against(given):
     check_free(given.angles, CURVES)
     found = [of_verdict(one, given.restoring, given.known) for one in given.verdicts]
     model, covariance = next(filter(None, found), None) or given.of_damping() or (None, None)
-    return curves_of(given.angles, model, covariance, given.restoring, given.row)
+    return curves_of(given.angles, model, covariance, given.restoring)
 
 
 def compared(given):

@@ -319,7 +319,7 @@ class Answer:
         """
         check_free(self.swings, CURVES)
         model, covariance = self.fitted or (None, None)
-        return curves_of(self.swings, model, covariance, self.restoring, self.row)
+        return curves_of(self.swings, model, covariance, self.restoring)
 
     def resonance(self, drive: ArrayLike | None = None, kind: str = "torque") -> xr.Dataset:
         """A Dataset of amplitude and phase of the steady swing against the frequency of a drive, predicted from the ring-down.

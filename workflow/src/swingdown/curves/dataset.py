@@ -6,25 +6,20 @@ from typing import Any, NamedTuple
 import numpy as np
 import pandas as pd
 import xarray as xr
-from scipy.special import stdtrit
 
 from ..arrays import Floats
 from ..errors import InputError
+from ..fitting.uncertainty import half_width
 from ..measurement.slack import of_angles
 from ..pendulum.model import Model
-from ..studies.quantities import steady
+from ..pendulum.slack import Slack
 from .amplitudes import HalfSwings, half_swings_of
+from .discrepancy import with_discrepancy
 from .free import Free, free
-from .modelled import Course, course_of, static, with_band
-from .regression import kernel
-from .torques import losses
 
-SOURCES = ("free", "model")
+SOURCES = ("free", "model", "alone")
 COLUMNS = ["campaign", "quantity", "source", "against", "at", "at_unit", "value", "u", "low", "high", "unit"]
 _POINTS = 41  # of each curve
-_MANY = 1e9  # degrees of freedom of what is known as well as it can be
-_SMOOTH = 1.8  # of the logarithm of the speed: what such a friction changes over
-_ROUGH = 1e-3  # of the loss: how closely a friction of speed alone has to take what a model takes
 
 
 class Curve(NamedTuple):
@@ -64,7 +59,7 @@ class Band(NamedTuple):
 
     value: Floats
     u: Floats
-    factor: float
+    factor: float | Floats
 
     def through(self, function: Callable[[Floats], Floats]) -> tuple[Floats, Floats, Floats, Floats]:
         """Value, standard uncertainty, and lower and upper end of the band of a function of it that rises or falls."""
@@ -88,7 +83,6 @@ def curves(
     model: Model | None = None,
     covariance: Floats | None = None,
     restoring: str = "sine",
-    told: Mapping[str, Any] | None = None,
 ) -> xr.Dataset:
     """A Dataset of a pendulum's curves over ``amplitude`` and ``angle`` (rad) and ``speed`` (rad/s).
 
@@ -100,14 +94,11 @@ def curves(
         The model and the covariance of its parameters, for the curves of the model.
     restoring
         ``sine`` or ``linear``.
-    told
-        The pendulum's row of ``studies.pendulums``. What its period and quality leave open beyond the covariance, as where the model is
-        wrong, is in the bands of the model.
 
     Returns
     -------
     xarray.Dataset
-        By ``source``, ``free`` of a model and ``model``: ``period`` (s), ``frequency`` (Hz), ``loss`` (share of the amplitude, a
+        By ``source``, ``free`` of a model, ``model`` (with what it lacks), and that ``alone`` (without a band): ``period`` (s), ``frequency`` (Hz), ``loss`` (share of the amplitude, a
         swing), ``damping_ratio``, ``quality``, ``restoring`` and ``friction`` (rad/s²), each with standard uncertainty (``_u``) and
         95 % band (``_low``, ``_high``). ``swing_period`` and ``swing_loss`` are single swings, over ``swing``. NaN where the readings
         have no unit of angles or no times.
@@ -131,11 +122,19 @@ def curves(
     amplitude = np.linspace(found.low, found.high, _POINTS)
     angle = np.linspace(0.0, found.high, _POINTS)
     speed = np.linspace(0.0, found.scale * float(found.ideal.speed(np.array([found.high]))[0]), _POINTS)
-    clock = of_angles(angles).clock
-    bands = [
-        _of_free(found, clock, amplitude, angle, speed),
-        _as_told(_of_model(found, model, covariance, amplitude, angle, speed), amplitude, told or {}),
-    ]
+    # at the middle a torque's share of the ideal one is asked beside it
+    inside = np.maximum(angle, 1e-3 * found.high)
+    each = [_of_free(found, amplitude, inside, speed)]
+    if model is None:
+        each += [{name: Band(np.full_like(one.value, np.nan), np.full_like(one.value, np.nan), np.nan) for name, one in each[0].items()}] * 2  # fmt: skip
+    else:
+        beside = with_discrepancy(found, model, covariance, amplitude, inside, speed)
+        each.append({name: Band(one.value, one.u, one.factor) for name, one in beside.items()})
+        each.append(
+            {name: Band(one.alone, np.full_like(one.u, np.nan), np.nan) for name, one in beside.items()}
+        )
+    slack = of_angles(angles)
+    bands = [_with_clock(one, slack, angle / inside) for one in each]
     variables = _by_source(bands, scaled)
     variables |= _single(swings, scale)
     coordinates = {
@@ -163,107 +162,35 @@ def _reading(angle: xr.Dataset) -> tuple[float, str]:
     return float(angle.attrs.get("points_scale", 1.0)), str(angle.attrs.get("points_unit", "1"))
 
 
-def _of_free(found: Free, clock: float, amplitude: Floats, angle: Floats, speed: Floats) -> dict[str, Band]:
+def _of_free(found: Free, amplitude: Floats, angle: Floats, speed: Floats) -> dict[str, Band]:
     loss = found.loss.factor
     period = found.period.factor if found.period else np.nan
-    inside = np.maximum(
-        angle, 1e-3 * found.high
-    )  # at the middle a torque's share of the ideal one is asked beside it
-    restoring = Band(*found.restoring_at(inside), period)
-    zero = angle / inside
     return {
-        "period": _with_share(Band(*found.period_at(amplitude), period), clock),
+        "period": Band(*found.period_at(amplitude), period),
         "loss": Band(*found.loss_at(amplitude), loss),
-        "restoring": _with_share(Band(restoring.value * zero, restoring.u * zero, period), 2 * clock),
-        "friction": _with_share(Band(*found.friction_at(speed), loss), 2 * clock),
+        "restoring": Band(*found.restoring_at(angle), period),
+        "friction": Band(*found.friction_at(speed), loss),
     }
 
 
-def _with_share(band: Band, share: float) -> Band:
-    """The band with one more standard uncertainty that is a share of the value, as of a clock's rate."""
-    return band._replace(u=np.hypot(band.u, share * band.value))
+def _with_clock(bands: Mapping[str, Band], slack: Slack, inside: Floats) -> dict[str, Band]:
+    """The bands with what the clock's rate leaves open; those of the restoring torque as much smaller as the angle is."""
+    pull = bands["restoring"]
+    found = dict(bands) | {"restoring": pull._replace(value=pull.value * inside, u=pull.u * inside)}
+    powers = {"period": 1, "loss": 0, "restoring": 2, "friction": 2}
+    return {name: _with_share(one, powers[name] * slack.clock, slack.limited) for name, one in found.items()}
 
 
-def _of_model(
-    found: Free,
-    model: Model | None,
-    covariance: Floats | None,
-    amplitude: Floats,
-    angle: Floats,
-    speed: Floats,
-) -> dict[str, Band]:
-    sizes = {
-        "period": amplitude.size,
-        "loss": amplitude.size,
-        "restoring": angle.size,
-        "friction": speed.size,
-    }
-    if model is None:
-        return {
-            name: Band(np.full(size, np.nan), np.full(size, np.nan), np.nan) for name, size in sizes.items()
-        }
-    inverse = _friction_of(found, amplitude)
-    beyond = found.beyond.table.at(amplitude)[:, 0]
-    rows = found.friction.at(speed / found.scale) * found.scale**2
-    passages = found.passages
-
-    def derived(one: Model) -> Floats:
-        own: Course = course_of(one, found.low, found.high, passages)
-        loss, period = own.at(amplitude)
-        torque = static(one)
-        whole = np.where(np.isfinite(loss), loss, np.interp(amplitude, amplitude[np.isfinite(loss)], loss[np.isfinite(loss)]) if np.isfinite(loss).any() else np.nan)  # fmt: skip
-        return np.concatenate(
-            [period, loss, (torque(-angle) - torque(angle)) / 2, rows @ (inverse @ (whole - beyond))]
-        )
-
-    bare = steady(model.motion)
-    at = [model.parameters.index(name) for name in bare.parameters]
-    known = np.zeros((len(at), len(at))) if covariance is None else covariance[np.ix_(at, at)]
-    whole, variance = with_band(bare, known, derived)
-    u = np.sqrt(np.maximum(np.diag(variance), 0.0))
-    if covariance is None:
-        u = np.full(whole.size, np.nan)
-    edges = np.cumsum([0, *sizes.values()])
-    factor = float(stdtrit(_MANY, 0.975))
-    return {
-        name: Band(whole[a:b], u[a:b], factor) for name, a, b in zip(sizes, edges, edges[1:], strict=False)
-    }
-
-
-def _as_told(bands: dict[str, Band], amplitude: Floats, told: Mapping[str, Any]) -> dict[str, Band]:
-    """The bands of a model, of which period and loss are at least as uncertain as the period and quality that are told of its first swing.
-
-    What these leave open beyond the parameters is a share of the value that is the same at all amplitudes, as free courses beside a model are.
-    """
-    size, period, u_period, quality, u_quality = (
-        float(told.get(name, np.nan)) for name in ("amplitude_rad", "period_s", "period_s_u", "quality", "quality_u")
-    )  # fmt: skip
-    middle = size * np.exp(-np.pi / (2 * quality)) if quality > 0 else size
-
-    def lacking(band: Band, share: float) -> float:
-        known = np.isfinite(band.u)
-        if not (known.any() and np.isfinite([middle, share]).all()):
-            return 0.0
-        own = float(np.interp(middle, amplitude[known], np.abs(band.u / band.value)[known]))
-        return float(np.sqrt(max(share**2 - own**2, 0.0)))
-
-    of_period, of_loss = (
-        lacking(bands["period"], u_period / period),
-        lacking(bands["loss"], u_quality / quality),
-    )
-    shares = {"period": of_period, "loss": of_loss, "restoring": 2 * of_period, "friction": of_loss}
-    return {name: _with_share(band, shares[name]) for name, band in bands.items()}
-
-
-def _friction_of(found: Free, amplitude: Floats) -> Floats:
-    """The matrix from a loss at these amplitudes (rad) to the coefficients of a friction of speed alone that takes it: the smoothest."""
-    rows = losses(found.ideal, found.friction, amplitude)
-    typical = float(np.mean(np.abs(found.loss_at(amplitude)[0])))
-    laws, nodes = len(found.friction.powers), found.friction.nodes
-    usual = np.eye(rows.shape[1])
-    usual[laws:, laws:] = kernel(nodes, _SMOOTH)
-    spread = usual @ rows.T * found.friction.scale**2
-    return spread @ np.linalg.inv(rows @ spread + (_ROUGH * typical) ** 2 * np.eye(amplitude.size))
+def _with_share(band: Band, share: float, limited: float) -> Band:
+    """The band with one more standard uncertainty that is a share of the value, of an error within limits as far as it is ``limited``; the
+    degrees of freedom are then more (JCGM 100, G.4), to first order of what they widen."""
+    more = share * np.abs(band.value)
+    u = np.hypot(band.u, more)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        own, part = np.nan_to_num([band.u / u, limited * more / u])
+    normal = half_width(0.0)
+    widths = np.array([half_width(float(one)) for one in part])
+    return Band(band.value, u, widths * (1 + (band.factor / normal - 1) * own**4))
 
 
 def _by_source(bands: Sequence[Mapping[str, Band]], scaled: bool) -> dict[str, Any]:

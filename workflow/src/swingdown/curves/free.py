@@ -8,7 +8,7 @@ import numpy as np
 from ..arrays import Floats
 from ..errors import InputError
 from .amplitudes import HalfSwings
-from .regression import Design, Posterior, regression
+from .regression import Design, Posterior, Prior, regression
 from .second_order import Beyond, Course, Early, Table
 from .torques import Basis, Ideal, durations, friction, losses, stiffness
 
@@ -18,16 +18,17 @@ _TABLE = 60  # amplitudes at which a torque's work is computed, between which it
 _LEAST = 4  # half-swings of a recording
 _PART = 1e-3  # of an amplitude, for differences
 _FEWEST_MARKS = 6
-_OF_STIFFNESS = 0.1  # of the restoring torque: what a law of its deviation may be a few times of
-_LEAST_LOSS, _LEAST_STIFFNESS = 3e-3, 1e-6  # of the smooth curve that no law has, over the laws
+OF_STIFFNESS = 0.1  # of the restoring torque: what a law of its deviation may be a few times of
+_LEAST_LOSS, LEAST_STIFFNESS = 3e-3, 1e-6  # of the smooth curve that no law has, over the laws
 
 
 @dataclass(frozen=True)
 class Free:
     """What half-swings tell: the loss by friction (``loss``, over ``friction``), the period by stiffness (``period``, over ``stiffness``; None where
-    nothing is timed), both in units of the frequency ``scale`` (rad/s) of small swings that is taken for 1; ``courses`` of the recordings;
-    ``low`` and ``high`` the amplitudes (rad) that they hold."""
+    nothing is timed), both in units of the frequency ``scale`` (rad/s) of small swings that is taken for 1; ``courses`` of the recordings'
+    ``swings``; ``low`` and ``high`` the amplitudes (rad) that they hold."""
 
+    swings: tuple[HalfSwings, ...]
     ideal: Ideal
     friction: Basis
     stiffness: Basis
@@ -53,10 +54,18 @@ class Free:
             return np.full(amplitude.size, np.nan), np.full(amplitude.size, np.nan)
         share, error = self.period.at(durations(self.ideal, self.stiffness, amplitude))
         usual = 2 * np.pi / self.scale * self.ideal.lengthening(amplitude)
-        longer = self.ideal.lengthening(amplitude * (1 + _PART)) / self.ideal.lengthening(amplitude) - 1
-        off = longer / _PART * self.amplitude_error(amplitude)
         share = share + self.beyond.table.at(amplitude)[:, 2 if self.passages else 1]
-        return usual * (1 + share), usual * np.hypot(error, off)
+        return usual * (1 + share), usual * np.hypot(error, self.period_off(amplitude))
+
+    def period_off(self, amplitude: Floats) -> Floats:
+        """By what share the period is off where the amplitude (rad) is by its standard uncertainty."""
+        longer = self.ideal.lengthening(amplitude * (1 + _PART)) / self.ideal.lengthening(amplitude) - 1
+        return longer / _PART * self.amplitude_error(amplitude)
+
+    def restoring_off(self, angle: Floats) -> Floats:
+        """By what share the restoring torque is off where the angle (rad) is by its standard uncertainty."""
+        steeper = 1 - angle * self.ideal.slope(angle) / self.ideal.torque(angle)
+        return steeper * self.amplitude_error(angle)
 
     def amplitude_error(self, amplitude: Floats) -> Floats:
         """The standard uncertainty of the logarithm of these amplitudes (rad), where they stand for those of the recordings."""
@@ -77,8 +86,7 @@ class Free:
         loss = self.loss_at(inside)[0]
         more, own = self.early.stiffer(loss, self.beyond.table.at(inside)[:, 3])
         share = share + more
-        off = (1 - angle * self.ideal.slope(angle) / self.ideal.torque(angle)) * self.amplitude_error(angle)
-        return usual * (1 + share), usual * np.sqrt(error**2 + own**2 + off**2)
+        return usual * (1 + share), usual * np.sqrt(error**2 + own**2 + self.restoring_off(angle) ** 2)
 
     def friction_at(self, speed: Floats) -> tuple[Floats, Floats]:
         """The torque of friction over inertia (rad/s²) at these speeds (rad/s) and its standard uncertainty: what as a function of speed
@@ -120,14 +128,15 @@ def free(swings: Sequence[HalfSwings], restoring: str = "sine") -> Free:
         basis = friction(ideal, every)
         rows = losses(ideal, basis, table)
         beyond = Beyond.none(table) if before is None else before
-        typical = _typical(courses)
-        loss = _loss(swings, courses, Table(table, rows), beyond, basis, typical)
+        prior = Prior.enough(len(basis.powers), basis.nodes, typical_of(courses), _LEAST_LOSS)
+        loss = of_losses(swings, courses, beyond.table, Table(table, rows), prior)
         before = beyond = Beyond.of(ideal, basis, loss, table)
         courses = _courses(swings, courses, Table(table, rows), beyond, loss)
     errors = _course_errors(swings, courses, Table(table, rows), loss)
     shape = stiffness(every)
     scale, period = _period(swings, courses, ideal, beyond, shape, table)
     return Free(
+        tuple(swings),
         ideal,
         basis,
         shape,
@@ -169,7 +178,7 @@ def _first_course(one: HalfSwings) -> Course:
     return Course(every, np.clip(amplitude, 0.8 * size.min(), 1.25 * size.max()))
 
 
-def _typical(courses: Sequence[Course]) -> float:
+def typical_of(courses: Sequence[Course]) -> float:
     """The friction at the middle speed (rad) if it were all of one law: by what the swings lose from first to last."""
     lost = sum(abs(np.log(one.amplitude[0] / one.amplitude[-1])) for one in courses)
     halves = sum(one.number[-1] - one.number[0] for one in courses)
@@ -177,7 +186,7 @@ def _typical(courses: Sequence[Course]) -> float:
     return max(2 / np.pi * lost / max(halves, 1.0), 1e-9) * size
 
 
-def _besides(swings: Sequence[HalfSwings], columns: Sequence[Floats]) -> Floats:
+def _besides(columns: Sequence[Floats]) -> Floats:
     """What of each recording alone is unknown, as blocks beside each other (observation, unknown)."""
     sizes = [one.shape[1] for one in columns]
     whole = np.zeros((sum(len(one) for one in columns), sum(sizes)))
@@ -188,33 +197,34 @@ def _besides(swings: Sequence[HalfSwings], columns: Sequence[Floats]) -> Floats:
     return whole
 
 
-def _loss(
-    swings: Sequence[HalfSwings],
-    courses: Sequence[Course],
-    table: Table,
-    beyond: Beyond,
-    basis: Basis,
-    typical: float,
+def of_losses(
+    swings: Sequence[HalfSwings], courses: Sequence[Course], known: Table, unknown: Table, prior: Prior
 ) -> Posterior:
+    """What the turning points tell of the coefficients of the ``unknown`` losses (laws, then the curve) beside a ``known`` one, its first column."""
     observed, error, summed, own = [], [], [], []
     for one, course in zip(swings, courses, strict=True):
         at = (one.number - course.number[0]).astype(int)
         size = course.amplitude[at]
         # about the smooth amplitude, so that the noise of the smallest does not lean to one side
-        more = beyond.table.summed(course)[at, 0]
+        more = known.summed(course)[at, 0]
         observed.append(np.log(size) + (np.abs(one.angle) - size) / size + more)
         error.append(one.u_angle / size)
-        summed.append(-table.summed(course)[at])
+        summed.append(-unknown.summed(course)[at])
         own.append(np.column_stack(_own(one, np.sign(one.angle) / size)))
-    return _twice(
-        np.concatenate(observed),
-        np.concatenate(error),
-        np.vstack(summed),
-        _besides(swings, own),
-        basis,
-        typical,
-        _LEAST_LOSS,
-    )
+    return _twice(observed, error, summed, own, prior)
+
+
+def of_marks(
+    timed: Sequence[tuple[HalfSwings, Course]], known: Sequence[Floats], unknown: Table, prior: Prior
+) -> Posterior:
+    """What the marks tell of the coefficients of the ``unknown`` halves of a period (s; laws, then the curve) beside ``known`` times (s) of theirs."""
+    observed, error, summed, own = [], [], [], []
+    for (one, course), mark in zip(timed, known, strict=True):
+        observed.append(one.mark - mark)
+        error.append(one.u_mark)
+        summed.append(marked(one, course, unknown))
+        own.append(np.column_stack(_own(one._replace(both=one.passages), 1 / one.slope)))
+    return _twice(observed, error, summed, own, prior)
 
 
 def _own(one: HalfSwings, side: Floats) -> list[Floats]:
@@ -225,13 +235,17 @@ def _own(one: HalfSwings, side: Floats) -> list[Floats]:
 
 
 def _twice(
-    observed: Floats, error: Floats, summed: Floats, own: Floats, basis: Basis, scale: float, least: float
+    observed: Sequence[Floats],
+    error: Sequence[Floats],
+    summed: Sequence[Floats],
+    own: Sequence[Floats],
+    prior: Prior,
 ) -> Posterior:
     """The ``Posterior`` with the errors as large as a first one tells, so that the sizes of laws and curve are over the right noise."""
-    laws = len(basis.powers)
-    design = Design(summed[:, :laws], summed[:, laws:], own)
-    first = regression(observed, error, design, basis.nodes, scale, least)
-    return regression(observed, error * first.noise, design, basis.nodes, scale, least)
+    sums, stated, values = np.vstack(summed), np.concatenate(error), np.concatenate(observed)
+    design = Design(sums[:, : prior.laws], sums[:, prior.laws :], _besides(own))
+    first = regression(values, stated, design, prior)
+    return regression(values, stated * first.noise, design, prior)
 
 
 def _courses(
@@ -273,23 +287,22 @@ def _period(
     amplitude: Floats,
 ) -> tuple[float, Posterior | None]:
     """The frequency of small swings (rad/s) taken as scale, and the ``Posterior`` of the deviation from the ideal; None without times."""
-    timed = [(_within(one, course), course) for one, course in zip(swings, courses, strict=True)]
-    timed = [(one, course) for one, course in timed if one.mark.size >= _FEWEST_MARKS]
+    timed = timed_of(swings, courses)
     if not timed:
         return 1.0, None
     longer = ideal.lengthening(amplitude)
-    rows = Table(amplitude, np.pi * longer[:, np.newaxis] * durations(ideal, shape, amplitude))
     marks = [_ideal_marks(one, course, ideal, beyond) for one, course in timed]
     slopes = [np.polyfit(mark, one.mark, 1)[0] for (one, _), mark in zip(timed, marks, strict=True)]
     scale = 1 / float(np.median(slopes))
-    observed, error, summed, own = [], [], [], []
-    for (one, course), mark in zip(timed, marks, strict=True):
-        observed.append(one.mark - mark / scale)
-        error.append(one.u_mark)
-        summed.append(_marked(one, course, rows) / scale)
-        own.append(np.column_stack(_own(one._replace(both=one.passages), 1 / one.slope)))
-    parts = np.concatenate(observed), np.concatenate(error), np.vstack(summed), _besides(swings, own)
-    return scale, _twice(*parts, shape, _OF_STIFFNESS, _LEAST_STIFFNESS)
+    rows = np.pi / scale * longer[:, np.newaxis] * durations(ideal, shape, amplitude)
+    prior = Prior.enough(len(shape.powers), shape.nodes, OF_STIFFNESS, LEAST_STIFFNESS)
+    return scale, of_marks(timed, [mark / scale for mark in marks], Table(amplitude, rows), prior)
+
+
+def timed_of(swings: Sequence[HalfSwings], courses: Sequence[Course]) -> list[tuple[HalfSwings, Course]]:
+    """The recordings that have marks enough, with those alone beside which an amplitude is known."""
+    timed = [(_within(one, course), course) for one, course in zip(swings, courses, strict=True)]
+    return [(one, course) for one, course in timed if one.mark.size >= _FEWEST_MARKS]
 
 
 def _early(
@@ -323,7 +336,7 @@ def _within(one: HalfSwings, course: Course) -> HalfSwings:
     return one._replace(at=one.at[kept], mark=one.mark[kept], u_mark=one.u_mark[kept], slope=one.slope[kept])
 
 
-def _marked(one: HalfSwings, course: Course, table: Table) -> Floats:
+def marked(one: HalfSwings, course: Course, table: Table) -> Floats:
     """Sums of the rows from the first mark to each (mark, column), each at the amplitude midway between two."""
     return _summed(one, table.at(_midway(one, course)))
 

@@ -17,7 +17,7 @@ from ..studies.quantities import steady
 
 _SAMPLES = 400  # of a half-swing: a turning point lies between two, and Newton's step from them ends within 1e-9 of it
 _NEAR = 1e-4  # rad
-_RELEASES = 10
+_RELEASES = 24  # a spline through them is within 1e-4 of a loss by a brake a fifth as wide as the swing
 _STEP = 0.1  # of a standard error: the differences that uncertainties follow from
 
 
@@ -64,9 +64,9 @@ class Course(NamedTuple):
         """Loss and period (s) at these amplitudes (rad), nan beyond those that were computed."""
         if self.amplitude.size < 4:
             return np.full(amplitude.size, np.nan), np.full(amplitude.size, np.nan)
-        loss = CubicSpline(self.amplitude, self.loss, extrapolate=False)
+        loss = CubicSpline(np.log(self.amplitude), np.log(self.loss), extrapolate=False)
         period = CubicSpline(self.period_amplitude, self.period, extrapolate=False)
-        return loss(amplitude), period(amplitude)
+        return np.exp(loss(np.log(amplitude))), period(amplitude)
 
 
 def course(model: Model, low: float, high: float, passages: bool = True) -> Course:
@@ -84,22 +84,24 @@ def course(model: Model, low: float, high: float, passages: bool = True) -> Cour
     return course_of(steady(model.motion), low, high, passages)
 
 
-def course_of(bare: Model, low: float, high: float, passages: bool = True) -> Course:
-    """The ``Course`` of a model that has nothing but its motion."""
+def course_of(
+    bare: Model, low: float, high: float, passages: bool = True, releases: int = _RELEASES
+) -> Course:
+    """The ``Course`` of a model that has nothing but its motion, by as many ``releases``."""
     middle = _rest(bare)
-    releases = np.geomspace(0.97 * low, 1.03 * high, _RELEASES) * _ahead(bare, high, middle)
-    found = _two(bare, releases + middle, passages, middle)
+    begun = np.geomspace(0.97 * low, 1.03 * high, releases) * _ahead(bare, high, middle, releases)
+    found = _two(bare, begun + middle, passages, middle)
     kept = np.array([one for one in found if one is not None]).reshape(-1, 4)
     kept = kept[kept[:, 0].argsort()]
     rising = np.append([True], np.diff(kept[:, [0, 2]], axis=0).min(axis=1) > 0)[: len(kept)]
     return Course(*kept[rising].T)
 
 
-def _ahead(model: Model, high: float, middle: float) -> Floats:
+def _ahead(model: Model, high: float, middle: float, releases: int) -> Floats:
     """How much further than a swing of that amplitude each release is: as much as half a half-swing takes, and a whole one at the largest."""
     (first,) = _two(model, np.array([min(high, 3.0)]), False, middle)
     loss = first[1] if first else 0.0
-    return np.linspace(1.0, np.exp(min((1.5 + _late(model)) * loss, 0.5)), _RELEASES)
+    return np.linspace(1.0, np.exp(min((1.5 + _late(model)) * loss, 0.5)), releases)
 
 
 def _late(model: Model) -> int:
@@ -168,36 +170,39 @@ def _zeros(times: Floats, values: Floats) -> Floats:
     return np.array(found)
 
 
-def with_band(model: Model, covariance: Floats, derived: Callable[[Model], Floats]) -> tuple[Floats, Floats]:
-    """What is derived from a model, and its covariance by that of the parameters (JCGM 100, 5.2).
+def effects_on(derived: Callable[[Model], Floats], model: Model, covariance: Floats) -> Floats:
+    """What independent errors of a model's parameters, each of its standard uncertainty, do to what is derived from it (JCGM 100, 5.2).
 
     Parameters
     ----------
+    derived
+        From a model to an array of shape (quantity,).
     model
         With values.
     covariance
         Of its parameters, of shape (parameter, parameter); nan counts as known.
-    derived
-        From a model to an array of shape (quantity,).
 
     Returns
     -------
-    values, covariance
-        Of shape (quantity,) and (quantity, quantity).
+    numpy.ndarray
+        Of shape (quantity, error): times its transpose it is the covariance of the quantities.
     """
     values = np.array(model.vector())
     known = np.where(np.isfinite(covariance), covariance, 0.0)
-    errors = np.sqrt(np.diag(known))
-    whole = derived(model)
-    slopes = np.zeros((whole.size, values.size))
-    for k in np.flatnonzero(errors > 0):
+    loose = np.flatnonzero(np.diag(known) > 0)
+    errors = np.sqrt(np.diag(known))[loose]
+    slopes = []
+    for k, error in zip(loose, errors, strict=True):
         step = np.zeros(values.size)
-        step[k] = _STEP * errors[k]
+        step[k] = _STEP * error
         ends = [
             derived(
                 model.with_values(dict(zip(model.parameters, map(float, values + sign * step), strict=True)))
             )
             for sign in (1, -1)
         ]
-        slopes[:, k] = (ends[0] - ends[1]) / (2 * step[k])
-    return whole, slopes @ known @ slopes.T
+        slopes.append((ends[0] - ends[1]) / (2 * _STEP))
+    if not slopes:
+        return np.zeros((derived(model).size, 0))
+    sizes, directions = np.linalg.eigh(known[np.ix_(loose, loose)] / np.outer(errors, errors))
+    return np.column_stack(slopes) @ (directions * np.sqrt(np.maximum(sizes, 0.0)))

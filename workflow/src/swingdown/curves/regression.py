@@ -15,11 +15,7 @@ from ..arrays import Floats
 from ..fitting.colour import autoregression
 
 _WIDTHS = (0.35, 0.8, 1.8)  # of the curve's features, in the logarithm of its argument
-_SIZES = 8  # of the curve over that of the laws, evenly in the logarithm
-_ODDS = np.r_[
-    0.5, np.full(_SIZES - 1, 0.5 / (_SIZES - 1))
-]  # that the laws are enough is as probable as that they are not
-_SHARE = 3.0  # times of the whole that a single law may be
+SHARE = 3.0  # times of the whole that a single law may be
 _FEWEST = 3.0  # degrees of freedom that the noise is known to
 _LONG = 40  # observations, from which a colour is asked for
 
@@ -47,40 +43,63 @@ class Posterior:
         return rows @ self.mean[:size], np.sqrt(np.maximum(variance, 0.0))
 
 
+class Prior(NamedTuple):
+    """What is known before: how many ``laws`` there are, the curve's ``nodes``, the ``scale`` of a law's coefficient, and over it the
+    ``sizes`` that the curve may have, with their ``odds``."""
+
+    laws: int
+    nodes: Floats
+    scale: float
+    sizes: Floats
+    odds: Floats
+
+    @classmethod
+    def enough(cls, laws: int, nodes: Floats, scale: float, least: float) -> "Prior":
+        """That the laws are enough, and the curve of the ``least`` size, is as probable as that they are not."""
+        sizes = np.geomspace(least, 1.0, 8)
+        return cls(laws, nodes, scale, sizes, np.r_[0.5, np.full(sizes.size - 1, 0.5 / (sizes.size - 1))])
+
+    @classmethod
+    def any_size(cls, laws: int, nodes: Floats, scale: float, least: float) -> "Prior":
+        """Any size up to that of the whole is as probable (Gelman, Bayesian Analysis 1, 515 (2006)), however well laws do that were chosen
+        because they do well."""
+        sizes = np.geomspace(least, 1.0, 10)
+        return cls(laws, nodes, scale, sizes, sizes / sizes.sum())
+
+
 class Design(NamedTuple):
-    """The columns of a regression: ``laws`` (observation, law) with coefficients of some size, ``curve`` (observation, node) with the values
-    of a smooth curve at its nodes, and ``besides``, of whose coefficients nothing is known."""
+    """The columns of a regression: ``laws`` (observation, law) with coefficients of some size; ``curve``: laws that are as large as a smooth
+    curve, and the values of that at its nodes; ``besides``, of whose coefficients nothing is known."""
 
     laws: Floats
     curve: Floats
     besides: Floats
 
 
-def regression(
-    observed: Floats, error: Floats, design: Design, nodes: Floats, scale: float, least: float
-) -> Posterior:
-    """The ``Posterior`` of ``observed`` = laws · a + curve · h + besides · b + noise.
-
-    ``error`` are standard uncertainties, right but for a common factor. The laws' coefficients are of the size ``scale``, the curve
-    at ``nodes`` is of a size from ``least`` to 1 times ``scale``.
-    """
+def regression(observed: Floats, error: Floats, design: Design, prior: Prior) -> Posterior:
+    """The ``Posterior`` of ``observed`` = laws · a + curve · h + besides · b + noise; ``error`` are standard uncertainties, right but for a
+    common factor."""
     columns = np.hstack(design) / error[:, np.newaxis]
     target = observed / error
     gram, right, power = columns.T @ columns, columns.T @ target, float(target @ target)
     n, first, size = target.size, design.laws.shape[1], design.curve.shape[1]
     freedom = max(n - design.besides.shape[1], 1)
-    roots = np.linalg.cholesky([kernel(nodes, width) for width in _WIDTHS])
-    whole = np.zeros((len(_WIDTHS), _SIZES, len(gram), len(gram)))
+    as_large = np.zeros((len(_WIDTHS), size, size))
+    as_large[:, :, :] = np.eye(size)
+    smooth = slice(size - prior.nodes.size, size)
+    as_large[:, smooth, smooth] = [kernel(prior.nodes, width) for width in _WIDTHS]
+    roots = np.linalg.cholesky(as_large)
+    whole = np.zeros((len(_WIDTHS), prior.sizes.size, len(gram), len(gram)))
     whole[..., :, :] = np.eye(len(gram))
-    whole[..., :first, :first] *= scale * _SHARE
-    shares = scale * np.geomspace(least, 1.0, _SIZES)
+    whole[..., :first, :first] *= prior.scale * SHARE
+    shares = prior.scale * prior.sizes
     whole[..., first : first + size, first : first + size] = (
         shares[:, np.newaxis, np.newaxis] * roots[:, np.newaxis]
     )
     likelihood, means, covariances, variances, frees = _each(
         gram, right, power, whole.reshape(-1, *gram.shape), first + size, freedom
     )
-    likelihood += np.log(np.tile(_ODDS, len(_WIDTHS)))
+    likelihood += np.log(np.tile(prior.odds, len(_WIDTHS)))
     weights = np.exp(likelihood - logsumexp(likelihood))
     mean = weights @ means
     away = means - mean

@@ -62,9 +62,7 @@ def resonance(curves: xr.Dataset, drive: ArrayLike | None = None, kind: str = "t
             "the ring-down holds no angles in rad over time",
             "a swing with a unit and with times",
         )
-    sources = [
-        str(one) for one in curves["source"].values if np.isfinite(curves["period"].sel(source=one)).sum() > 3
-    ]
+    sources = [one for one in ("free", "model") if np.isfinite(curves["period"].sel(source=one)).sum() > 3]
     each = {one: _Ring(curves.sel(source=one), kind) for one in sources}
     weakest = max(one.asked[0] for one in each.values())
     if drive is None:

@@ -13,7 +13,6 @@ from . import style
 FREE, MODEL = "#0072B2", "#D55E00"
 _DOTS = 60  # single swings beyond which means of neighbours are drawn
 _GROUPS = 16
-_WIDE = 1e-3  # Hz: marks of less have so many digits that two of them fill a panel
 _APART = 0.12  # of a panel's height: between two marks of a scale that is not even
 _REACH = 1.35  # of the free curve's range that single swings, which scatter more, may widen a panel to
 _SEEN = 0.01  # of the largest torque: nearer than this, one line hides the other
@@ -23,7 +22,7 @@ _SEEN = 0.01  # of the largest torque: nearer than this, one line hides the othe
 def backbone(data: xr.Dataset) -> style.Drawn:
     """A figure of frequency, loss and damping ratio against amplitude, restoring torque over angle and friction over speed.
 
-    Each is free of a model, and of the model. Single swings are drawn as dots, of many the means of neighbours with two standard errors.
+    Each is free of a model, of the model with what it lacks, and of the model alone. Single swings are drawn as dots, of many the means of neighbours with two standard errors.
 
     Parameters
     ----------
@@ -55,12 +54,11 @@ def backbone(data: xr.Dataset) -> style.Drawn:
     first.set(xlabel="frequency (Hz)", ylabel=unit)
     first.ticklabel_format(axis="x", useOffset=False)
     low, high = first.get_xlim()
-    if high - low > _WIDE:
-        first.locator_params(axis="x", nbins=4)
-    else:
-        marks = MaxNLocator(4, steps=[1, 2, 5, 10]).tick_values(low, high)
-        inside = [mark for mark in marks if low <= mark <= high]
-        first.set_xticks(inside[:: max(len(inside) - 1, 1)])
+    marks = MaxNLocator(4, steps=[1, 2, 5, 10]).tick_values(low, high)
+    inside = [mark for mark in marks if low <= mark <= high]
+    first.set_xticks(
+        inside[:: max(len(inside) - 1, 1)]
+    )  # of frequencies so near to each other two fill a panel
     if torques:
         left, right = figure.add_subplot(grid[1, :3]), figure.add_subplot(grid[1, 3:])
         _restoring(left, data, timed)
@@ -71,9 +69,9 @@ def backbone(data: xr.Dataset) -> style.Drawn:
     for axes in figure.axes:
         axes.grid(True)
         handles |= {str(one.get_label()): one for one in axes.get_legend_handles_labels()[0]}
-    figure.legend(handles=list(handles.values()), loc="outside upper left", ncols=4)
+    figure.legend(handles=list(handles.values()), loc="outside upper left", ncols=3)
     of_model = f"model: {style.name(data.attrs['model'])}" if data.attrs["model"] else ""
-    over = "torques over inertia; 95 % bands, the model's where it is right"
+    over = "torques over inertia; 95 % bands, the model's with what it lacks"
     return style.footnote(figure, of_model, over, style.emulated_note(data))
 
 
@@ -103,20 +101,23 @@ def _of_ratio(value: Any) -> Any:
 
 
 def _curve(axes: Axes, at: Floats, data: xr.Dataset, name: str, scale: float, upright: bool = False) -> None:
-    """Both curves of a quantity with their bands, and the panel as wide as the free one's."""
-    for source, colour, words in (("free", FREE, "free of a model"), ("model", MODEL, "model")):
+    """Both curves of a quantity with their bands, the model alone, and the panel as wide as the free curve's."""
+    for source, colour, words, dashes in (
+        ("free", FREE, "free of a model", "-"),
+        ("model", MODEL, "model", (0, (4, 1.5))),
+        ("alone", MODEL, "model alone", ":"),
+    ):
         value, low, high = (
             scale * data[name + end].sel(source=source).values for end in ("", "_low", "_high")
         )
         if not np.isfinite(value).any():
             continue
-        dashed = (0, (4, 1.5)) if source == "model" else "-"
         if upright:
             axes.fill_betweenx(at, low, high, color=colour, alpha=0.25, lw=0)
-            axes.plot(value, at, color=colour, ls=dashed, label=words)
+            axes.plot(value, at, color=colour, ls=dashes, label=words)
         else:
             axes.fill_between(at, low, high, color=colour, alpha=0.25, lw=0)
-            axes.plot(at, value, color=colour, ls=dashed, label=words)
+            axes.plot(at, value, color=colour, ls=dashes, label=words)
     free = data.sel(source="free")
     bands = {end: free[name + end].values for end in ("_low", "_high")}
     ends = [  # a band without an end reaches to infinity
@@ -275,7 +276,7 @@ def resonances(data: xr.Dataset) -> style.Drawn:
     )
     for axes in (upper, lower):
         axes.grid(True)
-    figure.legend(loc="outside upper left", ncols=4)
+    figure.legend(loc="outside upper left", ncols=3)
     beyond = "" if np.isfinite(own["peak_amplitude"]).all() else "cut: peaks beyond the ring-down"
     drive = (
         "torque over inertia"

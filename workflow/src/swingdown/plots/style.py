@@ -156,6 +156,7 @@ def in_language(figure: _F, spoken: Language) -> _F:
             joint = " · "
             lines = [joint.join(map(spoken.text, line.split(joint))) for line in text.get_text().split("\n")]
             text.set_text("\n".join(lines))
+    footnote(figure, *_remarks(figure))  # words of another language are longer
     for legend in figure.findobj(Legend):
         while _too_wide(legend, figure):
             for text in legend.get_texts():
@@ -291,6 +292,11 @@ def footnote(figure: _F, *parts: str) -> _F:
     return figure
 
 
+def _remarks(figure: Figure) -> list[str]:
+    """The remarks along a figure's lower edge."""
+    return figure.get_supxlabel().replace("\n", " · ").split(" · ")
+
+
 def emulated_note(data: xr.Dataset | Mapping[str, Any]) -> str:
     """What is said of data that no real apparatus stands behind, where they say so of themselves; else nothing.
 
@@ -328,9 +334,8 @@ def save(figure: Figure, path: str | Path, note: str = "") -> list[Path]:
     figure show the same picture.
     """
     path = Path(path)
-    remarks = figure.get_supxlabel()
-    if note and note not in remarks:
-        footnote(figure, *remarks.replace("\n", " · ").split(" · "), note)
+    if note and note not in figure.get_supxlabel():
+        footnote(figure, *_remarks(figure), note)
     figure.draw_without_rendering()
     figure.set_layout_engine("none")
     for artist in figure.findobj():

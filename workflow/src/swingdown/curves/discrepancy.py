@@ -1,0 +1,182 @@
+"""A model's curves with a discrepancy beside them: the friction over the speed and the stiffness over the angle that its half-swings say it lacks.
+
+Both are Gaussian processes of unknown size (Kennedy and O'Hagan, J. R. Stat. Soc. B 63, 425 (2001)). The model was fitted to the same swings, so
+that its values count for next to nothing here: the half-swings, each of which is known for itself, tell them anew beside the discrepancy.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ..arrays import Floats
+from ..pendulum.model import Model
+from ..studies.quantities import steady
+from .free import LEAST_STIFFNESS, OF_STIFFNESS, Free, marked, of_losses, of_marks, timed_of, typical_of
+from .modelled import Course, course_of, effects_on, static
+from .regression import SHARE, Prior, kernel
+from .second_order import Table
+from .torques import durations, losses
+
+_GRID = 41  # amplitudes between which the model's loss and period are interpolated
+_DIFFERENCES = 10  # releases of a model by which differences between two are told
+_WIDER = 10.0  # times its standard errors that a model's values may be off: what its fit knew then counts for a hundredth
+_LEAST_LOSS = 1e-3  # of the loss that a model lacks, over the whole
+_SMOOTH = 1.8  # of the logarithm of the speed: what the friction of a model changes over
+_ROUGH = 1e-3  # of the loss: how closely a friction of speed alone has to take what a model takes
+
+
+class Known(NamedTuple):
+    """A curve of the model ``alone``; ``value`` with what it lacks, standard uncertainty ``u``, and the k of a band of 95 %."""
+
+    alone: Floats
+    value: Floats
+    u: Floats
+    factor: float
+
+
+def with_discrepancy(
+    found: Free, model: Model, covariance: Floats | None, amplitude: Floats, angle: Floats, speed: Floats
+) -> dict[str, Known]:
+    """Period (s) and loss of the logarithm of the amplitude in a half-swing of a model, its restoring torque and friction (rad/s²).
+
+    Parameters
+    ----------
+    found
+        What the same half-swings tell free of it.
+    model, covariance
+        With values, and of its parameters; None where nothing is known of them but the values.
+    amplitude, angle, speed
+        Where the curves are asked for, in rad, rad (none is zero) and rad/s.
+
+    Returns
+    -------
+    dict
+        ``period`` and ``loss`` over the amplitude, ``restoring`` over the angle, ``friction`` over the speed; nan where the model does not
+        swing, and of what nothing timed tells.
+    """
+    grid = np.geomspace(found.low, found.high, _GRID)
+    inverse, spread = _friction_of(found, grid)
+    beyond = found.beyond.table.at(grid)[:, 0]
+    fast = found.friction.at(speed / found.scale) * found.scale**2
+
+    def of(one: Model, course: Course) -> Floats:
+        loss, period = (_filled(grid, part) for part in course.at(grid))
+        torque = static(one)
+        pull = (torque(-angle) - torque(angle)) / 2
+        return np.concatenate([period, loss, pull, fast @ (inverse @ (loss - beyond))])
+
+    def derived(one: Model) -> Floats:
+        return of(one, course_of(one, found.low, found.high, found.passages, _DIFFERENCES))
+
+    bare = steady(model.motion)
+    course = course_of(bare, found.low, found.high, found.passages)
+    at = [model.parameters.index(name) for name in bare.parameters]
+    known = np.zeros((len(at), len(at))) if covariance is None else covariance[np.ix_(at, at)]
+    whole = of(bare, course)
+    sizes = {
+        "period": amplitude.size,
+        "loss": amplitude.size,
+        "restoring": angle.size,
+        "friction": speed.size,
+    }
+    none = {name: np.full(size, np.nan) for name, size in sizes.items()}
+    nothing = {name: Known(one, one, one, np.nan) for name, one in none.items()}
+    effects = effects_on(derived, bare, known) * _WIDER / SHARE
+    if not (np.isfinite(whole).all() and np.isfinite(effects).all()):
+        return nothing
+    edges = np.cumsum([_GRID, _GRID, angle.size])
+    parts = zip(np.split(whole, edges), np.split(effects, edges), strict=True)
+    period, loss, restoring, friction = (_Part(*one) for one in parts)
+    over = np.where(np.isfinite(course.at(amplitude)[0]), amplitude, np.nan)
+    return (
+        nothing
+        | _taken(found, grid, loss, friction, over, (fast, spread))
+        | _timed(found, grid, period, restoring, over, angle)
+    )
+
+
+class _Part(NamedTuple):
+    """Quantities of the model ``alone``, and what errors of its parameters that may be made do to them (quantity, error)."""
+
+    alone: Floats
+    effects: Floats
+
+    def beside(self, curve: Floats, scale: float) -> Floats:
+        """The rows of what is unknown: the model's values, whose coefficients are of that scale, and the ``curve`` beside them."""
+        return np.hstack([self.effects / scale, curve])
+
+
+def _taken(
+    found: Free,
+    grid: Floats,
+    loss: _Part,
+    friction: _Part,
+    amplitude: Floats,
+    speeds: tuple[Floats, Floats],
+) -> dict[str, Known]:
+    """Loss and friction, by the turning points; of ``speeds`` the rows of a friction, and the covariance of what the model's leaves open."""
+    scale = typical_of(found.courses)
+    known = Table(grid, loss.alone[:, np.newaxis])
+    unknown = Table(grid, loss.beside(losses(found.ideal, found.friction, grid), scale))
+    prior = Prior.any_size(loss.effects.shape[1], found.friction.nodes, scale, _LEAST_LOSS)
+    told = of_losses(found.swings, found.courses, known, unknown, prior)
+    taken, lost = known.at(amplitude)[:, 0], unknown.at(amplitude)
+    fast, spread = speeds
+    pull, u_pull = told.at(friction.beside(fast, scale))
+    left = np.sqrt(np.maximum(np.einsum("si,ij,sj->s", fast, spread, fast), 0.0))
+    return {
+        "loss": _known(taken, *told.at(lost), told.factor),
+        "friction": _known(friction.alone, pull, np.hypot(u_pull, left), told.factor),
+    }
+
+
+def _timed(
+    found: Free, grid: Floats, period: _Part, restoring: _Part, amplitude: Floats, angle: Floats
+) -> dict[str, Known]:
+    """Period and restoring torque, by the marks of time; nothing where there are none."""
+    timed, ideal = timed_of(found.swings, found.courses), found.ideal
+    if not timed:
+        return {}
+    halves = _Part(period.alone / 2, period.effects / 2)
+    known = Table(grid, halves.alone[:, np.newaxis])
+    longer = np.pi / found.scale * ideal.lengthening(grid)[:, np.newaxis]
+    curve = longer * durations(ideal, found.stiffness, grid)
+    unknown = Table(grid, halves.beside(curve, OF_STIFFNESS))
+    marks = [marked(*one, known)[:, 0] for one in timed]
+    prior = Prior.enough(period.effects.shape[1], found.stiffness.nodes, OF_STIFFNESS, LEAST_STIFFNESS)
+    told = of_marks(timed, marks, unknown, prior)
+    usual = found.scale**2 * ideal.torque(angle)[:, np.newaxis]
+    stiff = restoring.beside(usual * found.stiffness.at(angle), OF_STIFFNESS)
+    alone = 2 * known.at(amplitude)[:, 0]
+    value, u = told.at(2 * unknown.at(amplitude))
+    pull, u_pull = told.at(stiff)
+    return {
+        "period": _known(alone, value, np.hypot(u, alone * found.period_off(amplitude)), told.factor),
+        "restoring": _known(
+            restoring.alone, pull, np.hypot(u_pull, restoring.alone * found.restoring_off(angle)), told.factor
+        ),
+    }
+
+
+def _known(alone: Floats, lacking: Floats, u: Floats, factor: float) -> Known:
+    return Known(alone, alone + lacking, u, factor)
+
+
+def _filled(grid: Floats, values: Floats) -> Floats:
+    """The values with the nearest one where there is none; nan where there are none at all."""
+    there = np.isfinite(values)
+    return np.interp(grid, grid[there], values[there]) if there.any() else values
+
+
+def _friction_of(found: Free, amplitude: Floats) -> tuple[Floats, Floats]:
+    """The matrix from a loss at these amplitudes (rad) to the coefficients of a friction of speed alone that takes it, the smoothest, and the
+    covariance of what it leaves open of them."""
+    rows = losses(found.ideal, found.friction, amplitude)
+    typical = float(np.mean(np.abs(found.loss_at(amplitude)[0])))
+    laws, nodes = len(found.friction.powers), found.friction.nodes
+    usual = np.eye(rows.shape[1])
+    usual[laws:, laws:] = kernel(nodes, _SMOOTH)
+    usual *= (SHARE * typical_of(found.courses)) ** 2
+    spread = usual @ rows.T
+    inverse = spread @ np.linalg.inv(rows @ spread + (_ROUGH * typical) ** 2 * np.eye(amplitude.size))
+    return inverse, usual - inverse @ spread.T
