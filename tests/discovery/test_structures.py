@@ -51,9 +51,9 @@ def spring():
     return swings((0.9, -0.7, 0.5, 0.3), cubic_stiffness=1.5)
 
 
-def lacking(one, label):
+def lacking(one, label, **options):
     fit = fitted(one, label)
-    return Unnamed(fit, one.fit, 2 * np.pi / 7, NOISE).beside(frame(fit, one.fit))
+    return Unnamed(fit, one.fit, 2 * np.pi / 7, NOISE, **options).beside(frame(fit, one.fit))
 
 
 def test_a_model_that_is_right_lacks_nothing_and_one_that_is_not_lacks_as_much_as_it_leaves(spring):
@@ -71,6 +71,23 @@ def test_the_kind_of_what_is_lacking_is_told():
     drag = swings((0.9, -0.7, 0.5), "quadratic_drag", quadratic_coefficient=0.01)
     sizes = lacking(drag, "viscous").sizes
     assert max(sizes, key=sizes.get) == "dissipative"
+
+
+def test_what_all_lack_alike_goes_no_further_than_first_order_can_tell():
+    near, far = (swings((0.9, -0.7, 0.5, 0.3), cubic_stiffness=stiff) for stiff in (1.5, 20.0))
+    assert lacking(near, "viscous", alike=True).rest == pytest.approx(1, abs=0.1)
+    assert lacking(far, "viscous", alike=True).rest > 5
+
+
+def test_what_all_recordings_lack_alike_is_not_what_differs_between_them():
+    """Drags that differ, which a drag of each recording that changes in time does as well."""
+    slow, quick = (
+        swings((0.8, -0.7), "cubic_stiffness", cubic_stiffness=0.0, viscous_ratio=drag)
+        for drag in (0.008, 0.01)
+    )
+    both = replace(slow, fit=(*slow.fit, *(replace(one, name=f"{one.name} again") for one in quick.fit)))
+    each, alike = lacking(both, "viscous"), lacking(both, "viscous", alike=True)
+    assert each.log_evidence - each.log_plain > alike.log_evidence - alike.log_plain + 30
 
 
 def test_a_value_that_a_discrepancy_may_move_is_told_with_less_certainty(spring):

@@ -287,7 +287,7 @@ def _told(rivals: Sequence[_Rival], every: Campaign, changed: Mapping[str, Value
     swings, best = every.fit, min(rivals, key=lambda one: one.fit.rss)
     noise = noise_of(every, best.fit)
     period = 2 * np.pi / best.fit.model.values[NATURAL_FREQUENCY.name]
-    torques = Unnamed(best.fit, swings, period, noise)
+    torques = Unnamed(best.fit, swings, period, noise, alike=True)
     plain, unnamed = np.array([_evidence(one, swings, noise, torques) for one in rivals]).T
     logs = np.logaddexp(plain, unnamed)
     shares = np.exp(logs - np.logaddexp.reduce(logs))

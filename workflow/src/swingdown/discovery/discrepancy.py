@@ -18,7 +18,7 @@ from ..fitting.result import Fit
 from .bins import Means
 from .campaign import Noise, Swing
 from .green import motion
-from .kinds import KINDS, rubs, units
+from .kinds import KINDS, SMOOTH, rubs, units
 from .linear import Frame
 from .restricted import Likelihood, least
 
@@ -64,21 +64,22 @@ class Unnamed:
     that they can be compared.
 
     ``period`` (s), the pendulum's, about, sets the bins of time in which residuals are looked at; those of a ``noise`` with memory by what
-    they do not have from the bin before.
+    they do not have from the bin before. Of recordings between which something was changed it is what all of them lack ``alike``.
     """
 
-    def __init__(self, fit: Fit, swings: Sequence[Swing], period: float, noise: Noise):
+    def __init__(self, fit: Fit, swings: Sequence[Swing], period: float, noise: Noise, alike: bool = False):
         self._noise = noise
         self._means = [Means(swing.times, period / _BINS, noise) for swing in swings]
         motions = []
         for swing, mean, one in zip(swings, self._means, fit.swings, strict=True):
             coarse = Swing(swing.name, mean.times, mean(swing.angle), swing.drive)
             motions.append(motion(one.model, coarse, one.release_angle, one.release_velocity))
-        columns, kinds = units(motions, self._means)
+        columns, kinds = units(motions, self._means, alike)
         self._directions, along = _reduced(columns, kinds)
         self._parts = [along[:, kinds == kind] for kind in range(kinds[-1] + 1)]
         self._kernels = np.stack([part @ part.T for part in self._parts])
         self._rubs = rubs(self._parts)
+        self._most = self._first_order(swings) if alike else np.inf
 
     def beside(self, frame: Frame) -> Discrepancy:
         """The ``Discrepancy`` of a fit seen in a ``Frame``."""
@@ -99,8 +100,8 @@ class Unnamed:
             left.size,
             noise.slow_variance,
         )
-        at = least(model)
         scale = 1 / np.sqrt(frame.samples)
+        at = least(model, self._most)
         sizes, whole = at.work()
         quick = max(at.noise - noise.slow_variance, 0.0) * (left.size - basis.shape[1])
         alone, beside = (
@@ -128,6 +129,15 @@ class Unnamed:
         return sum(mean.volume for mean in self._means) - 0.5 * free * float(
             np.log(self._noise.slow_variance)
         )
+
+    def _first_order(self, swings: Sequence[Swing]) -> float:
+        """How much a discrepancy may do, of what the noise does (variance), for first order to be right to the noise.
+
+        A torque of smoothness l that moves a swing by d is another one there, by about d / l of it: d^2 / l is less than the noise.
+        """
+        largest, samples = max(np.ptp(one.angle) for one in swings) / 2, sum(one.times.size for one in swings)
+        moved = SMOOTH[0] * largest * self._noise.deviation
+        return float(moved * samples / self._directions.shape[1] / self._noise.slow_variance)
 
     def _binned(self, frame: Frame, series: Floats) -> Floats:
         """Series (samples and what stands below them, any) in bins of time, weighed by their samples."""

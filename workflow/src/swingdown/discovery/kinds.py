@@ -15,14 +15,19 @@ KINDS = ("restoring", "dissipative", "time", "sensor")
 # nodes over angle, over speed to either side, and over the time of a record
 _ANGLES, _SPEEDS, _TIMES = 11, 6, 6
 # of the largest angle, speed and of the record: how far neighbouring torques hang together, of each kind both
-_SMOOTH = 0.35, 1.2
+SMOOTH = 0.35, 1.2
 _KEPT = 1e-5  # of the largest variance of a kind: directions that have less are left out
 # nodes over angle, and how far they hang together, of a torque that is there at some angles only
 _FINE = 25, 0.12
 
 
-def units(motions: list[Motion], means: Sequence[Means]) -> tuple[Floats, NDArray[np.intp]]:
-    """The work of each unit of discrepancy on the news of the readings (bin, unit), and the kind of each unit, first of the first smoothness."""
+def units(
+    motions: list[Motion], means: Sequence[Means], alike: bool = False
+) -> tuple[Floats, NDArray[np.intp]]:
+    """The work of each unit of discrepancy on the news of the readings (bin, unit), and the kind of each unit, first of the first smoothness.
+
+    The torque in time is each recording's own, or ``alike`` in all.
+    """
     largest = max(float(np.max(np.abs(one.angle))) for one in motions)
     fastest = max(float(np.max(np.abs(one.speed))) for one in motions)
     blocks: list[list[Floats]] = []
@@ -35,9 +40,11 @@ def units(motions: list[Motion], means: Sequence[Means]) -> tuple[Floats, NDArra
             restoring, dissipative, in_time = (
                 worked[:, edges[first + j] : edges[first + j + 1]] for j in range(3)
             )
-            own = np.zeros((len(worked), len(motions) * in_time.shape[1]))
-            own[:, k * in_time.shape[1] : (k + 1) * in_time.shape[1]] = in_time
-            found += [restoring, dissipative, own, readings[first // 3]]
+            if not alike:
+                own = np.zeros((len(worked), len(motions), in_time.shape[1]))
+                own[:, k] = in_time
+                in_time = own.reshape(len(worked), -1)
+            found += [restoring, dissipative, in_time, readings[first // 3]]
         found += [worked[:, edges[-3] : edges[-2]], worked[:, edges[-2] :]]
         blocks.append(found)
     kinds = np.concatenate([np.full(block.shape[1], k) for k, block in enumerate(blocks[0])])
@@ -54,7 +61,7 @@ def _shapes(one: Motion, largest: float, fastest: float) -> tuple[list[Floats], 
     elapsed = hats((one.times - one.times[0]) / (one.times[-1] - one.times[0]), since)
     torques: list[Floats] = []
     readings: list[Floats] = []
-    for smooth in _SMOOTH:
+    for smooth in SMOOTH:
         course = elapsed @ _root(_TIMES, 1.0, smooth)
         in_time = [course, course * (one.angle / largest)[:, None], course * (one.speed / fastest)[:, None]]
         along = at @ _root(_ANGLES, 2.0, smooth)
@@ -72,7 +79,7 @@ def rubs(parts: Sequence[Floats]) -> list[Floats]:
     weights: list[Floats] = [np.zeros(part.shape[1]) for part in parts]
     slow = np.zeros((_ANGLES, 2, _SPEEDS))
     slow[_ANGLES // 2, :, 0] = -0.5, 0.5  # of those of either direction (``over_both``)
-    for k, smooth in enumerate(_SMOOTH):
+    for k, smooth in enumerate(SMOOTH):
         weights[len(KINDS) * k + 1] = _root_of_both(smooth).T @ slow.ravel()
     middle = _root(_FINE[0], 2.0, _FINE[1])[_FINE[0] // 2]
     weights[-1] = np.concatenate([-0.5 * middle, 0.5 * middle])
