@@ -356,3 +356,22 @@ def test_settings_that_cannot_be_are_refused(settings, told):
     with pytest.raises(InputError, match="Mend:") as caught:
         parser({"format": "csv", **settings})
     assert told in str(caught.value)
+
+
+@pytest.mark.parametrize("piece", [1, 7, 16, 1000])
+@pytest.mark.parametrize("name", ["readings", "timed"])
+def test_what_a_device_with_a_clock_of_its_own_gives_comes_back_whole(name, piece):
+    """In pieces of any size: its number or its time, and the value; what it lost is left out, and nothing is damaged."""
+    values = [0.5, -1e300, float("nan"), 3.25, float("inf"), 0.1]
+    places = range(2**40, 2**40 + 6) if name == "readings" else [0.0, 0.01, 0.02, 0.03, 0.04, 1e9]
+    read = parser({"format": name})
+    sent = FORMATS[name].encoded(places, values)
+    found = [one for k in range(0, len(sent), piece) for one in read.feed(sent[k : k + piece])]
+    kept = [(place, value) for place, value in zip(places, values, strict=True) if np.isfinite(value)]
+    assert [one.value for one in found] == [value for _, value in kept]
+    assert [one.sequence if name == "readings" else one.ticks for one in found] == [place for place, _ in kept]  # fmt: skip
+    assert all((one.ticks if name == "readings" else one.sequence) is None for one in found)
+    assert all(one.damaged == 0 and one.claims == () for one in found) and read.pending == (0, ())
+    assert (read.tick, read.sequence_modulus) == ((None, 2**64) if name == "readings" else (1.0, None))
+    with pytest.raises(ValueError):
+        FORMATS[name].encoded(places, values[1:])
