@@ -66,6 +66,11 @@ FOUND = {
     "an index before each row": (
         ",t_s,theta_rad\n" + "".join(f"{k},{row}\n" for k, row in enumerate(rows().splitlines())), "",
     ),
+    "rows that were taken for one cell each": ('"' + (HEAD + rows()).strip().replace("\n", '"\n"') + '"\n', ""),
+    "exponents of Fortran": (HEAD + "".join(f"{t:.6E},{x:.6E}\n" for t, x in zip(TIME, SWING, strict=True)).replace("E", "D"), ""),
+    "a clock of twelve hours": (
+        "clock,theta_rad\n" + "".join(f"{pd.Timestamp('2024-03-05 11:59:51') + pd.Timedelta(milliseconds=round(1000 * t)):%I:%M:%S.%f %p},{x:.5f}\n" for t, x in zip(TIME, SWING, strict=True)), "",
+    ),
     "a row with a cell more": (HEAD + rows(stop=200) + "9.999,0.1,0.2\n" + rows(start=200), "line 202 has more cells"),
 }  # fmt: skip
 
@@ -287,12 +292,36 @@ def test_what_runs_back_and_forth_is_no_clock(take):
     assert "rate_hz" in caught.value.mend
 
 
+@pytest.mark.parametrize(
+    "above",
+    [
+        "X,theta_rad,Start,Increment,\nSequence,rad,0.0e+00,5.0e-02,\n{k},{x:.5f},,\n",
+        "Delta_X\t0.05\n\nX_Value\ttheta_rad\tComment\n\t{x:.5f}\t\n",
+        "Sample Rate: 20 Hz. Values on a linear scale.\n\ntheta_rad\n{x:.5f}\n",
+    ],
+)
+def test_the_rate_that_a_file_states_stands_for_its_times(take, above):
+    *head, row = above.splitlines()
+    made = take("\n".join([*head, *(row.format(k=k, x=x) for k, x in enumerate(SWING)), ""]))
+    np.testing.assert_allclose(np.diff(made["time"].values), 0.05)
+    np.testing.assert_array_equal(made["signal"].values, SWING)
+
+
+def test_settings_beside_the_rows_are_no_columns(take):
+    beside = ["Record Length,2.5e+03,", "Source,CH1,", "Vertical Units,V,", *[",,"] * 297]
+    made = take("".join(f"{own},{row},\n" for own, row in zip(beside, rows().splitlines(), strict=True)))
+    np.testing.assert_array_equal(made["signal"].values, SWING)
+    assert "next to no numbers: left out" in made.attrs["remarks"]
+
+
 def test_x_y_and_z_on_no_circle_may_be_an_acceleration(take):
     y = 0.1 * np.exp(-0.03 * TIME) * np.cos(10 * TIME + 1) + 0.05 * np.random.default_rng(2).standard_normal(
         300
     )
-    with pytest.raises(InputError, match="positions of a bob, or its acceleration"):
+    with pytest.raises(InputError, match="positions of a bob, its acceleration"):
         take(columns("t (s),X,Y,Z", TIME, SWING, y, 9.8 + SWING**2))
+    with pytest.raises(InputError, match="positions of a bob, its acceleration"):
+        take(columns("t (s),X,Y,Z", TIME, 9.8 - 4 * SWING**2, 1e-3 * y, 9.8 * SWING))
     assert "one coordinate" in take(columns("t (s),X,Y", TIME, SWING, y)).attrs["remarks"]
 
 

@@ -106,4 +106,4 @@ def test_no_g_of_a_spring_of_pixels_or_without_a_frequency():
 
 def test_centimetres_taken_for_metres_are_told():
     table, _ = with_gravity(pd.DataFrame([row("a")]), {"a": {"length": "99.4"}})
-    assert "no place on Earth has it: is the length's unit right" in table["g_of"].iloc[0]
+    assert "no place on Earth has it: are the units of length and time right" in table["g_of"].iloc[0]

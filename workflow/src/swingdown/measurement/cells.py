@@ -87,7 +87,9 @@ class Clock:
         """Seconds since the first stamp, NaN for a cell that is none."""
         found = stamps(column)
         known = found.dropna()
-        if self.first is None and len(known):
+        if self.first is None:
+            if not len(known):
+                return np.full(len(column), np.nan)
             self.first = known.iloc[0]
         seconds = ((found - self.first) / pd.Timedelta(seconds=1)).to_numpy(dtype=float, copy=True)
         return np.round(self._past_midnight(seconds), 9) if found.dtype.kind == "m" else seconds
@@ -107,4 +109,7 @@ def stamps(column: pd.Series) -> pd.Series:
     text = column.astype(str).str.strip().str.replace(",", ".", regex=False)
     if text.str.contains(r"^\d{1,4}[-/.]\d{1,2}[-/.]\d", regex=True).any():
         return pd.to_datetime(text, errors="coerce", utc=True, format="mixed")
+    if text.str.contains(r"(?i)[ap]m$", regex=True).any():
+        midnight = "2000-01-01 "
+        return pd.to_datetime(midnight + text, errors="coerce", format="mixed") - pd.Timestamp(midnight)
     return pd.to_timedelta(text.where(text.str.count(":") == 2, "00:" + text), errors="coerce")

@@ -9,12 +9,13 @@ import pandas as pd
 
 from ..arrays import Floats
 from ..errors import InputError
-from .clock import RISES, goes_on
+from .clock import RISES, counts_rows, goes_on
 from .columns import (
     ANGLE,
     COUNTS,
     RATE,
     TIME,
+    UNNAMED,
     UNTOLD,
     VOLTAGE,
     Meaning,
@@ -27,7 +28,6 @@ from .columns import (
     place_of,
 )
 from .gyroscope import TO_RAD_PER_S
-from .layout import CLOCKED
 from .plausibility import ENOUGH, in_a_row
 from .table import Table, numbers
 
@@ -92,8 +92,8 @@ def may_be_it(table: Table, row: Mapping[str, Any]) -> list[str]:
 
 
 def without_still(table: Table, row: Mapping[str, Any]) -> tuple[Table, list[str]]:
-    """The table without the columns that hold one value throughout, or where a rate made the times count the rows, and remarks on them, where
-    others move: they are no swing.
+    """The table without the columns that hold one value throughout, next to no numbers, or beside a time the number of the row, and remarks
+    on them, where others move: they are no swing.
 
     A long file is taken as it is, and so is a column that the sheet names, and one that is alone beside the time.
     """
@@ -118,24 +118,23 @@ def without_still(table: Table, row: Mapping[str, Any]) -> tuple[Table, list[str
         and np.isfinite(one).sum() >= SHORTEST
         and np.nanmax(one) == np.nanmin(one)
     ]
+    times = {name for name in table.names if meaning(name, table.units.get(name, "")).kind == TIME}
     counting = [
-        name
-        for name, one in values.items()
-        if CLOCKED in table.names
-        and name not in named | {CLOCKED}
-        and np.size(one)
-        and np.all(np.diff(one) == 1)
+        name for name, one in values.items() if times and name not in named | times and counts_rows(one)
     ]
-    moving = tuple(name for name in table.names if name not in still + counting)
-    if not still + counting or len(moving) < 2:
+    bare = [name for name, one in values.items() if name not in named and np.isfinite(one).sum() < SHORTEST]
+    moving = tuple(name for name in table.names if name not in still + counting + bare)
+    if not still + counting + bare or len(moving) < 2:
         return kept, []
+    plain = {name for name in still + counting + bare if not name.startswith(UNNAMED)}
     told = [
-        f"{', '.join(f'`{name}`' for name in left)} {words if len(left) == 1 else more}: left out"
+        f"{', '.join(f'`{name}`' for name in left if name in plain)} {words if len(left) == 1 else more}: left out"
         for left, words, more in (
             (still, "holds one value throughout", "hold one value throughout"),
             (counting, "counts the rows", "count the rows"),
+            (bare, "holds next to no numbers", "hold next to no numbers"),
         )
-        if left
+        if plain.intersection(left)
     ]
     return kept._replace(names=moving, pieces=[piece[list(moving)] for piece in held]), told
 

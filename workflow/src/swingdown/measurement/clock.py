@@ -88,6 +88,12 @@ def goes_on(times: Floats) -> bool:
     return changes.size >= min(RESTART, times.size - 1) > 0 and bool(np.mean(changes > 0) > RISES)
 
 
+def counts_rows(values: Floats) -> bool:
+    """True for numbers that go up by one from row to row, as those of frames or samples do."""
+    known = values[np.isfinite(values)]
+    return bool(known.size > 1 and np.all(np.diff(known) == 1))
+
+
 def _changes(times: Floats) -> Floats:
     """The steps from one finite reading to the next that are not 0."""
     steps = np.diff(times[np.isfinite(times)])

@@ -100,7 +100,7 @@ def meaning(name: str, beside: str = "") -> Meaning:
         kind = TIME if _TIMES.search(words) else ANGLE if _ANGLES.search(words) else UNTOLD
         if _ACCELERATES.search(words):
             kind = OTHER
-        elif re.search(r"(?i)\b(velocity|rate|gyro\w*|omega)\b|ω", words):
+        elif re.search(r"(?i)\b(velocity|rate|gyro\w*|omega|w[xyz])\b|ω", words):
             kind = RATE
     if kind == UNTOLD and _QUATERNION.fullmatch(label):
         kind, written = OTHER, "part of a quaternion"

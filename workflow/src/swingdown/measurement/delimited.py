@@ -1,6 +1,7 @@
 """Tables in a text file: cells between commas, tabs, semicolons or spaces, or a number a line."""
 
 import itertools
+import re
 from collections.abc import Iterator, Sequence
 from typing import Any, BinaryIO
 
@@ -9,13 +10,16 @@ import pandas as pd
 
 from ..errors import InputError
 from .cells import Dialect
+from .clock import counts_rows, goes_on
 from .columns import TIME, meaning
-from .layout import ARRIVED, CLOCKED, Layout, dialect
+from .layout import ARRIVED, CLOCKED, STATES_RATE, Layout, dialect
 from .rows import Block, cut_short, find_blocks, layout_of, left_out, read
 from .runs import rows_of, side_by_side
-from .table import WHOLE, Table
+from .table import WHOLE, Table, numbers
 from .text import HEAD, charset, encoding, pieces_of
 from .worded import reworded
+
+_INTERVAL = re.compile(r"(?i)^\W*(delta[ _]x|sample[ _]interval|sampling[ _]interval|increment)\b")
 
 
 def delimited(source: BinaryIO, name: str, rate: float = np.nan) -> dict[str, Table]:
@@ -37,6 +41,12 @@ def delimited(source: BinaryIO, name: str, rate: float = np.nan) -> dict[str, Ta
     found = {}
     for number, block in enumerate(blocks, 1):
         whole, laid = _table(source, block, how, coded, name, rate)
+        if (
+            not rate > 0
+            and (known := stated_rate([*block.above, *block.sample[:1]]))
+            and _untimed(whole, laid)
+        ):
+            whole, laid = _table(source, block, how, coded, name, known)
         whole = whole._replace(about=about, cut=block is blocks[-1] and cut_short(source, block, laid))
         part = f"table {number}" if len(blocks) > 1 else WHOLE
         beside = side_by_side(laid.headers, laid.titles)
@@ -92,6 +102,34 @@ def _about(opening: Sequence[str]) -> dict[str, str]:
     own = itertools.takewhile(lambda line: line.startswith("#"), opening)
     parts = [line.lstrip("# ").partition(":") for line in own]
     return {key.strip().lower(): value.strip() for key, colon, value in parts if colon}
+
+
+def stated_rate(above: Sequence[str]) -> float:
+    """The samples a second that the lines above a table state, by themselves or by the time between two samples; 0 for none.
+
+    The value stands beside its name, or below it: ``Delta_X 0.02``, ``Sample Rate: 100 Hz``, ``X,CH1,Start,Increment``.
+    """
+    cells = [re.split(r"[,;:=\t]\s*", line.strip()) for line in above]
+    for line, below in itertools.zip_longest(cells, cells[1:], fillvalue=list[str]()):
+        for k, name in enumerate(line):
+            for value in (*line[k + 1 : k + 2], *below[k : k + 1]):
+                number = re.match(r"\s*(\d+\.?\d*(?:[eE][-+]?\d+)?)\s*(k?)(?:Hz|Sa?/s|s|$)", value)
+                found = float(number[1]) if number else 0.0
+                if found and STATES_RATE.search(name):
+                    return found * (1e3 if number and number[2] else 1.0)
+                if found and _INTERVAL.search(name):
+                    return 1 / found
+    return 0.0
+
+
+def _untimed(table: Table, laid: Layout) -> bool:
+    """True for a table with a name for each column, or one alone, of which none is a time, by its name or by numbers that go on."""
+    if laid.stamps or not (laid.named or len(laid.names) == 1):
+        return False
+    first = next(iter(table.pieces))
+    values = {one: numbers(first[one], table.decimal) for one in table.names}
+    clocks = [one for one, own in values.items() if goes_on(own) and not counts_rows(own)]
+    return not clocks and not any(meaning(one).kind == TIME for one in table.names)
 
 
 def _check_untimed(laid: Layout, name: str) -> None:

@@ -64,7 +64,9 @@ UNIT_WORDS = {
 MOST_LOST = 0.2  # of the positions: a tracker that loses more follows no bob
 TWICE = 0.2  # by which the ratio of two periods may be off 2
 RELATIVE = "relative"  # in the cell scale: nobody knows it
-_RAW = re.compile(r"(?i)\b(adc|raw|analog\w*|a0|sensor ?value|poti?|potentiometer|au|a\.u|arb)\b")
+_RAW = re.compile(
+    r"(?i)\b(adc|raw|analog\w*|a0|sensor ?value|poti?|potentiometer|au|a\.u|arb|ch(annel)? ?\d+ ?v?)\b"
+)
 
 
 class Interpreted(NamedTuple):
@@ -225,22 +227,24 @@ def _signal(
     where = f"{file}, {place_of(first.name)} ({place})"
     if len(columns.found) == 2:
         both = f"{file}, columns {first.name} and {columns.found[1].name} ({place})"
-        if (line := along_a_line(values[0], values[1])) is not None:
+        unsaid = bool(third) and not first.written
+        if not unsaid and (line := along_a_line(values[0], values[1])) is not None:
             made = _coordinate(row, both, columns, times, line, restoring)
             on_a_line = "the positions lie on a line, which tells no pivot: how far along it is taken for one coordinate"
             return _computed(made, on_a_line)
         try:
             circle = fit_circle(values[0], values[1], both)
         except InputError:
-            if (line := along_most(times, values[0], values[1])) is None:
-                raise
-            if third and not first.written:
+            if unsaid:
                 raise InputError(
                     f"{file}, columns {first.name}, {columns.found[1].name} and {third} ({place})",
-                    "no unit is stated, and they lie on no circle: are they positions of a bob, or its acceleration?",
+                    "no unit is stated, and they lie on no circle: are they positions of a bob, its acceleration, or rates about three axes?",
                     "positions, or an angle or an angular rate",
-                    f"write the unit of positions in the header, as `x (m)`; of an acceleration {OF_ACCELERATIONS}",
+                    "write the unit of positions in the header, as `x (m)`; of a gyroscope name the axis that it swings about ⟨in signal_column⟩, "
+                    f"and rad/s ⟨in signal_unit⟩; of an acceleration {OF_ACCELERATIONS}",
                 ) from None
+            if (line := along_most(times, values[0], values[1])) is None:
+                raise
             made = _coordinate(row, both, columns, times, line, restoring)
             no_circle = "THE POSITIONS LIE ON NO CIRCLE: how far along the axis on which they move most is taken for one coordinate"
             return _computed(made, no_circle)

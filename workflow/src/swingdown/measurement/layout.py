@@ -20,6 +20,7 @@ DIALECTS = (
 LOOKED_AT = 400  # lines from which the dialect is told
 MOST_COLUMNS = 16384  # as many as an office program has
 COMMENT = re.compile(r"^\s*(#+|%+|//+|!)\s*")
+STATES_RATE = re.compile(r"(?i)\b(sample|sampling)[ _](rate|frequency)\b")
 CLOCKED, ARRIVED, READING, SIGNAL = "time (s)", "arrival", "raw", "signal"
 
 
@@ -156,7 +157,11 @@ def layout(above: Sequence[str], sample: Sequence[str], how: Dialect, encoding: 
         k for k in range(size) if 2 * sum(":" in row[k] for row in rows if k < len(row)) > len(rows)
     )
     lines = [
-        [_header_cells(line, how) for line in above if bool(COMMENT.match(line)) == comments]
+        [
+            _header_cells(line, how)
+            for line in above
+            if bool(COMMENT.match(line)) == comments and not STATES_RATE.search(line)
+        ]
         for comments in (False, True)
     ]
     names, titles = _named(lines[0], how, rows, place)
@@ -168,7 +173,7 @@ def layout(above: Sequence[str], sample: Sequence[str], how: Dialect, encoding: 
         names = (names if any(map(tells, names[1:])) else _of_readings(rows, size))[1:]
         names = [ARRIVED if any(meaning(one).kind == TIME for one in names) else CLOCKED, *names]
     headers = tuple(names or [f"column {k}" for k in range(1, size + 1)])
-    joined = any(_before_a_row(how.cells(COMMENT.sub("", line)), how) == names for line in above)
+    joined = named and any(_before_a_row(how.cells(COMMENT.sub("", line)), how) == names for line in above)
     return Layout(encoding, how, _unique(headers), headers, titles, named or how.arrivals, stamps, joined)
 
 
@@ -199,6 +204,8 @@ def _header_cells(line: str, how: Dialect) -> list[str]:
     for separator in dict.fromkeys((how.separator, ",", ";", "\t", SPACES, ".")):
         # one quoted cell over all columns; spaces above rows with tabs; a decimal comma set by machine: `t.a.b` above `0,1`
         inside = _stripped(split(bare.strip().strip('"'), separator))
+        if separator == "." and not re.fullmatch(r"\S+", bare.strip()):
+            continue  # sentences
         if len(inside) == how.size and any(map(tells, inside)):
             return inside
     return cells

@@ -66,10 +66,12 @@ def _of_json(saved: Any) -> dict[str, Floats]:
         return _columns("column", np.array(saved, float))
     found: dict[str, Floats] = {}
     for key, value in saved.items() if isinstance(saved, Mapping) else ():
-        if isinstance(value, list) and value and not isinstance(value[0], str):
+        if isinstance(value, list) and value and isinstance(value[0], Mapping):
+            found |= _of_json(value)
+        elif isinstance(value, list) and value and not isinstance(value[0], str):
             found |= (
                 _columns(str(key), _numbers(value))
-                if not isinstance(value[0], list | dict)
+                if not isinstance(value[0], list)
                 else _of_json({f"{key} {k}": list(one) for k, one in enumerate(zip(*value, strict=True), 1)})
             )
         elif isinstance(value, Mapping):

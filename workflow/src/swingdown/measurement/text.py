@@ -12,6 +12,8 @@ PIECE = 1 << 20  # bytes held at a time
 LONGEST = 1 << 20  # bytes of a line: that of an office program's widest sheet, 16384 columns of 60 digits
 # a spreadsheet's mark for text before a number, or its quotes: `'0:0:0.01`, `'0.3'`
 _QUOTED = re.compile(rb"(?<![^\n,;\t\" ])'([-+.]?\d[-+.,:\deE]*)'?(?![^\n,;\t\" ])")
+_ROW = re.compile(rb'(?m)^"([^"\n]*[,;\t][^"\n]*)"$')  # a row that was taken for one cell
+_FORTRAN = re.compile(rb"(?<=[\d.])[dD](?=[-+]\d)")  # its sign of an exponent: `0.35D+00`
 FOREIGN = {
     b"\x89PNG": ("a PNG picture", "export the table of numbers, not its picture"),
     b"\xff\xd8\xff": ("a JPEG picture", "export the table of numbers, not its picture"),
@@ -93,7 +95,7 @@ def pieces_of(source: BinaryIO, encoding: str, name: str) -> Iterator[tuple[int,
             text += b"\n"
         cut = text.rfind(b"\n") + 1
         if cut:
-            yield line, _QUOTED.sub(rb"\1", text[:cut])
+            yield line, _FORTRAN.sub(b"E", _ROW.sub(rb"\1", _QUOTED.sub(rb"\1", text[:cut])))
             line += text.count(b"\n", 0, cut)
         rest = text[cut:] + half
         if len(rest) > LONGEST:

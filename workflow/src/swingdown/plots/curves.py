@@ -119,12 +119,12 @@ def _curve(axes: Axes, at: Floats, data: xr.Dataset, name: str, scale: float, up
             axes.fill_between(at, low, high, color=colour, alpha=0.25, lw=0)
             axes.plot(at, value, color=colour, ls=dashes, label=words)
     free = data.sel(source="free")
-    bands = {end: free[name + end].values for end in ("_low", "_high")}
-    ends = [  # a band without an end reaches to infinity
-        scale * float(function(bands[end][np.isfinite(bands[end])]))
-        for function, end in ((np.min, "_low"), (np.max, "_high"))
-    ]
     values = scale * free[name].values
+    ends = []
+    for function, end in ((np.min, "_low"), (np.max, "_high")):
+        band = scale * free[name + end].values
+        known = np.isfinite(band)  # a band without an end reaches to infinity
+        ends.append(float(function(band[known] if known.any() else values[np.isfinite(values)])))
     spread = float(np.ptp(values[np.isfinite(values)]))  # of widest swings the period may not be known
     reach = _REACH * spread + 0.02 * abs(float(np.nanmean(values)))
     middle = (np.nanmin(values) + np.nanmax(values)) / 2

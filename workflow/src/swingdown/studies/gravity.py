@@ -277,7 +277,7 @@ def of_words(one: Gravity) -> str:
     if not np.isfinite(one.uncertainty):
         told += f"; the length's uncertainty was not given, and all else makes {one.u_without_length:.2g}"
     if not 0.5 < one.value / ON_EARTH < 2:
-        told += "; no place on Earth has it: is the length's unit right, and the pendulum a bob on a string?"
+        told += "; no place on Earth has it: are the units of length and time right, and the pendulum a bob on a string?"
     return told
 
 
