@@ -268,6 +268,15 @@ def test_something_that_is_no_table(refused, tmp_path):
         ingest({**read_sheet("sheet.csv").loc["a"], "recording": "a"})
 
 
+def test_hdf5_is_read_of_its_only_group_and_several_are_told(make, tmp_path):
+    data = xr.Dataset({"theta_rad": ("sample", 0.3 * np.cos(TIME)), "time_s": ("sample", TIME)})
+    data.to_netcdf(tmp_path / "raw.h5", group="run1")
+    np.testing.assert_allclose(make(file="raw.h5")["signal"].values, 0.3 * np.cos(TIME))
+    data.to_netcdf(tmp_path / "raw.h5", group="run2", mode="a")
+    with pytest.raises(InputError, match="but the groups run1, run2"):
+        make(file="raw.h5")
+
+
 def test_a_netcdf_that_cannot_be_read(refused, tmp_path):
     (tmp_path / "sheet.csv").write_bytes(b"")
     (tmp_path / "swing.csv").write_bytes(b"CDF nonsense")

@@ -30,7 +30,7 @@ from .table import WHOLE, Table
 
 LARGEST = 2_000_000_000  # bytes that the variables of a netCDF file may take: it is held whole
 MOST_BYTES = 5_000_000_000  # of a file: each is read twice, a minute for so many
-NETCDF = (".nc", ".nc4", ".cdf", ".netcdf")
+NETCDF = (".nc", ".nc4", ".cdf", ".netcdf", ".h5", ".hdf5")
 
 
 def runs(source: BinaryIO, row: Mapping[str, Any]) -> list[str]:
@@ -236,13 +236,19 @@ def _netcdf(source: BinaryIO, row: Mapping[str, Any]) -> Table:
     _check_opens(source, name)
     try:
         with library.Dataset(name, memory=source.read()) as file:
-            store = xr.backends.NetCDF4DataStore(file)
+            store = xr.backends.NetCDF4DataStore(_with_variables(file))
             data = xr.open_dataset(store, decode_times=False, decode_timedelta=False).load()
+            groups = ", ".join(file.groups)
     except MemoryError:
         raise
     except Exception as error:  # a damaged file makes the reader fail in ways that nobody listed
         raise InputError(name, f"it cannot be read ({error})", "a netCDF file", "convert it again") from error
     series = {str(key): data[key] for key in (*data.coords, *data.data_vars) if data[key].ndim == 1}
+    if not series:
+        raise InputError(
+            name, "it holds no variable of one dimension" + (f", but the groups {groups}" if groups else ""),
+            "a time and a swing of one recording, each a variable", "save each as an array of its own, a recording a file",
+        )  # fmt: skip
     # the columns are those along the time, or along the longest dimension where the sheet names no time
     sizes = {value.dims[0]: value.size for value in series.values()}
     along = (
@@ -258,17 +264,29 @@ def _netcdf(source: BinaryIO, row: Mapping[str, Any]) -> Table:
     return Table(tuple(table.columns), about, [table], units=units)
 
 
+def _with_variables(group: Any) -> Any:
+    """The group of a file that holds its variables: the file itself, or what it holds as its only group."""
+    while not group.variables and len(group.groups) == 1:
+        (group,) = group.groups.values()
+    return group
+
+
 # Whatever a variable holds is asked for, in a process of its own: damage can make the library crash rather than complain.
 _OPENING = """
 import math
 import sys
 import netCDF4
+def within(group):
+    yield group
+    for one in group.groups.values():
+        yield from within(one)
 with netCDF4.Dataset("in memory", memory=sys.stdin.buffer.read()) as file:
-    declared = sum(math.prod(map(int, one.shape)) * getattr(one.dtype, "itemsize", 8) for one in file.variables.values())
+    variables = [one for group in within(file) for one in group.variables.values()]
+    declared = sum(math.prod(map(int, one.shape)) * getattr(one.dtype, "itemsize", 8) for one in variables)
     if declared > int(sys.argv[1]):
         print(declared)
         sys.exit(3)
-    for variable in file.variables.values():
+    for variable in variables:
         variable[...], variable.__dict__
     file.__dict__
 """
