@@ -307,6 +307,11 @@ def test_the_rate_that_a_file_states_stands_for_its_times(take, above):
     np.testing.assert_array_equal(made["signal"].values, SWING)
 
 
+def test_coordinates_may_stand_behind_the_name_of_what_was_followed():
+    _, found = choose(["Time (ms)", "Bob/0/X", "Bob/0/Y"], "", "", "")
+    assert [one.name for one in found] == ["Bob/0/X", "Bob/0/Y"]
+
+
 def test_settings_beside_the_rows_are_no_columns(take):
     beside = ["Record Length,2.5e+03,", "Source,CH1,", "Vertical Units,V,", *[",,"] * 297]
     made = take("".join(f"{own},{row},\n" for own, row in zip(beside, rows().splitlines(), strict=True)))

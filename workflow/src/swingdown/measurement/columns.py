@@ -57,7 +57,7 @@ _NUMBERS = re.compile(
     r"(?i)(frame|frames|frame ?(no|nr|number|index|id)|bild|bildnummer|fotograma|image|sample|samples|sample ?(no|nr|number|id|index)|index|idx|n|no|nr)\.?"
 )
 _QUATERNION = re.compile(r"(?i)(q|quat|quaternion|orientation)[ _.]?[wxyz0-3]")
-_COORDINATE = re.compile(r"(?i)^(?:.*[ _-])?(?:position[ _-]?)?([xy])(?:[ _-]?(?:position|pos))?$")
+_COORDINATE = re.compile(r"(?i)^(?:.*[ _/-])?(?:position[ _-]?)?([xy])(?:[ _-]?(?:position|pos))?$")
 OF_ACCELERATIONS = (
     "record the gyroscope in the same way: an accelerometer that rides on the bob tells no angle; for a weight on a spring, whose "
     "acceleration swings as it does, write ⟨restoring=linear⟩ and name the column ⟨in signal_column⟩"
@@ -178,7 +178,7 @@ def choose(
             f"{place}, {place_of(clock.name)}",
             f"{_saying(clock)} cannot be the time",
             "a column of time in s, ms or us",
-            "name it ⟨in time_column⟩, or write its unit ⟨in time_unit⟩",
+            "name it ⟨in time_column⟩, or write its unit ⟨in time_unit⟩; of a file without times the samples a second ⟨in rate_hz⟩",
         )
     if not units[0] and clock.written and not clock.unit:
         raise InputError(

@@ -36,6 +36,7 @@ LONG_NAMES = {
     "deg/s": "angular rate as recorded",
     NO_SCALE: "reading of unknown scale as recorded",
 }
+_NAMED = 12  # columns in an error
 STATIC = Judged(np.empty(0), Reading("rad", False), Spikes(np.empty(0, dtype=bool), np.empty(0)), [])
 
 
@@ -105,7 +106,8 @@ def _ingest(row: dict[str, Any], sheet: str, restoring: str) -> xr.Dataset:
             # what is taken for the swing may be another column
             if not (others := may_be_it(table, row)):
                 raise
-            also = f"; or name the column of the angle ⟨in signal_column⟩: {', '.join(others)}"
+            also = f"; or name the column of the angle ⟨in signal_column⟩: {', '.join(others[:_NAMED])}"
+            also += f" and {len(others) - _NAMED} more" if len(others) > _NAMED else ""
             raise type(problem)(
                 problem.where, problem.problem, problem.expected, problem.mend + also, problem.code
             ) from None
