@@ -31,7 +31,7 @@ SETTINGS = {
     "verdict": ("CLEAR",),
     "friction": ("_ANGLES", "_EACH"),
     "discrepancy": ("_BINS", "_SEEN", "_NOISE_KNOWN"),
-    "kinds": ("_ANGLES", "_SPEEDS", "_TIMES", "_SMOOTH", "_KEPT", "_FINE"),
+    "kinds": ("_ANGLES", "_SPEEDS", "_TIMES", "SMOOTH", "_KEPT", "_FINE"),
     "restricted": ("_ANY",),
     "search": ("_LOUDER", "_AGAIN"),
     "admissible": ("CLEAR", "_VAGUE", "_HOPELESS"),
