@@ -68,16 +68,25 @@ def changed(module, name, factor):
     ]
     kept = [one.__defaults__ for one in functions]
     setattr(module, name, other)
+    _forget(module)
     if name.startswith("_") and isinstance(value, int):
         for one in functions:
             one.__defaults__ = tuple(other if each is value else each for each in one.__defaults__)
 
     def back():
         setattr(module, name, value)
+        _forget(module)
         for one, defaults in zip(functions, kept, strict=True):
             one.__defaults__ = defaults
 
     return back
+
+
+def _forget(module):
+    """What a module keeps was computed with its other settings."""
+    for one in vars(module).values():
+        if hasattr(one, "cache_clear"):
+            one.cache_clear()
 
 
 def told(one, base, rounds=4):
