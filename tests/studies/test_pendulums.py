@@ -84,6 +84,15 @@ def test_a_model_with_a_damper_that_gives_energy_describes_nothing_where_another
     assert described_by(one) != "viscous"
 
 
+def test_a_model_that_ran_away_describes_nothing_where_another_does(study):
+    norms, _ = study
+    one = norms.sel(recording=["a1"]).copy(deep=True)
+    one["standard_error"].loc[{"fitted": "viscous"}] = np.nan
+    assert described_by(one) != "viscous"
+    one["standard_error"].loc[{}] = np.nan
+    assert described_by(one) == "viscous"
+
+
 def test_a_model_that_fits_as_well_is_a_rival_and_a_worse_one_is_none(study):
     norms, _ = study
     one = norms.sel(recording=["a1"]).copy(deep=True)

@@ -30,7 +30,7 @@ def described_by(norms: xr.Dataset, catalogue: Catalogue = SHIPPED) -> str:
     -------
     str
         By BIC, for as many samples as count as independent. A model whose effect has a size below 0 that it cannot have (a damper that
-        gives energy) is left out where there is another.
+        gives energy), or without a standard error, as of one that ran away, is left out where there is another.
     """
     labels, evidence, usable = _evidence(norms, catalogue)
     lowest, terms = min(evidence[k] for k in usable), terms_of(norms).sum(axis=1)
