@@ -23,13 +23,13 @@ def followed(swings, changed, base, **options):
     return difference(campaign("pendulum", swings), values, base, **options)
 
 
-def recordings(effects, common, each, frequencies=(6.0, 6.02, 6.01, 6.03), seed=5, noise=NOISE, **options):
+def recordings(effects, common, each, frequencies=(6.0, 6.02, 6.01, 6.03), seed=5, noise=NOISE):
     """A recording for each of these values, beside the common ones."""
     draws, made = np.random.default_rng(seed), []
     for name, frequency, own in zip("abcd", frequencies, each, strict=True):
         values = {"natural_frequency": frequency, **common, **own}
         angle = draws.uniform(0.4, 0.9) * draws.choice([-1, 1])
-        reading = trajectory(effects, values, TIMES, angle, **options).reading
+        reading = trajectory(effects, values, TIMES, angle).reading
         made.append(Swing(name, TIMES, reading + noise * draws.standard_normal(TIMES.size)))
     return made
 
@@ -59,17 +59,15 @@ def test_what_all_recordings_lack_alike_cancels():
     assert found.law.u_exponent < 0.2
 
 
-def test_a_common_misfit_of_many_times_the_noise_hides_no_brake():
-    """A wheel with a weight to one side, which the model lacks, leaves more in each recording than first order can tell."""
-    wheel = recordings(
-        ("viscous", "constant_coulomb", "quadratic_stiffness"),
-        {"constant_friction": 0.1, "quadratic_stiffness": -0.35},
-        [{"viscous_ratio": 0.012 * current**2} for current in CHANGED],
-        restoring="linear",
+def test_what_differs_between_recordings_is_nothing_that_all_lack_alike():
+    """A change so small that a drag of each recording, which changes in time, would be as probable."""
+    small = recordings(
+        ("viscous", "constant_coulomb"),
+        {"constant_friction": 0.02},
+        [{"viscous_ratio": 0.004 + 2e-5 * current} for current in CHANGED],
     )
-    found = followed(wheel, CHANGED, Model("viscous+constant_coulomb", restoring="linear"))
-    assert (found.effect, found.tied_with) == ("viscous", ())
-    assert found.law.exponent == pytest.approx(2, abs=3 * found.law.u_exponent)
+    found = followed(small, CHANGED, Model("viscous+constant_coulomb"), allowed=[])
+    assert found.effect == "viscous"
 
 
 def test_an_effect_that_the_model_has_not_is_found_as_well():

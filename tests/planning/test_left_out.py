@@ -24,8 +24,7 @@ REASONS = {
     "hand": "it does not move as a pendulum that swings by itself",
 }
 # Campaigns of two good swings and others: `some` with the bad ones, `rest` with a record at rest that is one, `mixed` with such as hold no
-# angle, and `whole` without. Campaigns
-# of one recording: `lost` a bad one, `brief` too short for a search, `moved` by a hand, `soft` under a spring that damping does not explain, `kicked` on its way.
+# angle, and `whole` without. Campaigns of one recording: `lost` a bad one, `brief` too short for a search, `moved` by a hand, `soft` under a spring that damping does not explain, `kicked` on its way.
 ALONE = {"counts": "no scale", "volts": "no scale", "peaks": "points of the motion only"}
 ROWS = [
     "recording,campaign,file,role",

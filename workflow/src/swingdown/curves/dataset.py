@@ -98,10 +98,10 @@ def curves(
     Returns
     -------
     xarray.Dataset
-        By ``source``, ``free`` of a model, ``model`` (with what it lacks), and that ``alone`` (without a band): ``period`` (s), ``frequency`` (Hz), ``loss`` (share of the amplitude, a
-        swing), ``damping_ratio``, ``quality``, ``restoring`` and ``friction`` (rad/s²), each with standard uncertainty (``_u``) and
-        95 % band (``_low``, ``_high``). ``swing_period`` and ``swing_loss`` are single swings, over ``swing``. NaN where the readings
-        have no unit of angles or no times.
+        By ``source``, ``free`` of a model, ``model`` (with what it lacks), and that ``alone`` (without a band): ``period`` (s),
+        ``frequency`` (Hz), ``loss`` (share of the amplitude, a swing), ``damping_ratio``, ``quality``, ``restoring`` and ``friction``
+        (rad/s²), each with standard uncertainty (``_u``) and 95 % band (``_low``, ``_high``). ``swing_period`` and ``swing_loss`` are
+        single swings, over ``swing``. NaN where the readings have no unit of angles or no times.
 
     Raises
     ------
@@ -124,17 +124,14 @@ def curves(
     speed = np.linspace(0.0, found.scale * float(found.ideal.speed(np.array([found.high]))[0]), _POINTS)
     # at the middle a torque's share of the ideal one is asked beside it
     inside = np.maximum(angle, 1e-3 * found.high)
-    each = [_of_free(found, amplitude, inside, speed)]
-    if model is None:
-        each += [{name: Band(np.full_like(one.value, np.nan), np.full_like(one.value, np.nan), np.nan) for name, one in each[0].items()}] * 2  # fmt: skip
-    else:
-        beside = with_discrepancy(found, model, covariance, amplitude, inside, speed)
-        each.append({name: Band(one.value, one.u, one.factor) for name, one in beside.items()})
-        each.append(
-            {name: Band(one.alone, np.full_like(one.u, np.nan), np.nan) for name, one in beside.items()}
-        )
+    own = _of_free(found, amplitude, inside, speed)
+    beside = alone = {name: _bandless(np.full_like(one.value, np.nan)) for name, one in own.items()}
+    if model is not None:
+        known = with_discrepancy(found, model, covariance, amplitude, inside, speed)
+        beside = {name: Band(one.value, one.u, one.factor) for name, one in known.items()}
+        alone = {name: _bandless(one.alone) for name, one in known.items()}
     slack = of_angles(angles)
-    bands = [_with_clock(one, slack, angle / inside) for one in each]
+    bands = [_with_clock(one, slack, angle / inside) for one in (own, beside, alone)]
     variables = _by_source(bands, scaled)
     variables |= _single(swings, scale)
     coordinates = {
@@ -160,6 +157,10 @@ def curves(
 def _reading(angle: xr.Dataset) -> tuple[float, str]:
     """What 1 rad stands for in a dataset of readings without a unit of angles, and their unit."""
     return float(angle.attrs.get("points_scale", 1.0)), str(angle.attrs.get("points_unit", "1"))
+
+
+def _bandless(value: Floats) -> Band:
+    return Band(value, np.full_like(value, np.nan), np.nan)
 
 
 def _of_free(found: Free, amplitude: Floats, angle: Floats, speed: Floats) -> dict[str, Band]:

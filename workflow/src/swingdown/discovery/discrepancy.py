@@ -136,8 +136,8 @@ class Unnamed:
         A torque of smoothness l that moves a swing by d is another one there, by about d / l of it: d^2 / l is less than the noise.
         """
         largest, samples = max(np.ptp(one.angle) for one in swings) / 2, sum(one.times.size for one in swings)
-        moved = SMOOTH[0] * largest * self._noise.deviation
-        return float(moved * samples / self._directions.shape[1] / self._noise.slow_variance)
+        squared = SMOOTH[0] * largest * self._noise.deviation  # d^2
+        return float(squared * samples / self._directions.shape[1] / self._noise.slow_variance)
 
     def _binned(self, frame: Frame, series: Floats) -> Floats:
         """Series (samples and what stands below them, any) in bins of time, weighed by their samples."""

@@ -22,7 +22,8 @@ _SEEN = 0.01  # of the largest torque: nearer than this, one line hides the othe
 def backbone(data: xr.Dataset) -> style.Drawn:
     """A figure of frequency, loss and damping ratio against amplitude, restoring torque over angle and friction over speed.
 
-    Each is free of a model, of the model with what it lacks, and of the model alone. Single swings are drawn as dots, of many the means of neighbours with two standard errors.
+    Each is free of a model, of the model with what it lacks, and of the model alone. Single swings are drawn as dots, of many the means of
+    neighbours with two standard errors.
 
     Parameters
     ----------
@@ -56,9 +57,7 @@ def backbone(data: xr.Dataset) -> style.Drawn:
     low, high = first.get_xlim()
     marks = MaxNLocator(4, steps=[1, 2, 5, 10]).tick_values(low, high)
     inside = [mark for mark in marks if low <= mark <= high]
-    first.set_xticks(
-        inside[:: max(len(inside) - 1, 1)]
-    )  # of frequencies so near to each other two fill a panel
+    first.set_xticks(inside[:: max(len(inside) - 1, 1)])  # of so many digits two fill a panel
     if torques:
         left, right = figure.add_subplot(grid[1, :3]), figure.add_subplot(grid[1, 3:])
         _restoring(left, data, timed)

@@ -243,7 +243,12 @@ def _bars(panel: Axes, maps: xr.Dataset, order: Sequence[str]) -> None:
     panel.tick_params(axis="x", length=0)
 
 
-MAPS = {name: partial(probability, name=f"true_{name}") for name in ("by_norm", "by_bic", "by_ten")} | {"detection": detection}  # fmt: skip
+MAPS = {
+    "by_norm": partial(probability, name="true_by_norm"),
+    "by_bic": partial(probability, name="true_by_bic"),
+    "by_ten": partial(probability, name="true_by_ten"),
+    "detection": detection,
+}
 
 
 def _told(maps: xr.Dataset, dim: str, k: int) -> str:

@@ -58,9 +58,9 @@ def _evidence(norms: xr.Dataset, catalogue: Catalogue) -> tuple[list[str], Float
     at = [known.index(one.size.name) for one in effects if one.size and one.one_sided]
     sizes = over(norms, "value", "fitted", "parameter")[:, at].reshape(len(labels), -1)
     sound = ~(sizes < 0).any(axis=1) & np.isfinite(evidence)
-    if "standard_error" in norms:  # without one, a parameter runs away and tells nothing
-        told = np.isfinite(over(norms, "standard_error", "fitted").reshape(len(labels), -1)).any(axis=1)
-        sound &= told | ~told.any()
+    # without a standard error a parameter runs away, and tells nothing
+    told = np.isfinite(over(norms, "standard_error", "fitted").reshape(len(labels), -1)).any(axis=1)
+    sound &= told | ~told.any()
     usable = np.flatnonzero(sound).tolist() or list(range(len(labels)))
     return labels, evidence, usable
 

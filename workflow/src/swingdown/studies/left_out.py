@@ -28,7 +28,7 @@ def left_out(
     """A row for each recording that was left out, in the order of the study.
 
     Columns: campaign, recording, label, file, problem, expected, mend, and ``left_out_of``: ``everything``, or ``the search`` of a
-    recording whose campaign could not be searched. ``lost`` are rows of ``measurement.refused.left_out``; ``verdicts`` the contents of
+    recording that holds no angle, or whose campaign could not be searched. ``lost`` are rows of ``measurement.refused.left_out``; ``verdicts`` the contents of
     verdict.json; ``before`` a table of what was left out before the study began, of which some are ``members`` of the study all the same.
     """
     rows = [] if before is None else before.astype(object).where(before.notna(), "").to_dict("records")
