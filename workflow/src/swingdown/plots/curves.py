@@ -275,7 +275,7 @@ def resonances(data: xr.Dataset) -> style.Drawn:
     )
     for axes in (upper, lower):
         axes.grid(True)
-    figure.legend(loc="outside upper left", ncols=3)
+    figure.legend(loc="outside upper left", ncols=4)
     beyond = "" if np.isfinite(own["peak_amplitude"]).all() else "cut: peaks beyond the ring-down"
     drive = (
         "torque over inertia"
