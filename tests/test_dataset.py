@@ -47,6 +47,12 @@ def test_every_file_says_what_it_is_and_by_what_it_was_made(labelled, tmp_path):
     assert dataset.read(dataset.write(large, path))["n"].values[0] == 2**40
 
 
+def test_a_missing_number_is_told_to_every_reader_and_no_time_is_missing(labelled, tmp_path):
+    """CF 2.5.1: NaN stands for no number, and a coordinate has one everywhere, so that it names none."""
+    with netCDF4.Dataset(dataset.write(labelled, tmp_path / "a.nc")) as file:
+        assert np.isnan(file["angle"]._FillValue) and "_FillValue" not in file["time"].ncattrs()
+
+
 def test_the_same_dataset_gives_the_same_bytes(labelled, tmp_path):
     first = dataset.write(labelled, tmp_path / "a.nc").read_bytes()
     assert dataset.write(labelled, tmp_path / "a.nc").read_bytes() == first

@@ -143,6 +143,24 @@ def test_towers_rest_and_swings_in_one_go(board, monkeypatch):
         assert told in said
 
 
+def test_a_prompt_shows_the_signal_at_once_however_long_the_board_takes_to_settle(board):
+    """The port has been open since the session began: what comes while somebody is asked is the signal of now."""
+
+    class Looking:
+        def prompt(self, text, wait, look):
+            until = time.monotonic() + 0.5
+            while time.monotonic() < until:
+                seen.append(look())
+            return False
+
+        def close(self):
+            pass
+
+    seen = []
+    session.run(asked(board(lambda t: 640), {"recording": "a"}, settle_s=5), Looking(), say=seen.append)
+    assert seen[-1].startswith("640.0000 V")
+
+
 def test_a_session_goes_on_where_it_was_left_and_overwrites_nothing(board):
     line = board(swings)
     said = run(asked(line, {"recording": "a,b"}))

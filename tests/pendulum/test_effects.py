@@ -203,6 +203,33 @@ def test_an_effect_is_one_entry(monkeypatch, tmp_path):
     assert np.abs(read - expected).max() < 1e-8
 
 
+def test_states_may_follow_from_one_another(monkeypatch, tmp_path):
+    """A state that is the integral of an integral: the distance of a mass whose velocity follows the pendulum's."""
+    mine = Effect(
+        "trailer",
+        "-k_f*(x_f + w_f)",
+        (Parameter("trail_stiffness", "k_f", "1/s^2"), Parameter("trail_rate", "r_f", "1/s")),
+        "A mass drags behind, and pulls back by how far it has come, and by how far on average.",
+        "none",
+        states=(
+            State("x_f", "rad", "0.1", "w_f"),
+            State("w_f", "rad", "0", "v_f"),
+            State("v_f", "rad", "0", "r_f*(theta - v_f)"),
+        ),
+    )
+    monkeypatch.setenv("SWINGDOWN_CACHE", str(tmp_path))
+    values = {"natural_frequency": 6.0, "trail_stiffness": 2.0, "trail_rate": 3.0}
+    times = np.linspace(0, 4, 101)
+    read = simulate(Model("trailer", values, catalogue=Catalogue((mine,))), times, 0.6)
+
+    def moving(t, y):
+        return [y[1], -36 * np.sin(y[0]) - 2.0 * (y[2] + y[3]), y[3], y[4], 3.0 * (y[0] - y[4])]
+
+    start = [0.6, 0.0, 0.1, 0.0, 0.0]
+    expected = solve_ivp(moving, (0, 4), start, method="DOP853", rtol=1e-12, atol=1e-14, t_eval=times).y[0]
+    assert np.abs(read - expected).max() < 1e-8
+
+
 def test_a_catalogue_never_changes():
     wider = SHIPPED.with_effects(
         Effect("own", "-k_o*theta", (Parameter("own_k", "k_o", "1/s^2"),), "A.", "none")

@@ -89,6 +89,11 @@ def row(name, **cells):
     return known | {"period_s": 2.02, "amplitude_rad": 0.3} | cells  # fmt: skip
 
 
+def test_what_no_body_has_is_told_by_its_distances_and_periods():
+    with pytest.raises(InputError, match=r"0\.5 m and 0\.6 m give no g with periods of 2 s and 4 s"):
+        gravity_of_two_pivots([SECOND, Stated(np.pi / 2, 1e-4)], [Stated(0.5, 1e-4), Stated(0.6, 1e-4)])
+
+
 def test_recordings_of_one_pendulum_share_its_length():
     table = pd.DataFrame([row("a"), row("b"), row("(joint)")])
     both, found = with_gravity(table, {"a": {"length": "99.4(1) cm"}, "b": {"length": "99.4(1) cm"}})

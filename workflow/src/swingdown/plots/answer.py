@@ -121,11 +121,11 @@ def shown_in(data: xr.Dataset) -> list[Shown]:
     return sorted(found, key=lambda one: (one.recording, float(one.times[0])))
 
 
-def thinned(time: Floats, values: Floats, columns: int = _PIXELS) -> tuple[Floats, Floats]:
-    """Times and values that look the same at so many columns of pixels: of each column the least and the greatest value."""
-    if time.size <= 2 * columns:
+def thinned(time: Floats, values: Floats) -> tuple[Floats, Floats]:
+    """Times and values that look the same in a picture of ``_PIXELS`` columns: of each column the least and the greatest value."""
+    if time.size <= 2 * _PIXELS:
         return time, values
-    edges = np.linspace(0, time.size, columns + 1).astype(int)[:-1]
+    edges = np.linspace(0, time.size, _PIXELS + 1).astype(int)[:-1]
     ends = np.append(edges[1:], time.size)
     kept = np.array(
         [

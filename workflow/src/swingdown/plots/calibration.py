@@ -14,14 +14,14 @@ LINE, EXTREME, FLAG = style.COLOURS["viscous"], style.COLOURS["load_coulomb"], s
 
 
 @style.styled
-def fig08(calibration: xr.Dataset, mode: str | None = None) -> Figure:
+def fig08(calibration: xr.Dataset) -> Figure:
     """The calibration line, the lowest point enlarged, and what is left beside the line (the paper's Figure 8).
 
-    ``calibration`` is the calibration dataset; ``mode`` picks one of its modes of uncertainty, by default the one its
-    attribute ``mode`` names, else the first. Boxes reach one standard uncertainty to each side of a point (in mode
+    ``calibration`` is the calibration dataset; of its modes of uncertainty the one that its attribute ``mode`` names is drawn,
+    else the first. Boxes reach one standard uncertainty to each side of a point (in mode
     ``paper`` one limit of error); a point that was left out of the line has none.
     """
-    mode = mode or calibration.attrs.get("mode", str(calibration["mode"].values[0]))
+    mode = calibration.attrs.get("mode", str(calibration["mode"].values[0]))
     data = calibration.sel(mode=mode)
     voltage, angle = data["voltage"].values, style.degrees(data["angle"])
     boxes = data["voltage_uncertainty"].values, style.degrees(data["angle_uncertainty"])

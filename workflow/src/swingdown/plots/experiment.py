@@ -141,14 +141,13 @@ def _residual(
 
 
 @style.styled
-def fig15(norms: xr.Dataset, table3: pd.DataFrame, campaign: str | None = None) -> Figure:
+def fig15(norms: xr.Dataset, table3: pd.DataFrame) -> Figure:
     """The norms of all models, run by run and as mean ± standard deviation (the paper's Figure 15).
 
     ``norms`` has ``norm`` (fitted, recording) and ``error_bound_norm`` (recording), in degrees; ``table3`` has the
-    campaign's mean and std, and the paper's, by fitted model and for ``error_bounds``. ``campaign`` is by default the
-    first of the table.
+    campaigns' mean and std, and the paper's, by fitted model and for ``error_bounds``. The first campaign is drawn.
     """
-    campaign = table3["campaign"].iloc[0] if campaign is None else campaign
+    campaign = table3["campaign"].iloc[0]
     norms, table = _of_campaign(norms, campaign), table3[table3["campaign"] == campaign].set_index("fitted")
     fitted = [str(label) for label in norms["fitted"].values]
     figure = style.new_figure(10)

@@ -14,14 +14,15 @@ PAPER, NELDER_MEAD, LEAST_SQUARES = -0.24, -0.05, 0.18  # where marks stand, fro
 
 
 @style.styled
-def fig02(realizations: xr.Dataset, simulated: str = "viscous", realization: int = 0) -> Figure:
-    """One noisy realisation on the noise-free series, the noise alone below (the paper's Figure 2).
+def fig02(realizations: xr.Dataset) -> Figure:
+    """The first noisy realisation of viscous damping on the noise-free series, the noise alone below (the paper's Figure 2).
 
     ``realizations`` has ``truth`` (simulated, time) and ``noisy`` (simulated, realization, time), in rad.
     """
+    simulated = "viscous"
     if simulated not in realizations["simulated"].values:
         return style.absent(f"This study does not simulate {style.name(simulated)} damping.")
-    data = realizations.sel(simulated=simulated).isel(realization=realization)
+    data = realizations.sel(simulated=simulated).isel(realization=0)
     time, truth, noisy = data["time"].values, style.degrees(data["truth"]), style.degrees(data["noisy"])
 
     figure = style.new_figure(9)

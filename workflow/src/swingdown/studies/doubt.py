@@ -57,7 +57,7 @@ def other_columns(angle: xr.Dataset) -> str:
     return f"; or name the column of the swing ⟨in signal_column⟩: {others}" if others else ""
 
 
-def fit_free(angle: xr.Dataset, fitted: Sequence[Model], start: str = "free") -> xr.Dataset:
+def fit_free(angle: xr.Dataset, fitted: Sequence[Model]) -> xr.Dataset:
     """The fits of a swing that a pendulum makes by itself, or under a measured drive.
 
     Parameters
@@ -65,9 +65,7 @@ def fit_free(angle: xr.Dataset, fitted: Sequence[Model], start: str = "free") ->
     angle
         As ``measurement.angle.to_angle`` returns it.
     fitted
-        The models to fit.
-    start
-        ``free``: the release is fitted too; ``rest``: the swing begins at rest.
+        The models to fit, each with a release of its own.
 
     Returns
     -------
@@ -81,8 +79,8 @@ def fit_free(angle: xr.Dataset, fitted: Sequence[Model], start: str = "free") ->
     InputError
         As of ``fit_any``.
     """
-    fits = fit_any(angle, fitted, start)
-    ask(fits, angle, fitted, start)
+    fits = fit_any(angle, fitted)
+    ask(fits, angle, fitted)
     return fits
 
 

@@ -22,9 +22,7 @@ class Timed(NamedTuple):
     amplitude: float
 
 
-def timed(
-    times: Floats, series: Floats, curve: Floats | None = None, most: int = SWINGS
-) -> tuple[Timed, Timed] | None:
+def timed(times: Floats, series: Floats, curve: Floats | None = None) -> tuple[Timed, Timed] | None:
     """The first and the last swings of a recording, each timed together as with a stop-watch; None where fewer than two whole ones are seen.
 
     Parameters
@@ -37,8 +35,6 @@ def timed(
         The fitted swing, of shape (sample,). It tells when the middle is passed. Where passages of the recording run away from these, they
         tell the mean. None where no model follows the swing: then each passage of the recording counts, so that one at an end that noise
         moved matters less. Passages that a hole hides are counted by the time between the others.
-    most
-        Swings that are timed together.
     """
     swings = half_swings(course := series if curve is None else curve)
     passed, halves = counted_passages(times, course, HIDES)
@@ -46,7 +42,7 @@ def timed(
         return None
     late = _late(times, series, passed)
     away = np.abs(swings.turns[1:-1] - swings.centre())
-    count = int(min(most, halves[-1] // 2))
+    count = int(min(SWINGS, halves[-1] // 2))
 
     def of(first: int, last: int, other: int) -> Timed:
         """Of these half-swings; both ways through the middle count alike, so that one beside the true one moves nothing."""
