@@ -245,3 +245,13 @@ def test_light_that_changes_over_half_the_picture_is_no_bob(films, tmp_path):
     _, found, seen = followed(remade(tmp_path / "light.avi", [path], flickering))
     assert seen.mean() > 0.9
     assert np.corrcoef(found, angles[: seen.size][seen])[0, 1] > 0.999
+
+
+def test_of_areas_those_that_stand_out_are_not_the_bobs():
+    """Areas that scatter as much as a shining bob's: twice their deviation from the usual one is one of them, four times is none."""
+    random = np.random.default_rng(0)
+    xy = np.column_stack([100 * np.sin(np.arange(400) / 9), np.zeros(400)])
+    areas = 900 * (1 + 0.12 * random.standard_normal(400))
+    areas[10], areas[20], areas[30] = 900 * (1 + np.array([0.12 * 2, 0.12 * 4.2, -0.12 * 4.2]))
+    kept = video._of_usual_area(xy, areas)
+    assert kept[10] and not kept[20] and not kept[30] and kept.mean() > 0.97

@@ -268,3 +268,11 @@ def test_a_sheet_of_notes_before_the_recording_is_passed(tmp_path):
         pd.DataFrame({"notes": ["string", "ball"]}).to_excel(book, sheet_name="notes", index=False)
         pd.DataFrame({"t (s)": TIMES, "angle (rad)": swing()}).to_excel(book, sheet_name="data", index=False)
     assert "sheet `data`" in swingdown.read(tmp_path / "two.xlsx").taken[0]
+
+
+def test_a_slow_rate_is_a_rate(tmp_path):
+    """A torsion pendulum of a minute, a sample each two seconds, saved without times."""
+    times = 2.0 * np.arange(400)
+    np.save(tmp_path / "slow.npy", 0.3 * np.exp(-times / 600) * np.cos(2 * np.pi * times / 60))
+    recording = swingdown.read(tmp_path / "slow.npy", rate=0.5, unit="rad", restoring="linear")
+    assert recording.swings[0]["time"].values[:3] == pytest.approx([0, 2, 4])

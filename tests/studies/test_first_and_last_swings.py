@@ -7,7 +7,7 @@ import xarray as xr
 import swingdown
 from swingdown.studies.pendulums import NOT_DYING, pendulums
 from swingdown.studies.quantities import cycle
-from swingdown.studies.timed import timed
+from swingdown.studies.stop_watch import timed
 from swingdown.studies.unscaled import of_first_swings, pace_of
 
 TIMES = np.arange(0.0, 40.0, 0.02)

@@ -1,5 +1,8 @@
 """How work is dealt does not matter to the numbers, and what is dealt stays dealt when the table grows."""
 
+import json
+from pathlib import Path
+
 import numpy as np
 import pytest
 import xarray as xr
@@ -9,6 +12,7 @@ from swingdown.errors import InputError
 from swingdown.planning.settings import complete
 from swingdown.sweep.chunks import add_to_book, deal, find_chunk
 from swingdown.sweep.combine import combine, read_maps
+from swingdown.sweep.job import record
 from swingdown.sweep.job import work as job
 from swingdown.sweep.summary import intervals, table
 from swingdown.sweep.table import sweeps
@@ -255,3 +259,13 @@ def test_code_that_changes_under_a_run_stops_its_jobs(tmp_path):
         said.add(str(caught.value))
     assert len(dealt.files) > 1 and len(said) == 1  # so that a run tells it once
     assert not (tmp_path / "chunks").exists()
+
+
+def test_a_job_finds_a_chunk_that_is_whole_and_its_record_says_what_it_took(tmp_path):
+    chunk = tmp_path / "0123456789abcdef-0a1b2c3d.nc"
+    dataset.write(xr.Dataset(attrs={"computes": "identification", "code": "0a1b2c3d", "cpu_s": 1.5}), chunk)
+    assert job(tmp_path / "no-book.jsonl", chunk.stem, chunk) == f"{chunk.stem} is whole already"
+    text = Path(record(chunk, tmp_path / "jobs" / "record.json")).read_text()
+    told = json.loads(text)
+    assert (told["computes"], told["code"], told["cpu_s"]) == ("identification", "0a1b2c3d", 1.5)
+    assert "swingdown" not in told and text.startswith("{") and text.split("}", 1)[1].startswith("\n")

@@ -184,7 +184,7 @@ def _first_event(pendulum, t, y, end, s, kinks, samples):
     )
 
 
-def trajectory(
+def trajectory(  # noqa: PLR0913
     effects,
     values,
     times,

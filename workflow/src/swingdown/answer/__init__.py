@@ -63,7 +63,7 @@ BASE = BASES["sine"]
 
 
 @told_to(TO_FIT)
-def fit(
+def fit(  # noqa: PLR0913
     times: Swings | Sequence[Swings],
     angles: Swings | Sequence[Swings] | None = None,
     *,
@@ -267,7 +267,7 @@ def _fitted(
 
 
 @told_to(TO_FIT)
-def explain(
+def explain(  # noqa: PLR0913
     times: Swings | Sequence[Swings],
     angles: Swings | Sequence[Swings] | None = None,
     *,

@@ -26,10 +26,10 @@ from ..pendulum.model import Model
 from ..rounding import value_with_uncertainty
 from ..studies.pendulums import by_verdict, in_order, residual_of
 from ..studies.quantities import Quantity
+from ..studies.stop_watch import by_stop_watch
 from ..studies.words import headline, lines, or_models, quantity_rows, short
 from .recorded import samples_of
 from .simulation import swing_of
-from .stop_watch import by_stop_watch
 
 if TYPE_CHECKING:
     from ..plots.style import Drawn

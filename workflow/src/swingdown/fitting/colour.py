@@ -124,7 +124,8 @@ def autoregression(series: Sequence[Floats], highest: int = _HIGHEST) -> Colour:
     whole = n == sum(one.size for one in forward)
     total = np.sum if whole else np.nansum
     variance = sum(float(total(one**2)) for one in forward) / n
-    best, coefficients = Colour(np.zeros(0), variance), np.zeros(0)
+    coefficients = np.zeros(0)
+    best = Colour(coefficients, variance)
     least = bic = n * np.log(variance) if variance > 0 else -np.inf
     for _ in range(min(highest, min(one.size for one in forward) // _FEWEST)):
         ahead, behind = [one[1:] for one in forward], [one[:-1] for one in backward]

@@ -27,7 +27,7 @@ _ROUGH, _ROUGH_EVALUATIONS = (
 )  # tolerance of a part's optimum, which is only a start; evaluations for all parts
 
 
-def fit_jointly(
+def fit_jointly(  # noqa: PLR0913
     model: Model | str,
     swings: Swings,
     *,

@@ -171,7 +171,7 @@ def interpret(table: Table, row: Mapping[str, Any], place: str, restoring: str) 
             f"the file has {len(table.names)} columns and no names of them: `{names[0]}` was taken (⟨signal_column⟩ says otherwise)"
         )
     third = next((name for name in table.names if name.strip().lower() == "z"), "")
-    made = _signal(row, place, columns, names, times, values, restoring, third)
+    made = _signal(row, place, columns, times, dict(zip(names, values, strict=False)), restoring, third)
     if len(names) > 1 and len(columns.found) == 1:  # of a gyroscope's axes the one that turns most
         columns = columns._replace(found=[replace(columns.found[0], name=made.column)])
     told_unit = columns.time_unit or {
@@ -213,9 +213,8 @@ def _signal(
     row: Mapping[str, Any],
     place: str,
     columns: Chosen,
-    names: list[str],
     times: Floats,
-    values: list[Floats],
+    read: Mapping[str, Floats],
     restoring: str,
     third: str,
 ) -> Interpreted:
@@ -223,7 +222,7 @@ def _signal(
 
     ``third`` is the column z beside x and y, "" for none.
     """
-    first, file = columns.found[0], row["file"]
+    first, file, names, values = columns.found[0], row["file"], list(read), list(read.values())
     where = f"{file}, {place_of(first.name)} ({place})"
     if len(columns.found) == 2:
         both = f"{file}, columns {first.name} and {columns.found[1].name} ({place})"
@@ -262,7 +261,7 @@ def _signal(
         )
     if not columns.unit and (first.kind in (LENGTH, SPEED) or (first.axis and columns.clock.axis != "x")):
         return _coordinate(row, where, columns, times, values[0], restoring)
-    taken, told = turning_most(names, values[: len(names)])
+    taken, told = turning_most(names, values)
     about = {"counts_per_revolution": row["counts_per_revolution"]} if columns.unit == "counts" else {}
     if first.kind == UNTOLD and not columns.unit and not row.get("scale"):
         check_once(values[taken], where)

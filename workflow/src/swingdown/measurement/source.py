@@ -193,7 +193,7 @@ def _local(name: str) -> BinaryIO:
 def _copied(address: str) -> BinaryIO:
     copy = tempfile.TemporaryFile()  # noqa: SIM115 - closed by ``opened``
     with urllib.request.urlopen(address, timeout=30) as answer:
-        while (piece := answer.read(1 << 20)) and copy.tell() <= MOST_BYTES:
+        while (piece := answer.read(io.DEFAULT_BUFFER_SIZE)) and copy.tell() <= MOST_BYTES:
             copy.write(piece)
     return copy
 

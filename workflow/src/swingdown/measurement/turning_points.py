@@ -9,6 +9,7 @@ import re
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.special import bdtr, stdtrit
 
 from ..arrays import Floats
@@ -107,26 +108,8 @@ def points_in(
                 "each number is taken for a whole swing (half_swings ⟨in signal_kind⟩ says otherwise)"
             )
     else:
-        times, readings, told = _once(times, readings, signed)
-        count, used = _counts(times, np.abs(readings) * in_rad, place)
-        halves = step * count
-        if halves.size < min(times.size, 2 * FEWEST) and not stated:
-            # that they are turning points is a guess: of a few points it has to suit all
-            raise _no_count(place)
-        if halves.size < times.size:
-            told.append(
-                f"used from {times[used][0]:.6g} to {times[used][-1]:.6g} s: how many swings passed beyond cannot be told"
-            )
-        times, readings, remarks = times[used], readings[used], remarks + told
-        if np.min(np.diff(count)) > 1:
-            remarks.append(
-                "no two of its points follow each other: a whole fraction of this period fits them as well"
-            )
-        if not both and not stated:
-            _check_marks(times, place)
-            remarks.append(
-                "were they of both sides without signs, the period would be twice this (half_swings ⟨in signal_kind⟩)"
-            )
+        times, readings, halves, told = _numbered(times, readings, sides, in_rad, place, stated)
+        remarks += told
     sign = 1.0 if halves[0] % 2 == 0 else -1.0
     if signed:
         flipped = readings * (1.0 if readings[0] > 0 else -1.0) * sign
@@ -145,6 +128,39 @@ def points_in(
     if not both:
         remarks.append("the law of its damping depends on the zero of its scale: only one side was recorded")
     return Points(times, halves, flipped, both, not counted, remarks)
+
+
+def _numbered(
+    times: Floats,
+    readings: Floats,
+    sides: tuple[bool, bool, list[str]],
+    in_rad: float,
+    place: str,
+    stated: str,
+) -> tuple[Floats, Floats, NDArray[np.int_], list[str]]:
+    """Times and readings of the turning points that can be counted by their times, their numbers in half-swings, and remarks."""
+    both, signed, _ = sides
+    times, readings, told = _once(times, readings, signed)
+    count, used = _counts(times, np.abs(readings) * in_rad, place)
+    halves = (1 if both else 2) * count
+    if halves.size < min(times.size, 2 * FEWEST) and not stated:
+        # that they are turning points is a guess: of a few points it has to suit all
+        raise _no_count(place)
+    if halves.size < times.size:
+        told.append(
+            f"used from {times[used][0]:.6g} to {times[used][-1]:.6g} s: how many swings passed beyond cannot be told"
+        )
+    times, readings = times[used], readings[used]
+    if np.min(np.diff(count)) > 1:
+        told.append(
+            "no two of its points follow each other: a whole fraction of this period fits them as well"
+        )
+    if not both and not stated:
+        _check_marks(times, place)
+        told.append(
+            "were they of both sides without signs, the period would be twice this (half_swings ⟨in signal_kind⟩)"
+        )
+    return times, readings, halves, told
 
 
 def _sides(

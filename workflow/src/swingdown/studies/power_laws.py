@@ -185,7 +185,7 @@ def power_law(
             f"at least {FEWEST} values above 0, and quantities above 0", "add recordings at other values",
         )  # fmt: skip
     base = y[~rest].mean() if rest.sum() < x.size else 0.0
-    if base and np.unique(x[rest]).size > FEWEST - 1 and np.all(y[rest] > base):
+    if base and np.all(y[rest] > base):
         return _with_offset(x, y, u_x, u_y, theory, float(base))
     if offset and np.unique(x).size > FEWEST:
         return _with_offset(x, y, u_x, u_y, theory, 0.5 * float(y[np.argmin(x)]))

@@ -1,13 +1,15 @@
 """What a stop-watch would show: the mean period of the first swings of a recording, and of its last."""
 
-from typing import NamedTuple
+from collections.abc import Sequence
+from typing import Any, NamedTuple
 
 import numpy as np
+import pandas as pd
 from scipy import stats
 
-from ..arrays import Floats
+from ..arrays import Floats, Shown, finite_or_none
 from ..measurement.half_swings import half_swings, passages
-from .unscaled import HIDES, counted_passages
+from .unscaled import HIDES, counted_passages, course_seen, of_first_swings
 
 SWINGS = 10  # that are timed; of a shorter recording all
 _FEWEST = 2
@@ -93,3 +95,44 @@ def _run_away(halves: np.ndarray, late: Floats) -> float:
     u = scatter / float(np.sqrt(np.sum((at - at.mean()) ** 2)))
     doubt = np.exp(min(1 - (slope / u) ** 2 / 2, 700.0)) if u > 0 else 0.0
     return float(slope / (1 + doubt))
+
+
+def by_stop_watch(shown: Sequence[Shown], table: pd.DataFrame) -> list[dict[str, Any]]:
+    """By recording, for JSON, the mean period of its first and of its last ten swings, with the amplitude (rad) in their middle where it is
+    known; and the period of the first whole swing by its passages of the middle alone.
+
+    Parameters
+    ----------
+    shown
+        The swings with the fit.
+    table
+        The rows of ``studies.pendulums``; the last is that of a recording without one of its own.
+    """
+    rows = {one["recording"]: one for one in table.to_dict("records")}
+    told = []
+    for name in dict.fromkeys(one.recording for one in shown):
+        parts, row = [one for one in shown if one.recording == name], rows.get(name, table.iloc[-1].to_dict())
+        times, series, fit = (
+            np.concatenate([getattr(one, key) for one in parts]) for key in ("times", "angle", "fit")
+        )
+        found = timed(times, series, None if course_seen(row) else fit)
+        if found:
+            scaled = parts[0].unit == "rad" and np.isfinite(row["amplitude_rad"])
+            first, last = (
+                {"period_s": finite_or_none(one.period), "amplitude_rad": one.amplitude if scaled else None}
+                for one in found
+            )
+            alone = of_first_swings(times, series)
+            told.append(
+                {
+                    "recording": name,
+                    "first_swing": {
+                        "period_s": finite_or_none(alone["period_first"]),
+                        "standard_uncertainty": finite_or_none(alone["period_first_u"]),
+                    },
+                    "swings": found[0].swings,
+                    "first": first,
+                    "last": last,
+                }
+            )
+    return told
