@@ -74,8 +74,8 @@ def told_of(pool: Pool, best: Structure) -> tuple[Structure, dict[str, Finding]]
         best = max(rubbing, key=lambda one: one.evidence, default=best)
     whole = found = judged(pool, best)
     here = best
-    while any(one.share > SHARE for one in found.values()):
-        fewer = pool.lacking(here, [max(found, key=lambda name: np.nan_to_num(found[name].share))])
+    while shares := {name: one.share for name, one in found.items() if one.share > SHARE and not one.sure}:
+        fewer = pool.lacking(here, [max(shares, key=lambda name: shares[name])])
         if not fewer or not pool.added(fewer[0].key):
             return best, whole
         here, found = fewer[0], judged(pool, fewer[0])
@@ -108,11 +108,14 @@ def _as_one(pool: Pool, best: Structure, name: str, names: Sequence[str], kind: 
     ties = tuple(one for one in dict.fromkeys([*_nearly(best, name), *others]) if one != name)[: TIES - 1]
     chance, rubs = pool.of([name, *ties]), pool.first.fit.model.catalogue.rubs(name)
     one = Finding(pool.of_friction() if rubs else chance, ties, law_open=rubs and chance < PROBABLE)
-    return _asked(pool, best, name, names, one)
+    return _asked(pool, best, name, names, one, seen=rubs and pool.sees_friction() >= PROBABLE)
 
 
-def _asked(pool: Pool, best: Structure, name: str, names: Sequence[str], one: Finding) -> Finding:
-    """The finding with the shares that are left with these effects, and what speaks against it."""
+def _asked(
+    pool: Pool, best: Structure, name: str, names: Sequence[str], one: Finding, seen: bool = False
+) -> Finding:
+    """The finding with the shares that are left with these effects, and what speaks against it. What is ``seen`` without a name is there,
+    however little its named law explains."""
     near, at_shape = pool.lacking(best, names), _at_its_shape(best, name, names)
     if not near:
         return replace(one, doubt="no model without it can be fitted", at_shape=at_shape)
@@ -123,7 +126,9 @@ def _asked(pool: Pool, best: Structure, name: str, names: Sequence[str], one: Fi
         share, held = min((share, held), _of_friction(pool, best, without))
     effect = best.fit.model.catalogue[name]
     ends = {parameter for simpler in effect.contains for parameter, at in simpler.at.items() if at == 0}
-    doubt = at_its_bound(best.fit, name, ends) or _doubt(one.probability, share, held)
+    doubt = _doubt(one.probability, share, held)
+    one = replace(one, law_open=one.law_open or seen and bool(doubt))
+    doubt = at_its_bound(best.fit, name, ends) or ("" if seen else doubt)
     return replace(one, share=share, held_out=held, without=rms, doubt=doubt, at_shape=at_shape)
 
 

@@ -199,6 +199,14 @@ class Pool:
         shares = self.probabilities().items()
         return sum(chance * (1.0 if key & rubbing else self.known[key].rubs) for key, chance in shares)
 
+    def sees_friction(self) -> float:
+        """The probability that an unnamed torque holds a friction, of the structures that name none: that one is there needs no name then."""
+        rubbing = frozenset(self.frictions())
+        unnamed = [one for key, one in self.known.items() if not key & rubbing]
+        logs = np.array([one.evidence for one in unnamed])
+        shares = np.exp(logs - np.logaddexp.reduce(logs))
+        return sum(float(share) * one.rubs for share, one in zip(shares, unnamed, strict=True))
+
     def frictions(self, key: Key | None = None) -> list[str]:
         """The frictions among the effects of a structure (default: of the catalogue)."""
         catalogue = self.first.fit.model.catalogue
