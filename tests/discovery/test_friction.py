@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from swingdown.discovery import friction
+from swingdown.discovery.admissible import at_its_bound
 from swingdown.discovery.campaign import Noise, Swing, campaign
 from swingdown.discovery.confirm import predict
 from swingdown.discovery.judge import judged, told_of
@@ -116,14 +117,16 @@ def test_a_spring_that_softens_as_a_weight_does_is_tied_with_it(stiffness):
 def test_a_brake_narrower_than_a_brake_can_be_is_not_told():
     """A brush at the very bottom, of which it leaves next to nothing: the fit ends at the bound of the brake's width."""
     one = swings(("friction_patch",), patch_friction=0.6, patch_from=-0.004, patch_to=0.004)
-    finding, _ = asked(one, "eddy_brake", eddy_coefficient=1.0, eddy_width=0.02)
-    assert finding.share < 0.1 and finding.held_out < 0.1
-    assert finding.doubt == "eddy_width runs to its bound 0.01 rad"
+    fit = fitted(one, "viscous+eddy_brake", eddy_coefficient=1.0, eddy_width=0.02)
+    assert at_its_bound(fit, "eddy_brake") == "eddy_width runs to its bound 0.01 rad"
+    pool = Pool(one, NOISE, fitted(one, "viscous"))
+    pool.look(fit)
+    assert list(pool.known) == [pool.base]
 
 
 @pytest.mark.slow("many trajectories")
 def test_drags_that_share_the_work_are_judged_as_one():
-    one = swings((), viscous_ratio=0.02)
+    one = swings(("structural_damping",), viscous_ratio=0.02, structural_coefficient=0.01)
     pool = Pool(one, NOISE, fitted(one, "constant_coulomb"))
     pool.look(fitted(one, "constant_coulomb+viscous+structural_damping"))
     found = judged(pool, pool.known[frozenset(("constant_coulomb", "viscous", "structural_damping"))])
@@ -143,7 +146,7 @@ def test_a_size_is_asked_at_the_shape_that_it_has(beside_a_spring):
 @pytest.mark.slow("many trajectories")
 def test_friction_of_another_kind_is_not_told_by_a_name_that_leaves_some_of_it():
     """Friction at some angles only: a constant one does part of its work."""
-    one = swings(("friction_patch",), patch_friction=0.4, patch_from=0.3, patch_to=0.45)
+    one = swings(("friction_patch",), patch_friction=0.4, patch_from=0.15, patch_to=0.3)
     finding, _ = asked(one, "constant_coulomb")
     assert finding.share > 0.2 and not finding.sure
 
@@ -189,6 +192,18 @@ def test_a_friction_is_told_though_its_law_has_no_name():
     last, found = told_of(pool, pool.best)
     finding = found["constant_coulomb"]
     assert last.key == named and finding.sure and finding.law_open and finding.probability > 0.999
+
+
+@pytest.mark.slow("many trajectories")
+@pytest.mark.parametrize(("patch", "sure"), [((-0.1, 0.0), True), ((0.15, 0.3), False)])
+def test_a_friction_that_an_unnamed_torque_shows_is_told_whatever_its_law_leaves(patch, sure):
+    """Friction beside the middle only: a constant one does part of its work, and that something rubs there is seen without it."""
+    hidden = dict(zip(("patch_from", "patch_to"), patch, strict=True))
+    one = swings(("friction_patch",), patch_friction=0.4, **hidden)
+    finding, pool = asked(one, "constant_coulomb")
+    assert finding.share > 0.2
+    assert finding.sure is sure and finding.law_open is sure
+    assert (pool.sees_friction() >= 0.99) is sure
 
 
 @pytest.mark.slow("many trajectories")

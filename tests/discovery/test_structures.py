@@ -177,12 +177,12 @@ def test_of_one_structure_the_better_fit_counts(spring):
 
 
 def test_something_unnamed_is_a_rival_of_each_name():
-    """A drag does a little of what a spring leaves: not what is missing, whatever its evidence."""
+    """A magnet does a little of what a spring leaves: not what is missing, whatever its evidence."""
     one = swings((0.9, -0.7, 0.5, 0.3), cubic_stiffness=1.5)
-    pool = pooled(one, "viscous", "viscous+quadratic_drag")
+    pool = pooled(one, "viscous", "viscous+magnet")
     assert pool.nothing() < 0.01
-    best = pool.known[frozenset(("viscous", "quadratic_drag"))]
-    finding = judged(pool, best)["quadratic_drag"]
+    best = pool.known[frozenset(("viscous", "magnet"))]
+    finding = judged(pool, best)["magnet"]
     assert not finding.sure
     assert finding.share > 0.5
 

@@ -1,6 +1,6 @@
 """Whether a fit can be what it is called: residuals of the noise's size, sizes and shapes within their bounds and determined."""
 
-from collections.abc import Collection, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -51,10 +51,12 @@ def inadmissible(fit: Fit, added: str | None, noise: Noise) -> str:
     return ""
 
 
-def at_its_bound(fit: Fit, name: str, ends: Collection[str] = ()) -> str:
-    """The parameter of an effect that a fit ends with at its bound, in words; empty where there is none but those at whose ``ends`` it is
+def at_its_bound(fit: Fit, name: str) -> str:
+    """The parameter of an effect that a fit ends with at its bound, in words; empty where there is none but those at whose end it is
     another effect."""
-    for parameter in fit.model.catalogue[name].parameters:
+    effect = fit.model.catalogue[name]
+    ends = {parameter for simpler in effect.contains for parameter, at in simpler.at.items() if at == 0}
+    for parameter in effect.parameters:
         if parameter.role == "phase" or parameter.name in ends:
             continue
         value = fit.models[0].values[parameter.name]

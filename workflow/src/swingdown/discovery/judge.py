@@ -14,7 +14,6 @@ from ..engine.trajectory import TrajectoryError
 from ..pendulum.effect import NATURAL_FREQUENCY, VARIABLES, Contained
 from ..pendulum.formula import evaluate
 from . import friction
-from .admissible import at_its_bound
 from .campaign import Noise
 from .confirm import gap, predict
 from .guard import CLEAR, HELD_OUT, POSSIBLE, PROBABLE, SHARE, TIES
@@ -124,11 +123,9 @@ def _asked(
     share, held, rms = _whole(pool, best, without)
     if _too_little(share, held) and best.fit.model.catalogue.damps(name):
         share, held = min((share, held), _of_friction(pool, best, without))
-    effect = best.fit.model.catalogue[name]
-    ends = {parameter for simpler in effect.contains for parameter, at in simpler.at.items() if at == 0}
     doubt = _doubt(one.probability, share, held)
     one = replace(one, law_open=one.law_open or seen and bool(doubt))
-    doubt = at_its_bound(best.fit, name, ends) or ("" if seen else doubt)
+    doubt = "" if seen else doubt
     return replace(one, share=share, held_out=held, without=rms, doubt=doubt, at_shape=at_shape)
 
 

@@ -113,7 +113,7 @@ class _Search:
             way = [*(one for one in way if one.key != best.key), best]
         if self.pool.nothing() > POSSIBLE:
             way = [self.pool.first, *(one for one in self.pool.bases[:1] if one.key != self.pool.first.key)]
-        way = [self.pool.known[one.key] for one in way]
+        way = [self.pool.known[one.key] for one in way if one.key in self.pool.known]
         return [way[0], *way[1:][-rounds:]] if rounds else way[:1]
 
     def told(self, way: list[Structure]) -> list[Round]:

@@ -15,6 +15,7 @@ from scipy.special import erf
 from ..engine.trajectory import TrajectoryError
 from ..fitting.result import Fit
 from ..pendulum.effect import NATURAL_FREQUENCY
+from .admissible import at_its_bound
 from .campaign import Campaign, Noise
 from .candidates import without
 from .discrepancy import Discrepancy, Unnamed
@@ -96,9 +97,18 @@ class Pool:
         return self.best.evidence + self._unnamed.level(self.best.frame)
 
     def look(self, fit: Fit) -> None:
-        """Keep a fit where it is the best of its effects; one that cannot be seen to first order is passed over."""
-        old = self.known.get(key_of(fit))
+        """Keep a fit where it is the best of its effects; one that cannot be seen to first order is passed over.
+
+        Effects whose best fit has one at a bound are no structure: to first order it could go on beyond, and what it stands in for there
+        is another effect.
+        """
+        key = key_of(fit)
+        old = self.known.get(key)
         if old is not None and old.fit.rss <= fit.rss:
+            return
+        if any(at_its_bound(fit, name) for name in fit.model.names if name not in self.base):
+            if key != self.base:
+                self.known.pop(key, None)
             return
         try:
             one = self._seen(fit, frame(fit, self.campaign.fit))
@@ -154,7 +164,9 @@ class Pool:
 
     def added(self, key: Key) -> list[str]:
         """The effects of a structure that the base has not, in the catalogue's order."""
-        return [name for name in self.known[key].fit.model.names if name not in self.base]
+        return [
+            name for name in self.first.fit.model.catalogue.names if name in key and name not in self.base
+        ]
 
     def probabilities(self) -> Mapping[Key, float]:
         """The probability of each structure."""
