@@ -35,6 +35,7 @@ SWINGS, RATES, SECONDS, DEGREES = (1, 2, 4, 6, 12), (10.0, 30.0, 100.0, 1000.0),
 RATIOS, MISFITS = (1.3, 2.0, 5.0), (0.0, 0.0, 0.0, 0.5, 1.0, 2.0)
 BASES = ("own", "own", "default", "rich", "poor")
 MOST = 30000  # samples of a campaign
+RUBS = {"friction_patch", *(name for name in SHIPPED.names if SHIPPED.rubs(name))}
 NOTHING = 1.1  # times the noise on held-out swings: less is nothing that could tell
 
 
@@ -91,8 +92,8 @@ def told(one, base, allowed):
 
 def end(said, there, rubs=False):
     """How a verdict stands to what is there, in a word: ``named`` all of it alone or in ties, ``partly`` some of it, ``another`` that is not there,
-    ``as good`` where that leaves no more than a tenth above the noise, or the status. ``rubs`` is whether a friction is there that the
-    catalogue lacks: "friction of another law" is that."""
+    ``as good`` where that leaves no more than a tenth above the noise, or the status. ``rubs`` is whether a friction is there: "friction of
+    another law" is that."""
     status = said["status"]
     effects = {each["name"]: each["tied_with"] for each in said["effects"]}
     open_law = {each["name"] for each in said["effects"] if each["law_open"]}
@@ -145,7 +146,8 @@ def main(argv=None):
         except InputError as problem:
             said = {"status": f"refused: {problem.problem}", "effects": []}
         spent.append(time.process_time() - began)
-        word = end(said, there - set(gone), "friction_patch" in trial.hidden)
+        rubs = any(name in RUBS for name in (*trial.hidden, *trial.beside, *lacking))
+        word = end(said, there - set(gone), rubs)
         ends[one.planned.kind, "misfit" if one.misfit else "", word] += 1
         d = one.design
         print(

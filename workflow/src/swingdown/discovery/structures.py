@@ -128,6 +128,12 @@ class Pool:
                         begin = refit(without(begin, name), self.campaign.fit, ended=True)
                 self.look(begin)
         near = [other for other in self.known.values() if key <= other.key <= key | self.base]
+        if not near:  # what is left of the effects has one at a bound
+            near = [
+                other
+                for other in self.known.values()
+                if not other.key & set(names) and other.key <= key | self.base
+            ]
         return sorted(near, key=lambda other: -other.evidence)
 
     def evidence_of(self, fit: Fit) -> float:
