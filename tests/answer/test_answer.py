@@ -13,7 +13,7 @@ import swingdown
 from swingdown.engine.trajectory import simulate
 from swingdown.errors import InputError
 from swingdown.pendulum.model import PAPER_MODELS, Model
-from swingdown.studies.quantities import UNITS, quantities
+from swingdown.studies.quantities import UNITS, cycle, quantities
 
 TIMES = np.arange(1201) / 100
 TRUTH = Model("viscous", {"natural_frequency": 7.25, "viscous_ratio": 0.008})
@@ -84,6 +84,27 @@ def test_it_finds_the_truth_and_says_so(plain):
         assert words in told
     value, error, _ = plain.quantities["quality"]
     assert f"{value:.1f}"[:3] in told
+
+
+def test_a_friction_that_winds_up_over_less_than_can_be_told_has_a_period():
+    """Constant Coulomb friction, and the one noise of many with which presliding over 2e-5(4e-5) rad comes nearest: a step below that is none."""
+    model = Model("constant_coulomb", {"natural_frequency": 8.232249097789463, "constant_friction": 0.05839923863998866})  # fmt: skip
+    rng, times = np.random.default_rng(), np.arange(2176) / 100
+    rng.bit_generator.state = {
+        "bit_generator": "PCG64",
+        "state": {
+            "state": 116665956580426594952504896056104661975,
+            "inc": 60804517828637344299932890193562703917,
+        },
+        "has_uint32": 0,
+        "uinteger": 0,
+    }
+    exact = simulate(model, times, 0.5380735602994619)
+    found = swingdown.fit(times, exact + 2.3539440235662752e-4 * rng.standard_normal(times.size), unit="rad")
+    assert found.label == "viscous+presliding"
+    angle, period = found.quantities["presliding_angle"], found.quantities["period"]
+    assert 1e-5 < angle.value < angle.u
+    assert period.u < 1e-4 and period.value == pytest.approx(cycle(model, 0.538).period, abs=4 * period.u)
 
 
 def test_several_swings_share_their_pendulum(plain):

@@ -343,3 +343,7 @@ def test_what_does_not_die_away_has_no_effect_of_a_pendulum_unless_its_drive_was
     assert found["sentence"].startswith(cannot) != told
     assert (found["next_measurement"] or "").startswith("Switch off what drives it") != told
     assert verdict([first, last | {"driven": True}])["status"] == "named"
+    narrows = {"conclusion": last["conclusion"] | {"narrows": True}}
+    assert verdict([first, last | narrows])[
+        "dies_away"
+    ]  # its turning points say so, however unsure the model's loss

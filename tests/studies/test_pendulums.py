@@ -8,7 +8,7 @@ import xarray as xr
 import swingdown
 from swingdown.engine.trajectory import simulate
 from swingdown.pendulum.model import Model
-from swingdown.studies.described import described_by, rivals
+from swingdown.studies.described import described_by, rivals, weights
 from swingdown.studies.experiment import fit_campaign, fit_recording
 from swingdown.studies.norms import combine_recordings
 from swingdown.studies.pendulums import pendulums, quantities_of
@@ -91,6 +91,18 @@ def test_a_model_that_ran_away_describes_nothing_where_another_does(study):
     assert described_by(one) != "viscous"
     one["standard_error"].loc[{}] = np.nan
     assert described_by(one) == "viscous"
+
+
+def test_a_model_ran_away_if_it_needs_an_effect_whose_size_is_not_told(study):
+    norms, _ = study
+    one = norms.sel(recording=["z1"]).copy(deep=True)
+    at = {"fitted": FITTED[2], "parameter": "load_friction"}
+    assert described_by(one) == FITTED[2]
+    one["standard_error"].loc[at] = 2 * one["value"].loc[at]
+    assert described_by(one) != FITTED[2] and FITTED[2] not in weights(one)
+    for label in FITTED:  # now it does not need it
+        one["norm"].loc[{"fitted": label}] = one["norm"].sel(fitted=FITTED[2])
+    assert FITTED[2] in weights(one)
 
 
 def test_a_model_that_fits_as_well_is_a_rival_and_a_worse_one_is_none(study):

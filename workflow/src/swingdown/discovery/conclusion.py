@@ -12,6 +12,7 @@ from ..arrays import finite_or_none, standard_errors
 from ..engine.trajectory import simulate
 from ..fitting.result import Begin, Fit, SwingStart
 from ..fitting.uncertainty import uncertainty
+from ..measurement.plausibility import KEPT, narrowing
 from ..pendulum.free_form import FreeForm
 from ..studies.quantities import UNITS, Beside, Quantity, over_models, quantities, steady
 from .campaign import Campaign, Swing
@@ -42,7 +43,8 @@ def conclusion(state: Round, campaign: Campaign) -> dict[str, Any]:
         angle of its motion, at which ``quantities`` (value, standard_uncertainty, unit) hold; ``residual``, the RMS that it leaves (rad,
         of a rate rad/s); ``covariance``, that of the ``parameters`` of its motion, in their units, with the residuals' colour and what the
         measurement leaves open; ``of_the_whole``, whether all these are of the whole recordings; ``whole_leaves``, what the model leaves
-        of these (noise standard deviations), None where it cannot be fitted to them.
+        of these (noise standard deviations), None where it cannot be fitted to them; ``narrows``, whether a recording's turning
+        points say by themselves that it dies away.
 
     Raises
     ------
@@ -75,6 +77,7 @@ def conclusion(state: Round, campaign: Campaign) -> dict[str, Any]:
             for name, one in told.items()
         },
         "of_the_whole": follows,
+        "narrows": any(narrowing(one.angle) < KEPT for one in campaign.whole),
         "whole_leaves": None if whole is None else whole.fit.rms / state.noise.deviation,
         "parameters": list(last.motion.parameters),
         "covariance": [[finite_or_none(cell) for cell in row] for row in last.covariance],

@@ -124,8 +124,9 @@ def verdict(
 
 
 def _dies_away(concluded: Mapping[str, Any] | None) -> bool:
-    """Whether the model that a search ended with loses anything; what does not may be driven, and its effects may be the motor's."""
-    if concluded is None:
+    """Whether swings die in their turning points, or the model that a search ended with loses anything; what does not may be driven, and its
+    effects may be the motor's."""
+    if concluded is None or concluded.get("narrows"):
         return True
     known = {
         name: Quantity(one["value"], np.nan if one["standard_uncertainty"] is None else one["standard_uncertainty"], one["unit"])

@@ -1,6 +1,6 @@
 """Which model of damping describes a pendulum, by its evidence, and the values that all of them tell."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 
 import numpy as np
 import xarray as xr
@@ -30,7 +30,7 @@ def described_by(norms: xr.Dataset, catalogue: Catalogue = SHIPPED) -> str:
     -------
     str
         By BIC, for as many samples as count as independent. A model whose effect has a size below 0 that it cannot have (a damper that
-        gives energy), or without a standard error, as of one that ran away, is left out where there is another.
+        gives energy), or one whose values ran away (no standard error, or ``_ran_away``), is left out where there is another.
     """
     labels, evidence, usable = _evidence(norms, catalogue)
     lowest, terms = min(evidence[k] for k in usable), terms_of(norms).sum(axis=1)
@@ -56,13 +56,33 @@ def _evidence(norms: xr.Dataset, catalogue: Catalogue) -> tuple[list[str], Float
     effects = [catalogue[name] for name in dict.fromkeys("+".join(labels).split("+"))]
     known = as_text(norms["parameter"])
     at = [known.index(one.size.name) for one in effects if one.size and one.one_sided]
-    sizes = over(norms, "value", "fitted", "parameter")[:, at].reshape(len(labels), -1)
-    sound = ~(sizes < 0).any(axis=1) & np.isfinite(evidence)
+    sized = [one.name for one in effects if one.size and one.one_sided]
+    sizes, errors = (
+        over(norms, key, "fitted", "parameter")[:, at].reshape(len(labels), len(at), -1)
+        for key in ("value", "standard_error")
+    )
+    sound = ~(sizes < 0).any(axis=(1, 2)) & np.isfinite(evidence)
+    away = []
+    for k in range(len(labels)):
+        loose = [
+            name
+            for name, size, error in zip(sized, sizes[k], errors[k], strict=True)
+            if np.all(np.abs(size) < error)
+        ]
+        away.append(_ran_away(k, loose, labels, evidence))
+    sound &= ~np.array(away)
     # without a standard error a parameter runs away, and tells nothing
     told = np.isfinite(over(norms, "standard_error", "fitted").reshape(len(labels), -1)).any(axis=1)
     sound &= told | ~told.any()
     usable = np.flatnonzero(sound).tolist() or list(range(len(labels)))
     return labels, evidence, usable
+
+
+def _ran_away(k: int, unsure: Iterable[str], labels: list[str], evidence: Floats) -> bool:
+    """Whether the values of a model ran away: swings are far less probable without an effect whose size is ``unsure``, within its standard
+    error of none (Hauck and Donner, J. Am. Stat. Assoc. 72, 851 (1977))."""
+    simpler = ["+".join(name for name in labels[k].split("+") if name != one) for one in unsure]
+    return any(one in labels and evidence[labels.index(one)] - evidence[k] > WORTH for one in simpler)
 
 
 def rivals(norms: xr.Dataset, label: str, catalogue: Catalogue = SHIPPED) -> list[str]:

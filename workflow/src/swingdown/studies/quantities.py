@@ -23,6 +23,7 @@ _SAMPLES = (
 _AMPLITUDES = 6  # at which the loss is asked for, from the stated one to its e-th part
 _SEEN = 3.0  # standard errors of a loss
 _STEP = 0.1  # of a standard error: the differences that uncertainties follow from
+_HALVED = 8  # times at most that a step is halved
 
 
 _OF_TIME = {"t", "duration"}
@@ -241,8 +242,8 @@ def quantities(
     """By name the ``Quantity`` of natural frequency (rad/s), period (s), quality (1), decay time (s), and the model's other parameters.
 
     The natural frequency is that of small undamped swings, the period that of the first whole swing from rest, the quality pi
-    over that swing's logarithmic decrement. Uncertainties are propagated linearly (JCGM 100, 5.2); NaN where a step of a tenth
-    of an error leads to where no pendulum is.
+    over that swing's logarithmic decrement. Uncertainties are propagated linearly (JCGM 100, 5.2), by differences over a tenth of an
+    error, or less beside a bound; NaN where no pendulum is near.
 
     Parameters
     ----------
@@ -269,7 +270,7 @@ def quantities(
         known = np.where(np.isfinite(covariance), covariance, 0.0)
         own = np.where(np.diag(known) > 0, standard_errors(known), np.nan)
         whole = known if beside is None else beside.covariance
-        slopes = _slopes(derived, values, np.sqrt(np.diag(whole)[: values.size]))
+        slopes = _slopes(derived, values, found, np.sqrt(np.diag(whole)[: values.size]))
         variance = np.einsum("ij,jk,ik->i", slopes, known, slopes)
         if beside is not None:
             slopes = np.c_[slopes, np.diag(found)]
@@ -306,14 +307,22 @@ def loss_seen(known: Mapping[str, Quantity]) -> bool:
     return not _SEEN * quality.uncertainty > quality.value > 0
 
 
-def _slopes(function: Callable[[Floats], Floats], values: Floats, errors: Floats) -> Floats:
-    """The derivatives of a function's values by each of its arguments (value, argument); 0 by one without an error."""
+def _slopes(function: Callable[[Floats], Floats], values: Floats, here: Floats, errors: Floats) -> Floats:
+    """The derivatives of a function's values, which are these ``here``, by each of its arguments (value, argument); 0 by one without an
+    error. Where a step leads beyond a bound it is halved, and at a bound one side has to do."""
     columns = []
     for k, error in enumerate(errors):
         step = np.zeros(values.size)
         step[k] = _STEP * error
-        if error > 0:
-            columns.append((function(values + step) - function(values - step)) / (2 * step[k]))
-        else:
+        if not error > 0:
             columns.append(np.zeros(len(UNITS)))
+            continue
+        for _ in range(_HALVED):
+            ahead, behind = function(values + step), function(values - step)
+            if np.array_equal(np.isfinite(ahead) & np.isfinite(behind), np.isfinite(here)):
+                break
+            step /= 2
+        sides = np.isfinite(ahead) * 1 + np.isfinite(behind)
+        risen = np.where(np.isfinite(ahead), ahead, here) - np.where(np.isfinite(behind), behind, here)
+        columns.append(np.where(sides > 0, risen, np.nan) / (np.maximum(sides, 1) * step[k]))
     return np.array(columns).T
