@@ -68,3 +68,11 @@ def test_a_study_runs_where_its_config_lies_with_the_targets_asked_for(tmp_path,
     ((project, config, folder, cores, targets),) = ran
     assert (project / "Snakefile").is_file()
     assert (config.name, folder, cores, list(targets)) == ("mine.yaml", tmp_path, 2, ["discover"])
+
+
+def test_numbers_that_end_in_yaml_are_a_recording(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "log.yaml").write_text("# a board's\n0.1 2\n0.2 3\n0.3 1\n")
+    with pytest.raises(SystemExit):
+        __main__.main(["log.yaml", "--quick"])
+    assert "3 passages" in capsys.readouterr().err

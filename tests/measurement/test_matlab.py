@@ -71,7 +71,7 @@ def test_of_several_arrays_that_swing_the_user_names_one(tmp_path):
     other, still = 0.1 * np.exp(-TIME / 20) * np.cos(4.4 * TIME), 0.01 * TIME
     row = {**COLUMNS, "recording": "a", "file": str(tmp_path / "a.mat")}
     savemat(tmp_path / "a.mat", {"mytime": TIME, "one": other, "two": SWING, "gains": still})
-    with pytest.raises(InputError, match="2 of its arrays swing.*: one, two") as caught:
+    with pytest.raises(InputError, match="2 of its columns swing.*: one, two") as caught:
         ingest(row)
     assert "signal_column" in caught.value.mend
     named = ingest({**row, "time_column": "mytime", "signal_column": "two"})

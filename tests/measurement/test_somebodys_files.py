@@ -301,3 +301,32 @@ def test_of_two_columns_that_mean_the_same_a_refusal_names_both(take):
         take(text)
     made = take(text, signal_column="joint1/position")
     assert made["signal"].values == pytest.approx(SWING, abs=2e-6)
+
+
+def test_a_spreadsheets_days_are_seconds(take):
+    made = take("time,angle (rad)\n" + rows(45_123.52 + TIME / 86_400, SWING, digits=11))
+    assert np.ptp(made["time"].values) == pytest.approx(np.ptp(TIME), abs=1e-3)
+    assert "days since 1900" in made.attrs["remarks"] and "`time` as DAYS" in made.attrs["taken"]
+    with pytest.raises(InputError, match="no unit of the time is stated"):
+        take("time,angle (rad)\n" + rows(0.52 + TIME / 86_400, SWING, digits=11))
+
+
+def test_rounded_stamps_in_no_stated_unit_are_told_in_that_which_they_have(take):
+    told = take("time,angle (rad)\n" + rows(np.round(1e3 * TIME), SWING)).attrs["remarks"]
+    assert "rounded to 1 ms" in told and "TAKEN AS ms" in told
+
+
+def test_of_a_bodys_angles_the_one_that_swings_is_taken(take):
+    noise = 0.01 * np.random.default_rng(24).standard_normal((2, TIME.size))
+    made = take("time,roll,pitch,yaw\n" + rows(TIME, noise[0], SWING, 3 + 0.2 * TIME + noise[1]))
+    assert made["signal"].values == pytest.approx(SWING, abs=1e-6)
+    assert "of 3 angles `pitch` swings" in made.attrs["remarks"]
+    with pytest.raises(InputError, match="2 of its columns swing.*: roll, pitch"):
+        take("time,roll,pitch,yaw\n" + rows(TIME, 0.3 * SWING, SWING, noise[1]))
+
+
+@pytest.mark.parametrize(("factor", "warned"), [(1, False), (10, True)])
+def test_a_period_of_no_room_is_told_where_nobody_states_the_unit_of_the_time(take, factor, warned):
+    text = "time,angle (rad)\n" + rows(factor * TIME, SWING)
+    assert ("NO UNIT OF THE TIME" in take(text).attrs.get("remarks", "")) == warned
+    assert "NO UNIT OF THE TIME" not in take(text.replace("time", "time (s)")).attrs.get("remarks", "")

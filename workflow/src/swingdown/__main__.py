@@ -257,7 +257,7 @@ def _main(given: Sequence[str]) -> int:
     with console.job():
         _check_command(options.given)
     handed_in = tuple(kind for kind in ("pdf", "latex", "xlsx") if getattr(options, kind))
-    if Path(options.given[0]).suffix.lower() in (".yaml", ".yml"):
+    if _is_config(Path(options.given[0])):
         from .answer.study import study
 
         with console.job():
@@ -288,6 +288,17 @@ def _main(given: Sequence[str]) -> int:
                 handed_in,
             ),
         )
+
+
+def _is_config(path: Path) -> bool:
+    """True for a study's settings: YAML, unless its first line is no key, as of a log that a program saved under that ending."""
+    if path.suffix.lower() not in (".yaml", ".yml"):
+        return False
+    if not path.is_file():
+        return True
+    with path.open(encoding="utf-8", errors="replace") as file:
+        first = next((line for line in file if line.strip() and not line.startswith(("#", "---"))), "")
+    return not first or bool(re.match(r"""\s*[{"']{0,2}[A-Za-z_]\w*["']?\s*:""", first))
 
 
 def _check_command(given: Sequence[str]) -> None:

@@ -27,7 +27,7 @@ from .columns import (
     numbers_rows,
     place_of,
 )
-from .gyroscope import TO_RAD_PER_S
+from .gyroscope import ASKEW, TO_RAD_PER_S
 from .plausibility import ENOUGH, in_a_row
 from .table import Table, numbers
 
@@ -40,7 +40,7 @@ class Uncalibrated(InputError):
 
 
 class SeveralSwings(InputError):
-    """Several arrays that swing, none of which says that it is the pendulum's."""
+    """Several columns that swing, none of which says that it is the pendulum's."""
 
 
 class Chosen(NamedTuple):
@@ -253,19 +253,38 @@ def alike_in(table: Table, chosen: Chosen) -> list[str]:
     return [one.name for one in others if one.kind == UNTOLD and one.name not in (swing.name, chosen.clock.name) and not drives(one.name)]  # fmt: skip
 
 
-def ask_which(times: Floats, swings: Mapping[str, Floats], place: str) -> None:
-    """None where at most one of several arrays by name swings; SeveralSwings for more, none of which says what it holds."""
-    swinging = [
+def widest(times: Floats, angles: Mapping[str, Floats], place: str) -> tuple[int, list[str]]:
+    """Which of a body's angles about its axes swings, by its place, and a remark on that; SeveralSwings where another does nearly as far.
+
+    An angle that wanders, or holds noise alone, swings nowhere.
+    """
+    sizes = {name: float(np.std(angles[name])) for name in _swinging(times, angles)}
+    most = max(sizes, key=lambda name: sizes[name], default=next(iter(angles)))
+    ask_which(
+        times, {name: angles[name] for name, size in sizes.items() if size > ASKEW * sizes[most]}, place
+    )
+    told = f"of {len(angles)} angles `{most}` swings and was taken (⟨signal_column⟩ says otherwise)"
+    return list(angles).index(most), [told]
+
+
+def _swinging(times: Floats, swings: Mapping[str, Floats]) -> list[str]:
+    """Those that swing, by their names."""
+    return [
         name
         for name, own in swings.items()
         if in_a_row(times[np.isfinite(own)], own[np.isfinite(own)]) >= ENOUGH
     ]
+
+
+def ask_which(times: Floats, swings: Mapping[str, Floats], place: str) -> None:
+    """None where at most one of several columns swings; SeveralSwings for more, none of which says what it holds."""
+    swinging = _swinging(times, swings)
     if len(swinging) > 1:
         raise SeveralSwings(
             place,
-            f"{len(swinging)} of its arrays swing, and none says that it is the pendulum's: {', '.join(swinging)}",
+            f"{len(swinging)} of its columns swing, and none says that it is the pendulum's: {', '.join(swinging)}",
             "one swing",
-            "name the array of the swing ⟨in signal_column⟩",
+            "name the column of the swing ⟨in signal_column⟩",
         )
 
 

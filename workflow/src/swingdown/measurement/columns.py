@@ -44,7 +44,10 @@ _TIMES = re.compile(r"(?i)\b(t|time|zeit|temps|tiempo|tempo|timestamp|stamp|elap
 _FROM_ROW_TO_ROW = re.compile(
     r"(?i)Δ|\b(previous|prev|last|delta|diff|difference|interval|step|between|d) ?t?\b|\bdt\b"
 )
-_ANGLES = re.compile(r"(?i)θ|φ|\b(theta|phi|angle|angular position|winkel|ángulo|angulo|ausschlag)\b")
+_ATTITUDE = re.compile(r"(?i)\b(roll|pitch|yaw)\b")
+_ANGLES = re.compile(
+    r"(?i)θ|φ|\b(theta|phi|angle|angular position|winkel|ángulo|angulo|ausschlag|roll|pitch|yaw)\b"
+)
 _DRIVES = re.compile(
     r"(?i)\b(drive|driver|driving|motor|forcing|excitation|exciter|input|forzante|forzatura|erreger|antrieb|excitateur|torques?|tau|effort|"
     r"forces?|pwm|control|command|cmd|set ?point|desired|reference|output (voltage|current|power))\b"
@@ -242,15 +245,23 @@ def _is_rate(one: Meaning) -> bool:
 
 
 def axes_beside(names: Sequence[str], chosen: Meaning, beside: Mapping[str, str]) -> list[str]:
-    """The columns that hold the rates about a gyroscope's axes, of the unit of the ``chosen`` one, that among them; how fast it
-    turns without saying which way is none of them."""
+    """The columns that hold the same about other axes as the ``chosen`` one, in its unit, that among them: of an angular rate the rates,
+    of roll, pitch or yaw those. How fast it turns without saying which way is none of them."""
+    if chosen.kind != RATE and not _of_attitude(chosen):
+        return [chosen.name]
     columns = [meaning(name, beside.get(name, "")) for name in names]
     beside_it = [
         one
         for one in columns
-        if one.kind == RATE and one.unit == chosen.unit and one.written == chosen.written
+        if (one.kind, one.unit, one.written) == (chosen.kind, chosen.unit, chosen.written)
+        and (one.kind == RATE or _of_attitude(one))
     ]
     return [one.name for one in beside_it if not _SIZE_ALONE.search(one.name) and not drives(one.name)]
+
+
+def _of_attitude(one: Meaning) -> bool:
+    """True for one of the three angles of a body."""
+    return one.kind == ANGLE and bool(_ATTITUDE.search(one.name.replace("_", " ")))
 
 
 def _is_coordinate(one: Meaning) -> bool:

@@ -18,6 +18,7 @@ from .choice import (
     guessed_in,
     input_of,
     unnamed,
+    widest,
     with_rising_time,
     with_running_time,
     without_still,
@@ -30,6 +31,7 @@ from .columns import (
     RATE,
     SPEED,
     UNTOLD,
+    Meaning,
     axes_beside,
     meaning,
     place_of,
@@ -55,7 +57,7 @@ from .refused import WHICH_COLUMN
 from .runs import clock_part, several_runs
 from .series import series
 from .table import Table, apart
-from .units import NO_SCALE, in_rad, time_factor
+from .units import A_DAY, NO_SCALE, in_rad, time_factor
 
 UNIT_WORDS = {
     "V": "volts", "rad": "rad", "deg": "degrees", "counts": "counts", "rad/s": "rad/s, an angular rate",
@@ -128,7 +130,7 @@ def interpret(table: Table, row: Mapping[str, Any], place: str, restoring: str) 
         table._replace(names=tuple(one for one in table.names if one not in drives)), row, place, restoring
     )
     names, unsaid = [one.name for one in columns.found], []
-    if columns.found[0].kind == RATE and not row["signal_column"]:
+    if len(names) == 1 and not row["signal_column"]:
         names = axes_beside(table.names, columns.found[0], table.units) or names
     if not row["signal_column"] and not drives and len(columns.found) == 1:
         unsaid = unnamed(table, names)[:1] or alike_in(table, columns)
@@ -144,7 +146,14 @@ def interpret(table: Table, row: Mapping[str, Any], place: str, restoring: str) 
             f"at least {SHORTEST}, as fewer show no swing",
             "record longer or more samples a second, widen ⟨start_s⟩ and ⟨stop_s⟩, or correct the unit of the time",
         )
-    ordered = in_order(times, values[0], where)
+    ordered, factor, odd = in_order(times, values[0], where), 1.0, list[str]()
+    if row["role"] != "static":
+        if not columns.time_unit:
+            _check_no_count(ordered.times, where)
+        known = values[0][ordered.kept]
+        factor, odd = time_factor(ordered.times, known, bool(columns.time_unit), where)
+    if factor != 1.0:
+        ordered = in_order(times * factor, values[0], where)
     times, values = ordered.times, [one[ordered.kept] for one in values]
     drive = values.pop(len(names)) if drives else None
     remarks = rising + (["the last line has no end and was left out"] if table.cut else [])
@@ -153,13 +162,8 @@ def interpret(table: Table, row: Mapping[str, Any], place: str, restoring: str) 
         *([table.about["paused"]] if "paused" in table.about else []),
         *told,
         *ordered.remarks,
+        *odd,
     ]
-    factor = 1.0
-    if row["role"] != "static" and not columns.time_unit:
-        _check_no_count(times, where)
-    if row["role"] != "static":
-        factor, told = time_factor(times, values[0], bool(columns.time_unit), where)
-        times, remarks = times * factor if factor != 1.0 else times, remarks + told
     if unsaid and not table.ordered:
         ask_which(times, dict(zip([*names, *unsaid], values, strict=True)), f"{row['file']} ({place})")
     elif unsaid:
@@ -178,6 +182,7 @@ def interpret(table: Table, row: Mapping[str, Any], place: str, restoring: str) 
         1e-3: "MS (no unit is stated)",
         1e-6: "US (no unit is stated)",
         1e-9: "NS (no unit is stated)",
+        A_DAY: "DAYS (no unit is stated)",
     }.get(factor, "s (no unit is stated)")
     if moved := [one for one in table.names if one not in read and moves_it(one)]:
         made = made._replace(about=made.about | {"drive_beside": ", ".join(moved)})
@@ -261,12 +266,19 @@ def _signal(
         )
     if not columns.unit and (first.kind in (LENGTH, SPEED) or (first.axis and columns.clock.axis != "x")):
         return _coordinate(row, where, columns, times, values[0], restoring)
-    taken, told = turning_most(names, values)
+    taken, told = _most(first, times, read, f"{file} ({place})")
     about = {"counts_per_revolution": row["counts_per_revolution"]} if columns.unit == "counts" else {}
     if first.kind == UNTOLD and not columns.unit and not row.get("scale"):
         check_once(values[taken], where)
     reading = _reading(row, columns, times, values[taken], restoring, where)
     return Interpreted(times, values[taken], reading, told, about, names[taken])
+
+
+def _most(first: Meaning, times: Floats, read: Mapping[str, Floats], place: str) -> tuple[int, list[str]]:
+    """Which of the columns that hold the same about several axes is the swing, by its place, and remarks on that."""
+    if first.kind == RATE or len(read) == 1:
+        return turning_most(list(read), list(read.values()))
+    return widest(times, read, place)
 
 
 def _reading(

@@ -10,7 +10,10 @@ from .half_swings import half_swings
 from .plausibility import TO_RAD
 
 LONGEST, SHORTEST = 60.0, 0.02  # s; a pendulum of 900 m, and one of a tenth of a millimetre
+ROOM = 4.0  # s; a pendulum of 4 m hardly fits into a room
 SINCE_1970 = (0.9e9, 4e9)  # s: from 1998 to 2096; no other clock shows so many
+DAYS = (35_796, 71_600)  # the same years in days since 1900, as spreadsheets keep a date and a time of day
+A_DAY = 86_400.0  # s
 SLOWEST = 700.0  # s; a torsion balance
 WHOLE = 1.02  # turns from one turning point to the next: weight swings nothing further back and forth
 WRAPPED = 0.1  # of a turn: a jump that is so nearly a whole one is that of a sensor that begins anew
@@ -26,7 +29,7 @@ def time_factor(times: Floats, signal: Floats, told: bool, place: str) -> tuple[
     times, signal
         The swing, of shape (sample,).
     told
-        Whether anybody stated the unit. Else it is s, or ms or us where a pendulum's period is possible in that alone.
+        Whether anybody stated the unit. Else it is s, or ms, us or a spreadsheet's days where a pendulum's period is possible in that alone.
     place
         What an error names as its place.
 
@@ -42,7 +45,15 @@ def time_factor(times: Floats, signal: Floats, told: bool, place: str) -> tuple[
             return factor, [f"its times are {unit} since 1970, as a computer counts them"]
     length, what = (period, "a period of") if period == period else (interval, "a sample every")
     if SHORTEST <= period <= LONGEST or (period != period and interval <= 1):
-        return 1.0, []
+        if told or not period > ROOM:
+            return 1.0, []
+        return 1.0, [
+            f"NO UNIT OF THE TIME IS STATED: taken for s, in which a pendulum of so long a period, {period:.3g} s, is {9.81 * (period / 2 / pi) ** 2:.2g} m long"
+        ]
+    if not told and DAYS[0] < times[0] < times[-1] < DAYS[1] and SHORTEST <= A_DAY * period <= LONGEST:
+        return A_DAY, [
+            f"its times are days since 1900, as a spreadsheet keeps them: a period of {A_DAY * period:.4g} s"
+        ]
     if told:
         return 1.0, [
             f"{what} {length:.3g} s is none of a pendulum on a bench: is the unit of the time right?"
