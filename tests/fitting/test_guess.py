@@ -74,3 +74,9 @@ def test_all_that_a_swing_shows_of_itself(reading, restoring, degrees):
     assert seen.release_velocity == pytest.approx(velocity, abs=0.5)
     assert peaks[0] / 2 < seen.amplitude < 1.02 * peaks[0]
     assert seen.loss == pytest.approx((peaks[0] - peaks[-1]) / (peaks.size - 1), rel=0.15)
+
+
+def test_two_passages_of_a_rate_are_enough_for_a_start():
+    times = np.arange(0, 0.75, 0.01)
+    seen = first_guess(times, np.cos(2 * np.pi * times + 0.3), "sine", "rate")
+    assert seen.natural_frequency == pytest.approx(2 * np.pi, rel=0.3)  # its mean is no zero

@@ -295,3 +295,11 @@ def test_what_hangs_turns_beside_zero_in_degrees_is_no_angle():
     raw = 1975 + 140 * swing()
     assert any("READING OF UNKNOWN SCALE" in one for one in looked_at(raw, unit_told=False))
     assert any("TAKEN AS DEGREES" in one for one in looked_at(raw - 1975, unit_told=False))
+
+
+def test_a_driven_swing_of_scattered_sizes_that_ends_smaller_by_chance_does_not_die():
+    sizes = np.repeat([1, 1.11, 1.1, 0.96, 0.98, 0.96, 1.05, 1, 1.06, 0.85, 1.13, 0.99], 50)
+    half = np.sin(np.pi * np.arange(600) / 50)
+    times = np.arange(600) / 50
+    assert not in_step_and_dying(times, sizes * half)
+    assert in_step_and_dying(times, np.exp(-0.006 * times) * half)

@@ -161,7 +161,7 @@ def _guess_from_rate(times: Floats, rate: Floats, restoring: str) -> Guess:
 
     A gyroscope's zero is taken from the mean over whole periods, at whose ends the pendulum is where it was.
     """
-    crossings, _ = middle_crossings(times, rate - np.mean(rate))
+    crossings, speeds = middle_crossings(times, rate - np.mean(rate))
     if crossings.size >= 3:
         last = crossings[crossings.size - (1 if crossings.size % 2 else 2)]
         rate = rate - np.mean(rate[(times >= crossings[0]) & (times <= last)])

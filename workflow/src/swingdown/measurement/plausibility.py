@@ -18,6 +18,7 @@ STEADY = 0.15  # of a period: half-swings in step have theirs so near to the usu
 ENOUGH = 8  # half-swings in step of which there is something to tell
 EVEN = 0.05  # of a period: by so much at most does one differ from the next, where they tell it
 DYING = 0.98  # times: from its first third to its last, of what surely shrinks
+SURELY = 3.0  # standard errors of how fast they shrink
 KEPT = 0.9  # of the first swings' size: the last ones of what does not shrink
 DIED = 0.05  # of the widest swing, by which one side shrinks from its first third to its last, where that tells something
 GRAVITY = {"m/s²": 9.81, "g": 1.0, "mg": 1000.0}  # what an accelerometer at rest reads
@@ -74,7 +75,13 @@ def in_step_and_dying(times: Floats, signal: Floats) -> bool:
     tell its period. That may change from swing to swing, as a ball's in a bowl that is no circle."""
     sizes = _sizes_in_step(times, signal, step=2)
     part = len(sizes) // 3
-    return part > 0 and bool(np.median(sizes[-part:]) < DYING * np.median(sizes[:part]))
+    if not part:
+        return False
+    fall = float(np.median(sizes[-part:]) / np.median(sizes[:part]))
+    (slope, _), covariance = np.polyfit(np.arange(len(sizes)), sizes, 1, cov=True)
+    # what a motor drives unsteadily may end with smaller swings by chance
+    surely = -slope > SURELY * float(np.sqrt(covariance[0, 0]))
+    return fall < KEPT or bool(fall < DYING and surely)
 
 
 def in_step_and_steady(times: Floats, signal: Floats) -> bool:
