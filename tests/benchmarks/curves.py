@@ -67,11 +67,7 @@ def main(count: int, seed: int) -> None:
             "period": (found.period_at(at), period, found.period),
         }
         angle = np.linspace(0.05, 1, 20) * found.high
-        values = model.values
-        torque = (
-            values["natural_frequency"] ** 2 * np.sin(angle) + values.get("torsion_stiffness", 0.0) * angle
-        )
-        pairs["restoring"] = found.restoring_at(angle), torque, found.period
+        pairs["restoring"] = found.restoring_at(angle), pull(model, angle), found.period
         if set(model.names) <= SPEED_ALONE:
             speed = (
                 np.linspace(0.05, 1, 20) * found.scale * float(found.ideal.speed(np.array([found.high]))[0])
@@ -97,9 +93,21 @@ def of_model(model, times, measured, held):
     found = answer.curves().sel(source="model")
     loss, period = course(model, *found["amplitude"].values[[0, -1]]).at(found["amplitude"].values)
     kind = "right" if set(model.names) <= set(answer.label.split("+")) else "wrong"
-    for name, truth in (("loss", -np.expm1(-2 * loss)), ("period", period)):
+    truths = {"loss": -np.expm1(-2 * loss), "period": period, "restoring": pull(model, found["angle"].values)}
+    truths |= {"damping_ratio": loss / np.hypot(np.pi, loss)}
+    if set(model.names) <= SPEED_ALONE:
+        truths["friction"] = drag(model, found["speed"].values)
+    for name, truth in truths.items():
         inside = (found[f"{name}_low"].values <= truth) & (truth <= found[f"{name}_high"].values)
-        held[f"{name}, model", kind] += list(inside[np.isfinite(truth)])
+        first = 3 if name in ("restoring", "friction") else 0  # beside nothing both say nothing
+        for of in (kind, "all"):
+            held[f"{name}, model", of] += list(inside[first:][np.isfinite(truth[first:])])
+
+
+def pull(model, angle):
+    """The restoring torque (rad/s²)."""
+    p = model.values
+    return p["natural_frequency"] ** 2 * np.sin(angle) + p.get("torsion_stiffness", 0.0) * angle
 
 
 def drag(model, speed):
