@@ -48,3 +48,9 @@ def test_no_sentence_is_longer_than_a_breath(page):
 def test_a_page_is_read_in_a_few_minutes(page):
     """All words count, those of tables and commands too."""
     assert words(page.read_text(encoding="utf-8")) <= MOST_OF_A_PAGE
+
+
+def test_all_pages_together_are_read_in_an_hour_and_a_half():
+    """At two hundred words a minute; CONTRIBUTING and the key's reference are looked up, not read."""
+    pages = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
+    assert sum(len(page.read_text(encoding="utf-8").split()) for page in pages) <= 18_000

@@ -255,3 +255,14 @@ def test_of_areas_those_that_stand_out_are_not_the_bobs():
     areas[10], areas[20], areas[30] = 900 * (1 + np.array([0.12 * 2, 0.12 * 4.2, -0.12 * 4.2]))
     kept = video._of_usual_area(xy, areas)
     assert kept[10] and not kept[20] and not kept[30] and kept.mean() > 0.97
+
+
+def test_of_places_those_on_the_bobs_circle_are_the_bobs():
+    """An arc of forty degrees to each side; a tenth as many places lie all over the picture, within a circle so large that it is a line."""
+    random = np.random.default_rng(3)
+    swing = np.radians(40) * np.sin(np.arange(300) / 9)
+    arc = np.column_stack([320 + 300 * np.sin(swing), 60 + 300 * np.cos(swing)])
+    other = random.uniform((0, 0), (640, 480), (30, 2))
+    off = np.abs(np.hypot(*(other - (320, 60)).T) - 300)
+    kept = video._on_circle(np.concatenate([arc, other, [[np.nan, np.nan]]]), 10.0, "film")
+    assert kept[:300].all() and not kept[300:330][off > 12].any() and not kept[330]

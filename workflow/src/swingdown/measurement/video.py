@@ -268,7 +268,7 @@ def _on_circle(xy: Floats, size: float, name: str) -> NDArray[np.bool_]:
     best, most = np.zeros(len(xy), bool), 0
     draws = np.random.default_rng(0)
     for _ in range(TRIPLES if len(apart) > 2 else 0):
-        found = _near_circle(xy, *xy[draws.choice(apart, 3, replace=False)])
+        found = _near_circle(xy, size, *xy[draws.choice(apart, 3, replace=False)])
         if (count := int(np.count_nonzero(found[apart]))) > most:
             best, most = found, count
     if not (2 * most > len(apart) and 2 * best.sum() > len(xy)):
@@ -281,17 +281,22 @@ def _on_circle(xy: Floats, size: float, name: str) -> NDArray[np.bool_]:
     return best
 
 
-def _near_circle(xy: Floats, a: Floats, b: Floats, c: Floats) -> NDArray[np.bool_]:
-    """Which points are near to the circle through three points; none where these lie on a line."""
-    (bx, by), (cx, cy) = b - a, c - a
-    twice = 2 * (bx * cy - by * cx)
-    if twice == 0:
+def _near_circle(xy: Floats, size: float, a: Floats, b: Floats, c: Floats) -> NDArray[np.bool_]:
+    """Which points are near to the circle through three points, by no more than the bob's ``size``: else a circle so large that it is nearly
+    a line holds all. None where the three lie on a line.
+    """
+    points, (first, second, third) = _complex(xy), map(_complex, (a, b, c))
+    corner = (third - first) / (second - first)
+    if corner.imag == 0:
         return np.zeros(len(xy), bool)
-    u = (cy * (bx * bx + by * by) - by * (cx * cx + cy * cy)) / twice
-    v = (bx * (cx * cx + cy * cy) - cx * (bx * bx + by * by)) / twice
-    radius = math.hypot(u, v)
-    away = np.hypot(xy[:, 0] - a[0] - u, xy[:, 1] - a[1] - v) - radius
-    return np.abs(np.nan_to_num(away, nan=np.inf)) < TIGHT * radius
+    centre = first + (second - first) * (corner - abs(corner) ** 2) / (2j * corner.imag)
+    radius = abs(first - centre)
+    return np.abs(np.abs(points - centre) - radius) < min(TIGHT * radius, size)
+
+
+def _complex(xy: Floats) -> Any:
+    """Places as complex numbers."""
+    return xy[..., 0] + 1j * xy[..., 1]
 
 
 def _increasing(times: Sequence[float], rate: float, name: str) -> Floats:
