@@ -1,0 +1,29 @@
+"""What a dataset of fits keeps of each."""
+
+import numpy as np
+import pytest
+
+from swingdown.answer.given import swings
+from swingdown.engine.trajectory import simulate
+from swingdown.pendulum.model import Model
+from swingdown.studies.experiment import fit_recording
+
+TRUTH = Model("viscous", {"natural_frequency": 7.25, "viscous_ratio": 0.01})
+TIMES = np.arange(600) / 100
+
+
+@pytest.mark.parametrize("sigma", [1e-3, None])
+def test_the_reduced_chi2_is_of_the_random_uncertainty_and_unknown_without_one(sigma):
+    """With the noise as stated it is near 1: within four of its standard deviations."""
+    noise = 1e-3 * np.random.default_rng(4).standard_normal(TIMES.size)
+    (angle,) = swings(TIMES, simulate(TRUTH, TIMES, 0.3) + noise)
+    told = np.full(TIMES.size, np.nan if sigma is None else sigma)
+    angle["angle_random_uncertainty"] = angle["angle_random_uncertainty"].copy(data=told)
+    fits = fit_recording(angle, ["viscous"])
+    found = float(fits["reduced_chi2"].sel(fitted="viscous"))
+    if sigma is None:
+        assert np.isnan(found)
+    else:
+        left = fits["residual"].sel(fitted="viscous").values
+        assert found == pytest.approx(np.sum(left**2) / sigma**2 / (TIMES.size - 4), rel=1e-9)
+        assert abs(found - 1) < 4 * np.sqrt(2 / TIMES.size)
