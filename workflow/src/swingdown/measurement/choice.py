@@ -32,7 +32,7 @@ from .plausibility import ENOUGH, in_a_row
 from .table import Table, numbers
 
 SHORTEST = 10  # samples; fewer tell nothing about a swing
-_LOOKED_AT = 200_000  # rows of which each column is looked at before the swing is chosen
+LOOKED_AT = 200_000  # rows of which each column is looked at before the swing is chosen
 
 
 class Uncalibrated(InputError):
@@ -101,10 +101,10 @@ def without_still(table: Table, row: Mapping[str, Any]) -> tuple[Table, list[str
     for piece in pieces:
         held.append(piece)
         rows += len(piece)
-        if rows > _LOOKED_AT:
+        if rows > LOOKED_AT:
             break
     kept = table._replace(pieces=itertools.chain(held, pieces))
-    if row["role"] == "static" or not SHORTEST <= rows <= _LOOKED_AT:
+    if row["role"] == "static" or not SHORTEST <= rows <= LOOKED_AT:
         return kept, []
     named = {row["signal_column"], row["time_column"], row.get("input_column", "")}
     values = {

@@ -26,6 +26,7 @@ from .elements import Columns
 from .layout import CLOCKED
 from .programs import saved_by_program
 from .runs import by_name, clock_part, several_runs
+from .sensors import of_one_sensor
 from .table import WHOLE, Table
 
 LARGEST = 2_000_000_000  # bytes that the variables of a netCDF file may take: it is held whole
@@ -63,6 +64,8 @@ def table_of(source: BinaryIO, row: Mapping[str, Any]) -> Table:
     """
     found = tables(source, row)
     named = {name: table for name, table in found.items() if name}
+    if not named and WHOLE in found:
+        return of_one_sensor(found[WHOLE], row)
     asked = str(row.get("run", ""))
     if asked and (named or not clock_part(asked)):
         return named[by_name(named, asked, row["file"])]
