@@ -152,3 +152,11 @@ def test_times_side_by_side_between_spaces_are_asked_about(tmp_path):
     file = written(tmp_path, "# 5T ball 5T disc", ["9.53 9.28", "9.41 9.36", "9.44 9.31"], "two.txt")
     with pytest.raises(InputError, match="line 2.*several times.*which of them"):
         timed(file)
+
+
+def test_a_head_in_the_last_of_many_comments_is_one(tmp_path):
+    notes = [f"# arm {k} = 13.{k} cm" for k in range(12)]
+    file = written(tmp_path, "\n".join([*notes, "# 5T[s]"]), ["1.93", "1.95", "1.90", "1.82"])
+    assert timed(file).period().value == pytest.approx(0.38)
+    unsaid = written(tmp_path, "\n".join(notes), ["1.93", "1.95", "1.90", "1.82"], "unsaid.csv")
+    assert timed(unsaid) is None

@@ -113,7 +113,8 @@ def hand_table(path: Path) -> HandTable | None:
     Its heads name times of a counted number of swings, or a period and what was varied with it.
     """
     lines = _lines(path)
-    for place, names in enumerate(lines[:_HEADS]):
+    for place in _head_lines(lines):
+        names = lines[place]
         own = [name for name in names if name]
         times = [one for name in own if (one := _times(name))]
         heads = {name: _head(name) for name in own if name not in {one.name for one in times}}
@@ -138,6 +139,12 @@ def hand_table(path: Path) -> HandTable | None:
         emulated = any("emulated: yes" in " ".join(cells) for cells in lines[:place])
         return HandTable(cells, times, heads, emulated)
     return None
+
+
+def _head_lines(lines: Sequence[Sequence[str]]) -> list[int]:
+    """The lines, by place, in which heads may stand: the first, and the last of however many comments above the rows."""
+    comments = next((k for k, cells in enumerate(lines) if any(cells) and not cells[0].startswith("#")), 0)
+    return [*range(min(_HEADS, len(lines))), *([comments - 1] if comments > _HEADS else [])]
 
 
 def _lines(path: Path) -> list[list[str]]:
