@@ -187,3 +187,60 @@ def test_numbered_readings_of_a_swing_are_not_asked_whether_they_are_periods(tmp
         taken(tmp_path, text)
     except InputError as problem:
         assert "periods of a pendulum" not in problem.problem
+
+
+@pytest.mark.parametrize("dark", [0, 1])
+def test_edges_tell_passages_whichever_level_is_dark(tmp_path, dark):
+    """Rows of a board that writes the pin, the edge and its time."""
+    rows = [f"2, {dark if side < 0 else 1 - dark}, {t + side * 0.005:.6f}" for t in T for side in (-1, 1)]
+    found = taken(tmp_path, "\n".join(["# Pin number, Edge type, Time [s]", *rows, ""]))
+    assert found.attrs["kind"] == "passages" and "`Edge type` as a light gate's" in found.attrs["taken"]
+    assert np.allclose(found["time"].values, T, atol=2e-6)
+    assert list(found["half_swings"].values) == list(NUMBER)
+
+
+def test_edges_of_a_comparator_of_the_side_are_no_passages(tmp_path):
+    """A level that lasts for nearly half a period is a side of the swing, not a bob in the gate."""
+    rows = [f"{t:.6f},{k % 2}" for k, t in enumerate(T + 0.1 * (NUMBER % 2))]
+    with pytest.raises(InputError, match="no passages of a light gate are in it"):
+        taken(
+            tmp_path,
+            "\n".join(["Time (s),Edge type", *rows, ""]),
+            signal_kind="passages",
+            signal_column="Edge type",
+        )
+
+
+def voltage(late, between=0.0, width=0.1):
+    """Samples of a gate's voltage, low while the bob is in it, of which a share is on the way between the levels."""
+    times, passed = np.arange(0.0, 30.0, 0.001), T + late * (NUMBER % 2)
+    low = np.abs(times[:, None] - passed).min(axis=1) < width / 2
+    read = np.where(low, 0.04, 4.8)
+    on_the_way = np.random.default_rng(2).random(times.size) < between
+    return passed, columns("t (s),gate (V)", times, np.where(on_the_way, 2.0, read))
+
+
+def test_a_gates_voltage_tells_passages_where_its_gaps_are_uneven(tmp_path):
+    passed, text = voltage(0.05)
+    found = taken(tmp_path, text)
+    whole = passed[passed < 29.9]
+    assert found.attrs["kind"] == "passages" and list(found["half_swings"].values) == list(
+        NUMBER[: whole.size]
+    )
+    assert np.allclose(found["time"].values, whole, atol=1e-3)
+    alternate = 2 * np.diff(found["time"].values)[:2]
+    assert abs(alternate[0] - alternate[1]) > 0.15  # which are no periods each
+    assert np.mean(alternate) == pytest.approx(2 * HALF, abs=0.01)
+
+
+def test_even_gaps_of_a_gates_voltage_are_asked_about(tmp_path):
+    with pytest.raises(InputError, match="is that a half-swing, a whole period, or several"):
+        taken(tmp_path, voltage(0.0)[1])
+    assert taken(tmp_path, voltage(0.0)[1], signal_kind="periods")["half_swings"].values[1] == 2
+
+
+@pytest.mark.parametrize("spoilt", [{"between": 0.2}, {"width": 0.35}])
+def test_a_voltage_that_is_no_gates_gives_no_passages(tmp_path, spoilt):
+    """One that is between its levels for long, and one whose levels last alike, as of a side or of a swing cut off."""
+    with pytest.raises(InputError):
+        taken(tmp_path, voltage(0.05, **spoilt)[1])

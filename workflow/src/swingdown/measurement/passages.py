@@ -14,7 +14,7 @@ import xarray as xr
 
 from ..arrays import Floats
 from ..errors import InputError
-from .columns import TIME, UNTOLD, Meaning, meaning, place_of
+from .columns import COUNTS, TIME, UNTOLD, VOLTAGE, Meaning, meaning, place_of
 from .half_swings import half_swings
 from .points_recording import PASSED, about_file, as_recording
 from .points_table import is_number, peeked
@@ -32,7 +32,9 @@ from .turning_points import (
     unequal_sides,
 )
 
-_GATE = re.compile(r"(?i)\b(gate ?\d*|gate ?states?|state|blocked|photogate|lichtschranke) ?\d*\b")
+_GATE = re.compile(
+    r"(?i)\b(gate ?\d*|gate ?states?|edge( ?type)?|state|blocked|photogate|lichtschranke) ?\d*\b"
+)
 _NAMED = r"period\w*|période|período|schwingungsdauer"
 _PERIOD = re.compile(rf"(?i)\b(t|{_NAMED})\b")
 _ONE_PERIOD = re.compile(rf"(?i)\b({_NAMED})\b")  # what a hand calls T may be the time of several swings
@@ -43,6 +45,9 @@ _SPEEDS = ("m/s", "cm/s")
 _DARK = re.compile(r"(?i)\b(block(ed)?|dark|dunkel\w*|gate|transito?) ?(time|duration)?\b")
 _ALIKE = 0.25  # of the usual step: a step that differs by more is no half-swing beside another
 _USUAL = 0.9  # of all steps that are alike: the others are passages missed
+_LIGHT = 3.0  # times as long as it is dark: beyond the side of a swing, which lasts half a period, as a comparator tells it
+_BETWEEN = 0.05  # of the samples of a gate's voltage, that are on their way from one level to the other
+_LEVEL = 0.1  # of the voltage's range, about either level
 _SLOWEST = 100.0  # s; a pendulum with this period is 2.5 km long
 _WIDTHS = "bob widths/s"
 _WORDS = "write passages (each passage: two a period) or periods (one a period) ⟨in signal_kind⟩"
@@ -191,11 +196,16 @@ def _gate(rows: pd.DataFrame, table: Table, row: Mapping[str, Any]) -> Gate | No
     rest = [one for one in columns if one not in number]
     if row["time_column"]:
         rest.sort(key=lambda one: one.name != row["time_column"])
+    else:
+        rest.sort(key=lambda one: one.kind != TIME)
     if not rest:
         return None
     states = [one for one in rest[1:] if _GATE.search(_label(one)) and _are_states(values[one.name])]
     if states and row["signal_column"] in ("", *(one.name for one in states)):
         return _of_gates(rest[0], states, values, row)
+    alone = len(rest) == 2 and row["signal_column"] in ("", rest[1].name)
+    if alone and (gate := _of_voltage(rest[0], rest[1], values, row)):
+        return gate
     if row["signal_column"]:
         rest = [one for one in rest if one.name == row["signal_column"]] if row["signal_kind"] else []
     if len(rest) == 1:
@@ -207,11 +217,7 @@ def _of_columns(
     clock: Meaning, beside: Sequence[Meaning], values: Mapping[str, Floats], row: Mapping[str, Any]
 ) -> Gate | None:
     """Times with the period that ends at each, with the speed or the dark time there, or with both; None where a column is neither."""
-    speeds = [
-        one
-        for one in beside
-        if _DARK.search(_label(one)) or _SPEED.search(_label(one)) or one.written in _SPEEDS
-    ]
+    speeds = [one for one in beside if _is_dark(one) or _SPEED.search(_label(one)) or one.written in _SPEEDS]
     periods = [
         one
         for one in beside
@@ -266,6 +272,11 @@ def _sound(values: Floats) -> Floats:
     return values[np.isfinite(values)]
 
 
+def _is_dark(one: Meaning) -> bool:
+    """True for a column of how long a gate was dark; a voltage of the gate is none."""
+    return one.kind in (UNTOLD, TIME) and bool(_DARK.search(_label(one)))
+
+
 def _are_states(values: Floats) -> bool:
     return bool(np.isin(_sound(values), (0, 1)).all()) and np.ptp(_sound(values)) == 1
 
@@ -307,7 +318,7 @@ def _with_speeds(
     ):
         return None
     scale, unit, told = _seconds(clock, float(np.median(np.diff(times))), row)
-    dark = bool(_DARK.search(_label(beside)))
+    dark = _is_dark(beside)
     if not dark and not falls(read):  # samples of a speed
         return None
     speeds, words = (
@@ -336,15 +347,11 @@ def _of_states(
     times, dark = values[clock.name][sound], values[state.name][sound] > 0
     if np.any(np.diff(times) < 0) or not np.any(np.diff(dark)):
         return None
-    changes = np.diff(dark)
-    edges = np.flatnonzero(changes) + 1
-    if dark[0] and changes.all():  # each row is a change: the first as well
-        edges = np.concatenate([[0], edges])
-    edges = edges[int(not dark[edges[0]]) :]
-    edges = edges[: edges.size // 2 * 2]
-    begin, end = times[edges[::2]], times[edges[1::2]]
-    if begin.size and np.median(end - begin) > np.median(begin[1:] - end[:-1] if begin.size > 1 else np.inf):
-        return None  # a period's half each: a comparator of the side, no gate
+    stretches = (_blocked(times, dark), _blocked(times, ~dark))  # some gates tell 0 where it is dark
+    found = next((one for one in stretches if _is_brief(*one)), None)
+    if found is None:
+        return None  # about a period's half each: a comparator of the side, no gate
+    begin, end = found
     scale, unit, told = _seconds(clock, float(np.median(np.diff(begin))) if begin.size > 1 else 1.0, row)
     taken = (
         f"took `{state.name}` as a light gate's, each passage from dark to light, `{clock.name}` as {unit}"
@@ -353,6 +360,47 @@ def _of_states(
     if not np.all(length > 0):
         return Gate(scale * begin, np.full(begin.size, np.nan), "", PASSAGES, taken, told)
     return _dying(Gate(scale * (begin + end) / 2, 1 / length, _WIDTHS, PASSAGES, taken, told))
+
+
+def _blocked(times: Floats, dark: np.ndarray) -> tuple[Floats, Floats]:
+    """When each whole stretch begins in which the gate is dark, and when it ends."""
+    changes = np.diff(dark)
+    edges = np.flatnonzero(changes) + 1
+    if dark[0] and changes.all():  # each row is a change: the first as well
+        edges = np.concatenate([[0], edges])
+    edges = edges[int(not dark[edges[0]]) :]
+    edges = edges[: edges.size // 2 * 2]
+    return times[edges[::2]], times[edges[1::2]]
+
+
+def _is_brief(begin: Floats, end: Floats) -> bool:
+    """True where the stretches are much shorter than what is between them; so is one alone."""
+    light = begin[1:] - end[:-1]
+    return not light.size or _LIGHT * float(np.median(end - begin)) <= float(np.median(light))
+
+
+def _of_voltage(
+    clock: Meaning, state: Meaning, values: Mapping[str, Floats], row: Mapping[str, Any]
+) -> Gate | None:
+    """Passages from samples of a gate's voltage, which jumps between two levels and is dark for the shorter time; None of another signal.
+
+    Whether it is passed twice a period is left open: that only unequal gaps tell.
+    """
+    sound = np.isfinite(values[clock.name]) & np.isfinite(values[state.name])
+    times, read = values[clock.name][sound], values[state.name][sound]
+    if state.kind not in (UNTOLD, VOLTAGE, COUNTS) or times.size < FEWEST or not np.all(np.diff(times) > 0):
+        return None
+    low, high = float(read.min()), float(read.max())
+    share = (read - low) / (high - low) if high > low else np.zeros(read.size)
+    if np.mean((share > _LEVEL) & (share < 1 - _LEVEL)) > _BETWEEN:
+        return None
+    up = share > 0.5
+    at = np.flatnonzero(np.diff(up))
+    if at.size < 2 * FEWEST:
+        return None
+    crossed = times[at] + (times[at + 1] - times[at]) * (0.5 - share[at]) / (share[at + 1] - share[at])
+    found = _of_states(clock, state, {clock.name: crossed, state.name: up[at + 1].astype(float)}, row)
+    return found and found._replace(kind="")
 
 
 def _dying(gate: Gate) -> Gate:
