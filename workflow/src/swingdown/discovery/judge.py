@@ -123,10 +123,12 @@ def _asked(
     share, held, rms = _whole(pool, best, without)
     if _too_little(share, held) and best.fit.model.catalogue.damps(name):
         share, held = min((share, held), _of_friction(pool, best, without))
-    doubt = _doubt(one.probability, share, held)
-    one = replace(one, law_open=one.law_open or seen and bool(doubt))
-    doubt = "" if seen else doubt
-    return replace(one, share=share, held_out=held, without=rms, doubt=doubt, at_shape=at_shape)
+    doubt, law_open = _doubt(one.probability, share, held), one.law_open
+    if seen and doubt:
+        doubt, law_open = "", True
+    return replace(
+        one, share=share, held_out=held, without=rms, doubt=doubt, at_shape=at_shape, law_open=law_open
+    )
 
 
 def _too_little(share: float, held_out: float) -> bool:

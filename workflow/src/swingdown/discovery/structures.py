@@ -107,8 +107,7 @@ class Pool:
         if old is not None and old.fit.rss <= fit.rss:
             return
         if any(at_its_bound(fit, name) for name in fit.model.names if name not in self.base):
-            if key != self.base:
-                self.known.pop(key, None)
+            self.known.pop(key, None)
             return
         try:
             one = self._seen(fit, frame(fit, self.campaign.fit))
@@ -118,7 +117,7 @@ class Pool:
 
     def lacking(self, one: Structure, names: Collection[str]) -> list[Structure]:
         """The structure without these of its effects, fitted where it is not known, and those with effects of the base again which they may
-        have taken the place of, the most probable first; empty where there is none."""
+        have taken the place of, the most probable first; where that has one at a bound, those that lack more; empty where there is none."""
         key = one.key - set(names)
         if key not in self.known:
             begin = one.fit
