@@ -2,10 +2,6 @@
 
 import re
 import subprocess
-import time
-from concurrent.futures import ThreadPoolExecutor
-from contextlib import contextmanager
-from threading import Event
 
 import board as boards
 import numpy as np
@@ -34,37 +30,11 @@ def recorded(tmp_path, monkeypatch, scene, settings=None, **more):
         return dataset.read(jobs.FOLDER / "a.nc"), board, board.truth()
 
 
-@contextmanager
-def lateness():
-    """A list that holds by how much (s) the machine itself was late, at worst, in what the block did."""
-    over, done = [0.0], Event()
-
-    def watch():
-        while not done.is_set():
-            began = time.perf_counter()
-            time.sleep(0.005)
-            over[0] = max(over[0], time.perf_counter() - began - 0.005)
-
-    with ThreadPoolExecutor(1) as pool:
-        pool.submit(watch)
-        try:
-            yield over
-        finally:
-            done.set()
-
-
 @pytest.mark.slow("a recording in real time")
 def test_times_of_a_board_that_falls_seconds_behind_are_the_hosts(tmp_path, monkeypatch):
     """It gets through a third of the time, in jerks, from the middle of the recording on: it is seconds late at the end."""
     scene, settings = boards.swing(24, 0, 60), {"duration_s": 8, "scale": boards.STEP}
-    for attempt in range(3):
-        (folder := tmp_path / str(attempt)).mkdir()
-        with lateness() as late:
-            data, board, (_, cycles, host) = recorded(folder, monkeypatch, scene, settings, held_up=4)
-        if late[0] < 0.01:
-            break
-    else:
-        pytest.skip(f"NOT TESTED: this machine does other work, and is {1e3 * late[0]:.0f} ms late of itself")
+    data, board, (_, cycles, host) = recorded(tmp_path, monkeypatch, scene, settings, held_up=4)
     at = data["sequence"].values[[0, -1]]
     assert np.diff(host[at])[0] - np.diff(cycles[at])[0] / 16e6 > 2
     assert data.attrs["partial"] == "yes"

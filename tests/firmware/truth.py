@@ -27,11 +27,13 @@ def check_truth(data, board, rate=100):
         assert passed == pytest.approx(clock, abs=2e-7)
         return
     # On a busy machine the emulator falls behind real time, and the host's clock corrects that. What it catches up looks like a host
-    # that is late, so the promptest sample of each tenth counts. Held up as it was asked to be, these agreed within 7 standard
+    # that is late, so the promptest sample of each tenth counts. Held up as it was asked to be, these agreed within 3 standard
     # uncertainties; where the machine itself stops the emulator, as no board is, they may be wrong by as much as it does.
-    late = host[at] - host[at[0]] - passed
+    # In the jerk that begins to hold it up the emulator stops between two samples: which of the rates theirs is nobody can tell.
+    begins = np.abs(cycles[at] - cycles[0] - 16e6 * board.held_up) <= 16e6 * 0.05
+    late = (host[at] - host[at[0]] - passed)[~begins]
     promptest = [tenth.min() for tenth in np.array_split(late, 10)]
-    assert np.ptp(promptest) <= 10 * data.attrs["time_standard_uncertainty_s"] + jolted(board, at)
+    assert np.ptp(promptest) <= 5 * data.attrs["time_standard_uncertainty_s"] + jolted(board, at)
 
 
 def jolted(board, at):
