@@ -211,17 +211,18 @@ def test_edges_of_a_comparator_of_the_side_are_no_passages(tmp_path):
         )
 
 
-def voltage(late, between=0.0, width=0.1):
-    """Samples of a gate's voltage, low while the bob is in it, of which a share is on the way between the levels."""
+def voltage(late, between=0.0, width=0.1, slow=0.0):
+    """Samples of a gate's voltage, low while the bob is in it, of which a share is on the way between the levels; each edge is ``slow`` (s)."""
     times, passed = np.arange(0.0, 30.0, 0.001), T + late * (NUMBER % 2)
-    low = np.abs(times[:, None] - passed).min(axis=1) < width / 2
-    read = np.where(low, 0.04, 4.8)
+    beside = np.abs(times[:, None] - passed).min(axis=1) - width / 2
+    read = 0.04 + 4.76 * (np.clip(beside / slow + 0.5, 0, 1) if slow else beside >= 0)
     on_the_way = np.random.default_rng(2).random(times.size) < between
     return passed, columns("t (s),gate (V)", times, np.where(on_the_way, 2.0, read))
 
 
-def test_a_gates_voltage_tells_passages_where_its_gaps_are_uneven(tmp_path):
-    passed, text = voltage(0.05)
+@pytest.mark.parametrize("slow", [0.0, 0.01])
+def test_a_gates_voltage_tells_passages_where_its_gaps_are_uneven(tmp_path, slow):
+    passed, text = voltage(0.05, slow=slow)
     found = taken(tmp_path, text)
     whole = passed[passed < 29.9]
     assert found.attrs["kind"] == "passages" and list(found["half_swings"].values) == list(
@@ -239,8 +240,8 @@ def test_even_gaps_of_a_gates_voltage_are_asked_about(tmp_path):
     assert taken(tmp_path, voltage(0.0)[1], signal_kind="periods")["half_swings"].values[1] == 2
 
 
-@pytest.mark.parametrize("spoilt", [{"between": 0.2}, {"width": 0.35}])
+@pytest.mark.parametrize("spoilt", [{"between": 0.2}, {"width": 0.35}, {"slow": 0.08}])
 def test_a_voltage_that_is_no_gates_gives_no_passages(tmp_path, spoilt):
-    """One that is between its levels for long, and one whose levels last alike, as of a side or of a swing cut off."""
+    """One that is between its levels for long, in single samples or in its edges, and one whose levels last alike, as of a side or of a swing cut off."""
     with pytest.raises(InputError):
         taken(tmp_path, voltage(0.05, **spoilt)[1])

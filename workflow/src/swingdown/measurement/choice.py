@@ -1,6 +1,5 @@
 """Which columns of a table hold the time, the swing and what was measured of its drive."""
 
-import itertools
 from collections.abc import Mapping
 from typing import Any, NamedTuple
 
@@ -29,7 +28,7 @@ from .columns import (
 )
 from .gyroscope import ASKEW, TO_RAD_PER_S
 from .plausibility import ENOUGH, in_a_row
-from .table import Table, numbers
+from .table import Table, first_rows, numbers
 
 SHORTEST = 10  # samples; fewer tell nothing about a swing
 LOOKED_AT = 200_000  # rows of which each column is looked at before the swing is chosen
@@ -97,14 +96,8 @@ def without_still(table: Table, row: Mapping[str, Any]) -> tuple[Table, list[str
 
     A long file is taken as it is, and so is a column that the sheet names, and one that is alone beside the time.
     """
-    pieces, held, rows = iter(table.pieces), list[Any](), 0
-    for piece in pieces:
-        held.append(piece)
-        rows += len(piece)
-        if rows > LOOKED_AT:
-            break
-    kept = table._replace(pieces=itertools.chain(held, pieces))
-    if row["role"] == "static" or not SHORTEST <= rows <= LOOKED_AT:
+    kept, held = first_rows(table, LOOKED_AT)
+    if row["role"] == "static" or not SHORTEST <= sum(map(len, held)) <= LOOKED_AT:
         return kept, []
     named = {row["signal_column"], row["time_column"], row.get("input_column", "")}
     values = {
@@ -148,11 +141,10 @@ def with_running_time(table: Table, row: Mapping[str, Any]) -> tuple[Table, Mapp
     named = [one.name for one in known if from_row_to_row(one)]
     if not named or len(known) < 2:
         return table, row, []
-    pieces = iter(table.pieces)
-    first = next(pieces, None)
-    if first is None:
+    table, held = first_rows(table, 0)
+    if not held:
         return table, row, []
-    table = table._replace(pieces=itertools.chain([first], pieces))
+    first = held[-1]
     steps = [name for name in named if not goes_on(numbers(first[name], table.decimal))]
     if not steps or len(first) < 2:
         return table, row, []
@@ -193,11 +185,10 @@ def with_rising_time(table: Table, row: Mapping[str, Any]) -> tuple[Table, Mappi
             "a column of time, or the samples a second",
             "write the frames or samples a second ⟨in rate_hz⟩",
         )
-    pieces = iter(table.pieces)
-    first = next(pieces, None)
-    if first is None:
+    table, held = first_rows(table, 0)
+    if not held:
         return table, row, []
-    table = table._replace(pieces=itertools.chain([first], pieces))
+    first = held[-1]
     if len(first) < 2:  # of one row nothing rises
         return table, row, []
     values = {key: numbers(first[key], table.decimal) for key in table.names}

@@ -1,6 +1,5 @@
 """Rows of several sensors in one table, each with the number of the pin or channel that it was read on."""
 
-import itertools
 import re
 from collections.abc import Mapping
 from typing import Any
@@ -13,7 +12,7 @@ from .choice import LOOKED_AT, SHORTEST
 from .columns import TIME, meaning
 from .plausibility import ENOUGH, in_a_row
 from .runs import by_name, clock_part, several_runs
-from .table import Table, numbers
+from .table import Table, first_rows, numbers
 
 _LABEL = re.compile(
     r"(?i)(pin|channel|chan|sensor|probe|port|kanal|canal)[ _.-]*(no|nr|num|number|id|index|nummer|#)\.?"
@@ -34,13 +33,7 @@ def of_one_sensor(table: Table, row: Mapping[str, Any]) -> Table:
     """
     labels = [name for name in table.names if _LABEL.fullmatch(name.strip())]
     asked = "" if clock_part(run := str(row.get("run", ""))) else run
-    pieces, held, rows = iter(table.pieces), list[pd.DataFrame](), 0
-    for piece in pieces if len(labels) == 1 else ():
-        held.append(piece)
-        rows += len(piece)
-        if rows > LOOKED_AT:
-            break
-    table = table._replace(pieces=itertools.chain(held, pieces))
+    table, held = first_rows(table, LOOKED_AT) if len(labels) == 1 else (table, [])
     each = [numbers(piece[labels[0]], table.decimal) for piece in held]
     known = np.concatenate([*each, np.empty(0)])
     found = np.unique(known[np.isfinite(known)])

@@ -31,6 +31,7 @@ from .table import WHOLE, Table
 
 LARGEST = 2_000_000_000  # bytes that the variables of a netCDF file may take: it is held whole
 MOST_BYTES = 5_000_000_000  # of a file: each is read twice, a minute for so many
+_PIECE = 1 << 20  # bytes of it in memory
 NETCDF = (".nc", ".nc4", ".cdf", ".netcdf", ".h5", ".hdf5")
 
 
@@ -196,7 +197,7 @@ def _local(name: str) -> BinaryIO:
 def _copied(address: str) -> BinaryIO:
     copy = tempfile.TemporaryFile()  # noqa: SIM115 - closed by ``opened``
     with urllib.request.urlopen(address, timeout=30) as answer:
-        while (piece := answer.read(io.DEFAULT_BUFFER_SIZE)) and copy.tell() <= MOST_BYTES:
+        while (piece := answer.read(_PIECE)) and copy.tell() <= MOST_BYTES:
             copy.write(piece)
     return copy
 
@@ -219,7 +220,7 @@ def check_sha256(source: BinaryIO, expected: str, name: str, place: str) -> str:
         If it is another one.
     """
     state = hashlib.sha256()
-    while piece := source.read(1 << 20):
+    while piece := source.read(_PIECE):
         state.update(piece)
     digest = state.hexdigest()
     source.seek(0)

@@ -32,14 +32,25 @@ class Table(NamedTuple):
     ordered: bool = True  # False of arrays by name: the first of them is the swing no more than another
 
 
+def first_rows(table: Table, most: int) -> tuple[Table, list[pd.DataFrame]]:
+    """The table with all its pieces yet to come, and the first of them: those that hold the first ``most`` rows and one more, or all."""
+    pieces, held, rows = iter(table.pieces), list[pd.DataFrame](), 0
+    for piece in pieces:
+        held.append(piece)
+        rows += len(piece)
+        if rows > most:
+            break
+    return table._replace(pieces=itertools.chain(held, pieces)), held
+
+
 def apart(table: Table) -> Table:
     """The table with two columns, `… x` and `… y`, for each whose cells hold a pair of numbers, as ``(1392, 685)``."""
-    pieces = iter(table.pieces)
-    first = next(pieces, None)
-    if first is None:
-        return table
-    table = table._replace(pieces=itertools.chain([first], pieces))
-    pairs = [key for key in table.names if _pairs(first[key].head(SEEN)).notna().all(axis=1).mean() > HALF]
+    table, held = first_rows(table, 0)
+    pairs = [
+        key
+        for key in table.names
+        if held and _pairs(held[-1][key].head(SEEN)).notna().all(axis=1).mean() > HALF
+    ]
     if not pairs:
         return table
     names = tuple(own for key in table.names for own in ([f"{key} x", f"{key} y"] if key in pairs else [key]))

@@ -1,6 +1,7 @@
 """Which model of damping describes a pendulum, by its evidence, and the values that all of them tell."""
 
 from collections.abc import Iterable, Mapping
+from itertools import compress
 
 import numpy as np
 import xarray as xr
@@ -54,23 +55,16 @@ def _evidence(norms: xr.Dataset, catalogue: Catalogue) -> tuple[list[str], Float
     """The models' labels, their evidence, and which of them can be a pendulum's."""
     labels, evidence = as_text(norms["fitted"]), bic_effective(norms)
     effects = [catalogue[name] for name in dict.fromkeys("+".join(labels).split("+"))]
-    known = as_text(norms["parameter"])
-    at = [known.index(one.size.name) for one in effects if one.size and one.one_sided]
-    sized = [one.name for one in effects if one.size and one.one_sided]
+    size_of = {one.name: one.size.name for one in effects if one.size and one.one_sided}
+    known, sized = as_text(norms["parameter"]), list(size_of)
+    at = [known.index(name) for name in size_of.values()]
     sizes, errors = (
         over(norms, key, "fitted", "parameter")[:, at].reshape(len(labels), len(at), -1)
         for key in ("value", "standard_error")
     )
     sound = ~(sizes < 0).any(axis=(1, 2)) & np.isfinite(evidence)
-    away = []
-    for k in range(len(labels)):
-        loose = [
-            name
-            for name, size, error in zip(sized, sizes[k], errors[k], strict=True)
-            if np.all(np.abs(size) < error)
-        ]
-        away.append(_ran_away(k, loose, labels, evidence))
-    sound &= ~np.array(away)
+    unsure = np.all(np.abs(sizes) < errors, axis=2)
+    sound &= [not _ran_away(k, compress(sized, unsure[k]), labels, evidence) for k in range(len(labels))]
     # without a standard error a parameter runs away, and tells nothing
     told = np.isfinite(over(norms, "standard_error", "fitted").reshape(len(labels), -1)).any(axis=1)
     sound &= told | ~told.any()
