@@ -22,11 +22,11 @@ from scipy.signal import resample_poly
 from swingdown.arrays import swing_under
 from swingdown.engine.trajectory import TrajectoryError, sensitivities, simulate
 from swingdown.errors import InputError
-from swingdown.fitting.general import least_squares
 from swingdown.fitting.least_squares import fit_jointly
 from swingdown.fitting.result import Begin, SwingStart
 from swingdown.pendulum.drive import drive
 from swingdown.pendulum.model import Model, catalogue
+from swingdown_trials.certified.minimum import least_squares
 
 FILES = {
     "SNLS80mV.mat": "5c7413a52255af0cb4e2f93fb6903beb92b08965ba1e6ad0a6ffedfed8477ed4",

@@ -142,16 +142,6 @@ def test_correlated_errors_cover_what_repeated_experiments_scatter():
     assert np.mean([one.chi2 for one in lines]) == pytest.approx(2.0, rel=0.08)
 
 
-def test_errors_of_a_point_may_be_correlated():
-    """A rotation of the axes by the line's own symmetry: correlated x and y errors from a linear mixing of the axes."""
-    x, y = np.array([1.0, 2.0, 3.0, 4.0]), np.array([1.1, 1.8, 3.2, 3.9])
-    plain = fit_line(x, y, 0.1, 0.2)
-    mixed = fit_line(x, y + 0.7 * x, 0.1, np.hypot(0.2, 0.07), 0.07 / np.hypot(0.2, 0.07))
-    assert mixed.slope == pytest.approx(plain.slope + 0.7, rel=1e-9)
-    assert mixed.intercept == pytest.approx(plain.intercept, abs=1e-9)
-    assert mixed.chi2 == pytest.approx(plain.chi2, rel=1e-9)
-
-
 @pytest.mark.parametrize(
     ("x", "sd", "told"),
     [

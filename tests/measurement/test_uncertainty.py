@@ -11,14 +11,13 @@ from swingdown.errors import InputError
 from swingdown.measurement.uncertainty import (
     Input,
     coverage_factor,
+    draw_inputs,
     from_limit,
     mean_of_samples,
     propagate_gum,
-    propagate_monte_carlo,
-    shortest_interval,
-    summarise,
     symmetric_interval,
 )
+from swingdown_trials.certified.propagation import shortest_interval, summarise
 
 DRAWS = 1_000_000
 
@@ -86,7 +85,7 @@ def test_jcgm_101_additive(trust, name):
     case = trust("jcgm_101_102")[name]
     widths = [sqrt(3)] * 3 + [10 * sqrt(3) if "unequal" in name else sqrt(3)]
     inputs = [Input("x", 0.0, 1.0) if "normal" in name else from_limit("x", 0.0, width) for width in widths]
-    values = propagate_monte_carlo(lambda x: x.sum(axis=0), inputs, DRAWS, 1)
+    values = draw_inputs(inputs, DRAWS, 1).sum(axis=0)
     exact = sqrt(103) if "unequal" in name else case["u"]  # printed as 10.1
     assert values.std() == pytest.approx(exact, rel=2e-3)
     assert symmetric_interval(values) == pytest.approx(case["ci95"], abs=0.05 if "unequal" in name else 0.02)
@@ -112,7 +111,7 @@ def test_jcgm_101_mass_calibration_where_first_order_fails(trust):
     assert first_order.value[0] == pytest.approx(case["y_mg"], abs=1e-9)
     assert first_order.standard_uncertainty[0] == pytest.approx(case["u_first_order"], abs=5e-5)
     assert first_order.expanded()[0] == pytest.approx(np.ptp(case["ci95_first_order"]) / 2, abs=5e-4)
-    mean, u, low, high = summarise(propagate_monte_carlo(mass, inputs, DRAWS, 2))
+    mean, u, low, high = summarise(mass(draw_inputs(inputs, DRAWS, 2)))
     assert mean == pytest.approx(case["y_mg"], abs=5e-4)
     assert u == pytest.approx(case["u_mc"], abs=3e-4)
     assert [low, high] == pytest.approx(case["shortest95_mc"], abs=3e-3)
@@ -129,7 +128,7 @@ def test_jcgm_101_comparison_loss(trust, row):
 
     first_order = propagate_gum(loss, inputs, correlation)
     assert first_order.standard_uncertainty[0] * 1e6 == pytest.approx(case["gum_u"], abs=0.5)
-    mean, u, low, high = np.array(summarise(propagate_monte_carlo(loss, inputs, DRAWS, 3, correlation))) * 1e6
+    mean, u, low, high = np.array(summarise(loss(draw_inputs(inputs, DRAWS, 3, correlation)))) * 1e6
     assert [mean, u] == pytest.approx([case["mean"], case["u"]], abs=1.5)
     assert [low, high] == pytest.approx(case["shortest95"], abs=12)  # the ends of a flat minimum
 
@@ -154,7 +153,7 @@ def test_jcgm_102_magnitude_and_phase(trust, row):
             result = propagate_gum(local, inputs, correlation)
             assert result.standard_uncertainty[0] == pytest.approx(case[key], rel=0.02)
     assert np.all(np.isfinite(first_order.value))
-    values = propagate_monte_carlo(polar, inputs, DRAWS, 4, correlation)
+    values = polar(draw_inputs(inputs, DRAWS, 4, correlation))
     for key, value in (
         ("mc_mag", values[0].mean()),
         ("mc_u_mag", values[0].std()),
@@ -171,7 +170,7 @@ def test_npl_logarithm(trust):
     first_order = propagate_gum(np.log, inputs)
     assert first_order.value[0] == pytest.approx(case["gum_y"], abs=5e-4)
     assert first_order.standard_uncertainty[0] == pytest.approx(case["gum_u"], rel=0.02)
-    mean, u, low, high = summarise(propagate_monte_carlo(np.log, inputs, DRAWS, 5)[0])
+    mean, u, low, high = summarise(np.log(draw_inputs(inputs, DRAWS, 5))[0])
     assert [mean, u] == pytest.approx([case["mc_y"], case["mc_u"]], abs=2e-3)
     assert [low, high] == pytest.approx(case["mc_shortest95"], abs=6e-3)
 
@@ -187,7 +186,7 @@ def test_nist_thermal_expansion(trust):
     first_order = propagate_gum(expansion, inputs)
     assert first_order.value[0] == pytest.approx(case["gum"], abs=5e-10)
     assert first_order.standard_uncertainty[0] == pytest.approx(case["gum_u"], abs=5e-9)
-    values = propagate_monte_carlo(expansion, inputs, DRAWS, 6)
+    values = expansion(draw_inputs(inputs, DRAWS, 6))
     assert values.mean() == pytest.approx(case["mc"], abs=1e-8)
     assert values.std() == pytest.approx(case["mc_u"], rel=0.03)  # t with 3 dof: heavy tails
 
@@ -244,7 +243,7 @@ def test_a_limit_not_above_zero_is_refused(limit):
 
 def test_the_same_seed_gives_the_same_draws():
     inputs = [Input("a", 1.0, 0.1), from_limit("b", 2.0, 0.1)]
-    first, again, other = (propagate_monte_carlo(lambda x: x, inputs, 100, seed) for seed in (1, 1, 2))
+    first, again, other = (draw_inputs(inputs, 100, seed) for seed in (1, 1, 2))
     assert np.array_equal(first, again) and not np.array_equal(first, other)
 
 

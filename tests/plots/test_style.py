@@ -107,4 +107,4 @@ def test_plots_rest_on_datasets_symbols_rounding_and_the_way_files_are_written_a
 def test_an_axis_of_values_that_are_not_known_is_one_around_zero():
     axes = style.new_figure(4).subplots()
     assert style.symmetric(axes, [np.nan, np.nan]).get_ylim() == (-1, 1)
-    assert style.symmetric(axes, [np.nan, -2.0, np.inf], room=1.5).get_ylim() == (-3, 3)
+    assert style.symmetric(axes, [np.nan, -2.0, np.inf]).get_ylim() == (-2.24, 2.24)

@@ -6,28 +6,20 @@ Whatever shows a value with its uncertainty asks here; full precision belongs in
 from decimal import ROUND_HALF_EVEN, Decimal
 from math import isfinite
 
-RULES = ("two", "one", "pdg", "limit")
+RULES = ("two", "one", "limit")
 _SMALLEST = -4  # power of ten of the larger of the two below which, and ...
 _COARSEST = 2  # ... of the last digit shown above which a power of ten reads better
 
 
-def value_with_uncertainty(value: float, uncertainty: float, rule: str = "two") -> str:
-    """A text such as ``1.418(45)``: the standard uncertainty in units of the last digits.
+def value_with_uncertainty(value: float, uncertainty: float) -> str:
+    """A text such as ``1.418(45)``: the standard uncertainty, with two digits (GUM 7.2.6), in units of the last digits.
 
     Parameters
     ----------
     value, uncertainty
         In one unit. An uncertainty that is not above 0 gives ``value(?)``.
-    rule
-        Digits of the uncertainty: ``two`` (GUM 7.2.6), ``one``, ``pdg`` (Particle Data Group) or ``limit`` (two, or one where the
-        second is a zero).
-
-    Raises
-    ------
-    ValueError
-        For another rule.
     """
-    if (parts := _cut(value, uncertainty, rule)) is None:
+    if (parts := _cut(value, uncertainty, "two")) is None:
         return _unknown(value, "(?)")
     number, error, last, power = parts
     if last >= 0:
@@ -41,8 +33,15 @@ def plus_minus(value: float, uncertainty: float, rule: str = "two") -> str:
 
     Parameters
     ----------
-    value, uncertainty, rule
+    value, uncertainty
         As of ``value_with_uncertainty``. Digits before the point are never rounded away.
+    rule
+        Digits of the uncertainty: ``two``, ``one`` or ``limit`` (two, or one where the second is a zero).
+
+    Raises
+    ------
+    ValueError
+        For another rule.
     """
     if (parts := _cut(value, uncertainty, rule, coarsest=0)) is None:
         return _unknown(value, " ± ?")
@@ -65,7 +64,7 @@ def _cut(
         return None
     # Decimal of a float is exact, so that a half is a half in what is stored and not in how it prints
     number, error = Decimal(float(value)), Decimal(float(uncertainty))
-    error, last = _last_digit(error, rule)
+    last = _last_digit(error, rule)
     size = max(number, error, key=abs).adjusted()
     power = 0
     if size < _SMALLEST or (coarsest is None and last > _COARSEST):
@@ -76,22 +75,16 @@ def _cut(
     return abs(number) if number == 0 else number, error, last - power, power
 
 
-def _last_digit(error: Decimal, rule: str) -> tuple[Decimal, int]:
-    """The uncertainty to be rounded, and the power of ten of its last digit shown."""
+def _last_digit(error: Decimal, rule: str) -> int:
+    """The power of ten of the last digit shown of an uncertainty."""
     exponent, digits = error.adjusted(), 1 if rule == "one" else 2
-    if rule == "pdg":
-        leading = int(error.scaleb(2 - exponent))
-        if leading > 949:
-            error, exponent = Decimal(1).scaleb(exponent + 1), exponent + 1
-        elif leading > 354:
-            digits = 1
     last = exponent - digits + 1
     rounded = _rounded(error, last)
     if rounded.adjusted() > exponent:  # 0.0996 becomes 0.100, which is again two digits too few
         last += 1
     if rule == "limit" and last < 0 and _rounded(rounded, last + 1) == rounded:
         last += 1
-    return error, last
+    return last
 
 
 def _rounded(number: Decimal, last: int) -> Decimal:

@@ -41,11 +41,6 @@ CURVES = {
         "speed", "rad/s^2", "friction over inertia that takes as much as a function of speed alone"
     ),
 }
-_ARGUMENTS = {
-    "amplitude": ("rad", "amplitude"),
-    "angle": ("rad", "angle from the middle"),
-    "speed": ("rad/s", "speed"),
-}
 # Each follows from the loss of the logarithm of the amplitude in a half-swing, which rises or falls all along.
 _OF_LOSS: dict[str, Callable[[Floats], Floats]] = {
     "loss": lambda one: -np.expm1(-2 * one),

@@ -60,8 +60,8 @@ class Look:
         """How much each pixel of a frame differs from the background."""
         return self._apart(self._even(frame))
 
-    def blobs(self, frame: Pictures, most: int = 5) -> list[Blob]:
-        """The largest pieces that differ from the background, that of most area first."""
+    def blobs(self, frame: Pictures) -> list[Blob]:
+        """The largest five pieces that differ from the background, that of most area first."""
         cv2 = self.cv2
         even = self._even(frame)
         contrast = self._apart(even)
@@ -70,7 +70,7 @@ class Look:
         clear = cv2.threshold(contrast, self.clear, 255, cv2.THRESH_BINARY)[1]
         mask = cv2.morphologyEx(clear, cv2.MORPH_OPEN, np.ones((3, 3), np.uint8))  # a string is no bob
         _, labels, stats, _ = cv2.connectedComponentsWithStats(mask, connectivity=8)
-        order = np.argsort(-stats[1:, cv2.CC_STAT_AREA], kind="stable")[:most] + 1
+        order = np.argsort(-stats[1:, cv2.CC_STAT_AREA], kind="stable")[:5] + 1
         large = [k for k in order if stats[k, cv2.CC_STAT_AREA] >= LEAST]
         found = [self._weighed(even, contrast, labels, stats[k], k) for k in large]
         return sorted((one for one in found if one.area > 0), key=lambda one: -one.area)

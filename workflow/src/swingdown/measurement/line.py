@@ -62,10 +62,8 @@ class Line:
         return x, np.sqrt(variance + np.asarray(u_y) ** 2) / abs(self.slope)
 
 
-def fit_line(
-    x: ArrayLike, y: ArrayLike, sd_x: ArrayLike, sd_y: ArrayLike, correlation: ArrayLike = 0.0
-) -> Line:
-    """The ``Line`` through points whose errors are independent from point to point.
+def fit_line(x: ArrayLike, y: ArrayLike, sd_x: ArrayLike, sd_y: ArrayLike) -> Line:
+    """The ``Line`` through points whose errors are independent from point to point and in x and y.
 
     York, Evensen, López Martínez and De Basabe Delgado, Am. J. Phys. 72, 367 (2004), written with variances.
 
@@ -75,8 +73,6 @@ def fit_line(
         The points, of shape (point,).
     sd_x, sd_y
         Standard deviations, scalars or one a point; 0 is allowed in one coordinate.
-    correlation
-        Correlation between the two errors of a point.
 
     Raises
     ------
@@ -84,21 +80,21 @@ def fit_line(
         For fewer than three points, points without any error, or points on a vertical.
     """
     x, y = _checked(x, y)
-    sd_x, sd_y, r = (np.broadcast_to(np.asarray(v, dtype=float), x.shape) for v in (sd_x, sd_y, correlation))
-    if np.any(sd_x < 0) or np.any(sd_y < 0) or np.any((sd_x == 0) & (sd_y == 0)) or np.any(np.abs(r) >= 1):
+    sd_x, sd_y = (np.broadcast_to(np.asarray(v, dtype=float), x.shape) for v in (sd_x, sd_y))
+    if np.any(sd_x < 0) or np.any(sd_y < 0) or np.any((sd_x == 0) & (sd_y == 0)):
         raise InputError(
             "line",
-            "a point has no uncertainty, a negative one, or errors fully correlated",
-            "standard deviations above 0 and correlations between -1 and 1",
+            "a point has no uncertainty, or a negative one",
+            "standard deviations above 0",
             "state the uncertainty of every point",
         )
-    vx, vy, cxy = sd_x**2, sd_y**2, r * sd_x * sd_y
+    vx, vy = sd_x**2, sd_y**2
 
     def step(slope: float) -> tuple[float, Floats, float, float, Floats]:
-        weight = 1 / (vy + slope**2 * vx - 2 * slope * cxy)
+        weight = 1 / (vy + slope**2 * vx)
         mean_x, mean_y = np.average(x, weights=weight), np.average(y, weights=weight)
         u, v = x - mean_x, y - mean_y
-        beta = weight * (u * vy + slope * v * vx - (slope * u + v) * cxy)
+        beta = weight * (u * vy + slope * v * vx)
         slope = float(np.sum(weight * beta * v) / np.sum(weight * beta * u))
         return slope, weight, float(mean_x), float(mean_y), beta
 

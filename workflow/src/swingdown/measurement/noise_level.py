@@ -18,6 +18,7 @@ _CORRELATIONS = np.tanh(
     np.linspace(np.arctanh(-0.9), np.arctanh(0.95), 300)
 )  # any level of slow noise as likely before
 HANN = 0.514  # of neighbouring powers under Hann's window: they are correlated by 0.444, those after next by 0.028
+_WINDOWS = 20_000  # that are looked at
 BAND = (15.0, 50.0)  # Hz; far above a pendulum's harmonics, below what mains and bearings bring
 
 
@@ -124,8 +125,10 @@ def _level(correlation: float, cosine: Floats, power: Floats) -> tuple[float, fl
     return float(np.sum(np.log(variance * shape)) + power.size), float(variance)
 
 
-def noise_level(times: ArrayLike, signal: ArrayLike, band: tuple[float, float] = BAND) -> float:
-    """The standard deviation of the white noise, in the signal's unit, from the level of its spectrum in a band.
+def noise_level(times: ArrayLike, signal: ArrayLike) -> float:
+    """The standard deviation of the white noise, in the signal's unit, from the level of its spectrum in ``BAND``.
+
+    Where sampling is too slow for the band, its upper end is the Nyquist frequency and its lower end at most 0.6 of that.
 
     The second difference takes the swing out before the window, so that it cannot leak into the band; the median over the band
     passes over single lines. Noise that is not white is taken for white noise of that level.
@@ -134,8 +137,6 @@ def noise_level(times: ArrayLike, signal: ArrayLike, band: tuple[float, float] =
     ----------
     times, signal
         In s (evenly spaced) and any unit, both of shape (sample,).
-    band
-        Frequencies in Hz. Where sampling is too slow for it, its upper end is the Nyquist frequency and its lower end at most 0.6 of that.
 
     Raises
     ------
@@ -152,19 +153,19 @@ def noise_level(times: ArrayLike, signal: ArrayLike, band: tuple[float, float] =
         )
     interval = (times[-1] - times[0]) / (len(times) - 1)
     frequency, power, gain = _spectrum(signal, interval)
-    high = min(band[1], 0.5 / interval)
-    low = min(band[0], 0.6 * high)
+    high = min(BAND[1], 0.5 / interval)
+    low = min(BAND[0], 0.6 * high)
     inside = (frequency >= low) & (frequency <= high) & (frequency < 0.5 / interval)
     return float(np.sqrt(np.median(power[inside] / gain[inside]) / np.log(2)))
 
 
-def scatter(times: Floats, signal: Floats, window: int, order: int, most: int = 20_000) -> Floats:
+def scatter(times: Floats, signal: Floats, window: int, order: int) -> Floats:
     """The variances that polynomials of an ``order`` leave in windows of so many neighbouring samples, each by its own times.
 
-    ``times`` (s) need not be even; of more than ``most`` windows as many are looked at, evenly chosen.
+    ``times`` (s) need not be even; of more than ``_WINDOWS`` windows as many are looked at, evenly chosen.
     """
     count = len(times) // window
-    chosen = np.linspace(0, count - 1, min(count, most)).astype(int)
+    chosen = np.linspace(0, count - 1, min(count, _WINDOWS)).astype(int)
     own, when = (np.asarray(one)[: count * window].reshape(count, window)[chosen] for one in (signal, times))
     when = when - when.mean(axis=1, keepdims=True)
     basis = np.linalg.qr((when / np.abs(when).max(axis=1, keepdims=True))[..., None] ** np.arange(order + 1))[

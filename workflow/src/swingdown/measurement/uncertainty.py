@@ -176,31 +176,20 @@ def propagate_gum(
     return Propagation(tuple(inputs), value, sensitivity, covariance, contributions, dof)
 
 
-def propagate_monte_carlo(
-    function: Callable[[Floats], ArrayLike],
-    inputs: Sequence[Input],
-    draws: int,
-    seed: int | Sequence[int],
-    correlation: ArrayLike | None = None,
+def draw_inputs(
+    inputs: Sequence[Input], draws: int, seed: int | Sequence[int], correlation: ArrayLike | None = None
 ) -> Floats:
-    """The outputs of ``function`` for joint draws of the inputs (JCGM 101), draws along the last axis.
+    """Joint draws of the inputs (JCGM 101), of shape (input, draw).
 
     Parameters
     ----------
-    function, inputs, correlation
+    inputs, correlation
         As in ``propagate_gum``. Correlated inputs are drawn as multivariate normal ones, which they must be.
     draws
         How many draws.
     seed
         The same seed gives the same draws.
     """
-    return np.asarray(function(draw_inputs(inputs, draws, seed, correlation)))
-
-
-def draw_inputs(
-    inputs: Sequence[Input], draws: int, seed: int | Sequence[int], correlation: ArrayLike | None = None
-) -> Floats:
-    """Joint draws of the inputs, shape (inputs, draws)."""
     generator = np.random.Generator(np.random.PCG64(seed))
     if correlation is None:
         return np.array([i.draw(generator, draws) for i in inputs])
@@ -213,8 +202,8 @@ def draw_inputs(
     return generator.multivariate_normal([i.value for i in inputs], covariance, draws, method="eigh").T
 
 
-def summarise(values: Floats, coverage: float = 0.95) -> tuple[Floats, Floats, Floats, Floats]:
-    """Mean, standard deviation, and the ends of the shortest interval of draws.
+def symmetric_interval(values: Floats, coverage: float = 0.95) -> tuple[Floats, Floats]:
+    """The ends of the interval that leaves out equal shares of draws on either side.
 
     Parameters
     ----------
@@ -222,47 +211,6 @@ def summarise(values: Floats, coverage: float = 0.95) -> tuple[Floats, Floats, F
         Of shape (…, draw).
     coverage
         The share of draws in the interval.
-
-    Returns
-    -------
-    mean, standard deviation, low, high
-        Each of shape (…).
-    """
-    low, high = shortest_interval(values, coverage)
-    return values.mean(axis=-1), values.std(axis=-1, ddof=1), low, high
-
-
-def shortest_interval(values: Floats, coverage: float = 0.95) -> tuple[Floats, Floats]:
-    """The ends of the shortest interval that holds a share of the draws.
-
-    Parameters
-    ----------
-    values
-        Of shape (…, draw).
-    coverage
-        The share.
-
-    Returns
-    -------
-    low, high
-        Each of shape (…).
-    """
-    ordered = np.sort(values, axis=-1)
-    count = ordered.shape[-1]
-    inside = int(coverage * count + 0.5)
-    widths = ordered[..., inside:] - ordered[..., : count - inside]
-    at = np.argmin(widths, axis=-1)[..., None]
-    pick = np.take_along_axis
-    return pick(ordered, at, axis=-1)[..., 0], pick(ordered, at + inside, axis=-1)[..., 0]
-
-
-def symmetric_interval(values: Floats, coverage: float = 0.95) -> tuple[Floats, Floats]:
-    """The ends of the interval that leaves out equal shares of draws on either side.
-
-    Parameters
-    ----------
-    values, coverage
-        As of ``shortest_interval``.
 
     Returns
     -------

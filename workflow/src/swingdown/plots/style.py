@@ -217,10 +217,10 @@ def signed(number: str) -> str:
     return number.replace("-", "−")
 
 
-def symmetric(axes: Axes, values: ArrayLike, room: float = 1.12) -> Axes:
+def symmetric(axes: Axes, values: ArrayLike) -> Axes:
     """The axes with zero in the middle and all ``values`` in view."""
     sizes = np.abs(np.asarray(values, float))
-    reach = room * float(np.max(sizes[np.isfinite(sizes)], initial=0.0)) or 1.0
+    reach = 1.12 * float(np.max(sizes[np.isfinite(sizes)], initial=0.0)) or 1.0
     axes.set_ylim(-reach, reach)
     return axes
 

@@ -8,9 +8,9 @@ from typing import NamedTuple
 import numpy as np
 
 from swingdown.arrays import Floats
-from swingdown.fitting.general import least_squares
 
 from .case import Quantity, text
+from .minimum import least_squares
 
 SOURCE = "NIST StRD, nonlinear regression"
 

@@ -12,10 +12,9 @@ from swingdown.arrays import Floats
 from swingdown.measurement.uncertainty import (
     Input,
     coverage_factor,
+    draw_inputs,
     from_limit,
     propagate_gum,
-    propagate_monte_carlo,
-    summarise,
     symmetric_interval,
 )
 
@@ -24,6 +23,21 @@ from .lines import columns
 
 DRAWS = 1_000_000
 RECALLED = "; recalled, and derived again by 4e6 draws of another program"
+
+
+def summarise(values: Floats) -> tuple[Floats, Floats, Floats, Floats]:
+    """Mean, standard deviation, and the ends of the shortest interval that holds 95 % of draws, which lie along the last axis."""
+    low, high = shortest_interval(values)
+    return values.mean(axis=-1), values.std(axis=-1, ddof=1), low, high
+
+
+def shortest_interval(values: Floats) -> tuple[Floats, Floats]:
+    """The ends of the shortest interval that holds 95 % of draws, which lie along the last axis."""
+    ordered = np.sort(values, axis=-1)
+    inside = int(0.95 * ordered.shape[-1] + 0.5)
+    at = np.argmin(ordered[..., inside:] - ordered[..., :-inside], axis=-1)[..., None]
+    low, high = (np.take_along_axis(ordered, k, axis=-1)[..., 0] for k in (at, at + inside))
+    return low, high
 
 
 def quantities(folder: Path) -> Iterator[Quantity]:
@@ -101,7 +115,7 @@ def _additive(known: dict[str, Any]) -> Iterator[Quantity]:
         inputs = [
             Input("x", 0.0, 1.0) if number == "9.2.2" else from_limit("x", 0.0, width) for width in widths
         ]
-        drawn = propagate_monte_carlo(lambda x: x.sum(axis=0), inputs, DRAWS, 1)
+        drawn = draw_inputs(inputs, DRAWS, 1).sum(axis=0)
         yield Quantity(name, "u", case["u"], float(drawn.std()), source, draws=DRAWS)
         for end, (true, ours) in zip(
             ("low", "high"), pairs(case["ci95"], symmetric_interval(drawn)), strict=True
@@ -132,7 +146,7 @@ def _mass(case: dict[str, Any]) -> Iterator[Quantity]:
         ("95 % high, first order", case["ci95_first_order"][1], first.value[0] + half),
     ):
         yield Quantity("JCGM 101 9.3", key, true, float(ours), source, "mg")
-    mean, u, low, high = summarise(propagate_monte_carlo(mass, inputs, DRAWS, 2))
+    mean, u, low, high = summarise(mass(draw_inputs(inputs, DRAWS, 2)))
     known = [case["y_mg"], case["u_mc"], *case["shortest95_mc"]]
     for key, (true, ours) in zip(
         ("y", "u", "shortest 95 % low", "shortest 95 % high"), pairs(known, [mean, u, low, high]), strict=True
@@ -153,7 +167,7 @@ def _loss(rows: list[dict[str, Any]]) -> Iterator[Quantity]:
 
         first = propagate_gum(loss, inputs, correlation).standard_uncertainty[0]
         yield Quantity(name, "u, first order", row["gum_u"], float(first), source, "1e-6")
-        found = summarise(propagate_monte_carlo(loss, inputs, DRAWS, 3, correlation))
+        found = summarise(loss(draw_inputs(inputs, DRAWS, 3, correlation)))
         known = [row["mean"], row["u"], *row["shortest95"]]
         for key, (true, ours) in zip(
             ("y", "u", "shortest 95 % low", "shortest 95 % high"), pairs(known, found), strict=True

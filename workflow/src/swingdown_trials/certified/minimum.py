@@ -6,10 +6,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arrays import Floats
-from ..engine import interface
-from ..engine.trajectory import engine
-from ..errors import InputError
+from swingdown.arrays import Floats
+from swingdown.engine import interface
+from swingdown.engine.trajectory import engine
+from swingdown.errors import InputError
 
 
 @dataclass(frozen=True)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from swingdown.errors import InputError
-from swingdown.fitting.general import least_squares
+from swingdown_trials.certified.minimum import least_squares
 
 
 def both(x):
