@@ -5,7 +5,7 @@ import pandas as pd
 import pytest
 
 from swingdown.measurement.stated import Stated
-from swingdown.planning.varied import varied_in
+from swingdown.planning.made import varied_in
 from swingdown.plots import save
 from swingdown.plots.series import drawn
 from swingdown.report import page

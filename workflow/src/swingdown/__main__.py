@@ -88,146 +88,76 @@ def _parser() -> argparse.ArgumentParser:
         "A config file is run as a study; `verify` compares a study's files with its manifest.",
     )
     add = parser.add_argument
+
+    def flag(name: str, told: str) -> None:
+        add(name, action="store_true", help=told)
+
+    def text(name: str, what: str, told: str) -> None:
+        add(name, metavar=what, help=told)
+
+    def number(name: str, what: str, told: str) -> None:
+        add(name, type=float, metavar=what, help=told)
+
+    def one_of(name: str, choices: Sequence[str], told: str, usual: str | None = None) -> None:
+        add(name, choices=choices, default=usual, help=told)
+
     add("--version", action=_Version, nargs=0, help="show program's version number and exit")
-    add(
-        "--lang",
-        default=ENGLISH,
-        choices=languages(),
-        help="language of the lines and of the report (default: en); JSON and CSV files stay English",
+    told = "language of the lines and of the report (default: en); JSON and CSV files stay English"
+    one_of("--lang", languages(), told, ENGLISH)
+    flag("--pdf", "the report as report.pdf, too; Chromium, Chrome or Edge prints it")
+    flag("--latex", "the table as answer.tex, for booktabs")
+    flag("--xlsx", "the table as answer.xlsx")
+    flag("--json", "the answers as JSON on stdout, and all other lines on stderr")
+    told = "recordings, or folders of them: each file is a pendulum of its own"
+    add("given", nargs="+", metavar="FILE", help=told)
+    flag("--together", "all files are recordings of one pendulum")
+    flag("--quick", "stop after the first answer: no search for what is missing, no report")
+    text("--into", "FOLDER", "the study's folder (default: beside the first file, named after it)")
+    told = "unit of the angle or angular rate, if the file does not state it"
+    one_of("--unit", ["rad", "deg", "counts", "rad/s", "deg/s"], told)
+    number("--counts-per-revolution", "N", "counts of an encoder for a turn")
+    told = "degrees for one unit of raw readings or volts; or two readings at known angles: 512=0,700=30"
+    text("--scale", "DEG", told)
+    told = (
+        "distance from the pivot to the middle of the bob: 0.583±0.001 (m), 58.3(1)cm. It gives g, and the angle if one coordinate "
+        "was recorded (350px)"
     )
-    add(
-        "--pdf",
-        action="store_true",
-        help="the report as report.pdf, too; Chromium, Chrome or Edge prints it",
+    text("--length", "L", told)
+    text("--bob-diameter", "D", "diameter of a ball, to correct g for its inertia: 30.0(1)mm")
+    text("--bob-density", "RHO", "density of the bob, to correct g for the air: 7800 (kg/m^3), 7.8g/cm3")
+    told = "g from two recordings of a rigid body about two pivots: the distance from each pivot to the centre of mass"
+    add("--kater", nargs=2, metavar=("H1", "H2"), help=told)
+    told = (
+        "a series by length, mass, area, current, group or a column of your own, in the sheet, in a CSV file beside the recordings with a "
+        "column `file`, or in their names (l=0.40, 500g); length±1mm gives each value that uncertainty"
     )
-    add("--latex", action="store_true", help="the table as answer.tex, for booktabs")
-    add("--xlsx", action="store_true", help="the table as answer.xlsx")
-    add("--json", action="store_true", help="the answers as JSON on stdout, and all other lines on stderr")
-    add(
-        "given",
-        nargs="+",
-        metavar="FILE",
-        help="recordings, or folders of them: each file is a pendulum of its own",
+    text("--by", "COLUMN", told)
+    text("--values", "FILE", "the CSV file of a series, with a column `file`, if it lies elsewhere")
+    told = "resonance curves under torques of these amplitudes over the inertia, in rad/s^2, predicted from the ring-down"
+    add("--drive", nargs="+", type=float, default=[], metavar="A", help=told)
+    text("--column", "NAME", "column of the angle, if the file has several")
+    text("--sheet", "NAME", "sheet of a workbook, or file in an archive, if there are several")
+    told = "column of a drive that was measured; it acts in the model, and the swing need not be free"
+    text("--input", "COLUMN", told)
+    told = "what the input is: a torque, the pivot's horizontal acceleration or position, or the angle of the other end of a wheel's spring"
+    one_of("--input-kind", ["torque", "pivot_acceleration", "pivot_position", "pivot_angle"], told)
+    text("--input-unit", "UNIT", "unit of the input: any of a torque, m/s^2 or g, m or mm, rad or deg")
+    text("--input-free", "WHAT", "what of the input's sensor is fitted: gain, delay, gain,delay, nothing")
+    told = "what the input does between its samples (default: a smooth curve)"
+    one_of("--input-between", ["curve", "line", "hold"], told)
+    told = (
+        "what the values are: samples of the motion, its turning points of one side (one a period), or of both (each half-swing); "
+        "passages through a light gate (two a period), or periods (one a period); by default the values decide"
     )
-    add("--together", action="store_true", help="all files are recordings of one pendulum")
-    add(
-        "--quick",
-        action="store_true",
-        help="stop after the first answer: no search for what is missing, no report",
-    )
-    add(
-        "--into", metavar="FOLDER", help="the study's folder (default: beside the first file, named after it)"
-    )
-    add(
-        "--unit",
-        choices=["rad", "deg", "counts", "rad/s", "deg/s"],
-        help="unit of the angle or angular rate, if the file does not state it",
-    )
-    add("--counts-per-revolution", type=float, metavar="N", help="counts of an encoder for a turn")
-    add(
-        "--scale",
-        metavar="DEG",
-        help="degrees for one unit of raw readings or volts; or two readings at known angles: 512=0,700=30",
-    )
-    add(
-        "--length",
-        metavar="L",
-        help="distance from the pivot to the middle of the bob: 0.583±0.001 (m), 58.3(1)cm. It gives g, and the angle if one coordinate was recorded (350px)",
-    )
-    add("--bob-diameter", metavar="D", help="diameter of a ball, to correct g for its inertia: 30.0(1)mm")
-    add(
-        "--bob-density",
-        metavar="RHO",
-        help="density of the bob, to correct g for the air: 7800 (kg/m^3), 7.8g/cm3",
-    )
-    add(
-        "--kater",
-        nargs=2,
-        metavar=("H1", "H2"),
-        help="g from two recordings of a rigid body about two pivots: the distance from each pivot to the centre of mass",
-    )
-    add(
-        "--by",
-        metavar="COLUMN",
-        help="a series by length, mass, area, current, group or a column of your own, in the sheet, in a CSV file beside the recordings with a "
-        "column `file`, or in their names (l=0.40, 500g); length±1mm gives each value that uncertainty",
-    )
-    add(
-        "--values",
-        metavar="FILE",
-        help="the CSV file of a series, with a column `file`, if it lies elsewhere",
-    )
-    add(
-        "--drive",
-        nargs="+",
-        type=float,
-        default=[],
-        metavar="A",
-        help="resonance curves under torques of these amplitudes over the inertia, in rad/s^2, predicted from the ring-down",
-    )
-    add("--column", metavar="NAME", help="column of the angle, if the file has several")
-    add("--sheet", metavar="NAME", help="sheet of a workbook, or file in an archive, if there are several")
-    add(
-        "--input",
-        metavar="COLUMN",
-        help="column of a drive that was measured; it acts in the model, and the swing need not be free",
-    )
-    add(
-        "--input-kind",
-        choices=["torque", "pivot_acceleration", "pivot_position", "pivot_angle"],
-        help="what the input is: a torque, the pivot's horizontal acceleration or position, or the angle of the other end of a wheel's spring",
-    )
-    add(
-        "--input-unit",
-        metavar="UNIT",
-        help="unit of the input: any of a torque, m/s^2 or g, m or mm, rad or deg",
-    )
-    add(
-        "--input-free",
-        metavar="WHAT",
-        help="what of the input's sensor is fitted: gain, delay, gain,delay, nothing",
-    )
-    add(
-        "--input-between",
-        choices=["curve", "line", "hold"],
-        help="what the input does between its samples (default: a smooth curve)",
-    )
-    add(
-        "--kind",
-        choices=["swing", "turning_points", "half_swings", "passages", "periods"],
-        help="what the values are: samples of the motion, its turning points of one side (one a period), or of both (each half-swing); "
-        "passages through a light gate (two a period), or periods (one a period); "
-        "by default the values decide",
-    )
-    add("--time-unit", choices=["s", "ms", "us"], help="unit of the time, if the file does not state it")
-    add("--time-column", metavar="NAME", help="column of the time")
-    add(
-        "--rate",
-        type=float,
-        metavar="HZ",
-        help="samples a second of a file without times (one number a line)",
-    )
-    add(
-        "--restoring",
-        choices=["sine", "linear"],
-        default="sine",
-        help="what pulls it back: the sine of the angle, as weight does (default), or linear, as the spring of a wheel or torsion pendulum does",
-    )
-    add(
-        "--start",
-        type=float,
-        metavar="S",
-        help="leave out all before this time, in s (start_s of the sheet)",
-    )
-    add(
-        "--stop",
-        type=float,
-        metavar="S",
-        help="leave out all after this time, in s (stop_s of the sheet)",
-    )
-    add(
-        "--directory", metavar="FOLDER", help="where a config's study is run (default: where the config lies)"
-    )
+    one_of("--kind", ["swing", "turning_points", "half_swings", "passages", "periods"], told)
+    one_of("--time-unit", ["s", "ms", "us"], "unit of the time, if the file does not state it")
+    text("--time-column", "NAME", "column of the time")
+    number("--rate", "HZ", "samples a second of a file without times (one number a line)")
+    told = "what pulls it back: the sine of the angle, as weight does (default), or linear, as the spring of a wheel or torsion pendulum does"
+    one_of("--restoring", ["sine", "linear"], told, "sine")
+    number("--start", "S", "leave out all before this time, in s (start_s of the sheet)")
+    number("--stop", "S", "leave out all after this time, in s (stop_s of the sheet)")
+    text("--directory", "FOLDER", "where a config's study is run (default: where the config lies)")
     add("--cores", type=int, default=2, metavar="N", help="processes at a time (default: 2)")
     return parser
 

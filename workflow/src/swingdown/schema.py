@@ -311,11 +311,9 @@ def near(name: object, known: Iterable[object]) -> str:
     """The mend for a name that is not known: the one that looks like it, if there is one."""
     by_small = {str(one).lower(): str(one) for one in known}
     found = difflib.get_close_matches(str(name).lower(), by_small, 1, 0.5)
-    return (
-        f"write {by_small[found[0]]!r}, if that is what was meant"
-        if found
-        else "use one of these, or remove it"
-    )
+    if found:
+        return f"write {by_small[found[0]]!r}, if that is what was meant"
+    return "use one of these, or remove it"
 
 
 def _expected(rule: dict[str, Any]) -> str:

@@ -86,11 +86,11 @@ class Monitor:
         if not (limits := self.settings.get("range")):
             return []
         count = saturated([row.value * self.recorder.scale for row in self.recorder.order.rows], limits)
-        return (
-            [f"SATURATED: {count} of the last samples are at the end of {limits[0]:g} to {limits[1]:g}"]
-            if count
-            else []
-        )
+        if count:
+            return [
+                f"SATURATED: {count} of the last samples are at the end of {limits[0]:g} to {limits[1]:g}"
+            ]
+        return []
 
 
 def angle_of(settings):

@@ -35,11 +35,9 @@ class Ideal(NamedTuple):
 
     def energy(self, angle: Floats) -> Floats:
         """The potential energy over inertia (rad²) at an angle (rad)."""
-        return (
-            2 * np.sin(angle / 2) ** 2
-            if self.restoring == "sine"
-            else np.asarray(angle, dtype=float) ** 2 / 2
-        )
+        if self.restoring == "sine":
+            return 2 * np.sin(angle / 2) ** 2
+        return np.asarray(angle, dtype=float) ** 2 / 2
 
     def lengthening(self, amplitude: Floats) -> Floats:
         """The period at an amplitude (rad) over that of small swings."""

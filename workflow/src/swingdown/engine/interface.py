@@ -266,6 +266,14 @@ class FitProblem:
         self.where, self.bounds = integers(where), _c_bounds(bounds)
         self.known = (ffi().NULL,) * 2 if known is None else (doubles(known.mean), doubles(known.precision))
 
+    def c(self, lengths: Any, values: Floats) -> Any:
+        """It as C's ``FitProblem``; ``lengths`` (C's int[]) and ``values`` (swing, value) are to be kept alive."""
+        return ffi().new(
+            "FitProblem *",
+            (self.models, len(lengths), lengths, self.times, self.angles, doubles(values), self.where, self.n_variables, self.bounds,
+             self.known),
+        )  # fmt: skip
+
 
 class Starts(NamedTuple):
     """Where searches start (start, variable), and what is asked of them.
@@ -294,16 +302,12 @@ def fit_swings(
     ``lengths``: how many samples of each swing count. ``angles`` (n,) of all swings are filled with those at the best point, where that is
     evaluated.
     """
-    size, count, new = problem.n_variables, len(lengths), ffi().new
+    size, new = problem.n_variables, ffi().new
     values, best, normal = problem.given.copy(), np.zeros(size), np.zeros((size, size))
     variables = np.ascontiguousarray(starts.variables)
     squares = np.zeros(len(variables))
     n_samples = new("int[]", lengths)
-    swings = new(
-        "FitProblem *",
-        (problem.models, count, n_samples, problem.times, problem.angles, doubles(values), problem.where, size, problem.bounds,
-         problem.known),
-    )  # fmt: skip
+    swings = problem.c(n_samples, values)
     into = ffi().NULL if angles is None else doubles(angles)
     result = new(
         "FitResult *",
@@ -323,14 +327,10 @@ def fit_in_segments(
 
     What is given is as in ``fit_swings``.
     """
-    size, count, new = problem.n_variables, len(lengths), ffi().new
+    size, new = problem.n_variables, ffi().new
     values, best, normal = problem.given.copy(), np.zeros(size), np.zeros((size, size))
     n_samples = new("int[]", lengths)  # it and the values under names, or C is pointed to what is freed
-    swings = new(
-        "FitProblem *",
-        (problem.models, count, n_samples, problem.times, problem.angles, doubles(values), problem.where, size,
-         problem.bounds, problem.known),
-    )  # fmt: skip
+    swings = problem.c(n_samples, values)
     result = new("FitResult *", (doubles(best), doubles(normal), doubles(angles)))
     rss = library.fit_in_segments(swings, result)
     return rss, best, normal, _outcome(result.outcome)

@@ -43,11 +43,9 @@ class Stated(NamedTuple):
         what = f"a {self.kind.replace('_', ' ')}"
         if self.unit:
             return f"{what} in {self.unit}"
-        return (
-            f"{what} in a unit of its own"
-            if self.kind == "torque"
-            else f"{what} in {next(iter(UNITS[self.kind]))} (no unit is stated)"
-        )
+        if self.kind == "torque":
+            return f"{what} in a unit of its own"
+        return f"{what} in {next(iter(UNITS[self.kind]))} (no unit is stated)"
 
     @property
     def factor(self) -> float:

@@ -34,11 +34,9 @@ def free_part(times: Floats, signal: Floats) -> tuple[float, float] | None:
     fewer than ENOUGH, or nearly all."""
     begins = times[half_swings(signal).starts]
     first, last = _longest(times, signal)
-    return (
-        (float(begins[first]), float(begins[last]))
-        if ENOUGH <= last - first < ALL * (len(begins) - 2)
-        else None
-    )
+    if ENOUGH <= last - first < ALL * (len(begins) - 2):
+        return (float(begins[first]), float(begins[last]))
+    return None
 
 
 def in_a_row(times: Floats, signal: Floats) -> int:

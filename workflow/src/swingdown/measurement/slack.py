@@ -43,15 +43,13 @@ def tolerances(row: Mapping[str, Any], unit: str, upright: bool = True) -> dict[
 
 def with_rate(known: Mapping[str, float], rate: float) -> dict[str, float]:
     """The tolerances with the clock's widened by the standard uncertainty of its ``rate`` (a share) that the stamps leave."""
-    return (
-        {
+    if rate:
+        return {
             **known,
             "clock_tolerance": float(np.hypot(known["clock_tolerance"], sqrt(3) * rate)),
             "clock_rate": rate,
         }
-        if rate
-        else dict(known)
-    )
+    return dict(known)
 
 
 def of_tolerances(recording: xr.Dataset) -> Slack:

@@ -4,13 +4,16 @@ from collections.abc import Iterable, Mapping
 from typing import Any, NamedTuple
 
 from .plan import Plan
-from .varied import CELLS, varied_in
 
 ROUND_FILES = (
     "round.json", "model.yaml", "fit.nc", "groups.csv", "ranking.csv", "map.csv", "half_swings.csv", "remainder.csv", "course.csv",
 )  # fmt: skip
 SEEN = ("answer", "remainder", "residuals", "map", "half_swings", "ranking", "gap")  # functions of plots
 _PICTURES = ("svg", "png")
+# What a sample sheet states beside its files: lengths, and what was varied between recordings.
+CELLS = ("length", "bob_diameter", "bob_density", "pivot_distance", "mass", "area", "current", "group")
+_SERIES = ("length", "mass", "area", "current")
+_FEWEST = 3  # values that a law is fitted to
 
 
 class Made(NamedTuple):
@@ -101,3 +104,13 @@ def _in(folder: str, names: Iterable[str], ending: str = "") -> list[str]:
 
 def _pictures(folder: str, names: Iterable[str]) -> list[str]:
     return [path for name in names for path in _in(folder, [f"{name}.{ending}" for ending in _PICTURES])]
+
+
+def varied_in(stated: Mapping[str, Mapping[str, str]]) -> tuple[str, ...]:
+    """The figures that these cells by recording ask for: ``series``, where a column has three values, and ``groups``, where there are two."""
+
+    def different(column: str) -> int:
+        return len({cells[column] for cells in stated.values() if column in cells})
+
+    series = ("series",) if any(different(one) >= _FEWEST for one in _SERIES) else ()
+    return (*series, "groups") if different("group") > 1 else series

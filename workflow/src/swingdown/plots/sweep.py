@@ -272,8 +272,6 @@ def _label(coordinate: xr.DataArray) -> str:
 
 
 def _text(value: Any) -> str:
-    return (
-        f"{value:g}"
-        if isinstance(value, (float, np.floating, int, np.integer))
-        else str(value).replace("_", " ")
-    )
+    if isinstance(value, (float, np.floating, int, np.integer)):
+        return f"{value:g}"
+    return str(value).replace("_", " ")

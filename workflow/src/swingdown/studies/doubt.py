@@ -149,11 +149,9 @@ def unit_in_doubt(angles: Sequence[xr.Dataset], restoring: str = "sine") -> str:
     doubt = found.doubt(unit) or _lacking(found, pairs).doubt(unit)
     if not doubt:
         where_told = found.told or restoring != "sine"
-        return (
-            ""
-            if where_told
-            else f"no unit is stated: taken for {unit}, and the swings are too small to tell it from {unit.replace('rad', 'deg')}"
-        )
+        if where_told:
+            return ""
+        return f"no unit is stated: taken for {unit}, and the swings are too small to tell it from {unit.replace('rad', 'deg')}"
     names = ", ".join(str(one.attrs["recording"]) for one in angles)
     raise InputError(
         f"recording {names}",
@@ -378,11 +376,9 @@ def ask_counted(table: pd.DataFrame, angles: Sequence[xr.Dataset]) -> dict[str, 
 def _where(given: xr.Dataset) -> str:
     """From when to when the most swings could be a pendulum's, as words that follow a refusal; empty where there is none."""
     part = None if "half_swings" in given else free_part(given["time"].values, series_of(given).values)
-    return (
-        f"; from {part[0]:.3f} to {part[1]:.3f} s alone its swings are in step and do not grow"
-        if part
-        else ""
-    )
+    if part:
+        return f"; from {part[0]:.3f} to {part[1]:.3f} s alone its swings are in step and do not grow"
+    return ""
 
 
 def _check_even(given: xr.Dataset) -> None:

@@ -56,8 +56,8 @@ def row_of_fit(
         "systematic": np.array([by_source[name] if name in fit.model.values else absent for name in names]),
         "nuisance_value": spread(fit.model.values, nuisance),
         "nuisance_standard_error": spread(errors["standard_error"], nuisance),
-        "correlation": _over(_correlated(known.covariance), fit, names),
-        "covariance": _over(known.covariance, fit, names),
+        "correlation": over_names(_correlated(known.covariance), fit.free, names),
+        "covariance": over_names(known.covariance, fit.free, names),
         "condition_number": _condition(known.covariance),
         "reduced_chi2": _reduced_chi2(fit, swings, angles),
         "bic": fit.bic,
@@ -220,11 +220,11 @@ def _correlated(covariance: Floats) -> Floats:
     return covariance / np.outer(errors, errors)
 
 
-def _over(matrix: Floats, fit: Fit, names: Sequence[str]) -> Floats:
-    """A fit's matrix (its correlation or covariance) over ``names``, NaN for those the model lacks."""
+def over_names(matrix: Floats, free: Sequence[str], names: Sequence[str]) -> Floats:
+    """A matrix over ``free`` values (a fit's correlation or covariance) over ``names``, NaN for those that are not free."""
     found = np.full((len(names), len(names)), np.nan)
-    own = [name for name in fit.model.parameters if name in names]
-    where, at = [names.index(name) for name in own], [fit.free.index(name) for name in own]
+    own = [name for name in names if name in free]
+    where, at = [names.index(name) for name in own], [free.index(name) for name in own]
     found[np.ix_(where, where)] = matrix[np.ix_(at, at)]
     return found
 

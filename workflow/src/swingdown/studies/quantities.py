@@ -292,11 +292,9 @@ def in_its_middle(amplitude: float, known: Mapping[str, Quantity]) -> float:
     """The amplitude in the middle of the first whole swing that begins at rest at ``amplitude``, by the quality in the quantities ``known``:
     there period and quality hold to second order of the loss; without a quality nothing is seen to be lost."""
     quality = known.get("quality")
-    return (
-        amplitude * float(np.exp(-np.pi / (2 * quality.value)))
-        if quality and quality.value > 0
-        else amplitude
-    )
+    if quality and quality.value > 0:
+        return amplitude * float(np.exp(-np.pi / (2 * quality.value)))
+    return amplitude
 
 
 def loss_seen(known: Mapping[str, Quantity]) -> bool:

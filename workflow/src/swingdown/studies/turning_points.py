@@ -16,6 +16,7 @@ from ..measurement.turning_points import BOTH_SIDES, PASSAGES, PERIODS
 from ..pendulum.ideal import lengthening
 from ..pendulum.model import Model, model_words
 from ..rounding import value_with_uncertainty
+from .fit_rows import over_names
 from .norms import spread
 
 _OF_PACE = {
@@ -137,12 +138,7 @@ def row_of(fit: TurnsFit, names: Sequence[str]) -> dict[str, Any]:
         "coverage_factor": fit.factors,
     }
     kept = {key: spread(dict(zip(fit.free, values, strict=True)), names) for key, values in by_name.items()}
-    whole, at = (
-        np.full((len(names), len(names)), np.nan),
-        [k for k, name in enumerate(names) if name in fit.free],
-    )
-    inside = [fit.free.index(names[k]) for k in at]
-    whole[np.ix_(at, at)] = covariance[np.ix_(inside, inside)]
+    whole = over_names(covariance, fit.free, names)
     own = np.sqrt(np.diag(whole))
     angles, n = fit.turns.angles, fit.turns.angles.size
     values = fit.known
@@ -259,11 +255,11 @@ def _scatter(own: xr.Dataset, scale: float, unit: str) -> str:
 def _change(own: xr.Dataset) -> str:
     """How the period changes from the first passage to the last."""
     change, error = (1e3 * float(own[key]) for key in ("period_change", "period_change_u"))
-    return (
-        f"the period changes by {value_with_uncertainty(change, error)} ms from the first one to the last"
-        if np.isfinite(change)
-        else ""
-    )
+    if np.isfinite(change):
+        return (
+            f"the period changes by {value_with_uncertainty(change, error)} ms from the first one to the last"
+        )
+    return ""
 
 
 def _dependence(own: xr.Dataset, row: Mapping[str, Any], unit: str) -> str:

@@ -261,11 +261,9 @@ def _plain(value, key):
     if isinstance(value, list):
         return [_plain(one, key) for one in value]
     whole = key in ("seed", "discovery.rounds")
-    return (
-        float(value)
-        if isinstance(value, (int, float)) and not isinstance(value, bool) and not whole
-        else value
-    )
+    if isinstance(value, (int, float)) and not isinstance(value, bool) and not whole:
+        return float(value)
+    return value
 
 
 def _one_simulated(axes, fixed, asked, where):
