@@ -68,23 +68,34 @@ def test_a_refused_swing_of_several_columns_that_mean_the_same_names_them(tmp_pa
 
 
 @pytest.mark.parametrize(
-    ("header", "rest", "words"),
+    ("header", "rest", "widest", "words"),
     [
-        ("t,a", 1.0, "along the string reads in g"),
-        ("", -1000.0, "along the string reads in mg"),
-        ("t,y", 1000.0, "along the string reads in mg"),
-        ("t,accel", 0.0, "an acceleration is no angle"),
-        ("t,acc_x", 0.0, "an acceleration is no angle"),
+        ("t,a", 1.0, 0.3, "along the string reads in g"),
+        ("", -1000.0, 0.3, "along the string reads in mg"),
+        ("t,y", 1000.0, 0.3, "along the string reads in mg"),
+        ("t,a", -1000.0, 1.0, "along the string reads in mg"),
+        ("t,accel", 0.0, 0.3, "an acceleration is no angle"),
+        ("t,acc_x", 0.0, 0.3, "an acceleration is no angle"),
     ],
 )
-def test_an_accelerometer_along_the_string_is_asked_about(tmp_path, header, rest, words):
-    """It goes up and down twice a period: half of that would be told."""
-    angle = simulate(Model("viscous", TRUTH), TIMES, 0.3)
+def test_an_accelerometer_along_the_string_is_asked_about(tmp_path, header, rest, widest, words):
+    """It goes up and down twice a period: half of that would be told. A wide swing pulls by more than the weight in the middle."""
+    angle = simulate(Model("viscous", TRUTH), TIMES, widest)
     rate = np.gradient(angle, TIMES)
     pull = np.cos(angle) + rate**2 / TRUTH["natural_frequency"] ** 2 + 1e-3 * np.sin(997 * TIMES)
     readings = pull * rest if rest else 9.81 * (pull - 1)
     with pytest.raises(InputError, match=words):
         swingdown.read(written(tmp_path / "a.csv", header, TIMES, readings))
+
+
+def test_three_axes_without_a_unit_are_asked_about(tmp_path):
+    """What weight an accelerometer reads turns on a circle, as a bob does about its pivot."""
+    angle = swing()
+    columns = TIMES, np.sin(angle), -np.cos(angle), 0.01 * np.cos(991 * TIMES)
+    with pytest.raises(InputError, match="positions of a bob, its acceleration, or rates"):
+        swingdown.read(written(tmp_path / "a.csv", "time,x,y,z", *columns))
+    stated = written(tmp_path / "b.csv", "time,x (m),y (m),z (m)", *columns)
+    assert np.ptp(swingdown.read(stated).swings[0]["angle"].values) == pytest.approx(np.ptp(angle), rel=0.01)
 
 
 def test_a_swing_about_one_degree_is_no_accelerometer(tmp_path, first):

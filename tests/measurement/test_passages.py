@@ -245,3 +245,16 @@ def test_a_voltage_that_is_no_gates_gives_no_passages(tmp_path, spoilt):
     """One that is between its levels for long, in single samples or in its edges, and one whose levels last alike, as of a side or of a swing cut off."""
     with pytest.raises(InputError):
         taken(tmp_path, voltage(0.05, **spoilt)[1])
+
+
+def test_several_columns_of_periods_are_asked_about_with_their_names(tmp_path):
+    """Four pendulums timed by hand, a column each."""
+    draws = 0.03 * np.random.default_rng(3).standard_normal((30, 4))
+    text = "one,two,three,four\n" + "\n".join(
+        ",".join(f"{x:.2f}" for x in row) for row in draws + [1.8, 1.6, 1.4, 1.2]
+    )
+    with pytest.raises(InputError, match="are they periods of a pendulum, or readings") as caught:
+        taken(tmp_path, text)
+    assert "one, two, three, four name one" in caught.value.mend
+    found = taken(tmp_path, text, signal_kind="periods", signal_column="three")
+    assert np.median(np.diff(found["time"])) == pytest.approx(1.4, abs=0.02)

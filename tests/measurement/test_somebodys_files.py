@@ -287,6 +287,20 @@ def test_a_number_with_three_decimals_after_a_comma_is_no_thousand(take):
         take("t;angle\n" + "\n".join(lines) + "\n")
 
 
+def test_each_column_may_have_its_own_decimal_sign(take):
+    """A script that read a phone's export wrote its times anew."""
+    lines = [
+        f"{t:.6f};{x:.6f};{2 * x:.4f}".replace(".", ",").replace(",", ".", 1)
+        for t, x in zip(TIME, SWING, strict=True)
+    ]
+    made = take("time;angle (rad);twice\n" + "\n".join(lines) + "\n")
+    assert "decimal comma in some columns" in made.attrs["taken"] and made.sizes["time"] == len(TIME)
+    assert made["signal"].values == pytest.approx(SWING, abs=1e-6)
+    lines[5] = lines[5].replace(",", ".")
+    with pytest.raises(InputError, match="some numbers have a decimal point and others a decimal comma"):
+        take("time;angle (rad);twice\n" + "\n".join(lines) + "\n")
+
+
 @pytest.mark.parametrize("end", ["", "'"])
 def test_a_spreadsheets_mark_for_text_is_no_part_of_a_number(take, end):
     lines = [f"'0:{int(t // 60)}:{t % 60:.9g}{end},'{x:.7f}{end}" for t, x in zip(TIME, SWING, strict=True)]

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from swingdown.errors import InputError
 from swingdown.measurement.recording import ingest
 from swingdown.measurement.sheet import read_sheet
 
@@ -47,3 +48,19 @@ def test_a_line_that_was_cut_is_a_missing_sample(here):
     lines[100] = lines[100][:9]
     found = read(here, "\n".join(lines), "log")
     assert found.sizes["time"] == TIMES.size - 1 and "missing" in found.attrs["remarks"]
+
+
+def test_all_words_before_a_number_name_it(here):
+    """An acceleration is none of the positions, and the unit of the number before is no part of a name."""
+    lines = [
+        f"Time: {t:.2f}, Angular acceleration X: {a:.3f}, Angular acceleration y: 1.57"
+        for t, a in zip(TIMES, ANGLES, strict=True)
+    ]
+    with pytest.raises(InputError, match="Angular acceleration X"):
+        read(here, "\n".join(lines), "log")
+    lines = [
+        f"Time: {t:.2f} s Pendulum angle: {a:.3f} deg Battery level: 3.9"
+        for t, a in zip(TIMES, ANGLES, strict=True)
+    ]
+    found = read(here, "\n".join(lines), "log")
+    assert found.attrs["taken"].startswith("took `Pendulum angle (deg)` as degrees, `Time (s)` as s")

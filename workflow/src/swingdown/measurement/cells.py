@@ -12,8 +12,9 @@ from ..arrays import Floats
 from .table import STATES
 
 SPACES = r"\s+"
+EITHER = "[.,]"  # a decimal point in some columns and a comma in others
 NUMBER = {
-    sign: re.compile(rf"[+-]?(\d+{sign}?\d*|{sign}\d+)([eE][+-]?\d+)?") for sign in (r"\.", ",", "[.,]")
+    sign: re.compile(rf"[+-]?(\d+{sign}?\d*|{sign}\d+)([eE][+-]?\d+)?") for sign in (r"\.", ",", EITHER)
 }
 THOUSANDS = ",.\u2019' \u00a0\u202f"  # what stands between groups of three digits
 _CLOCK = r"\d{1,2}:\d{1,2}:\d{1,2}(?:[.,]\d+)?|\d{1,3}:\d{1,2}[.,]\d+"

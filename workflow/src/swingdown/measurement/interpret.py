@@ -231,22 +231,21 @@ def _signal(
     where = f"{file}, {place_of(first.name)} ({place})"
     if len(columns.found) == 2:
         both = f"{file}, columns {first.name} and {columns.found[1].name} ({place})"
-        unsaid = bool(third) and not first.written
-        if not unsaid and (line := along_a_line(values[0], values[1])) is not None:
+        if third and not first.written:
+            raise InputError(
+                f"{file}, columns {first.name}, {columns.found[1].name} and {third} ({place})",
+                "no unit is stated: are they positions of a bob, its acceleration, or rates about three axes?",
+                "positions, or an angle or an angular rate",
+                "write the unit of positions in the header, as `x (m)`; of a gyroscope name the axis that it swings about ⟨in signal_column⟩, "
+                f"and rad/s ⟨in signal_unit⟩; of an acceleration {OF_ACCELERATIONS}",
+            )
+        if (line := along_a_line(values[0], values[1])) is not None:
             made = _coordinate(row, both, columns, times, line, restoring)
             on_a_line = "the positions lie on a line, which tells no pivot: how far along it is taken for one coordinate"
             return _computed(made, on_a_line)
         try:
             circle = fit_circle(values[0], values[1], both)
         except InputError:
-            if unsaid:
-                raise InputError(
-                    f"{file}, columns {first.name}, {columns.found[1].name} and {third} ({place})",
-                    "no unit is stated, and they lie on no circle: are they positions of a bob, its acceleration, or rates about three axes?",
-                    "positions, or an angle or an angular rate",
-                    "write the unit of positions in the header, as `x (m)`; of a gyroscope name the axis that it swings about ⟨in signal_column⟩, "
-                    f"and rad/s ⟨in signal_unit⟩; of an acceleration {OF_ACCELERATIONS}",
-                ) from None
             if (line := along_most(times, values[0], values[1])) is None:
                 raise
             made = _coordinate(row, both, columns, times, line, restoring)

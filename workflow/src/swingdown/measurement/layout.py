@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 
 from ..errors import InputError
-from .cells import ARRIVAL, NUMBER, SPACES, THOUSANDS, Dialect, split
+from .cells import ARRIVAL, EITHER, NUMBER, SPACES, THOUSANDS, Dialect, split
 from .columns import ANGLE, LENGTH, RATE, TIME, UNITS, UNNAMED, UNTOLD, VOLTAGE, meaning
 from .table import MISSING, numbers
 
@@ -21,6 +21,7 @@ LOOKED_AT = 400  # lines from which the dialect is told
 MOST_COLUMNS = 16384  # as many as an office program has
 COMMENT = re.compile(r"^\s*(#+|%+|//+|!)\s*")
 STATES_RATE = re.compile(r"(?i)\b(sample|sampling)[ _](rate|frequency)\b")
+GROUPED = re.compile(r"[+-]?[1-9]\d{0,2}[.,]\d{3}")  # 1,234 may be a thousand and more
 CLOCKED, ARRIVED, READING, SIGNAL = "time (s)", "arrival", "raw", "signal"
 
 
@@ -41,7 +42,7 @@ class Layout:
         separator, decimal = self.dialect.separator, self.dialect.decimal
         sign = {"\t": "tabs", SPACES: "spaces"}.get(separator, f"`{separator}`")
         parts = ["one column"] if len(self.names) == 1 else [sign]
-        parts += ["decimal comma"] if decimal == "," else []
+        parts += {",": ["decimal comma"], EITHER: ["decimal comma in some columns"]}.get(decimal, [])
         parts += [f"groups of digits by `{self.dialect.thousands}`"] if self.dialect.thousands else []
         parts += [self.encoding.upper().replace("CP1252", "Latin-1")] if self.encoding != "utf-8-sig" else []
         parts += ["times of day"] if self.stamps else []
@@ -53,7 +54,7 @@ def dialect(lines: Sequence[str], name: str, single: bool = False) -> Dialect | 
     """The Dialect in which most of the lines are rows of numbers, all of one length; None where none are.
 
     ``single``: a number a line is asked for, and a comma is its decimal sign. InputError where some numbers have a
-    decimal point and others a decimal comma.
+    decimal point and others a decimal comma, and not each column one of them.
     """
     filled = [line for line in lines if line.strip() and not COMMENT.match(line)]
     for start in range(0, len(filled), LOOKED_AT):  # further on where a file opens with long notes
@@ -71,12 +72,17 @@ def _dialect(lines: Sequence[str], name: str, single: bool) -> Dialect | None:
     grouped = max((_grouped(bare, *one) for one in DIALECTS), key=lambda one: one[0], default=(0, None))
     if grouped[1] and grouped[0] > max(len(rows), len(alone)) and not arrivals:
         return grouped[1]
-    mixed = max((_rows(bare, one, "[.,]")[0] for one in ("\t", ";", SPACES)), key=len)
+    mixed, between, _ = max(
+        (_rows(bare, one, EITHER) for one in ("\t", ";", SPACES)), key=lambda one: len(one[0])
+    )
     if 4 * len(mixed) > 5 * max(len(rows), len(alone)) and len(mixed) > 2:
+        columns = list(zip(*(split(bare[k], between) for k in mixed), strict=True))
+        if all(map(_one_sign, columns)):
+            return Dialect(between, EITHER, arrivals, size=len(columns) + arrivals)
         raise InputError(
             f"{name}, `{lines[mixed[0]].strip()[:40]}` and other lines",
             "some numbers have a decimal point and others a decimal comma",
-            "one decimal sign in the whole file",
+            "one decimal sign in each column",
             "export it again, or replace one of them",
         )
     if len(alone) > len(rows) or (single and alone and len(alone) >= len(rows)):
@@ -90,6 +96,14 @@ def _dialect(lines: Sequence[str], name: str, single: bool) -> Dialect | None:
         return None
     usual = len(split(bare[rows[0]], separator)) + arrivals
     return Dialect(separator, decimal, arrivals, words, usual)
+
+
+def _one_sign(column: Sequence[str]) -> bool:
+    """True for cells of which none has another decimal sign than the others, nor is each one that may have a group of three digits."""
+    signed = [cell for cell in column if re.search("[.,]", cell)]
+    return not signed or (
+        len({"," in cell for cell in signed}) == 1 and not all(map(GROUPED.fullmatch, signed))
+    )
 
 
 def _grouped(lines: Sequence[str], separator: str, decimal: str) -> tuple[int, Dialect | None]:
@@ -117,7 +131,7 @@ def _grouped(lines: Sequence[str], separator: str, decimal: str) -> tuple[int, D
 
 def _alone(lines: Sequence[str]) -> list[int]:
     """The lines that hold one number and nothing else."""
-    number = NUMBER["[.,]"]
+    number = NUMBER[EITHER]
     return [k for k, line in enumerate(lines) if number.fullmatch(line.strip())]
 
 
@@ -126,13 +140,12 @@ def _rows(
 ) -> tuple[list[int], str, str]:
     """The lines that hold two numbers or more, all of the commonest length; ``every`` cell must be one, or missing."""
     one = Dialect(separator, decimal, thousands=thousands)
-    number = NUMBER[decimal] if decimal == "[.,]" else None
     sizes = {}
     for k, line in enumerate(lines):
         if separator != SPACES and separator not in line:
             continue
         cells = split(line, separator)
-        numbers = sum(bool(number.fullmatch(cell)) if number else one.is_number(cell) for cell in cells)
+        numbers = sum(map(one.is_number, cells))
         gaps = sum(cell.lower() in MISSING for cell in cells)
         if len(cells) > 1 and (numbers and numbers + gaps == len(cells) if every else numbers > 1):
             sizes[k] = len(cells)

@@ -95,7 +95,7 @@ def passages(table: Table, row: Mapping[str, Any], place: str) -> tuple[Table, x
 
 
 def ask_periods(table: Table, row: Mapping[str, Any], place: str) -> Table:
-    """The table, to be read on; InputError where all that it holds is one column of numbers nearly alike, and nobody says what they are."""
+    """The table, to be read on; InputError where all that it holds are numbers, nearly alike in each column, and nobody says what they are."""
     if (
         row.get("signal_kind")
         or row.get("rate_hz", np.nan) > 0
@@ -110,20 +110,26 @@ def ask_periods(table: Table, row: Mapping[str, Any], place: str) -> Table:
     rest = [
         one for one in columns if not is_number(one, _sound(numbers(rows[one.name], table.decimal)), table)
     ]
-    values = (
-        _sound(numbers(rows[rest[0].name], table.decimal))
-        if len(rest) == 1 and rest[0].kind == UNTOLD
-        else np.empty(0)
+    each = [_sound(numbers(rows[one.name], table.decimal)) for one in rest]
+    if not rest or any(one.kind != UNTOLD for one in rest) or not all(map(_like_periods, each)):
+        return table
+    several = (
+        f"of {place_of(', '.join(one.name for one in rest))} name one ⟨in signal_column⟩ and "
+        if len(rest) > 1
+        else ""
     )
+    raise InputError(
+        f"{row['file']}, {place_of(rest[0].name)} ({place})", f"{each[0].size} numbers, nearly all about {np.median(each[0]):.4g}: are they periods of a pendulum, or readings?",
+        "periods, the times between passages, or readings with their rate",
+        f"{several}write periods (one a period) or passages (two a period) ⟨in signal_kind⟩; for readings write the samples a second ⟨in rate_hz⟩",
+    )  # fmt: skip
+
+
+def _like_periods(values: Floats) -> bool:
+    """True for numbers nearly alike that do not swing themselves, as samples do."""
     crossed = half_swings(values).starts if values.size else np.empty(0)
     sampled = crossed.size > 3 and _alike(np.diff(crossed).astype(float))
-    if values.size < FEWEST or sampled or not _alike(values):
-        return table
-    raise InputError(
-        f"{row['file']}, {place_of(rest[0].name)} ({place})", f"{values.size} numbers, nearly all about {np.median(values):.4g}: are they periods of a pendulum, or readings?",
-        "periods, the times between passages, or readings with their rate",
-        "write periods (one a period) or passages (two a period) ⟨in signal_kind⟩; for readings write the samples a second ⟨in rate_hz⟩",
-    )  # fmt: skip
+    return values.size >= FEWEST and not sampled and _alike(values)
 
 
 def as_passages(

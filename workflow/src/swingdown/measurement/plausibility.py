@@ -22,7 +22,7 @@ SURELY = 3.0  # standard errors of how fast they shrink
 KEPT = 0.9  # of the first swings' size: the last ones of what does not shrink
 DIED = 0.05  # of the widest swing, by which one side shrinks from its first third to its last, where that tells something
 GRAVITY = {"m/s²": 9.81, "g": 1.0, "mg": 1000.0}  # what an accelerometer at rest reads
-NEAR = 0.02  # the share by which a cheap sensor is off
+NEAR = 0.06  # the share by which a cheap sensor is off: by its data sheet 0.06 g at rest
 EVEN_SIDES = 0.25  # the share by which the turning points of one side shrink of how much the others do: less is a height's
 _EACH = 3  # turning points on a side
 ALL = 0.95  # of the half-swings: with so many in step there is nothing to tell
@@ -134,7 +134,14 @@ def check_once(signal: Floats, place: str) -> None:
     """
     swings, what = half_swings(signal), ""
     centre, turns = swings.centre(), swings.turns * np.sign(swings.centre())
-    known = [unit for unit, rest in GRAVITY.items() if abs(abs(centre) / rest - 1) < NEAR]  # not nan
+    sizes = np.abs(np.diff(swings.turns[1:-1]))
+    # a bob on a circle pulls with cos a to 3 - 2 cos a times its weight: about more than that by a sixth of the way between them
+    rest = (
+        float(np.median(np.abs(swings.centres()) - (sizes[1:] + sizes[:-1]) / 12))
+        if len(sizes) > 1
+        else np.nan
+    )
+    known = [unit for unit, weight in GRAVITY.items() if abs(rest / weight - 1) < NEAR]  # not nan
     if known and turns.min() > 0:  # weight pulls the string, and never pushes it
         what = f"it swings about {centre:.3g}, as what an accelerometer along the string reads in {known[0]}"
     elif evenness(signal) < EVEN_SIDES:

@@ -345,7 +345,7 @@ def _parsed(piece: bytes, how: Layout, name: str, lines: NDArray[np.integer]) ->
         part = pd.read_csv(
             io.BytesIO(piece),
             sep=how.dialect.separator,
-            decimal=how.dialect.decimal,
+            decimal="," if how.dialect.decimal == "," else ".",
             thousands=mark or None,
             header=None,
             names=[*how.names, BEYOND],
@@ -385,13 +385,12 @@ def cut_short(source: BinaryIO, block: Block, how: Layout) -> bool:
     last, usual = rows[-1], rows[1:-1]
     if len(last) < len(usual[-1]):
         return True
-    decimal = how.dialect.decimal
-    places = [[_places(cells[k], decimal) for cells in usual if k < len(cells)] for k in range(len(last))]
-    return any(_places(cell, decimal) < min(own, default=0) for cell, own in zip(last, places, strict=True))
+    places = [[_places(cells[k]) for cells in usual if k < len(cells)] for k in range(len(last))]
+    return any(_places(cell) < min(own, default=0) for cell, own in zip(last, places, strict=True))
 
 
-def _places(cell: str, decimal: str) -> int:
-    return len(cell.partition(decimal)[2])
+def _places(cell: str) -> int:
+    return len(re.split("[.,]", f"{cell}.")[1])
 
 
 def too_long(name: str, line: int, columns: int) -> InputError:

@@ -75,7 +75,8 @@ def numbers(column: pd.Series, decimal: str) -> Floats:
     words = column.astype(str).str.strip().str.lower()
     if words.isin(STATES).any():
         return words.map(STATES).to_numpy(dtype=float)
-    if decimal == ",":
+    if "," in decimal:
         text = column.astype(str)
-        column = text.where(~text.str.contains(".", regex=False)).str.replace(",", ".", regex=False)
+        own = text if "." in decimal else text.where(~text.str.contains(".", regex=False))
+        column = own.str.replace(",", ".", regex=False)
     return pd.to_numeric(column, errors="coerce").to_numpy(dtype=float)

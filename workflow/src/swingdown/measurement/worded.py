@@ -16,7 +16,7 @@ _NUMBER = re.compile(
     rf"(?<![\w.])(?:{STAMP.pattern.removeprefix('(?i)')}|[-+]?(?:\d+\.?\d*|\.\d+)(?:e[-+]?\d+)?)(?![\d.:])",
     re.I,
 )
-_NAME = re.compile(r"""([^\W\d]\w*)\s*["'\])}]*\s*(?:=>|[:=])\s*["'\[({]*\s*$""")
+_NAME = re.compile(r"""([^\W\d]\w*(?: [^\W\d]\w*)*)\s*["'\])}]*\s*(?:=>|[:=])\s*["'\[({]*\s*$""")
 _LAST = re.compile(r"([^\W\d]\w*)\W*$")
 _FIRST = re.compile(r"^\s*([^\W\d_][^\s,;:=|\"'{}\[\]]*|°)")
 
@@ -69,13 +69,13 @@ def _line(text: str) -> _Line:
 
 
 def _names(wording: tuple[str, ...]) -> list[str]:
-    """What each number is, with its unit: the word before it, and a unit right behind it."""
+    """What each number is, with its unit: the words before it up to another sign, and a unit right behind it."""
     signed = any(_NAME.search(text) for text in wording[:-1])
-    found = []
+    found, known = [], None
     for before, behind in zip(wording[:-1], wording[1:], strict=True):
-        called = (_NAME if signed else _LAST).search(before)
+        called = (_NAME if signed else _LAST).search(before, known.end() if known else 0)
         unit = _FIRST.match(behind)
-        known = unit and unit[1].lower() in UNITS
+        known = unit if unit and unit[1].lower() in UNITS else None
         name = called[1].strip() if called else ""
-        found.append(f"{name} ({unit[1]})" if name and known and unit else name)
+        found.append(f"{name} ({known[1]})" if name and known else name)
     return found
