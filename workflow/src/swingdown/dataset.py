@@ -18,7 +18,15 @@ from .sealed import check_behind, seal_behind
 
 CONVENTIONS = "CF-1.11"
 SEALED = "sealed"  # the attribute that tells of a seal behind the end, which a program that changes the file cuts off
+Labelled = tuple[str | tuple[str, ...], Any, dict[str, str]]
 REFUSED = "refused"  # the role of a dataset without samples that says why a recording cannot be used
+
+
+def variable(
+    dims: str | tuple[str, ...], values: Any, long_name: str, units: str = "", **more: str
+) -> Labelled:
+    """What xarray makes a variable of that says what it is: dimensions, values, and attributes, of which ``units`` may be none."""
+    return dims, values, ({"units": units} if units else {}) | more | {"long_name": long_name}
 
 
 def write(dataset: xr.Dataset, path: str | Path, replace: bool = True) -> Path:

@@ -2,13 +2,14 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from types import SimpleNamespace
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike
 
 from ..arrays import Floats
+from ..dataset import variable
 from ..measurement.apparatus import Apparatus
 from ..measurement.uncertainty import Mean
 from .chain import Chain
@@ -57,7 +58,7 @@ def dataset(
     gum, drawn = results["gum"], results["monte-carlo"]
     line_zero = [r.line.inverse(0.0) for r in results.values()]
     names = ["intercept", "slope", "rest_voltage"]
-    v = {
+    v: dict[str, tuple[Any, ...]] = {
         "height": ("point", [p["height"] for p in apparatus["points"]], "m", "height of the calibration tower"),
         "height_limit": ("point", [p["limit"] for p in apparatus["points"]], "m", "limit of error of the height"),
         "angle": ("point", points.angle, "rad", "angle of the arm from the lengths (Eq. 7a)"),
@@ -94,48 +95,28 @@ def dataset(
         "grid_low": ("grid", drawn.grid[2], "rad", "lower end of its 95 % interval"),
         "grid_high": ("grid", drawn.grid[3], "rad", "upper end of its 95 % interval"),
     }  # fmt: skip
-    variables = {
-        k: (d, np.asarray(a, dtype=float), {"units": u, "long_name": t}) for k, (d, a, u, t) in v.items()
-    }
+    variables = {k: variable(d, np.asarray(a, dtype=float), t, u) for k, (d, a, u, t) in v.items()}
     tells = np.flatnonzero(np.any(gum.propagation.contributions[1:3] != 0, axis=0))
     mixed = "numbers of rad for the intercept, of rad V-1 for the slope"
     covaried = "numbers of the products of the coefficients' units"
+    lines = each(lambda r: [r.line.intercept, r.line.slope])
+    covariances, farthest = each(lambda r: r.covariance[:2, :2]), np.array([deviation[m][0] for m in MODES])
+    numbers = "numbers of rad V-1 for the slope, of V for the rest voltage"
+    does = "what a standard uncertainty of a source does to slope and rest voltage"
+    sources = gum.propagation.contributions[1:3, tells]
+    over, ends = ("mode", "coefficient"), ("mode", "kind", "side", "coefficient")
     variables |= {
-        "line": (
-            ("mode", "coefficient"),
-            each(lambda r: [r.line.intercept, r.line.slope]),
-            {"units": "1", "comment": mixed, "long_name": "angle = intercept + slope voltage"},
+        "line": variable(over, lines, "angle = intercept + slope voltage", "1", comment=mixed),
+        "line_covariance": variable(
+            ("mode", *two), covariances, "covariance of the line", "1", comment=covaried
         ),
-        "line_covariance": (
-            ("mode", *two),
-            each(lambda r: r.covariance[:2, :2]),
-            {"units": "1", "comment": covaried, "long_name": "covariance of the line"},
+        "deviation_line": variable(ends, farthest, "lines of maximum deviation", "1", comment=mixed),
+        "contribution": variable(("quantity", "source"), sources, does, "1", comment=numbers),
+        "flagged": variable(
+            "point", list(map(bool, points.reasons)), "point where the angle's uncertainty is in doubt"
         ),
-        "deviation_line": (
-            ("mode", "kind", "side", "coefficient"),
-            np.array([deviation[m][0] for m in MODES]),
-            {"units": "1", "comment": mixed, "long_name": "lines of maximum deviation"},
-        ),
-        "contribution": (
-            ("quantity", "source"),
-            gum.propagation.contributions[1:3, tells],
-            {
-                "units": "1",
-                "comment": "numbers of rad V-1 for the slope, of V for the rest voltage",
-                "long_name": "what a standard uncertainty of a source does to slope and rest voltage",
-            },
-        ),
-        "flagged": (
-            "point",
-            np.array([bool(r) for r in points.reasons]),
-            {"long_name": "point where the angle's uncertainty is in doubt"},
-        ),
-        "used": ("point", np.array([k in used for k in range(n)]), {"long_name": "point used for the line"}),
-        "flag_reason": (
-            "point",
-            np.array(points.reasons, dtype="U"),
-            {"long_name": "why the point is flagged"},
-        ),
+        "used": variable("point", [k in used for k in range(n)], "point used for the line"),
+        "flag_reason": variable("point", np.array(points.reasons, dtype="U"), "why the point is flagged"),
     }
     coords = {
         "mode": list(MODES),
@@ -148,7 +129,7 @@ def dataset(
         "source": [gum.propagation.inputs[k].name for k in tells],
         "side": ["lower", "upper"],
         "range": np.arange(len(apparatus["encoder"]["limits"])),
-        "grid": ("grid", drawn.grid_voltage, {"units": "V", "long_name": "voltage of the sample"}),
+        "grid": variable("grid", drawn.grid_voltage, "voltage of the sample", "V"),
     }
     attrs = {
         "dof": chain.line.dof,

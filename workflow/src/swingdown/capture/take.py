@@ -44,28 +44,20 @@ def to_dataset(recorder, about):
         values = values.astype("int32")
     numbers = np.array([row.position for row in rows], dtype="int64")
     missing = recorder.missing
+    variable, arrivals = dataset.variable, [row.arrival for row in rows]
+    arrival = variable(
+        "time", arrivals, "arrival at the host, in Unix time (UTC); jitters and is no time base", "s"
+    )
+    lost, came = (
+        np.array([pair[k] for pair in missing], dtype=kind) for k, kind in enumerate(("int64", "int8"))
+    )
     variables = {
-        "sent": ("time", values, {"long_name": "value as the device sent it", "units": "1"}),
-        name: ("time", values * float(recorder.scale), {"long_name": text, "units": unit}),
-        "sequence": ("time", numbers, {"long_name": "sequence number of the device, unwrapped"}),
-        "arrival": (
-            "time",
-            np.array([row.arrival for row in rows]),
-            {
-                "long_name": "arrival at the host, in Unix time (UTC); jitters and is no time base",
-                "units": "s",
-            },
-        ),
-        "missing_sequence": (
-            "gap",
-            np.array([position for position, _ in missing], dtype="int64"),
-            {"long_name": "sequence number that is missing"},
-        ),
-        "missing_damaged": (
-            "gap",
-            np.array([damaged for _, damaged in missing], dtype="int8"),
-            {"long_name": "1 where the frame came damaged, 0 where it never came"},
-        ),
+        "sent": variable("time", values, "value as the device sent it", "1"),
+        name: variable("time", values * float(recorder.scale), text, unit),
+        "sequence": variable("time", numbers, "sequence number of the device, unwrapped"),
+        "arrival": arrival,
+        "missing_sequence": variable("gap", lost, "sequence number that is missing"),
+        "missing_damaged": variable("gap", came, "1 where the frame came damaged, 0 where it never came"),
     }
     times, clock, about_times = _times(recorder)
     damaged = sum(flag for _, flag in missing)

@@ -8,6 +8,7 @@ import pandas as pd
 import xarray as xr
 
 from ..arrays import Floats
+from ..dataset import variable
 from ..errors import InputError
 from ..fitting.uncertainty import half_width
 from ..measurement.slack import of_angles
@@ -205,11 +206,7 @@ def _by_source(bands: Sequence[Mapping[str, Band]], scaled: bool) -> dict[str, A
     for name, (against, unit, words) in CURVES.items():
         for k, (ending, more) in enumerate(_ENDINGS.items()):
             values = np.array([one[k] for one in columns[name]])
-            variables[name + ending] = (
-                ("source", against),
-                values,
-                {"units": unit, "long_name": more.format(words)},
-            )
+            variables[name + ending] = variable(("source", against), values, more.format(words), unit)
     return variables
 
 

@@ -9,7 +9,7 @@ import pandas as pd
 import xarray as xr
 
 from ..arrays import Floats
-from ..dataset import series_of
+from ..dataset import series_of, variable
 from ..engine.trajectory import TrajectoryError, simulate
 from ..errors import InputError
 from ..fitting.least_squares import fit_jointly
@@ -392,17 +392,10 @@ def envelopes(found: Laws, said: str = "", emulated: str = "no") -> xr.Dataset:
         fitted = [_envelope(found, one, when) for one in shown]
     return xr.Dataset(
         {
-            "amplitude": ("time", size, {"units": found.unit, "long_name": "measured amplitude"}),
-            "fitted": (
-                ("law", "time"),
-                np.array(fitted),
-                {"units": found.unit, "long_name": "amplitude of a law"},
-            ),
+            "amplitude": variable("time", size, "measured amplitude", found.unit),
+            "fitted": variable(("law", "time"), np.array(fitted), "amplitude of a law", found.unit),
         },
-        {
-            "law": ("law", [one.label for one in shown]),
-            "time": ("time", when, {"units": "s", "long_name": "time"}),
-        },
+        {"law": ("law", [one.label for one in shown]), "time": variable("time", when, "time", "s")},
         {"best": best, "said": said, "emulated": emulated, "recording": found.recording},
     )
 

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from ..dataset import variable
 from ..errors import as_told
 from ..quantisation import quantisation_step
 from .slack import tolerances
@@ -42,18 +43,12 @@ def as_recording(
     clock = "time as recorded" if points.timed else "number of the swing"
     return xr.Dataset(
         {
-            "signal": (
-                "time",
-                points.readings,
-                {"units": unit, "long_name": "angle at a turning point, as read"},
-            ),
-            "half_swings": (
-                "time",
-                points.halves.astype(np.int32),
-                {"long_name": "half-swings since the first turning point"},
+            "signal": variable("time", points.readings, "angle at a turning point, as read", unit),
+            "half_swings": variable(
+                "time", points.halves.astype(np.int32), "half-swings since the first turning point"
             ),
         },
-        {"time": ("time", points.times, {"units": "s" if points.timed else "1", "long_name": clock})},
+        {"time": variable("time", points.times, clock, "s" if points.timed else "1")},
         {
             **attrs,
             "partial": "no",
@@ -79,7 +74,7 @@ def to_angle(recording: xr.Dataset) -> xr.Dataset:
     of_angles: dict[str, float] = {"rad": 1.0, "deg": 180 / pi}
     passed = recording.attrs["points"] == PASSED
     scale = of_angles[unit] if unit in of_angles else 1.0 if passed else 100 * float(np.abs(readings).max())
-    about = (
+    about = [
         "recording",
         "campaign",
         "role",
@@ -92,7 +87,7 @@ def to_angle(recording: xr.Dataset) -> xr.Dataset:
         "kind",
         "remarks",
         "taken",
-    )
+    ]
     step = 0.0 if passed else quantisation_step(np.abs(readings)) / scale
     timed = recording.attrs["points"] != COUNTED
     return xr.Dataset(

@@ -189,10 +189,10 @@ def fit_campaign(
     about = [facts_of(angle) for angle in angles]
     variables |= prior_of(slack)
     coords |= slack_of(any_of(fits)) | {
-        "parameter_2": ("parameter_2", names, {"long_name": "other parameter"}),
-        "recording": ("recording", [name for name, *_ in swings], {"long_name": "recording"}),
+        "parameter_2": dataset.variable("parameter_2", names, "other parameter"),
+        "recording": dataset.variable("recording", [name for name, *_ in swings], "recording"),
         **{
-            key: ("recording", [one[key][0] for one in about], {"long_name": text})
+            key: dataset.variable("recording", [one[key][0] for one in about], text)
             for key, (_, text) in about[0].items()
         },
     }

@@ -16,7 +16,7 @@ from ..measurement.again import TOLD as AGAIN
 from ..pendulum.catalogue import ANGLE
 from ..pendulum.model import Model
 from ..pendulum.slack import Slack
-from .norms import Coordinate, Variable, spread
+from .norms import Variable, spread
 
 DIMS: dict[str, tuple[str, ...]] = {
     "fit": ("fitted", "time"),
@@ -147,17 +147,17 @@ def facts_of(angle: xr.Dataset) -> dict[str, tuple[str, str]]:
     }
 
 
-def coords_of(angle: xr.Dataset, names: Sequence[str]) -> dict[str, Coordinate]:
+def coords_of(angle: xr.Dataset, names: Sequence[str]) -> dict[str, dataset.Labelled]:
     """The coordinates of a recording's fits: its times, and what is to be known of it."""
     return {
-        "parameter_2": ("parameter_2", names, {"long_name": "other parameter"}),
+        "parameter_2": dataset.variable("parameter_2", names, "other parameter"),
         "time": ("time", angle["time"].values, {}),
-        "recording": ((), str(angle.attrs.get("recording", "recording")), {"long_name": "recording"}),
-        **{key: ((), value, {"long_name": text}) for key, (value, text) in facts_of(angle).items()},
+        "recording": dataset.variable((), str(angle.attrs.get("recording", "recording")), "recording"),
+        **{key: dataset.variable((), value, text) for key, (value, text) in facts_of(angle).items()},
     }
 
 
-def slack_of(fit: Fit) -> dict[str, Coordinate]:
+def slack_of(fit: Fit) -> dict[str, dataset.Labelled]:
     """The coordinates of what a fit leaves open."""
     parameters = fit.model.slack.parameters
     return open_coords(parameters, [fit.model.units[name] for name in parameters], fit.sources)
@@ -165,24 +165,13 @@ def slack_of(fit: Fit) -> dict[str, Coordinate]:
 
 def open_coords(
     parameters: Sequence[str], units: Sequence[str], sources: Sequence[str]
-) -> dict[str, Coordinate]:
+) -> dict[str, dataset.Labelled]:
     """The coordinates of what is left open, and of where the systematic uncertainty comes from."""
+    variable, names = dataset.variable, np.array(parameters, dtype=str)
     return {
-        "nuisance": (
-            "nuisance",
-            np.array(parameters, dtype=str),
-            {"long_name": "what the measurement leaves open"},
-        ),
-        "nuisance_unit": (
-            "nuisance",
-            np.array(units, dtype=str),
-            {"long_name": "unit of the nuisance value"},
-        ),
-        "source": (
-            "source",
-            np.array(sources, dtype=str),
-            {"long_name": "source of systematic uncertainty"},
-        ),
+        "nuisance": variable("nuisance", names, "what the measurement leaves open"),
+        "nuisance_unit": variable("nuisance", np.array(units, dtype=str), "unit of the nuisance value"),
+        "source": variable("source", np.array(sources, dtype=str), "source of systematic uncertainty"),
     }
 
 

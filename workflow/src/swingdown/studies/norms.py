@@ -7,6 +7,7 @@ import numpy as np
 import xarray as xr
 
 from ..arrays import Floats
+from ..dataset import Labelled, variable
 from ..errors import InputError
 from ..pendulum.model import Model, as_model, symbol
 
@@ -80,7 +81,6 @@ LABELS: dict[str, tuple[str | None, str]] = {
     "record_s": ("s", "length of the record"),
 }
 Variable = tuple[str | tuple[str, ...], Any]  # what xarray makes a variable of: dimensions, values ...
-Coordinate = tuple[str | tuple[str, ...], Any, dict[str, str]]  # ... and attributes
 METHODS = {"": "Nelder-Mead", "least_squares_": "trajectory least squares"}
 
 
@@ -89,24 +89,22 @@ def labelled(dataset: xr.Dataset, **long_names: str) -> xr.Dataset:
 
     A prefix of ``METHODS`` is read off the name and told in the long name.
     """
-    for key, variable in dataset.variables.items():
+    for key, one in dataset.variables.items():
         name = str(key)
         prefix = next((p for p in METHODS if p and name.startswith(p)), "")
         units, text = LABELS.get(name.removeprefix(prefix), (None, ""))
         if text:
-            variable.attrs["long_name"] = long_names.get(name, text) + (
-                f" ({METHODS[prefix]})" if prefix else ""
-            )
+            one.attrs["long_name"] = long_names.get(name, text) + (f" ({METHODS[prefix]})" if prefix else "")
         if units:
-            variable.attrs |= {"units": "1", "comment": units} if units == _OF_EACH else {"units": units}
+            one.attrs |= {"units": "1", "comment": units} if units == _OF_EACH else {"units": units}
         if name.removeprefix(prefix) == "value":
             errors = [f"{prefix}{kind}standard_error" for kind in ("", "random_", "systematic_")]
-            variable.attrs["ancillary_variables"] = " ".join(one for one in errors if one in dataset)
+            one.attrs["ancillary_variables"] = " ".join(error for error in errors if error in dataset)
     return dataset
 
 
-def model_coords(fitted: Iterable[Model | str]) -> dict[str, Coordinate]:
-    """Coordinates for datasets over models and parameters: ``fitted`` with symbols, ``parameter`` with units.
+def model_coords(fitted: Iterable[Model | str]) -> dict[str, Labelled]:
+    """Tolds for datasets over models and parameters: ``fitted`` with symbols, ``parameter`` with units.
 
     ``parameter`` holds the parameters of all models together, the natural frequency first, in the catalogue's order.
     """
@@ -115,14 +113,10 @@ def model_coords(fitted: Iterable[Model | str]) -> dict[str, Coordinate]:
     wanted = {name for model in models for name in model.parameters}
     chosen = [p for p in models[0].catalogue.parameters.values() if p.name in wanted]
     return {
-        "fitted": ("fitted", labels, {"long_name": "fitted model"}),
-        "symbol": (
-            "fitted",
-            [symbol(label) for label in labels],
-            {"long_name": "symbol of the fitted model"},
-        ),
-        "parameter": ("parameter", [p.name for p in chosen], {"long_name": "parameter"}),
-        "parameter_unit": ("parameter", [p.unit for p in chosen], {"long_name": "unit of the parameter"}),
+        "fitted": variable("fitted", labels, "fitted model"),
+        "symbol": variable("fitted", [symbol(label) for label in labels], "symbol of the fitted model"),
+        "parameter": variable("parameter", [p.name for p in chosen], "parameter"),
+        "parameter_unit": variable("parameter", [p.unit for p in chosen], "unit of the parameter"),
     }
 
 

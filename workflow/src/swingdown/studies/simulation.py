@@ -12,6 +12,7 @@ import numpy as np
 import xarray as xr
 
 from ..arrays import Floats
+from ..dataset import variable
 from ..engine.trajectory import simulate
 from ..errors import InputError
 from ..fitting.least_squares import fit_trajectory
@@ -112,12 +113,8 @@ def realizations(chosen: Settings) -> xr.Dataset:
             "noisy": (("simulated", "realization", "time"), np.array(noisy)),
         },
         {
-            "simulated": ("simulated", list(chosen.simulated), {"long_name": "simulated model"}),
-            "realization": (
-                "realization",
-                np.arange(1, chosen.realizations + 1),
-                {"long_name": "noisy copy"},
-            ),
+            "simulated": variable("simulated", list(chosen.simulated), "simulated model"),
+            "realization": variable("realization", np.arange(1, chosen.realizations + 1), "noisy copy"),
             "time": ("time", times),
         },
         settings | {"source": "simulated", "emulated": "no", "inferred": INFERRED_NOTE},
@@ -179,7 +176,7 @@ def simulation_norms(
             dims = ("simulated", "fitted", "realization", "parameter")[: stacked.ndim + 1]
             variables[prefix + name] = (dims, stacked.reshape(*shape, *stacked.shape[2:]))
     coords |= {
-        "simulated": ("simulated", [simulated], {"long_name": "simulated model"}),
+        "simulated": variable("simulated", [simulated], "simulated model"),
         "realization": ("realization", chosen["realization"].values, dict(chosen["realization"].attrs)),
     }
     data = xr.Dataset(variables, coords, realizations.attrs | {"start": start})
