@@ -12,17 +12,7 @@ if TYPE_CHECKING:
     from .errors import InputError
     from .pendulum.model import Model
 
-__all__ = [
-    "Answer",
-    "InputError",
-    "Model",
-    "Quantity",
-    "Recording",
-    "explain",
-    "fit",
-    "read",
-    "simulate",
-]
+__all__ = ["Answer", "InputError", "Model", "Quantity", "Recording", "explain", "fit", "read", "simulate"]
 _ELSEWHERE = {"InputError": "errors", "Model": "pendulum.model"}
 
 

@@ -83,9 +83,8 @@ def write(dataset: xr.Dataset, path: str | Path, replace: bool = True) -> Path:
             seal_behind(partial)
     except (OSError, RuntimeError) as error:
         free = shutil.disk_usage(path.parent).free
-        if (
-            getattr(error, "errno", None) == errno.ENOSPC or free < dataset.nbytes
-        ):  # netCDF says only "HDF error"
+        # netCDF says only "HDF error"
+        if getattr(error, "errno", None) == errno.ENOSPC or free < dataset.nbytes:
             raise Unwritten(
                 errno.ENOSPC,
                 f"the disk is full: {path} needs up to {dataset.nbytes / 1e6:.3g} MB and "

@@ -220,9 +220,8 @@ def _filled(content: dict[str, Any], schema: dict[str, Any]) -> dict[str, Any]:
             content[key] = copy.deepcopy(rule["default"])
         if isinstance(content.get(key), dict):
             _filled(content[key], rule)
-    if isinstance(
-        rest := schema.get("additionalProperties"), dict
-    ):  # keys of any name, each by the same rules
+    # keys of any name, each by the same rules
+    if isinstance(rest := schema.get("additionalProperties"), dict):
         for key, one in content.items():
             if key not in schema.get("properties", {}) and isinstance(one, dict):
                 _filled(one, rest)

@@ -42,11 +42,8 @@ TRUTH = Model(
 )
 SLOPE, ZERO = 0.12566, 5.0  # rad/V, V
 NOISE, STEP = 0.004, 0.008  # V: half a milliradian, and an encoder's steps of one
-DURATION, FITTED, RATE = (
-    20.0,
-    15.0,
-    50.0,
-)  # s recorded; s that are fitted, the rest is foretold; samples a second
+# s recorded; s that are fitted, the rest is foretold; samples a second
+DURATION, FITTED, RATE = (20.0, 15.0, 50.0)
 AMPLITUDES = (0.3, 0.4, 0.5, 0.6)  # rad
 AT = 0.3  # rad: the amplitude at which period, quality and decay time are asked for
 _STILL = 300  # samples on each tower
@@ -114,9 +111,8 @@ def bench(apparatus: Apparatus, seed: Sequence[int], smooth: bool = True, draws:
 
     angles = np.asarray(arm_angle(over_shaft, shaft, bob, arm, heights))
     towers = [read(float(one)) for one in volts(angles)]
-    rest = read(
-        ZERO + float(rng.uniform(-1, 1)) * apparatus["rest"]["limit"] / SLOPE
-    )  # errors are counted from there
+    # errors are counted from there
+    rest = read(ZERO + float(rng.uniform(-1, 1)) * apparatus["rest"]["limit"] / SLOPE)
     calibration, _ = from_means(measured, Read(towers, rest, NOISE), draws, seed[0])
     calibration.attrs |= {"emulated": "yes", "mode": "gum"}
     return Bench(calibration, volts)

@@ -144,9 +144,8 @@ def summarise(scores):
     }
     plain = pd.concat([kind["removed"], kind["foreign"]])
     plain = plain[plain["excess"] > _EXCESS]
-    apart = kind["single"][
-        ~(kind["single"]["separation"] <= _SEPARABLE)
-    ]  # where no other effect could be added at all, too
+    # where no other effect could be added at all, too
+    apart = kind["single"][~(kind["single"]["separation"] <= _SEPARABLE)]
     known = pd.concat([kind["single"], kind["pair"]])
     repaired = known[known["inside"].astype(bool)]
     covered, intervals = int(scores["covered"].sum()), int(scores["intervals"].sum())

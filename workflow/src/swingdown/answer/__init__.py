@@ -341,9 +341,8 @@ def explained(
     with _of_none_compared():
         states = concluded(discover(whole, start, rounds), whole)
         found = verdict([summary(state, whole) for state in states], catalogue(effects).of(whole.reading))
-    if (
-        found["status"] == "unknown" and not found["unit_doubt"]
-    ):  # then damping alone has to follow it, as it has in ``fit``
+    # then damping alone has to follow it, as it has in ``fit``
+    if found["status"] == "unknown" and not found["unit_doubt"]:
         of_swings(given, fitted, effects, restoring)
     answer = first.with_verdict(found, _shown(states[-1], whole.fit, whole.holdout))
     if found["status"] == "unknown" or not found["conclusion"]:  # the quantities are those of damping, too

@@ -22,10 +22,7 @@ _FEW = 3  # pendulums that have pictures
 
 
 def write_beside(
-    answers: Mapping[str, Answer],
-    folder: Path,
-    drives: Sequence[float] = (),
-    spoken: Language = IN_ENGLISH,
+    answers: Mapping[str, Answer], folder: Path, drives: Sequence[float] = (), spoken: Language = IN_ENGLISH
 ) -> list[str]:
     """What is said of the files written, and of a few pendulums whether their decay is exponential.
 

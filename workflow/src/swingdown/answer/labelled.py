@@ -94,9 +94,8 @@ def _written(given: Any, called: str) -> str:
 
 def _quantity(given: Any) -> Any:
     """The series as a quantity of pint or astropy, where it is one or holds one; else None."""
-    inside = (
-        () if isinstance(given, np.ndarray) else ("data", "array")
-    )  # of an array that is a buffer, which dates have not
+    # of an array that is a buffer, which dates have not
+    inside = () if isinstance(given, np.ndarray) else ("data", "array")
     for one in (given, *(getattr(given, name, None) for name in inside)):
         if hasattr(one, "magnitude") and hasattr(one, "to") or hasattr(one, "to_value"):
             return getattr(one, "quantity", one)

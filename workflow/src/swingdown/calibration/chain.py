@@ -146,9 +146,8 @@ def measurement(
     slope = bare.line.slope
     zero = rest.value if rest is not None else -bare.line.intercept / slope
     samples = (zero, zero + np.radians(REFERENCE_DEG) / slope)
-    top = apparatus["encoder"]["limits"][-1][
-        "up_to"
-    ]  # 20 degrees may lie beyond it; the budget is told all the same
+    # 20 degrees may lie beyond it; the budget is told all the same
+    top = apparatus["encoder"]["limits"][-1]["up_to"]
     for name, voltage in zip(("at_rest", f"at_{REFERENCE_DEG:g}_deg"), samples, strict=True):
         inputs += [encoder(f"sample_encoder_error_{name}", np.clip(voltage, -top, top))]
         inputs += [Input(f"sample_noise_{name}", 0.0, noise, unit="V", kind="random")]

@@ -8,11 +8,7 @@ from ..arrays import Floats, Numbers
 
 
 def arm_angle(
-    over_shaft: Numbers,
-    shaft_diameter: Numbers,
-    bob_diameter: Numbers,
-    arm: Numbers,
-    height: Numbers,
+    over_shaft: Numbers, shaft_diameter: Numbers, bob_diameter: Numbers, arm: Numbers, height: Numbers
 ) -> Floats:
     """The angle (rad) of the arm from the vertical (Eqs. 7a, 8, 9, 10); NaN where the drop is longer than the arm.
 

@@ -32,10 +32,8 @@ _STEPS = 5  # looks that a host may take in one interval, in step with the sampl
 _SPREAD = 0.75  # of an interval that the ends of bursts fall into, or they may be in step with the samples
 _APART = 6  # standard deviations of arrivals in a step, or two steps cannot be told apart
 _SHARP = 1e-7  # s; how long a jump takes
-_EDGE, _BODY = (
-    3,
-    10,
-)  # blocks at an end that are looked at piece by piece, and those beside that tell what they should be
+# blocks at an end that are looked at piece by piece, and those beside that tell what they should be
+_EDGE, _BODY = (3, 10)
 
 
 class Stall(NamedTuple):
@@ -300,9 +298,8 @@ def _step(pieces, line):
         turns = np.exp(2j * np.pi * arrivals / step)
         off = np.angle(turns / np.mean(turns)) / (2 * np.pi) * step
         left = np.mean(np.abs(_centred(off)))
-        if (
-            left < as_well and _APART * left / 0.8 < step
-        ):  # 0.8: of a normal distribution's standard deviation
+        # 0.8: of a normal distribution's standard deviation
+        if left < as_well and _APART * left / 0.8 < step:
             return step
     return 0.0
 
@@ -328,9 +325,8 @@ def _told(pieces, line, hidden, head, tail):
     courses = tuple(Course(since, until, 1 + slope) for since, until, slope in line.slopes())
     knots = _knots(pieces, line, head, tail)
     bent = np.sqrt(brokenline.break_price(line.count) * len(courses) / line.count) * scatter
-    waiting = (
-        np.median(np.diff(pieces.times)) - pieces.interval
-    )  # how long samples of a burst are before its last
+    # how long samples of a burst are before its last
+    waiting = np.median(np.diff(pieces.times)) - pieces.interval
     misplaced = sum(one.seconds**2 for one in stalls) * max(waiting, 0.0) / 2 / span
     common = float(
         np.sqrt(hidden**2 / 6 + np.sum(np.square(line.breaks.small)) / 12 + bent**2 / 3 + misplaced)

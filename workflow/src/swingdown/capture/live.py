@@ -13,10 +13,8 @@ LATELY = 20.0  # s that amplitude, period and loss are told from
 MOST = 3000  # samples of them that are looked at
 _ROWS = 6  # lines of the trace, four dots each
 _QUIET = 5.0  # s between lines where there is no terminal
-_DOTS = (
-    (0x01, 0x02, 0x04, 0x40),
-    (0x08, 0x10, 0x20, 0x80),
-)  # of a braille character: column, row from the top
+# of a braille character: column, row from the top
+_DOTS = ((0x01, 0x02, 0x04, 0x40), (0x08, 0x10, 0x20, 0x80))
 _DRAWN = re.compile("[\u2800-\u28ff]")  # a line of the trace
 WORDS = {
     "opening": "opening the port ...",

@@ -50,10 +50,8 @@ class Order:
         self._damaged, self._claims = 0, ()  # since the last sample, or the one that is held
         self._recent, self._again = deque(maxlen=AGAIN), 0
         self._largest = 0
-        self._lead, self._most = (
-            0.0,
-            0.0,
-        )  # s; how far the last sample is, or may be, beyond what its clock says
+        # s; how far the last sample is, or may be, beyond what its clock says
+        self._lead, self._most = (0.0, 0.0)
 
     @property
     def since(self):

@@ -93,8 +93,7 @@ class Recorder:
         if self.order.restarted:
             if self.state == "recording" and len(self.order.rows) > ANEW:
                 self.end(
-                    DISCONNECTED,
-                    "the board began anew, or its clock jumped: its numbers cannot be continued",
+                    DISCONNECTED, "the board began anew, or its clock jumped: its numbers cannot be continued"
                 )
                 return
             self.state = "waiting" if self.trigger else self.state
@@ -114,9 +113,8 @@ class Recorder:
 
     def _listen(self, now):
         self._listened += min(max(now - self._now, 0.0), STALL)
-        self._now = max(
-            now, self._now
-        )  # what came before the recording began, and waited, tells of no silence
+        # what came before the recording began, and waited, tells of no silence
+        self._now = max(now, self._now)
 
     @property
     def silent(self):

@@ -107,12 +107,7 @@ class _Part(NamedTuple):
 
 
 def _taken(
-    found: Free,
-    grid: Floats,
-    loss: _Part,
-    friction: _Part,
-    amplitude: Floats,
-    speeds: tuple[Floats, Floats],
+    found: Free, grid: Floats, loss: _Part, friction: _Part, amplitude: Floats, speeds: tuple[Floats, Floats]
 ) -> dict[str, Known]:
     """Loss and friction, by the turning points; of ``speeds`` the rows of a friction, and the covariance of what the model's leaves open."""
     scale = typical_of(found.courses)

@@ -120,9 +120,8 @@ class _Ring:
         self.size, self.kind = size, kind
         self.fine = np.linspace(size[0], size[-1], _FINE)
         frequency, _, ratio, _ = self.at(self.fine)
-        self.asked = (
-            2 * ratio * frequency**2 * self.fine / self.grip(self.fine)[1]
-        )  # drive that holds each amplitude
+        # drive that holds each amplitude
+        self.asked = 2 * ratio * frequency**2 * self.fine / self.grip(self.fine)[1]
 
     def at(self, amplitude: Floats) -> list[Floats]:
         """Angular frequency (rad/s) and damping ratio, each followed by its standard uncertainty."""

@@ -93,9 +93,8 @@ class Beyond(NamedTuple):
         begun = np.geomspace(least, most, _BEGUN)
         found = swung(ideal, lambda speed: np.interp(speed, speeds, drag), begun)
         good = np.isfinite(found.loss) & np.isfinite(found.passage)
-        if (
-            good.sum() < _FEWEST or not (np.diff(found.amplitude[good]) > 0).all()
-        ):  # a friction that stops it before its next turning point
+        # a friction that stops it before its next turning point
+        if good.sum() < _FEWEST or not (np.diff(found.amplitude[good]) > 0).all():
             return cls.none(amplitude)
         found = Swung(*(one[good] for one in found))
         at = found.amplitude

@@ -11,9 +11,8 @@ from .state_methods import localisation, state_methods
 
 _THETA, _VELOCITY, _ACCELERATION = symbol("theta"), symbol("thetadot"), symbol("thetaddot")
 _TIME, _DIRECTION, _OMEGA = symbol("t"), symbol("direction"), symbol("omega_n")
-_INPUTS = [
-    symbol(name) for name in (*INPUTS, "input_jerk")
-]  # of the measured drive: it and its derivatives by time
+# of the measured drive: it and its derivatives by time
+_INPUTS = [symbol(name) for name in (*INPUTS, "input_jerk")]
 _SINE, _COSINE, _SPEED = symbol("sine_theta"), symbol("cosine_theta"), symbol("speed")
 _POINTS = {
     _THETA: "q->th",

@@ -198,11 +198,7 @@ def _c_bounds(bounds: Bounds) -> tuple[Any, Any]:
 
 
 def minimise(
-    library: Any,
-    cost: Callable[[Floats, Floats, Floats], float],
-    x: Floats,
-    bounds: Bounds,
-    options: Options,
+    library: Any, cost: Callable[[Floats, Floats, Floats], float], x: Floats, bounds: Bounds, options: Options
 ) -> tuple[float, Floats, Outcome]:
     """Half the least sum of squares, J'J there, and how it ended; ``x`` moves to the minimum.
 
@@ -218,10 +214,7 @@ def minimise(
     def called(_: Any, at: Any, gradient: Any, to: Any) -> float:
         return cost(array(at, size), array(gradient, size), array(to, size * size).reshape(size, size))
 
-    problem = ffi().new(
-        "LeastSquares *",
-        (called, ffi().NULL, size, _c_bounds(bounds), options),
-    )
+    problem = ffi().new("LeastSquares *", (called, ffi().NULL, size, _c_bounds(bounds), options))
     half = library.minimise(problem, doubles(x), doubles(normal), outcome)
     return half, normal, _outcome(outcome)
 

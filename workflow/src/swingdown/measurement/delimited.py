@@ -69,10 +69,8 @@ def _table(
         told, names = f"{told} at {rate:g} Hz", (CLOCKED, *names)
     units = {laid.names[k]: "s" for k in laid.stamps if laid.names[k] != ARRIVED}
     if any(meaning(one).kind == TIME and one not in units for one in names):
-        names = (
-            *(one for one in names if one not in units),
-            *units,
-        )  # a device's own time goes before a computer's
+        # a device's own time goes before a computer's
+        names = (*(one for one in names if one not in units), *units)
     rows = _Rows(source, block, laid, name, rate)
     return Table(names, {}, rows, how.decimal, told, units, remarks=left_out(block)), laid
 

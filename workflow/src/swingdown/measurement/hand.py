@@ -125,7 +125,4 @@ def _half_height(excess: Floats, start: int, stop: int) -> tuple[int, int]:
     """The run without its flanks: a window smears what begins or ends at once, and half its height is where it did."""
     size = np.abs(excess[start:stop])
     high = np.flatnonzero(size > 0.5 * size.max())
-    return (
-        start + int(high[0]) if start else 0,
-        start + int(high[-1]) + 1 if stop < len(excess) else stop,
-    )
+    return (start + int(high[0]) if start else 0, start + int(high[-1]) + 1 if stop < len(excess) else stop)

@@ -12,11 +12,8 @@ from .half_swings import half_swings
 
 ASSUMED = ("viscous", "quadratic_drag")
 BACK = np.array([1.0, -1.0, -1.0, 1.0, -1.0])  # what turns round with time: drag and the velocity
-LEARNED = (
-    8,
-    6,
-    4,
-)  # half-swings from which weight and drag are learned: fewer where a fit of many loses its way
+# half-swings from which weight and drag are learned: fewer where a fit of many loses its way
+LEARNED = (8, 6, 4)
 POINTS = 60  # samples a period that are used of them
 ODD = 10.0  # times what the fit leaves where it is learned (RMS); what friction of another kind leaves stays below
 SHARED = 3.0  # samples that err alike: so much less is known than of as many that err alone

@@ -210,9 +210,8 @@ def _iterate(update: Callable[[float], float], slope: float) -> tuple[float, int
             break
         if abs(slope - last) <= 4 * np.finfo(float).eps * abs(slope):
             return slope, iteration
-    if np.isfinite(slope) and abs(slope - last) <= 1e-12 * abs(
-        slope
-    ):  # rounding keeps it from settling further
+    # rounding keeps it from settling further
+    if np.isfinite(slope) and abs(slope - last) <= 1e-12 * abs(slope):
         return slope, _ITERATIONS
     raise InputError(
         "line",

@@ -14,9 +14,8 @@ HARMONICS = 8  # of the pendulum: above, a swing leaves nothing
 _LINE = 10.0  # times its neighbours' median: a line of the mains or of a bearing, and no noise
 _NEIGHBOURS = 32
 SPECTRUM = 64  # samples; a spectrum of fewer is too coarse for a band
-_CORRELATIONS = np.tanh(
-    np.linspace(np.arctanh(-0.9), np.arctanh(0.95), 300)
-)  # any level of slow noise as likely before
+# any level of slow noise as likely before
+_CORRELATIONS = np.tanh(np.linspace(np.arctanh(-0.9), np.arctanh(0.95), 300))
 HANN = 0.514  # of neighbouring powers under Hann's window: they are correlated by 0.444, those after next by 0.028
 _WINDOWS = 20_000  # that are looked at
 BAND = (15.0, 50.0)  # Hz; far above a pendulum's harmonics, below what mains and bearings bring

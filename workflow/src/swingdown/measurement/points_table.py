@@ -118,9 +118,8 @@ def _columns(table: Table, row: Mapping[str, Any]) -> Columns | None:
         if len(usable) < 2:
             return None
         clock, *chosen = usable[:2]
-    if (
-        row["signal_kind"] and row["signal_column"]
-    ):  # one coordinate at its turning points, without its partner
+    # one coordinate at its turning points, without its partner
+    if row["signal_kind"] and row["signal_column"]:
         chosen = [one for one in usable if one.name == row["signal_column"]]
     if len(chosen) != 1 or clock.kind not in (TIME, UNTOLD) or chosen[0].kind not in (ANGLE, LENGTH, UNTOLD):
         return None

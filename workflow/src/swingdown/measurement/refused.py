@@ -11,16 +11,8 @@ from .. import dataset
 from ..errors import InputError
 from ..paths import is_url
 
-COLUMNS = (
-    "campaign",
-    "recording",
-    "label",
-    "file",
-    "problem",
-    "expected",
-    "mend",
-    "code",
-)  # of a row on what is left out
+# of a row on what is left out
+COLUMNS = ("campaign", "recording", "label", "file", "problem", "expected", "mend", "code")
 NOT_LOOKED_AT = "not looked at"  # the code of a file in a folder that no reader is given
 WHICH_COLUMN = "which column"  # the code of what does not say which of its columns swings
 _WHY = ("where", "problem", "expected", "mend")

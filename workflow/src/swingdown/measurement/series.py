@@ -38,9 +38,8 @@ def series(
         piece = rows.iloc[:-1] if table.cut and last else rows
         lines = piece.index.to_numpy()
         times = numbers(piece[time_column], table.decimal) * TIME_UNITS[time_unit]
-        inside = ~(
-            (times < row["start_s"]) | (times > row["stop_s"])
-        )  # NaN, of the times or of a limit, is neither
+        # NaN, of the times or of a limit, is neither
+        inside = ~((times < row["start_s"]) | (times > row["stop_s"]))
         values = [numbers(piece[key][inside], table.decimal) for key in (*columns, *beside)]
         whole = np.ones(np.count_nonzero(inside), dtype=bool)
         for key, own in zip((time_column, *columns), (times[inside], *values), strict=False):

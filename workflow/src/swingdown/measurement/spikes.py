@@ -19,10 +19,8 @@ LONGEST = 6  # samples: a run of more is something that happened to the pendulum
 BETTER = (
     60.0  # in chi-square, by which samples left out explain a place better than a break in the swing does
 )
-BESIDE = (
-    12,
-    8,
-)  # samples on each side that tell how the swing goes on: fewer where they are more than a swing
+# samples on each side that tell how the swing goes on: fewer where they are more than a swing
+BESIDE = (12, 8)
 ALIKE = 3.0  # local standard deviations, below which a sample goes on as those about it
 SURE = 1.5  # times as unsure as a sample is by its noise: less is well told by the flanks
 FLANKS = 4.0  # local standard deviations, up to which the swing beside a spike is as it should be

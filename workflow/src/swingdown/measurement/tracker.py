@@ -141,8 +141,4 @@ def _along_axes(frames: np.ndarray, pixels: Floats, panel: _Saved) -> tuple[Floa
     across, up = (pixels[:, 0] - x0) / per_x, -(pixels[:, 1] - y0) / per_y
     cos, sin = np.cos(np.radians(degrees)), np.sin(np.radians(degrees))
     scaled = bool(np.any(np.array(rows)[:, 3:] != 1))
-    return (
-        across * cos + up * sin,
-        up * cos - across * sin,
-        (panel.text("length_unit") if scaled else "px"),
-    )
+    return (across * cos + up * sin, up * cos - across * sin, (panel.text("length_unit") if scaled else "px"))

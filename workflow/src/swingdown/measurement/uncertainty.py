@@ -159,9 +159,8 @@ def propagate_gum(
             -1, moved.size, parts.size
         )
         at = shifted[rows, np.arange(rows.size)].reshape(moved.size, parts.size)
-        with np.errstate(
-            invalid="ignore", divide="ignore"
-        ):  # an u that is nothing beside its value moves it by nothing
+        # an u that is nothing beside its value moves it by nothing
+        with np.errstate(invalid="ignore", divide="ignore"):
             near, far = ((found[:, :, k] - found[:, :, k + 1]) / (at[:, k] - at[:, k + 1]) for k in (0, 2))
             sensitivity[:, moved] = (4 * near - far) / 3
     contributions = sensitivity * u

@@ -8,12 +8,7 @@ import numpy as np
 from ..arrays import Floats
 from ..errors import InputError
 
-KINDS = {
-    "torque": "rad/s^2",
-    "pivot_acceleration": "g",
-    "pivot_position": "m",
-    "pivot_angle": "rad",
-}
+KINDS = {"torque": "rad/s^2", "pivot_acceleration": "g", "pivot_position": "m", "pivot_angle": "rad"}
 """What was measured, and its unit: a torque over the inertia (in any other unit with a gain to be fitted), the horizontal acceleration of the
 pivot in units of gravity, its horizontal position, or of a wheel the angle of the spring's other end."""
 FREE = ("gain", "delay")

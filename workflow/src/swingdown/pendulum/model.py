@@ -247,9 +247,8 @@ class Model:
         errors = dict(standard_errors or {})
         self._check((*values, *errors))
         found = object.__new__(type(self))
-        found.__dict__.update(
-            self.__dict__, values=dict(values), standard_errors=errors
-        )  # all else was checked
+        # all else was checked
+        found.__dict__.update(self.__dict__, values=dict(values), standard_errors=errors)
         return found
 
     def with_effects(self, names: Sequence[str], values: Mapping[str, float] | None = None) -> "Model":

@@ -39,9 +39,7 @@ def complete(config: Mapping[str, Any], where: str = "config") -> dict[str, Any]
     of another kind or out of bounds, and a model that is not built from the catalogue's effects and the study's own.
     """
     config = as_said(
-        config,
-        _SCHEMA,
-        ("capture", "live", "recover", "recompute", "height", "count", "session", "monitor"),
+        config, _SCHEMA, ("capture", "live", "recover", "recompute", "height", "count", "session", "monitor")
     )
     settings = with_defaults(check(config, _SCHEMA, where))
     _check_size(settings["simulation"], f"{where}, key simulation")

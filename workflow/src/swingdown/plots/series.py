@@ -11,11 +11,7 @@ from ..rounding import value_with_uncertainty
 from . import style
 
 DATA, LAW, THEORY = style.INK, "#0072B2", "#D55E00"
-_LABELS = {
-    "period": "period $T$ (s)",
-    "quality": "quality $Q$",
-    "decay_rate": "decay rate $γ$ (1/s)",
-}
+_LABELS = {"period": "period $T$ (s)", "quality": "quality $Q$", "decay_rate": "decay rate $γ$ (1/s)"}
 
 
 @style.styled

@@ -86,9 +86,8 @@ def norms_of(simulated: str, norms: xr.Dataset, table2: pd.DataFrame) -> Figure:
             axes.axvspan(place - 0.5, place + 0.5, color=style.PALE, lw=0, zorder=0)
         one = data.sel(fitted=label)
         simplex, squares = one["norm"].values, one["least_squares_norm"].values
-        if np.allclose(
-            simplex, squares, rtol=0, atol=AGREE * np.mean(squares)
-        ):  # the same optimum needs no second mark
+        # the same optimum needs no second mark
+        if np.allclose(simplex, squares, rtol=0, atol=AGREE * np.mean(squares)):
             style.runs(axes, place + NELDER_MEAD, simplex, colour, "o")
         else:
             apart = True

@@ -199,9 +199,8 @@ def model_axis(axes: Axes, entries: Sequence[str | tuple[str, str]]) -> Axes:
     axes.tick_params(axis="x", length=0)
     axes.set_xlim(-0.5, len(pairs) - 0.5)
     for place, (_, words) in enumerate(pairs):
-        for line, text in enumerate(
-            words.split("\n")
-        ):  # line by line, so that all stand on the same baselines
+        # line by line, so that all stand on the same baselines
+        for line, text in enumerate(words.split("\n")):
             axes.annotate(text, (place, 0), xytext=(0, -26 - 10.5 * line), xycoords=("data", "axes fraction"),
                           textcoords="offset points", ha="center", va="baseline", fontsize=9, annotation_clip=False)  # fmt: skip
     return axes

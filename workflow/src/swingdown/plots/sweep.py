@@ -80,9 +80,8 @@ def probability(maps: xr.Dataset, name: str) -> Figure:
             panel.set_yticks(*((range(tall), [_text(v) for v in maps[y].values]) if y else ([], [])))
         told = ", ".join(_told(maps, dim, k) for dim, k in zip(rest, place, strict=True))
         lines = textwrap.wrap(told, 96)
-        row[0].set_title(
-            "\n".join(" " for _ in lines), fontsize=9, pad=3
-        )  # keeps the room; the text itself widens no panel
+        # keeps the room; the text itself widens no panel
+        row[0].set_title("\n".join(" " for _ in lines), fontsize=9, pad=3)
         row[0].annotate("\n".join(lines), (0, 1), xytext=(0, 4), xycoords="axes fraction", textcoords="offset points", fontsize=9,
                         color=style.GREY, annotation_clip=False).set_in_layout(False)  # fmt: skip
     for panel, label in zip(panels[0], columns, strict=True):
@@ -194,9 +193,8 @@ def detection(maps: xr.Dataset) -> Figure:
     for row in range(tall):
         panels[row * wide].set_ylabel("share of campaigns (%)")
     short, turned = bool((maps["reached"] == 0).any()), maps.sizes.get("size", 1) > 6
-    panels[0].set_ylim(
-        0, (128 if turned else 112) if short else 100
-    )  # the panels share it: room for the numbers in each
+    # the panels share it: room for the numbers in each
+    panels[0].set_ylim(0, (128 if turned else 112) if short else 100)
     handles = [style.mark("s", _WORDS[word][1], _WORDS[word][0]) for word in order]
     figure.legend(handles=handles, loc="outside upper left", ncols=3, handletextpad=0.4, columnspacing=1.4)
     return style.footnote(figure, "size: RMS that the hidden effect leaves in the base model's fit, over the noise; 0: nothing is hidden",
@@ -234,10 +232,7 @@ def _bars(panel: Axes, maps: xr.Dataset, order: Sequence[str]) -> None:
                 k, 102.5, f"{left[k]:.2g}", ha="center", va="bottom", fontsize=7, rotation=90 if turned else 0
             )
     panel.set_xticks(
-        places,
-        [_text(v) for v in sizes],
-        rotation=90 if turned else 0,
-        fontsize=8 if turned else 9,
+        places, [_text(v) for v in sizes], rotation=90 if turned else 0, fontsize=8 if turned else 9
     )
     panel.set(xlabel="size (σ of the noise)", yticks=range(0, 101, 25))
     panel.tick_params(axis="x", length=0)

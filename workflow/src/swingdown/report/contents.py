@@ -41,14 +41,8 @@ def sweeps(material: Material) -> Section:
 
 
 SECTIONS = (findings, left_out, missing, simulation, apparatus, experiment, sweeps, settings, origin)
-FOLDED = (
-    evidence,
-    amplitude,
-    damping,
-    calibration,
-    settings,
-    origin,
-)  # what the answers rest on, until asked for
+# what the answers rest on, until asked for
+FOLDED = (evidence, amplitude, damping, calibration, settings, origin)
 OWN = (answer, series, left_out, *FOLDED)  # of a study of one's own
 
 

@@ -29,13 +29,11 @@ class Material:
     settings: dict[str, Any]
     inputs: list[str] = field(default_factory=list)  # files whose checksums are told
     verdicts: list[dict[str, Any]] = field(default_factory=list)  # contents of each campaign's verdict.json
-    seen: list[str] = field(
-        default_factory=list
-    )  # paths of their figures, discovery/{campaign}/figures/{name}.svg
+    # paths of their figures, discovery/{campaign}/figures/{name}.svg
+    seen: list[str] = field(default_factory=list)
     sweeps: dict[str, swept.Made] = field(default_factory=dict)
-    swings: dict[str, list[Shown]] = field(
-        default_factory=dict
-    )  # by campaign, beside what the last model makes of them
+    # by campaign, beside what the last model makes of them
+    swings: dict[str, list[Shown]] = field(default_factory=dict)
 
     @property
     def own(self) -> bool:

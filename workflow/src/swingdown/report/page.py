@@ -223,9 +223,8 @@ def _origin(item: Table | Figure, spoken: Language) -> Markup:
     return Markup(' <span class="source">(<a href="{0}">{0}</a>{1})</span>').format(item.link, rule)
 
 
-_MARKED = re.compile(
-    r"[*`|\\]|_\b|\n\s*\n|^\.\.", re.MULTILINE
-)  # what reStructuredText takes for more than words
+# what reStructuredText takes for more than words
+_MARKED = re.compile(r"[*`|\\]|_\b|\n\s*\n|^\.\.", re.MULTILINE)
 
 
 def rst(text: str) -> str:

@@ -12,11 +12,7 @@ from ..sealed import read_csv
 from .page import Cell, Column, Figure, Findings, Item, Section, Table, Text
 
 CLAIM = 68  # per cent
-_LABELS = {
-    "true_by_norm": "by norm",
-    "true_by_bic": "by BIC",
-    "true_by_ten": "by ten runs",
-}
+_LABELS = {"true_by_norm": "by norm", "true_by_bic": "by BIC", "true_by_ten": "by ten runs"}
 _MAPS = {
     "by_norm": "by norm",
     "by_bic": "by BIC",

@@ -30,12 +30,7 @@ KINDS = {
     QUALITY: Kind("Q", "quality", "1"),
     DECAY: Kind("γ", "decay rate, 1 over the decay time", "1/s"),
 }
-SHOWN = {
-    "length": (PERIOD, QUALITY),
-    "mass": (QUALITY, DECAY, PERIOD),
-    "area": (DECAY,),
-    "current": (DECAY,),
-}
+SHOWN = {"length": (PERIOD, QUALITY), "mass": (QUALITY, DECAY, PERIOD), "area": (DECAY,), "current": (DECAY,)}
 # Exponents: a bob on a string, drag that the mass knows nothing of, drag by the area, eddy currents by the square of the field.
 THEORY = {
     ("length", PERIOD): 0.5,

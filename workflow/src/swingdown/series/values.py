@@ -12,12 +12,8 @@ from ..errors import InputError
 from ..measurement.sheet import cells_of
 from ..measurement.stated import UNITS, Stated, read
 
-KNOWN = {
-    "length": "m",
-    "mass": "kg",
-    "area": "m^2",
-    "current": "A",
-}  # columns of the sheet, and in what they are
+# columns of the sheet, and in what they are
+KNOWN = {"length": "m", "mass": "kg", "area": "m^2", "current": "A"}
 GROUP = "group"
 _SHORT = {"l": "length", "len": "length", "m": "mass", "i": "current"}
 _OF = {dimension: name for name, dimension in KNOWN.items()}
@@ -156,10 +152,7 @@ def _opened(path: Path) -> pd.DataFrame:
         raise InputError(path, "two of its columns have one name", "a name of its own for each column", "rename one of them")  # fmt: skip
     size = len(heads)
     return pd.DataFrame(
-        [[*cells, *[""] * size][:size] for _, cells in rows],
-        [number for number, _ in rows],
-        heads,
-        dtype=str,
+        [[*cells, *[""] * size][:size] for _, cells in rows], [number for number, _ in rows], heads, dtype=str
     )
 
 

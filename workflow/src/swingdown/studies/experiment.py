@@ -158,10 +158,7 @@ def fit_campaign(
         raise why
     if not angles:
         raise InputError(
-            "campaign",
-            "there is no swing to fit",
-            "at least one",
-            "add swings to the sample sheet",
+            "campaign", "there is no swing to fit", "at least one", "add swings to the sample sheet"
         )
     swings = [_swing(angle) for angle in angles]
     series = [

@@ -17,11 +17,8 @@ from .quantities import Quantity
 UNIT = "m/s^2"
 PIVOT = "pivot_distance"  # the cell of a rigid body's pivot
 TWO = "two pivots"
-STATED = {
-    "length": "m",
-    "bob_diameter": "m",
-    "bob_density": "kg/m^3",
-}  # cells of the sheet, and in what they are
+# cells of the sheet, and in what they are
+STATED = {"length": "m", "bob_diameter": "m", "bob_density": "kg/m^3"}
 PIXELS = ("px", "pixel", "pixels")
 ON_EARTH = 9.81  # m/s^2
 # kg/m^3: 10 to 30 °C and 950 to 1040 hPa, taken as a rectangle (JCGM 100, 4.3.7)

@@ -43,12 +43,7 @@ def left_out(
     found += [{"left_out_of": OF_ALL} | dict(row) for row in lost]
     for verdict in verdicts:
         found += [
-            {
-                "left_out_of": OF_SEARCH,
-                "campaign": verdict["campaign"],
-                "label": row["recording"],
-                **row,
-            }
+            {"left_out_of": OF_SEARCH, "campaign": verdict["campaign"], "label": row["recording"], **row}
             for row in verdict["left_out"]
         ]
         if verdict["status"] == NO_VERDICT:

@@ -217,9 +217,8 @@ def _decay_time(model: Model, amplitude: float, start: Cycle | None = None) -> f
         return float("nan")
     at = np.log([one.amplitude for one in nodes]) - top
     pace = np.polynomial.Polynomial.fit(at, [one.period / one.decrement for one in nodes], _AMPLITUDES - 2)
-    if (
-        np.min(pace(np.linspace(-1.0, 0.0, 2 * _AMPLITUDES))) <= 0
-    ):  # no time: it was drawn out too far beyond what was asked for
+    # no time: it was drawn out too far beyond what was asked for
+    if np.min(pace(np.linspace(-1.0, 0.0, 2 * _AMPLITUDES))) <= 0:
         return float("nan")
     whole = pace.integ()
     return float(whole(0.0) - whole(-1.0))

@@ -89,9 +89,8 @@ def _run_away(halves: np.ndarray, late: Floats) -> float:
     if late.size < _ENOUGH:
         return 0.0
     slope, middle = stats.theilslopes(late, at)[:2]
-    scatter = 1.4826 * float(
-        np.median(np.abs(late - middle - slope * at))
-    )  # standard deviation, of normal numbers
+    # standard deviation, of normal numbers
+    scatter = 1.4826 * float(np.median(np.abs(late - middle - slope * at)))
     u = scatter / float(np.sqrt(np.sum((at - at.mean()) ** 2)))
     doubt = np.exp(min(1 - (slope / u) ** 2 / 2, 700.0)) if u > 0 else 0.0
     return float(slope / (1 + doubt))

@@ -27,9 +27,8 @@ _OF_PACE = {
 }
 NOT_DAMPED = "not in the data"  # stands for a model
 NO_DAMPING = "damping is not in the data: passages are timed, and neither speeds nor the times that the gate was dark are given"
-_SEEN = (
-    1 / 3
-)  # standard uncertainty of the share below which the dependence on the amplitude is told: it is then seen three times over
+# standard uncertainty of the share below which the dependence on the amplitude is told: it is then seen three times over
+_SEEN = 1 / 3
 _DROPPED = {"time": ("period", "natural_frequency", "quadratic_coefficient", "constant_friction"),
             "angle": ("quadratic_coefficient", "constant_friction", "load_friction")}  # fmt: skip
 

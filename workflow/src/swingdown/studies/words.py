@@ -200,9 +200,7 @@ def lines(
 
 
 def details(
-    row: Mapping[str, Any],
-    verdict: Mapping[str, Any] | None = None,
-    spoken: Language = IN_ENGLISH,
+    row: Mapping[str, Any], verdict: Mapping[str, Any] | None = None, spoken: Language = IN_ENGLISH
 ) -> list[str]:
     """The lines on one pendulum below its sentence: a doubt, its quantities, its damping, and what is to be known of them."""
     told = [f"Beware: {row['remark']}"] if row.get("remark") else []

@@ -239,9 +239,8 @@ def _checked(base, key, value, place):
         if isinstance(value, bool) or not isinstance(value, (int, float)):
             raise InputError(place, f"{value!r} is no number", "a number", "correct it")
         return float(value)
-    if (
-        key == "simulation.simulated"
-    ):  # a sweep's truth is any model that could be fitted, not the paper's terms alone
+    # a sweep's truth is any model that could be fitted, not the paper's terms alone
+    if key == "simulation.simulated":
         return _checked(base, "simulation.fitted", value, place) if value else []
     group, _, name = key.rpartition(".")
     candidate = copy.deepcopy(base)

@@ -123,9 +123,8 @@ def fitted_parameters(table: pd.DataFrame) -> Table:
         "Standard errors hold the colour of the residuals, what the calibration leaves open, and the clock: by source in "
         "tables/parameter_budget.csv. Each swing's values: tables/parameters.csv.",
     ]
-    if (
-        not table["recording"].isin(["(mean)", "(joint)"]).any()
-    ):  # of single swings there is one value and one standard error
+    # of single swings there is one value and one standard error
+    if not table["recording"].isin(["(mean)", "(joint)"]).any():
         columns = [*columns[:3], Column("value", style="n"), columns[5]]
         rows, notes = [[*row[:4], row[5]] for row in rows], notes[1:]
     return _by_campaign("Parameters", caption, columns, rows, notes, "parameters")

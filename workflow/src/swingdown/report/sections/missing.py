@@ -89,10 +89,7 @@ def _added(found: dict[str, Any]) -> Table:
 def _helping(found: dict[str, Any]) -> Table:
     caption = f"Effects that may be part of what is missing from the model of {found['campaign']}, without enough evidence."
     doubts = [f"{one['name']}: {one['doubt']}".replace("_", " ") for one in found["stand_ins"]]
-    notes = (
-        f"Not asserted because: {'; '.join(doubts)}.",
-        *(() if found["effects"] else _stopped(found)),
-    )
+    notes = (f"Not asserted because: {'; '.join(doubts)}.", *(() if found["effects"] else _stopped(found)))
     return _effects(found["campaign"], "Stand-ins", caption, found["stand_ins"], notes)
 
 

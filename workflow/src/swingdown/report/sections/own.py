@@ -49,9 +49,8 @@ def answer(material: Material) -> Section | None:
     verdicts = {found["campaign"]: found for found in material.verdicts}
     for campaign, rows in used.groupby("campaign", sort=False):
         found = verdicts.get(str(campaign))
-        if not (
-            found and found.get("difference")
-        ):  # the quantities of all recordings together are of none of them
+        # the quantities of all recordings together are of none of them
+        if not (found and found.get("difference")):
             items.append(_headline(rows, found, material, used["campaign"].nunique() > 1))
         if found is not None:
             items += _verdict(found)

@@ -6,13 +6,8 @@ from ...studies.simulation import INFERRED_NOTE
 from ..material import Material
 from ..page import Listing, Section, Text
 
-NOT_RUN = (
-    "simulation",
-    "hidden_effects",
-    "coverage",
-    "detection",
-    "sweeps",
-)  # no result of one's own recordings rests on these
+# no result of one's own recordings rests on these
+NOT_RUN = ("simulation", "hidden_effects", "coverage", "detection", "sweeps")
 
 
 def settings(material: Material) -> Section:
