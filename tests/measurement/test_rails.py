@@ -22,3 +22,11 @@ def test_a_single_top_at_a_rail_is_told():
 def test_a_bob_that_is_held_and_let_go_is_at_no_rail():
     held = np.where(TIMES < 1, 0.5, 0.5 * np.exp(-0.1 * (TIMES - 1)) * np.cos(6 * (TIMES - 1)))
     assert saturated_runs(seen(held)) == []
+
+
+def test_a_level_before_the_swing_is_no_top():
+    """A memory that holds something else before a device is triggered."""
+    swing = 0.5 * np.exp(-0.1 * TIMES) * np.sin(6 * TIMES)
+    level = np.full(80, -5.0)
+    assert saturated_runs(-seen(np.concatenate([level, swing]))) == []
+    assert saturated_runs(-seen(np.concatenate([swing, level]))) == []

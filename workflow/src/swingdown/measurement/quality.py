@@ -48,7 +48,7 @@ def saturated_runs(signal: Floats) -> list[tuple[int, int]]:
     highest itself, for its distance from the turning point grows with the square of the time. A rail gathers
     the samples that would lie above it, so the highest value has more than the eight below it together, noise
     or not. Two such tops are a rail; a single one may be a bob held before its release, and is a rail only if
-    the signal also leaves it in a straight line, where a release starts from rest.
+    the signal comes to it and leaves it in a straight line, where a release starts from rest; with what the recording begins or ends is no top.
     """
     top, span = signal.max(), np.ptp(signal)
     step = float(_smallest_step(signal / span) * span)
@@ -66,7 +66,7 @@ def saturated_runs(signal: Floats) -> list[tuple[int, int]]:
     if len(cut) == 1:
         here = np.flatnonzero(at_top & (away == away[cut[0][0]]))
         sides = [side for side in (signal[: here[0]][::-1], signal[here[-1] + 1 :]) if len(side) > 3]
-        return cut if sides and all(_corner(side, step) for side in sides) else []
+        return cut if len(sides) == 2 and all(_corner(side, step) for side in sides) else []
     return cut
 
 
