@@ -43,7 +43,7 @@ TRUTH = Model(
 SLOPE, ZERO = 0.12566, 5.0  # rad/V, V
 NOISE, STEP = 0.004, 0.008  # V: half a milliradian, and an encoder's steps of one
 # s recorded; s that are fitted, the rest is foretold; samples a second
-DURATION, FITTED, RATE = (20.0, 15.0, 50.0)
+DURATION, FITTED, RATE = 20.0, 15.0, 50.0
 AMPLITUDES = (0.3, 0.4, 0.5, 0.6)  # rad
 AT = 0.3  # rad: the amplitude at which period, quality and decay time are asked for
 _STILL = 300  # samples on each tower

@@ -33,7 +33,7 @@ _SPREAD = 0.75  # of an interval that the ends of bursts fall into, or they may 
 _APART = 6  # standard deviations of arrivals in a step, or two steps cannot be told apart
 _SHARP = 1e-7  # s; how long a jump takes
 # blocks at an end that are looked at piece by piece, and those beside that tell what they should be
-_EDGE, _BODY = (3, 10)
+_EDGE, _BODY = 3, 10
 
 
 class Stall(NamedTuple):

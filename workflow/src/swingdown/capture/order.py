@@ -51,7 +51,7 @@ class Order:
         self._recent, self._again = deque(maxlen=AGAIN), 0
         self._largest = 0
         # s; how far the last sample is, or may be, beyond what its clock says
-        self._lead, self._most = (0.0, 0.0)
+        self._lead, self._most = 0.0, 0.0
 
     @property
     def since(self):

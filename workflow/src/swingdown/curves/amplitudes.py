@@ -15,7 +15,7 @@ from ..pendulum.catalogue import RATE
 from ..studies.turning_points import turns_of
 
 # of a half-swing on each side: a polynomial of degree 4 finds a turn to 4e-6 of it, of degree 3 a passage
-_TURN, _PASS = (0.22, 0.25)
+_TURN, _PASS = 0.22, 0.25
 _WIDEST = 0.45  # of a half-swing: how far a window reaches where there are few samples; it finds a turn to 2e-4 of it
 _MORE = 2  # samples beyond the coefficients of a polynomial, so that it leaves something
 _ABOVE = 5.0  # standard deviations of the noise that a swing goes beyond: the passage through the middle is then its own

@@ -14,7 +14,7 @@ from ..pendulum.model import Model
 from .guess import Guess, at_first
 
 # samples of a bump's half width, from one to the next, and of the record
-_NARROWEST, _WIDER, _WIDEST = (4, 2.0, 0.125)
+_NARROWEST, _WIDER, _WIDEST = 4, 2.0, 0.125
 _POWER = 6  # of a bump (1 - x^2)^n: its first two derivatives vanish at its ends, and so does what sampling them leaves
 
 

@@ -22,7 +22,7 @@ _PARTS = (0.15, 0.25, 0.35, 0.45, 0.55, 0.65, 0.75, 0.85, 0.95)  # of the record
 _TELLING = 0.35  # a part that tells all values apart, where a shorter one may have led astray
 _SAME = 1e-6  # of the sum of squares: the same optimum
 # tolerance of a part's optimum, which is only a start; evaluations for all parts
-_ROUGH, _ROUGH_EVALUATIONS = (1e-6, 200)
+_ROUGH, _ROUGH_EVALUATIONS = 1e-6, 200
 
 
 def fit_jointly(  # noqa: PLR0913

@@ -24,7 +24,7 @@ from .result import Begin, Fit
 STARTS = ("free", "rest")
 RELEASE = ("release_angle", "release_velocity")
 # samples a half-swing, and in all, that are as good as any number to tell where to search
-_DENSE, _ENOUGH = (32, 1000)
+_DENSE, _ENOUGH = 32, 1000
 _SMALLEST_FREQUENCY = 1e-3  # rad/s; a pendulum slower than an hour is none
 _FEWEST_A_SWING = 1.0  # samples; of a faster pendulum nothing is seen, and to follow it takes for ever
 

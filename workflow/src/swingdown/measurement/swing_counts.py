@@ -9,7 +9,7 @@ FEWEST = 6  # turning points: three terms of damping and a first angle, and two 
 _PARTS = 6  # into which the shortest gap is divided for an interval that all gaps are multiples of
 _APART = 0.12  # of an interval (RMS): nearer to whole numbers than chance, which is 0.29
 # terms of the line through many turning points at most, and points for each beyond the first
-_BENDS, _EACH = (3, 30)
+_BENDS, _EACH = 3, 30
 _DOUBT = 0.25  # of an interval: beyond half of it the next whole number is as near
 
 
