@@ -200,24 +200,12 @@ def _main(given: Sequence[str]) -> int:
 
     told = {cell: getattr(options, name[2:].replace("-", "_")) for cell, name in CELLS.items()}
     told[PIVOTS] = told.pop(PIVOT)
+    wished = {
+        name: value for name, value in vars(options).items() if name in Wishes._fields and value is not None
+    }
+    wishes = Wishes(**wished, drives=tuple(options.drive), handed_in=handed_in)
     with console.job():
-        return answer(
-            options.given,
-            told,
-            Wishes(
-                options.into,
-                options.together,
-                options.quick,
-                options.cores,
-                options.restoring,
-                options.json,
-                options.by or "",
-                options.values or "",
-                tuple(options.drive),
-                options.lang,
-                handed_in,
-            ),
-        )
+        return answer(options.given, told, wishes)
 
 
 def _is_config(path: Path) -> bool:

@@ -47,7 +47,7 @@ from ..studies.quantities import Quantity
 from ..studies.unscaled import without_scale
 from .given import Driven, asked, swings
 from .options import TO_FIT
-from .recorded import Recording, Restoring, Told, read
+from .recorded import Recording, Restoring, Told, read, shown_with
 from .result import Answer, Begin
 from .simulation import simulate
 
@@ -218,14 +218,7 @@ def _of_swings(
     steady = (table["model"] == NOT_DYING).any()
     table["remark"] = [joined("" if steady else unit, remark) for remark in table["remark"]]
     shown = [
-        Shown(
-            str(one["recording"].item()),
-            "",
-            one["time"].values,
-            series_of(data).values,
-            one["fit"].sel(fitted=label).values,
-            unit=str(series_of(data).attrs["units"]),
-        )
+        shown_with(data, one["fit"].sel(fitted=label).values)
         for one, data in zip(each, given, strict=True)
         if np.isfinite(series_of(data).values).any()  # passages without speeds have nothing to show
     ]

@@ -12,7 +12,7 @@ import pandas as pd
 import xarray as xr
 
 from .. import markup
-from ..arrays import Shown
+from ..arrays import Floats, Shown
 from ..dataset import series_of
 from ..errors import InputError, told_to
 from ..extras import has, needed
@@ -173,7 +173,8 @@ class Recording:
         needed("matplotlib")
         from ..plots.answer import swings_alone
 
-        return swings_alone(shown_alone(self.swings), {"emulated": self._emulated})
+        shown = [shown_with(one, np.full(one.sizes["time"], np.nan)) for one in self.swings]
+        return swings_alone(shown, {"emulated": self._emulated})
 
     @property
     def _emulated(self) -> str:
@@ -275,15 +276,10 @@ def _taken(row: Mapping[str, Any], path: Path, restoring: str, told: Mapping[str
     return found
 
 
-def shown_alone(swings: Sequence[xr.Dataset]) -> list[Shown]:
-    """The swings as pictures take them, without a fit beside them."""
-    return [
-        Shown(
-            str(one.attrs["recording"]), "", one["time"].values, series_of(one).values,
-            np.full(one.sizes["time"], np.nan), unit=str(series_of(one).attrs["units"]),
-        )
-        for one in swings
-    ]  # fmt: skip
+def shown_with(swing: xr.Dataset, fit: Floats) -> Shown:
+    """A swing as pictures take it, beside its fit."""
+    series = series_of(swing)
+    return Shown(str(swing.attrs["recording"]), "", swing["time"].values, series.values, fit, unit=str(series.attrs["units"]))  # fmt: skip
 
 
 def samples_of(swings: Sequence[xr.Dataset], **more: np.ndarray) -> xr.Dataset:

@@ -243,15 +243,9 @@ def as_table(found: Sequence[Series]) -> pd.DataFrame:
     parts = []
     for one in found:
         part = one.table.copy()
-        for place, (name, text) in enumerate(
-            (
-                ("by", one.by),
-                ("by_unit", one.unit),
-                ("quantity", one.quantity),
-                ("unit", KINDS[one.quantity].unit),
-            )
-        ):
-            part.insert(2 + place, name, text)
+        texts = one.by, one.unit, one.quantity, KINDS[one.quantity].unit
+        for place, pair in enumerate(zip(("by", "by_unit", "quantity", "unit"), texts, strict=True), 2):
+            part.insert(place, *pair)
         parts.append(part)
     return pd.concat(parts, ignore_index=True)
 
@@ -280,19 +274,8 @@ def as_laws(found: Sequence[Series]) -> pd.DataFrame:
         if one.comparison:
             row |= {name: getattr(one.comparison, name) for name in ("chi2", "dof", "p")}
         rows.append(row | {"sentence": one.sentence})
-    return pd.DataFrame(
-        rows,
-        columns=[
-            "by",
-            "quantity",
-            *_LAWS,
-            "g_m_per_s2",
-            "u_g_m_per_s2",
-            "lengths_too_short_by_m",
-            "u_lengths_too_short_by_m",
-            "sentence",
-        ],
-    )
+    ends = ["g_m_per_s2", "u_g_m_per_s2", "lengths_too_short_by_m", "u_lengths_too_short_by_m", "sentence"]
+    return pd.DataFrame(rows, columns=["by", "quantity", *_LAWS, *ends])
 
 
 def of_sheet(table: pd.DataFrame, stated: Mapping[str, Mapping[str, Any]]) -> list[Series]:

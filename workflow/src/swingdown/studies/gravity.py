@@ -26,7 +26,7 @@ AIR = Stated(1.20, 0.08 / np.sqrt(3), "kg/m^3")
 # What a ball in an ideal fluid carries along, in masses of the air it displaces; the layer that clings to it adds up to as much again
 # (Stokes 1851; Nelson and Olsson, Am. J. Phys. 54, 112 (1986)).
 CARRIED = Stated(0.5, 0.5 / np.sqrt(3), "1")
-_COLUMNS = (
+_COLUMNS = [
     "quantity",
     "value",
     "standard_uncertainty",
@@ -34,7 +34,7 @@ _COLUMNS = (
     "sensitivity",
     "contribution_m_per_s2",
     "note",
-)
+]
 
 
 @dataclass(frozen=True)
@@ -189,11 +189,11 @@ def _propagated(
         unknown = not np.isfinite(one.uncertainty)
         note = "its uncertainty was not given" + ("" if name in lengths else ", and counts as none")
         rows.append([name, one.value, one.uncertainty, one.unit, slope, abs(slope) * one.uncertainty, note if unknown else ""])  # fmt: skip
-    budget = pd.DataFrame(rows, columns=list(_COLUMNS))
+    budget = pd.DataFrame(rows, columns=_COLUMNS)
     parts = budget.set_index("quantity")["contribution_m_per_s2"]
     known = float(np.sqrt(np.nansum(parts.drop(list(lengths)) ** 2)))
     total = float(np.hypot(known, np.sqrt(np.sum(parts[list(lengths)].to_numpy() ** 2))))
-    more = pd.DataFrame(corrections, columns=list(_COLUMNS))
+    more = pd.DataFrame(corrections, columns=_COLUMNS)
     budget = pd.concat([budget, more], ignore_index=True) if corrections else budget
     return Gravity(float(value(at).real), total, known, of, budget)
 

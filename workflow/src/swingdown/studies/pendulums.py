@@ -136,33 +136,21 @@ _WITHOUT_SCALE = ("period", "quality", "decay_time")  # what readings without a 
 DAMPING, SEARCH = "damping", "search"  # where a row's model comes from
 NOT_DYING = "cannot be told: it does not die away"  # stands for a model
 NO_MODEL = (NOT_DAMPED, NOT_DYING)
-_TAIL = (
-    "model",
-    "or_model",
-    "share_left",
-    "model_of",
-    "period_of",
-    "last_period_s",
-    *RESIDUALS.values(),
-    "record_s",
-    "verdict",
-    "missing",
-    "emulated",
-    "amplitude_text",
-    "g_of",
-    "note",
-    "remark",
-)
 # columns that are there where a row has them
 _SELDOM = (
-    RESIDUALS[RATE],
-    "amplitude_text",
-    "g_of",
-    "note",
     "or_model",
     "share_left",
     "period_of",
     "last_period_s",
+    "amplitude_text",
+    "g_of",
+    "note",
+    RESIDUALS[RATE],
+)
+_TAIL = (
+    *("model", "or_model", "share_left", "model_of", "period_of", "last_period_s"),
+    *RESIDUALS.values(),
+    *("record_s", "verdict", "missing", "emulated", "amplitude_text", "g_of", "note", "remark"),
 )
 
 
