@@ -147,6 +147,8 @@ def test_names_and_bounds():
         for parameter in effect.parameters:
             assert parameter.lower < parameter.upper
             assert parameter.lower <= parameter.typical <= parameter.upper
+            if parameter.lower < 0:  # what may have either sign may be as large to either side
+                assert parameter.lower == -parameter.upper
             if parameter.role == "phase":  # a fit may go once round, either way
                 assert (parameter.lower, parameter.upper) == pytest.approx((-2 * np.pi, 2 * np.pi))
             UNITS.parse_units(parameter.unit)
