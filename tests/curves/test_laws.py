@@ -38,7 +38,11 @@ def test_the_law_that_is_there_leaves_the_noise_and_the_others_more(label, value
     own = rows.loc[label]
     assert own["residual_mrad"] == pytest.approx(1e3 * NOISE, rel=0.1)
     assert 0.8 < own["residual_noise"] < 1.2 and 0.8 < own["held_out_noise"] < 1.3
-    assert own["delta_bic"] < 6
+    assert (
+        own["delta_bic"] < 6
+        and rows["delta_bic"].min() == 0
+        and rows["delta_bic"].idxmin() == found[0].best.label
+    )
     assert rows["weight"].sum() == pytest.approx(1)
     if answer == "no":
         assert rows.loc["viscous", "weight"] < 1e-6

@@ -7,6 +7,7 @@ import pytest
 import yaml
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from ways import paths
 
 from swingdown.calibration import calibrate
 from swingdown.errors import InputError
@@ -18,19 +19,6 @@ scalar = st.one_of(
     st.sampled_from([1e308, 5e-324, "nan", "0.1", "uniform", "normal", "random", "systematic", "/", "..", "http://localhost:1/a.csv", "a\0b"]),
 )  # fmt: skip
 value = scalar | st.lists(scalar, max_size=3) | st.dictionaries(st.text(max_size=6), scalar, max_size=3)
-
-
-def paths(content, before=()):
-    entries = (
-        content.items()
-        if isinstance(content, dict)
-        else enumerate(content)
-        if isinstance(content, list)
-        else ()
-    )
-    for key, one in entries:
-        yield (*before, key)
-        yield from paths(one, (*before, key))
 
 
 @pytest.fixture(scope="module")

@@ -7,6 +7,7 @@ import pytest
 import yaml
 from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
+from ways import paths
 
 from swingdown.errors import InputError
 from swingdown.planning.plan import plan
@@ -23,20 +24,6 @@ value = st.recursive(
     lambda one: st.lists(one, max_size=3) | st.dictionaries(st.text(max_size=6) | scalar, one, max_size=3),
     max_leaves=5,
 )
-
-
-def paths(content, before=()):
-    """The way to every key and every entry of a list."""
-    entries = (
-        content.items()
-        if isinstance(content, dict)
-        else enumerate(content)
-        if isinstance(content, list)
-        else ()
-    )
-    for key, one in entries:
-        yield (*before, key)
-        yield from paths(one, (*before, key))
 
 
 @pytest.fixture(scope="module")

@@ -10,6 +10,7 @@ from ..dataset import series_of
 from ..errors import InputError
 from ..fitting.guess import first_guess, middle_crossings
 from ..measurement.angle import UNSCALED
+from ..measurement.half_swings import middles
 from ..measurement.points_recording import COUNTED, PASSED, are_points
 from ..pendulum.catalogue import RATE
 from ..studies.turning_points import turns_of
@@ -187,9 +188,7 @@ def _centre(times: Floats, angle: Floats, rough: Floats) -> float:
     top, bottom = np.maximum.reduceat(angle, bounds)[:-1], np.minimum.reduceat(angle, bounds)[:-1]
     middle = np.median(angle[angle.size // 2 :])
     turns = np.where(top - middle > middle - bottom, top, bottom)
-    if turns.size < 3:
-        return float(middle)
-    return float(np.median((turns[:-2] + 2 * turns[1:-1] + turns[2:]) / 4))
+    return float(np.median(middles(turns))) if turns.size > 2 else float(middle)
 
 
 def _steps(half: Floats) -> Floats:

@@ -26,8 +26,12 @@ class Swings(NamedTuple):
 
     def centres(self) -> Floats:
         """The middle at each turning point, from it and its neighbours; of fewer than five half-swings none. The first one may be cut, the last too."""
-        turns = self.turns[1:-1]
-        return (turns[:-2] + 2 * turns[1:-1] + turns[2:]) / 4 if len(turns) > 2 else np.empty(0)
+        return middles(self.turns[1:-1])
+
+
+def middles(turns: Floats) -> Floats:
+    """The middle of each three turning points in a row, which decay leaves alone; of fewer than three none."""
+    return (turns[:-2] + 2 * turns[1:-1] + turns[2:]) / 4 if len(turns) > 2 else np.empty(0)
 
 
 def half_swings(signal: Floats, middle: float | None = None) -> Swings:

@@ -14,7 +14,7 @@ from scipy.special import bdtr, stdtrit
 
 from ..arrays import Floats
 from ..errors import InputError
-from .half_swings import half_swings
+from .half_swings import half_swings, middles
 from .swing_counts import FEWEST, counts
 
 SWING, ONE_SIDE, BOTH_SIDES = "swing", "turning_points", "half_swings"
@@ -171,7 +171,7 @@ def _sides(
     one_sign = bool(np.all(signs >= 0) or np.all(signs <= 0))
     if not one_sign:
         usual = np.diff(times) < 1.5 * np.median(np.diff(times))
-        middle = float(np.median((readings[:-2] + 2 * readings[1:-1] + readings[2:]) / 4))
+        middle = float(np.median(middles(readings)))
         side = np.sign(readings - middle)
         # a sign that was written wrongly stays a turning point; three samples a period leave a third on one side
         if stated == ONE_SIDE or np.mean((side[1:] != side[:-1])[usual]) < 1 - _WRONG:

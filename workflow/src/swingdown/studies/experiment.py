@@ -24,7 +24,6 @@ from ..pendulum.model import Model, as_model
 from ..pendulum.slack import Slack
 from . import turning_points
 from .fit_rows import (  # fmt: skip
-    DIMS,
     any_of,
     coords_of,
     facts_of,
@@ -32,13 +31,14 @@ from .fit_rows import (  # fmt: skip
     known_part,
     open_coords,
     options_of,
+    over_fits,
     prior_of,
     row_of_fit,
     rows_of,
     slack_of,
 )
 from .left_over import MUCH, share_left
-from .norms import Variable, labelled, model_coords
+from .norms import labelled, model_coords
 from .unscaled import of_first_swings, pace_of, without_scale
 
 _ENOUGH = 3  # half-swings: two give a frequency, a decay needs the next
@@ -92,9 +92,7 @@ def fit_recording(
         }  # fmt: skip
 
     rows = rows_of(fits, row_of)
-    variables: dict[str, Variable] = {
-        key: (DIMS.get(key, ("fitted",)), [row[key] for row in rows]) for key in rows[0]
-    }
+    variables = over_fits(rows)
     bound = known_part(angle, "bound")
     variables["error_bound_norm"] = ((), np.nan if bound is None else np.degrees(np.sqrt(np.mean(bound**2))))
     variables |= {"samples": ((), times.size), "record_s": ((), float(times[-1] - times[0]))}
@@ -120,9 +118,7 @@ def _of_points(angle: xr.Dataset, models: Sequence[Model], start: str, bounded: 
     coords = model_coords(models)
     names = coords["parameter"][1]
     rows = turning_points.rows_of(angle, models, names)
-    variables: dict[str, Variable] = {
-        key: (DIMS.get(key, ("fitted",)), [row[key] for row in rows]) for key in rows[0]
-    }
+    variables = over_fits(rows)
     variables |= {
         "error_bound_norm": ((), np.nan),
         "samples": ((), angle.sizes["time"]),
@@ -177,10 +173,7 @@ def fit_campaign(
         "release_angle": np.array([swing.release_angle for swing in fit.swings]),
         "release_velocity": np.array([swing.release_velocity for swing in fit.swings]),
     })  # fmt: skip
-    dims = DIMS | dict.fromkeys(by_swing, ("fitted", "recording"))
-    variables: dict[str, Variable] = {
-        key: (dims.get(key, ("fitted",)), [row[key] for row in rows]) for key in rows[0]
-    }
+    variables = over_fits(rows, dict.fromkeys(by_swing, ("fitted", "recording")))
     variables["samples"] = ("recording", [times.size for times, _ in series])
     variables["record_s"] = ("recording", [float(times[-1] - times[0]) for times, _ in series])
     about = [facts_of(angle) for angle in angles]

@@ -1,6 +1,6 @@
 """What a dataset of fits keeps of each: a row of values with their uncertainties, and the coordinates beside it."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -114,6 +114,14 @@ def rows_of(fits: Sequence[Fit | None], row_of: Callable[[Fit], dict[str, Any]])
         for key, value in one.items()
     }
     return [nothing if row is None else row for row in rows]
+
+
+def over_fits(
+    rows: Sequence[Mapping[str, Any]], others: Mapping[str, tuple[str, ...]] | None = None
+) -> dict[str, Variable]:
+    """The variables that the rows of fits make, over ``DIMS``, or ``others`` by name."""
+    dims = DIMS | dict(others or {})
+    return {key: (dims.get(key, ("fitted",)), [row[key] for row in rows]) for key in rows[0]}
 
 
 def any_of(fits: Sequence[Fit | None]) -> Fit:
