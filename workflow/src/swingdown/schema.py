@@ -91,11 +91,9 @@ def parse_yaml(text: str, where: object) -> Any:
         said = (
             str(getattr(problem, "problem", None) or problem).replace("\t", "a tab").replace("'\\t'", "a tab")
         )
-        since = (
-            f", in what begins in line {context.line + 1}"
-            if mark and context and context.line != mark.line
-            else ""
-        )
+        since = ""
+        if mark and context and context.line != mark.line:
+            since = f", in what begins in line {context.line + 1}"
         raise InputError(
             at, f"it cannot be read as YAML: {said}{since}", "keys with a colon, each once, indented by spaces, brackets and quotes closed",
             "mend that line, or the one before it",

@@ -25,11 +25,9 @@ def listed():
     """The ports there are, as a person would name them."""
     named = []
     for port in list_ports.comports():
-        usb = (
-            f"{port.vid:04x}:{port.pid:04x}" + (f":{port.serial_number}" if port.serial_number else "")
-            if port.vid
-            else ""
-        )
+        usb = ""
+        if port.vid:
+            usb = f"{port.vid:04x}:{port.pid:04x}" + (f":{port.serial_number}" if port.serial_number else "")
         named.append(port.device + (f" ({', '.join(filter(None, (usb, port.product)))})" if usb else ""))
     return ", ".join(named) or "none (is the board plugged in, by a cable that carries data?)"
 

@@ -244,10 +244,8 @@ def words(found: xr.Dataset, source: str) -> Sequence[str]:
     for k, drive in enumerate(found["drive"].values):
         one: Any = own.isel(drive=k)
         peak = float(one["peak_amplitude"])
-        what = (
-            f"{np.degrees(peak):.3g}° at {float(one['peak_frequency']):.4g} Hz"
-            if np.isfinite(peak)
-            else "wider than the ring-down shows"
-        )
+        what = "wider than the ring-down shows"
+        if np.isfinite(peak):
+            what = f"{np.degrees(peak):.3g}° at {float(one['peak_frequency']):.4g} Hz"
         told.append(f"a drive of {drive:.3g} rad/s²: {what}")
     return told

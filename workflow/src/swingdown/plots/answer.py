@@ -65,11 +65,9 @@ def swings_with_fit(
         title_fontsize=12,
         alignment="left",
     )
-    left = (
-        f"{len(chosen)} of {len(names)} recordings: largest, middle and smallest angle"
-        if len(chosen) < len(names)
-        else ""
-    )
+    left = ""
+    if len(chosen) < len(names):
+        left = f"{len(chosen)} of {len(names)} recordings: largest, middle and smallest angle"
     return style.footnote(figure, left, style.emulated_note(data))
 
 

@@ -277,11 +277,9 @@ def resonances(data: xr.Dataset) -> style.Drawn:
         axes.grid(True)
     figure.legend(loc="outside upper left", ncols=4)
     beyond = "" if np.isfinite(own["peak_amplitude"]).all() else "cut: peaks beyond the ring-down"
-    drive = (
-        "torque over inertia"
-        if data.attrs["kind"] == "torque"
-        else "acceleration of the pivot over the length"
-    )
+    drive = "acceleration of the pivot over the length"
+    if data.attrs["kind"] == "torque":
+        drive = "torque over inertia"
     dashed = "dashed: no pendulum stays there" if folded else ""
     return style.footnote(
         figure, f"drive: {drive}", dashed, beyond, "bands of 95 %", style.emulated_note(data)

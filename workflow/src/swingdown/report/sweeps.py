@@ -89,11 +89,9 @@ def _said(name: str, table: pd.DataFrame) -> Iterator[str]:
             else [("", table)]
         )
         for start, rows in parts:
-            how = (
-                f", fits {'that start at rest at the first sample' if start == 'rest' else 'with the release fitted'}"
-                if start
-                else ""
-            )
+            how = ""
+            if start:
+                how = f", fits {'that start at rest at the first sample' if start == 'rest' else 'with the release fitted'}"
             yield (
                 f"{name}{how}: averaged over all cells the true model has the lowest norm in {_percent(rows['true_by_norm'])} of the swings and "
                 f"the lowest BIC in {_percent(rows['true_by_bic'])}. The paper's 68 % is reached in {_reached(rows['true_by_norm'])} cells by "

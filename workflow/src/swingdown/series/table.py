@@ -74,11 +74,9 @@ class Series:
             return f"{kind.words} by {self.by}: {self.comparison.sentence}"
         assert self.law
         law = self.law
-        less = (
-            f" less {value_with_uncertainty(law.offset, law.u_offset)} {kind.unit}"
-            if np.isfinite(law.u_offset)
-            else ""
-        )
+        less = ""
+        if np.isfinite(law.u_offset):
+            less = f" less {value_with_uncertainty(law.offset, law.u_offset)} {kind.unit}"
         power = value_with_uncertainty(law.exponent, law.u_exponent)
         told = f"{kind.symbol}{less} goes as the power {power} of {self.by}"
         if np.isfinite(law.theory):

@@ -52,9 +52,7 @@ def _of_g(budget: pd.DataFrame, campaigns: tuple[str, ...]) -> Iterator[Table]:
         Column("contribution", "mm/s²", "n"),
         Column(""),
     ]
-    caption = (
-        "g of each pendulum; the table behind it has each budget."
-        if several
-        else "Each input, and what it contributes to the standard uncertainty of g."
-    )
+    caption = "Each input, and what it contributes to the standard uncertainty of g."
+    if several:
+        caption = "g of each pendulum; the table behind it has each budget."
     yield Table("g", caption, columns, rows, (), (), "tables/g_budget.csv", "series", campaigns)
