@@ -1,11 +1,12 @@
 """What only something that takes energy could do, apart from springs and zeros: on swings that the second pendulum makes."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
-from swingdown.discovery import friction
+from swingdown.discovery import friction, judge
 from swingdown.discovery.admissible import at_its_bound
 from swingdown.discovery.campaign import Noise, Swing, campaign
 from swingdown.discovery.confirm import predict
@@ -213,3 +214,14 @@ def test_no_friction_is_told_of_an_unnamed_drag():
     pool.look(fitted(one, "viscous+constant_coulomb"))
     last, found = told_of(pool, pool.best)
     assert not any(finding.sure for finding in found.values())
+
+
+def test_a_drag_is_asked_of_what_only_a_drag_could_do_where_held_out_swings_lack_something_else(monkeypatch):
+    """Most of what is missing goes with it, of held-out swings too little: what these lack beside it tells nothing of a drag."""
+    monkeypatch.setattr(judge, "_whole", lambda *_: (0.1, 0.7, 5.0))
+    monkeypatch.setattr(judge, "_of_friction", lambda *_: (0.15, 0.15))
+    monkeypatch.setattr(judge, "_at_its_shape", lambda *_: 1.0)
+    there = SimpleNamespace(left=lambda _: 1.0, fit=SimpleNamespace(model=Model("viscous")))
+    pool = SimpleNamespace(lacking=lambda *_: [there], noise=None)
+    assert judge._asked(pool, there, "quadratic_drag", ["quadratic_drag"], judge.Finding(1.0)).sure
+    assert judge._asked(pool, there, "cubic_stiffness", ["cubic_stiffness"], judge.Finding(1.0)).doubt

@@ -21,7 +21,7 @@ def measured(samples, rate, correlation=0.0):
     for seed in range(DRAWS):
         draws = np.random.default_rng([5, seed]).standard_normal(samples + 300)
         series = SIZE * lfilter([np.sqrt(1 - correlation**2)], [1, -correlation], draws)[300:]
-        noise = next(iter(measure_noise([series], [1 / rate], FREQUENCY)))
+        noise = next(iter(measure_noise([(np.arange(samples) / rate, series)], FREQUENCY)))
         noise = coarse_noise(noise, [Swing("a", np.arange(samples) / rate, series)], FREQUENCY)
         found.append((noise.slow_variance, noise.known))
     slow, known = np.array(found).T
@@ -40,6 +40,29 @@ def test_coloured_noise_says_how_little_of_it_is_known(correlation):
     ratio, known = measured(1000, 50, correlation)
     assert abs(np.log(ratio).mean()) < np.median(known)
     assert np.median(known) > 0.2 > np.median(measured(1000, 50)[1])
+
+
+@pytest.mark.parametrize("lost", [40, 12])
+def test_what_a_model_lacks_is_no_noise_where_samples_are_lost(lost):
+    """Over a hole a slow error jumps, and what jumps is in every band."""
+    rng, times = np.random.default_rng([8, lost]), np.arange(0, 60, 0.02)
+    there = np.sin(2 * np.pi * times / 7.3) ** 2 > 0.02  # other holes, that are as long each
+    there = np.convolve(~there, np.ones(lost), "same") == 0
+    assert 0.05 < np.mean(~there) < 0.5
+    error = 10 * SIZE * np.sin(2 * np.pi * 2.3 * times)
+    left = (error + SIZE * rng.standard_normal(times.size))[there]
+    noise = next(iter(measure_noise([(times[there], left)], FREQUENCY)))
+    assert noise.deviation == pytest.approx(SIZE, rel=0.06)
+    assert abs(noise.correlation) < 0.1
+
+
+def test_coarse_swings_tell_their_noise_where_frames_are_lost():
+    """Of 25 samples a period the swing itself is in a difference over a hole, and passes for noise."""
+    rng, times = np.random.default_rng(9), np.arange(0, 40, 0.04)
+    series = 0.3 * np.sin(2 * np.pi * times) + SIZE * rng.standard_normal(times.size)
+    there = rng.random(times.size) > 0.05
+    asked = coarse_noise(Noise(20 * SIZE, 0.0, 0.1), [Swing("a", times[there], series[there])], FREQUENCY)
+    assert asked.deviation == pytest.approx(SIZE, rel=0.1)
 
 
 def test_of_two_estimates_that_chance_tells_apart_the_smaller_is_no_better():

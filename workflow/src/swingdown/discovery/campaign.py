@@ -9,7 +9,8 @@ import numpy as np
 from ..arrays import Floats, swing_under
 from ..errors import InputError
 from ..fitting.guess import middle_crossings
-from ..measurement.noise_level import HANN, HARMONICS, either
+from ..measurement.even import evenly
+from ..measurement.noise_level import HANN, HARMONICS, SPECTRUM, either
 from ..pendulum.catalogue import ANGLE
 from ..pendulum.drive import Drive
 from ..pendulum.slack import Slack
@@ -155,8 +156,7 @@ def cut(swing: Swing) -> list[Swing]:
 
 
 def measure_noise(
-    residuals: Sequence[Floats],
-    intervals: Sequence[float],
+    residuals: Sequence[tuple[Floats, Floats]],
     frequency: float,
     static: Sequence[tuple[Floats, Floats]] = (),
     free: int = 0,
@@ -165,14 +165,13 @@ def measure_noise(
 
     Each is measured from the residuals of a fit and from static records. The spectrum of first-order autocorrelated noise is fitted
     (Whittle's likelihood) to the periodograms above eight times the pendulum's frequency, where a model's error leaves nothing; a static
-    record counts in full.
+    record counts in full. Each piece between holes that a swing is not followed across has a periodogram of its own: over a hole a slow
+    error jumps, and a jump is in every band.
 
     Parameters
     ----------
     residuals
-        Of each swing, in rad, of shape (sample,).
-    intervals
-        Of each swing the time from sample to sample, in s.
+        Of each swing: (times in s, what a fit left in rad).
     frequency
         Of the pendulum, in Hz.
     static
@@ -181,17 +180,12 @@ def measure_noise(
         How many values the fit had.
     """
     shapes, powers = [], []
-    for residual, interval, low in [
-        *(
-            (residual, interval, HARMONICS * frequency)
-            for residual, interval in zip(residuals, intervals, strict=True)
-        ),
-        *(
-            (angle - angle.mean(), (times[-1] - times[0]) / (times.size - 1), 0.0)
-            for times, angle in static
-            if np.ptp(angle) > 0
-        ),
+    pieces = [piece for times, residual in residuals for piece in _pieces(times, residual, 1 / frequency)]
+    for times, residual, low in [
+        *((*piece, HARMONICS * frequency) for piece in pieces),
+        *((times, angle - angle.mean(), 0.0) for times, angle in static if np.ptp(angle) > 0),
     ]:
+        interval = (times[-1] - times[0]) / (times.size - 1)
         window = np.hanning(residual.size)
         power = np.abs(np.fft.rfft(window * residual)) ** 2 / np.sum(window**2)
         at = np.fft.rfftfreq(residual.size, interval)
@@ -200,7 +194,7 @@ def measure_noise(
         powers.append(power[kept])
     cosine, power = np.concatenate(shapes), np.concatenate(powers)
     # what a kinked error leaves in the band looks like strong slow noise; the noise is not more than the whole residual
-    squares = np.concatenate([np.square(residual) for residual in residuals])
+    squares = np.concatenate([np.square(residual) for _, residual in residuals])
     whole = float(np.sqrt(squares.sum() / max(squares.size - free, 1)))
     found = {}
     for likely, one in either(cosine, power, HANN, whole, squares.size):
@@ -208,6 +202,16 @@ def measure_noise(
         noise = Noise(one.deviation, max(one.correlation, 0.0), one.known)
         found[at_most(noise, whole, float(np.sqrt(2 / squares.size)))] = likely
     return dict(sorted(found.items(), key=lambda entry: -entry[1]))
+
+
+def _pieces(times: Floats, residual: Floats, period: float) -> list[tuple[Floats, Floats]]:
+    """(times, residual) between holes that are too long for a swing of a ``period`` (s) to be followed across: those that are long enough
+    for a spectrum, or the longest."""
+    ends = np.searchsorted(times, [end for _, end in evenly(times, residual).deep(period)])
+    pieces = list(zip(np.split(times, ends), np.split(residual, ends), strict=True))
+    return [piece for piece in pieces if piece[0].size >= SPECTRUM] or [
+        max(pieces, key=lambda piece: piece[0].size)
+    ]
 
 
 def at_most(noise: Noise, deviation: float, known: float) -> Noise:

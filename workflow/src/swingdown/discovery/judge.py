@@ -122,13 +122,18 @@ def _asked(
     without = min(near, key=lambda other: other.left(pool.noise))
     share, held, rms = _whole(pool, best, without)
     if _too_little(share, held) and best.fit.model.catalogue.damps(name):
-        share, held = min((share, held), _of_friction(pool, best, without))
+        share, held = min((share, held), _of_friction(pool, best, without), key=_over_bounds)
     doubt, law_open = _doubt(one.probability, share, held), one.law_open
     if seen and doubt:
         doubt, law_open = "", True
     return replace(
         one, share=share, held_out=held, without=rms, doubt=doubt, at_shape=at_shape, law_open=law_open
     )
+
+
+def _over_bounds(shares: tuple[float, float]) -> float:
+    """What the larger of (share, the same of held-out swings) is, each of the most that may be left."""
+    return max(shares[0] / SHARE, shares[1] / HELD_OUT)
 
 
 def _too_little(share: float, held_out: float) -> bool:

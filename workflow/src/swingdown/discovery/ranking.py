@@ -25,7 +25,7 @@ from .guard import POSSIBLE
 from .linear import Frame, frame
 from .mimics import mimics
 from .pairs import plain, starts_of_pairs
-from .refit import nudged, refit, refit_by_the_widest, with_effect
+from .refit import nudged, refit, refit_by_the_widest, widened, with_effect
 
 ENDLESS = Budget()
 _PROMISING = 0.05  # of the best predicted gain: candidates below are not refitted, a linear step already tells them off
@@ -64,7 +64,7 @@ def ranking(
     promising = [_first(starts) for starts in moves if near[id(starts)]]
     found = _moved(here, noise, promising, allowed, budget)
     found = _grown(found, moves, here, noise, budget)
-    found = _no_worse(found, here, noise)
+    found = _from_the_best(found, moves, here, noise, budget)
     # a fit that is near the noise and lacks something may be in a false minimum, and so may what is nearer
     if found and (budget.spent or leaves_noise(found[0].fit, noise) and not leaves_noise(here.fit, noise)):
         return found
@@ -144,25 +144,43 @@ def _grown(
     return best_first(known.values())
 
 
-def _no_worse(found: list[Candidate], here: Frame, noise: Noise) -> list[Candidate]:
-    """The candidates, best first: where an exchange is the best of them and what it adds, added, does worse, that fit begins anew from
-    the exchange. What has one effect more cannot do worse but in a false minimum."""
-    first = found[0] if found else None
-    if first is None or first.refused or first.added is None or first.dropped is None:
+def _from_the_best(
+    found: list[Candidate], moves: Sequence[list[Start]], here: Frame, noise: Noise, budget: Budget
+) -> list[Candidate]:
+    """The candidates, best first: those that do worse than the best, begun anew with all else as in it: what it adds in place of an effect
+    of the model, added, and where it damps what damps. In the model as it is its own damping may do the work of what is missing, and a
+    fit from there ends in a false minimum; what has one effect more cannot do worse but in one."""
+    first, catalogue = found[0] if found else None, here.fit.model.catalogue
+    if first is None or first.refused or len(first.names) != 1:
         return found
-    alone = next((one for one in found if one.names == first.names and one.dropped is None), None)
-    if alone is None or alone.fit.rss <= first.fit.rss:
-        return found
-    effect, values = here.fit.model.catalogue[first.dropped], here.fit.model.values
-    again = []
-    for share in _SHARES:
-        own = {p.name: values[p.name] * (share if p.role == "size" else 1.0) for p in effect.parameters}
-        with suppress(TrajectoryError):
-            fit = refit(with_effect(first.fit.begin, effect.name, own), here.swings, grown=False)
-            again.append(nudged(fit, here.swings, rounds=1))
-    fit = min((alone.fit, *again), key=lambda fit: fit.rss)
-    better = replace(alone, fit=fit, bic=evidence(fit, noise), refused=inadmissible(fit, alone.added, noise))
-    return best_first(better if one is alone else one for one in found)
+    (best,) = first.names
+    begins = [without(first.fit, best)]
+    if first.dropped:
+        begins = [_with_part(begins[0], here.fit, first.dropped, share) for share in _SHARES]
+    known = {one.move: one for one in found}
+    for start in (starts[0] for starts in moves):
+        one, name = known.get(start.move), start.added
+        rival = name == best or catalogue.damps(best) and catalogue.damps(name or "")
+        if not name or start.dropped or not rival or budget.spent or one and one.fit.rss <= first.fit.rss:
+            continue
+        source = first.fit.begin if name == best else start.begin
+        own = [{p.name: one.values[p.name] for p in catalogue[name].parameters} for one in source.swings]
+        again = _best(
+            [replace(start, begin=widened(begin, name, own), predicted=0.0) for begin in begins],
+            here,
+            noise,
+        )
+        if again and (one is None or again.fit.rss < one.fit.rss):
+            known[start.move] = again
+    return best_first(known.values())
+
+
+def _with_part(begin: Begin, fit: Fit, name: str, share: float) -> Begin:
+    """The beginning with an effect beside that has the values of a fit, and that share of its size there."""
+    values, own = fit.model.values, fit.model.catalogue[name].parameters
+    return with_effect(
+        begin, name, {p.name: values[p.name] * (share if p.role == "size" else 1.0) for p in own}
+    )
 
 
 def _gain(fit: Fit, left: float, noise: Noise) -> float:

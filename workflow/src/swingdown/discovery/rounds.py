@@ -38,9 +38,10 @@ def noise_of(campaign: Campaign, fit: Fit, base: Fit | None = None) -> Noise:
     probable, whether or not something is missing. The pendulum's frequency is that of ``base``, by default of the fit itself."""
     base = base or fit
     swings, frequency = campaign.fit, base.model.values[NATURAL_FREQUENCY.name] / (2 * np.pi)
-    intervals = [(swing.times[-1] - swing.times[0]) / (swing.times.size - 1) for swing in swings]
-    residuals = [swing.angle - one.angle for swing, one in zip(swings, fit.swings, strict=True)]
-    measured = measure_noise(residuals, intervals, frequency, campaign.static, len(fit.free))
+    residuals = [
+        (swing.times, swing.angle - one.angle) for swing, one in zip(swings, fit.swings, strict=True)
+    ]
+    measured = measure_noise(residuals, frequency, campaign.static, len(fit.free))
     likely = {coarse_noise(noise, swings, frequency): how for noise, how in measured.items()}
     most = max(likely.values())
     rivals = [noise for noise, how in likely.items() if how > most + np.log(POSSIBLE)]
