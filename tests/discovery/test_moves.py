@@ -4,11 +4,13 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
+from swingdown.discovery.budget import Budget
 from swingdown.discovery.campaign import Noise, Swing, campaign
+from swingdown.discovery.candidates import starts_to_add
 from swingdown.discovery.evidence import Candidate, evidence
 from swingdown.discovery.files import summary
 from swingdown.discovery.linear import frame
-from swingdown.discovery.ranking import _no_worse, in_place_of
+from swingdown.discovery.ranking import _from_the_best, in_place_of
 from swingdown.discovery.rounds import first_fit
 from swingdown.discovery.search import discover
 from swingdown.discovery.verdict import verdict
@@ -19,6 +21,9 @@ from swingdown.pendulum.model import Model
 TIMES = np.arange(501) / 50  # s
 NOISE = 1e-3  # rad
 TRUE = Model("viscous+quadratic_drag", {"natural_frequency": 7.0, "viscous_ratio": 0.006, "quadratic_coefficient": 0.004})  # fmt: skip
+
+
+VALUES = {**TRUE.values, "power_law_coefficient": 0.3, "power_law_exponent": 1.8}
 
 
 @pytest.fixture(scope="module")
@@ -32,15 +37,24 @@ def drag():
     return campaign("drag", swings)
 
 
-def test_an_effect_more_does_no_worse_than_the_exchange_that_beat_it(drag):
-    begun, alone = (first_fit(drag, Model(label)) for label in ("viscous", "quadratic_drag"))
+@pytest.mark.parametrize(("added", "dropped"), [("quadratic_drag", "viscous"), ("power_law_drag", None)])
+def test_a_rival_in_a_false_minimum_begins_anew_beside_what_the_best_has(drag, added, dropped):
+    """What has one effect more does no worse than the exchange that beat it, and what damps is not judged from the base's own damping."""
+    begun = first_fit(drag, Model("viscous"))
+    law = Model(added if dropped else f"viscous+{added}")
+    model = Model(law.label, {name: VALUES[name] for name in law.parameters})
+    best = fit_jointly(model, [swing.pair for swing in drag.fit], guess=model, bounded=True)
     here, noise = frame(begun, drag.fit), Noise(NOISE)
-    assert alone.rss < begun.rss
-    exchange = Candidate("quadratic_drag", "viscous", alone, evidence(alone, noise))
-    stuck = Candidate("quadratic_drag", None, begun, evidence(begun, noise))  # in a false minimum, say
-    best = _no_worse([exchange, stuck], here, noise)[0]
-    assert best.dropped is None
-    assert best.fit.rms == pytest.approx(NOISE, rel=0.05)
+    assert best.rss < begun.rss
+    found = [
+        Candidate(added, dropped, best, evidence(best, noise)),
+        Candidate("quadratic_drag", None, begun, evidence(begun, noise)),
+    ]
+    moves = [starts_to_add(here, name) for name in ("quadratic_drag", "cubic_stiffness")]
+    again = _from_the_best(found, moves, here, noise, Budget())
+    (drags,) = [one for one in again if one.added == "quadratic_drag" and one.dropped is None]
+    assert drags.fit.rms == pytest.approx(NOISE, rel=0.05)
+    assert all(one.added != "cubic_stiffness" for one in again)
 
 
 def test_another_spring_is_tried_beside_the_friction_that_has_nothing_to_do_without_one():
