@@ -4,9 +4,12 @@ import ast
 import re
 from pathlib import Path
 
+import numpy as np
 import pytest
 import yaml
 
+from swingdown.discovery.judge import _doubt
+from swingdown.discovery.sentence import _described
 from swingdown.errors import InputError
 from swingdown.language import language, languages
 from swingdown.pendulum.catalogue import SHIPPED
@@ -14,12 +17,32 @@ from swingdown.pendulum.model import model_words
 
 OTHERS = [code for code in languages() if code != "en"]
 PACKAGE = Path(language.__wrapped__.__code__.co_filename).parent
+DOUBTS = (
+    "its probability is only 0.94",
+    *(_doubt(1.0, *shares) for shares in ((0.68, 0.3), (0.1, 0.7), (0.1, np.inf))),
+)
 FIELD = re.compile(r"\{(\w+)\}")
 
 
 @pytest.fixture(scope="module")
 def catalogues():
     return {code: yaml.safe_load((PACKAGE / "languages" / f"{code}.yaml").read_text()) for code in OTHERS}
+
+
+@pytest.mark.parametrize("code", OTHERS)
+def test_each_effect_is_told_as_missing_and_as_doubtful(code):
+    for effect in SHIPPED:
+        units = {parameter.name: parameter.unit for parameter in effect.parameters}
+        values = {name: {"value": 1.23, "standard_error": 0.02, "unit": units[name]} for name in effect.told}
+        one = {"name": effect.name, "tied_with": [], "within_calibration": False, "parameters": values}
+        said = _described(one, effect)
+        for sentence in (
+            f"{said[0].upper()}{said[1:]} is missing (P > 0.999): without it 3.22 times the noise remains, with it 1.11.",
+            *(f"It may be {said}: not sure enough to be named ({doubt})." for doubt in DOUBTS),
+        ):
+            assert " noise " not in (told := language(code).text(sentence)) and "not sure" not in told, (
+                sentence
+            )
 
 
 def test_there_are_five_beside_english():

@@ -147,6 +147,8 @@ def _doubt(probability: float, share: float, held_out: float) -> str:
         return f"its probability is only {probability:.2f}"
     if share > SHARE:
         return f"{min(share, 9.99):.0%} of what is missing remains with it"
+    if np.isinf(held_out):
+        return "swings that were held out leave too little without it to confirm it"
     if held_out > HELD_OUT:
         return "swings that were held out do not confirm it"
     return ""
