@@ -9,7 +9,8 @@ import pytest
 import yaml
 
 from swingdown.discovery.judge import _doubt
-from swingdown.discovery.sentence import _described
+from swingdown.discovery.losses import _SAID
+from swingdown.discovery.sentence import _described, _misspecified
 from swingdown.errors import InputError
 from swingdown.language import language, languages
 from swingdown.pendulum.catalogue import SHIPPED
@@ -21,6 +22,7 @@ DOUBTS = (
     "its probability is only 0.94",
     *(_doubt(1.0, *shares) for shares in ((0.68, 0.3), (0.1, 0.7), (0.1, np.inf))),
 )
+ENGLISH_WORDS = {"the", "it", "times", "noise", "than", "not", "be"}
 FIELD = re.compile(r"\{(\w+)\}")
 
 
@@ -29,20 +31,37 @@ def catalogues():
     return {code: yaml.safe_load((PACKAGE / "languages" / f"{code}.yaml").read_text()) for code in OTHERS}
 
 
+def shown(what):
+    """A text at the beginning of a sentence."""
+    return what[0].upper() + what[1:]
+
+
 @pytest.mark.parametrize("code", OTHERS)
-def test_each_effect_is_told_as_missing_and_as_doubtful(code):
+def test_each_effect_is_told_as_missing_as_doubtful_and_as_at_its_bound(code):
+    """No sentence of a verdict is left in English."""
     for effect in SHIPPED:
         units = {parameter.name: parameter.unit for parameter in effect.parameters}
         values = {name: {"value": 1.23, "standard_error": 0.02, "unit": units[name]} for name in effect.told}
         one = {"name": effect.name, "tied_with": [], "within_calibration": False, "parameters": values}
         said = _described(one, effect)
-        for sentence in (
-            f"{said[0].upper()}{said[1:]} is missing (P > 0.999): without it 3.22 times the noise remains, with it 1.11.",
-            *(f"It may be {said}: not sure enough to be named ({doubt})." for doubt in DOUBTS),
-        ):
-            assert " noise " not in (told := language(code).text(sentence)) and "not sure" not in told, (
-                sentence
-            )
+        sentences = [
+            f"{shown(said)} is missing (P > 0.999): without it 3.22 times the noise remains, with it 1.11."
+        ]
+        sentences += [f"It may be {said}: not sure enough to be named ({doubt})." for doubt in DOUBTS]
+        sentences += [_misspecified({"misspecified": [effect.size.name]}).strip()] if effect.size else []
+        for sentence in sentences:
+            assert not ENGLISH_WORDS & set(language(code).text(sentence).split()), sentence
+
+
+@pytest.mark.parametrize("code", OTHERS)
+@pytest.mark.parametrize(
+    "where", ["", "at amplitudes above 19° ", "at amplitudes below 8.3° ", "at amplitudes from 8.3° to 21° "]
+)
+def test_where_a_model_disagrees_is_told(code, where):
+    for seen in np.ravel(list(_SAID.values())):
+        told = language(code).text(f"{shown(where + seen)}.")
+        assert not ENGLISH_WORDS & set(told.split()), told
+        assert ("8.3" in where) == ("8,3" in told) and told.endswith(".")
 
 
 def test_there_are_five_beside_english():

@@ -144,7 +144,7 @@ def test_three_swings_of_a_link_have_no_name_for_what_they_lack(found):
     assert found["split"] == "held out by amplitude: rel90"
     # the base does not fit: a term of it would give energy, or is not needed beside what was found
     assert found["misspecified"] == ["viscous_ratio"] or found["removed"]
-    told = "viscous ratio would be negative" in found["sentence"]
+    told = "Viscous ratio would be negative" in found["sentence"]
     assert told or f"Not needed: {found['removed'][0].replace('_', ' ')}" in found["sentence"]
 
 

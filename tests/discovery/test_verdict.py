@@ -288,7 +288,7 @@ def test_a_value_that_is_not_known_to_its_own_size_is_not_told():
     parameters = {key: dict(zip(("value", "standard_error", "unit"), one, strict=True)) for key, one in known.items()}  # fmt: skip
     first = state(0, missing=True, chosen="magnet", holdout=3.0)
     last = state(1, missing=False, found=["magnet"], effects=("viscous", "magnet"), parameters=parameters)
-    assert "magnet (depth 0.10 ± 0.01 1/s^2) is missing" in verdict([first, last])["sentence"]
+    assert "Magnet (depth 0.10 ± 0.01 1/s^2) is missing" in verdict([first, last])["sentence"]
 
 
 @pytest.mark.parametrize(

@@ -50,24 +50,18 @@ def sentence(found: Mapping[str, Any], catalogue: Catalogue = SHIPPED) -> str:
     if not found.get("dies_away", True):
         return "What stops it cannot be told: it does not die away, and what a motor does is no effect of a pendulum."
     if doubt := found.get("unit_doubt"):
-        return f"{doubt[:1].upper()}{doubt[1:]}. No effect is named: another unit would explain the swings as well."
-    seen = where["seen"][:1].upper() + where["seen"][1:] + ": " if where["seen"] else ""
-    said = []
+        return f"{_capital(doubt)}. No effect is named: another unit would explain the swings as well."
+    said = [f"{_capital(where['seen'])}."] if where["seen"] else []
     if found["effects"]:
-        joined = " and ".join(_described(one, catalogue[one["name"]]) for one in found["effects"])
-        said.append(
-            f"{seen}{joined} {'is' if len(found['effects']) == 1 else 'are'} missing{_without(found)}."
-        )
-    elif seen:
-        said.append(f"{seen.removesuffix(': ')}.")
+        joined = _capital(" and ".join(_described(one, catalogue[one["name"]]) for one in found["effects"]))
+        said.append(f"{joined} {'is' if len(found['effects']) == 1 else 'are'} missing{_without(found)}.")
     if len(fit) > 1 and (len(found["effects"]) != 1 or found["effects"][0].get("gap_without") is None):
         said.append(f"Held-out residual {holdout[0]:.3g} → {holdout[-1]:.3g} times the noise{_share(found)}.")
     if found.get("failed"):
         said.append(f"What is missing is not known: the search broke off ({found['failed']}).")
     elif found["status"] in ("partial", "unknown"):
         said.append(_remains(found, catalogue))
-    text = " ".join(said)
-    return text[:1].upper() + text[1:] + dropped + end
+    return " ".join(said) + dropped + end
 
 
 def follows(difference: Mapping[str, Any]) -> str:
@@ -81,7 +75,7 @@ def follows(difference: Mapping[str, Any]) -> str:
             else f"No effect follows {quantity}."
         )
     names = " or ".join(map(_spoken, (difference["effect"], *difference["tied_with"])))
-    said = f"{names[:1].upper()}{names[1:]} follows {quantity} (P {_sure(difference)}){stopped}"
+    said = f"{_capital(names)} follows {quantity} (P {_sure(difference)}){stopped}"
     law = difference["law"]
     if law is None:
         return f"{said}."
@@ -171,12 +165,14 @@ def _of_parts(found: Mapping[str, Any]) -> str:
 
 
 def _misspecified(found: Mapping[str, Any]) -> str:
-    names = found["misspecified"]
-    return (
-        f" {_listed(names)} would be negative if it could: the model does not fit this pendulum."
-        if names
-        else ""
-    )
+    names = _listed(found["misspecified"])
+    if not names:
+        return ""
+    return f" {_capital(names)} would be negative if it could: the model does not fit this pendulum."
+
+
+def _capital(text: str) -> str:
+    return text[:1].upper() + text[1:]
 
 
 def _listed(names: Iterable[str]) -> str:
