@@ -1,5 +1,7 @@
 """What each law of damping leaves, and whether a decay is exponential."""
 
+import re
+
 import numpy as np
 import pytest
 
@@ -55,6 +57,10 @@ def test_whether_it_is_exponential_is_answered_with_the_damping_ratio_at_both_en
     words = exponential_words(answer.laws(), answer.curves())
     assert words.startswith("Exponential: no, viscous and") and "the damping ratio is 0.00" in words
     assert words.count("°") == 2 and words.endswith(".")
+    unscaled = answer.curves()
+    unscaled["amplitude"].attrs["units"] = "1"
+    words = exponential_words(answer.laws(), unscaled)
+    assert re.search(r"0\.00\d+\(\d+\) at the first swing and 0\.0\d+\(\d+\) at the last swing\.$", words)
 
 
 def test_a_wheel_on_a_spring_has_no_friction_that_grows_with_the_load():

@@ -344,9 +344,12 @@ def _change(curves: xr.Dataset | None) -> str:
         return ""
     free = curves.sel(source="free")
     ends = []
-    for k in (-1, 0):
+    for k, swing in ((-1, "the first swing"), (0, "the last swing")):
         amplitude, unit = float(free["amplitude"][k]), str(free["amplitude"].attrs["units"])
-        where = f"{np.degrees(amplitude):.3g}°" if unit == "rad" else f"{amplitude:.3g} {unit}"
+        size = f"{np.degrees(amplitude):.3g}°" if unit == "rad" else f"{amplitude:.3g} {unit}"
+        where = (
+            swing if unit == "1" else size
+        )  # without a scale an amplitude is of no unit that anybody knows
         ratio, u = float(free["damping_ratio"][k]), float(free["damping_ratio_u"][k])
         if not np.isfinite(ratio):
             return ""
