@@ -160,6 +160,13 @@ def test_a_right_model_keeps_a_band_of_its_own():
     assert inside(found, "damping_ratio", ratio(model, found), "model") > 0.9
 
 
+def test_a_model_s_friction_of_speed_alone_is_its_own_at_slow_speeds_too():
+    angles, model = recorded("viscous", {"viscous_ratio": 0.005}, 0.5)
+    found = curves(angles, model, np.diag([1e-6, 1e-6]) ** 2)
+    truth = 2 * FREQUENCY * 0.005 * found["speed"].values
+    assert found["friction"].sel(source="alone").values[1:] == pytest.approx(truth[1:], rel=1e-3)
+
+
 def test_a_clock_within_limits_widens_the_period_by_no_more_than_these():
     angles, _ = recorded("viscous", {"viscous_ratio": 0.005}, 0.5, noise=1e-6)
     found = curves(angles).sel(source="free")

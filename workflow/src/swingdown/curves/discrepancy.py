@@ -12,10 +12,10 @@ from ..arrays import Floats
 from ..pendulum.model import Model
 from ..studies.quantities import steady
 from .free import LEAST_STIFFNESS, OF_STIFFNESS, Free, marked, of_losses, of_marks, timed_of, typical_of
-from .modelled import Course, course_of, effects_on, static
+from .modelled import Course, course_of, drag, effects_on, static
 from .regression import SHARE, Prior, kernel
 from .second_order import Table
-from .torques import durations, losses
+from .torques import durations, losses, lost
 
 _GRID = 41  # amplitudes between which the model's loss and period are interpolated
 _DIFFERENCES = 10  # releases of a model by which differences between two are told
@@ -59,11 +59,18 @@ def with_discrepancy(
     beyond = found.beyond.table.at(grid)[:, 0]
     fast = found.friction.at(speed / found.scale) * found.scale**2
 
+    def elsewhere(one: Model, loss: Floats) -> Floats:
+        """The loss beside that of the friction in the middle."""
+        slow = drag(one)
+        return loss - beyond - lost(found.ideal, lambda rad: slow(rad * found.scale) / found.scale**2, grid)
+
     def of(one: Model, course: Course) -> Floats:
         loss, period = (_filled(grid, part) for part in course.at(grid))
         torque = static(one)
         pull = (torque(-angle) - torque(angle)) / 2
-        return np.concatenate([period, loss, pull, fast @ (inverse @ (loss - beyond))])
+        return np.concatenate(
+            [period, loss, pull, drag(one)(speed) + fast @ (inverse @ elsewhere(one, loss))]
+        )
 
     def derived(one: Model) -> Floats:
         return of(one, course_of(one, found.low, found.high, found.passages, _DIFFERENCES))

@@ -17,20 +17,37 @@ from ..studies.quantities import steady
 
 _SAMPLES = 400  # of a half-swing: a turning point lies between two, and Newton's step from them ends within 1e-9 of it
 _NEAR = 1e-4  # rad
+_SLOW = 1e-9  # rad/s
 _RELEASES = 24  # a spline through them is within 1e-4 of a loss by a brake a fifth as wide as the swing
 _STEP = 0.1  # of a standard error: the differences that uncertainties follow from
 
 
 def static(model: Model) -> Callable[[Floats], Floats]:
     """The torque over inertia (rad/s²) of a model at rest at an angle (rad), its friction left out."""
-    given = {"thetadot": 0.0, "thetaddot": 0.0, "t": 0.0, "duration": 1.0}
+    torque = _torque(model)
+    return lambda angle: torque(angle, np.zeros_like(angle))
+
+
+def drag(model: Model) -> Callable[[Floats], Floats]:
+    """The friction over inertia (rad/s²) of a model at a speed (rad/s) in the middle; at none it is that of the slowest."""
+    torque = _torque(model)
+
+    def at(speed: Floats) -> Floats:
+        fast, middle = np.maximum(speed, _SLOW), np.zeros_like(speed)
+        return (torque(middle, -fast) - torque(middle, fast)) / 2
+
+    return at
+
+
+def _torque(model: Model) -> Callable[[Floats, Floats], Floats]:
+    given = {"thetaddot": 0.0, "t": 0.0, "duration": 1.0}
     given |= {"omega_n": model.values[NATURAL_FREQUENCY.name]}
     given |= {one.symbol: model.values[one.name] for one in model.definitions}
     given |= {state.symbol: 0.0 for effect in model.effects for state in effect.states}
     terms = [model.gravity.term, *(effect.term for effect in model.effects if effect.acts_on == "torque")]
 
-    def torque(angle: Floats) -> Floats:
-        each = [evaluate(term, theta=angle, **given) for term in terms]
+    def torque(angle: Floats, speed: Floats) -> Floats:
+        each = [evaluate(term, theta=angle, thetadot=speed, **given) for term in terms]
         return np.sum(np.broadcast_arrays(angle, *each)[1:], axis=0)
 
     return torque

@@ -116,11 +116,21 @@ def _phases() -> tuple[Floats, Floats]:
 
 def losses(ideal: Ideal, basis: Basis, amplitudes: Floats) -> Floats:
     """What each curve of friction takes from the logarithm of the amplitude in a half-swing (amplitude, curve)."""
+    return 2 * basis.summed(*_speeds(ideal, amplitudes)) / ideal.torque(amplitudes)[:, np.newaxis]
+
+
+def lost(ideal: Ideal, drag: Callable[[Floats], Floats], amplitudes: Floats) -> Floats:
+    """The same of the friction ``drag`` (rad) of a speed (rad)."""
+    speed, weight = _speeds(ideal, amplitudes)
+    return 2 * np.sum(weight * drag(speed), axis=1) / ideal.torque(amplitudes)
+
+
+def _speeds(ideal: Ideal, amplitudes: Floats) -> tuple[Floats, Floats]:
+    """Speeds (rad) from the middle to the turning point and their weights in the work over an angle (amplitude, place)."""
     phase, weight = _phases()
     angle = amplitudes[:, np.newaxis] * np.sin(phase)
     speed = np.sqrt(2 * np.maximum(ideal.energy(amplitudes)[:, np.newaxis] - ideal.energy(angle), 0.0))
-    whole = 2 * basis.summed(speed, np.broadcast_to(weight * np.cos(phase), speed.shape))
-    return whole / ideal.torque(amplitudes)[:, np.newaxis]
+    return speed, np.broadcast_to(weight * np.cos(phase), speed.shape)
 
 
 def durations(ideal: Ideal, basis: Basis, amplitudes: Floats) -> Floats:
