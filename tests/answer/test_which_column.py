@@ -76,6 +76,8 @@ def test_a_refused_swing_of_several_columns_that_mean_the_same_names_them(tmp_pa
         ("t,a", -1000.0, 1.0, "along the string reads in mg"),
         ("t,accel", 0.0, 0.3, "an acceleration is no angle"),
         ("t,acc_x", 0.0, 0.3, "an acceleration is no angle"),
+        ("t,ax", 0.0, 0.3, "an acceleration is no angle"),
+        ("t,gFx", 1.0, 0.3, "an acceleration is no angle"),
     ],
 )
 def test_an_accelerometer_along_the_string_is_asked_about(tmp_path, header, rest, widest, words):
@@ -86,6 +88,16 @@ def test_an_accelerometer_along_the_string_is_asked_about(tmp_path, header, rest
     readings = pull * rest if rest else 9.81 * (pull - 1)
     with pytest.raises(InputError, match=words):
         swingdown.read(written(tmp_path / "a.csv", header, TIMES, readings))
+
+
+def test_a_gyroscope_beside_an_accelerometer_is_the_swing(tmp_path, first):
+    """A telephone's sensor suite writes the forces first, then the accelerations and the rates, none with a unit."""
+    angle = swing()
+    rate, still = np.gradient(angle, TIMES), 0.01 * np.cos(991 * TIMES)
+    path = written(
+        tmp_path / "a.csv", "time,gFx,ax,wx", TIMES, np.cos(angle), -9.81 * np.sin(angle) + still, rate
+    )
+    assert first(path)["natural_frequency_rad_per_s"] == pytest.approx(TRUTH["natural_frequency"], rel=0.005)
 
 
 def test_three_axes_without_a_unit_are_asked_about(tmp_path):

@@ -54,6 +54,7 @@ _DRIVES = re.compile(
 )
 _ACCELERATES = re.compile(
     r"(?i)α|\b(acceleration|accelerations|accelerometer|accel|acc|beschleunigung|accélération|aceleración|aceleracion|aceleração|accelerazione)[ .]?[xyz]?\b"
+    r"|\b(a|gf)[ .]?[xyzt]\b"
 )
 _SIZE_ALONE = re.compile(r"(?i)\b(abs|absolute|magnitude|norm|total|betrag)\b")
 _NUMBERS = re.compile(
@@ -228,6 +229,7 @@ def _swing(
     for wanted in (_names_angle, _plain, _has_signal_unit, _is_rate, _is_coordinate, _is_speed):
         if found := next((one for one in others if wanted(one)), None):
             return [found]
+    first = next((one for one in others if not _accelerates(one)), first)  # a gyroscope beside tells more
     return [_checked(first, others, place, "")]
 
 
