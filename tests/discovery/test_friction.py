@@ -48,9 +48,7 @@ def asked(one, added, **values):
 @pytest.fixture(scope="module")
 def beside_a_spring():
     return swings(
-        ("quadratic_drag", "quadratic_stiffness"),
-        quadratic_coefficient=0.02,
-        quadratic_stiffness=4.0,
+        ("quadratic_drag", "quadratic_stiffness"), quadratic_coefficient=0.02, quadratic_stiffness=4.0
     )
 
 

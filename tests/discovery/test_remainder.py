@@ -14,8 +14,7 @@ from swingdown.pendulum.model import Model
 
 TIMES = np.arange(2000) / 100
 BASE = Model(
-    ("viscous", "load_coulomb"),
-    {"natural_frequency": 7.25, "viscous_ratio": 0.004, "load_friction": 0.003},
+    ("viscous", "load_coulomb"), {"natural_frequency": 7.25, "viscous_ratio": 0.004, "load_friction": 0.003}
 )
 NOISE = 2e-3
 

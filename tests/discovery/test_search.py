@@ -31,9 +31,7 @@ def swings(label, seed=3, releases=(0.9, -0.7, 0.5, 0.3), **values):
     model, draws = Model(label, {"natural_frequency": FREQUENCY} | values), np.random.default_rng(seed)
     return [
         Swing(
-            f"swing {k}",
-            TIMES,
-            simulate(model, TIMES, release) + NOISE * draws.standard_normal(TIMES.size),
+            f"swing {k}", TIMES, simulate(model, TIMES, release) + NOISE * draws.standard_normal(TIMES.size)
         )
         for k, release in enumerate(releases)
     ]

@@ -83,8 +83,7 @@ def _marked(page):
 
 
 @pytest.mark.parametrize(
-    "page",
-    [_marked(page) for page, blocks in PAGES.items() if any(b[0].startswith("run") for b in blocks)],
+    "page", [_marked(page) for page, blocks in PAGES.items() if any(b[0].startswith("run") for b in blocks)]
 )
 def test_what_a_page_tells_to_type_works(page, clone, pytestconfig):
     wanted = os.environ.get("SWINGDOWN_SLOW") or "slow" in (pytestconfig.option.markexpr or "")

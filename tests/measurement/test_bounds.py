@@ -17,10 +17,7 @@ from swingdown.measurement.source import opened, table_of
 def refusal(path, **row):
     """What is told of a file that is refused, and that it took no more than some seconds."""
     begun = time.monotonic()
-    with (
-        pytest.raises(InputError) as caught,
-        opened(str(path), "sheet.csv, line 2") as file,
-    ):
+    with pytest.raises(InputError) as caught, opened(str(path), "sheet.csv, line 2") as file:
         for _ in table_of(file, {"file": str(path), **row}).pieces:
             pass
     assert caught.value.mend and time.monotonic() - begun < 20

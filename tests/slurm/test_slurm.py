@@ -110,10 +110,7 @@ def misfortune(root, slurm, tmp_path_factory):
         slurm.run("scontrol", "hold", study.held)
         dying, draining, other = slurm.nodes
         # a job that is about to end would be no victim
-        study.wait(
-            lambda: slurm.hold_at_work(slurm.nodes) or first.poll() is not None,
-            "a job on every node",
-        )
+        study.wait(lambda: slurm.hold_at_work(slurm.nodes) or first.poll() is not None, "a job on every node")
         study.victims, study.cancelled, study.suspended = (
             slurm.running(dying),
             slurm.running(draining),

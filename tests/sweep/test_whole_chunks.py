@@ -123,9 +123,7 @@ def test_a_comment_computes_nothing_and_a_formula_is_told_and_waits_for_the_user
     assert computes(printed) == 0 and "every chunk is there" in printed and "other code" not in printed
 
     project.edit(
-        "src/swingdown/sweep/identification.py",
-        '"norm": np.degrees(off)',
-        '"norm": 2 * np.degrees(off)',
+        "src/swingdown/sweep/identification.py", '"norm": np.degrees(off)', '"norm": 2 * np.degrees(off)'
     )
     printed = project.snakemake("-n", DATA)
     assert computes(printed) == 0 and "3 of 3 chunks were computed by other code" in printed

@@ -58,13 +58,7 @@ def test_what_the_function_raises_comes_through():
 
 @pytest.mark.parametrize(
     "arguments",
-    [
-        ([],),
-        ([np.nan, 1.0],),
-        ([1.0, 1.0], [0.0]),
-        ([1.0, 1.0], [2.0, 0.0], [1.0, 1.0]),
-        ([1.0, 1.0, 1.0],),
-    ],
+    [([],), ([np.nan, 1.0],), ([1.0, 1.0], [0.0]), ([1.0, 1.0], [2.0, 0.0], [1.0, 1.0]), ([1.0, 1.0, 1.0],)],
 )
 def test_bad_input_is_told(arguments):
     with pytest.raises(InputError, match="least squares"):

@@ -183,11 +183,7 @@ def difference(
 
 
 def _asked(
-    every: Campaign,
-    changed: Mapping[str, Value],
-    same: Fit,
-    allowed: Collection[str] | None,
-    budget: Budget,
+    every: Campaign, changed: Mapping[str, Value], same: Fit, allowed: Collection[str] | None, budget: Budget
 ) -> Difference:
     """The ``Difference`` beside the fit of one model to all recordings."""
     alone = _alone(same.begin, every.fit, seen=True)

@@ -12,14 +12,7 @@ from ..pendulum.effect import NATURAL_FREQUENCY
 from .admissible import hopeless, inadmissible, leaves_noise
 from .budget import Budget
 from .campaign import Noise
-from .candidates import (
-    Start,
-    additions,
-    starts_to_add,
-    starts_to_drop,
-    starts_to_exchange,
-    without,
-)
+from .candidates import Start, additions, starts_to_add, starts_to_drop, starts_to_exchange, without
 from .evidence import TIE, Candidate, best_first, evidence
 from .guard import POSSIBLE
 from .linear import Frame, frame
@@ -166,9 +159,7 @@ def _from_the_best(
         source = first.fit.begin if name == best else start.begin
         own = [{p.name: one.values[p.name] for p in catalogue[name].parameters} for one in source.swings]
         again = _best(
-            [replace(start, begin=widened(begin, name, own), predicted=0.0) for begin in begins],
-            here,
-            noise,
+            [replace(start, begin=widened(begin, name, own), predicted=0.0) for begin in begins], here, noise
         )
         if again and (one is None or again.fit.rss < one.fit.rss):
             known[start.move] = again

@@ -265,10 +265,7 @@ def _at_their_bounds(effects: Iterable[Effect], values: Mapping[str, Any]) -> li
 
 
 def _next_measurement(
-    added: Sequence[Mapping[str, Any]],
-    status: str,
-    catalogue: Catalogue,
-    swing: Mapping[str, Any] | None,
+    added: Sequence[Mapping[str, Any]], status: str, catalogue: Catalogue, swing: Mapping[str, Any] | None
 ) -> str | None:
     """The measurement that would tell more, as a sentence, or None: the experiment that tells the leading structures apart where one
     does; else of tied effects what the catalogue says of two of them, or that nothing at hand does."""

@@ -22,15 +22,7 @@ from .sheet import TIME_UNITS
 from .source import Table
 from .swing_counts import FEWEST, counts
 from .table import numbers
-from .turning_points import (
-    FASTEST,
-    PASSAGES,
-    PERIODS,
-    Points,
-    falls,
-    too_few,
-    unequal_sides,
-)
+from .turning_points import FASTEST, PASSAGES, PERIODS, Points, falls, too_few, unequal_sides
 
 _GATE = re.compile(
     r"(?i)\b(gate ?\d*|gate ?states?|edge( ?type)?|state|blocked|photogate|lichtschranke) ?\d*\b"
