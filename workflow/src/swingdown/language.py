@@ -148,8 +148,13 @@ def _small(text: str) -> str:
     return text[:1].lower() + text[1:]
 
 
+def capital(text: str) -> str:
+    """The text as a sentence begins."""
+    return text[:1].upper() + text[1:]
+
+
 def _capital(text: str | None) -> str | None:
-    return None if text is None else text[:1].upper() + text[1:]
+    return None if text is None else capital(text)
 
 
 def _split(pattern: re.Pattern[str], text: str) -> Iterator[str]:

@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from ..language import capital
 from ..pendulum.catalogue import SHIPPED, Catalogue
 from ..pendulum.effect import Effect
 from ..rounding import plus_minus
@@ -50,10 +51,10 @@ def sentence(found: Mapping[str, Any], catalogue: Catalogue = SHIPPED) -> str:
     if not found.get("dies_away", True):
         return "What stops it cannot be told: it does not die away, and what a motor does is no effect of a pendulum."
     if doubt := found.get("unit_doubt"):
-        return f"{_capital(doubt)}. No effect is named: another unit would explain the swings as well."
-    said = [f"{_capital(where['seen'])}."] if where["seen"] else []
+        return f"{capital(doubt)}. No effect is named: another unit would explain the swings as well."
+    said = [f"{capital(where['seen'])}."] if where["seen"] else []
     if found["effects"]:
-        joined = _capital(" and ".join(_described(one, catalogue[one["name"]]) for one in found["effects"]))
+        joined = capital(" and ".join(_described(one, catalogue[one["name"]]) for one in found["effects"]))
         said.append(f"{joined} {'is' if len(found['effects']) == 1 else 'are'} missing{_without(found)}.")
     if len(fit) > 1 and (len(found["effects"]) != 1 or found["effects"][0].get("gap_without") is None):
         said.append(f"Held-out residual {holdout[0]:.3g} → {holdout[-1]:.3g} times the noise{_share(found)}.")
@@ -75,7 +76,7 @@ def follows(difference: Mapping[str, Any]) -> str:
             else f"No effect follows {quantity}."
         )
     names = " or ".join(map(_spoken, (difference["effect"], *difference["tied_with"])))
-    said = f"{_capital(names)} follows {quantity} (P {_sure(difference)}){stopped}"
+    said = f"{capital(names)} follows {quantity} (P {_sure(difference)}){stopped}"
     law = difference["law"]
     if law is None:
         return f"{said}."
@@ -168,11 +169,7 @@ def _misspecified(found: Mapping[str, Any]) -> str:
     names = _listed(found["misspecified"])
     if not names:
         return ""
-    return f" {_capital(names)} would be negative if it could: the model does not fit this pendulum."
-
-
-def _capital(text: str) -> str:
-    return text[:1].upper() + text[1:]
+    return f" {capital(names)} would be negative if it could: the model does not fit this pendulum."
 
 
 def _listed(names: Iterable[str]) -> str:

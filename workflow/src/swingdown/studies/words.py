@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from math import degrees, isfinite
 from typing import Any, NamedTuple
 
-from ..language import ENGLISH, IN_ENGLISH, Language
+from ..language import ENGLISH, IN_ENGLISH, Language, capital
 from ..pendulum.catalogue import SHIPPED, Catalogue
 from ..pendulum.effect import Effect
 from ..pendulum.model import model_words
@@ -120,7 +120,7 @@ def headline(
         told, ending = _STOPS if alone else _STOP_TOGETHER, _ENDINGS.get(status, "")
     if not numbers:
         told = told.replace(": {numbers}", "")
-    told = told.format(what=joined, What=joined[:1].upper() + joined[1:], numbers=numbers)
+    told = told.format(what=joined, What=capital(joined), numbers=numbers)
     return f"{told} {ending}".rstrip()
 
 
@@ -239,4 +239,4 @@ def said(verdict: Mapping[str, Any]) -> tuple[str, str]:
     """The status of a verdict in a word or three, and its sentence, which does not say the same again."""
     status = STATUS.get(verdict["status"], verdict["status"])
     sentence = str(verdict["sentence"]).removeprefix(status).lstrip(",: ")
-    return status, sentence[:1].upper() + sentence[1:]
+    return status, capital(sentence)

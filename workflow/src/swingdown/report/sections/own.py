@@ -10,6 +10,7 @@ import pandas as pd
 from markupsafe import Markup
 
 from ...discovery.verdict import noise_rms
+from ...language import capital
 from ...pendulum.catalogue import catalogue
 from ...pendulum.model import model_words
 from ...studies.pendulums import NO_MODEL, NOT_DYING, REFUSED, SEARCH, TOGETHER, residual_of
@@ -136,7 +137,7 @@ def _quantities(rows: pd.DataFrame, found: Mapping[str, Any] | None) -> Table:
         for one in quantity_rows(row, found)
     ]
     columns = [Column("quantity"), Column("value", style="n"), Column("unit"), Column("amplitude")]
-    own = tuple(f"{one[:1].upper()}{one[1:]}." for one in notes(row))
+    own = tuple(f"{capital(one)}." for one in notes(row))
     known: tuple[str, ...] = _NOTES[:-1] if row.get("model_of") == SEARCH else _NOTES
     if row["model"] in NO_MODEL:
         known = _NOTES[:1]
@@ -199,7 +200,7 @@ def _side_by_side(table: pd.DataFrame, material: Material) -> Iterator[Item]:
     said = ", ".join(f"{word[:1].lower() + word[1:]}: {count}" for word, count in counts.items())
     refused = len(table) - len(used)
     left = f"; {refused} file{'s' if refused > 1 else ''} could not be used" if refused else ""
-    yield Text(f"{len(campaigns)} pendulums. {said[:1].upper() + said[1:]}{left}.", "lead")
+    yield Text(f"{len(campaigns)} pendulums. {capital(said)}{left}.", "lead")
     caption = "Each pendulum; a click on a column's head sorts by it, and the name leads to its files."
     yield _table("Pendulums", caption, table, campaigns, material, searched=True)
     if "pendulums" in material.figures:

@@ -5,6 +5,7 @@ from collections.abc import Iterator
 
 import pandas as pd
 
+from ...language import capital
 from .. import numbers
 from ..material import Material
 from ..page import Cell, Column, Figure, Item, Section, Table, Text
@@ -17,7 +18,7 @@ def series(material: Material) -> Section | None:
     items: list[Item] = []
     campaigns = tuple(dict.fromkeys(str(one["campaign"]) for one in material.recordings))
     if laws is not None and len(laws):
-        items += [Text(f"{str(one)[:1].upper()}{str(one)[1:]}.") for one in laws["sentence"]]
+        items += [Text(f"{capital(str(one))}.") for one in laws["sentence"]]
         for name in ("series", "groups"):
             if name in material.figures:
                 path, text = material.figures[name]
