@@ -7,6 +7,9 @@ from scipy.signal import lfilter
 from swingdown.discovery.campaign import Noise, Swing, at_most, campaign, measure_noise
 from swingdown.discovery.differences import coarse_noise
 from swingdown.discovery.files import summary
+from swingdown.discovery.linear import frame
+from swingdown.discovery.locate import line
+from swingdown.discovery.rounds import first_fit
 from swingdown.discovery.search import discover
 from swingdown.discovery.verdict import verdict
 from swingdown.pendulum.model import Model
@@ -54,6 +57,22 @@ def test_what_a_model_lacks_is_no_noise_where_samples_are_lost(lost):
     noise = next(iter(measure_noise([(times[there], left)], FREQUENCY)))
     assert noise.deviation == pytest.approx(SIZE, rel=0.06)
     assert abs(noise.correlation) < 0.1
+
+
+def test_a_vibration_has_its_frequency_where_samples_are_lost():
+    """What is left beside a hole does not follow: taken so, a line goes to where none is."""
+    values = {"natural_frequency": 7.0, "viscous_ratio": 0.008}
+    times, made = np.arange(0, 12, 0.02), []
+    for seed, angle in enumerate((0.7, -0.5)):
+        rng, there = np.random.default_rng([10, seed]), np.ones(times.size, dtype=bool)
+        for at in rng.integers(1, times.size - 41, 4):
+            there[at : at + 40] = False
+        readings = trajectory(("viscous",), values, times, angle).reading + SIZE * np.sin(
+            2 * np.pi * 2.3 * times + seed
+        )
+        made.append(Swing(f"{angle}", times[there], readings[there]))
+    one = campaign("vibrating", made)
+    assert line(frame(first_fit(one, Model("viscous")), one.fit))[0] == pytest.approx(2.3, abs=0.05)
 
 
 def test_coarse_swings_tell_their_noise_where_frames_are_lost():

@@ -347,9 +347,8 @@ def _change(curves: xr.Dataset | None) -> str:
     for k, swing in ((-1, "the first swing"), (0, "the last swing")):
         amplitude, unit = float(free["amplitude"][k]), str(free["amplitude"].attrs["units"])
         size = f"{np.degrees(amplitude):.3g}°" if unit == "rad" else f"{amplitude:.3g} {unit}"
-        where = (
-            swing if unit == "1" else size
-        )  # without a scale an amplitude is of no unit that anybody knows
+        # without a scale an amplitude is of no unit that anybody knows
+        where = swing if unit == "1" else size
         ratio, u = float(free["damping_ratio"][k]), float(free["damping_ratio_u"][k])
         if not np.isfinite(ratio):
             return ""

@@ -154,7 +154,7 @@ def _from_the_best(
     for start in (starts[0] for starts in moves):
         one, name = known.get(start.move), start.added
         rival = name == best or catalogue.damps(best) and catalogue.damps(name or "")
-        if not name or start.dropped or not rival or budget.spent or one and one.fit.rss <= first.fit.rss:
+        if not name or not rival or budget.spent or one and one.fit.rss <= first.fit.rss:
             continue
         source = first.fit.begin if name == best else start.begin
         own = [{p.name: one.values[p.name] for p in catalogue[name].parameters} for one in source.swings]
