@@ -230,12 +230,12 @@ def test_many_rows_are_each_a_trajectory_of_their_own():
         "load_friction": 0.012,
     }
     first = [*model.with_values(own).vector(), 0.35, 0.1]
-    values = np.array([first, [*first[:-2], -0.5, 0.0], [np.nan, *first[1:]]])
+    values = np.array([first, [*first[:-2], -0.5, 0.0], [np.nan, *first[1:]], [*first[:3], 0.1, *first[4:]]])
     found = simulate_each(model, np.arange(1001) / 100, values)
     for row, series in zip(values[:2], found, strict=False):
         one = model.with_values(dict(zip(model.parameters, row, strict=False)))
         assert np.array_equal(series, simulate(one, np.arange(1001) / 100, *row[-2:]))
-    assert np.all(np.isnan(found[2]))
+    assert np.all(np.isnan(found[2:]))
 
 
 def test_a_mirrored_release_gives_the_mirrored_swing():

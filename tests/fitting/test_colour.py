@@ -5,11 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from scipy.signal import lfilter
+from scipy.special import ndtr
 
 from swingdown.engine.trajectory import simulate
 from swingdown.fitting.colour import autoregression, lines_of
 from swingdown.fitting.least_squares import fit_jointly, fit_trajectory
-from swingdown.fitting.uncertainty import Uncertainty, uncertainty
+from swingdown.fitting.uncertainty import Uncertainty, half_widths, uncertainty
 from swingdown.pendulum.model import Model
 
 TIMES = np.arange(1000) / 50
@@ -188,3 +189,12 @@ def test_an_interval_beside_a_clock_within_limits_holds_95_percent(limit):
     known = Uncertainty(np.eye(1), np.array([[limit / np.sqrt(3)]]), 1.0, 1.0, 1e9)
     half = known.factors[0] * np.sqrt(known.covariance[0, 0])
     assert np.mean(np.abs(error) < half) == pytest.approx(0.95, abs=0.002)
+
+
+def test_the_half_width_of_a_clock_within_limits_is_that_of_the_sum():
+    """As a mean over the error within limits tells it, from none of it to nothing else."""
+    shares = np.array([0.0, 5e-4, 0.01, 0.3, 0.8, 0.97, 0.9999, 1.0])
+    for share, k in zip(shares, half_widths(shares), strict=True):
+        off = np.sqrt(3) * share * (np.arange(200_000) + 0.5) / 200_000
+        spread = max(np.sqrt(1 - share**2), 1e-6)
+        assert np.mean(ndtr((k - off) / spread) - ndtr((-k - off) / spread)) == pytest.approx(0.95, abs=1e-5)

@@ -2,6 +2,7 @@
 
 import argparse
 import difflib
+import gc
 import os
 import re
 import sys
@@ -204,6 +205,7 @@ def _main(given: Sequence[str]) -> int:
         name: value for name, value in vars(options).items() if name in Wishes._fields and value is not None
     }
     wishes = Wishes(**wished, drives=tuple(options.drive), handed_in=handed_in)
+    gc.freeze()  # what was imported stays to the end, and need not be looked through for what is left over
     with console.job():
         return answer(options.given, told, wishes)
 

@@ -10,7 +10,7 @@ import xarray as xr
 from ..arrays import Floats
 from ..dataset import variable
 from ..errors import InputError
-from ..fitting.uncertainty import half_width
+from ..fitting.uncertainty import half_widths
 from ..measurement.slack import of_angles
 from ..pendulum.model import Model
 from ..pendulum.slack import Slack
@@ -185,9 +185,8 @@ def _with_share(band: Band, share: float, limited: float) -> Band:
     u = np.hypot(band.u, more)
     with np.errstate(divide="ignore", invalid="ignore"):
         own, part = np.nan_to_num([band.u / u, limited * more / u])
-    normal = half_width(0.0)
-    widths = np.array([half_width(float(one)) for one in part])
-    return Band(band.value, u, widths * (1 + (band.factor / normal - 1) * own**4))
+    normal = half_widths(np.zeros(1))
+    return Band(band.value, u, half_widths(part) * (1 + (band.factor / normal - 1) * own**4))
 
 
 def _by_source(bands: Sequence[Mapping[str, Band]], scaled: bool) -> dict[str, Any]:

@@ -300,7 +300,7 @@ def simulate_each(model: Model, times: Any, values: Any) -> Floats:
     times
         Increasing times in s, of shape (n,).
     values
-        In each row the model's parameters, the release angle (rad) and velocity (rad/s). A row without a trajectory gives NaN.
+        In each row the model's parameters, the release angle (rad) and velocity (rad/s). A row that is impossible, or has no trajectory, gives NaN.
     """
     times, values = checked_times(times), np.ascontiguousarray(values, dtype=float)
     if values.ndim != 2 or values.shape[1] != len(model.parameters) + 2:
@@ -309,10 +309,11 @@ def simulate_each(model: Model, times: Any, values: Any) -> Floats:
         )
     compiled = Compiled(model, float(times[-1] - times[0]), float(times[0]))
     angles = np.full((len(values), times.size), np.nan)
-    finite = np.flatnonzero(np.isfinite(values).all(axis=1))
-    rows, found = values[finite], np.empty((finite.size, times.size))
+    least = [definition.least for definition in model.definitions] + [-np.inf, -np.inf]
+    possible = np.flatnonzero((np.isfinite(values) & (values >= least)).all(axis=1))
+    rows, found = values[possible], np.empty((possible.size, times.size))
     interface.swing_trajectories(compiled.library, compiled.c, rows, times, found)
-    angles[finite] = found
+    angles[possible] = found
     return angles
 
 

@@ -16,7 +16,6 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import brentq
 from scipy.special import ndtr, stdtrit
 
 from ..arrays import Floats
@@ -35,7 +34,9 @@ _EVEN = 1e-3  # of a step: times that are off by less are even
 _SEEN = 2.0  # standard errors
 _LEAST_DOF = 3.0
 _LEAST_LEFT = 1e-12  # of a sum of squares
-_NORMAL = 1.959963984540054  # standard deviations to either side that hold 95 % of normal errors
+_LEVEL, _NORMAL = 0.95, 1.959963984540054  # standard deviations to either side that hold it of normal errors
+_LEAST_LIMIT = 1e-3  # standard deviations: of two errors one as small counts for nothing
+_NEWTON = 5  # steps, to 1e-11
 
 
 @dataclass(frozen=True)
@@ -82,7 +83,7 @@ class Uncertainty:
         clock = self.limited * np.sqrt(
             self.systematic[:, -1] ** 2 / np.where(known, np.diag(self.covariance), 1.0)
         )
-        return np.where(known, student * [half_width(float(one)) for one in clock], np.nan)
+        return np.where(known, student * half_widths(clock), np.nan)
 
     @property
     def covariance(self) -> Floats:
@@ -90,31 +91,30 @@ class Uncertainty:
         return self.random + self.systematic @ self.systematic.T
 
 
-def half_width(limited: float) -> float:
-    """The k of an interval of 95 % for the sum of a normal error and one within limits.
+def half_widths(limited: Floats) -> Floats:
+    """The k of an interval of 95 % for the sum of a normal error and one within limits, by value.
 
     Parameters
     ----------
     limited
         The share of the standard deviation that is of the error within limits.
     """
-    limit, normal = np.sqrt(3) * min(limited, 1.0), np.sqrt(max(0.0, 1 - limited**2))
-    if limit < 1e-3:
-        return _NORMAL
-    if normal < 1e-3:
-        return 0.95 * float(limit)
-
-    def beyond(k: float) -> float:
+    share = np.minimum(limited, 1.0)
+    limit, normal = np.sqrt(3) * share, np.sqrt(1 - share**2)
+    found = np.where(limit < _LEAST_LIMIT, _NORMAL, _LEVEL * limit)
+    both = (limit >= _LEAST_LIMIT) & (normal >= _LEAST_LIMIT)
+    limit, normal = limit[both], normal[both]
+    k = np.full(
+        limit.size, _LEVEL * np.sqrt(3)
+    )  # below it: on a curve that bends down no step of Newton's leads beyond
+    for _ in range(_NEWTON):
         low, high = (k - limit) / normal, (k + limit) / normal
-        # the mean of a normal error's probability between the two limits
-        area = (
-            high * ndtr(high)
-            - low * ndtr(low)
-            + (np.exp(-(high**2) / 2) - np.exp(-(low**2) / 2)) / np.sqrt(2 * np.pi)
-        )
-        return float(normal * area / (2 * limit)) - 0.975
-
-    return float(brentq(beyond, 1.0, 3.0))
+        # the mean of a normal error's probability between the two limits, and its slope
+        area = high * ndtr(high) - low * ndtr(low) + (np.exp(-(high**2) / 2) - np.exp(-(low**2) / 2)) / np.sqrt(2 * np.pi)  # fmt: skip
+        below, slope = normal * area / (2 * limit), (ndtr(high) - ndtr(low)) / (2 * limit)
+        k = k - (below - (1 + _LEVEL) / 2) / slope
+    found[both] = k
+    return found
 
 
 @np.errstate(over="ignore", invalid="ignore")  # what runs off has no standard errors: NaN

@@ -145,9 +145,11 @@ def _rows(
         if separator != SPACES and separator not in line:
             continue
         cells = split(line, separator)
+        if len(cells) < 2:
+            continue
         numbers = sum(map(one.is_number, cells))
         gaps = sum(cell.lower() in MISSING for cell in cells)
-        if len(cells) > 1 and (numbers and numbers + gaps == len(cells) if every else numbers > 1):
+        if numbers and numbers + gaps == len(cells) if every else numbers > 1:
             sizes[k] = len(cells)
     if not sizes:
         return [], separator, decimal

@@ -11,9 +11,10 @@ HEAD = 1 << 16  # bytes from which encoding and layout are told
 PIECE = 1 << 20  # bytes held at a time
 LONGEST = 1 << 20  # bytes of a line: that of an office program's widest sheet, 16384 columns of 60 digits
 # a spreadsheet's mark for text before a number, or its quotes: `'0:0:0.01`, `'0.3'`
-_QUOTED = re.compile(rb"(?<![^\n,;\t\" ])'([-+.]?\d[-+.,:\deE]*)'?(?![^\n,;\t\" ])")
+# they begin with the sign itself, which is sought at once, and look behind it then
+_QUOTED = re.compile(rb"'(?<![^\n,;\t\" ]')([-+.]?\d[-+.,:\deE]*)'?(?![^\n,;\t\" ])")
 _ROW = re.compile(rb'(?m)^"([^"\n]*[,;\t][^"\n]*)"$')  # a row that was taken for one cell
-_FORTRAN = re.compile(rb"(?<=[\d.])[dD](?=[-+]\d)")  # its sign of an exponent: `0.35D+00`
+_FORTRAN = re.compile(rb"[dD](?<=[\d.].)(?=[-+]\d)")  # its sign of an exponent: `0.35D+00`
 FOREIGN = {
     b"\x89PNG": ("a PNG picture", "export the table of numbers, not its picture"),
     b"\xff\xd8\xff": ("a JPEG picture", "export the table of numbers, not its picture"),

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..arrays import Floats, standard_errors
-from ..engine.trajectory import TrajectoryError, simulate
+from ..engine.trajectory import simulate_each
 from ..pendulum.effect import NATURAL_FREQUENCY, Effect
 from ..pendulum.formula import names_in
 from ..pendulum.ideal import lengthening
@@ -127,22 +127,31 @@ def cycle(model: Model, amplitude: float) -> Cycle:
     return _cycle(left_alone(model.motion), amplitude)  # what sensor and drive do is none of the pendulum's
 
 
-def _cycle(model: Model, amplitude: float, later: int = 0) -> Cycle:
-    """The same of a model that is nothing but its motion; of the swing that begins ``later`` half-swings after the rest."""
+def _cycle(model: Model, amplitude: float) -> Cycle:
+    """The same of a model that is nothing but its motion."""
+    return _cycles(model, np.array([amplitude]))[0]
+
+
+def _cycles(model: Model, amplitudes: Floats, later: int = 0) -> list[Cycle]:
+    """The ``Cycle`` from each of these amplitudes (rad), at the times of the longest; of the swing that begins ``later`` half-swings after the
+    rest."""
     frequency = model.values[NATURAL_FREQUENCY.name]
-    nothing = Cycle(np.nan, np.nan, amplitude)
-    if not frequency > 0:
-        return nothing
-    ideal = 2 * np.pi / frequency * float(lengthening(amplitude))
+    if not (frequency > 0 and np.isfinite(frequency)):
+        return [Cycle(np.nan, np.nan, float(one)) for one in amplitudes]
+    ideal = 2 * np.pi / frequency * float(np.max(lengthening(amplitudes)))
     span = 1.5 + later / 2
     times = span * ideal * np.arange(int(span * _SAMPLES)) / (span * _SAMPLES)
-    try:
-        angle = simulate(model, times, amplitude)
-    except TrajectoryError:
-        return nothing
+    angles = simulate_each(model, times, [[*model.vector(), one, 0.0] for one in amplitudes])
+    return [
+        _one_cycle(times, angle, float(one), later) for one, angle in zip(amplitudes, angles, strict=True)
+    ]
+
+
+def _one_cycle(times: Floats, angle: Floats, amplitude: float, later: int) -> Cycle:
+    """The ``Cycle`` that these angles (rad) at these times (s) are of."""
     turns = np.flatnonzero(np.diff(np.sign(np.diff(angle[1:]))) != 0) + 2
     if turns.size < 2 + later:
-        return nothing
+        return Cycle(np.nan, np.nan, amplitude)
     (began, top), (_, low), (ended, high) = [
         (0.0, float(angle[0])),
         *(_vertex(times, angle, k) for k in turns[: 2 + later]),
@@ -209,10 +218,7 @@ def _decay_time(model: Model, amplitude: float, start: Cycle | None = None) -> f
         return float("nan")
     top = np.log(amplitude)
     above = min(float(top) + (1 + later) * start.decrement / 2, float(np.log(3.0)))
-    nodes = [
-        _cycle(model, float(np.exp(at)), later)
-        for at in np.linspace(top - 1, max(above, float(top)), _AMPLITUDES)
-    ]
+    nodes = _cycles(model, np.exp(np.linspace(top - 1, max(above, float(top)), _AMPLITUDES)), later)
     if not all(np.isfinite(one.decrement) for one in nodes):
         return float("nan")
     at = np.log([one.amplitude for one in nodes]) - top

@@ -5,7 +5,6 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
-from scipy import stats
 
 from ..arrays import Floats, Shown, finite_or_none
 from ..measurement.half_swings import half_swings, passages
@@ -88,7 +87,9 @@ def _run_away(halves: np.ndarray, late: Floats) -> float:
     at, late = halves[known].astype(float), late[known]
     if late.size < _ENOUGH:
         return 0.0
-    slope, middle = stats.theilslopes(late, at)[:2]
+    from scipy.stats import theilslopes  # takes as long to load as a recording to be fitted
+
+    slope, middle = theilslopes(late, at)[:2]
     # standard deviation, of normal numbers
     scatter = 1.4826 * float(np.median(np.abs(late - middle - slope * at)))
     u = scatter / float(np.sqrt(np.sum((at - at.mean()) ** 2)))
