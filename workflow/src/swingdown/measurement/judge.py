@@ -6,6 +6,7 @@ import numpy as np
 
 from ..arrays import Floats
 from ..errors import InputError
+from .beats import check_one_motion
 from .continuity import check_alive, check_continuous
 from .even import evenly
 from .gaps import check_countable, uncounted
@@ -107,8 +108,10 @@ def judge(times: Floats, signal: Floats, reading: Reading, place: str) -> Judged
     )
     if pushed:
         remarks.append(f"something other than the pendulum moves it at about {pushed[0]:.2f} s")
-    if len(windows) == 1:
-        windows = [_without_holes(_in_step(windows[0], times, about), times, about)]
+    for window in windows:
+        part = within(window, times)
+        check_one_motion(times[part], about[part], place)
+    windows = [_without_holes(_in_step(one, times, about), times, about) for one in windows]
     return Judged(signal, reading, spikes, windows, zero, remarks)
 
 

@@ -38,9 +38,11 @@ NAN = float("nan")
 
 
 class SeveralReleases(InputError):
-    """A recording with several releases: ``cells`` are the start_s and stop_s (s, as text) of each, those that it needs."""
+    """A recording with several releases: ``cells`` are the start_s and stop_s (s, as text) of each, those that it needs, and ``why`` what
+    else than a hand cuts it, "" for nothing."""
 
     cells: tuple[dict[str, str], ...] = ()
+    why: tuple[str, ...] = ()
 
 
 def find_windows(
@@ -190,5 +192,6 @@ def several_releases(windows: Sequence[Window], row: Mapping[str, Any], place: s
         "one swing in a recording",
         f"put these rows in place of this one, or state ⟨start_s⟩ or ⟨stop_s⟩ to keep it whole:\n{text.getvalue()}".rstrip(),
     )
+    refusal.why = tuple(one.why for one in windows)
     refusal.cells = tuple({key: cell for key, cell in part.items() if cell} for part in parts)
     return refusal

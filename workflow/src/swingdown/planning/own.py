@@ -13,7 +13,7 @@ import pandas as pd
 import xarray as xr
 import yaml
 
-from ..errors import InputError
+from ..errors import InputError, as_told
 from ..language import ENGLISH
 from ..measurement.angle import to_angle
 from ..measurement.archive import SeveralFiles
@@ -183,6 +183,7 @@ def take(row: Mapping[str, Any], path: Path, restoring: str = "sine") -> list[Ta
     Releases are recordings of one campaign, whose names end in their number. Runs and files are pendulums of their own,
     unless the row's campaign is another than the recording.
     """
+    why: Sequence[str] = ()
     try:
         return [_taken(row, path, restoring)]
     except SeveralRuns as found:
@@ -193,9 +194,11 @@ def take(row: Mapping[str, Any], path: Path, restoring: str = "sine") -> list[Ta
         return [*(one for part in parts for one in take(part, path, restoring)), *told]
     except SeveralReleases as found:
         parts = [_release(row, number, cells) for number, cells in enumerate(found.cells, 1)]
+        why = found.why
     except InputError as problem:
         return [refused(row, problem, path)]
-    taken = _asked_alike([one for part in parts for one in take(part, path, restoring)])
+    each = zip(parts, why or [""] * len(parts), strict=True)
+    taken = _asked_alike([_cut(one, cut) for part, cut in each for one in take(part, path, restoring)])
     return _without_rest(taken, path)
 
 
@@ -261,6 +264,14 @@ def _release(row: Mapping[str, Any], number: int, cells: Mapping[str, str]) -> d
     window = {key: float(cell) for key, cell in cells.items()}
     label = f"{row.get('label', row['recording'])}, release {number}"
     return {**row, "recording": f"{row['recording']}-{number}", "label": label, **window}
+
+
+def _cut(one: Taken | Refused, why: str) -> Taken | Refused:
+    """The same release, with ``why`` a part of it alone is used among its remarks; "" for none."""
+    if not why or isinstance(one, Refused):
+        return one
+    told = "; ".join(filter(None, (as_told(why), one.recording.attrs.get("remarks"))))
+    return one._replace(recording=one.recording.assign_attrs(remarks=told))
 
 
 def _taken(row: Mapping[str, Any], path: Path, restoring: str) -> Taken:
