@@ -9,11 +9,13 @@ import pytest
 from swingdown.discovery import refit as guarded
 from swingdown.discovery.admissible import inadmissible
 from swingdown.discovery.campaign import Noise, Swing, campaign
+from swingdown.discovery.candidates import without
 from swingdown.discovery.conclusion import concluded
 from swingdown.discovery.differences import coarse_noise
 from swingdown.discovery.files import read_rounds, summary, write_rounds
 from swingdown.discovery.linear import frame
 from swingdown.discovery.pairs import starts_of_pairs
+from swingdown.discovery.refit import refit
 from swingdown.discovery.rounds import first_fit
 from swingdown.discovery.search import discover
 from swingdown.discovery.verdict import verdict
@@ -161,6 +163,18 @@ def test_of_coarse_samples_neighbours_tell_the_noise(every, told):
         assert found.correlation == 0
     else:
         assert found == far
+
+
+def test_a_value_knows_of_the_laws_that_the_data_leave(two):
+    state = discover(two, "viscous", rounds=3, allowed=("quadratic_drag", "quadratic_stiffness"))[-1]
+    law = refit(without(state.fit, "quadratic_drag"), two.fit)
+    apart = abs(law.model.values["viscous_ratio"] - state.fit.model.values["viscous_ratio"])
+
+    def error(counting):
+        told = concluded([replace(state, counting=counting)], two)[-1].concluded["values"]["viscous_ratio"]
+        return told["standard_error"]
+
+    assert error(((0.5, state.fit), (0.5, law))) > 0.6 * apart > 3 * error(((1.0, state.fit),))
 
 
 def test_a_search_that_breaks_off_ends_as_unknown_with_its_reason(two, monkeypatch):

@@ -9,6 +9,7 @@ from swingdown.fitting.least_squares import fit_trajectory
 from swingdown.pendulum.model import Model
 from swingdown.studies.quantities import (
     Quantity,
+    about,
     cycle,
     decay_time,
     in_its_middle,
@@ -163,6 +164,15 @@ def test_a_value_of_several_models_is_their_mean_and_knows_how_far_they_are_apar
     assert list(told) == ["period"]
     assert told["period"].value == pytest.approx(10.5)
     assert told["period"].u == pytest.approx(np.sqrt(0.75 * (0.3**2 + 0.5**2) + 0.25 * (0.4**2 + 1.5**2)))
+
+
+def test_a_value_of_one_model_knows_how_far_the_others_are_from_it():
+    one, other = Quantity(10.0, 0.3, "1/s"), Quantity(12.0, 0.4, "1/s")
+    told = about({"drag": one}, [(0.75, {"drag": one}), (0.25, {"drag": other, "wind": other})])
+    assert told["drag"].value == 10.0
+    assert told["drag"].u == pytest.approx(np.sqrt(0.75 * 0.3**2 + 0.25 * (0.4**2 + 2.0**2)))
+    held = {"drag": Quantity(10.0, np.nan, "1/s")}
+    assert about(held, [(1.0, {"drag": other})]) == held
 
 
 def test_a_model_that_tells_no_value_does_not_count():

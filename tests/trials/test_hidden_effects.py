@@ -16,7 +16,7 @@ from swingdown_trials.find import find
 from swingdown_trials.schedule import Planned, chunks, drawn, planned
 from swingdown_trials.score import confusion, guard, read_scores, row, summarise
 from swingdown_trials.second_pendulum import Runaway
-from swingdown_trials.trial import BASE, hideable, left_by_base, write_trial
+from swingdown_trials.trial import BASE, USUAL, hideable, left_by_base, write_trial
 
 SEED = 99  # not the seed of the scores in the README
 
@@ -164,6 +164,21 @@ def test_a_drag_told_in_the_power_two_is_quadratic_drag():
     assert not wrong(2.04, 0.02)
     assert wrong(2.9, 0.02)
     assert wrong(1.0, 0.02)  # viscous, which is not hidden
+
+
+def test_a_drift_is_held_against_the_part_of_the_record_that_is_used():
+    truth = {"kind": "single", "hidden": ["damping_drift"], "noise": "white", "ratio": 2.0, "reached": 2.0, "sigma": 1e-3,
+             "values": {"damping_drift": 0.04, "viscous_ratio": 0.01}, "noise_rms_rad": [1e-3] * 6, "samples": 2001,
+             "design": list(USUAL)}  # fmt: skip
+    told = {"name": "damping_drift", "tied_with": []}
+    model = {"damping_drift": 0.03, "viscous_ratio": 0.01}
+    verdict = {"status": "named", "effects": [told], "stand_ins": [], "gap": {"holdout": [2.0, 1.0]}, "noise_rms_rad": 1e-3,
+               "moves": [], "model": {name: {"value": value, "standard_error": 1e-4} for name, value in model.items()}}  # fmt: skip
+    found = {"verdict": verdict, "fitted": ["c-1"], "rms_rad": {"damping_drift": 1e-3}, "seconds": 1.0}
+    assert (
+        row("c", truth, found | {"duration_s": 15.0})["covered"] == 2
+    )  # of 20 s, the last five of them at rest
+    assert row("c", truth, found | {"duration_s": 20.0})["covered"] == 1
 
 
 def test_every_effect_is_hidden_at_every_size_and_chunks_hold_each_trial_once():

@@ -8,6 +8,7 @@ from typing import Any
 
 from swingdown import dataset
 from swingdown.discovery.campaign import Swing, campaign
+from swingdown.discovery.conclusion import concluded
 from swingdown.discovery.files import summary
 from swingdown.discovery.search import discover
 from swingdown.discovery.verdict import verdict
@@ -26,7 +27,7 @@ def find(
 ) -> dict[str, Any]:
     """A dict by campaign of the sample sheet: ``verdict``, ``seconds`` of CPU time, and of the first round the swings that
     were fitted and the residual (rad) that each effect leaves of them that could be added, by name; ``refused`` are the recordings
-    that the import does not take, which are left out.
+    that the import does not take, which are left out; ``duration_s``, the longest of those used.
 
     ``excluded`` names for a campaign the effects that its catalogue lacks. InputError where the import takes none of a campaign's
     recordings.
@@ -51,7 +52,7 @@ def find(
             one = replace(one, systematic=systematic, slack=of_angles(read))
         lacks = set((excluded or {}).get(name, ()))
         allowed = [name for name in base.catalogue.names if name not in lacks]
-        states = discover(one, base, rounds, allowed)
+        states = concluded(discover(one, base, rounds, allowed), one)
         told = [summary(state, one) for state in states]
         ranked = [
             row for row in told[0]["ranking"] if not row["refused"] and row["added"] and not row["also"]
@@ -61,6 +62,7 @@ def find(
             "seconds": time.process_time() - started,
             "fitted": [swing.name for swing in one.fit],
             "refused": refused,
+            "duration_s": told[-1]["duration_s"],
             "rms_rad": {
                 row["added"]: row["rms_rad"] for row in sorted(ranked, key=lambda row: -row["rms_rad"])
             },

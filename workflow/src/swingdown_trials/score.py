@@ -13,7 +13,7 @@ from swingdown.discovery.guard import GUARD
 from swingdown.pendulum.catalogue import SHIPPED, Catalogue
 from swingdown.sealed import read_csv
 
-from .trial import CORRELATION
+from .trial import CORRELATION, Design
 
 _EXCESS = (
     100.0  # chi-square that one effect of the catalogue leaves, above which a foreign one is not imitated
@@ -47,7 +47,7 @@ def row(
         and verdict["status"] in ("named", "ambiguous")
         and all(len(members) <= _TIE_SET for members in sets.values())
     )
-    covered, intervals = _coverage(truth, verdict) if exact else (0, 0)
+    covered, intervals = _coverage(_as_told(truth, found, catalogue), verdict) if exact else (0, 0)
     excess = _excess(truth, found, found["rms_rad"])
     # to first order (1 - rho^2) times the chi-square of the hidden effect; what contains it can always do its work
     rivals = [
@@ -105,15 +105,23 @@ def _there(one: Mapping[str, Any], hidden: Iterable[str], catalogue: Catalogue) 
     )
 
 
-def _coverage(truth, verdict):
-    """How many of the model's 95 % intervals hold the truth, and how many there are; phases are left out."""
+def _as_told(truth: Mapping[str, Any], found: Mapping[str, Any], catalogue: Catalogue) -> dict[str, float]:
+    """The true values as a verdict tells them: what drifts over a record drifts over the longest that is used, and the end of a recording
+    in which the pendulum rests is not."""
+    used = found["duration_s"] / Design(*truth["design"]).duration
+    drifts = {p.name for one in catalogue if "duration" in one.term for p in one.parameters}
+    return {name: value * (used if name in drifts else 1.0) for name, value in truth["values"].items()}
+
+
+def _coverage(values: Mapping[str, float], verdict: Mapping[str, Any]) -> tuple[int, int]:
+    """How many of the model's 95 % intervals hold the true values, and how many there are; phases are left out."""
     held = count = 0
     for name, entry in verdict["model"].items():
         error = entry["standard_error"]
-        if name not in truth["values"] or name.endswith("_phase") or error is None or entry["value"] == 0:
+        if name not in values or name.endswith("_phase") or error is None or entry["value"] == 0:
             continue
         count += 1
-        held += abs(entry["value"] - truth["values"][name]) < 1.96 * error
+        held += abs(entry["value"] - values[name]) < 1.96 * error
     return held, count
 
 

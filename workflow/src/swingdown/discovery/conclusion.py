@@ -14,7 +14,7 @@ from ..fitting.result import Begin, Fit, SwingStart
 from ..fitting.uncertainty import uncertainty
 from ..measurement.plausibility import KEPT, narrowing
 from ..pendulum.free_form import FreeForm
-from ..studies.quantities import UNITS, Beside, Quantity, over_models, quantities, steady
+from ..studies.quantities import UNITS, Beside, Quantity, about, over_models, quantities, steady
 from .campaign import Campaign, Swing
 from .confirm import predict
 from .refit import FAILURES, refit
@@ -26,8 +26,9 @@ def conclusion(state: Round, campaign: Campaign) -> dict[str, Any]:
 
     A search holds swings, or parts of a recording, out of its fits; here nothing is, unless the model does not follow the whole: where
     the values of the whole add more to what the fitted swings leave than these leave with their own, the latter are reported. Natural
-    frequency, period, quality and decay time are means over the structures that the data leave. Effects that change with the time of the
-    record (``left_out``) are in the fit and in no quantity: a pendulum has none of these once for all.
+    frequency, period, quality and decay time are means over the structures that the data leave; each value of the model has its own
+    uncertainty and what it is off in the others that have it. Effects that change with the time of the record (``left_out``) are in the
+    fit and in no quantity: a pendulum has none of these once for all.
 
     Parameters
     ----------
@@ -54,12 +55,16 @@ def conclusion(state: Round, campaign: Campaign) -> dict[str, Any]:
     whole = _of_the_whole(state.fit, state, campaign)
     follows = whole is not None and _follows(whole.fit, state.fit, campaign)
     last = whole if whole is not None and follows else _Told(state.fit, campaign.fit)
-    values, derived = last.values(state), last.derived()
-    each = [
-        (share, derived if fit is state.fit else _derived(fit, state, campaign, follows))
+    others = [
+        (share, last if fit is state.fit else _other(fit, state, campaign, follows))
         for share, fit in state.counting
     ]
-    told = derived | over_models(each, UNITS) | {name: values[name] for name in last.reported}
+    derived = last.derived()
+    means = over_models([(share, one.derived()) for share, one in others if one is not None], UNITS)
+    values = about(
+        last.values(state), [(share, one.values(state)) for share, one in others if one is not None]
+    )
+    told = derived | means | {name: values[name] for name in last.reported}
     return {
         "model": last.fit.model.label,
         "values": {
@@ -151,12 +156,13 @@ def _of_the_whole(fit: Fit, state: Round, campaign: Campaign) -> _Told | None:
         return None
 
 
-def _derived(fit: Fit, state: Round, campaign: Campaign, whole: bool) -> dict[str, Quantity]:
-    """The quantities by another model, of the whole recordings or of the fitted swings; none where it cannot be followed."""
+def _other(fit: Fit, state: Round, campaign: Campaign, whole: bool) -> _Told | None:
+    """What another model says, of the whole recordings or of the fitted swings; None where it cannot be followed."""
     with suppress(*FAILURES):
         one = _of_the_whole(fit, state, campaign) if whole else _Told(fit, campaign.fit)
-        return {} if one is None else one.derived()
-    return {}
+        if one is not None and one.derived():
+            return one
+    return None
 
 
 def _follows(whole: Fit, fitted: Fit, campaign: Campaign) -> bool:

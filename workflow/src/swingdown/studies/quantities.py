@@ -103,6 +103,27 @@ def over_models(
     return told
 
 
+def about(
+    told: Mapping[str, Quantity], each: Sequence[tuple[float, Mapping[str, Quantity]]]
+) -> dict[str, Quantity]:
+    """The quantities with their values as they are, and uncertainties that hold what they are off in other models.
+
+    Parameters
+    ----------
+    told
+        By name the quantities of the model that is reported.
+    each
+        The weight of each model, and its quantities. One in which a quantity is missing says nothing of it.
+    """
+    found = dict(told)
+    for name, mean in over_models(each, told).items():
+        one = told[name]
+        if not np.isfinite(one.uncertainty):
+            continue
+        found[name] = Quantity(one.value, float(np.hypot(mean.uncertainty, one.value - mean.value)), one.unit)
+    return found
+
+
 class Cycle(NamedTuple):
     """One period from rest: its length (s), the logarithmic decrement, and the amplitude (rad) in its middle."""
 
