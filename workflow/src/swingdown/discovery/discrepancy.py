@@ -8,6 +8,7 @@ largest marginal likelihood (Kennedy and O'Hagan, J. R. Stat. Soc. B 63, 425 (20
 """
 
 from collections.abc import Collection, Sequence
+from copy import copy
 from dataclasses import dataclass
 
 import numpy as np
@@ -68,18 +69,31 @@ class Unnamed:
     """
 
     def __init__(self, fit: Fit, swings: Sequence[Swing], period: float, noise: Noise, alike: bool = False):
-        self._noise = noise
-        self._means = [Means(swing.times, period / _BINS, noise) for swing in swings]
+        self._swings, self._width, self._alike = swings, period / _BINS, alike
         motions = []
-        for swing, mean, one in zip(swings, self._means, fit.swings, strict=True):
+        for swing, mean, one in zip(swings, self._binned_under(noise), fit.swings, strict=True):
             coarse = Swing(swing.name, mean.times, mean(swing.angle), swing.drive)
             motions.append(motion(one.model, coarse, one.release_angle, one.release_velocity))
-        columns, kinds = units(motions, self._means, alike)
-        self._directions, along = _reduced(columns, kinds)
-        self._parts = [along[:, kinds == kind] for kind in range(kinds[-1] + 1)]
+        self._worked, self._kinds = units(motions, alike)
+        self._set(noise)
+
+    def under(self, noise: Noise) -> "Unnamed":
+        """The same torques on readings with another noise."""
+        found = copy(self)
+        found._set(noise)
+        return found
+
+    def _binned_under(self, noise: Noise) -> list[Means]:
+        return [Means(swing.times, self._width, noise) for swing in self._swings]
+
+    def _set(self, noise: Noise) -> None:
+        self._noise, self._means = noise, self._binned_under(noise)
+        news = [mean.news(worked) for mean, worked in zip(self._means, self._worked, strict=True)]
+        self._directions, along = _reduced(np.concatenate(news), self._kinds)
+        self._parts = [along[:, self._kinds == kind] for kind in range(self._kinds[-1] + 1)]
         self._kernels = np.stack([part @ part.T for part in self._parts])
         self._rubs = rubs(self._parts)
-        self._most = self._first_order(swings) if alike else np.inf
+        self._most = self._first_order(self._swings) if self._alike else np.inf
 
     def beside(self, frame: Frame) -> Discrepancy:
         """The ``Discrepancy`` of a fit seen in a ``Frame``."""
@@ -153,6 +167,8 @@ def _reduced(columns: Floats, kinds: NDArray[np.intp]) -> tuple[Floats, Floats]:
     """The few directions (orthonormal columns) in which a discrepancy of any kind does more than next to nothing, and the columns along them."""
     size = np.sqrt(np.bincount(kinds, np.einsum("ij,ij->j", columns, columns)))
     size[size == 0] = 1.0
-    left, singular, right = np.linalg.svd(columns / size[kinds], full_matrices=False)
-    kept = singular**2 > _SEEN * singular[0] ** 2
-    return left[:, kept], singular[kept, None] * right[kept] * size[kinds]
+    scaled = columns / size[kinds]
+    power, along = np.linalg.eigh(scaled.T @ scaled)
+    kept = power > _SEEN * power[-1]
+    strength, along = np.sqrt(power[kept]), along[:, kept]
+    return scaled @ along / strength, (along * strength).T * size[kinds]

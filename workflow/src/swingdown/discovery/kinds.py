@@ -7,7 +7,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..arrays import Floats
-from .bins import Means
 from .green import Motion, hats, over_both, response
 
 KINDS = ("restoring", "dissipative", "time", "sensor")
@@ -21,10 +20,9 @@ _KEPT = 1e-5  # of the largest variance of a kind: directions that have less are
 _FINE = 25, 0.12
 
 
-def units(
-    motions: list[Motion], means: Sequence[Means], alike: bool = False
-) -> tuple[Floats, NDArray[np.intp]]:
-    """The work of each unit of discrepancy on the news of the readings (bin, unit), and the kind of each unit, first of the first smoothness.
+def units(motions: list[Motion], alike: bool = False) -> tuple[list[Floats], NDArray[np.intp]]:
+    """The work of each unit of discrepancy on the readings of each motion (bin, unit), and the kind of each unit, first of the first
+    smoothness.
 
     The torque in time is each recording's own, or ``alike`` in all.
     """
@@ -48,8 +46,7 @@ def units(
         found += [worked[:, edges[-3] : edges[-2]], worked[:, edges[-2] :]]
         blocks.append(found)
     kinds = np.concatenate([np.full(block.shape[1], k) for k, block in enumerate(blocks[0])])
-    news = [mean.news(np.hstack(found)) for mean, found in zip(means, blocks, strict=True)]
-    return np.concatenate(news), kinds
+    return [np.hstack(found) for found in blocks], kinds
 
 
 def _shapes(one: Motion, largest: float, fastest: float) -> tuple[list[Floats], list[Floats]]:

@@ -1,6 +1,6 @@
 """The rounds of a search: at each structure on its way, where the model fails, what was tried there, and what was chosen."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 import pandas as pd
@@ -33,10 +33,22 @@ def first_fit(campaign: Campaign, base: Model) -> Fit:
     return nudged(fit, campaign.fit)
 
 
-def noise_of(campaign: Campaign, fit: Fit, base: Fit | None = None) -> Noise:
+def noise_of(campaign: Campaign, fit: Fit) -> Noise:
     """The noise on a campaign's swings, from the residuals of a fit to them: of what it may be that which makes these residuals most
-    probable, whether or not something is missing. The pendulum's frequency is that of ``base``, by default of the fit itself."""
+    probable, whether or not something is missing."""
+    likely = _likely(campaign, fit, fit)
+    return next(iter(likely)) if len(likely) == 1 else _most_probable(campaign, fit, fit, likely).noise
+
+
+def pool_of(campaign: Campaign, fit: Fit, base: Fit | None = None) -> Pool:
+    """The structures of a fit and of its ``base`` (default: itself), seen near the fit and under its noise (``noise_of``). The pendulum's
+    frequency is that of the base."""
     base = base or fit
+    return _most_probable(campaign, fit, base, _likely(campaign, fit, base))
+
+
+def _likely(campaign: Campaign, fit: Fit, base: Fit) -> dict[Noise, float]:
+    """The noises that are not improbable, with the logarithm of how likely they make what has no share in a swing."""
     swings, frequency = campaign.fit, base.model.values[NATURAL_FREQUENCY.name] / (2 * np.pi)
     residuals = [
         (swing.times, swing.angle - one.angle) for swing, one in zip(swings, fit.swings, strict=True)
@@ -44,17 +56,14 @@ def noise_of(campaign: Campaign, fit: Fit, base: Fit | None = None) -> Noise:
     measured = measure_noise(residuals, frequency, campaign.static, len(fit.free))
     likely = {coarse_noise(noise, swings, frequency): how for noise, how in measured.items()}
     most = max(likely.values())
-    rivals = [noise for noise, how in likely.items() if how > most + np.log(POSSIBLE)]
-    if len(rivals) == 1:
-        return rivals[0]
-    return max(rivals, key=lambda noise: likely[noise] + _pool(campaign, noise, base, fit).absolute)
+    return {noise: how for noise, how in likely.items() if how > most + np.log(POSSIBLE)}
 
 
-def _pool(campaign: Campaign, noise: Noise, base: Fit, fit: Fit) -> Pool:
-    """The structures of two fits, seen near the second."""
-    pool = Pool(campaign, noise, base, fit)
+def _most_probable(campaign: Campaign, fit: Fit, base: Fit, likely: Mapping[Noise, float]) -> Pool:
+    first, *others = likely
+    pool = Pool(campaign, first, base, fit)
     pool.look(fit)
-    return pool
+    return max((pool, *map(pool.under, others)), key=lambda one: likely[one.noise] + one.absolute)
 
 
 def unseen(campaign: Campaign, fit: Fit) -> Round:

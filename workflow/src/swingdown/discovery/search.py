@@ -34,9 +34,9 @@ from .next_swing import NextSwing, next_swing
 from .own_frequency import with_own_frequencies
 from .ranking import beside_the_best, drops, in_pairs, in_place_of, ranking
 from .refit import FAILURES, opened, refit, with_effect
-from .rounds import first_fit, noise_of, round_of, unseen
+from .rounds import first_fit, pool_of, round_of, unseen
 from .state import Round
-from .structures import Key, Pool, Structure
+from .structures import Key, Structure
 
 _LOUDER = 1.03  # times what a structure leaves: less of a difference is the noise's own uncertainty
 _AGAIN = 2  # times that what else would do may turn out to be more probable
@@ -88,8 +88,10 @@ class _Search:
 
     def __init__(self, campaign: Campaign, allowed: Collection[str] | None, budget: Budget, begun: Fit):
         self.campaign, self.allowed, self.budget = campaign, allowed, budget
-        base = opened(begun, campaign.fit, campaign.slack, noise_of(campaign, begun))
-        self.pool = Pool(campaign, noise_of(campaign, base), base)
+        self.pool = pool_of(campaign, begun)
+        base = opened(begun, campaign.fit, campaign.slack, self.pool.noise)
+        if base is not begun:
+            self.pool = pool_of(campaign, base)
         self.ranked: dict[Key, list[Candidate]] = {}  # by structure, what was tried there
         self.with_laws: set[Key] = set()  # what each law of damping was tried beside
 
@@ -213,11 +215,13 @@ class _Search:
         torques are those that act on its swings."""
         if best.fit is self.pool.near:
             return
-        noise = noise_of(self.campaign, best.fit, self.pool.first.fit)
+        heard = pool_of(self.campaign, best.fit, self.pool.first.fit)
         # no noise is more than what some structure leaves
         least = min(one.fit.rms for one in self.pool.known.values())
-        kept = noise.deviation > _LOUDER * least and noise.deviation > self.pool.noise.deviation
-        self.pool = self.pool.under(self.pool.noise if kept else noise, best.fit)
+        if heard.noise.deviation > max(_LOUDER * least, self.pool.noise.deviation):
+            heard = heard.under(self.pool.noise)
+        heard.take(self.pool)
+        self.pool = heard
 
     def _doubt(self, last: Structure) -> None:
         """What else would do: the structure without each of its effects, those of the base too, with another in the place of each, and with

@@ -82,10 +82,17 @@ class Pool:
     """All structures that a search has looked at, by their effects, each beside the same discrepancy: what unnamed torques do to swings
     ``near`` those of a fit (the base's by default)."""
 
-    def __init__(self, campaign: Campaign, noise: Noise, base: Fit, near: Fit | None = None):
+    def __init__(
+        self,
+        campaign: Campaign,
+        noise: Noise,
+        base: Fit,
+        near: Fit | None = None,
+        unnamed: Unnamed | None = None,
+    ):
         self.campaign, self.noise, self.base, self.near = campaign, noise, key_of(base), near or base
         period = 2 * np.pi / base.model.values[NATURAL_FREQUENCY.name]
-        self._unnamed = Unnamed(self.near, campaign.fit, period, noise)
+        self._unnamed = unnamed or Unnamed(self.near, campaign.fit, period, noise)
         self._each = float(np.log(len(base.model.catalogue)))
         self.known: dict[Key, Structure] = {}
         self.first = self._seen(base, frame(base, campaign.fit))
@@ -154,13 +161,19 @@ class Pool:
         beside = self._each * (1 + len(self.base - key))
         return Structure(fit, there, lacks, lacks.log_plain + known, lacks.log_evidence + known - beside)
 
-    def under(self, noise: Noise, near: Fit) -> "Pool":
-        """The same structures under another noise, beside what unnamed torques do near another fit."""
-        found = Pool(self.campaign, noise, self.first.fit, near)
-        for key, one in self.known.items():
-            with suppress(*FAILURES):
-                found.known[key] = found._seen(one.fit, one.frame)
+    def under(self, noise: Noise) -> "Pool":
+        """The same structures under another noise."""
+        found = Pool(self.campaign, noise, self.first.fit, self.near, self._unnamed.under(noise))
+        found.take(self)
         return found
+
+    def take(self, other: "Pool") -> None:
+        """Keep the structures of another pool of these swings, seen as those of this one are."""
+        for key, one in other.known.items():
+            there = self.known.get(key)
+            if there is None or there.fit is not one.fit:
+                with suppress(*FAILURES):
+                    self.known[key] = self._seen(one.fit, one.frame)
 
     @property
     def best(self) -> Structure:
