@@ -107,7 +107,7 @@ def test_a_file_with_an_input_is_fitted_by_the_command(tmp_path, capsys):
         ({"input": MOTOR, "input_kind": "pivot_angle", "input_unit": "V"}, "'V' is no unit of a pivot_angle"),
         ({"input": MOTOR[:-1], "input_kind": "torque"}, "1999 values for 2000 times"),
         ({"input": np.where(TIMES[5] == TIMES, np.nan, MOTOR), "input_kind": "torque"}, "no number at 0.1 s"),
-        ({"input_kind": "torque"}, "its values are missing"),
+        ({"input_kind": "torque"}, "but its values are missing"),
         ({"input": MOTOR, "input_knd": "torque"}, "there is no such argument"),
         ({"input": MOTOR, "input_kind": "torque", "input_free": "phase"}, "unknown 'phase'"),
     ],

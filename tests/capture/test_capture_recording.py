@@ -150,7 +150,7 @@ def test_a_folder_one_may_not_write_is_told_before_the_swing(record, tmp_path):
     if root:
         os.seteuid(65534)
     try:
-        with pytest.raises(InputError, match="may not be written by you"):
+        with pytest.raises(InputError, match="you may not write to it"):
             record(swing())
     finally:
         if root:

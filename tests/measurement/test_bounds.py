@@ -52,7 +52,7 @@ def test_a_zip_archive_of_line_ends(tmp_path, monkeypatch):
 def test_lines_without_numbers_are_bounded(tmp_path, monkeypatch):
     monkeypatch.setattr("swingdown.measurement.rows.MOST_ODD", 1000)
     (tmp_path / "diary.csv").write_text("t,x\n" + "1,2\n" * 20 + "today it swung\n" * 1001)
-    assert "1000 lines in it are no rows of numbers" in refusal(tmp_path / "diary.csv")
+    assert "1000 of its lines are not rows of numbers" in refusal(tmp_path / "diary.csv")
 
 
 def test_a_workbook_with_a_stray_cell_far_out(tmp_path):

@@ -107,7 +107,7 @@ def test_times_of_equal_steps_are_asked_about(tmp_path, step):
 
 def test_times_without_a_common_interval_are_refused_in_words(tmp_path):
     times = np.cumsum(np.random.default_rng(5).uniform(1, 2, 30))
-    with pytest.raises(InputError, match="how many swings passed between its points cannot be told"):
+    with pytest.raises(InputError, match="the swings between its points cannot be counted"):
         taken(tmp_path, "t (s),amplitude (rad)", times, np.abs(A[::2]))
 
 
@@ -122,7 +122,7 @@ def test_points_are_used_up_to_the_last_that_can_be_counted():
 def test_a_few_points_of_which_some_do_not_fit_are_asked_about(tmp_path):
     """Turning points written down now and then fall, and some of them happen to be as far apart as others."""
     times = [0, 7.23, 17.5, 31.9, 47.4, 63.7, 79.1, 93.4]
-    with pytest.raises(InputError, match="cannot be told") as problem:
+    with pytest.raises(InputError, match="cannot be counted") as problem:
         taken(tmp_path, "t (s),theta (rad)", times, 0.22 * np.exp(-0.02 * np.array(times)))
     assert "signal_kind" in problem.value.mend
 

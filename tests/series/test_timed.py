@@ -64,7 +64,7 @@ def test_the_times_of_ten_swings_are_not_taken_for_one(tmp_path):
 
 def test_times_of_trials_ask_for_the_number_of_swings(tmp_path):
     rows = [f"{length:g},{10 * period:.2f}" for length, period in zip(LENGTHS, PERIODS, strict=True)]
-    with pytest.raises(InputError, match="of how many swings"):
+    with pytest.raises(InputError, match="how many swings each time covers"):
         timed(written(tmp_path, "length (m),trial 1 (s)", rows))
 
 
@@ -150,7 +150,7 @@ def test_in_a_folder_of_recordings_it_is_told_apart(tmp_path, monkeypatch, capsy
 
 def test_times_side_by_side_between_spaces_are_asked_about(tmp_path):
     file = written(tmp_path, "# 5T ball 5T disc", ["9.53 9.28", "9.41 9.36", "9.44 9.31"], "two.txt")
-    with pytest.raises(InputError, match="line 2.*several times.*which of them"):
+    with pytest.raises(InputError, match="line 2.*several times.*which one"):
         timed(file)
 
 

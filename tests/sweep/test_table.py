@@ -72,7 +72,7 @@ def test_any_key_that_a_computation_depends_on_can_be_an_axis(computes, key):
         ({"snr": [1]}, "no such key", "'simulation.snr'"),
         ({"calibration.draws": [1000]}, "nothing would change along this axis", "remove"),
         ({"detection.size": [1]}, "nothing would change along this axis", "remove"),
-        ({"simulation.realizations": [10]}, "no axis", "realizations: 100"),
+        ({"simulation.realizations": [10]}, "not an axis", "realizations: 100"),
         ({"simulation.snr": [10, -1]}, "-1 does not fit", "correct"),
         ({"simulation.snr": [10, "50"]}, "text", "without quotes"),
         ({"simulation.snr": [10, 10.0]}, "twice", "remove one"),

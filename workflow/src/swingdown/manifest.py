@@ -50,7 +50,7 @@ def write_manifest(
         more = f" (and so are {', '.join(broken[1:])})" if broken[1:] else ""
         raise InputError(
             broken[0],
-            f"it, or its seal, is damaged, or was edited{more}",
+            f"it or its seal was damaged or edited{more}",
             "results that a manifest lists",
             MAKE_ANEW,
         )

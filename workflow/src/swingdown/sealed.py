@@ -121,8 +121,8 @@ def read_bytes(path: str | Path) -> bytes:
     if not agrees(path, sha256(content).hexdigest()):
         raise InputError(
             path,
-            f"it, or its seal {seal_of(path).name}, is damaged, or was edited: they do not agree",
-            "the bytes that the seal was taken of",
+            f"it or its seal {seal_of(path).name} was damaged or edited: they do not agree",
+            "the bytes that were sealed",
             MAKE_ANEW,
         )
     return content

@@ -76,7 +76,7 @@ def _with_verdict(first: Answer, members: Sequence[own.Taken], restoring: str) -
     """The first answer on a pendulum with its verdict; errors as of ``explained``, and InputError where something was changed between its recordings."""
     campaign = members[0].row["campaign"]
     if any(one.row.get("changed") for one in members):
-        raise InputError(campaign, "which effect follows a change between recordings, only the workflow can find", mend=lacking("snakemake").mend)  # fmt: skip
+        raise InputError(campaign, "only the workflow finds which effect follows a change between recordings", mend=lacking("snakemake").mend)  # fmt: skip
     found = explained([one.angle for one in members], restoring=restoring)
     named = {"campaign": campaign, "recordings": [one.row["recording"] for one in members]}
     return first.with_verdict(dict(found.verdict or {}) | named, found.shown)

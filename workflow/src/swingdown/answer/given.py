@@ -96,7 +96,7 @@ def swings(
     """
     if unit not in (None, *ANGLES):
         raise InputError(
-            "argument unit", f"unknown unit {unit!r}", " or ".join(ANGLES), "convert the angles before"
+            "argument unit", f"unknown unit {unit!r}", " or ".join(ANGLES), "convert the angles first"
         )
     if kind not in ("", *KINDS):
         raise InputError("argument kind", f"unknown kind {kind!r}", " or ".join(KINDS), "leave it out")
@@ -137,7 +137,7 @@ def asked(given: Mapping[str, Any]) -> dict[str, Any]:
     if said and "input" not in said:
         raise InputError(
             f"argument {next(iter(said))}",
-            "the drive is described, and its values are missing",
+            "the drive is described, but its values are missing",
             "input=, the values of the drive",
             "give them, or leave the description out",
         )
@@ -301,13 +301,16 @@ def _swings_in(name: str, given: Series, unit: str | None, kind: str, restoring:
         return points
     missing = ~(np.isfinite(times) & np.isfinite(values))
     if missing.mean() > MOST_EMPTY if missing.size else True:
-        raise InputError(f"{name}, sample {np.argmax(missing)}" if missing.size else name, f"not a finite number ({missing.sum()} of {times.size} samples)", "numbers, but for a few samples that are missing")  # fmt: skip
+        raise InputError(f"{name}, sample {np.argmax(missing)}" if missing.size else name, f"not a finite number ({missing.sum()} of {times.size} samples)", "numbers (a few samples may be missing)")  # fmt: skip
     times, values = times[~missing], values[~missing]
     if times.size < SHORTEST:
         raise InputError(name, f"{times.size} samples", f"at least {SHORTEST}", "record longer")
     if unit and stated and unit != stated:
         raise InputError(
-            name, f"unit={unit!r}, and the angles say that they are in {stated}", "one unit", "leave unit out"
+            name,
+            f"the argument unit says {unit}, but the angles themselves say {stated}",
+            "one unit",
+            "leave unit out",
         )
     remarks = [f"{missing.sum()} of {missing.size} samples hold no number: missing"] if missing.any() else []
     taken = unit or stated or "rad"

@@ -43,14 +43,14 @@ def times(given: Any) -> Floats:
     kind, unit = UNITS.get(written if written in UNITS else written.lower(), ("", ""))
     factor = _SECONDS.get(unit or written.lower())
     if kind != TIME or factor is None:
-        raise InputError("the times", f"their unit is {written!r}", "s, ms, us, ns, min or h", "convert them before")  # fmt: skip
+        raise InputError("the times", f"their unit is {written!r}", "s, ms, us, ns, min or h", "convert them first")  # fmt: skip
     return factor * numbers(given, "the times")
 
 
 def numbers(given: Any, what: str) -> Floats:
     """The values as floats, those that are masked or missing as NaN; InputError for what holds no numbers."""
     if isinstance(given, str | bytes | Path):
-        raise InputError(what, f"{str(given)!r} is a text", "numbers", "read a file by swingdown.read(path)")
+        raise InputError(what, f"{str(given)!r} is text", "numbers", "read a file by swingdown.read(path)")
     try:
         if isinstance(given, pd.Series | pd.Index | pd.api.extensions.ExtensionArray):
             return np.array(pd.Series(given).to_numpy(dtype=float, na_value=np.nan))
@@ -80,7 +80,7 @@ def _unit(given: Any) -> str:
         return ""
     unit = UNITS.get(written if written in UNITS else written.lower(), ("", ""))[1]
     if unit not in ANGLES:
-        raise InputError("the angles", f"their unit is {written!r}", " or ".join(ANGLES), "convert them before")  # fmt: skip
+        raise InputError("the angles", f"their unit is {written!r}", " or ".join(ANGLES), "convert them first")  # fmt: skip
     return unit
 
 
@@ -117,4 +117,4 @@ def _in_units(quantity: Any, units: tuple[str, ...], what: str) -> tuple[Floats,
         except Exception:  # each library has its own error for a quantity of another kind
             continue
         return numbers(converted, what), unit
-    raise InputError(what, f"their unit is {stated!r}", " or ".join(units), "convert them before")
+    raise InputError(what, f"their unit is {stated!r}", " or ".join(units), "convert them first")

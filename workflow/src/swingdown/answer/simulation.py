@@ -108,7 +108,7 @@ def swing_of(
     given, stated = labelled.angles(angle)
     start = float(np.ravel(np.radians(given) if stated == "deg" else given)[0])
     if model.restoring == "sine" and abs(start) >= np.pi:
-        raise InputError("angle", f"{start:.4g} rad is more than half a turn", "an angle in rad, less than pi", f"of degrees write np.radians({start:g})")  # fmt: skip
+        raise InputError("angle", f"{start:.4g} rad is more than half a turn", "an angle in rad, less than pi", f"for degrees write np.radians({start:g})")  # fmt: skip
     noise = labelled.value(noise, READINGS[model.reading], "noise")
     if at.size and since is not None and at[0] < since:
         raise InputError("times", f"they begin at {at[0]:.6g} s, before the recording does", f"times from {since:.6g} s on", "give an angle to let it go from")  # fmt: skip

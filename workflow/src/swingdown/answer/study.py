@@ -51,5 +51,5 @@ def check_writable(folder: Path) -> None:
     except OSError as error:
         raise InputError(
             folder, f"it cannot be written ({error.strerror})", "a folder of your own",
-            "name another with --directory, in which the paths of the config are to be found",
+            "name another with --directory; relative paths in the config start from it",
         ) from error  # fmt: skip

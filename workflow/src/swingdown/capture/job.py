@@ -96,7 +96,7 @@ def job(config: dict, again: bool = False) -> Job:
         except PermissionError as error:
             raise InputError(
                 error.filename or sheet,
-                "it may not be written by you",
+                "you may not write to it",
                 "a folder of your own",
                 "name another with --directory",
             ) from error

@@ -140,7 +140,7 @@ def _check_commas(path, old):
         if mark in first and "," not in first:
             raise InputError(
                 f"{path}, line 1",
-                f"its columns are set apart by {name}",
+                f"its columns are separated by {name}",
                 "commas between the columns",
                 "save it again with commas (a spreadsheet asks for the field separator)",
             )
@@ -245,7 +245,7 @@ def _replace(path, old, new, rehearse, check=None):
         if real.exists() and real.read_bytes() != old:
             raise InputError(
                 path,
-                "it was changed meanwhile",
+                "another program changed it meanwhile",
                 "no other writer",
                 "run the same command again with `recover=true`, its recording named",
             )

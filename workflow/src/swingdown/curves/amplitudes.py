@@ -110,7 +110,7 @@ def of_samples(name: str, times: Floats, angle: Floats, scaled: bool = True) -> 
     if not np.isfinite(noise):
         raise InputError(
             f"recording {name}",
-            f"{each:.2g} samples for each half-swing",
+            f"only {each:.2g} samples in each half-swing",
             "at least ten",
             "record with more samples a second",
         )

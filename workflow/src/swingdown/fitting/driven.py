@@ -58,7 +58,7 @@ def driven_guesses(model: Model, times: Floats, angle: Floats, drive: Drive) -> 
         )
     if not found:
         raise InputError(
-            f"fit of {model.label}", "how it follows the drive shows no natural frequency", "the angle of a pendulum, and the drive that moves it",
+            f"fit of {model.label}", "its response to the drive shows no natural frequency", "the angle of a pendulum, and the drive that moves it",
             "check the columns of angle and input, their units, and what the input is (⟨input_kind⟩)",
         )  # fmt: skip
     return found

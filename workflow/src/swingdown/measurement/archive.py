@@ -132,7 +132,7 @@ def _member(archive: zipfile.ZipFile, name: str, part: str) -> Inside:
     if not part and len(files) > 1:
         several = SeveralFiles(
             name,
-            f"the archive holds {len(files)} files of numbers, and which of them is meant nobody says",
+            f"the archive holds {len(files)} files of numbers, and nothing says which one is meant",
             ", ".join(files),
             "name one of them ⟨in sheet⟩, or unpack it and give the folder: then each is a recording",
         )

@@ -106,8 +106,8 @@ def _check_goes_on(times: Floats, place: str) -> None:
     if 1 - RISES < back < RISES:
         raise InputError(
             place,
-            f"it is no clock: from row to row it runs back at {round(100 * back)} % of its changes",
-            "times that rise from row to row; of time that passed since the row before, a name that says so: `dt (ms)`",
+            f"it is no time: it falls at {round(100 * back)} % of its changes from row to row",
+            "times that rise from row to row, or times since the row before under a name that says so, as `dt (ms)`",
             "name the column of the time ⟨in time_column⟩, write the samples a second ⟨in rate_hz⟩, or sort the rows by their time",
         )
 

@@ -182,7 +182,7 @@ def choose(
             f"{place}, {place_of(clock.name)}",
             f"{_saying(clock)} cannot be the time",
             "a column of time in s, ms or us",
-            "name it ⟨in time_column⟩, or write its unit ⟨in time_unit⟩; of a file without times the samples a second ⟨in rate_hz⟩",
+            "name it ⟨in time_column⟩, or write its unit ⟨in time_unit⟩; for a file without times write the samples a second ⟨in rate_hz⟩",
         )
     if not units[0] and clock.written and not clock.unit:
         raise InputError(

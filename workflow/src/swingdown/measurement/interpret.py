@@ -377,11 +377,11 @@ def _told_lost(away: np.ndarray, circle: Circle, angle: Floats, unit: str, place
     if share > MOST_LOST:
         raise InputError(
             place,
-            f"{100 * share:.0f} % of the positions lie beside the circle of the others, {circle.residual:.2g}{unit} (RMS)",
+            f"{100 * share:.0f} % of the positions lie off the circle of the others, {circle.residual:.2g}{unit} (RMS)",
             "a bob that the tracker follows",
             "track it anew, or leave the part out with ⟨start_s⟩ and ⟨stop_s⟩",
         )
-    told = [f"{int(away.sum())} of {away.size} positions lie beside the circle, as where a tracker lost the bob: left out as missing"] if away.any() else []  # fmt: skip
+    told = [f"{int(away.sum())} of {away.size} positions lie off the circle, as where a tracker lost the bob: left out as missing"] if away.any() else []  # fmt: skip
     swing = circle.radius * float(np.ptp(angle)) / 2
     if circle.residual > 0.1 * swing:
         told.append(

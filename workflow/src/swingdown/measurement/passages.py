@@ -74,7 +74,7 @@ def passages(table: Table, row: Mapping[str, Any], place: str) -> tuple[Table, x
     if gate is None:
         if ours:
             raise InputError(
-                f"{row['file']} ({place})", "no passages of a light gate are in it", "a column of increasing times, of periods, or of the gate's states",
+                f"{row['file']} ({place})", "it holds no passages of a light gate", "a column of increasing times, of periods, or of the gate's states",
                 "leave ⟨signal_kind⟩ empty, or export the times",
             )  # fmt: skip
         return table, None
@@ -180,7 +180,7 @@ def _halves(times: Floats, kind: str, step: int, place: str) -> tuple[np.ndarray
     if found is not None:
         return step * found[0], slice(begin + found[1].start, begin + found[1].stop)
     raise InputError(
-        place, "how many swings passed between its passages cannot be told: their times are not multiples of one interval",
+        place, "the swings between its passages cannot be counted: the times are not multiples of one interval",
         "passages of which some follow each other", "leave out what is no passage of the bob (⟨start_s⟩ and ⟨stop_s⟩)",
     )  # fmt: skip
 

@@ -223,7 +223,7 @@ def by_length(x: Floats, length: float, place: str) -> Floats:
     if (reach := float(np.abs(away).max())) > length:
         raise InputError(
             place,
-            f"it swings by {reach:.4g} to a side, more than is possible with the length of {length:.4g} lets it",
+            f"it swings by {reach:.4g} to a side, which a pendulum of length {length:.4g} cannot do",
             "a length from the pivot to the middle of the bob, in the coordinate's unit",
             "correct ⟨length⟩",
         )

@@ -160,7 +160,7 @@ class _Finder:
         if self.odd > MOST_ODD:
             raise InputError(
                 self.name,
-                f"{MOST_ODD} lines in it are no rows of numbers",
+                f"{MOST_ODD} of its lines are not rows of numbers",
                 "a table of numbers as text",
                 "export it again",
             )

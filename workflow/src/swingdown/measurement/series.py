@@ -107,7 +107,7 @@ class _Spoilt:
             raise InputError(
                 f"{name}, {place_of(key)}" if not self.odd else f"{name}, line {self.line}, {place_of(key)}",
                 f"{self.count} of {self.rows} cells hold no finite number ({first})",
-                "numbers, but for a few samples that are missing",
+                "numbers (a few samples may be missing)",
                 mend,
             )
         return [f"{self.count} of {self.rows} cells of `{key}` hold no number ({first}): missing samples"]

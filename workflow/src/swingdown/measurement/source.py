@@ -251,7 +251,7 @@ def _netcdf(source: BinaryIO, row: Mapping[str, Any]) -> Table:
     if not series:
         raise InputError(
             name, "it holds no variable of one dimension" + (f", but the groups {groups}" if groups else ""),
-            "a time and a swing of one recording, each a variable", "save each as an array of its own, a recording a file",
+            "a time and a swing of one recording, each a variable", "save each as its own array, and each recording as its own file",
         )  # fmt: skip
     # the columns are those along the time, or along the longest dimension where the sheet names no time
     sizes = {value.dims[0]: value.size for value in series.values()}

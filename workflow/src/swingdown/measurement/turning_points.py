@@ -267,7 +267,7 @@ def _longest(same: np.ndarray) -> slice:
 
 def _no_sides(place: str) -> InputError:
     return InputError(
-        place, "its values lie on both sides of 0, and not by turns", "the turning points of one side, or of both by turns",
+        place, "its values lie on both sides of 0, but do not alternate", "the turning points of one side, or of both sides alternately",
         "leave ⟨signal_kind⟩ empty, or correct the column",
     )  # fmt: skip
 
@@ -309,7 +309,7 @@ def _check_marks(times: Floats, place: str) -> None:
 
 def _no_count(place: str) -> InputError:
     return InputError(
-        place, "how many swings passed between its points cannot be told: their times are not multiples of one interval",
+        place, "the swings between its points cannot be counted: the times are not multiples of one interval",
         "turning points of which some follow each other",
         "write down every turning point, or their numbers instead of times; " + _ALTERNATIVES,
     )  # fmt: skip

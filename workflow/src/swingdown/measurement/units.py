@@ -133,7 +133,7 @@ def angle_unit(signal: Floats, unit: str, restoring: str, place: str) -> tuple[s
             other = unit == "rad" and not too_far("deg")
             raise InputError(
                 place,
-                f"in {unit}, as stated, it swings back and forth by {reach.max() / TURNS[unit]:.3g} turns, which weight makes nothing do",
+                f"in {unit}, as stated, it swings back and forth by {reach.max() / TURNS[unit]:.3g} turns, which no pendulum does by its weight",
                 "less than a turn for a pendulum; a disc or a wheel on a spring may turn further",
                 "if a spring pulls it back write ⟨restoring=linear⟩"
                 + ("; if these are degrees write deg ⟨in signal_unit⟩" if other else ""),

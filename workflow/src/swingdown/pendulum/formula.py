@@ -83,7 +83,7 @@ def evaluate(text: str, /, **values: Any) -> Any:
 def _tree(text: str, names: frozenset[str], where: str) -> ast.expr:
     """The syntax tree of a formula, every node of it on the whitelist; InputError names ``where`` otherwise."""
     if not isinstance(text, str) or not text.strip():
-        raise InputError(where, f"formula {text!r} is not a text", "a formula such as -k*sin(5*theta + phi)")
+        raise InputError(where, f"formula {text!r} is not text", "a formula such as -k*sin(5*theta + phi)")
     if len(text) > _LONGEST:
         raise InputError(where, f"the formula is {len(text)} characters long", f"at most {_LONGEST}")
     try:

@@ -226,7 +226,7 @@ def _without_rest(parts: list[Taken | Refused], path: Path) -> list[Taken | Refu
                 path.name,
                 f"it moves by {100 * size / most:.2g} % of what another column of the file does: at rest beside it",
                 f"a swing of at least {100 * AT_REST:.0f} % of the widest in the file",
-                "give it alone, by its name ⟨in run⟩, if that is its swing",
+                "if that is its swing, give it alone by its name ⟨in run⟩",
             )
             found[k] = refused(runs[k].row, told, path)
     return found

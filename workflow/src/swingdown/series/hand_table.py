@@ -77,7 +77,7 @@ class HandTable(NamedTuple):
             If the heads do not say of how many swings the times are, or a cell is no number above 0.
         """
         if not self.times[0].swings:
-            raise InputError(f"{path.name}, column {self.times[0].name}", "it does not say of how many swings the times are", COUNTED, "write it into the head")  # fmt: skip
+            raise InputError(f"{path.name}, column {self.times[0].name}", "it does not say how many swings each time covers", COUNTED, "write it into the head")  # fmt: skip
         found = {}
         for one in self.times:
             values = pd.to_numeric(_decimal(self.cells[one.name]), errors="coerce")
@@ -86,7 +86,7 @@ class HandTable(NamedTuple):
                 line = wrong.idxmax()
                 if re.fullmatch(r"[\d.]+(\s+[\d.]+)+", _decimal(self.cells[one.name])[line]):
                     raise InputError(
-                        f"{path.name}, line {line}", "several times stand in it between spaces, and which of them is meant nobody says",
+                        f"{path.name}, line {line}", "it holds several times between spaces, and nothing says which one is meant",
                         "a column for each kind of time", f"put tabs or commas between them, and write {COUNTED}",
                     )  # fmt: skip
                 raise InputError(

@@ -119,7 +119,7 @@ def _longer(cells: pd.Series, unit: str, where: str) -> Floats:
     if dimension != "rad" and np.nanmax(known) > np.pi:
         factor = UNITS["deg"][1]
     if not np.all(known * factor < np.pi):
-        raise InputError(where, "it is no angle of release in each line", "angles below 180°", "correct it")
+        raise InputError(where, "not every line holds an angle of release", "angles below 180°", "correct it")
     return lengthening(known * factor)
 
 

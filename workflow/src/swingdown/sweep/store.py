@@ -62,7 +62,7 @@ def check(folder):
         path = folder / name
         if not path.is_file() or checksum(path) != digest:
             mend = f"delete {folder / 'sweep.nc'} and give the same command again, which makes both anew"
-            raise InputError(path, "it is damaged, or was edited", f"what {SUMS} was taken of", mend)
+            raise InputError(path, "it was damaged or edited", f"the bytes whose checksum is in {SUMS}", mend)
 
 
 def _block(draws, axes, shape, first):

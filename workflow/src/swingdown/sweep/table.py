@@ -223,7 +223,7 @@ def _check_key(key, base, reads, computes, place):
         raise InputError(f"{place}, {key}", "no effect has such a parameter", "a parameter of the catalogue's effects",
                          near(key, names))  # fmt: skip
     if key == "simulation.realizations":
-        raise InputError(f"{place}, {key}", "how often a cell is drawn is no axis", "the key realizations",
+        raise InputError(f"{place}, {key}", "the number of draws is not an axis", "the key realizations",
                          "write `realizations: 100` beside `axes`")  # fmt: skip
     if key in known:
         raise InputError(f"{place}, {key}", f"{computes} does not depend on it: nothing would change along this axis",
