@@ -102,6 +102,23 @@ def test_it_opens_with_the_sentence_then_recording_quantities_torque_evidence_se
     assert text.count(shown["period_s_text"]) == 2, "in the sentence, and in the table"
 
 
+@pytest.mark.parametrize(("count", "named"), [(3, True), (4, False)])
+def test_files_are_named_above_the_report_while_they_are_few(made, count, named):
+    material, _ = made
+    subtitle = contents.head(material(count)).subtitle
+    assert [name for name in ("swing 1.csv", "swing 2.csv", "swing 10.csv") if name in subtitle] == [
+        "swing 1.csv", "swing 2.csv", "swing 10.csv",
+    ] * named  # fmt: skip
+    assert ("4 recordings" in subtitle) is not named
+
+
+def test_the_terminal_has_the_sentences_that_open_the_report_as_plain_text(made):
+    material, _ = made
+    told = contents.plain_findings(material(1))
+    assert told[0].startswith("Air drag (viscous) stops it") and told[-1].startswith("Nothing is missing.")
+    assert not any("<" in line or "&" in line for line in told)
+
+
 def test_control_characters_of_a_name_are_shown_and_not_obeyed(made):
     """One turns the line round, another is no character of a page at all."""
     material, folder = made

@@ -1,5 +1,6 @@
 """The sections' tables, cell by cell: what a reader sees of a number is as many digits as it has, and its unit."""
 
+import subprocess
 from types import SimpleNamespace
 
 import numpy as np
@@ -202,3 +203,26 @@ def test_where_numbers_come_from_is_told_with_seed_versions_and_checksums(tmp_pa
     assert cells(files) == [["a", "a.csv", "0" * 64], ["", "sheet.csv", digest]]
     monkeypatch.chdir(tmp_path / "inside")  # a file elsewhere is told by its name alone
     assert provenance.checksums([tmp_path / "sheet.csv"]) == [("sheet.csv", digest)]
+
+
+def test_the_commit_is_told_of_a_clone_and_whether_it_was_changed(tmp_path, monkeypatch):
+    clone = tmp_path / "clone"
+    (clone / "inside").mkdir(parents=True)
+    (clone / "file").write_text("as committed")
+
+    def git(*words):
+        settings = ("-c", "user.name=A", "-c", "user.email=a@b.c", "-c", "commit.gpgsign=false")
+        return subprocess.run(["git", "-C", clone, *settings, *words], check=True, capture_output=True, text=True).stdout  # fmt: skip
+
+    git("init", "-q")
+    git("add", "file")
+    git("commit", "-q", "-m", "first")
+    commit = git("rev-parse", "HEAD").strip()
+    monkeypatch.setattr(provenance, "PROJECT", clone)
+    assert dict(provenance.versions(1))["commit"] == commit
+    (clone / "file").write_text("changed")
+    assert dict(provenance.versions(1))["commit"] == f"{commit} with changes"
+    monkeypatch.setattr(
+        provenance, "PROJECT", clone / "inside"
+    )  # a copy within another's clone has no commit of its own
+    assert "commit" not in dict(provenance.versions(1))
