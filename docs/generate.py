@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 import rule_graph
 import sympy
+from signature import signature
 from sympy.printing.mathml import MathMLPresentationPrinter
 
 import swingdown
@@ -25,7 +26,6 @@ from swingdown.pendulum.effect import TERM_UNITS, VARIABLES, Effect
 from swingdown.pendulum.formula import parse
 from swingdown.pendulum.model import Model
 from swingdown.plots import style
-from swingdown.plots.signature import signature
 from swingdown.schema import rules
 
 BASE = ("viscous", "load_coulomb")

@@ -1,7 +1,6 @@
 """One model fitted to many series over the same times, for Monte-Carlo studies."""
 
 from collections.abc import Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import Any
 
@@ -61,13 +60,12 @@ def fit_batch(
     *,
     start: str = "free",
     search: Search = USUAL,
-    workers: int = 1,
 ) -> BatchFit:
     """The ``BatchFit`` of one model to each of many series of angles over the same times.
 
     Fits go side by side in vector lanes where no effect has states, adds inertia, may be narrow, or reads the angle but by a
-    gain and a zero. The numbers depend neither on the threads nor on a series' company. A single series takes up to twice as
-    long as by itself.
+    gain and a zero. Threads may call it side by side; the numbers do not depend on a series' company. A single series takes up to
+    twice as long as by itself.
 
     Parameters
     ----------
@@ -83,8 +81,6 @@ def fit_batch(
         As in ``fit_jointly``.
     search
         The limits of the search, and what is known beforehand.
-    workers
-        Threads that share the series.
 
     Raises
     ------
@@ -118,19 +114,9 @@ def fit_batch(
     bounds = interface.Bounds(lower[: len(free)], upper[: len(free)])
     common = interface.Batch(compiled.c, times, first, where, bounds, compared, curved, search.coarseness)
 
-    def work(part: slice) -> None:
-        into = interface.BatchResult(
-            values[part], rss[part], converged[part], evaluations[part], alone[part], off[part]
-        )
-        interface.fit_batch(compiled.library, common, series[part], given[part], options, into)
-
-    edges = np.linspace(0, count, min(workers, count) * 8 + 1).astype(int) if workers > 1 else [0, count]
-    parts = [slice(int(a), int(b)) for a, b in zip(edges, edges[1:], strict=False) if b > a]
-    if len(parts) > 1:
-        with ThreadPoolExecutor(workers) as pool:
-            list(pool.map(work, parts))
-    elif parts:
-        work(parts[0])
+    into = interface.BatchResult(values, rss, converged, evaluations, alone, off)
+    if count:
+        interface.fit_batch(compiled.library, common, series, given, options, into)
     if compared is not None:
         by_itself = np.flatnonzero(alone == 1)
         slots = given[by_itself]

@@ -3,8 +3,8 @@
 import numpy as np
 from matplotlib.figure import Figure
 
-from ..arrays import Floats
-from . import style
+from swingdown.arrays import Floats
+from swingdown.plots import style
 
 
 @style.styled
