@@ -57,6 +57,19 @@ def test_the_truth_is_found_within_its_standard_errors(name):
     assert fit.rss == pytest.approx(np.sum((fit.angle - angle) ** 2), rel=1e-9)
 
 
+@pytest.mark.parametrize("order", [(1.0, 1.3), (1.3, 1.0), (0.99, 1.01)])
+def test_of_several_guesses_alone_one_that_is_near_suffices(order):
+    case = CASES["five"]
+    angle, _ = case.noisy(1)
+    start, values = SwingStart({}, case.release_angle, case.release_velocity), case.model.values
+    guesses = [
+        Begin(case.model.with_values(values | {"natural_frequency": factor * values["natural_frequency"]}), (start,))
+        for factor in order
+    ]  # fmt: skip
+    fit = fit_jointly(case.model.label, [(TIMES, angle)], guess=guesses, seen=False)
+    assert fit.converged and fit.rss == pytest.approx(fit_trajectory(case.model.label, TIMES, angle).rss)
+
+
 def test_from_rest_the_first_sample_is_the_release():
     angle, _ = CASES["five"].noisy(2)
     fit = fit_trajectory("viscous", TIMES, angle, start="rest")

@@ -117,7 +117,7 @@ def of_samples(name: str, times: Floats, angle: Floats, scaled: bool = True) -> 
     number = np.concatenate([[0], np.cumsum(_steps(half))])
     place, size, u_size = turns.vertex(noise)
     at, u_at, slope = passes.root(noise)
-    ordered = np.sign(angle_at(times, angle, (rough[1:] + rough[:-1]) / 2) - centre)
+    ordered = np.sign(np.interp((rough[1:] + rough[:-1]) / 2, times, angle) - centre)
     single = np.diff(number) == 1
     loud = (
         np.isfinite(size)
@@ -134,11 +134,6 @@ def of_samples(name: str, times: Floats, angle: Floats, scaled: bool = True) -> 
         name, number[:-1][loud], (size - centre)[loud], u_size[loud], place[loud], number[passed] - 0.5, at[passed], u_at[passed],
         slope[passed], True, True, scaled,
     )  # fmt: skip
-
-
-def angle_at(times: Floats, angle: Floats, when: Floats) -> Floats:
-    """The angle between the samples at these times (s)."""
-    return np.interp(when, times, angle)
 
 
 def _of_rate(name: str, times: Floats, rate: Floats, restoring: str, scaled: bool) -> HalfSwings:

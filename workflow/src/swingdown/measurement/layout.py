@@ -3,7 +3,7 @@
 import re
 from collections import Counter
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 import pandas as pd
@@ -361,8 +361,3 @@ def _unique(names: Sequence[str]) -> tuple[str, ...]:
             own = f"{name}.{counts[name]}"
         told[own] = None
     return tuple(told)
-
-
-def of_size(how: Dialect, size: int) -> Dialect:
-    """The same dialect for a table of another size."""
-    return replace(how, size=size)

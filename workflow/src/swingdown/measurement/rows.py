@@ -3,7 +3,7 @@
 import io
 import re
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import BinaryIO
 
 import numpy as np
@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from ..errors import InputError
 from .cells import SPACES, Clock, Dialect, stamps
 from .columns import TIME, meaning
-from .layout import CLOCKED, COMMENT, Layout, layout, of_size, tells
+from .layout import CLOCKED, COMMENT, Layout, layout, tells
 from .table import MISSING, numbers
 from .text import charset, pieces_of
 
@@ -271,7 +271,11 @@ def layout_of(block: Block, how: Dialect, encoding: str, name: str) -> Layout:
     """The Layout of a table."""
     first = block.parts[0][0]
     return layout(
-        block.above, block.sample, of_size(how, block.size), encoding, f"{name}, line {max(first - 1, 1)}"
+        block.above,
+        block.sample,
+        replace(how, size=block.size),
+        encoding,
+        f"{name}, line {max(first - 1, 1)}",
     )
 
 

@@ -41,32 +41,6 @@ def additive(angle: Floats, snr: float, normals: Floats) -> Floats:
     return angle + _rms(angle) / snr * normals
 
 
-def additive_of_size(angle: Floats, standard_deviation: float, normals: Floats) -> Floats:
-    """The angle (rad) with noise of a stated size.
-
-    Parameters
-    ----------
-    angle, normals
-        As of ``proportional``.
-    standard_deviation
-        Of the noise, in rad.
-    """
-    return angle + standard_deviation * normals
-
-
-def quantised(angle: ArrayLike, step: float) -> Floats:
-    """The angle (rad) rounded to the nearest step, as an encoder reads it.
-
-    Parameters
-    ----------
-    angle
-        In rad, of any shape.
-    step
-        In rad.
-    """
-    return step * np.round(np.asarray(angle) / step)
-
-
 def quantisation(angle: Floats, snr: float, normals: Floats | None = None) -> Floats:
     """The angle (rad) rounded to steps whose standard deviation (step/sqrt 12) is the RMS over ``snr``.
 
@@ -77,7 +51,8 @@ def quantisation(angle: Floats, snr: float, normals: Floats | None = None) -> Fl
     normals
         Not used; all kinds of noise are called alike. Realisations of a series are the same.
     """
-    return quantised(angle, np.sqrt(12) * _rms(angle) / snr)
+    step = np.sqrt(12) * _rms(angle) / snr
+    return step * np.round(angle / step)
 
 
 NOISES = {"proportional": proportional, "additive": additive, "quantisation": quantisation}

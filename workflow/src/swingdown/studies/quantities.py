@@ -213,28 +213,15 @@ def _vertex(times: Floats, values: Floats, k: int) -> tuple[float, float]:
     return float(times[k] + shift * (times[1] - times[0])), float(here - 0.25 * (before - after) * shift)
 
 
-def decay_time(model: Model, amplitude: float) -> float:
-    """The time (s) in which the amplitude falls to its e-th part; NaN where the pendulum stops before.
+def _decay_time(model: Model, amplitude: float, start: Cycle) -> float:
+    """The time (s) in which the amplitude (rad) of a model that is nothing but its motion falls to its e-th part; NaN where it stops before.
 
     The time a period takes over what is lost in it, as a function of the amplitude (a polynomial through a few), summed over
-    the logarithm of the amplitude: for a loss that is small in a period, the fall of the turning points.
-
-    Parameters
-    ----------
-    model
-        With values.
-    amplitude
-        At which it begins, in rad.
-    """
-    return _decay_time(left_alone(model.motion), amplitude)
-
-
-def _decay_time(model: Model, amplitude: float, start: Cycle | None = None) -> float:
-    """The same of a model that is nothing but its motion; ``start`` is its cycle from there, where it is known.
+    the logarithm of the amplitude: for a loss that is small in a period, the fall of the turning points. ``start`` is its cycle from there.
 
     Friction that winds up is unwound at rest and never later, so there a cycle begins after a half-swing.
     """
-    start, later = start or _cycle(model, amplitude), int(any(one.states for one in model.effects))
+    later = int(any(one.states for one in model.effects))
     if not np.isfinite(start.decrement):
         return float("nan")
     top = np.log(amplitude)

@@ -13,7 +13,7 @@ from ..engine.trajectory import simulate
 from ..fitting.least_squares import fit_jointly
 from ..pendulum.catalogue import SHIPPED, catalogue
 from ..pendulum.model import Model
-from ..studies.noise import add_noise, additive_of_size
+from ..studies.noise import add_noise
 from .draws import noise_key, stream
 from .impossible import IMPOSSIBLE, reason
 
@@ -224,7 +224,7 @@ def _noise(settings, swings):
 def _noisy(settings, angle, noise, normals):
     """A swing (rad) with noise of that standard deviation, of the kind ``detection.noise``."""
     if settings["detection.noise"] == "additive":
-        return additive_of_size(angle, noise, normals)
+        return angle + noise * normals
     return add_noise(
         settings["detection.noise"], angle, math.sqrt(np.mean(np.square(angle))) / noise, normals
     )
