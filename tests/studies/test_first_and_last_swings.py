@@ -8,7 +8,7 @@ import swingdown
 from swingdown.studies.pendulums import NOT_DYING, pendulums
 from swingdown.studies.quantities import cycle
 from swingdown.studies.stop_watch import timed
-from swingdown.studies.unscaled import of_first_swings, pace_of
+from swingdown.studies.unscaled import of_first_swings, of_last_swings, pace_of
 
 TIMES = np.arange(0.0, 40.0, 0.02)
 
@@ -162,3 +162,12 @@ def test_where_model_and_passages_surely_disagree_the_passages_are_told(off, tol
     assert (row["period_s"] == pytest.approx(found, rel=1e-9)) == told
     if told:
         assert row["period_of"] == "passages" and "passages of the middle" in row["note"]
+
+
+def test_too_few_passages_tell_no_period():
+    times = TIMES[TIMES < 1.9]
+    swing = np.cos(np.pi * times)
+    assert (
+        np.isnan(of_first_swings(times, swing)["period_first"])
+        and np.isnan(of_last_swings(times, swing)).all()
+    )
