@@ -409,3 +409,11 @@ def test_a_compiler_that_is_asked_for_is_used(carried, library, compiler, monkey
     monkeypatch.setattr(prebuilt, "FOLDER", carried)
     calls = compiler()
     assert library().parent != carried and "engine.c" in calls.read_text()
+
+
+@pytest.mark.parametrize("machine", [("Linux", "aarch64"), ("Darwin", "x86_64"), ("Darwin", "arm64")])
+def test_elsewhere_a_wheel_carries_one_engine_without_an_x86_level(monkeypatch, machine):
+    monkeypatch.setattr(prebuilt.platform, "system", lambda: machine[0])
+    monkeypatch.setattr(prebuilt.platform, "machine", lambda: machine[1])
+    (only,) = prebuilt.levels()
+    assert only == "-".join(machine).lower() and prebuilt.built() == {only: ("",)}
