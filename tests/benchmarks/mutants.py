@@ -88,6 +88,17 @@ _SYMBOLS = {
 }  # fmt: skip
 
 
+def copied(folder):
+    """The package in a copy of the project, whose other files are links: some tests ask for them."""
+    sources = folder / "workflow" / "src"
+    shutil.copytree(SOURCE, sources, ignore=shutil.ignore_patterns("__pycache__", "*.egg-info"))
+    for one in (*ROOT.iterdir(), *SOURCE.parent.iterdir()):
+        there = folder / one.relative_to(ROOT)
+        if one.name[0] != "." and not there.exists():
+            there.symlink_to(one)
+    return sources
+
+
 def noticed(folder, tests):
     """Whether tests fail with the package in a folder."""
     command = [sys.executable, "-m", "pytest", "-x", "-q", "-n0", "-p", "no:cacheprovider", *tests]
@@ -102,8 +113,7 @@ def noticed(folder, tests):
 def main(seed, count=12, each=3):
     draw, survived, total = random.Random(int(seed)), 0, 0
     with tempfile.TemporaryDirectory() as place:
-        copy = Path(place) / "src"
-        shutil.copytree(SOURCE, copy, ignore=shutil.ignore_patterns("__pycache__", "*.egg-info"))
+        copy = copied(Path(place))
         for module in draw.sample(modules(), int(count)):
             whole = module.read_bytes()
             known = sorted(set(changes(whole.decode())))
