@@ -10,7 +10,7 @@ from swingdown.pendulum.model import PAPER_MODELS, Model
 from swingdown.studies import norms
 from swingdown.studies import paper_tables as tables
 from swingdown.studies.comparison import holm
-from swingdown.studies.parameters import parameters
+from swingdown.studies.parameters import parameter_budget, parameters
 
 SAMPLES = 3000
 
@@ -202,3 +202,22 @@ def test_the_papers_printed_numbers_are_all_there(root, published):
     assert len(published) == 8
     assert published["mean_degrees"].sum() == pytest.approx(3.19857)
     assert published["std_degrees"].sum() == pytest.approx(0.17184)
+
+
+@pytest.mark.parametrize("joint", [True, False])
+def test_the_budget_of_a_value_has_its_sources_and_their_shares_of_the_variance(joint):
+    by = ("fitted", "parameter")
+    fits = xr.Dataset(
+        {
+            "standard_error": (by, [[0.05, 0.02]]),
+            "random_standard_error": (by, [[0.03, 0.02]]),
+            "systematic": ((*by, "source"), [[[0.04, 0.001], [0.0, 0.0]]]),
+        },
+        {"fitted": ["viscous"], "parameter": ["a", "b"], "source": ["arm", "bob"], "parameter_unit": ("parameter", ["1", "rad"])},
+    )  # fmt: skip
+    told = fits.assign_attrs(campaign="bench") if joint else fits.assign_coords(campaign="bench")
+    budget = parameter_budget([told])
+    assert set(budget["campaign"]) == {"bench"} and set(budget["fitted"]) == {"viscous"}
+    rows = budget[["parameter", "source", "contribution", "unit"]].to_numpy().tolist()
+    assert rows == [["a", "random", 0.03, "1"], ["a", "arm", 0.04, "1"], ["b", "random", 0.02, "rad"]]
+    np.testing.assert_allclose(budget["share"], [0.36, 0.64, 1.0])
