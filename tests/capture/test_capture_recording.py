@@ -87,18 +87,27 @@ def test_bytes_that_are_no_frames(record):
         record([(0.1, b"12,512\r\n" * 50)])
 
 
+def swing_with(what, before=5):
+    """The pieces of a swing, and something that happens before the one of this number, when the one ahead of it has arrived."""
+    pieces = swing()
+    for k, piece in enumerate([*pieces, (0, b"")]):
+        if k == before:
+            while pieces[k - 1][1] not in RAW.read_bytes():
+                time.sleep(0.01)
+            what()
+        yield piece
+
+
 def test_a_stop_before_the_end(record):
     stop = threading.Event()
-    threading.Timer(0.5, stop.set).start()
-    told = record(swing(), stop=stop)
+    told = record(swing_with(stop.set), stop=stop)
     assert "a: stopped, PARTIAL" in told and "early" in told
     assert dataset.read(NC).attrs["status"] == "stopped"
 
 
 def test_a_stop_where_no_duration_is_fixed_is_a_whole_recording(record):
     stop = threading.Event()
-    threading.Timer(1.8, stop.set).start()
-    told = record(swing(), stop=stop, duration_s=None, timeout_s=2)
+    told = record(swing_with(stop.set, 10), stop=stop, duration_s=None, timeout_s=2)
     assert "a: stopped: 100 of 100 samples" in told
     ingest(row(), "sheet.csv")
 
@@ -114,9 +123,8 @@ def test_a_recording_is_never_overwritten(record):
 
 
 def test_not_even_one_that_appears_while_it_is_recorded(record):
-    threading.Timer(0.5, lambda: NC.write_text("mine")).start()
     with pytest.raises(InputError, match="never overwritten"):
-        record(swing())
+        record(swing_with(lambda: NC.write_text("mine")))
     assert NC.read_text() == "mine"
     assert sum(len(data) for _, data in read_journal(RAW)[1]) == 800  # and what was recorded is kept
 
