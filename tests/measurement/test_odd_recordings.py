@@ -9,7 +9,7 @@ from swingdown.measurement.judge import Reading, check_used, judge
 from swingdown.measurement.plausibility import in_step_and_dying, in_step_and_steady
 from swingdown.measurement.recording import ingest
 from swingdown.measurement.sheet import read_sheet
-from swingdown.measurement.units import in_rad, time_factor
+from swingdown.measurement.units import check_steps, in_rad, time_factor
 
 RATE = 100
 TIME = np.arange(30 * RATE) / RATE
@@ -303,3 +303,10 @@ def test_a_driven_swing_of_scattered_sizes_that_ends_smaller_by_chance_does_not_
     times = np.arange(600) / 50
     assert not in_step_and_dying(times, sizes * half)
     assert in_step_and_dying(times, np.exp(-0.006 * times) * half)
+
+
+def test_an_angle_turns_further_than_half_round_in_a_hole_alone():
+    angle = np.array([0.0, 1.0, 2.0, 6.0, 6.5])
+    with pytest.raises(InputError, match=r"swing, 0\.3 s: the angle changes by 0\.637 turns"):
+        check_steps(np.array([0.0, 0.1, 0.2, 0.3, 0.4]), angle, "swing")
+    check_steps(np.array([0.0, 0.1, 0.2, 0.4, 0.5]), angle, "swing")  # a sample is missing

@@ -7,6 +7,7 @@ import xarray as xr
 
 import swingdown
 from swingdown.engine.trajectory import simulate
+from swingdown.measurement.angle import UNSCALED
 from swingdown.pendulum.model import Model
 from swingdown.studies.described import described_by, rivals, weights
 from swingdown.studies.experiment import fit_campaign, fit_recording
@@ -171,3 +172,12 @@ def test_the_quality_of_a_swing_whose_law_nobody_knows_is_as_sure_as_it_is_said_
         value, u, _ = answer.quantities["quality"]
         held.append(abs(value - right) < 1.96 * u)
     assert sum(held) >= 21
+
+
+def test_readings_without_a_scale_have_the_period_of_their_first_swings(study):
+    (own,) = (one for name, one in study[0].groupby("recording") if name == "a1")
+    unscaled = own.assign(uncertainty=("recording", [UNSCALED]), period_change=("recording", [np.nan]))
+    row = pendulums(unscaled).iloc[0]
+    assert row["amplitude_text"] == "the first swings" and np.isnan(row["amplitude_rad"])
+    assert row["period_s"] == pytest.approx(2 * np.pi / 7.0 * 1.0056, abs=0.003)
+    assert not np.isfinite(row.get("last_period_s", np.nan))
