@@ -8,6 +8,7 @@ import pandas as pd
 import pytest
 import xarray as xr
 import yaml
+from scipy.integrate import solve_ivp
 from somebody import NOISE, TIMES, TRUTH, holds_the_truth, swing, written
 
 import swingdown
@@ -333,3 +334,23 @@ def test_an_array_that_says_it_is_emulated_is_told_as_such():
 def test_numbers_without_times_beside_them_are_refused(given):
     with pytest.raises(InputError, match="no angles are given, and the times bring none along"):
         swings(given)
+
+
+@pytest.mark.parametrize(
+    ("drive", "damping", "told"),
+    [
+        (1.67, 0.64, "it turns over and over: from end to end it makes 23.6 turns"),
+        (0.0, 3.0, "comes to rest without a swing"),
+    ],
+)
+def test_what_does_not_swing_is_refused_for_what_it_does(drive, damping, told):
+    times = np.arange(0, 60, 0.02)
+    angles = solve_ivp(
+        lambda _, y: [y[1], drive - np.sin(y[0]) - damping * y[1]],
+        (0, 60),
+        [1.4, 0.0],
+        t_eval=times,
+        rtol=1e-9,
+    ).y[0]
+    with pytest.raises(InputError, match=told):
+        swingdown.fit(times, angles + np.random.default_rng(1).normal(0, 2e-3, times.size), unit="rad")

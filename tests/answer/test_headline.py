@@ -12,6 +12,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
+from scipy.integrate import solve_ivp
 
 import swingdown
 from swingdown.__main__ import main
@@ -217,3 +218,22 @@ def test_what_does_not_die_away_is_told_no_law_of_damping(tmp_path, monkeypatch,
     told = capsys.readouterr()
     assert "it does not die away" in told.out and "Exponential" not in told.out + told.err
     assert not list((tmp_path / "study").glob("*.png"))
+
+
+@pytest.mark.slow("a search")
+def test_what_keeps_itself_going_is_not_said_to_be_stopped_by_half_an_explanation():
+    """Van der Pol's oscillator: a shaken support does part of it, whose damping would give a quality of 0.6 to what swings on."""
+    times = np.arange(0, 60, 0.02)
+    exact = solve_ivp(
+        lambda _, y: [y[1], -y[0] - 0.43 * (y[0] ** 2 - 1) * y[1]],
+        (0, 60),
+        [0.3, 0.3],
+        t_eval=times,
+        rtol=1e-9,
+    ).y[0]
+    answer = swingdown.explain(
+        times, exact + np.random.default_rng(5).normal(0, 2e-3, times.size), unit="rad"
+    )
+    assert answer.verdict["status"] in ("partial", "unknown")
+    assert answer.sentence.startswith("What stops it cannot be told: it does not die away. T = 6.3")
+    assert "quality" not in answer.quantities

@@ -42,7 +42,7 @@ from ..studies.doubt import (
 )
 from ..studies.experiment import fit_campaign, with_drive
 from ..studies.norms import combine_recordings
-from ..studies.pendulums import NOT_DYING, joined, pendulums
+from ..studies.pendulums import NOT_DYING, SEARCH, joined, pendulums
 from ..studies.quantities import Quantity
 from ..studies.unscaled import without_scale
 from .given import Driven, asked, swings
@@ -338,7 +338,7 @@ def explained(
     if found["status"] == "unknown" and not found["unit_doubt"]:
         of_swings(given, fitted, effects, restoring)
     answer = first.with_verdict(found, _shown(states[-1], whole.fit, whole.holdout))
-    if found["status"] == "unknown" or not found["conclusion"]:  # the quantities are those of damping, too
+    if answer.row.get("model_of") != SEARCH:  # the quantities are those of damping, too
         return answer
     return replace(answer, **_ended(states[-1], whole, found["conclusion"], first.begins))
 

@@ -24,7 +24,7 @@ from ..measurement.driven import CURVES, LAWS, check_free
 from ..pendulum.catalogue import SHIPPED, Catalogue
 from ..pendulum.model import Model
 from ..rounding import value_with_uncertainty
-from ..studies.pendulums import by_verdict, in_order, residual_of
+from ..studies.pendulums import SEARCH, by_verdict, in_order, residual_of
 from ..studies.quantities import Quantity
 from ..studies.stop_watch import by_stop_watch
 from ..studies.words import headline, lines, or_models, quantity_rows, short
@@ -170,7 +170,10 @@ class Answer:
         table = self.table.copy().astype(object)
         row = by_verdict(self.table.iloc[-1].to_dict(), found)
         table = pd.concat([table.iloc[:-1], pd.DataFrame([row])], ignore_index=True)
-        fitted = of_verdict(found, self.restoring, self.catalogue) or self.fitted
+        searched = (
+            of_verdict(found, self.restoring, self.catalogue) if row.get("model_of") == SEARCH else None
+        )
+        fitted = searched or self.fitted
         return replace(self, verdict=found, shown=shown or self.shown, table=in_order(table), fitted=fitted)
 
     def simulate(

@@ -25,6 +25,8 @@ UNSCALED = (
     "⟨in scale⟩"
 )
 
+_AT_REST = 0.02  # of what a recording goes through, in its last quarter
+
 
 @dataclass(frozen=True)
 class Reading:
@@ -171,6 +173,7 @@ def check_used(times: Floats, judged: Judged, used: slice, place: str, partial: 
     """
     healed = judged.spikes.healed[used]
     if not partial and (count := len(half_swings(healed).starts)) < 3:
+        _check_swings(healed, judged.reading, max(count - 1, 0), place)
         raise InputError(
             place,
             f"the recording is too short, or holds no angle: in {healed.size} samples it passes its middle {max(count - 1, 0)} times",
@@ -181,6 +184,27 @@ def check_used(times: Floats, judged: Judged, used: slice, place: str, partial: 
     check_countable(times[used], healed, place)
     remarks = check_shrinks(healed, place)
     return remarks + check_continuous(times[used], judged.signal[used], place, judged.spikes.within(used))
+
+
+def _check_swings(signal: Floats, reading: Reading, passed: int, place: str) -> None:
+    """InputError for what is long enough, passes its middle ``passed`` times, and does not swing: it turns over, or rests at once."""
+    expected = "a pendulum that swings back and forth about where it hangs"
+    in_turns = 0.0 if reading.unit in TO_RAD_PER_S else (reading.scale or 0.0) / (2 * np.pi)
+    turns = float(np.ptp(signal)) * in_turns
+    if turns > 1 and reading.restoring == "sine":
+        raise InputError(
+            place,
+            f"it turns over and over: from end to end it makes {turns:.1f} turns",
+            expected,
+            "leave out the part in which it turns over (⟨start_s⟩ and ⟨stop_s⟩)",
+        )
+    if np.ptp(signal[-(signal.size // 4) :]) < _AT_REST * np.ptp(signal):
+        raise InputError(
+            place,
+            f"it is braked so much that it comes to rest without a swing: it passes its middle {passed} times",
+            expected,
+            "brake it less, or name the column of the angle",
+        )
 
 
 def used_part(

@@ -254,9 +254,11 @@ def joined(*remarks: str) -> str:
 
 def by_verdict(row: Mapping[str, Any], verdict: Mapping[str, Any]) -> dict[str, Any]:
     """The row with the quantities of the model that the search ended with, fitted to the whole of every recording, in place of those
-    of a model of damping; as it is where the search has none, or established nothing: what imitates has no values."""
+    of a model of damping; as it is where the search has none, or established nothing: what imitates has no values. Nor has swings that do
+    not die away a loss by a model that something is missing from."""
     concluded = verdict.get("conclusion")
-    if not concluded or verdict["status"] == "unknown":
+    open_still = ("unknown", "partial") if row["model"] == NOT_DYING else ("unknown",)
+    if not concluded or verdict["status"] in open_still:
         return dict(row)
     ends = ("", "_u", "_text")
     old = {
