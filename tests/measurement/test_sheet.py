@@ -74,7 +74,7 @@ def test_files_are_found_in_the_working_directory_first_then_in_the_project(shee
             ["lines 2 and 3", "'a b' and 'a/b' would be one file (a-b)"],
         ),
         ("recording,file\na,gone.csv\n", ["line 2, column file", "no file gone.csv"]),
-        ("recording,file\na,a.csv,1\n", ["line 2", "3 cells in a row of 2 columns"]),
+        ("recording,file\na,a.csv,1\n", ["line 2, column file", "3 cells in a row of 2 columns"]),
         ("recording,file,signal_unit\na,a.csv,volt\n", ["line 2, column signal_unit", "'volt'"]),
         ("recording,file,role\na,a.csv,hold-out\n", ["line 2, column role", "write 'holdout'"]),
         ("recording,file,counts_per_revolution\na,a.csv,0\n", ["column counts_per_revolution", "> 0"]),

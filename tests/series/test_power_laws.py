@@ -92,6 +92,20 @@ def test_g_by_the_slope_whatever_the_lengths_are_short_of():
     assert "g = 9.810 ± 0.0" in found.sentence and "too short by 15.00(95) mm" in found.sentence
 
 
+def test_the_uncertainty_of_g_is_that_of_a_straight_line():
+    """The squares of the periods have the same error, so the slope's is that over the root of the sum of squared lengths."""
+    found = gravity_of_lengths(LENGTHS, PERIODS, 0.0, 1e-3 / (2 * PERIODS))
+    away = LENGTHS - LENGTHS.mean()
+    assert found.u_g == pytest.approx(9.81**2 / (4 * np.pi**2) * 1e-3 / np.sqrt(away @ away), rel=1e-6)
+
+
+def test_above_an_offset_an_error_along_the_line_counts_by_its_slope():
+    y = 0.5 + 2 * LENGTHS
+    along, across = (power_law(LENGTHS, y, *u, offset=True) for u in ((0.003, 1e-6), (0.0, 0.006)))
+    assert along.offset == pytest.approx(0.5) and along.exponent == pytest.approx(1.0)
+    assert [along.u_offset, along.u_exponent] == pytest.approx([across.u_offset, across.u_exponent], rel=1e-3)
+
+
 @pytest.mark.parametrize(("exponent", "factor"), [(0.5, 2.006), (1.0, 12.0), (-1.0, 0.03)], ids=["T of L", "b of area", "γ of 1/m"])  # fmt: skip
 @pytest.mark.parametrize("unstated", [1.0, 3.0])
 def test_theory_is_inside_two_standard_uncertainties(exponent, factor, unstated):
