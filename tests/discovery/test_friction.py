@@ -10,6 +10,7 @@ from swingdown.discovery import friction, judge
 from swingdown.discovery.admissible import at_its_bound
 from swingdown.discovery.campaign import Noise, Swing, campaign
 from swingdown.discovery.confirm import predict
+from swingdown.discovery.discrepancy import Discrepancy
 from swingdown.discovery.judge import judged, told_of
 from swingdown.discovery.linear import frame
 from swingdown.discovery.structures import Pool
@@ -131,6 +132,18 @@ def test_drags_that_share_the_work_are_judged_as_one():
     found = judged(pool, pool.known[frozenset(("constant_coulomb", "viscous", "structural_damping"))])
     assert list(found) == ["viscous"] and found["viscous"].sure
     assert "structural_damping" in found["viscous"].ties
+    assert found["viscous"].at_shape < 0.1  # as far from nothing as both are together
+
+
+def test_sizes_that_share_the_work_are_from_nothing_together():
+    """Two frictions of which either may do the work of the other: what they do in all is known ten times better than each."""
+    names, known = ("constant_friction", "load_friction"), np.array([[1.0, -0.99], [-0.99, 1.0]])
+    lacks = Discrepancy(0.0, 0.0, 0.0, {}, 1.0, {}, names, known)
+    assert lacks.from_nothing({"constant_friction": 1.5}, []) == pytest.approx(1.5)
+    assert lacks.from_nothing(dict.fromkeys(names, 1.5), []) == pytest.approx(1.5 * np.sqrt(2 / 0.01))
+    assert lacks.from_nothing({"constant_friction": 1.5}, ["load_friction"]) == pytest.approx(
+        1.5 / np.sqrt(1 - 0.99**2)
+    )
 
 
 @pytest.mark.slow("many trajectories")

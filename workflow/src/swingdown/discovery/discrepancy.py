@@ -7,7 +7,7 @@ reading do to the reading, to first order. What the fit's own values can imitate
 largest marginal likelihood (Kennedy and O'Hagan, J. R. Stat. Soc. B 63, 425 (2001)).
 """
 
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass
 
@@ -49,15 +49,15 @@ class Discrepancy:
     friction: float = 0.0
     friction_error: float = 0.0
 
-    def given(self, name: str, held: Collection[str]) -> float:
-        """The standard error of a value where those ``held`` are, over that where they are free; 1 of what was not fitted."""
-        if name not in self.names:
-            return 1.0
-        at = [self.names.index(one) for one in (name, *held) if one in self.names]
+    def from_nothing(self, sizes: Mapping[str, float], held: Collection[str]) -> float:
+        """How many standard errors ``sizes``, in units of their own, are from nothing together where the values ``held`` are."""
+        names = [one for one in sizes if one in self.names]
+        at = [self.names.index(one) for one in (*names, *held) if one in self.names]
         known = self.covariance[np.ix_(at, at)]
         scale = np.sqrt(np.maximum(np.diag(known), 1e-300))
-        alone = np.linalg.pinv(known / np.outer(scale, scale), hermitian=True)[0, 0]
-        return float(1 / np.sqrt(max(alone, 1.0)))
+        precision = np.linalg.pinv(known / np.outer(scale, scale), hermitian=True)[: len(names), : len(names)]
+        away = np.array([sizes[one] for one in names])
+        return float(np.sqrt(max(away @ precision @ away, 0.0)))
 
 
 class Unnamed:

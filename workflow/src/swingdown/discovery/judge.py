@@ -212,16 +212,21 @@ def _as_likely(simpler: Contained, values: Mapping[str, float], errors: Mapping[
 
 
 def _at_its_shape(best: Structure, name: str, names: Sequence[str]) -> float:
-    """The standard error of an effect's size where its shape is held, and those that are judged with it, over that where all are free: of
-    an effect of nothing there is no shape, and what is as likely as nothing is asked with the shape that it has."""
-    catalogue = best.fit.model.catalogue
-    size = catalogue[name].size
-    held = [
-        p.name
-        for one in names
-        for p in (catalogue[one].with_role("shape") if one == name else catalogue[one].parameters)
-    ]
-    return best.lacks.given(size.name, held) if size else 1.0
+    """The standard error of an effect's size where its shape is held, over that where all are free: of an effect of nothing there is no
+    shape, and what is as likely as nothing is asked with the shape that it has. Of several that are judged as one it is such that this
+    size is as far from nothing as all sizes are together."""
+    effects = [best.fit.model.catalogue[one] for one in (name, *(one for one in names if one != name))]
+    values, errors, wider = best.fit.model.values, best.fit.model.standard_errors, best.widened
+    sizes = {
+        one.size.name: values[one.size.name] / (errors[one.size.name] * wider.get(one.size.name, 1.0))
+        for one in effects
+        if one.size and errors.get(one.size.name)
+    }
+    if effects[0].size is None or effects[0].size.name not in sizes:
+        return 1.0
+    shapes = [p.name for one in effects for p in one.with_role("shape")]
+    together = best.lacks.from_nothing(sizes, shapes)
+    return abs(sizes[effects[0].size.name]) / together if together > 0 else 1.0
 
 
 def _with(key: Key, old: str, new: str) -> Key:
