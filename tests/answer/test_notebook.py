@@ -94,6 +94,13 @@ def test_several_files_are_one_pendulum_and_each_goes_on_as_it_began(tmp_path):
         answer.simulate(recording="anna")
 
 
+def test_swings_without_names_are_numbered_where_there_are_several(plain, swing):
+    lower = swingdown.simulate("viscous", TIMES, 0.25, noise=0.002, seed=4, **VALUES)
+    both = swingdown.fit([TIMES, TIMES], [swing.values, lower.values], **FEW)
+    assert list(plain.table["recording"]) == ["swing"]
+    assert list(both.table["recording"]) == ["swing 1", "swing 2", "(joint)"]
+
+
 def test_a_quantity_has_value_uncertainty_and_unit_and_prints_as_one_writes_it(plain):
     period = plain.quantities["period"]
     value, uncertainty, unit = period
