@@ -288,3 +288,11 @@ def test_swings_beyond_half_a_turn_have_no_curves():
     angles, _ = recorded("viscous", {"viscous_ratio": 0.003}, 3.3, restoring="linear")
     with pytest.raises(InputError, match=r"its swings reach 18\d°.*restoring: linear"):
         curves(angles)
+
+
+def test_where_only_one_side_has_samples_enough_its_decay_is_told():
+    times = np.arange(0.0, 30.0, 0.1)  # seven and eight samples of a half-swing in turn
+    noise = np.random.default_rng(1).normal(0, 5e-4, times.size)
+    angle = 0.08 * np.exp(-times / 40) * np.cos(2 * np.pi * times / 1.5) + noise
+    found = swingdown.fit(times, angle).curves()
+    assert float(np.nanmedian(found["loss"])) == pytest.approx(1.5 / 40, rel=0.05)

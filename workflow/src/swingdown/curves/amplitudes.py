@@ -130,9 +130,12 @@ def of_samples(name: str, times: Floats, angle: Floats, scaled: bool = True) -> 
     loud[last:] = False  # what comes after the first that is lost in the noise is chosen by the noise
     passed = np.isfinite(at)
     passed[last + 1 :] = False
+    # where a half-swing has hardly samples enough, those of one side may all have too few
+    above = np.count_nonzero(ordered[loud] > 0)
+    both = min(above, np.count_nonzero(loud) - above) >= 2
     return HalfSwings(
         name, number[:-1][loud], (size - centre)[loud], u_size[loud], place[loud], number[passed] - 0.5, at[passed], u_at[passed],
-        slope[passed], True, True, scaled,
+        slope[passed], True, both, scaled,
     )  # fmt: skip
 
 

@@ -9,6 +9,7 @@ import numpy as np
 import pandas as pd
 
 from ..errors import InputError
+from .across import upright
 from .cells import Dialect
 from .clock import counts_rows, goes_on
 from .columns import TIME, meaning
@@ -26,6 +27,9 @@ def delimited(source: BinaryIO, name: str, rate: float = np.nan) -> dict[str, Ta
     """The Tables of a text file; of several below each other those of each, named by it."""
     coded = encoding(source, name)
     head = _head(source, coded, name)
+    if (text := upright(head)) and not rate > 0:
+        found = delimited(text, name)
+        return {run: one._replace(layout=f"its rows as columns, {one.layout}") for run, one in found.items()}
     how = dialect(head, name, single=rate > 0)
     if (how is None or how.words) and (text := reworded(source, coded, name, surely=how is not None)):
         found = delimited(text, name, rate)

@@ -1,0 +1,48 @@
+"""Tables that lie across the page: the times in one row, what was read at them in the rows below."""
+
+import io
+import re
+from collections.abc import Sequence
+
+from .cells import split
+from .layout import COMMENT, DIALECTS
+
+FEWEST = 10  # samples: fewer rows are none of a recording's, and fewer columns none of its samples
+_NUMBER = re.compile(r"[+-]?(\d+[.,]?\d*|[.,]\d+)([eE][+-]?\d+)?")
+
+
+def upright(lines: Sequence[str]) -> io.BytesIO | None:
+    """The text of a table whose rows become columns, between tabs; None where the lines, all of a file, are no table that lies across.
+
+    It has fewer rows than a recording has samples, each with a name before its numbers or each without, and as many numbers in one as in the
+    other; of one row they rise.
+    """
+    filled = [line.strip() for line in lines if line.strip() and not COMMENT.match(line)]
+    if not 2 <= len(filled) < FEWEST:
+        return None
+    for separator in dict.fromkeys(one for one, _ in DIALECTS):
+        rows = [_without_end(split(line, separator)) for line in filled]
+        named = [not _NUMBER.fullmatch(row[0]) if row else True for row in rows]
+        sizes = {len(row) for row in rows}
+        if len(sizes) > 1 or min(sizes) - any(named) < FEWEST or any(named) != all(named):
+            continue
+        numbers = [row[any(named) :] for row in rows]
+        if all(not cell or _NUMBER.fullmatch(cell) for row in numbers for cell in row) and any(
+            map(_rises, numbers)
+        ):
+            text = "\n".join("\t".join(cells) for cells in zip(*rows, strict=True))
+            return io.BytesIO(f"{text}\n".encode())
+    return None
+
+
+def _without_end(cells: list[str]) -> list[str]:
+    """The cells without empty ones at their end."""
+    while cells and not cells[-1]:
+        cells = cells[:-1]
+    return cells
+
+
+def _rises(cells: Sequence[str]) -> bool:
+    """True for numbers that rise from cell to cell."""
+    values = [float(cell.replace(",", ".")) for cell in cells if cell]
+    return all(a < b for a, b in zip(values, values[1:], strict=False))
