@@ -94,6 +94,17 @@ def counts_rows(values: Floats) -> bool:
     return bool(known.size > 1 and np.all(np.diff(known) == 1))
 
 
+def counts_ticks(times: Floats) -> bool:
+    """True for whole numbers as a processor's clock shows them: a step differs from another by two or more, and all have no common measure.
+
+    Who reads a slow swing does so at even times, each so many whole seconds after the one before.
+    """
+    steps = _changes(times)
+    if steps.size < RESTART or not (times == np.round(times)).all():
+        return False
+    return bool(np.ptp(steps[steps > 0]) >= 2 and np.gcd.reduce(steps.astype(np.int64)) == 1)
+
+
 def _changes(times: Floats) -> Floats:
     """The steps from one finite reading to the next that are not 0."""
     steps = np.diff(times[np.isfinite(times)])

@@ -1,5 +1,6 @@
 """Tables in a text file: cells between commas, tabs, semicolons or spaces, or a number a line."""
 
+import io
 import itertools
 import re
 from collections.abc import Iterator, Sequence
@@ -20,6 +21,8 @@ from .table import WHOLE, Table, numbers
 from .text import HEAD, charset, encoding, pieces_of
 from .worded import reworded
 
+_BRACKETED = re.compile(r"^[ \t]*[(\[]([^()\[\]\n]*)[)\]][ \t,;]*\r?$", re.MULTILINE)
+_MOSTLY = 0.9  # of the rows; notes stand above and below
 _INTERVAL = re.compile(r"(?i)^\W*(delta[ _]x|sample[ _]interval|sampling[ _]interval|increment)\b")
 
 
@@ -27,6 +30,9 @@ def delimited(source: BinaryIO, name: str, rate: float = np.nan) -> dict[str, Ta
     """The Tables of a text file; of several below each other those of each, named by it."""
     coded = encoding(source, name)
     head = _head(source, coded, name)
+    if (text := _without_brackets(source, coded, name, head)) is not None:
+        found = delimited(text, name, rate)
+        return {run: one._replace(layout=f"rows in brackets, {one.layout}") for run, one in found.items()}
     if (text := upright(head)) and not rate > 0:
         found = delimited(text, name)
         return {run: one._replace(layout=f"its rows as columns, {one.layout}") for run, one in found.items()}
@@ -87,6 +93,17 @@ class _Rows:
 
     def __iter__(self) -> Iterator[pd.DataFrame]:
         return read(*self.asked)
+
+
+def _without_brackets(source: BinaryIO, coded: str, name: str, head: Sequence[str]) -> BinaryIO | None:
+    """The same text where each row stands in brackets, as a program prints its tuples or lists; None of another."""
+    rows = [line for line in head if line.strip()]
+    if not rows or np.mean([bool(_BRACKETED.match(line)) for line in rows]) < _MOSTLY:
+        return None
+    whole = "".join(
+        piece.decode(charset(coded), errors="replace") for _, piece in pieces_of(source, coded, name)
+    )
+    return io.BytesIO(_BRACKETED.sub(r"\1", whole).encode())
 
 
 def _head(source: BinaryIO, coded: str, name: str) -> list[str]:

@@ -23,7 +23,7 @@ from .choice import (
     with_running_time,
     without_still,
 )
-from .clock import in_order, parts
+from .clock import counts_ticks, in_order, parts
 from .columns import (
     LENGTH,
     OF_ACCELERATIONS,
@@ -151,7 +151,9 @@ def interpret(table: Table, row: Mapping[str, Any], place: str, restoring: str) 
         if not columns.time_unit:
             _check_no_count(ordered.times, where)
         known = values[0][ordered.kept]
-        factor, odd = time_factor(ordered.times, known, bool(columns.time_unit), where)
+        counted = "asked" if guessed_in(table) and not row["signal_column"] else "taken"
+        ticks = counted if counts_ticks(times) else ""
+        factor, odd = time_factor(ordered.times, known, bool(columns.time_unit), where, ticks)
     if factor != 1.0:
         ordered = in_order(times * factor, values[0], where)
     times, values = ordered.times, [one[ordered.kept] for one in values]

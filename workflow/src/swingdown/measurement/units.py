@@ -8,6 +8,7 @@ from ..arrays import Floats
 from ..errors import InputError
 from .half_swings import half_swings
 from .plausibility import TO_RAD
+from .refused import WHICH_COLUMN
 
 LONGEST, SHORTEST = 60.0, 0.02  # s; a pendulum of 900 m, and one of a tenth of a millimetre
 ROOM = 4.0  # s; a pendulum of 4 m hardly fits into a room
@@ -21,7 +22,9 @@ TURNS = {"rad": 2 * pi, "deg": 360.0}
 NO_SCALE = "1"  # the unit of a reading whose scale nobody states
 
 
-def time_factor(times: Floats, signal: Floats, told: bool, place: str) -> tuple[float, list[str]]:
+def time_factor(
+    times: Floats, signal: Floats, told: bool, place: str, ticks: str = ""
+) -> tuple[float, list[str]]:
     """Seconds per unit of the times, and a remark where it is not 1 or the period is odd.
 
     Parameters
@@ -32,6 +35,9 @@ def time_factor(times: Floats, signal: Floats, told: bool, place: str) -> tuple[
         Whether anybody stated the unit. Else it is s, or ms, us or a spreadsheet's days where a pendulum's period is possible in that alone.
     place
         What an error names as its place.
+    ticks
+        Of times as a processor counts them, at which nobody reads a torsion balance: ``taken`` for ms, or ``asked``, where it is open as
+        well which column swings.
 
     Raises
     ------
@@ -63,6 +69,18 @@ def time_factor(times: Floats, signal: Floats, told: bool, place: str) -> tuple[
         for unit, factor in (("ms", 1e-3), ("us", 1e-6))
         if SHORTEST <= factor * period <= LONGEST
     ]
+    if LONGEST < period <= SLOWEST and ticks == "taken":
+        return 1e-3, [
+            f"no unit of the time is stated, and its whole numbers do not rise evenly, as a processor's clock counts: TAKEN AS ms, a period of {period / 1e3:.4g} s"
+        ]
+    if LONGEST < period <= SLOWEST and ticks:
+        raise InputError(
+            place,
+            "the file does not say what its columns hold, nor the unit of its times, which seem to be ms",
+            "a column with the angle",
+            "name the column of the angle ⟨in signal_column⟩; an accelerometer that rides on the bob shows none",
+            WHICH_COLUMN,
+        )
     if LONGEST < period <= SLOWEST:
         raise InputError(
             place,

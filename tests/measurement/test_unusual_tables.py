@@ -1,4 +1,4 @@
-"""Tables that lie across the page are read as what they are, and no other table is turned."""
+"""Tables across the page, rows in brackets, and times as a processor counts them are read as what they are, and no others are."""
 
 import numpy as np
 import pytest
@@ -46,4 +46,40 @@ def test_a_row_of_words_is_no_row_of_readings(tmp_path):
     file = tmp_path / "words.csv"
     file.write_text("a,b\nc,d\n")
     with pytest.raises(InputError):
+        ingest({**COLUMNS, "recording": "a", "file": str(file)})
+
+
+@pytest.mark.parametrize("brackets", ["()", "[]"])
+def test_rows_in_brackets_are_rows(tmp_path, brackets):
+    file = tmp_path / "printed.txt"
+    lines = [f"{brackets[0]}{t:.3f}, {y:.3f}{brackets[1]}" for t, y in zip(TIMES, ANGLE, strict=True)]
+    file.write_text("\n".join(lines) + "\n")
+    found = ingest({**COLUMNS, "recording": "a", "file": str(file), "signal_unit": "deg"})
+    assert "rows in brackets" in found.attrs["taken"] and np.allclose(found["signal"], ANGLE, atol=1e-3)
+
+
+def ticks(steps, header, named):
+    times = np.cumsum(np.resize(steps, 600))
+    y = 20 * np.exp(-times / 20e3) * np.cos(2 * np.pi * times / 500)
+    rows = "\n".join(f"{t},{a:.3f},{0.3 * a + 1:.3f}" for t, a in zip(times, y, strict=True))
+    return f"{named}\n{rows}\n" if header else f"{rows}\n"
+
+
+def test_a_processors_ticks_are_ms(tmp_path):
+    file = tmp_path / "ticks.csv"
+    file.write_text(ticks([25, 27, 26, 24], True, "t,angle (deg),volt (V)"))
+    found = ingest({**COLUMNS, "recording": "a", "file": str(file)})
+    assert "TAKEN AS ms" in found.attrs["remarks"] and found["time"].values[-1] == pytest.approx(
+        15.3, rel=0.02
+    )
+
+
+@pytest.mark.parametrize(
+    ("steps", "question"),
+    [([25, 27, 26, 24], "what its columns hold, nor the unit"), ([25], "torsion balance")],
+)
+def test_even_seconds_may_be_a_torsion_balances(tmp_path, steps, question):
+    file = tmp_path / "ticks.csv"
+    file.write_text(ticks(steps, False, ""))
+    with pytest.raises(InputError, match=question):
         ingest({**COLUMNS, "recording": "a", "file": str(file)})
