@@ -132,7 +132,7 @@ def of_samples(name: str, times: Floats, angle: Floats, scaled: bool = True) -> 
     passed[last + 1 :] = False
     # where a half-swing has hardly samples enough, those of one side may all have too few
     above = np.count_nonzero(ordered[loud] > 0)
-    both = min(above, np.count_nonzero(loud) - above) >= 2
+    both = bool(min(above, np.count_nonzero(loud) - above) >= 2)
     return HalfSwings(
         name, number[:-1][loud], (size - centre)[loud], u_size[loud], place[loud], number[passed] - 0.5, at[passed], u_at[passed],
         slope[passed], True, both, scaled,
