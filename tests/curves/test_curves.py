@@ -167,6 +167,19 @@ def test_a_model_s_friction_of_speed_alone_is_its_own_at_slow_speeds_too():
     assert found["friction"].sel(source="alone").values[1:] == pytest.approx(truth[1:], rel=1e-3)
 
 
+@pytest.mark.parametrize("noise", [2e-5, 2e-3])
+def test_a_right_model_says_more_than_none_whatever_the_noise(noise):
+    """What it lacks is as likely to be a law with nothing beside it as what swings free of a model lack."""
+    values = {"viscous_ratio": 0.003, "quadratic_coefficient": 0.02}
+    angles, model = recorded("viscous+quadratic_drag", values, 0.5, noise=noise)
+    answer = swingdown.fit(angles[0]["time"].values, angles[0]["angle"].values, unit="rad")
+    assert answer.label == "viscous+quadratic_drag"
+    found = answer.curves()
+    free, own = (found["loss_u"].sel(source=source).values for source in ("free", "model"))
+    assert np.median(own / free) < 0.85
+    assert inside(found, "damping_ratio", ratio(model, found), "model") > 0.9
+
+
 def test_a_clock_within_limits_widens_the_period_by_no_more_than_these():
     angles, _ = recorded("viscous", {"viscous_ratio": 0.005}, 0.5, noise=1e-6)
     found = curves(angles).sel(source="free")

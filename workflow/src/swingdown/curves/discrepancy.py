@@ -11,7 +11,17 @@ import numpy as np
 from ..arrays import Floats
 from ..pendulum.model import Model
 from ..studies.quantities import steady
-from .free import LEAST_STIFFNESS, OF_STIFFNESS, Free, marked, of_losses, of_marks, timed_of, typical_of
+from .free import (
+    LEAST_LOSS,
+    LEAST_STIFFNESS,
+    OF_STIFFNESS,
+    Free,
+    marked,
+    of_losses,
+    of_marks,
+    timed_of,
+    typical_of,
+)
 from .modelled import Course, course_of, drag, effects_on, static
 from .regression import SHARE, Prior, kernel
 from .second_order import Table
@@ -20,7 +30,7 @@ from .torques import durations, losses, lost
 _GRID = 41  # amplitudes between which the model's loss and period are interpolated
 _DIFFERENCES = 10  # releases of a model by which differences between two are told
 _WIDER = 10.0  # times its standard errors that a model's values may be off: what its fit knew then counts for a hundredth
-_LEAST_LOSS = 1e-3  # of the loss that a model lacks, over the whole
+_LEAST_LACK = 1e-3  # of the loss that a model lacks, over the whole
 _SMOOTH = 1.8  # of the logarithm of the speed: what the friction of a model changes over
 _ROUGH = 1e-3  # of the loss: how closely a friction of speed alone has to take what a model takes
 
@@ -120,7 +130,7 @@ def _taken(
     scale = typical_of(found.courses)
     known = Table(grid, loss.alone[:, np.newaxis])
     unknown = Table(grid, loss.beside(losses(found.ideal, found.friction, grid), scale))
-    prior = Prior.any_size(loss.effects.shape[1], found.friction.nodes, scale, _LEAST_LOSS)
+    prior = Prior.any_size(loss.effects.shape[1], found.friction.nodes, scale, _LEAST_LACK, LEAST_LOSS)
     told = of_losses(found.swings, found.courses, known, unknown, prior)
     taken, lost = known.at(amplitude)[:, 0], unknown.at(amplitude)
     fast, spread = speeds

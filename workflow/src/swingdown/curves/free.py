@@ -19,7 +19,7 @@ _LEAST = 4  # half-swings of a recording
 _PART = 1e-3  # of an amplitude, for differences
 _FEWEST_MARKS = 6
 OF_STIFFNESS = 0.1  # of the restoring torque: what a law of its deviation may be a few times of
-_LEAST_LOSS, LEAST_STIFFNESS = 3e-3, 1e-6  # of the smooth curve that no law has, over the laws
+LEAST_LOSS, LEAST_STIFFNESS = 3e-3, 1e-6  # of the smooth curve that no law has, over the laws
 
 
 @dataclass(frozen=True)
@@ -128,7 +128,7 @@ def free(swings: Sequence[HalfSwings], restoring: str = "sine") -> Free:
         basis = friction(ideal, every)
         rows = losses(ideal, basis, table)
         beyond = Beyond.none(table) if before is None else before
-        prior = Prior.enough(len(basis.powers), basis.nodes, typical_of(courses), _LEAST_LOSS)
+        prior = Prior.enough(len(basis.powers), basis.nodes, typical_of(courses), LEAST_LOSS)
         loss = of_losses(swings, courses, beyond.table, Table(table, rows), prior)
         before = beyond = Beyond.of(ideal, basis, loss, table)
         courses = _courses(swings, courses, Table(table, rows), beyond, loss)

@@ -45,7 +45,7 @@ class Posterior:
 
 class Prior(NamedTuple):
     """What is known before: how many ``laws`` there are, the curve's ``nodes``, the ``scale`` of a law's coefficient, and over it the
-    ``sizes`` that the curve may have, with their ``odds``."""
+    ``sizes`` (case, 2) that laws as large as the curve, and the curve itself, may have, with their ``odds``."""
 
     laws: int
     nodes: Floats
@@ -56,20 +56,29 @@ class Prior(NamedTuple):
     @classmethod
     def enough(cls, laws: int, nodes: Floats, scale: float, least: float) -> "Prior":
         """That the laws are enough, and the curve of the ``least`` size, is as probable as that they are not."""
-        sizes = np.geomspace(least, 1.0, 8)
-        return cls(laws, nodes, scale, sizes, np.r_[0.5, np.full(sizes.size - 1, 0.5 / (sizes.size - 1))])
+        sizes, odds = _enough(least, 8)
+        return cls(laws, nodes, scale, np.column_stack([sizes, sizes]), odds)
 
     @classmethod
-    def any_size(cls, laws: int, nodes: Floats, scale: float, least: float) -> "Prior":
-        """Any size up to that of the whole is as probable (Gelman, Bayesian Analysis 1, 515 (2006)), however well laws do that were chosen
-        because they do well."""
-        sizes = np.geomspace(least, 1.0, 10)
-        return cls(laws, nodes, scale, sizes, sizes / sizes.sum())
+    def any_size(cls, laws: int, nodes: Floats, scale: float, least: float, of_curve: float) -> "Prior":
+        """That what comes beside ``laws``, however well they do that were chosen because they do well, is again laws that are enough, with a
+        curve of the least size ``of_curve`` over theirs; as probable is any variance up to that of the whole (Morris and Lysy,
+        Statistical Science 27, 115 (2012))."""
+        wholes, (shares, odds) = np.geomspace(least, 1.0, 10), _enough(of_curve, 6)
+        sizes = np.stack(np.broadcast_arrays(wholes[:, np.newaxis], np.outer(wholes, shares)), axis=-1)
+        likely = np.outer(wholes**2 / np.sum(wholes**2), odds)
+        return cls(laws, nodes, scale, sizes.reshape(-1, 2), likely.ravel())
+
+
+def _enough(least: float, count: int) -> tuple[Floats, Floats]:
+    """Sizes from the ``least`` to 1, and their odds: a half that it is the least."""
+    sizes = np.geomspace(least, 1.0, count)
+    return sizes, np.r_[0.5, np.full(count - 1, 0.5 / (count - 1))]
 
 
 class Design(NamedTuple):
     """The columns of a regression: ``laws`` (observation, law) with coefficients of some size; ``curve``: laws that are as large as a smooth
-    curve, and the values of that at its nodes; ``besides``, of whose coefficients nothing is known."""
+    curve, or larger, and the values of that at its nodes; ``besides``, of whose coefficients nothing is known."""
 
     laws: Floats
     curve: Floats
@@ -89,13 +98,11 @@ def regression(observed: Floats, error: Floats, design: Design, prior: Prior) ->
     smooth = slice(size - prior.nodes.size, size)
     as_large[:, smooth, smooth] = [kernel(prior.nodes, width) for width in _WIDTHS]
     roots = np.linalg.cholesky(as_large)
-    whole = np.zeros((len(_WIDTHS), prior.sizes.size, len(gram), len(gram)))
+    whole = np.zeros((len(_WIDTHS), len(prior.sizes), len(gram), len(gram)))
     whole[..., :, :] = np.eye(len(gram))
     whole[..., :first, :first] *= prior.scale * SHARE
-    shares = prior.scale * prior.sizes
-    whole[..., first : first + size, first : first + size] = (
-        shares[:, np.newaxis, np.newaxis] * roots[:, np.newaxis]
-    )
+    shares = prior.scale * np.repeat(prior.sizes, [size - prior.nodes.size, prior.nodes.size], axis=1)
+    whole[..., first : first + size, first : first + size] = shares[..., np.newaxis] * roots[:, np.newaxis]
     likelihood, means, covariances, variances, frees = _each(
         gram, right, power, whole.reshape(-1, *gram.shape), first + size, freedom
     )
