@@ -1,12 +1,15 @@
 """g from a pendulum and its lengths, against what can be worked out by hand."""
 
+import re
+
 import numpy as np
 import pandas as pd
 import pytest
 
 from swingdown.errors import InputError
+from swingdown.language import language
 from swingdown.measurement.stated import Stated
-from swingdown.studies.gravity import gravity, gravity_of_two_pivots, with_gravity
+from swingdown.studies.gravity import Gravity, gravity, gravity_of_two_pivots, of_words, with_gravity
 
 SECOND = Stated(np.pi, 0.0, "rad/s")  # the frequency of a period of 2 s
 
@@ -112,3 +115,12 @@ def test_no_g_of_a_spring_of_pixels_or_without_a_frequency():
 def test_centimetres_taken_for_metres_are_told():
     table, _ = with_gravity(pd.DataFrame([row("a")]), {"a": {"length": "99.4"}})
     assert "no place on Earth has it: are the units of length and time right" in table["g_of"].iloc[0]
+
+
+@pytest.mark.parametrize("code", ["de", "fr", "es", "it", "pt"])
+def test_what_is_said_of_g_is_said_in_each_language(code):
+    one = Gravity(30.6, np.nan, 0.05, "a point on a string without mass, air left out", pd.DataFrame())
+    words = of_words(one)
+    assert "no place on Earth" in words and "was not given" in words
+    told = language(code).text(words)
+    assert not {"without", "place", "units", "length", "given", "else"} & set(re.findall(r"[a-z]+", told))
