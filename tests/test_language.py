@@ -178,7 +178,7 @@ def test_what_no_catalogue_has_stays_english_sentence_by_sentence():
 
 @pytest.mark.parametrize(
     ("text", "told"),
-    [("0.87147(30)", "0,87147(30)"), ("58.0(3.5)", "58,0(3,5)"), ("1.23(4) × 10⁻⁵", "1,23(4) × 10⁻⁵"), ("swingdown 0.1.0", "swingdown 0.1.0"), ("a1.5b.csv", "a1.5b.csv"), ("(1.20 ± 0.34)e-7", "(1,20 ± 0,34)e-7")],
+    [("0.87147(30)", "0,87147(30)"), ("58.0(3.5)", "58,0(3,5)"), ("1.23(4) × 10⁻⁵", "1,23(4) × 10⁻⁵"), ("swingdown 0.1.0", "swingdown 0.1.0"), ("a1.5b.csv", "a1.5b.csv"), ("(1.20 ± 0.34)e-7", "(1,20 ± 0,34)e-7"), ("3.12e+04", "3,12e+04"), ("1.5e-3.csv", "1.5e-3.csv")],
 )  # fmt: skip
 def test_numbers_have_the_decimal_sign_of_the_language(text, told):
     assert language("fr").number(text) == told and language("en").number(text) == text

@@ -6,7 +6,9 @@ import numpy as np
 import pandas as pd
 import pytest
 from exporting import export
+from matplotlib.text import Text
 
+from swingdown import plots
 from swingdown.__main__ import main
 from swingdown.errors import InputError
 
@@ -47,3 +49,37 @@ def test_a_series_by_what_is_not_there_is_refused(here):
         export(here / "class" / f"{k}.csv", frequency(0.5 + k / 10), seed=k)
     with pytest.raises((InputError, SystemExit)):
         main(["class", "--quick", "--by", "length"])
+
+
+def shown(figure):
+    """All that is written in a figure."""
+    figure.draw_without_rendering()
+    return "\n".join(one.get_text() for one in figure.findobj(Text))
+
+
+def test_lines_and_pictures_are_in_the_language(here, capsys, monkeypatch):
+    """Of a series, of groups, and of the swings that a drive would make: words and the decimal sign."""
+    drawn = {}
+    monkeypatch.setattr(plots, "save", lambda figure, path, *_: drawn.__setitem__(path.name, shown(figure)))
+    for k, length in enumerate((40, 40, 60, 60, 90, 90)):
+        export(here / "lengths" / f"{length}cm-{k}.csv", frequency(length / 100), seed=k)
+    table = [f"{length}cm-{k}.csv,{'AB'[k % 2]}\n" for k, length in enumerate((40, 40, 60, 60, 90, 90))]
+    (here / "lengths" / "who.csv").write_text("file,group\n" + "".join(table))
+    assert main(["lengths", "--quick", "--lang", "de"]) == 0
+    export(here / "a.csv")
+    assert main(["a.csv", "--quick", "--lang", "fr", "--drive", "0.2", "3"]) == 0
+    assert main(["a.csv", "--quick", "--lang", "it", "--drive", "1e-9", "--into", "b"]) == 0
+    told = capsys.readouterr().out
+    for words in (
+        "une excitation de 0,2 rad/s² : 13,6° à 1,15 Hz\n",
+        "une excitation de 3 rad/s² : plus ample que ne le montre l'amortissement libre\n",
+        "nessuna curva di risonanza: con 1e-09 rad/s^2 oscilla meno di quanto mostri lo smorzamento libero; atteso: più di 0,145 rad/s^2\n",
+    ):
+        assert words in told.replace("\u00a0", " ")
+    for name, words, english in (
+        ("series.png", ("Länge (m)", "Periode $T$ (s)", "Exponent 0,", "Theorie 0,5", "Potenzgesetz", "0,8"), ("length", "law", "0.")),
+        ("groups.png", ("gleich mit p = ", "Mittel einer Gruppe", "Güte $Q$", "graue Linie"), ("mean", "equal", "p = 0.")),
+        ("resonance.png", ("fréquence de l'excitation (Hz)", "excitation 0,2 rad/s²", "retard de phase (°)", "1,15"), ("drive", "bands", "0.")),
+    ):  # fmt: skip
+        assert all(one in drawn[name] for one in words), drawn[name]
+        assert not any(one in drawn[name] for one in english), drawn[name]

@@ -1,14 +1,18 @@
 """The pictures beside an answer: what is written in them can be read, and what they do not show is not spoken of."""
 
 import numpy as np
+import pandas as pd
 import pytest
 from written import boxes, in_the_way
 
 import swingdown
 from swingdown.language import language, languages
+from swingdown.measurement.stated import Stated
 from swingdown.plots import save
 from swingdown.plots.curves import backbone, resonances
+from swingdown.plots.series import groups_side_by_side, over_what_was_varied
 from swingdown.plots.style import in_language
+from swingdown.series import series_of
 
 TIMES = np.arange(2001) / 100
 LAWS = {
@@ -73,9 +77,48 @@ def test_a_band_without_an_end_leaves_the_picture_its_limits(answer):
 
 def test_nothing_is_cut_in_any_language(tmp_path):
     swing = swingdown.simulate("viscous", TIMES, 0.35, noise=1e-3, seed=1, natural_frequency=7.25, viscous_ratio=0.008)  # fmt: skip
-    curves = swingdown.fit(swing, fitted=["viscous"]).curves()
-    curves = curves.assign_attrs(model="viscous+presliding", emulated="yes")
+    answer = swingdown.fit(swing, fitted=["viscous"])
+    curves = answer.curves().assign_attrs(model="viscous+presliding", emulated="yes")
+    driven = answer.resonance([0.5, 1.5, 3.0]).assign_attrs(emulated="yes")
     for code in languages():
-        figure = in_language(backbone(curves), language(code))
-        save(figure, tmp_path / f"{code}.png")
-        assert not in_the_way(figure), code
+        for figure in (
+            backbone(curves),
+            resonances(driven),
+            over_what_was_varied(varied()),
+            groups_side_by_side(between()),
+        ):
+            spoken = in_language(figure, language(code))
+            save(spoken, tmp_path / f"{code}.png")
+            assert not in_the_way(spoken), code
+
+
+def table(**columns):
+    """A table of pendulums with periods, qualities and decay times."""
+    count = len(next(iter(columns.values())))
+    known = {"recording": [f"r{k}" for k in range(count)], "label": ["r"] * count}
+    return pd.DataFrame(
+        known
+        | {
+            name: value
+            for own, one in columns.items()
+            for name, value in ((own, one), (f"{own}_u", 0.01 * one))
+        }
+    )
+
+
+def varied():
+    lengths = np.array([0.2, 0.4, 0.6, 0.9])
+    found = table(period_s=2.006 * lengths**0.5 * (1 + 0.05 * np.sin(9 * lengths)), quality=60 + 9 * lengths)
+    values = {
+        name: {"length": Stated(at, 0.001, "m")} for name, at in zip(found["recording"], lengths, strict=True)
+    }
+    return series_of(found, values)
+
+
+def between():
+    found = table(
+        period_s=np.array([1.0, 1.01, 1.2, 1.21, 1.0, 1.01]),
+        quality=np.arange(60.0, 66),
+        decay_time_s=np.arange(20.0, 26),
+    )
+    return series_of(found, {}, {name: {"group": "ABC"[k // 2]} for k, name in enumerate(found["recording"])})

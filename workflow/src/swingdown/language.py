@@ -21,11 +21,11 @@ _NAMES = "names"  # of which none ends a part of a sentence
 _NUMBER = "value"  # how those begin that stand for a number with what belongs to it
 _JOINTS = (", or ", ", and ", "; ", ", ", " and ", " or ", " + ")
 # A number with its unit, and a unit alone.
-_UNIT = r"(?:[mµu]?(?:rad|s|g|m|Hz|V|deg)|1)(?:/(?:s|m|rad))?(?:\^2|²)?|[°%]|°/s|counts"
-_VALUE = rf"[-−<>≈ ]*\(?\d[-−\d.()±×⁻⁰¹²³⁴⁵⁶⁷⁸⁹e ]*(?:\s?(?:{_UNIT}))?"
+_UNIT = r"(?:[kmµu]?(?:rad|s|g|m|Hz|V|A|deg)|1)(?:/(?:s|m|rad))?(?:\^2|²)?|[°%]|°/s|counts"
+_VALUE = rf"[-−<>≈ ]*\(?\d[-−+\d.()±×⁻⁰¹²³⁴⁵⁶⁷⁸⁹e ]*(?:\s?(?:{_UNIT}))?"
 _SIZE = re.compile(f"{_VALUE}|{_UNIT}")
 _FIELD = re.compile(r"\{(\w+)\}")
-_DECIMAL = re.compile(r"(?<![\w.])(\d+)\.(\d+)(?![\w.]*\.?\d|[A-Za-z_])")
+_DECIMAL = re.compile(r"(?<![\w.])(\d+)\.(\d+)(?=e[-+]\d+(?!\.?\w)|(?![\w.]*\.?\d|[A-Za-z_]))")
 _SENTENCES = re.compile(r"(?<=[.!?”])\s+(?=[A-ZΑ-Ω“±])")
 
 

@@ -27,7 +27,7 @@ def write_beside(
     """What is said of the files written, and of a few pendulums whether their decay is exponential.
 
     ``curves.csv`` and ``laws.csv`` have all pendulums, the pictures are of a few. Those with too few swings, or that do not die away, have neither.
-    The pictures are in the language ``spoken``. Under ``drives`` (rad/s²) their steady swings are foretold, in ``resonance.csv`` and a picture.
+    What is said and the pictures are in the language ``spoken``. Under ``drives`` (rad/s²) their steady swings are foretold, in ``resonance.csv`` and a picture.
     """
     drawing = has("matplotlib") and len(answers) <= _FEW
     if drawing:
@@ -44,7 +44,7 @@ def write_beside(
             drawn = one.curves()
             curves.append(dataset.table(drawn).assign(campaign=campaign))
         if drives and drawn is not None:
-            told += _foretold(drawn, drives, folder, campaign if len(answers) > 1 else "", driven)
+            told += _foretold(drawn, drives, folder, campaign if len(answers) > 1 else "", driven, spoken)
         found: list[laws.Laws] = []
         with suppress(InputError, ArithmeticError, np.linalg.LinAlgError):
             found = one.laws()
@@ -68,21 +68,28 @@ def write_beside(
 
 
 def _foretold(
-    curves: xr.Dataset, drives: Sequence[float], folder: Path, name: str, tables: list[pd.DataFrame]
+    curves: xr.Dataset,
+    drives: Sequence[float],
+    folder: Path,
+    name: str,
+    tables: list[pd.DataFrame],
+    spoken: Language,
 ) -> list[str]:
     """What is said of the steady swings of a pendulum under drives: drawn, and added to the ``tables``."""
     before = f"{name}: " if name else ""
     try:
         found = resonance.resonance(curves, drives)
     except InputError as problem:
-        return [f"{before}no resonance curve: {problem.problem}; expected: {problem.expected}"]
+        return [before + spoken.text(f"no resonance curve: {problem.problem}; expected: {problem.expected}")]
     tables.append(resonance.table(found))
     if has("matplotlib"):
         from ..plots import save
         from ..plots.curves import resonances
+        from ..plots.style import in_language
 
-        save(resonances(found), folder / (f"{name}-{RESONANCE}.png" if name else f"{RESONANCE}.png"))
-    return [f"{before}{line}" for line in resonance.words(found, "free")]
+        picture = in_language(resonances(found), spoken)
+        save(picture, folder / (f"{name}-{RESONANCE}.png" if name else f"{RESONANCE}.png"))
+    return [before + spoken.text(line) for line in resonance.words(found, "free")]
 
 
 def _pictures(curves: xr.Dataset | None, found: list[laws.Laws], one: Answer) -> Iterator[tuple[str, Any]]:

@@ -6,6 +6,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ..language import IN_ENGLISH, Language
 from ..measurement.stated import Stated, quantity
 from ..paths import for_spreadsheets, write_csv
 from ..rounding import plus_minus
@@ -29,10 +30,12 @@ class ByHand(NamedTuple):
     told: list[str]
 
 
-def by_hand(path: Path, folder: Path, by: str, stated: Mapping[str, Any]) -> ByHand | None:
+def by_hand(
+    path: Path, folder: Path, by: str, stated: Mapping[str, Any], spoken: Language = IN_ENGLISH
+) -> ByHand | None:
     """What a table of periods that were timed by hand gives; its files are written into the folder. None for any other file.
 
-    ``stated`` are cells of the sample sheet: the length gives g where the table has no lengths. InputError as of ``series.timed.timed``.
+    ``stated`` are cells of the sample sheet: the length gives g where the table has no lengths. Its pictures are in the language ``spoken``. InputError as of ``series.timed.timed``.
     """
     column, u = asked(by)
     column = column.lower().replace(" ", "_")
@@ -45,7 +48,7 @@ def by_hand(path: Path, folder: Path, by: str, stated: Mapping[str, Any]) -> ByH
     rows = found.table.to_dict("records")
     made = series_of(found.table, found.values, found.groups, column)
     if made:
-        return ByHand(rows, made, {}, [*told, *write_series(made, folder, found.emulated)])
+        return ByHand(rows, made, {}, [*told, *write_series(made, folder, found.emulated, spoken)])
     of_g, more = _alone(found, folder, path.stem, stated)
     return ByHand(rows, [], of_g, [*told, *more])
 

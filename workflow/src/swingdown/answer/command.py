@@ -144,7 +144,7 @@ def _study(given: Sequence[str], told: Mapping[str, Any], wishes: Wishes) -> Fou
     paths, passed = own.files(given)
     paths, beside = without_table(paths, wishes.values)
     folder = Path(wishes.into) if wishes.into else own.place(given)
-    if len(paths) == 1 and (timed := by_hand(paths[0], folder, wishes.by, told)):
+    if len(paths) == 1 and (timed := by_hand(paths[0], folder, wishes.by, told, wishes.spoken)):
         for line in timed.told:
             _say(line)
         return Found(0, {}, passed, folder, [], timed.g, timed.series, timed.periods)
@@ -186,7 +186,7 @@ def _study(given: Sequence[str], told: Mapping[str, Any], wishes: Wishes) -> Fou
     write_csv(for_spreadsheets(in_order(table)), folder / FIRST)
     _say(f"\nwritten: {config}, {own.SHEET} and {FIRST} beside it")
     emulated = "yes" if (table["emulated"] == "yes").any() else "no"
-    for line in (*written(of_g, folder), *how, *write_series(of_all, folder, emulated)):
+    for line in (*written(of_g, folder), *how, *write_series(of_all, folder, emulated, wishes.spoken)):
         _say(line)
     for line in write_beside(answers, folder, wishes.drives, wishes.spoken):
         _say(line)

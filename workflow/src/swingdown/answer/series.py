@@ -10,6 +10,7 @@ import pandas as pd
 
 from ..errors import InputError
 from ..extras import has
+from ..language import IN_ENGLISH, Language
 from ..measurement.line import FEWEST
 from ..measurement.stated import Stated, read
 from ..paths import for_spreadsheets, write_csv, write_text
@@ -146,30 +147,32 @@ def asked(by: str) -> tuple[str, Stated | None]:
     return column, known
 
 
-def written(found: Sequence[Series], folder: Path, emulated: str) -> list[str]:
-    """The sentence of each series; its table, its numbers and its figures are written into the folder."""
+def written(found: Sequence[Series], folder: Path, emulated: str, spoken: Language = IN_ENGLISH) -> list[str]:
+    """The sentence of each series; its table, its numbers and, in the language ``spoken``, its figures are written into the folder."""
     if not found:
         return []
     write_csv(for_spreadsheets(as_table(found)), folder / TABLE)
     content = json.dumps([one.to_dict() for one in found], indent=1, ensure_ascii=False)
     write_text(folder / RECORD, content + "\n")
-    made = [TABLE, *(_draw(found, folder, emulated) if has("matplotlib") else ())]
+    made = [TABLE, *(_draw(found, folder, emulated, spoken) if has("matplotlib") else ())]
     return [*(one.sentence for one in found), f"the series: {', '.join(made)} in {folder}"]
 
 
-def _draw(found: Sequence[Series], folder: Path, emulated: str) -> Iterator[str]:
+def _draw(found: Sequence[Series], folder: Path, emulated: str, spoken: Language) -> Iterator[str]:
     """The names of the figures, each when it is written into the folder."""
     from ..plots import save  # matplotlib takes a second, and a single file has no series
     from ..plots.series import groups_side_by_side, over_what_was_varied
+    from ..plots.style import in_language
 
     varied = [one for one in found if one.law]
     between = [one for one in found if one.comparison]
     several = len({one.by for one in varied}) > 1
     for by in dict.fromkeys(one.by for one in varied):
         name = FIGURE.replace(".", f"-{by}.") if several else FIGURE
-        save(over_what_was_varied([one for one in varied if one.by == by], emulated), folder / name)
+        figure = over_what_was_varied([one for one in varied if one.by == by], emulated)
+        save(in_language(figure, spoken), folder / name)
         yield name
     if between:
         first = [one for one in between if one.by == between[0].by]
-        save(groups_side_by_side(first, emulated), folder / GROUPS)
+        save(in_language(groups_side_by_side(first, emulated), spoken), folder / GROUPS)
         yield GROUPS
