@@ -218,6 +218,21 @@ def remade(path, sources, change):
     return path
 
 
+def test_a_white_marker_on_black_is_followed(films, tmp_path):
+    """As a film is from which all but the marker was masked: no picture of it is bright enough to tell how bright it is."""
+    path, true = films(SCENE)
+
+    def masked(_, frame):
+        bob = np.abs(frame.astype(int) - (30, 40, 160)).sum(axis=2) < 60
+        return np.where(bob, 255, 0).astype(np.uint8)[:, :, None].repeat(3, axis=2)
+
+    _, angles, seen = followed(remade(tmp_path / "masked.avi", [path], masked))
+    assert np.mean(seen) > 0.97
+    assert (
+        np.std(angles - np.poly1d(np.polyfit(true[seen], angles, 1))(true[seen])) * SCENE.length < 0.5
+    )  # px
+
+
 def test_two_bobs_in_one_film_are_two_recordings(films, tmp_path):
     left, right = SCENE, SCENE._replace(omega=2 * np.pi / 1.0, seed=2)
     path = remade(

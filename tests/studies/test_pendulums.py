@@ -94,6 +94,19 @@ def test_a_model_that_ran_away_describes_nothing_where_another_does(study):
     assert described_by(one) == "viscous"
 
 
+def test_a_law_of_a_shape_that_it_cannot_have_describes_nothing():
+    """A drag by the 25th power of the speed fits a few large swings, and stops those that are a little larger at once."""
+    times = np.arange(1500) / 50
+    swing = np.radians(20) * np.exp(-0.02 * times) * np.cos(4 * times)
+    noise = np.random.default_rng(4).normal(0, 2e-3, times.size)
+    found = swingdown.fit(times, swing + noise, unit="rad", restoring="linear")
+    one = found.fits.copy(deep=True)
+    one["norm"].loc[{"fitted": "power_law_drag"}] = 0.9 * float(one["norm"].min())
+    assert described_by(one) == "power_law_drag"
+    one["value"].loc[{"fitted": "power_law_drag", "parameter": "power_law_exponent"}] = 25.0
+    assert described_by(one) != "power_law_drag" and "power_law_drag" not in weights(one)
+
+
 def test_a_model_ran_away_if_it_needs_an_effect_whose_size_is_not_told(study):
     norms, _ = study
     one = norms.sel(recording=["z1"]).copy(deep=True)

@@ -47,10 +47,10 @@ class Look:
         return min(self.blobs(frame), key=lambda one: abs(math.log(one.area / self.area)), default=nowhere)
 
     def _even(self, frame: Pictures) -> Pictures:
-        """The frame as bright as the background: a camera that sets its exposure anew makes all of the picture brighter."""
-        return self.cv2.convertScaleAbs(
-            frame, alpha=self.brightness / max(sum(self.cv2.mean(frame)[:3]) / 3, 1.0)
-        )
+        """The frame as bright as the background: a camera that sets its exposure anew makes all of the picture brighter. Of a background
+        darker than a step of the picture there is nothing to tell that by."""
+        brightness = sum(self.cv2.mean(frame)[:3]) / 3
+        return self.cv2.convertScaleAbs(frame, alpha=max(self.brightness, 1.0) / max(brightness, 1.0))
 
     def _apart(self, even: Pictures) -> Pictures:
         blue, green, red = self.cv2.split(self.cv2.absdiff(even, self.background))

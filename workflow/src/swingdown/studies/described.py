@@ -5,9 +5,11 @@ from itertools import compress
 
 import numpy as np
 import xarray as xr
+from numpy.typing import NDArray
 
 from ..arrays import Floats
 from ..pendulum.catalogue import ANGLE, SHIPPED, Catalogue
+from ..pendulum.effect import Effect
 from ..pendulum.model import Model
 from .comparison import WORTH, aic_effective, bic_effective, terms_of
 from .norms import as_text, over
@@ -30,8 +32,9 @@ def described_by(norms: xr.Dataset, catalogue: Catalogue = SHIPPED) -> str:
     Returns
     -------
     str
-        By BIC, for as many samples as count as independent. A model whose effect has a size below 0 that it cannot have (a damper that
-        gives energy), or one whose values ran away (no standard error, or ``_ran_away``), is left out where there is another.
+        By BIC, for as many samples as count as independent. A model whose effect has a size or a shape that it cannot have (a damper that
+        gives energy, a drag by the 25th power), or one whose values ran away (no standard error, or ``_ran_away``), is left out where
+        there is another.
     """
     labels, evidence, usable = _evidence(norms, catalogue)
     lowest, terms = min(evidence[k] for k in usable), terms_of(norms).sum(axis=1)
@@ -62,7 +65,7 @@ def _evidence(norms: xr.Dataset, catalogue: Catalogue) -> tuple[list[str], Float
         over(norms, key, "fitted", "parameter")[:, at].reshape(len(labels), len(at), -1)
         for key in ("value", "standard_error")
     )
-    sound = ~(sizes < 0).any(axis=(1, 2)) & np.isfinite(evidence)
+    sound = ~((sizes < 0).any(axis=(1, 2)) | _beyond_bounds(norms, effects)) & np.isfinite(evidence)
     unsure = np.all(np.abs(sizes) < errors, axis=2)
     sound &= [not _ran_away(k, compress(sized, unsure[k]), labels, evidence) for k in range(len(labels))]
     # without a standard error a parameter runs away, and tells nothing
@@ -70,6 +73,16 @@ def _evidence(norms: xr.Dataset, catalogue: Catalogue) -> tuple[list[str], Float
     sound &= told | ~told.any()
     usable = np.flatnonzero(sound).tolist() or list(range(len(labels)))
     return labels, evidence, usable
+
+
+def _beyond_bounds(norms: xr.Dataset, effects: Iterable[Effect]) -> NDArray[np.bool_]:
+    """Of each model, whether one of its effects has a shape that it cannot have."""
+    known, values = as_text(norms["parameter"]), over(norms, "value", "fitted", "parameter")
+    found = np.zeros(len(values), dtype=bool)
+    for shape in (one for effect in effects for one in effect.with_role("shape")):
+        own = values[:, known.index(shape.name)].reshape(len(values), -1)
+        found |= ((own < shape.lower) | (own > shape.upper)).any(axis=1)
+    return found
 
 
 def _ran_away(k: int, unsure: Iterable[str], labels: list[str], evidence: Floats) -> bool:
