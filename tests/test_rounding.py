@@ -44,6 +44,20 @@ def test_two_digits_of_the_uncertainty(value, uncertainty, text):
 
 
 @pytest.mark.parametrize(
+    ("value", "known", "text"),
+    [
+        (9.914671, 0.0123, "9.91(?)"),
+        (1234.0, 120.0, "1200(?)"),
+        (3.456e-9, 1.2e-10, "3.5(?)e-9"),
+        (9.914671, nan, "9.914671(?)"),
+    ],
+)
+def test_an_uncertainty_known_in_part_cuts_there(value, known, text):
+    assert value_with_uncertainty(value, nan, known) == text
+    assert value_with_uncertainty(value, 0.5, known) == value_with_uncertainty(value, 0.5)
+
+
+@pytest.mark.parametrize(
     ("value", "uncertainty", "rule", "text"),
     [
         (0.5, 0.0996, "two", "0.50 ± 0.10"),

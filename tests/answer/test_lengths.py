@@ -27,6 +27,26 @@ def test_a_length_gives_g_with_its_budget(here, capsys):
     assert json.loads((here / "anna-swingdown/g.json").read_text())["anna"]["unit"] == "m/s^2"
 
 
+def test_a_length_without_an_uncertainty_gives_g_to_the_digits_that_all_else_leaves(here, capsys):
+    """In the line, the table, the JSON of both and the row of many alike, with the words that the length's own is not known."""
+    export(here / "anna.csv", np.sqrt(9.81 / 0.583), THIRTY)
+    assert main(["anna.csv", "--quick", "--length", "0.583", "--json"]) == 0
+    found, told = json.loads(capsys.readouterr().out), {}
+    one = found["g"]["anna"]
+    part = one["standard_uncertainty_without_length"]
+    told["g"], told["quantity"] = one["text"], found["pendulums"][0]["quantities"]["g"]["text"]
+    assert one["standard_uncertainty"] is None and 1e-4 < part < 1e-2
+    told["table"] = pd.read_csv(here / "anna-swingdown/first_answer.csv").iloc[0]["g_m_per_s2_text"]
+    assert main(["anna.csv", "--quick", "--length", "0.583", "--lang", "fr", "--latex"]) == 0
+    line = next(one for one in capsys.readouterr().out.split("\n") if one.startswith("  g "))
+    told["line"] = line.split()[1].replace(",", ".")
+    (text,) = set(told.values())
+    digits = text.removesuffix("(?)").partition(".")[2]
+    assert len(digits) == -int(np.floor(np.log10(part))) and abs(float(text[:-3]) - 9.81) < 0.003
+    assert "l'incertitude de la longueur n'a pas été donnée" in line
+    assert text.replace(".", ",") in (here / "anna-swingdown/answer.tex").read_text()
+
+
 def test_a_rod_about_two_pivots(here, capsys):
     for name, distance in (("near.csv", 0.2), ("far.csv", 0.5)):
         export(here / name, np.sqrt(9.81 * distance / (1 / 12 + distance**2)), THIRTY)

@@ -47,7 +47,10 @@ def test_without_an_uncertainty_of_the_length_none_is_invented():
     found = gravity(Stated(np.pi, 1e-3), Stated(0.994))
     assert np.isnan(found.uncertainty) and found.to_dict()["standard_uncertainty"] is None
     assert found.u_without_length == pytest.approx(2 * found.value * 1e-3 / np.pi)
-    assert "the length's uncertainty was not given" in found.sentence
+    assert found.to_dict()["text"] == "9.810(?)"
+    assert found.sentence == f"g = 9.810(?) m/s², {of_words(found)}" and "was not given" in found.sentence
+    told = language("de").text(found.sentence)
+    assert told.startswith("g = 9,810(?) m/s², für einen Punkt") and "nicht angegeben" in told
 
 
 def rod(distance, length=1.0, g=9.81):

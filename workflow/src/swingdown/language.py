@@ -22,7 +22,7 @@ _NUMBER = "value"  # how those begin that stand for a number with what belongs t
 _JOINTS = (", or ", ", and ", "; ", ", ", " and ", " or ", " + ")
 # A number with its unit, and a unit alone.
 _UNIT = r"(?:[kmµu]?(?:rad|s|g|m|Hz|V|A|deg)|1)(?:/(?:s|m|rad))?(?:\^2|²)?|[°%]|°/s|counts"
-_VALUE = rf"[-−<>≈ ]*\(?\d[-−+\d.()±×⁻⁰¹²³⁴⁵⁶⁷⁸⁹e ]*(?:\s?(?:{_UNIT}))?"
+_VALUE = rf"[-−<>≈ ]*\(?\d[-−+\d.()?±×⁻⁰¹²³⁴⁵⁶⁷⁸⁹e ]*(?:\s?(?:{_UNIT}))?"
 _SIZE = re.compile(f"{_VALUE}|{_UNIT}")
 _FIELD = re.compile(r"\{(\w+)\}")
 _DECIMAL = re.compile(r"(?<![\w.])(\d+)\.(\d+)(?=e[-+]\d+(?!\.?\w)|(?![\w.]*\.?\d|[A-Za-z_]))")

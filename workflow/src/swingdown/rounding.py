@@ -4,24 +4,29 @@ Whatever shows a value with its uncertainty asks here; full precision belongs in
 """
 
 from decimal import ROUND_HALF_EVEN, Decimal
-from math import isfinite
+from math import isfinite, nan
 
 RULES = ("two", "one", "limit")
 _SMALLEST = -4  # power of ten of the larger of the two below which, and ...
 _COARSEST = 2  # ... of the last digit shown above which a power of ten reads better
 
 
-def value_with_uncertainty(value: float, uncertainty: float) -> str:
+def value_with_uncertainty(value: float, uncertainty: float, known: float = nan) -> str:
     """A text such as ``1.418(45)``: the standard uncertainty, with two digits (GUM 7.2.6), in units of the last digits.
 
     Parameters
     ----------
     value, uncertainty
         In one unit. An uncertainty that is not above 0 gives ``value(?)``.
+    known
+        The part that is known of an uncertainty that is not: the value is cut at its first digit.
     """
-    if (parts := _cut(value, uncertainty, "two")) is None:
+    parts = _cut(value, uncertainty, "two")
+    number, error, last, power = parts or _cut(value, known, "one") or (None, None, 0, 0)
+    if number is None or error is None:
         return _unknown(value, "(?)")
-    number, error, last, power = parts
+    if parts is None:
+        return f"{number:.{max(-last, 0)}f}(?)" + _power(power)
     if last >= 0:
         return f"{int(number)}({int(error)})" + _power(power)
     inside = f"{error:.{-last}f}" if error >= 1 else str(int(error.scaleb(-last)))

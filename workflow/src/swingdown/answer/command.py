@@ -25,7 +25,6 @@ from ..measurement.points_recording import POINTS_ALONE, are_points
 from ..measurement.programs import FILMS
 from ..paths import PROJECT, for_spreadsheets, printable, write_csv, written_whole
 from ..planning import own
-from ..rounding import value_with_uncertainty
 from ..sealed import read_json
 from ..series import Series
 from ..series.hand_table import hand_table
@@ -381,7 +380,7 @@ def _tell(answers: Mapping[str, Answer]) -> None:
             _say("\n".join(["", campaign, *(f"  {line}" for line in told)]))
             continue
         rows = {each.name: each for each in quantity_rows(one.row)}
-        known = {name: value_with_uncertainty(each.value, each.uncertainty) for name, each in rows.items()}
+        known = {name: each.number for name, each in rows.items()}
         at = rows["period"].condition if "period" in rows else ""
         _say(
             f"{campaign:20} T {spoken.number(known.get('period', '–'))} s   Q {spoken.number(known.get('quality', '–'))}"

@@ -23,7 +23,6 @@ from ..extras import has, needed
 from ..measurement.driven import CURVES, LAWS, check_free
 from ..pendulum.catalogue import SHIPPED, Catalogue
 from ..pendulum.model import Model
-from ..rounding import value_with_uncertainty
 from ..studies.pendulums import SEARCH, by_verdict, in_order, residual_of
 from ..studies.quantities import Quantity
 from ..studies.stop_watch import by_stop_watch
@@ -274,7 +273,7 @@ class Answer:
             "value": [one.value for one in rows],
             "u": [one.uncertainty for one in rows],
             "unit": [one.unit for one in rows],
-            "text": [value_with_uncertainty(one.value, one.uncertainty) for one in rows],
+            "text": [one.number for one in rows],
             "holds": [one.condition for one in rows],
         }
         return pd.DataFrame(columns, index=pd.Index([one.name for one in rows], name="quantity"))
@@ -392,7 +391,7 @@ class Answer:
                     "value": one.value,
                     "standard_uncertainty": finite_or_none(one.uncertainty),
                     "unit": one.unit,
-                    "text": value_with_uncertainty(one.value, one.uncertainty),
+                    "text": one.number,
                 }
                 for one in quantity_rows(row, self.verdict)
             },
@@ -408,7 +407,7 @@ class Answer:
 
     def _repr_html_(self) -> str:
         rows = [
-            [one.words, value_with_uncertainty(one.value, one.uncertainty), "" if one.unit == "1" else one.unit, one.condition]
+            [one.words, one.number, "" if one.unit == "1" else one.unit, one.condition]
             for one in quantity_rows(self.row, self.verdict)
         ]  # fmt: skip
         said = [*self.remarks, *lines(self.row, self.verdict)[-1:]] if self.verdict else self.remarks

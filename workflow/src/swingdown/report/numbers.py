@@ -1,7 +1,7 @@
 """Numbers as a reader wants them: as many digits as the uncertainty bears, a true minus, nothing for not-a-number."""
 
 import re
-from math import floor, isfinite, log10
+from math import floor, isfinite, log10, nan
 
 from ..rounding import plus_minus, value_with_uncertainty
 
@@ -15,13 +15,16 @@ def spread(value: float, deviation: float) -> str:
     return _typeset(plus_minus(value, deviation))
 
 
-def brief(value: float, uncertainty: float) -> str:
-    """``0.0512(13)``: the uncertainty in units of the last digits of the value; powers of ten where they help."""
+def brief(value: float, uncertainty: float, known: float = nan) -> str:
+    """``0.0512(13)``: the uncertainty in units of the last digits of the value; powers of ten where they help.
+
+    ``known`` is the part that is known of an uncertainty that is not: ``0.051(?)``.
+    """
     if not _ok(value):
         return "–"
-    if not _ok(uncertainty) or uncertainty <= 0:
+    if not (_ok(uncertainty) and uncertainty > 0 or _ok(known) and known > 0):
         return plain(value)
-    return _typeset(value_with_uncertainty(value, uncertainty))
+    return _typeset(value_with_uncertainty(value, uncertainty, known))
 
 
 def plain(value: float, digits: int = 3) -> str:

@@ -62,12 +62,15 @@ class Gravity:
     @property
     def sentence(self) -> str:
         """What is said of it."""
-        if np.isfinite(self.uncertainty):
-            return f"g = {plus_minus(self.value, self.uncertainty)} m/s², of {self.of}"
-        near = plus_minus(self.value, self.u_without_length)
+        known = np.isfinite(self.uncertainty)
         return (
-            f"g = {near} m/s² without the length's part, of {self.of}; the length's uncertainty was not given"
+            f"g = {plus_minus(self.value, self.uncertainty) if known else self.text} m/s², {of_words(self)}"
         )
+
+    @property
+    def text(self) -> str:
+        """The number with its uncertainty; where a length has none, to the digits that all else leaves."""
+        return value_with_uncertainty(self.value, self.uncertainty, self.u_without_length)
 
     def to_dict(self) -> dict[str, Any]:
         """Plain numbers and texts; None for what was not given."""
@@ -77,7 +80,7 @@ class Gravity:
             "standard_uncertainty": self.uncertainty if np.isfinite(self.uncertainty) else None,
             "standard_uncertainty_without_length": self.u_without_length,
             "unit": UNIT,
-            "text": value_with_uncertainty(self.value, self.uncertainty),
+            "text": self.text,
             "of": self.of,
             "budget": budget.to_dict("records"),
         }
@@ -239,6 +242,8 @@ def with_gravity(
             name = str(row["campaign"] if row["recording"] == TOGETHER else row["recording"])
             found[name] = one
             row = row | cells_of("g", Quantity(one.value, one.uncertainty, UNIT)) | {"g_of": of_words(one)}
+            if not np.isfinite(one.uncertainty):
+                row |= {"g_m_per_s2_text": one.text, "g_u_without_length_m_per_s2": one.u_without_length}
         rows.append(row)
     return (in_order(pd.DataFrame(rows)), found) if found else (table, found)
 

@@ -144,13 +144,24 @@ _SELDOM = (
     "last_period_s",
     "amplitude_text",
     "g_of",
+    "g_u_without_length_m_per_s2",
     "note",
     RESIDUALS[RATE],
 )
 _TAIL = (
     *("model", "or_model", "share_left", "model_of", "period_of", "last_period_s"),
     *RESIDUALS.values(),
-    *("record_s", "verdict", "missing", "emulated", "amplitude_text", "g_of", "note", "remark"),
+    *(
+        "record_s",
+        "verdict",
+        "missing",
+        "emulated",
+        "amplitude_text",
+        "g_of",
+        "g_u_without_length_m_per_s2",
+        "note",
+        "remark",
+    ),
 )
 
 

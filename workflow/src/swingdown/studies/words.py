@@ -1,13 +1,14 @@
 """An answer in words: the lines that a call, a command and a report's table have in common."""
 
 from collections.abc import Mapping
-from math import degrees, isfinite
+from math import degrees, isfinite, nan
 from typing import Any, NamedTuple
 
 from ..language import ENGLISH, IN_ENGLISH, Language, capital
 from ..pendulum.catalogue import SHIPPED, Catalogue
 from ..pendulum.effect import Effect
 from ..pendulum.model import model_words
+from ..rounding import value_with_uncertainty
 from .pendulums import NOT_DYING, SEARCH, by_verdict, doubted, quantities_of, residual_of
 from .quantities import Quantity, in_its_middle
 from .turning_points import NOT_DAMPED
@@ -34,7 +35,8 @@ _WITH = "natural frequency"
 
 
 class QuantityRow(NamedTuple):
-    """One quantity as it is told: name, words, value, standard uncertainty, unit, and at which amplitude it holds."""
+    """One quantity as it is told: name, words, value, standard uncertainty, unit, at which amplitude it holds, and what part of an
+    unknown uncertainty is known."""
 
     name: str
     words: str
@@ -42,11 +44,17 @@ class QuantityRow(NamedTuple):
     uncertainty: float
     unit: str
     condition: str
+    known: float = nan
+
+    @property
+    def number(self) -> str:
+        """Value and uncertainty as every sentence and table has them: ``0.87148(26)``."""
+        return value_with_uncertainty(self.value, self.uncertainty, self.known)
 
     @property
     def text(self) -> str:
-        """Value, uncertainty and unit as every sentence and table has them: ``0.87148(26) s``."""
-        return str(self.quantity)
+        """The number with its unit: ``0.87148(26) s``."""
+        return self.number if self.unit == "1" else f"{self.number} {self.unit}"
 
     @property
     def quantity(self) -> Quantity:
@@ -76,7 +84,13 @@ def quantity_rows(row: Mapping[str, Any], verdict: Mapping[str, Any] | None = No
     only = f"if it is {model_words(str(row['model']))}" if or_models(row) else ""
     order = [name for name in _WORDS if name in found] + [name for name in found if name not in _WORDS]
     told = [
-        QuantityRow(name, _WORDS.get(name, name.replace("_", " ")), *found[name], conditions.get(name, only))
+        QuantityRow(
+            name,
+            _WORDS.get(name, name.replace("_", " ")),
+            *found[name],
+            conditions.get(name, only),
+            float(row.get("g_u_without_length_m_per_s2", nan)) if name == "g" else nan,
+        )  # fmt: skip
         for name in order
     ]
     if verdict and verdict["status"] in NAMING and row.get("model_of") != SEARCH:

@@ -130,7 +130,7 @@ def _quantities(rows: pd.DataFrame, found: Mapping[str, Any] | None) -> Table:
     told: list[list[Cell]] = [
         [
             one.words,
-            numbers.brief(one.value, one.uncertainty),
+            numbers.brief(one.value, one.uncertainty, one.known),
             "" if one.unit == "1" else one.unit,
             one.condition,
         ]
