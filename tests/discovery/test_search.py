@@ -189,15 +189,14 @@ def test_a_search_that_breaks_off_ends_as_unknown_with_its_reason(two, monkeypat
 
 
 def test_a_model_that_cannot_follow_the_held_out_swings_is_no_better_than_the_base(two, monkeypatch):
-    from swingdown.discovery import confirm, judge, rounds
+    from swingdown.discovery import confirm, structures
 
     def follows(fit, swings):
         if fit.model.names != ("viscous",):
             raise TrajectoryError("no start gives a trajectory")
         return confirm.predict(fit, swings)
 
-    for module in (judge, rounds):
-        monkeypatch.setattr(module, "predict", follows)
+    monkeypatch.setattr(structures, "predict", follows)
     states = concluded(discover(two, "viscous", rounds=2), two)
     found = verdict([summary(state, two) for state in states])
     assert found["status"] == "unknown" and not found["failed"]

@@ -15,7 +15,7 @@ from ..pendulum.effect import NATURAL_FREQUENCY, VARIABLES, Contained
 from ..pendulum.formula import evaluate
 from . import friction
 from .campaign import Noise
-from .confirm import gap, predict
+from .confirm import gap
 from .guard import CLEAR, HELD_OUT, POSSIBLE, PROBABLE, SHARE, TIES
 from .structures import Key, Pool, Structure
 
@@ -239,7 +239,7 @@ def _whole(pool: Pool, best: Structure, without: Structure) -> tuple[float, floa
     before = without.left(pool.noise)
     share = best.left(pool.noise) / before if before > 0 else np.inf
     try:
-        now, then = (predict(one.fit, pool.campaign.holdout) for one in (best, without))
+        now, then = (pool.held_out(one.fit) for one in (best, without))
     except TrajectoryError:
         return float(share), np.inf, np.nan
     held = _share(pool.noise, now.n, now.rms**2, then.rms**2)
@@ -259,7 +259,7 @@ def _of_friction(pool: Pool, best: Structure, without: Structure) -> tuple[float
     left, lacked = (max(one.mean_square - variance * one.share, 0.0) for one in (now, then))
     share = np.sqrt(left / lacked) * (1 - best.whole)
     try:
-        now, then = (friction.held_out(predict(one.fit, swings), swings) for one in (best, without))
+        now, then = (friction.held_out(pool.held_out(one.fit), swings) for one in (best, without))
     except TrajectoryError:
         return float(share), np.inf
     if now is None or then is None:

@@ -90,7 +90,7 @@ def round_of(
         campaign.reading,
     )
     return Round(
-        number, fit, predict(fit, campaign.holdout), noise, tuple(groups(here.frame, noise)), missing(here.frame, noise),
+        number, fit, pool.held_out(fit), noise, tuple(groups(here.frame, noise)), missing(here.frame, noise),
         table, tuple(pool.added(here.key)), pool.lacks(here), here.left(noise), here.widened,
         tuple(ranked), _tied(pool, ranked), None if to is None else _move(here.fit, to.fit, noise),
     )  # fmt: skip

@@ -18,6 +18,7 @@ from ..pendulum.effect import NATURAL_FREQUENCY
 from .admissible import at_its_bound
 from .campaign import Campaign, Noise
 from .candidates import without
+from .confirm import predict
 from .discrepancy import Discrepancy, Unnamed
 from .guard import POSSIBLE
 from .linear import Frame, frame
@@ -94,6 +95,7 @@ class Pool:
         period = 2 * np.pi / base.model.values[NATURAL_FREQUENCY.name]
         self._unnamed = unnamed or Unnamed(self.near, campaign.fit, period, noise)
         self._each = float(np.log(len(base.model.catalogue)))
+        self._held_out: dict[int, tuple[Fit, Fit]] = {}  # by the identity of a fit: itself, and what it says
         self.known: dict[Key, Structure] = {}
         self.first = self._seen(base, frame(base, campaign.fit))
         self.known[self.base] = self.first
@@ -121,6 +123,12 @@ class Pool:
         except FAILURES:
             return
         self.known[one.key] = one
+
+    def held_out(self, fit: Fit) -> Fit:
+        """What a fit says of the held-out swings; TrajectoryError where it cannot follow them."""
+        if id(fit) not in self._held_out:
+            self._held_out[id(fit)] = fit, predict(fit, self.campaign.holdout)
+        return self._held_out[id(fit)][1]
 
     def lacking(self, one: Structure, names: Collection[str]) -> list[Structure]:
         """The structure without these of its effects, fitted where it is not known, and those with effects of the base again which they may
