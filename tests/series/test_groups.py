@@ -1,10 +1,13 @@
 """Groups that measured the same: do they agree, and which does not?"""
 
 import numpy as np
+import pandas as pd
 import pytest
 from scipy.stats import t
 
 from swingdown.errors import InputError
+from swingdown.measurement.stated import Stated
+from swingdown.series import series_of
 from swingdown.series.groups import compare
 
 
@@ -78,3 +81,48 @@ def test_a_value_without_an_uncertainty_is_refused(values, errors):
 def test_one_group_is_none():
     with pytest.raises(InputError, match="1 group"):
         compare(["a", "a"], [1.0, 1.0], [0.1, 0.1])
+
+
+def sides(lengths, apart=0.0, seed=1, scatter=1):
+    """The comparison of periods of left and right, each at these lengths (m), right longer by ``apart`` of them."""
+    noise = 2e-4
+    rng = np.random.default_rng(seed)
+    rows = [(side, at) for side in ("left", "right") for at in lengths[side]]
+    period = [2.006 * at**0.5 * (1 + apart * (side == "right")) for side, at in rows]
+    period = np.array(period) * (1 + scatter * noise * rng.standard_normal(len(rows)))
+    names = [f"r{k}" for k in range(len(rows))]
+    table = pd.DataFrame(
+        {"recording": names, "label": names, "period_s": period, "period_s_u": noise * period}
+    )
+    values = {name: {"length": Stated(at, 0.0, "m")} for name, (_, at) in zip(names, rows, strict=True)}
+    groups = {name: {"group": side} for name, (side, _) in zip(names, rows, strict=True)}
+    return next(one for one in series_of(table, values, groups) if one.comparison)
+
+
+MIXED = [0.2, 0.4, 0.6, 0.9]
+
+
+def test_groups_over_mixed_lengths_are_compared_at_equal_ones():
+    """Beside the spread of lengths a thousandth between sides is nothing; at equal lengths it is five standard uncertainties."""
+    same, other = (sides({"left": MIXED, "right": [*MIXED, 0.5]}, apart) for apart in (0.0, 1e-3))
+    assert same.sentence.startswith("period of small swings by group, at equal length: left and right agree")
+    assert "left and right do not agree" in other.sentence and list(other.at_equal) == ["length"]
+    table = other.comparison.table.set_index("group")
+    assert list(table["recordings"]) == [4, 4]  # what only one has is no part of it
+    assert table.loc["right", "value"] / table.loc["left", "value"] == pytest.approx(1.001, abs=3e-4)
+
+
+@pytest.mark.parametrize("scatter", [1, 4])
+def test_the_chance_of_sides_that_are_equal_is_what_it_says(scatter):
+    """About one comparison in twenty has p below 0.05, also where recordings scatter four times as far as their errors say."""
+    lengths = {"left": MIXED, "right": MIXED}
+    seen = [sides(lengths, seed=seed, scatter=scatter).comparison.p < 0.05 for seed in range(300)]
+    assert 0.01 < np.mean(seen) < 0.1
+
+
+def test_groups_without_an_equal_length_say_that_they_differ_in_it():
+    found = sides({"left": [0.2, 0.4, 0.6], "right": [0.3, 0.5, 0.9]})
+    assert found.sentence.endswith("; the recordings differ in length") and not found.at_equal
+    assert list(found.comparison.table["recordings"]) == [3, 3]
+    alike = sides({"left": [0.4, 0.4], "right": [0.4, 0.4]})
+    assert "length" not in alike.sentence

@@ -84,7 +84,13 @@ def groups_side_by_side(series: Sequence[Any], emulated: str = "no") -> Figure:
             own, mean = one.table[one.table["group"] == name], table.loc[name]
             colour = THEORY if name in one.comparison.apart else LAW
             if len(own) > 1:
-                axes.plot(own["y"], np.full(len(own), place - 0.22), ".", color=style.GREY, ms=4)
+                axes.plot(
+                    own.get("y_at_equal", own["y"]),
+                    np.full(len(own), place - 0.22),
+                    ".",
+                    color=style.GREY,
+                    ms=4,
+                )
             axes.errorbar(
                 mean["value"], place, xerr=2 * mean["standard_uncertainty"], color=colour,
                 fmt="D" if name in one.comparison.apart else "o", ms=4.5, capsize=2, elinewidth=1.0,
@@ -106,6 +112,8 @@ def groups_side_by_side(series: Sequence[Any], emulated: str = "no") -> Figure:
     return style.footnote(
         figure,
         "bars: ± 2 standard uncertainties; grey line: mean of all",
+        *dict.fromkeys(f"at equal {one}" for each in series for one in each.at_equal),
+        *dict.fromkeys(f"the recordings differ in {one}" for each in series for one in each.mixed),
         style.emulated_note({"emulated": emulated}),
     )
 

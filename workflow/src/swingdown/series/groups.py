@@ -70,7 +70,7 @@ class Comparison:
         return {"chi2": self.chi2, "dof": self.dof, "p": self.p, "apart": list(self.apart), "groups": self.table.to_dict("records")}  # fmt: skip
 
 
-def compare(groups: Sequence[str], values: ArrayLike, uncertainties: ArrayLike) -> Comparison:
+def compare(groups: Sequence[str], values: ArrayLike, uncertainties: ArrayLike, taken: int = 0) -> Comparison:
     """The ``Comparison`` of values by group.
 
     Recordings of a group give a weighted mean. If they scatter beyond their errors, all uncertainties are widened alike.
@@ -81,6 +81,8 @@ def compare(groups: Sequence[str], values: ArrayLike, uncertainties: ArrayLike) 
         The group of each value, of shape (value,).
     values, uncertainties
         Values and their standard uncertainties (above 0), of shape (value,), in one unit.
+    taken
+        Degrees of freedom of their scatter that what was taken off the values before has used.
 
     Raises
     ------
@@ -100,7 +102,7 @@ def compare(groups: Sequence[str], values: ArrayLike, uncertainties: ArrayLike) 
         mean, error, scatter = _mean(values[own], uncertainties[own])
         rows.append((name, int(own.sum()), mean, error))
         within.append(scatter)
-    pooled = Scatter(sum(one.chi2 for one in within), sum(one.dof for one in within))
+    pooled = Scatter(sum(one.chi2 for one in within), sum(one.dof for one in within) - taken)
     table = pd.DataFrame(rows, columns=["group", "recordings", "value", "standard_uncertainty"])
     table["standard_uncertainty"] *= pooled.widening
     means, errors = table["value"].to_numpy(), table["standard_uncertainty"].to_numpy()

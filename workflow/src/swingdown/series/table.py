@@ -53,9 +53,12 @@ class Series:
     quantity
         The quantity, one of ``KINDS``.
     table
-        A row for each recording: recording, label, x and u_x (0: not stated) or group, y, u_y; of a law also residual and by_theory.
+        A row for each recording: recording, label, x and u_x (0: not stated) or group, y, u_y; of a law also residual and by_theory,
+        of groups that are compared ``at_equal`` also y_at_equal.
     law, gravity, comparison
         The power law, g, and the comparison of groups; None where they do not apply.
+    at_equal, mixed
+        Other columns that vary: those at whose equal values groups are compared, and those of which no values are equal in all groups.
     """
 
     by: str
@@ -65,13 +68,17 @@ class Series:
     law: PowerLaw | None = None
     gravity: LengthsAndPeriods | None = None
     comparison: Comparison | None = None
+    at_equal: tuple[str, ...] = ()
+    mixed: tuple[str, ...] = ()
 
     @property
     def sentence(self) -> str:
         """A sentence: the power law with theory's and g, or which groups agree."""
         kind = KINDS[self.quantity]
         if self.comparison:
-            return f"{kind.words} by {self.by}: {self.comparison.sentence}"
+            held = "".join(f", at equal {one}" for one in self.at_equal)
+            all_told = [self.comparison.sentence, *(f"the recordings differ in {one}" for one in self.mixed)]
+            return f"{kind.words} by {self.by}{held}: {'; '.join(all_told)}"
         assert self.law
         law = self.law
         less = ""
@@ -97,6 +104,7 @@ class Series:
             "power_law": self.law.to_dict() if self.law else None,
             "gravity": self.gravity.to_dict() if self.gravity else None,
             "comparison": self.comparison.to_dict() if self.comparison else None,
+            "at_equal": list(self.at_equal),
         }  # fmt: skip
 
 
@@ -162,7 +170,10 @@ def series_of(
         )
     for column in [one for one in words if by in ("", one)]:
         found += _between(
-            measured, {key: own[column] for key, own in (groups or {}).items() if column in own}, column
+            measured,
+            {key: own[column] for key, own in (groups or {}).items() if column in own},
+            column,
+            values,
         )
     if by and not found:
         known = ", ".join((*columns, *words)) or "none"
@@ -198,7 +209,9 @@ def _against(measured: pd.DataFrame, values: Mapping[str, Stated], column: str) 
     return found
 
 
-def _between(measured: pd.DataFrame, groups: Mapping[str, str], column: str) -> list[Series]:
+def _between(
+    measured: pd.DataFrame, groups: Mapping[str, str], column: str, values: Mapping[str, Mapping[str, Stated]]
+) -> list[Series]:
     if len(set(groups.values())) < 2:
         return []
     chosen = measured[measured["recording"].isin(groups)].reset_index(drop=True)
@@ -207,9 +220,42 @@ def _between(measured: pd.DataFrame, groups: Mapping[str, str], column: str) -> 
     for quantity in KINDS:
         own = _with(chosen, quantity)
         if own["group"].nunique() > 1:
-            comparison = compare(list(own["group"]), own["y"], own["u_y"])
-            found.append(Series(column, "", quantity, own, comparison=comparison))
+            own, at, mixed = _at_equal(own, values)
+            y, u, taken = own["y"], own["u_y"], 0
+            if at:
+                y, taken = own["y_at_equal"], own["at"].nunique() - 1
+                u = own["u_y"] * y / own["y"]
+            comparison = compare(list(own["group"]), y, u, taken)
+            own = own.drop(columns="at", errors="ignore")
+            found.append(Series(column, "", quantity, own, comparison=comparison, at_equal=at, mixed=mixed))
     return found
+
+
+def _at_equal(
+    own: pd.DataFrame, values: Mapping[str, Mapping[str, Stated]]
+) -> tuple[pd.DataFrame, tuple[str, ...], tuple[str, ...]]:
+    """The recordings at those values of other columns that every group has, the columns, and those that vary and have none such.
+
+    ``at`` numbers the values; ``y_at_equal`` is y with their part taken off: over the mean of the groups there, times that of all.
+    """
+    known = [values.get(name, {}) for name in own["recording"]]
+    columns = dict.fromkeys(column for each in known for column in each)
+    varied = [one for one in columns if len({each[one].value for each in known if one in each}) > 1]
+    at: list[str] = []
+    kept = own
+    for column in varied:
+        together = [*at, column]
+        places = [tuple(each[one].value if one in each else None for one in together) for each in known]
+        numbers: dict[Any, int] = {place: k for k, place in enumerate(dict.fromkeys(places))}
+        found = own.assign(at=[numbers[place] for place in places])
+        full = found.groupby("at")["group"].transform("nunique") == own["group"].nunique()
+        full &= np.array([None not in place for place in places])
+        if full.any():
+            at, kept = [*at, column], found[full].reset_index(drop=True)
+    if at:
+        each = kept.groupby(["at", "group"])["y"].mean().groupby("at").mean()
+        kept["y_at_equal"] = kept["y"] / kept["at"].map(each) * each.mean()
+    return kept, tuple(at), tuple(one for one in varied if one not in at)
 
 
 def _with(chosen: pd.DataFrame, quantity: str) -> pd.DataFrame:
