@@ -14,6 +14,7 @@ from swingdown.studies.experiment import fit_campaign, fit_recording
 from swingdown.studies.norms import combine_recordings
 from swingdown.studies.pendulums import pendulums, quantities_of
 from swingdown.studies.quantities import quantities
+from swingdown.studies.words import short
 
 FITTED = ["viscous", "load_coulomb", "viscous+load_coulomb"]
 TIMES = np.arange(1001) / 100
@@ -194,3 +195,14 @@ def test_readings_without_a_scale_have_the_period_of_their_first_swings(study):
     assert row["amplitude_text"] == "the first swings" and np.isnan(row["amplitude_rad"])
     assert row["period_s"] == pytest.approx(2 * np.pi / 7.0 * 1.0056, abs=0.003)
     assert not np.isfinite(row.get("last_period_s", np.nan))
+
+
+@pytest.mark.parametrize("status", ["named", "partial"])
+def test_a_verdict_alone_has_its_period_and_quality(status):
+    """As a figure of one verdict writes them above its trace, beside no row of a first answer."""
+    quantities = {
+        "period": {"value": 0.8725, "standard_uncertainty": 0.0003, "unit": "s"},
+        "quality": {"value": 59.8, "standard_uncertainty": 0.7, "unit": "1"},
+    }
+    conclusion = {"quantities": quantities, "amplitude_rad": 0.3, "model": "viscous", "residual": 1e-3}
+    assert short({}, {"status": status, "conclusion": conclusion}) == "T = 0.87250(30) s, Q = 59.80(70)"

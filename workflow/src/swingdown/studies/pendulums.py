@@ -268,7 +268,7 @@ def by_verdict(row: Mapping[str, Any], verdict: Mapping[str, Any]) -> dict[str, 
     of a model of damping; as it is where the search has none, or established nothing: what imitates has no values. Nor has swings that do
     not die away a loss by a model that something is missing from."""
     concluded = verdict.get("conclusion")
-    open_still = ("unknown", "partial") if row["model"] == NOT_DYING else ("unknown",)
+    open_still = ("unknown", "partial") if row.get("model") == NOT_DYING else ("unknown",)
     if not concluded or verdict["status"] in open_still:
         return dict(row)
     ends = ("", "_u", "_text")
