@@ -1,5 +1,6 @@
 """The apparatus sheet: the lengths, tower points and encoder limits that a calibration rests on, checked."""
 
+from collections.abc import Iterator
 from pathlib import Path
 from typing import NotRequired, TypedDict, cast
 
@@ -117,21 +118,30 @@ def read_apparatus(path: str | Path, check_files: bool = True) -> Apparatus:
                 "a path relative to the working directory, an absolute path or a URL",
                 "correct the path",
             )
-    if wide := [
-        entry["limit"] for entry in apparatus["encoder"]["limits"] if entry["limit"] > entry["up_to"]
-    ]:
-        raise InputError(
-            f"{path}, key encoder.limits",
-            f"a limit of error of {wide[0]:g} V, larger than the readings themselves",
-            "limits of error in V, far below up_to",
-            "correct the limit",
-        )
+    for place, size, limit, unit in _limits(apparatus):
+        if limit > size:
+            raise InputError(
+                f"{path}, key {place}",
+                f"a limit of error of {limit:g} {unit}, larger than the readings themselves",
+                f"a limit of error in {unit}, far below {size:g} {unit}",
+                "correct the limit",
+            )
     bounds = [entry["up_to"] for entry in apparatus["encoder"]["limits"]]
     if bounds != sorted(set(bounds)):
         raise InputError(
             f"{path}, key encoder.limits", "up_to does not rise", "limits in rising order", "sort them"
         )
     return apparatus
+
+
+def _limits(apparatus: Apparatus) -> Iterator[tuple[str, float, float, str]]:
+    """The key of each limit of error, what is read there at most, the limit, and the unit of both."""
+    for name, length in apparatus["lengths"].items():
+        yield f"lengths.{name}", length["value"], length["limit"], "m"
+    for number, point in enumerate(apparatus["points"], 1):
+        yield f"points[{number}]", point["height"], point["limit"], "m"
+    for entry in apparatus["encoder"]["limits"]:
+        yield "encoder.limits", entry["up_to"], entry["limit"], "V"
 
 
 def _check_height(apparatus: Apparatus, height: float, place: str) -> None:
