@@ -59,12 +59,11 @@ def conclusion(state: Round, campaign: Campaign) -> dict[str, Any]:
         (share, last if fit is state.fit else _other(fit, state, campaign, follows))
         for share, fit in state.counting
     ]
-    derived = last.derived()
-    means = over_models([(share, one.derived()) for share, one in others if one is not None], UNITS)
+    means = over_models([(share, one.derived) for share, one in others if one is not None], UNITS)
     values = about(
         last.values(state), [(share, one.values(state)) for share, one in others if one is not None]
     )
-    told = derived | means | {name: values[name] for name in last.reported}
+    told = last.derived | means | {name: values[name] for name in last.reported}
     return {
         "model": last.fit.model.label,
         "values": {
@@ -112,6 +111,7 @@ class _Told:
             for (times, _), one, more in swings
         )  # fmt: skip
 
+    @cached_property
     def derived(self) -> dict[str, Quantity]:
         """Natural frequency, period, quality and decay time of the largest swing."""
         found = quantities(self.motion, self.amplitude, self.covariance, self.beside)
@@ -160,7 +160,7 @@ def _other(fit: Fit, state: Round, campaign: Campaign, whole: bool) -> _Told | N
     """What another model says, of the whole recordings or of the fitted swings; None where it cannot be followed."""
     with suppress(*FAILURES):
         one = _of_the_whole(fit, state, campaign) if whole else _Told(fit, campaign.fit)
-        if one is not None and one.derived():
+        if one is not None and one.derived:
             return one
     return None
 

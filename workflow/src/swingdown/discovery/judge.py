@@ -27,7 +27,7 @@ class Finding:
     """What is to be said of an effect that the most probable structure has: the ``probability`` that it or one of its ``ties`` is there,
     the ``share`` of the discrepancy that is left with it, that of the ``held_out`` swings' excess over the noise, what they leave
     ``without`` it (in units of the noise), NaN where that cannot be computed, the ``doubt``, why it is not told, or empty,
-    ``at_shape``, the standard error of its size where its shape and what is judged with it are held, over the reported one, and
+    ``at_shape``, the standard error of its size where its shape is held, over the reported one (``_at_its_shape``), and
     ``law_open``, True of a friction whose law may be one that the catalogue has not."""
 
     probability: float

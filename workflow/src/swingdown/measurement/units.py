@@ -69,25 +69,8 @@ def time_factor(
         for unit, factor in (("ms", 1e-3), ("us", 1e-6))
         if SHORTEST <= factor * period <= LONGEST
     ]
-    if LONGEST < period <= SLOWEST and ticks == "taken":
-        return 1e-3, [
-            f"no unit of the time is stated, and its whole numbers do not rise evenly, as a processor's clock counts: TAKEN AS ms, a period of {period / 1e3:.4g} s"
-        ]
-    if LONGEST < period <= SLOWEST and ticks:
-        raise InputError(
-            place,
-            "the file does not say what its columns hold, nor the unit of its times, which seem to be ms",
-            "a column with the angle",
-            "name the column of the angle ⟨in signal_column⟩; an accelerometer that rides on the bob shows none",
-            WHICH_COLUMN,
-        )
     if LONGEST < period <= SLOWEST:
-        raise InputError(
-            place,
-            f"a period of {period:.4g}, and no unit of the time is stated: in s it would suit a torsion balance, in ms a pendulum",
-            "the unit of the time",
-            "write ms or s ⟨in time_unit⟩, or in the column's name: `t (ms)`",
-        )
+        return _ms_or_s(period, ticks, place)
     if len(possible) == 1:
         unit, factor = possible[0]
         return factor, [
@@ -98,6 +81,28 @@ def time_factor(
         f"{what} {length:.3g} s is too long or too short for a pendulum, and no unit of the time is stated",
         f"a period between {SHORTEST:g} and {LONGEST:g} s",
         "write ms, us or s ⟨in time_unit⟩, or in the column's name: `t (ms)`",
+    )
+
+
+def _ms_or_s(period: float, ticks: str, place: str) -> tuple[float, list[str]]:
+    """As ``time_factor`` of a period that would suit a torsion balance in s, and a pendulum in ms."""
+    if ticks == "taken":
+        return 1e-3, [
+            f"no unit of the time is stated, and its whole numbers do not rise evenly, as a processor's clock counts: TAKEN AS ms, a period of {period / 1e3:.4g} s"
+        ]
+    if ticks:
+        raise InputError(
+            place,
+            "the file does not say what its columns hold, nor the unit of its times, which seem to be ms",
+            "a column with the angle",
+            "name the column of the angle ⟨in signal_column⟩; an accelerometer that rides on the bob shows none",
+            WHICH_COLUMN,
+        )
+    raise InputError(
+        place,
+        f"a period of {period:.4g}, and no unit of the time is stated: in s it would suit a torsion balance, in ms a pendulum",
+        "the unit of the time",
+        "write ms or s ⟨in time_unit⟩, or in the column's name: `t (ms)`",
     )
 
 
