@@ -13,6 +13,9 @@ from swingdown.discovery.losses import _SAID
 from swingdown.discovery.sentence import _described, _misspecified
 from swingdown.errors import InputError
 from swingdown.language import language, languages
+from swingdown.measurement.interpret import Interpreted
+from swingdown.measurement.judge import Reading
+from swingdown.measurement.units import NO_SCALE, angle_unit, time_factor
 from swingdown.pendulum.catalogue import SHIPPED
 from swingdown.pendulum.model import model_words
 
@@ -187,3 +190,21 @@ def test_numbers_have_the_decimal_sign_of_the_language(text, told):
 def test_an_unknown_language_is_refused_with_those_that_there_are():
     with pytest.raises(InputError, match="de, es, fr, it, pt"):
         language("nl")
+
+
+@pytest.mark.parametrize("code", OTHERS)
+def test_what_a_file_without_units_was_taken_for_is_told(code):
+    """The line on how a file was read, and the remarks on its units."""
+    t = np.arange(0.0, 30.0, 0.02)
+    x = 72 * np.exp(-t / 20) * np.cos(2 * np.pi * t / 1.4)
+    layout = "rows in brackets, `,`, no header, 1500 samples"
+    read = ("`x`", "", "`t` as MS (no unit is stated)", "50.0 samples a second", layout)
+    told = [
+        Interpreted(t, x, Reading(unit, False), [], {}, "x", read=read).taken(Reading(unit, False))
+        for unit in ("rad", "deg", NO_SCALE)
+    ]
+    told += time_factor(1000 * t, x, False, "here")[1] + time_factor(1000 * t, x, False, "here", "taken")[1]
+    told += angle_unit(x, "", "sine", "here")[1]
+    assert len(told) == 6
+    for english in told:
+        assert not {"took", "unit", "of", "brackets,", "samples"} & set(language(code).text(english).split())
