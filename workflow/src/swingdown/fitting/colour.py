@@ -26,7 +26,7 @@ class Colour(NamedTuple):
 
     def spectrum(self, size: int) -> Floats:
         """The variance (rad^2) of white noise as strong at each of ``size // 2 + 1`` frequencies up to half the rate."""
-        return self.variance / np.abs(np.fft.rfft(np.r_[1.0, -self.coefficients], size)) ** 2
+        return self.variance / np.abs(np.fft.rfft(np.append(1.0, -self.coefficients), size)) ** 2
 
 
 class Line(NamedTuple):
@@ -122,18 +122,24 @@ def autoregression(series: Sequence[Floats], highest: int = _HIGHEST) -> Colour:
     backward = list(forward)
     n = sum(int(np.isfinite(one).sum()) for one in forward)
     whole = n == sum(one.size for one in forward)
-    total = np.sum if whole else np.nansum
-    variance = sum(float(total(one**2)) for one in forward) / n
+
+    def shared(one: Floats, other: Floats) -> float:  # of places at which both are there
+        return float(one @ other if whole else np.nansum(one * other))
+
+    variance = sum(shared(one, one) for one in forward) / n
     coefficients = np.zeros(0)
     best = Colour(coefficients, variance)
     least = bic = n * np.log(variance) if variance > 0 else -np.inf
     for _ in range(min(highest, min(one.size for one in forward) // _FEWEST)):
         ahead, behind = [one[1:] for one in forward], [one[:-1] for one in backward]
-        power = sum(float(total(a * a + b * b)) for a, b in zip(ahead, behind, strict=True))
+        power = sum(
+            shared(a, a) + shared(b, b) if whole else float(np.nansum(a * a + b * b))
+            for a, b in zip(ahead, behind, strict=True)
+        )
         if not (variance > 0 and power > 0):
             break
-        reflection = 2 * sum(float(total(a * b)) for a, b in zip(ahead, behind, strict=True)) / power
-        coefficients = np.r_[coefficients - reflection * coefficients[::-1], reflection]
+        reflection = 2 * sum(map(shared, ahead, behind)) / power
+        coefficients = np.append(coefficients - reflection * coefficients[::-1], reflection)
         forward = [a - reflection * b for a, b in zip(ahead, behind, strict=True)]
         backward = [b - reflection * a for a, b in zip(ahead, behind, strict=True)]
         variance *= 1 - reflection**2

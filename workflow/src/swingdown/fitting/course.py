@@ -23,6 +23,7 @@ _FREQUENCIES = np.r_[0.0, np.geomspace(1e-5, 3e-2, 8)]  # sizes of f that are tr
 _ROUNDS = 5  # of what is beyond first order ...
 _BELOW = 0.1  # ... until its sum of squares is below this share of the noise's variance
 _LOSSES = np.r_[0.0, np.geomspace(1e-3, 1.0, 7)]  # of g
+_SIZES = np.array([(f, g) for f in _FREQUENCIES for g in _LOSSES])
 
 
 class Pieces(NamedTuple):
@@ -186,11 +187,11 @@ class Free:
         gram, pull = np.zeros((whole, whole)), np.zeros(whole)
         gram[:size, :size] = self.precision
         for one, more, off in zip(self.pieces, self.columns, bent, strict=True):
-            place = np.r_[one.where, size:whole]
+            place = np.append(one.where, np.arange(size, whole))
             slopes = np.vstack([one.slopes, more])
             gram[np.ix_(place, place)] += one.counts * slopes @ slopes.T
             pull[place] += slopes @ (one.residual - one.counts * off)
-        used = np.r_[self.kept, np.ones(2 * self.count, bool)]
+        used = np.append(self.kept, np.ones(2 * self.count, bool))
         self.gram, self.pull = gram[np.ix_(used, used)], pull[used]
         self.scale = np.sqrt(np.diag(self.gram)[: self.own])
         inner = self.gram[: self.own, : self.own] / np.outer(self.scale, self.scale)
@@ -206,7 +207,7 @@ class Free:
 
     def posterior(self, frequency: float, loss: float, variance: float) -> tuple[Floats, Floats]:
         """Mean and covariance of the values and the coefficients (in their sizes), for noise of this variance."""
-        size = np.r_[1 / self.scale, self.sizes(frequency, loss)]
+        size = np.append(1 / self.scale, self.sizes(frequency, loss))
         matrix = self.gram * np.outer(size, size)
         matrix[self.own :, self.own :] += variance * np.eye(2 * self.count)
         inverse = np.linalg.inv(matrix) * np.outer(size, size)
@@ -266,7 +267,7 @@ class Free:
 
     def gains(self, variance: float) -> Floats:
         """Logarithms of the evidence above that of the law alone (frequency, loss), for noise of this variance."""
-        sizes = np.array([self.sizes(f, g) for f in _FREQUENCIES for g in _LOSSES])
+        sizes = np.repeat(_SIZES, self.count, axis=1)
         matrix = np.eye(2 * self.count) + sizes[:, :, None] * self.left / variance * sizes[:, None, :]
         drawn = sizes * self.drawn / variance
         lower = np.linalg.cholesky(matrix)

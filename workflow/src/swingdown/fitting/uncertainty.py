@@ -175,7 +175,7 @@ def _piece(fit: Fit, k: int, times: Floats, part: "_Part") -> Pieces:
     model = replace(one.model, record=one.model.record or float(times[-1] - times[0]))
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", TrajectoryWarning)  # of the fit they were told
-        begun = np.r_[times[0], middles[part.first <= 0 :]]
+        begun = np.append(times[0], middles[part.first <= 0 :])
         reading = simulate(model, begun, one.release_angle, one.release_velocity)[-middles.size :]
     radians = 0.0 if model.restoring == "linear" else 1.0
     if model.reading != ANGLE:
@@ -244,7 +244,7 @@ def _means(fit: Fit, swings: Swings) -> Iterator[_Part]:
     shared = len(fit.free) - len(own) * len(swings)
     period = 2 * np.pi / fit.model.values[NATURAL_FREQUENCY.name]
     for k, ((times, angle), fitted) in enumerate(zip(swings, fit.swings, strict=True)):
-        where = np.r_[:shared, shared + k * len(own) : shared + (k + 1) * len(own)]
+        where = np.append(np.arange(shared), shared + k * len(own) + np.arange(len(own)))
         release = fitted.release_angle, fitted.release_velocity
         slopes = sensitivities(fitted.model, times, *release, free=[fit.free[i] for i in where])[1]
         interval, at = in_steps(times)

@@ -3,6 +3,7 @@
 import io
 import re
 from collections.abc import Sequence
+from itertools import islice
 
 from .cells import split
 from .layout import COMMENT, DIALECTS
@@ -17,7 +18,8 @@ def upright(lines: Sequence[str]) -> io.BytesIO | None:
     It has fewer rows than a recording has samples, each with a name before its numbers or each without, and as many numbers in one as in the
     other; of one row they rise.
     """
-    filled = [line.strip() for line in lines if line.strip() and not COMMENT.match(line)]
+    some = (line.strip() for line in lines if line.strip() and not COMMENT.match(line))
+    filled = list(islice(some, FEWEST))
     if not 2 <= len(filled) < FEWEST:
         return None
     for separator in dict.fromkeys(one for one, _ in DIALECTS):
