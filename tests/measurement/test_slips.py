@@ -63,3 +63,13 @@ def test_holes_that_the_times_tell_are_no_slip(length):
         kept = kept[rng.random(kept.size) > 0.05]
         judged = judge(TIMES[kept], noisy(swing(TIMES))[kept], RAD, "here")
         assert not any(one.why for one in judged.windows)
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_a_telephone_that_a_hand_takes_before_the_end(seed):
+    rng = np.random.default_rng(seed)
+    beats = rng.uniform(0.3, 2.0, 6) * 2 * np.pi
+    hand = 0.04 * np.sin(np.outer(TIMES, beats) + rng.uniform(0, 6, 6)).sum(axis=1)
+    rate = noisy(np.where(TIMES < 50, swing(TIMES), hand))
+    window, told, _ = used_part(judge(TIMES, rate, Reading("rad/s", True), "here").windows)
+    assert "OUT OF STEP" in told[0] and np.isnan(window.begins) and 47.5 < window.ends < 52

@@ -5,6 +5,7 @@ import numpy as np
 from ..arrays import Floats
 from .clock import UNEVEN
 from .half_swings import half_swings, passages
+from .plausibility import STEADY
 
 SLIP = 0.05  # of a period: of a fit through both sides it leaves 0.08 of the swing (RMS), and its values are doubtful
 HIDES = 0.25  # of a period: a longer hole may hide a half-swing
@@ -32,16 +33,24 @@ def out_of_step(times: Floats, signal: Floats) -> list[tuple[float, float]]:
         return []
     found: list[tuple[float, float]] = []
     for k in np.flatnonzero(np.isfinite(periods)):
-        beside = periods[max(0, k - BESIDE) : k + BESIDE + 1]
-        beside = beside[np.isfinite(beside)]
-        usual = float(np.median(beside))
-        scatter = 1.4826 * float(np.median(np.abs(beside - usual)))
-        if beside.size >= BESIDE and abs(periods[k] - usual) > max(SLIP * usual, SURE * scatter):
+        # a hand that ends a swing moves the pendulum as it likes: then nothing but what was before it is even
+        before, beside = periods[max(0, k - 2 * BESIDE) : k], periods[max(0, k - BESIDE) : k + BESIDE + 1]
+        if _odd(periods[k], beside, BESIDE, SLIP) or _odd(periods[k], before, 2 * BESIDE, STEADY):
             start, stop = float(passed[k]), float(passed[k + 2])
             if found and start <= found[-1][1]:
                 start, _ = found.pop()
             found.append((start, stop))
     return found
+
+
+def _odd(period: float, others: Floats, fewest: int, least: float) -> bool:
+    """Whether a period is none of the others, of which ``fewest`` have to be known, by the share ``least`` and by what they scatter."""
+    others = others[np.isfinite(others)]
+    if others.size < fewest:
+        return False
+    usual = float(np.median(others))
+    scatter = 1.4826 * float(np.median(np.abs(others - usual)))
+    return abs(period - usual) > max(least * usual, SURE * scatter)
 
 
 def _known(passed: Floats, times: Floats) -> Floats:
