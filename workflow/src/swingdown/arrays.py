@@ -1,5 +1,6 @@
 """Names for the kinds of numbers that functions take and give."""
 
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -27,6 +28,18 @@ def standard_errors(covariance: Floats) -> Floats:
     return np.sqrt(np.where(variances >= 0, variances, np.nan))
 
 
+def runs(marked: NDArray[Any]) -> list[tuple[int, int]]:
+    """The first place, and the one after the last, of each run of one value that is not 0 (or False)."""
+    edges = np.flatnonzero(np.diff(marked.astype(np.int8), prepend=0, append=0))
+    return [(int(a), int(b)) for a, b in zip(edges, edges[1:], strict=False) if marked[a]]
+
+
+def extremes(values: Floats, columns: int) -> NDArray[np.intp]:
+    """The indices of the least and the greatest value in each of so many columns of equal width: what a picture shows of a series."""
+    parts = np.array_split(np.arange(values.size), columns)
+    return np.unique([rows[[np.argmin(values[rows]), np.argmax(values[rows])]] for rows in parts])
+
+
 def swing_under(drive: Any, times: Floats, angles: Floats) -> Swing:
     """The pair of times (s) and angles (rad), with the drive where there is one."""
     return (times, angles) if drive is None else DrivenSwing(times, angles, drive)
@@ -51,6 +64,14 @@ class Shown(NamedTuple):
         """Recording and part of a name such as ``anna, part 2 of 5``."""
         recording, comma, part = name.rpartition(", part ")
         return (recording, f"part {part}") if comma else (name, "")
+
+    @staticmethod
+    def by_recording(shown: "Sequence[Shown]") -> "dict[str, list[Shown]]":
+        """The swings of each recording, in the order in which these come."""
+        return {
+            name: [one for one in shown if one.recording == name]
+            for name in dict.fromkeys(one.recording for one in shown)
+        }
 
 
 def finite_or_none(value: float | None) -> float | None:

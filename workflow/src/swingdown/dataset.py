@@ -142,19 +142,8 @@ def read(path: str | Path) -> xr.Dataset:
     return dataset
 
 
-def check_sealed(path: str | Path) -> None:
-    """None where a file's bytes are those that were written, or it was written without a seal.
-
-    Parameters
-    ----------
-    path
-        A netCDF file.
-
-    Raises
-    ------
-    InputError
-        If another program has changed it.
-    """
+def _check_sealed(path: str | Path) -> None:
+    """None where a file's bytes are those that were written, or it was written without a seal; InputError where another program changed it."""
     if check_behind(Path(path)):
         return
     with needed("netCDF4").Dataset(path) as file:
@@ -186,7 +175,7 @@ def reading(path: str | Path) -> Iterator[None]:
     if not Path(path).exists():
         raise InputError(path, "there is no such file", "a dataset written by an earlier step", "give the same command again")  # fmt: skip
     try:
-        check_sealed(path)
+        _check_sealed(path)
         yield
     except (InputError, MemoryError):
         raise

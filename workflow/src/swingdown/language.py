@@ -26,7 +26,7 @@ _VALUE = rf"[-−<>≈ ]*\(?\d[-−+\d.()?±×⁻⁰¹²³⁴⁵⁶⁷⁸⁹e ]*
 _SIZE = re.compile(f"{_VALUE}|{_UNIT}")
 _FIELD = re.compile(r"\{(\w+)\}")
 _DECIMAL = re.compile(r"(?<![\w.])(\d+)\.(\d+)(?=e[-+]\d+(?!\.?\w)|(?![\w.]*\.?\d|[A-Za-z_]))")
-_SENTENCES = re.compile(r"(?<=[.!?”])\s+(?=[A-ZΑ-Ω“±])")
+_SENTENCES = re.compile(r"(?<=[.!?”])(?=\s+[A-ZΑ-Ω“±])")  # each has the space before it
 
 
 @cache
@@ -60,7 +60,7 @@ class Language:
             return english
         if (found := self._known(english)) is not None:
             return found
-        return "".join(self._sentence(one) for one in _split(_SENTENCES, english))
+        return "".join(self._sentence(one) for one in _SENTENCES.split(english))
 
     def number(self, text: str) -> str:
         """The text with its numbers' decimal points as this language has them."""
@@ -155,12 +155,3 @@ def capital(text: str) -> str:
 
 def _capital(text: str | None) -> str | None:
     return None if text is None else capital(text)
-
-
-def _split(pattern: re.Pattern[str], text: str) -> Iterator[str]:
-    """The parts of a text between matches, each with the space before it."""
-    at = 0
-    for match in pattern.finditer(text):
-        yield text[at : match.start()]
-        at = match.start()
-    yield text[at:]

@@ -19,26 +19,16 @@ def arm_angle(
     height
         Of the tower that the bob rests on, in m.
     """
-    drop = drop_below_shaft(over_shaft, shaft_diameter, bob_diameter, height)
+    drop = _drop_below_shaft(over_shaft, shaft_diameter, bob_diameter, height)
     with np.errstate(over="ignore"):
         ratio = drop / arm
     return np.arccos(np.where(np.abs(ratio) <= 1, ratio, np.nan))
 
 
-def drop_below_shaft(
+def _drop_below_shaft(
     over_shaft: Numbers, shaft_diameter: Numbers, bob_diameter: Numbers, height: Numbers
 ) -> Numbers:
-    """The height (m) of the shaft's centre above the bob's (Eqs. 8-10).
-
-    Parameters
-    ----------
-    over_shaft
-        Height of the shaft's top above the table, in m.
-    shaft_diameter, bob_diameter
-        In m.
-    height
-        Of the tower, in m.
-    """
+    """The height (m) of the shaft's centre above the bob's (Eqs. 8-10); all lengths in m."""
     return (over_shaft - shaft_diameter / 2) - (height + bob_diameter / 2)
 
 
@@ -61,7 +51,7 @@ def printed_bound(
         Whether the printed signs stay, by which the two terms cancel in part. Otherwise their sizes add: the worst case.
     """
     over_shaft, shaft, bob, arm = lengths
-    drop = drop_below_shaft(over_shaft, shaft, bob, height)
+    drop = _drop_below_shaft(over_shaft, shaft, bob, height)
     drop_limit = (limits[0] + limits[1] / 2) + (height_limit + limits[2] / 2)
     root = np.sqrt(1 - (drop / arm) ** 2)
     by_drop, by_arm = -drop_limit / (arm * root), drop * limits[3] / (arm**2 * root)

@@ -10,6 +10,7 @@ from ..arrays import Floats
 from ..errors import InputError
 from ..pendulum.catalogue import ANGLE, RATE
 from ..pendulum.formula import evaluate
+from ..pendulum.ideal import reached
 from ..pendulum.model import Model
 
 
@@ -174,24 +175,18 @@ def _guess_from_rate(times: Floats, rate: Floats, restoring: str) -> Guess:
     half, fastest = float(np.median(np.diff(crossings)[used])), float(np.median(speeds[used]))
     frequency = observed = np.pi / half
     for _ in range(30 if restoring == "sine" else 0):  # the faster of two that depend on each other
-        frequency = observed / _amplitude_factor(_amplitude(fastest, frequency, restoring))
-    reached = np.array([_amplitude(one, frequency, restoring) for one in speeds])
-    amplitude = float(np.median(reached[used]))
-    loss = (reached[0] - reached[-1]) / max(1, reached.size - 1) if reached.size > 1 else 0.01 * amplitude
+        frequency = observed / _amplitude_factor(float(reached(fastest / frequency, restoring)))
+    turned = reached(speeds / frequency, restoring)
+    amplitude = float(np.median(turned[used]))
+    loss = (turned[0] - turned[-1]) / max(1, turned.size - 1) if turned.size > 1 else 0.01 * amplitude
     velocity, acceleration = at_first(times, rate, half)
     release = -acceleration / frequency**2  # of a spring; a weight pulls with the sine of the angle
     if restoring == "sine":
         sine = float(np.clip(release, -1.0, 1.0))
         # beyond 90° the pull falls again: which side of it the release is on, the energy tells
-        cosine = np.cos(reached[0]) + 0.5 * (velocity / frequency) ** 2
+        cosine = np.cos(turned[0]) + 0.5 * (velocity / frequency) ** 2
         release = float(np.arctan2(sine, cosine)) if cosine < 0.5 else float(np.arcsin(sine))
     return Guess(float(frequency), release, velocity, amplitude, float(loss))
-
-
-def _amplitude(speed: float, frequency: float, restoring: str) -> float:
-    """The angle (rad) that a pendulum reaches that is this fast (rad/s) at the bottom."""
-    share = speed / frequency
-    return float(2 * np.arcsin(min(share / 2, 0.999))) if restoring == "sine" else float(share)
 
 
 def _median(values: list[float]) -> float:

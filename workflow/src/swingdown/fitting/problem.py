@@ -32,19 +32,8 @@ Swings = Sequence[tuple[Any, Any]]
 """(times in s, angles in rad) of each swing; of a model that reads rates (times in s, angular velocities in rad/s)."""
 
 
-def checked_swing(times: Any, angle: Any) -> tuple[Floats, Floats]:
-    """Times (s) and angles (rad) as contiguous arrays.
-
-    Parameters
-    ----------
-    times, angle
-        In s and rad, both of shape (sample,).
-
-    Raises
-    ------
-    InputError
-        If they do not match, are not finite, or the times do not increase.
-    """
+def _checked_swing(times: Any, angle: Any) -> tuple[Floats, Floats]:
+    """Times (s) and angles (rad) as contiguous arrays; InputError if they do not match, are not finite, or the times do not increase."""
     times, angle = checked_times(times), np.ascontiguousarray(angle, dtype=float)
     if angle.shape != times.shape:
         raise InputError("swing", f"{angle.size} angles for {times.size} times", "one angle for each time")
@@ -167,7 +156,7 @@ class Problem:
                 f"no parameter {unknown[0]!r} in {model.label}",
                 ", ".join(model.parameters),
             )
-        self.model, self.swings, self.start = model, [checked_swing(*swing) for swing in swings], start
+        self.model, self.swings, self.start = model, [_checked_swing(*swing) for swing in swings], start
         count, sizes = len(self.swings), [times.size for times, _ in self.swings]
         layout = _layout(
             model.catalogue, model.parameters, tuple(own), tuple(self.fixed), start == "free", bounded, count

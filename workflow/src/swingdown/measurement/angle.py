@@ -12,6 +12,7 @@ from ..arrays import Floats
 from ..errors import InputError
 from ..quantisation import quantisation_step
 from . import points_recording
+from .apparatus import limit_at
 from .driven import carried
 from .even import Even
 from .gyroscope import TO_RAD_PER_S
@@ -156,7 +157,16 @@ def _from_volts(
     covariance, u_zero = float(own["slope_rest_covariance"]), float(own["rest_voltage_uncertainty"])
     away = volts - zero
     line = away**2 * variance + slope**2 * u_zero**2 - 2 * slope * away * covariance
-    encoder = (slope * _encoder_limit(calibration, volts, name)) ** 2
+    encoder = (
+        slope
+        * limit_at(
+            volts,
+            calibration["encoder_up_to"].values,
+            calibration["encoder_limit"].values,
+            "as the apparatus sheet says",
+            name,
+        )
+    ) ** 2
     if mode != "paper":
         encoder = encoder / 3  # a uniform distribution
     noise = np.full_like(volts, (slope * float(calibration["noise_voltage"])) ** 2)
@@ -180,18 +190,6 @@ def _from_volts(
         else "line and zero",
     }
     return slope * away, random, systematic, bound, notes
-
-
-def _encoder_limit(calibration: xr.Dataset, volts: Floats, name: str) -> Floats:
-    up_to, limits = calibration["encoder_up_to"].values, calibration["encoder_limit"].values
-    if (high := np.abs(volts).max()) > up_to[-1]:
-        raise InputError(
-            name,
-            f"{high:.5g} V is beyond the encoder's range",
-            f"at most {up_to[-1]:g} V, as the apparatus sheet says",
-            "correct signal_unit, or the encoder's limits",
-        )
-    return limits[np.searchsorted(up_to, np.abs(volts))]
 
 
 def _noise(times: Floats, values: Floats, healed: Even) -> Noise:

@@ -1,6 +1,6 @@
 """The apparatus sheet: the lengths, tower points and encoder limits that a calibration rests on, checked."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import NotRequired, TypedDict, cast
 
@@ -182,14 +182,28 @@ def _length(name: str, entry: Length | Point, value: float) -> Input:
 
 def encoder_limit(apparatus: Apparatus, voltage: ArrayLike, place: str = "voltage") -> Floats:
     """The manual's error limit (V) at each voltage (V); InputError for one beyond the encoder's range."""
-    limits = apparatus["encoder"]["limits"]
+    known = apparatus["encoder"]["limits"]
+    up_to, limits = ([entry[key] for entry in known] for key in ("up_to", "limit"))
+    return limit_at(voltage, up_to, limits, f"{apparatus['path']}, key encoder.limits", place)
+
+
+def limit_at(
+    voltage: ArrayLike,
+    up_to: Sequence[float] | Floats,
+    limits: Sequence[float] | Floats,
+    source: str,
+    place: str,
+) -> Floats:
+    """The error limit (V) at each voltage (V), of the ``limits`` that hold ``up_to`` rising voltages; InputError beyond the last.
+
+    ``source`` is where they stand, ``place`` what an error names as its place.
+    """
     size = np.abs(np.asarray(voltage, dtype=float))
-    if np.any(size > limits[-1]["up_to"]):
+    if np.any(size > up_to[-1]):
         raise InputError(
             place,
             f"{float(size.max()):.5g} V is beyond the encoder's range",
-            f"at most {limits[-1]['up_to']:g} V ({apparatus['path']}, key encoder.limits)",
+            f"at most {up_to[-1]:g} V ({source})",
             "correct the signal's unit or the apparatus sheet",
         )
-    index = np.searchsorted([entry["up_to"] for entry in limits], size)
-    return np.array([entry["limit"] for entry in limits])[index]
+    return np.asarray(limits, dtype=float)[np.searchsorted(up_to, size)]

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ..arrays import Floats
+from ..arrays import Floats, runs
 from .clock import UNEVEN
 
 FOLLOWED = 0.25  # of a period: across a longer hole no polynomial follows a swing
@@ -32,8 +32,7 @@ class Even:
 
     def holes(self) -> list[tuple[int, int]]:
         """The first place that is missing, and the one after the last, of each hole."""
-        edges = np.flatnonzero(np.diff(self.missing.astype(np.int8), prepend=0, append=0))
-        return [(int(a), int(b)) for a, b in zip(edges[::2], edges[1::2], strict=True)]
+        return runs(self.missing)
 
     def deep(self, period: float) -> list[tuple[float, float]]:
         """From when to when (s) a hole is too long for the swing across it to be known, for a ``period`` (s)."""

@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..arrays import Floats
+from ..arrays import Floats, runs
 from .half_swings import Swings, half_swings
 from .noise_level import noise_level
 
@@ -54,7 +54,7 @@ def stretches(times: Floats, signal: Floats, scale: float = 0.0) -> list[Stretch
     usual = float(np.median(np.abs(excess[inside]))) / 0.6745
     strong = np.sign(excess) * (np.abs(excess) > max(STRONG, ODD * usual))
     joined: list[tuple[int, int]] = []
-    for start, stop in _runs(strong):
+    for start, stop in runs(strong):
         if stop - start < BRIEF * samples:
             continue
         if joined and start - joined[-1][1] < CLOSE * samples:
@@ -83,7 +83,7 @@ def held_still(times: Floats, rate: Floats) -> list[Stretch]:
     period = swings.period(times)
     usual = round(period / float(np.median(np.diff(times))))
     found = []
-    for a, b in _runs(still.astype(float)):
+    for a, b in runs(still.astype(float)):
         before, after = np.abs(rate[max(0, a - usual) : a]), np.abs(rate[b:])
         if (
             b < len(rate)
@@ -113,12 +113,6 @@ def _excess(away: Floats, scale: float, half: int, samples: float, inside: slice
     known = np.linalg.lstsq(terms[inside], a[inside], rcond=None)[0]
     weight = terms[inside][:, : len(pull)] @ known[: len(pull)]
     return (a - terms @ known) / np.abs(weight).max()
-
-
-def _runs(strong: Floats) -> list[tuple[int, int]]:
-    """Where one sign lasts: first sample, and the one after the last."""
-    edges = np.flatnonzero(np.diff(strong, prepend=0, append=0))
-    return [(int(a), int(b)) for a, b in zip(edges, edges[1:], strict=False) if strong[a]]
 
 
 def _half_height(excess: Floats, start: int, stop: int) -> tuple[int, int]:

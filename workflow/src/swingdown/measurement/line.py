@@ -50,16 +50,20 @@ class Line:
     def predict(self, x: ArrayLike, u_x: ArrayLike = 0.0) -> tuple[Floats, Floats]:
         """y at ``x`` (scalar or array) and its standard uncertainty, ``u_x`` being independent of the line."""
         x = np.asarray(x, dtype=float)
-        variance = self.covariance[0, 0] + 2 * x * self.covariance[0, 1] + x**2 * self.covariance[1, 1]
-        return self.intercept + self.slope * x, np.sqrt(variance + (self.slope * np.asarray(u_x)) ** 2)
+        return self.intercept + self.slope * x, np.sqrt(
+            self._variance(x) + (self.slope * np.asarray(u_x)) ** 2
+        )
 
     def inverse(self, y: ArrayLike, u_y: ArrayLike = 0.0) -> tuple[Floats, Floats]:
         """x where the line takes the value ``y``, and its standard uncertainty (ISO/TS 28037, inverse
         evaluation).
         """
         x = (np.asarray(y, dtype=float) - self.intercept) / self.slope
-        variance = self.covariance[0, 0] + 2 * x * self.covariance[0, 1] + x**2 * self.covariance[1, 1]
-        return x, np.sqrt(variance + np.asarray(u_y) ** 2) / abs(self.slope)
+        return x, np.sqrt(self._variance(x) + np.asarray(u_y) ** 2) / abs(self.slope)
+
+    def _variance(self, x: Floats) -> Floats:
+        """Of the line's y at x."""
+        return self.covariance[0, 0] + 2 * x * self.covariance[0, 1] + x**2 * self.covariance[1, 1]
 
 
 def fit_line(x: ArrayLike, y: ArrayLike, sd_x: ArrayLike, sd_y: ArrayLike) -> Line:

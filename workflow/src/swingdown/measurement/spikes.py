@@ -6,7 +6,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from ..arrays import Floats
+from ..arrays import Floats, runs
 from ..quantisation import quantisation_step
 from .even import Even, evenly
 from .half_swings import half_swings
@@ -163,7 +163,7 @@ def _beside(
         sure = alike & (unsure < SURE)
         beside &= ~(sure if sure.any() else alike & (unsure == unsure[alike].min()))
     beside &= np.abs(left) > np.maximum(ODD * scale * unsure, least)
-    if not beside.any() or _longest(beside) > min(LONGEST, max(1.0, period / 8)):
+    if not beside.any() or max(b - a for a, b in runs(beside)) > min(LONGEST, max(1.0, period / 8)):
         return none
     known = ~beside & ~elsewhere
     rest = float(np.sum(left[known] ** 2))
@@ -188,12 +188,6 @@ def _broken(x: Floats, own: Floats, powers: Floats, places: Floats) -> float:
         left = own - design @ np.linalg.lstsq(design, own, rcond=None)[0]
         least = min(least, float(left @ left))
     return least
-
-
-def _longest(marked: NDArray[np.bool_]) -> int:
-    """The number of samples in the longest run."""
-    edges = np.flatnonzero(np.diff(marked.astype(int), prepend=0, append=0))
-    return int(np.max(edges[1::2] - edges[::2]))
 
 
 def kernel(spike: bool) -> Floats:

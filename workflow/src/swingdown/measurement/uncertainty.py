@@ -168,7 +168,7 @@ def propagate_gum(
     covariance = contributions @ correlation @ contributions.T
     dof = np.array(
         [
-            welch_satterthwaite(row, [i.dof for i in inputs], sqrt(max(variance, 0.0)))
+            _welch_satterthwaite(row, [i.dof for i in inputs], sqrt(max(variance, 0.0)))
             for row, variance in zip(contributions, np.diag(covariance), strict=True)
         ]
     )
@@ -219,24 +219,10 @@ def symmetric_interval(values: Floats, coverage: float = 0.95) -> tuple[Floats, 
     return tuple(np.quantile(values, [(1 - coverage) / 2, (1 + coverage) / 2], axis=-1))
 
 
-def welch_satterthwaite(
-    contributions: ArrayLike, dof: Sequence[float], combined: float | None = None
-) -> float:
-    """The effective degrees of freedom of a sum of independent contributions (JCGM 100, G.4); inf if all are.
-
-    Parameters
-    ----------
-    contributions
-        Standard uncertainties times sensitivities, of shape (input,), in the result's unit.
-    dof
-        Degrees of freedom of each, of shape (input,).
-    combined
-        The combined standard uncertainty. Default: the root of the sum of squares.
-    """
-    contributions = np.asarray(contributions, dtype=float)
-    variance = np.sum(contributions**2) if combined is None else combined**2
+def _welch_satterthwaite(contributions: Floats, dof: Sequence[float], combined: float) -> float:
+    """The effective degrees of freedom of a sum of independent contributions (JCGM 100, G.4) to a ``combined`` uncertainty; inf if all are."""
     below = sum(c**4 / d for c, d in zip(contributions, dof, strict=True) if not isinf(d) and c)
-    return variance**2 / below if below else inf
+    return combined**4 / below if below else inf
 
 
 def coverage_factor(dof: ArrayLike, coverage: float = 0.95) -> Floats:

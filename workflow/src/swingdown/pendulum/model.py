@@ -344,12 +344,13 @@ def symbol(label: str, mathtext: bool = False) -> str:
     return rf"$\kappa_{{{letters}}}$".replace(" ", r"\ ") if mathtext else f"κ{letters}"
 
 
+def in_words(name: object) -> str:
+    """A name of an effect, a move or a model as one says it: Coulomb was a person."""
+    return str(name).replace("_", " ").replace("coulomb", "Coulomb")
+
+
 def model_words(label: str) -> str:
     """A model's effects in words: ``viscous and load Coulomb``; a measured drive is none of its own."""
     drives = {effect.name for effect in SHIPPED.inputs}
-    names = [
-        name.replace("_", " ").replace("coulomb", "Coulomb")
-        for name in label.split("+")
-        if name not in drives
-    ]
+    names = [in_words(name) for name in label.split("+") if name not in drives]
     return " and ".join([", ".join(names[:-1]), names[-1]] if len(names) > 1 else names)

@@ -108,15 +108,9 @@ class Series:
         }  # fmt: skip
 
 
-def quantities_in(table: pd.DataFrame) -> pd.DataFrame:
-    """A DataFrame with a row for each recording: y and u_y of each quantity (``KINDS``), NaN where it has none.
-
-    The period is that of small undamped swings; of passages that as recorded.
-
-    Parameters
-    ----------
-    table
-        A table of ``studies.pendulums``.
+def _quantities_in(table: pd.DataFrame) -> pd.DataFrame:
+    """A row for each recording of a table of ``studies.pendulums``: each of ``KINDS`` and its uncertainty, NaN where it has none. The period is
+    that of small undamped swings; of passages that as recorded.
     """
     one = table[table["recording"] != "(joint)"]
     found = pd.DataFrame({"recording": one["recording"], "label": one["label"]})
@@ -160,7 +154,7 @@ def series_of(
     InputError
         If ``by`` is no such column.
     """
-    measured = quantities_in(table)
+    measured = _quantities_in(table)
     columns = list(dict.fromkeys(column for own in values.values() for column in own))
     words = list(dict.fromkeys(column for own in (groups or {}).values() for column in own))
     found: list[Series] = []
