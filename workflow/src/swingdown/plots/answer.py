@@ -7,15 +7,14 @@ import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 
-from ..arrays import Floats, Shown
+from ..arrays import Floats, Shown, extremes
 from ..dataset import series_of
 from . import style
 
 FITTED, HELD, DATA = "#0072B2", "#009E73", style.GREY
 _RECORDINGS = 3  # side by side; more would be too narrow to read
-_PIXELS = (
-    900  # columns of a panel: more samples than twice that are drawn as their least and greatest in each
-)
+# columns of a panel: more samples than twice that are drawn as their least and greatest in each
+_PIXELS = 900
 
 
 @style.styled
@@ -36,29 +35,21 @@ def swings_with_fit(
     told
         What stands above, such as period and quality.
     """
-    names = list(dict.fromkeys(one.recording for one in shown))
-    reach = {name: max(float(np.ptp(one.angle)) for one in shown if one.recording == name) for name in names}
-    order = sorted(names, key=lambda name: -reach[name])
+    parts = Shown.by_recording(shown)
+    order = sorted(parts, key=lambda name: -max(float(np.ptp(one.angle)) for one in parts[name]))
     chosen = order if len(order) <= _RECORDINGS else [order[0], order[len(order) // 2], order[-1]]
     figure = style.new_figure(9.0)
     grid = figure.subplots(2, len(chosen), sharex="col", sharey="row", squeeze=False, height_ratios=[3, 2])
     for (upper, lower), name in zip(grid.T, chosen, strict=True):
-        _recording(upper, lower, [one for one in shown if one.recording == name], noise)
-        if len(names) > 1:
+        _recording(upper, lower, parts[name], noise)
+        if len(parts) > 1:
             upper.set_title(name)
         lower.set_xlabel("time (s)" if len(chosen) > 1 else style.TIME)
     angle = shown[0].unit == "rad"
     grid[0, 0].set_ylabel("angle (°)" if angle else "angular rate (°/s)")
     grid[1, 0].set_ylabel("data − fit (°)" if angle else "data − fit (°/s)")
-    handles = {
-        handle.get_label(): handle
-        for row in grid
-        for axes in row
-        for handle in axes.get_legend_handles_labels()[0]
-    }
-    measured = style.mark(".", DATA, "measured")
     figure.legend(
-        handles=[measured, *handles.values()],
+        handles=[style.mark(".", DATA, "measured"), *style.handles_of(figure)],
         loc="outside upper left",
         ncols=4,
         title=told or None,
@@ -66,8 +57,8 @@ def swings_with_fit(
         alignment="left",
     )
     left = ""
-    if len(chosen) < len(names):
-        left = f"{len(chosen)} of {len(names)} recordings: largest, middle and smallest angle"
+    if len(chosen) < len(parts):
+        left = f"{len(chosen)} of {len(parts)} recordings: largest, middle and smallest angle"
     return style.footnote(figure, left, style.emulated_note(data))
 
 
@@ -123,13 +114,5 @@ def thinned(time: Floats, values: Floats) -> tuple[Floats, Floats]:
     """Times and values that look the same in a picture of ``_PIXELS`` columns: of each column the least and the greatest value."""
     if time.size <= 2 * _PIXELS:
         return time, values
-    edges = np.linspace(0, time.size, _PIXELS + 1).astype(int)[:-1]
-    ends = np.append(edges[1:], time.size)
-    kept = np.array(
-        [
-            (a + int(np.argmin(values[a:b])), a + int(np.argmax(values[a:b])))
-            for a, b in zip(edges, ends, strict=True)
-        ]
-    )
-    kept = np.unique(kept)
+    kept = extremes(values, _PIXELS)
     return time[kept], values[kept]

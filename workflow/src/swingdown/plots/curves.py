@@ -64,11 +64,9 @@ def backbone(data: xr.Dataset) -> style.Drawn:
         _curve(right, data["speed"].values, data, "friction", 1.0)
         right.set(xlabel="speed (rad/s)", ylabel="friction (rad/s²)")
         right.set_ylim(bottom=min(0.0, right.get_ylim()[0]))
-    handles: dict[str, Any] = {}
     for axes in figure.axes:
         axes.grid(True)
-        handles |= {str(one.get_label()): one for one in axes.get_legend_handles_labels()[0]}
-    figure.legend(handles=list(handles.values()), loc="outside upper left", ncols=3)
+    figure.legend(handles=style.handles_of(figure), loc="outside upper left", ncols=3)
     of_model = f"model: {style.name(data.attrs['model'])}" if data.attrs["model"] else ""
     over = "torques over inertia; 95 % bands, the model's with what it lacks"
     return style.footnote(figure, of_model, over, style.emulated_note(data))

@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 
 from ..arrays import Floats
 from ..dataset import series_of
+from ..pendulum.model import in_words
 from . import style
 
 BEFORE, AFTER, HELD = "#D55E00", "#0072B2", "#009E73"
@@ -18,17 +19,9 @@ _ROWS = 12  # of a ranking
 _MANY, _GROUPS = 80, 12  # half-swings beyond which means of groups are drawn, and so many groups
 
 
-def _words(name: str) -> str:
-    """An effect or a move as one says it: Coulomb was a person."""
-    return name.replace("_", " ").replace("coulomb", "Coulomb")
-
-
-@style.styled
 def no_verdict(campaign: str) -> Figure:
     """What stands in place of a figure of a campaign in which nothing could be looked for."""
-    figure = style.new_figure(2.0)
-    figure.text(0.5, 0.5, f"{campaign}: no verdict; its verdict.json says why", ha="center", va="center")
-    return figure
+    return style.absent(f"{campaign}: no verdict; its verdict.json says why")
 
 
 @style.styled
@@ -126,8 +119,7 @@ def missing_torque(first: pd.DataFrame, last: pd.DataFrame, rounds: Sequence[Map
         axes.axhline(0, color=style.GREY, lw=0.6)
         axes.grid(True, axis="y")
     grid[0].set_ylabel("missing torque over inertia (rad/s²)")
-    labelled = {handle.get_label(): handle for axes in grid for handle in axes.get_legend_handles_labels()[0]}
-    figure.legend(handles=labelled.values(), loc="outside upper left", ncols=3)
+    figure.legend(handles=style.handles_of(figure), loc="outside upper left", ncols=3)
     return style.footnote(
         figure,
         "each as if it alone were missing",
@@ -264,7 +256,7 @@ def ranking(ranked: pd.DataFrame, move: str) -> Figure:
         colour = style.FAINT if refused else AFTER if row.move == move else HELD if row.tied else style.GREY
         axes.barh(place, row.gain_bic, color=colour, height=0.62)
         said = (
-            f"refused: {_words(row.refused)}"
+            f"refused: {in_words(row.refused)}"
             if refused
             else "chosen"
             if row.move == move
@@ -280,7 +272,7 @@ def ranking(ranked: pd.DataFrame, move: str) -> Figure:
             va="center",
             fontsize=8.5,
         )
-    axes.set_yticks(range(len(table)), [_words(name) for name in table["move"]])
+    axes.set_yticks(range(len(table)), [in_words(name) for name in table["move"]])
     axes.invert_yaxis()
     most = max(float(table["gain_bic"].max()), 1.0)
     axes.set_xlim(min(0.0, 1.05 * float(table["gain_bic"].min())), 1.5 * most)
@@ -317,7 +309,7 @@ def gap(verdict: Mapping[str, Any]) -> Figure:
     style.decimal_log(axes.yaxis)
     low, high = min(*fit, *held, 0.9), max(*fit, *held, 1.2)
     axes.set_ylim(low / 1.35, high * 1.35)
-    axes.set_xticks(places, ["base model", *(_words(move) for move in verdict["moves"])][: len(fit)])
+    axes.set_xticks(places, ["base model", *(in_words(move) for move in verdict["moves"])][: len(fit)])
     axes.set_xlim(-0.4, len(fit) - 0.6)
     axes.set_ylabel("residual over noise")
     axes.grid(True, axis="y")

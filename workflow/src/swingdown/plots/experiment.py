@@ -17,32 +17,8 @@ EARLY_AND_LATE = 3.0  # seconds enlarged at each end of a swing
 ERROR_BOUNDS = "error_bounds"
 
 
-def fig10(fits: xr.Dataset, angles: xr.Dataset) -> Figure:
-    """The best viscous fit on one swing (the paper's Figure 10); see ``fit_of``."""
-    return fit_of("viscous", fits, angles)
-
-
-def fig11(fits: xr.Dataset, angles: xr.Dataset) -> Figure:
-    """The best quadratic fit on one swing (the paper's Figure 11); see ``fit_of``."""
-    return fit_of("quadratic_drag", fits, angles)
-
-
-def fig12(fits: xr.Dataset, angles: xr.Dataset) -> Figure:
-    """The best Coulomb fit on one swing (the paper's Figure 12); see ``fit_of``."""
-    return fit_of("load_coulomb", fits, angles)
-
-
-def fig13(fits: xr.Dataset, angles: xr.Dataset, norms: xr.Dataset) -> Figure:
-    """The fit of the pair of effects with the lowest mean norm (the paper's Figure 13); see ``fit_of``."""
-    return _pair(0, fits, angles, norms)
-
-
-def fig14(fits: xr.Dataset, angles: xr.Dataset, norms: xr.Dataset) -> Figure:
-    """The fit of the pair of effects with the second lowest mean norm (the paper's Figure 14); see ``fit_of``."""
-    return _pair(1, fits, angles, norms)
-
-
-def _pair(rank: int, fits: xr.Dataset, angles: xr.Dataset, norms: xr.Dataset) -> Figure:
+def fit_of_pair(rank: int, fits: xr.Dataset, angles: xr.Dataset, norms: xr.Dataset) -> Figure:
+    """The fit of the pair of effects with the lowest mean norm, or of rank 1 the second lowest (the paper's Figures 13 and 14)."""
     mean = _of_campaign(norms, angles.attrs.get("campaign"))["norm"].mean("recording").to_series()
     pairs = mean[[label for label in mean.index if label.count("+") == 1]].sort_values(kind="stable")
     if len(pairs) <= rank:
@@ -59,7 +35,7 @@ def _of_campaign(norms: xr.Dataset, campaign: str | None) -> xr.Dataset:
 
 @style.styled
 def fit_of(label: str, fits: xr.Dataset, angles: xr.Dataset, remark: str = "") -> Figure:
-    """A figure of one model's best fit on one swing: the whole, both ends enlarged, and the residual.
+    """A figure of one model's best fit on one swing: the whole, both ends enlarged, and the residual (the paper's Figures 10 to 12).
 
     ``fits`` holds ``fit`` and ``residual`` (fitted, time; rad) and ``norm`` (fitted; degrees), ``angles`` the same
     swing's ``angle``, ``angle_bound`` and, where known, ``angle_random_uncertainty`` (time; rad), the bands behind the

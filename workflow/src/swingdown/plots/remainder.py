@@ -29,12 +29,9 @@ def remainder(table: pd.DataFrame, course: pd.DataFrame, told: Mapping[str, Any]
     ``table`` (``angle_rad``, ``speed_rad_per_s``, ``torque``, ``band``, ``known``, ``seen``) and ``course`` (``swing``, ``time_s``,
     ``torque``, ``band``) are those of a round, ``told`` its round.json. Where there is none the picture says so.
     """
-    figure = style.new_figure(12.0)
     if table.empty:
-        axes = figure.subplots()
-        axes.set_axis_off()
-        axes.text(0.5, 0.5, "no torque is left to draw", ha="center", va="center")
-        return figure
+        return style.absent("no torque is left to draw")
+    figure = style.new_figure(12.0)
     halves: Any = figure.subfigures(2, 1, height_ratios=(1.25, 1))
     upper, lower = halves
     left, right = upper.subplots(1, 2, width_ratios=(1.6, 1))

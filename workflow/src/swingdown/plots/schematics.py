@@ -55,7 +55,7 @@ def _layout(axes: Axes) -> None:
     reach = np.array([np.sin(tilt), -np.cos(tilt)])
     bob = shaft + arm * reach
     base, top = bob[1] - bob_radius, shaft[1] + shaft_radius
-    _ground(axes, -3.6, 2.6, 0, 0.25)
+    _ground(axes)
     _edge(Rectangle((bob[0] - 0.33, 0), 0.66, base, facecolor="#f0e3bd"), axes)
     axes.plot([shaft[0]] * 2, [shaft[1], bob[1]], color=style.GREY, lw=0.8, ls=DASHED, zorder=3)
     axes.plot(*zip(shaft, bob, strict=True), color=ROD, lw=3, zorder=3)
@@ -150,13 +150,11 @@ def _dimension(
     _label(axes, x, y, text, size=12, bbox={"facecolor": "white", "edgecolor": "none", "pad": 1.2})
 
 
-def _ground(axes: Axes, x0: float, x1: float, y: float, depth: float) -> None:
-    """Hatched ground with its upper edge at ``y``."""
-    area = Rectangle(
-        (x0, y - depth), x1 - x0, depth, facecolor="white", edgecolor=style.FAINT, hatch="////", lw=0
-    )
+def _ground(axes: Axes) -> None:
+    """Hatched ground below the height 0."""
+    area = Rectangle((-3.6, -0.25), 6.2, 0.25, facecolor="white", edgecolor=style.FAINT, hatch="////", lw=0)
     axes.add_patch(area)
-    axes.plot([x0, x1], [y, y], color=style.GREY, lw=1.3, solid_capstyle="butt")
+    axes.plot([-3.6, 2.6], [0, 0], color=style.GREY, lw=1.3, solid_capstyle="butt")
 
 
 def _edge(patch: Patch, axes: Axes, z: float = 2) -> Patch:

@@ -21,10 +21,7 @@ def over_what_was_varied(series: Sequence[Any], emulated: str = "no") -> Figure:
     grid = figure.subplots(2, len(series), sharex="col", squeeze=False, height_ratios=[3, 2])
     for (upper, lower), one in zip(grid.T, series, strict=True):
         _panel(upper, lower, one)
-    handles = {
-        handle.get_label(): handle for upper in grid[0] for handle in upper.get_legend_handles_labels()[0]
-    }
-    figure.legend(handles=list(handles.values()), loc="outside upper left", ncols=3)
+    figure.legend(handles=style.handles_of(figure), loc="outside upper left", ncols=3)
     widened = any(one.law.scatter.widening > 1 for one in series)
     return style.footnote(
         figure,

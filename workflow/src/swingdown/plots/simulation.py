@@ -49,24 +49,9 @@ def fig02(realizations: xr.Dataset) -> Figure:
     )
 
 
-def fig03(norms: xr.Dataset, table2: pd.DataFrame) -> Figure:
-    """The norms of every model fitted to simulated viscous damping (the paper's Figure 3); see ``norms_of``."""
-    return norms_of("viscous", norms, table2)
-
-
-def fig04(norms: xr.Dataset, table2: pd.DataFrame) -> Figure:
-    """The norms of every model fitted to simulated quadratic damping (the paper's Figure 4); see ``norms_of``."""
-    return norms_of("quadratic_drag", norms, table2)
-
-
-def fig05(norms: xr.Dataset, table2: pd.DataFrame) -> Figure:
-    """The norms of every model fitted to simulated Coulomb damping (the paper's Figure 5); see ``norms_of``."""
-    return norms_of("load_coulomb", norms, table2)
-
-
 @style.styled
 def norms_of(simulated: str, norms: xr.Dataset, table2: pd.DataFrame) -> Figure:
-    """A figure of the norms of every fitted model, for one simulated model.
+    """A figure of the norms of every fitted model, for one simulated model (the paper's Figures 3 to 5).
 
     ``norms`` has ``norm`` and ``least_squares_norm`` (simulated, fitted, realization), in degrees; ``table2`` has
     the paper's ``published_mean`` and ``published_std`` by simulated and fitted model, where the paper gives them.

@@ -246,6 +246,12 @@ def legend_above(axes: Axes, handles: Sequence[Artist] | None = None) -> Legend:
     )
 
 
+def handles_of(figure: Figure) -> list[Artist]:
+    """What the axes of a figure have labelled, each label once: the entries of a legend that they share."""
+    each = (one for axes in figure.axes for one in axes.get_legend_handles_labels()[0])
+    return list({one.get_label(): one for one in each}.values())
+
+
 def runs(axes: Axes, place: float, values: ArrayLike, colour: str, marker: str) -> None:
     """One model's runs on a category axis: a faint dot each, and their mean with a bar of ± one standard deviation.
 
