@@ -23,9 +23,10 @@ from swingdown.pendulum.model import Model
 from swingdown.plots import discovery as drawn
 from swingdown.plots import trials as trials_drawn
 from swingdown.report import contents, page
+from swingdown.studies.comparison import comparison
 from swingdown.studies.experiment import fit_campaign, fit_recording
 from swingdown.studies.norms import combine_recordings
-from swingdown.studies.paper_tables import comparison, table3
+from swingdown.studies.paper_tables import table3
 from swingdown.studies.parameters import parameters
 from swingdown_trials.find import find
 from swingdown_trials.schedule import Planned, chunks, planned

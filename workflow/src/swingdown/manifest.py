@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 
 from .errors import MAKE_ANEW, InputError
-from .paths import write_text
+from .paths import write_json
 from .sealed import agrees, is_seal, is_whole, seal_of
 
 NAME = "manifest.json"
@@ -58,7 +58,7 @@ def write_manifest(
         {"path": path.relative_to(results).as_posix(), "size": path.stat().st_size, "sha256": digest}
         for path, digest in digests.items()
     ]
-    write_text(output, json.dumps({"files": entries}, indent=1, ensure_ascii=False) + "\n")
+    write_json(output, {"files": entries})
     return len(entries)
 
 

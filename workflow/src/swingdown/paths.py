@@ -2,6 +2,7 @@
 
 import errno
 import hashlib
+import json
 import os
 import re
 import socket
@@ -202,8 +203,13 @@ def write_csv(table: Any, path: str | Path, **told: Any) -> Path:
     """The path written, whole: a table (pandas) as CSV without its index, unless ``told`` to ``to_csv`` otherwise."""
     path = Path(path)
     with written_whole(path) as partial:
-        table.to_csv(partial, **({"index": False} | told))
+        for_spreadsheets(table).to_csv(partial, **({"index": False} | told))
     return path
+
+
+def write_json(path: str | Path, content: Any) -> Path:
+    """The path written, whole: plain numbers, texts, lists and mappings as JSON."""
+    return write_text(path, json.dumps(content, indent=1, ensure_ascii=False) + "\n")
 
 
 def remove_leftovers(folder: str | Path) -> list[Path]:

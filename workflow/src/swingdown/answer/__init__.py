@@ -16,7 +16,7 @@ from ..arrays import Shown
 from ..dataset import series_of
 from ..discovery.campaign import Campaign, Swing, campaign
 from ..discovery.conclusion import concluded
-from ..discovery.files import reading_of, summary, swing_of
+from ..discovery.files import summary, swing_of
 from ..discovery.search import discover
 from ..discovery.state import Round
 from ..discovery.verdict import verdict
@@ -28,8 +28,7 @@ from ..measurement.sharing import sharing
 from ..measurement.slack import of_angles
 from ..pendulum.catalogue import READINGS, catalogue
 from ..pendulum.model import BASES, Model, everyday, models
-from ..studies.described import described_by, values_of
-from ..studies.described import reading_of as reading_in
+from ..studies.described import described_by, reading_of, values_of
 from ..studies.doubt import (
     Moved,
     NotFree,
@@ -40,7 +39,7 @@ from ..studies.doubt import (
     followed,
     unit_in_doubt,
 )
-from ..studies.experiment import fit_campaign, with_drive
+from ..studies.experiment import fit_campaign, read_alike, with_drive
 from ..studies.norms import combine_recordings
 from ..studies.pendulums import NOT_DYING, SEARCH, joined, pendulums
 from ..studies.quantities import Quantity
@@ -240,7 +239,7 @@ def _fitted(
 ) -> tuple[Model | None, dict[str, Begin]]:
     """The model with the values of its fit to all swings together, and how each begins; None of passages, which hold no angle."""
     own = together.sel(fitted=model.label)
-    model = model.of(reading_in(own))
+    model = model.of(reading_of(own))
     at = {"parameter": list(model.parameters)}
     values, errors = (
         dict(zip(model.parameters, map(float, own[key].sel(at).values), strict=True))
@@ -388,7 +387,7 @@ def searchable(name: str, given: Sequence[xr.Dataset]) -> Campaign:
     return replace(
         campaign(name, [swing_of(one) for one in given]),
         slack=of_angles(given),
-        reading=reading_of(name, given),
+        reading=read_alike(name, given),
     )
 
 

@@ -13,7 +13,7 @@ from ..curves import dataset, laws, resonance
 from ..errors import InputError
 from ..extras import has
 from ..language import IN_ENGLISH, Language
-from ..paths import for_spreadsheets, write_csv
+from ..paths import write_csv
 from ..studies.pendulums import NOT_DYING
 from .result import Answer
 
@@ -59,10 +59,10 @@ def write_beside(
             save(in_language(figure, spoken), folder / f"{prefix}{name}.png")
     for name, parts, columns in ((CURVES, curves, dataset.COLUMNS), (LAWS, compared, laws.COLUMNS)):
         whole = pd.concat(parts, ignore_index=True) if parts else pd.DataFrame(columns=columns)
-        write_csv(for_spreadsheets(whole), folder / f"{name}.csv", float_format="%.9g")
+        write_csv(whole, folder / f"{name}.csv", float_format="%.9g")
     if driven:
         whole = pd.concat(driven, ignore_index=True)
-        write_csv(for_spreadsheets(whole), folder / f"{RESONANCE}.csv", float_format="%.9g")
+        write_csv(whole, folder / f"{RESONANCE}.csv", float_format="%.9g")
     pictures = ", with a picture of each" if told and drawing else ""
     return [*told, f"against the amplitude: {CURVES}.csv; what each law of damping leaves: {LAWS}.csv{pictures}"] if compared or curves else told  # fmt: skip
 

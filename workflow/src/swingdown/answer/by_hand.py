@@ -8,7 +8,7 @@ import numpy as np
 
 from ..language import IN_ENGLISH, Language
 from ..measurement.stated import Stated, quantity
-from ..paths import for_spreadsheets, write_csv
+from ..paths import write_csv
 from ..rounding import plus_minus
 from ..series import Series, series_of
 from ..series.timed import Timed, timed
@@ -44,7 +44,7 @@ def by_hand(
         return None
     folder.mkdir(parents=True, exist_ok=True)
     told = [f"{path.name}: {'; '.join(found.told)}"]
-    write_csv(for_spreadsheets(found.table), folder / PERIODS)
+    write_csv(found.table, folder / PERIODS)
     rows = found.table.to_dict("records")
     made = series_of(found.table, found.values, found.groups, column)
     if made:

@@ -23,7 +23,7 @@ from ..language import IN_ENGLISH, Language, language
 from ..measurement.again import cells as cells_again
 from ..measurement.points_recording import POINTS_ALONE, are_points
 from ..measurement.programs import FILMS
-from ..paths import PROJECT, for_spreadsheets, printable, write_csv, written_whole
+from ..paths import PROJECT, printable, write_csv, written_whole
 from ..planning import own
 from ..sealed import read_json
 from ..series import Series
@@ -37,7 +37,7 @@ from .alone import alone
 from .beside import write_beside
 from .by_hand import by_hand
 from .hand_in import check_able, hand_in
-from .lengths import PIVOTS, of_length, with_g, with_lengths, written
+from .lengths import PIVOTS, with_g, with_lengths, written
 from .options import TO_THE_COMMAND
 from .series import as_cells, as_changed, series, varied, without_table
 from .series import written as write_series
@@ -163,13 +163,13 @@ def _study(given: Sequence[str], told: Mapping[str, Any], wishes: Wishes) -> Fou
     lost = {one.recording for one in unfit}
     kept = [one for one in taken if one.row["recording"] not in lost]
     if not kept:
-        raise _refusal(unfit[0])
+        raise unfit[0].error
     changed = varied(kept, beside, wishes.by)
     of_all, how = series(answers, changed)
     as_cells(kept, of_all)
     if wishes.together and changed.by:
         as_changed(kept, changed)
-    answers, of_g = with_g(answers, kept, restoring)
+    answers, of_g = with_g(answers, kept)
     if any(one.row.get("changed") for one in kept):
         _say(
             f"\n{changed.by} was changed between the recordings: they share no period or quality; {FIRST} has a row for each"
@@ -182,7 +182,7 @@ def _study(given: Sequence[str], told: Mapping[str, Any], wishes: Wishes) -> Fou
         _say(f"{one.recording}: {one.problem}. Mend: {one.mend}.")
     config = own.write(folder, [one.row for one in kept], left_out, searched, restoring, wishes.lang)
     table = pd.concat([one.table for one in answers.values()], ignore_index=True)
-    write_csv(for_spreadsheets(in_order(table)), folder / FIRST)
+    write_csv(in_order(table), folder / FIRST)
     _say(f"\nwritten: {config}, {own.SHEET} and {FIRST} beside it")
     emulated = "yes" if (table["emulated"] == "yes").any() else "no"
     for line in (*written(of_g, folder), *how, *write_series(of_all, folder, emulated, wishes.spoken)):
@@ -205,6 +205,7 @@ def _with_verdicts(found: Found, searched: Sequence[str], config: Path, wishes: 
     kept, folder, restoring, spoken = found.read, found.folder, wishes.restoring, wishes.spoken
     answers, left_out = dict(found.answers), list(found.left_out)
     installed = has("snakemake")
+    stated = {one.row["recording"]: one.row for one in kept}
     code = run_workflow(PROJECT, config, folder, wishes.cores) if installed else 0
     more = "" if installed else alone(kept, searched, answers, config, restoring)
     failed = [name for name in searched if not _verdict(folder, name).exists()]
@@ -224,11 +225,11 @@ def _with_verdicts(found: Found, searched: Sequence[str], config: Path, wishes: 
         _say(f"{campaign}: {told_of(verdict, spoken) if verdict else spoken.text(_NO_VERDICT)}")
         if not verdict:
             continue
-        answers[campaign] = ended = of_length(answers[campaign].with_verdict(verdict), kept, restoring)[0]
+        answers[campaign] = ended = answers[campaign].with_verdict(verdict).with_g(stated)[0]
         if verdict.get("conclusion") and len(searched) <= _FEW and not verdict.get("difference"):
             now = [spoken.text(ended.sentence), *details(ended.row, spoken=spoken)]
             _say("\n".join(f"  {line}" for line in now))
-    of_g = with_g(answers, kept, restoring)[1]
+    of_g = with_g(answers, kept)[1]
     written(of_g, folder)
     if code == 0:
         _say(f"the report: {folder / 'results' / 'report.html'}")
@@ -240,17 +241,13 @@ def _with_verdicts(found: Found, searched: Sequence[str], config: Path, wishes: 
 def _none_of(refused: Sequence[own.Refused]) -> InputError:
     """The refusal of files of which none can be used: of several each was told, and here only how many."""
     if len(refused) == 1:
-        return _refusal(refused[0])
+        return refused[0].error
     return InputError(
         refused[0].file,
         f"none of {len(refused)} files can be used; the reasons are above, file by file",
         "a recording of a swinging pendulum",
         "mend one of them",
     )
-
-
-def _refusal(one: own.Refused) -> InputError:
-    return InputError(one.file, one.problem, one.expected, one.mend)
 
 
 def _read(
@@ -323,10 +320,7 @@ def _first(taken: list[own.Taken], restoring: str) -> tuple[dict[str, Answer], l
     """
     found: dict[str, Answer] = {}
     unfit: list[own.Refused] = []
-    campaigns: dict[str, list[own.Taken]] = {}
-    for one in taken:
-        campaigns.setdefault(one.row["campaign"], []).append(one)
-    for campaign, members in campaigns.items():
+    for campaign, members in _campaigns(taken).items():
         answer, lost = _of_one(members, restoring)
         for angle in answer.swings if answer else ():
             if again := cells_again(angle):  # as the sheet is to read it
@@ -356,13 +350,16 @@ def _of_one(members: Sequence[own.Taken], restoring: str) -> tuple[Answer | None
     return answer, lost + more
 
 
+def _campaigns(taken: Sequence[own.Taken]) -> dict[str, list[own.Taken]]:
+    """The recordings of each campaign."""
+    names = dict.fromkeys(one.row["campaign"] for one in taken)
+    return {name: [one for one in taken if one.row["campaign"] == name] for name in names}
+
+
 def _searched(kept: Sequence[own.Taken]) -> tuple[list[str], list[own.Refused]]:
     """The campaigns long enough to hold a part of them out, and of the others why they are not."""
-    campaigns: dict[str, list[own.Taken]] = {}
-    for one in kept:
-        campaigns.setdefault(one.row["campaign"], []).append(one)
     searched, short = [], []
-    for campaign, members in campaigns.items():
+    for campaign, members in _campaigns(kept).items():
         try:
             searchable(campaign, [one.angle for one in members])
             searched.append(campaign)

@@ -343,8 +343,7 @@ def _swings_in(name: str, given: Series, unit: str | None, kind: str, restoring:
         {"signal": ("time", judged.signal, {"units": judged.reading.unit}), **as_variable(judged.spikes.where)},
         {"time": ("time", times, {"units": "s", "long_name": "time as given"})},
         {
-            "recording": name, "campaign": "pendulum", "role": "fit", "file": "", "sha256": "", "source": "given as arrays",
-            "emulated": str(about.get("emulated", "no")), "unit_told": judged.reading.told, **kept,
+            **_attributes(name, about), "unit_told": judged.reading.told, **kept,
             **({"zero_rad": judged.zero} if judged.zero else {}),
             **({} if not (judged.zero or ordered.rate) else with_rate(tolerances({}, taken, upright=not judged.zero), ordered.rate)),
             **({"rad_per_unit": judged.reading.scale, "scale": "unknown"} if judged.reading.unit == NO_SCALE else {}),

@@ -1,8 +1,6 @@
 """g from the lengths that are stated with the recordings: told with the first answer, and written with its budget."""
 
-import json
 from collections.abc import Mapping, MutableMapping, Sequence
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -10,9 +8,9 @@ import pandas as pd
 
 from ..errors import InputError
 from ..measurement.stated import quantity
-from ..paths import for_spreadsheets, write_csv, write_text
+from ..paths import write_csv, write_json
 from ..planning.own import Taken
-from ..studies.gravity import PIVOT, PIXELS, STATED, TWO, Gravity, budgets, of_two_pivots, with_gravity
+from ..studies.gravity import PIVOT, PIXELS, STATED, TWO, Gravity, budgets, of_two_pivots
 from . import Answer
 from .options import CELLS
 
@@ -42,30 +40,21 @@ def with_lengths(
 
 
 def with_g(
-    answers: Mapping[str, Answer], kept: Sequence[Taken], restoring: str
+    answers: Mapping[str, Answer], kept: Sequence[Taken]
 ) -> tuple[dict[str, Answer], dict[str, Gravity]]:
     """The answers with g where a length is stated, and the ``Gravity`` of each recording, and of two pivots, by name."""
-    found: dict[str, Gravity] = {}
-    made = {}
-    for campaign, answer in answers.items():
-        made[campaign], own = of_length(answer, kept, restoring)
-        found |= own
+    stated = {one.row["recording"]: one.row for one in kept}
+    each = {campaign: answer.with_g(stated) for campaign, answer in answers.items()}
     table = pd.concat([one.table for one in answers.values()], ignore_index=True)
-    return made, found | of_two_pivots(table, {one.row["recording"]: one.row for one in kept})
-
-
-def of_length(answer: Answer, kept: Sequence[Taken], restoring: str) -> tuple[Answer, dict[str, Gravity]]:
-    """The answer with g where a length is stated, and the ``Gravity`` of each of its recordings."""
-    table, found = with_gravity(answer.table, {one.row["recording"]: one.row for one in kept}, restoring)
-    return replace(answer, table=table) if found else answer, found
+    found = {name: own for _, of_one in each.values() for name, own in of_one.items()}
+    return {campaign: one for campaign, (one, _) in each.items()}, found | of_two_pivots(table, stated)
 
 
 def written(found: Mapping[str, Gravity], folder: Path) -> list[str]:
     """What is said of g, a line each; the budgets are written into the folder."""
     if not found:
         return []
-    write_csv(for_spreadsheets(budgets(found)), folder / BUDGET)
-    content = {name: one.to_dict() for name, one in found.items()}
-    write_text(folder / RECORD, json.dumps(content, indent=1, ensure_ascii=False) + "\n")
+    write_csv(budgets(found), folder / BUDGET)
+    write_json(folder / RECORD, {name: one.to_dict() for name, one in found.items()})
     told = [found[TWO].sentence] if TWO in found else []
     return [*told, f"the budget of g: {folder / BUDGET}"]

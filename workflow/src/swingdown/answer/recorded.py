@@ -2,7 +2,7 @@
 
 import difflib
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, TypedDict, Unpack
@@ -17,7 +17,6 @@ from ..dataset import series_of
 from ..errors import InputError, told_to
 from ..extras import has, needed
 from ..planning import own
-from ..studies.gravity import with_gravity
 from .options import ARGUMENTS, TO_READ
 
 if TYPE_CHECKING:
@@ -96,7 +95,6 @@ class Recording:
     remarks: tuple[str, ...] = field(repr=False, default=())
     restoring: Restoring = "sine"
     rows: Mapping[str, Mapping[str, Any]] = field(default_factory=dict, repr=False)
-    """By recording what is stated of it, as a row of the sample sheet."""
 
     @told_to(TO_READ)
     def fit(
@@ -116,7 +114,7 @@ class Recording:
         """
         from . import of_swings
 
-        return self._with_g(of_swings(self.swings, fitted, effects, self.restoring))
+        return of_swings(self.swings, fitted, effects, self.restoring).with_g(self.rows)[0]
 
     @told_to(TO_READ)
     def explain(
@@ -141,12 +139,8 @@ class Recording:
         """
         from . import BASE, explained
 
-        return self._with_g(explained(self.swings, base or BASE, rounds, fitted, effects, self.restoring))
-
-    def _with_g(self, answer: "Answer") -> "Answer":
-        """The answer with g where a length is stated."""
-        table, found = with_gravity(answer.table, self.rows, self.restoring)
-        return replace(answer, table=table) if found else answer
+        found = explained(self.swings, base or BASE, rounds, fitted, effects, self.restoring)
+        return found.with_g(self.rows)[0]
 
     def to_dataframe(self) -> pd.DataFrame:
         """A DataFrame with a row for each sample.
@@ -229,7 +223,7 @@ def read(path: Paths, *, restoring: Restoring = "sine", **told: Unpack[Told]) ->
     given = [path] if isinstance(path, str | PathLike) else list(path)
     paths, passed = own.files(_no_folders(given))
     if passed:
-        raise InputError(passed[0].file, passed[0].problem, passed[0].expected, passed[0].mend)
+        raise passed[0].error
     rows = own.rows(paths, Path(), len(paths) > 1, _cells(told))
     found = [one for row, file in zip(rows, paths, strict=True) for one in _taken(row, file, restoring, told)]
     remarks = [str(one.recording.attrs["remarks"]) for one in found if one.recording.attrs.get("remarks")]

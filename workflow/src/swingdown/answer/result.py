@@ -23,6 +23,7 @@ from ..extras import has, needed
 from ..measurement.driven import CURVES, LAWS, check_free
 from ..pendulum.catalogue import SHIPPED, Catalogue
 from ..pendulum.model import Model
+from ..studies.gravity import Gravity, with_gravity
 from ..studies.pendulums import SEARCH, by_verdict, in_order, residual_of
 from ..studies.quantities import Quantity
 from ..studies.stop_watch import by_stop_watch
@@ -175,6 +176,17 @@ class Answer:
         fitted = searched or self.fitted
         return replace(self, verdict=found, shown=shown or self.shown, table=in_order(table), fitted=fitted)
 
+    def with_g(self, stated: Mapping[str, Mapping[str, Any]]) -> "tuple[Answer, dict[str, Gravity]]":
+        """The same answer with g where a length is stated, and the ``Gravity`` of each of its recordings.
+
+        Parameters
+        ----------
+        stated
+            The cells of the sample sheet, by recording.
+        """
+        table, found = with_gravity(self.table, stated, self.restoring)
+        return replace(self, table=table) if found else self, found
+
     def simulate(
         self,
         times: Any = None,
@@ -221,12 +233,9 @@ class Answer:
         at = (begin.time, begin.angle, begin.velocity) if angle is None else (None, angle, velocity)
         return swing_of(model, times, at, noise, seed)
 
-    def __str__(self) -> str:
+    def __repr__(self) -> str:
         sentence, *rest = lines(self.row, self.verdict, self.catalogue, self.restoring)
         return "\n".join([sentence, *self._as_given, *rest])
-
-    def __repr__(self) -> str:
-        return str(self)
 
     def plot(self, what: Literal["swings", "curves", "laws"] = "swings") -> "Drawn":
         """A matplotlib Figure, which a notebook shows.
@@ -299,7 +308,7 @@ class Answer:
         if not self.shown:
             return found
         fitted = np.concatenate([one.fit for one in self.shown])
-        names = list(dict.fromkeys(one.recording for one in self.shown))
+        names = Shown.by_recording(self.shown)
         swings = [one for name in names for one in self.swings if one.attrs["recording"] == name]
         samples = samples_of(swings, fit=fitted)
         samples["residual"] = next(iter(samples.data_vars.values())) - samples["fit"]

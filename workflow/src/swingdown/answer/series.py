@@ -1,6 +1,5 @@
 """A class, a series at the command line: what was varied is found, told, fitted, drawn and written beside the first answer."""
 
-import json
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
@@ -13,7 +12,7 @@ from ..extras import has
 from ..language import IN_ENGLISH, Language
 from ..measurement.line import FEWEST
 from ..measurement.stated import Stated, read
-from ..paths import for_spreadsheets, write_csv, write_text
+from ..paths import write_csv, write_json
 from ..planning.own import Taken
 from ..series import Series, as_table, from_names, from_rows, from_table, merged, series_of
 from ..series.values import GROUP, KNOWN, table_beside
@@ -151,9 +150,8 @@ def written(found: Sequence[Series], folder: Path, emulated: str, spoken: Langua
     """The sentence of each series; its table, its numbers and, in the language ``spoken``, its figures are written into the folder."""
     if not found:
         return []
-    write_csv(for_spreadsheets(as_table(found)), folder / TABLE)
-    content = json.dumps([one.to_dict() for one in found], indent=1, ensure_ascii=False)
-    write_text(folder / RECORD, content + "\n")
+    write_csv(as_table(found), folder / TABLE)
+    write_json(folder / RECORD, [one.to_dict() for one in found])
     made = [TABLE, *(_draw(found, folder, emulated, spoken) if has("matplotlib") else ())]
     return [*(one.sentence for one in found), f"the series: {', '.join(made)} in {folder}"]
 

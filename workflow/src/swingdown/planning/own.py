@@ -25,7 +25,7 @@ from ..measurement.runs import SeveralRuns
 from ..measurement.sharing import sharing
 from ..measurement.sheet import COLUMNS
 from ..measurement.source import NETCDF
-from ..paths import for_spreadsheets, printable, safe_name, write_csv, write_text
+from ..paths import printable, safe_name, write_csv, write_text
 from ..pendulum.model import everyday
 
 # What of a folder is given to the readers; they tell of each that they cannot use why.
@@ -63,6 +63,11 @@ class Refused(NamedTuple):
     mend: str
     label: str = ""  # what to call it, where that is not its name
     code: str = ""  # what a program goes by, as of a ``Refusal``
+
+    @property
+    def error(self) -> InputError:
+        """What is raised where nothing else is to be done."""
+        return InputError(self.file, self.problem, self.expected, self.mend)
 
 
 def files(given: Iterable[str | Path]) -> tuple[list[Path], list[Refused]]:
@@ -344,7 +349,7 @@ def _written(
 ) -> Path:
     _check_untouched(folder)
     columns = [name for name in COLUMNS if any(name in row for row in kept)]
-    write_csv(for_spreadsheets(pd.DataFrame(kept).reindex(columns=columns)), folder / SHEET)
+    write_csv(pd.DataFrame(kept).reindex(columns=columns), folder / SHEET)
     settings: dict[str, Any] = {
         "recordings": SHEET,
         "simulation": {"simulated": []},
@@ -353,7 +358,7 @@ def _written(
     settings |= {"lang": lang} if lang != ENGLISH else {}
     settings |= {"model": {"restoring": restoring}} if restoring == "linear" else {}
     if left_out:
-        write_csv(for_spreadsheets(pd.DataFrame(left_out)), folder / LEFT_OUT)
+        write_csv(pd.DataFrame(left_out), folder / LEFT_OUT)
         settings["left_out"] = LEFT_OUT
     campaigns = dict.fromkeys(row["campaign"] for row in kept)
     if [name for name in campaigns if name not in searched]:

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
+from ..pendulum.model import in_words
 from ..sealed import read_csv
 from .page import Cell, Column, Figure, Findings, Item, Section, Table, Text
 
@@ -127,7 +128,7 @@ def _identified(title: str, table: pd.DataFrame) -> Table:
         values = [
             f"{100 * part[name].mean():.0f} · {int((part[name] >= CLAIM / 100).sum())}" for name in names
         ]
-        rows.append([*map(_words, keys), len(part), *values])
+        rows.append([*map(in_words, keys), len(part), *values])
     caption = "How often the model that was simulated is the one that is told, and in how many cells at least as often as the paper's 68 %."
     notes = (
         f"{_counts(table['independent'])} draws a cell. By norm and by BIC: one swing, all models fitted.",
@@ -143,7 +144,7 @@ def _detected(title: str, table: pd.DataFrame) -> Table:
     columns += [Column("left by the base model", "σ", "n"), Column("found", "%", "n"), Column("named alone", "%", "n"),
                 Column("among others", "%", "n"), Column("without a name", "%", "n"), Column("wrong", "%", "n")]  # fmt: skip
     rows = [
-        [*(_words(row[name]) for name in (*by[:1], *more)), _number(row["left_by_base"], ".2g"),
+        [*(in_words(row[name]) for name in (*by[:1], *more)), _number(row["left_by_base"], ".2g"),
          *(_number(100 * row[name], ".0f") for name in ("found", "named", "said_among_others", "said_unknown", "said_wrong"))]
         for _, row in table.iterrows()
     ]  # fmt: skip
@@ -162,10 +163,6 @@ def _counts(column: pd.Series) -> str:
 
 def _number(value: float, form: str) -> str:
     return format(value, form) if np.isfinite(value) else "–"
-
-
-def _words(value: object) -> str:
-    return str(value).replace("_", " ").replace("coulomb", "Coulomb")
 
 
 def _percent(values: pd.Series) -> str:

@@ -9,7 +9,7 @@ import numpy as np
 from markupsafe import Markup
 from numpy.typing import NDArray
 
-from ..arrays import Floats, Shown
+from ..arrays import Floats, Shown, extremes
 from ..language import IN_ENGLISH, Language
 
 MOST = 15_000  # samples of all traces of a page: 16 bytes each
@@ -40,11 +40,8 @@ def trace(
     Of more than ``most`` samples those stay that leave most of the fit, to both sides, in columns of equal width: ``kept`` tells
     how many of ``samples``.
     """
-    names = list(dict.fromkeys(one.recording for one in shown))
-    recordings = [
-        _recording(name, [one for one in shown if one.recording == name], most // len(names))
-        for name in names
-    ]
+    parts = Shown.by_recording(shown)
+    recordings = [_recording(name, own, most // len(parts)) for name, own in parts.items()]
     shown_in = unit.replace("rad", "°")
     content = {
         "what": f"{'angle' if unit == 'rad' else 'angular rate'} ({shown_in})",
@@ -77,9 +74,7 @@ def _kept(residual: Floats, most: int) -> NDArray[np.intp]:
     """The indices of all samples, or of so many: of each column the one with the least and with the greatest residual."""
     if residual.size <= most:
         return np.arange(residual.size)
-    columns = np.array_split(np.arange(residual.size), max(1, most // 2))
-    found = [rows[[np.argmin(residual[rows]), np.argmax(residual[rows])]] for rows in columns]
-    return np.unique(np.concatenate(found))
+    return extremes(residual, max(1, most // 2))
 
 
 def _packed(values: Floats) -> str:
