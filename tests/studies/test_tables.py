@@ -7,9 +7,10 @@ import xarray as xr
 from scipy import stats
 
 from swingdown.pendulum.model import PAPER_MODELS, Model
+from swingdown.sealed import write_csv
 from swingdown.studies import norms
 from swingdown.studies import paper_tables as tables
-from swingdown.studies.comparison import holm
+from swingdown.studies.comparison import comparison, holm
 from swingdown.studies.parameters import parameter_budget, parameters
 
 SAMPLES = 3000
@@ -81,14 +82,14 @@ def test_a_negative_coefficient_is_told(published):
 def test_a_single_swing_has_no_scatter_and_still_a_table(published):
     one = made_norms(THREE, 1)
     assert tables.table3(one, published)["std"].isna().all()
-    verdicts = tables.comparison(one)["verdict"]
+    verdicts = comparison(one)["verdict"]
     assert verdicts.str.contains("one swing cannot tell").any()
     assert "(mean)" not in set(parameters(one)["recording"])
 
 
 def test_paired_comparison_is_students_and_counts_the_swings():
     data = made_norms(THREE)
-    table = tables.comparison(data).set_index(["model_a", "model_b"])
+    table = comparison(data).set_index(["model_a", "model_b"])
     row = table.loc[("viscous+load_coulomb", "quadratic_drag+load_coulomb")]
     a, b = (data["norm"].sel(fitted=label).values for label in list(THREE)[1:])
     expected = stats.ttest_rel(a, b)
@@ -105,15 +106,15 @@ def test_indistinguishable_models_are_called_so():
     data["norm"].loc[{"fitted": "viscous+load_coulomb"}] = (
         data["norm"].sel(fitted="quadratic_drag+load_coulomb") + 0.001 + scatter
     )
-    verdict = tables.comparison(data)["verdict"].iloc[-1]
+    verdict = comparison(data)["verdict"].iloc[-1]
     assert (
         verdict
         == "κv,c and κq,c are indistinguishable: mean paired difference 0.0010 ± 0.0012 degrees over 12 swings"
     )
     data["norm"].loc[{"fitted": "viscous+load_coulomb"}] += 0.0019  # 2.4 standard errors apart: p = 0.035
-    assert tables.comparison(data)["verdict"].iloc[-1].startswith("κq,c is closer to the data than κv,c: ")
+    assert comparison(data)["verdict"].iloc[-1].startswith("κq,c is closer to the data than κv,c: ")
     apart = made_norms(THREE | {"viscous+load_coulomb": 0.135})
-    verdict = tables.comparison(apart)["verdict"].iloc[-1]
+    verdict = comparison(apart)["verdict"].iloc[-1]
     assert verdict.startswith("κq,c is closer to the data than κv,c: mean paired difference 0.0")
 
 
@@ -129,7 +130,7 @@ def test_indistinguishable_models_are_called_so():
 def test_a_larger_model_must_earn_its_parameter(gain, inflation, told):
     """Its norm is lower whatever happens, so neither the norm nor its t is asked."""
     nested = {"load_coulomb": 0.131, "viscous+load_coulomb": 0.131 - gain}
-    row = tables.comparison(made_norms(nested, inflation=inflation, noise=1e-7)).iloc[0]
+    row = comparison(made_norms(nested, inflation=inflation, noise=1e-7)).iloc[0]
     assert told in row["verdict"], (row["verdict"], row["delta_bic_effective"])
     assert row["verdict"].startswith("κv,c against κc: ")
 
@@ -146,10 +147,8 @@ def test_table_3_ranks_by_independent_samples_too(published):
     assert table.loc["viscous+load_coulomb", "delta_bic_effective"] == pytest.approx(
         12 * (np.log(10) - gain), rel=0.05
     )
-    comparison = tables.comparison(made_norms(nested, inflation=300, noise=1e-7))["delta_bic_effective"].iloc[
-        0
-    ]
-    assert table.loc["viscous+load_coulomb", "delta_bic_effective"] == pytest.approx(-comparison)
+    gained = comparison(made_norms(nested, inflation=300, noise=1e-7))["delta_bic_effective"].iloc[0]
+    assert table.loc["viscous+load_coulomb", "delta_bic_effective"] == pytest.approx(-gained)
 
 
 def test_holms_correction_on_a_worked_case():
@@ -188,7 +187,7 @@ def test_a_table_on_disk_is_whole_and_at_full_precision(tmp_path):
         made_norms(dict.fromkeys(PAPER_MODELS, 0.1)),
         pd.DataFrame({"fitted": [], "mean_degrees": [], "std_degrees": []}),
     )
-    back = pd.read_csv(tables.write_table(table, tmp_path / "deep" / "table3.csv"))
+    back = pd.read_csv(write_csv(table, tmp_path / "deep" / "table3.csv"))
     assert list(back["mean"]) == list(table["mean"])
     assert sorted(path.name for path in (tmp_path / "deep").iterdir()) == [".table3.csv.sha256", "table3.csv"]
 

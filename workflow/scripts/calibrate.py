@@ -8,7 +8,7 @@ from swingdown import calibration, console, dataset
 from swingdown.measurement.apparatus import read_apparatus
 from swingdown.measurement.recording import read_recording
 from swingdown.measurement.refused import problem_in
-from swingdown.studies.paper_tables import write_table
+from swingdown.sealed import write_csv
 
 
 def calibrate(apparatus, rest, draws, seed, mode, line_output, budget_output):
@@ -16,7 +16,7 @@ def calibrate(apparatus, rest, draws, seed, mode, line_output, budget_output):
     still = read_recording(usable[0]) if usable else None
     line, budget = calibration.calibrate(read_apparatus(apparatus), still, draws=draws, seed=seed, mode=mode)
     dataset.write(line, line_output)
-    write_table(budget, budget_output)
+    write_csv(budget, budget_output)
     intercept, slope = np.degrees(line["line"].sel(mode=mode).values)
     told = [
         f"angle = {slope:.4f} °/V × voltage {intercept:+.3f}° (mode {mode}, {line.sizes['point']} tower heights)"

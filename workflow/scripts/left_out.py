@@ -7,9 +7,8 @@ from pathlib import Path
 from swingdown import console
 from swingdown.measurement.refused import left_out as row_of
 from swingdown.measurement.refused import none_left, taking_part
-from swingdown.sealed import read_csv, read_json
+from swingdown.sealed import read_csv, read_json, write_csv
 from swingdown.studies.left_out import explained, left_out
-from swingdown.studies.paper_tables import write_table
 
 
 def collect(swings, statics, verdicts, before, output):
@@ -21,7 +20,7 @@ def collect(swings, statics, verdicts, before, output):
     lost += [row for path in statics if (row := row_of(path))]
     members = {Path(path).stem for path in (*swings, *statics)}
     table = left_out(lost, found, read_csv(before) if before else None, members)
-    write_table(table, output)
+    write_csv(table, output)
     return f"{len(table)} recordings were left out" if len(table) else "every recording could be used"
 
 

@@ -5,10 +5,9 @@ import swingdown.prefork  # noqa: F401  # first of all: it may take the job over
 from swingdown import console, dataset
 from swingdown.measurement.refused import used
 from swingdown.pendulum.catalogue import catalogue
-from swingdown.sealed import read_csv, read_json
+from swingdown.sealed import read_csv, read_json, write_csv
 from swingdown.studies.gravity import with_gravity
 from swingdown.studies.left_out import NO_VERDICT
-from swingdown.studies.paper_tables import write_table
 from swingdown.studies.pendulums import pendulums
 
 
@@ -22,7 +21,7 @@ def collect(norms, joint, verdicts, left_out, known, stated, restoring, output):
         known,
     )
     table, _ = with_gravity(table, stated, restoring)
-    write_table(table, output)
+    write_csv(table, output)
     return "\n".join(
         f"{row.recording} ({row.campaign}): period {row.period_s_text} s, Q {row.quality_text}"
         if row.model == row.model

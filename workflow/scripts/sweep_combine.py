@@ -3,7 +3,7 @@
 import swingdown.prefork  # noqa: F401  # first of all: it may take the job over
 
 from swingdown import console
-from swingdown.studies.paper_tables import write_table
+from swingdown.sealed import write_csv
 from swingdown.sweep.combine import combine, read_maps
 from swingdown.sweep.summary import combined, table
 from swingdown.sweep.table import sweeps
@@ -12,7 +12,7 @@ from swingdown.sweep.table import sweeps
 def sweep_combine(sweep, chunks, data_output, table_output):
     combine(sweep, chunks, data_output)
     rows = table(read_maps(data_output))
-    write_table(rows, table_output)
+    write_csv(rows, table_output)
     return "\n".join(combined(sweep, rows, len(chunks)))
 
 

@@ -6,10 +6,11 @@ import pandas as pd
 
 from swingdown import console, dataset
 from swingdown.measurement.refused import none_left, taking_part, used
-from swingdown.sealed import read_json
+from swingdown.sealed import read_json, write_csv
+from swingdown.studies.comparison import comparison
 from swingdown.studies.left_out import explained
 from swingdown.studies.norms import combine_recordings
-from swingdown.studies.paper_tables import comparison, table3, write_table
+from swingdown.studies.paper_tables import table3
 from swingdown.studies.parameters import parameter_budget, parameters
 
 
@@ -22,16 +23,16 @@ def collect(fits, joint, verdicts, published, outputs):
     norms = combine_recordings(single)
     dataset.write(norms, outputs.norms)
     pairs = comparison(norms)
-    write_table(table3(norms, pd.read_csv(published)), outputs.table3)
-    write_table(pairs, outputs.comparison)
+    write_csv(table3(norms, pd.read_csv(published)), outputs.table3)
+    write_csv(pairs, outputs.comparison)
     together = [one for one in used(joint)[0] if one.attrs["campaign"] in campaigns]
-    write_table(parameters(norms, together), outputs.parameters)
+    write_csv(parameters(norms, together), outputs.parameters)
     alone = [
         one
         for one in single
         if str(one["campaign"].item()) not in {each.attrs["campaign"] for each in together}
     ]
-    write_table(parameter_budget([*together, *alone]), outputs.budget)
+    write_csv(parameter_budget([*together, *alone]), outputs.budget)
     alike = [
         f"{row.campaign}: {row.verdict}" for row in pairs.itertuples() if "indistinguishable" in row.verdict
     ]

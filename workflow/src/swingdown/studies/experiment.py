@@ -74,7 +74,8 @@ def fit_recording(
     if are_points(angle):
         return _of_points(angle, [as_model(one) for one in fitted], start, bounded)
     name, times, series = _swing(angle)
-    models = _reading([as_model(one) for one in fitted], [angle])
+    reading = read_alike(name, [angle])
+    models = [as_model(one).of(reading) for one in fitted]
     drive = drive_of(angle)
     pairs = [swing_under(drive, times, series)]
 
@@ -161,7 +162,8 @@ def fit_campaign(
         swing_under(drive_of(angle), times, values)
         for angle, (_, times, values) in zip(angles, swings, strict=True)
     ]
-    models = _reading([as_model(one) for one in fitted], angles)
+    reading = read_alike(str(angles[0].attrs.get("campaign", "")), angles)
+    models = [as_model(one).of(reading) for one in fitted]
     slack = of_angles(angles)
     fits = _fits(models, series, slack, start, bounded)
     coords = model_coords(models)
@@ -250,15 +252,15 @@ def _fits(
     return fits
 
 
-def _reading(models: Sequence[Model], angles: Sequence[xr.Dataset]) -> list[Model]:
-    """The models with a sensor that reads what these recordings hold; InputError where some hold angles and some rates."""
+def read_alike(campaign: str, angles: Sequence[xr.Dataset]) -> str:
+    """What the sensor of a campaign reads, ``angle`` or ``rate``; InputError where its recordings differ."""
     kinds = {str(dataset.series_of(angle).name) for angle in angles}
     if len(kinds) > 1:
         raise InputError(
-            f"campaign {angles[0].attrs.get('campaign', '')}", "some of its recordings are of angles and some of angular rates",
+            f"campaign {campaign}", "some of its recordings are of angles and some of angular rates",
             "one of the two", "make two campaigns of it in the sample sheet",
         )  # fmt: skip
-    return [model.of(*kinds) for model in models]
+    return kinds.pop()
 
 
 def _swing(angle: xr.Dataset) -> tuple[str, Floats, Floats]:

@@ -4,7 +4,6 @@ Norms are in degrees. The paper's printed numbers stand beside the computed ones
 """
 
 from collections.abc import Iterator, Mapping, Sequence
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -12,11 +11,9 @@ import pandas as pd
 import xarray as xr
 
 from ..arrays import Floats
-from ..sealed import write_csv
-from .comparison import bic_effective, comparison
+from .comparison import bic_effective
 from .norms import as_text
 
-__all__ = ["comparison", "table2", "table3", "write_table"]
 PAPER = {"snr": 50, "noise": "proportional", "stream": "R", "seed": 150, "natural_frequency": 7.25, "viscous_ratio": 0.03,
          "quadratic_coefficient": 0.05, "load_friction": 0.012, "release_angle_deg": 20, "sampling_rate_hz": 100,
          "duration_s": 5, "start": "rest", "restoring": "sine", "form": "consistent"}  # fmt: skip
@@ -137,24 +134,6 @@ def _negative(parameters: Sequence[str], values: Floats) -> Iterator[str]:
     for name, over in zip(parameters, values, strict=True):
         if name != "natural_frequency" and (count := int(np.sum(over < 0))):
             yield f"{name} below 0 in {count} of {over.size}: it stands in for something the model lacks"
-
-
-def write_table(table: pd.DataFrame, path: str | Path) -> Path:
-    """The path written: a CSV file at full precision, with its seal, that appears under its name only when it is complete.
-
-    Parameters
-    ----------
-    table
-        Written without its index.
-    path
-        Where to write.
-
-    Raises
-    ------
-    Unwritten
-        If there is no room, or no leave to write.
-    """
-    return write_csv(table, path)
 
 
 def statistics(values: Floats) -> tuple[float, float, int]:

@@ -126,7 +126,7 @@ def in_order(table: pd.DataFrame) -> pd.DataFrame:
     first = [_column(name, unit) for name, unit in UNITS.items()]
     told = [column for column in table if f"{column}_u" in table]
     columns = [column + part for column in dict.fromkeys([*first, *told]) for part in ("", "_u", "_text")]
-    tail = [name for name in _TAIL if name not in _SELDOM or name in table]
+    tail = [name for name, always in _TAIL.items() if always or name in table]
     return table.reindex(columns=[*_HEAD, *columns, *tail])
 
 
@@ -136,33 +136,26 @@ _WITHOUT_SCALE = ("period", "quality", "decay_time")  # what readings without a 
 DAMPING, SEARCH = "damping", "search"  # where a row's model comes from
 NOT_DYING = "cannot be told: it does not die away"  # stands for a model
 NO_MODEL = (NOT_DAMPED, NOT_DYING)
-# columns that are there where a row has them
-_SELDOM = (
-    "or_model",
-    "share_left",
-    "period_of",
-    "last_period_s",
-    "amplitude_text",
-    "g_of",
-    "g_u_without_length_m_per_s2",
-    "note",
-    RESIDUALS[RATE],
-)
-_TAIL = (
-    *("model", "or_model", "share_left", "model_of", "period_of", "last_period_s"),
-    *RESIDUALS.values(),
-    *(
-        "record_s",
-        "verdict",
-        "missing",
-        "emulated",
-        "amplitude_text",
-        "g_of",
-        "g_u_without_length_m_per_s2",
-        "note",
-        "remark",
-    ),
-)
+# the last columns, each with whether it is there in any case, or where a row has it
+_TAIL = {
+    "model": True,
+    "or_model": False,
+    "share_left": False,
+    "model_of": True,
+    "period_of": False,
+    "last_period_s": False,
+    RESIDUALS[ANGLE]: True,
+    RESIDUALS[RATE]: False,
+    "record_s": True,
+    "verdict": True,
+    "missing": True,
+    "emulated": True,
+    "amplitude_text": False,
+    "g_of": False,
+    "g_u_without_length_m_per_s2": False,
+    "note": False,
+    "remark": True,
+}
 
 
 def _row(

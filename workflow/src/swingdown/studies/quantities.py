@@ -64,12 +64,9 @@ class Quantity(NamedTuple):
 
         return ufloat(self.value, self.uncertainty)
 
-    def __str__(self) -> str:
+    def __repr__(self) -> str:
         number = value_with_uncertainty(self.value, self.uncertainty)
         return number if self.unit == "1" else f"{number} {self.unit}"
-
-    def __repr__(self) -> str:
-        return str(self)
 
     def __float__(self) -> float:
         return float(self.value)

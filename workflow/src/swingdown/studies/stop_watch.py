@@ -110,8 +110,8 @@ def by_stop_watch(shown: Sequence[Shown], table: pd.DataFrame) -> list[dict[str,
     """
     rows = {one["recording"]: one for one in table.to_dict("records")}
     told = []
-    for name in dict.fromkeys(one.recording for one in shown):
-        parts, row = [one for one in shown if one.recording == name], rows.get(name, table.iloc[-1].to_dict())
+    for name, parts in Shown.by_recording(shown).items():
+        row = rows.get(name, table.iloc[-1].to_dict())
         times, series, fit = (
             np.concatenate([getattr(one, key) for one in parts]) for key in ("times", "angle", "fit")
         )

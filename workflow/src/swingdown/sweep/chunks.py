@@ -178,12 +178,12 @@ def _held(sweep, book, there):
     open_parts = [
         (list(values), first, last - first)
         for key, values in wanted.items()
-        for first, last in _gaps(held.get(key, ()), sweep.realizations)
+        for first, last in gaps(held.get(key, ()), sweep.realizations)
     ]
     return chunks, open_parts
 
 
-def _gaps(ranges, end):
+def gaps(ranges, end):
     """The (first, last) ranges below ``end`` that none of the given ones covers."""
     reached = 0
     for first, last in sorted(ranges):
@@ -217,27 +217,28 @@ def _dealt(sweep, parts):
 
 def read_book(book):
     """The chunks of a book, one at a time; none where there is no book. InputError for a line that is none."""
-    book = Path(book)
-    if not book.exists():
-        return
-    with book.open(encoding="utf-8", errors="replace") as lines:
-        for number, line in enumerate(lines, 1):
-            yield _chunk(line, f"{book}, line {number}")
+    for line, where in _lines(book):
+        yield _chunk(line, where)
 
 
 def find_chunk(book, name):
     """The chunk of that name; InputError where the book has none. Other lines are not kept in memory."""
-    if Path(book).exists():
-        with Path(book).open(encoding="utf-8", errors="replace") as lines:
-            for number, line in enumerate(lines, 1):
-                if line.startswith(name):
-                    return _chunk(line, f"{book}, line {number}")
+    for line, where in _lines(book):
+        if line.startswith(name):
+            return _chunk(line, where)
     raise InputError(
         book,
         f"no chunk {name}",
         "a book that lists it",
         "run the sweep again: it writes the book before its jobs",
     )
+
+
+def _lines(book):
+    """The lines of a book and where each is, one at a time; none where there is no book."""
+    if Path(book).exists():
+        with Path(book).open(encoding="utf-8", errors="replace") as lines:
+            yield from ((line, f"{book}, line {number}") for number, line in enumerate(lines, 1))
 
 
 def add_to_book(book, chunks):

@@ -13,6 +13,7 @@ from ..errors import InputError
 from ..paths import written_whole
 from ..sealed import seal_behind
 from . import code, parts, store, summary
+from .chunks import gaps
 from .draws import cell_keys, noise_key
 
 SEEDING = (
@@ -92,13 +93,10 @@ def _skeleton(sweep, listed):
     dimension, names = listed
     coords = {}
     for axis in sweep.axes:
-        units = {"units": axis.units} if axis.coordinate.dtype.kind in "fi" else {}
-        told = {"long_name": axis.long_name, "config_key": axis.key}
-        coords[axis.dim] = (axis.dim, axis.coordinate, told | units)
-        for other in axis.coupled:
-            units = {"units": other.units} if other.coordinate.dtype.kind in "fi" else {}
-            told = {"long_name": other.long_name, "config_key": other.key}
-            coords[other.dim] = (axis.dim, _every(other), told | units)
+        for one in (axis, *axis.coupled):
+            units = {"units": one.units} if one.coordinate.dtype.kind in "fi" else {}
+            told = {"long_name": one.long_name, "config_key": one.key}
+            coords[one.dim] = (axis.dim, one.coordinate if one is axis else one.labels, told | units)
     dims = tuple(axis.dim for axis in sweep.axes)
     keys = np.array([noise_key(sweep.cell(values)) for values in sweep]).reshape(sweep.shape)
     coords["noise_key"] = (dims, keys, {"long_name": "what seeds the draws of a cell, beside the seed"})
@@ -113,13 +111,6 @@ def _skeleton(sweep, listed):
         if key in sweep.settings:
             attributes[key.rpartition(".")[2]] = sweep.settings[key]
     return xr.Dataset({}, coords, attributes)
-
-
-def _every(axis):
-    """The values of an axis that is coupled to another; they may recur."""
-    if all(isinstance(value, (int, float)) for value in axis.values):
-        return np.array(axis.values)
-    return np.array([str(value) for value in axis.values])
 
 
 def _realizations(file, sweep):
@@ -154,7 +145,7 @@ def _fill(file, sweep, where, listed, paths, found):
             if any(first < stop and last > start for first, last in taken[index]):
                 raise InputError(path, f"draws {start} to {stop - 1} of {_named(sweep, index)} are in another chunk too",
                                  "each draw once", f"delete the folder {Path(path).parent.parent} and run the sweep again")  # fmt: skip
-            _take(taken[index], start, stop)
+            taken[index].append((start, stop))
             versions[version] += stop - start
             for name in block:
                 values = block[name][: stop - start]
@@ -163,15 +154,6 @@ def _fill(file, sweep, where, listed, paths, found):
                 else:
                     file[name][(*index, slice(start, stop), own)] = values
     return taken, versions
-
-
-def _take(ranges, start, stop):
-    """A list of ranges with one more, which lengthens the one that it follows."""
-    for k, (first, last) in enumerate(ranges):
-        if last == start:
-            ranges[k] = (first, stop)
-            return
-    ranges.append((start, stop))
 
 
 def _create(file, name, kind, own, told, dims, listed):
@@ -193,21 +175,11 @@ def _create(file, name, kind, own, told, dims, listed):
 
 
 def _check(sweep, taken):
-    lost = {
-        index: sweep.realizations - sum(last - first for first, last in ranges)
-        for index, ranges in taken.items()
-    }
-    if count := sum(lost.values()):
-        index = next(index for index, one in lost.items() if one)
-        draw = min(_open(taken[index], sweep.realizations))
+    lost = {index: list(gaps(ranges, sweep.realizations)) for index, ranges in taken.items()}
+    if count := sum(last - first for one in lost.values() for first, last in one):
+        index, ((draw, _), *_) = next((index, one) for index, one in lost.items() if one)
         raise InputError(f"sweep {sweep.name}", f"{count} of {sweep.cells * sweep.realizations} draws are in no chunk, first draw {draw} of {_named(sweep, index)}",
                          "every draw of every cell", "run the sweep again")  # fmt: skip
-
-
-def _open(ranges, end):
-    """Where the ranges leave gaps below ``end``."""
-    edges = [0, *(last for _, last in ranges)]
-    return [edge for edge in edges if edge < end and not any(first <= edge < last for first, last in ranges)]
 
 
 def _named(sweep, index):

@@ -62,6 +62,11 @@ class Axis:
         if len({json.dumps(value) for value in self.values}) < len(self.values):
             every = zip(self.values, *(other.values for other in self.coupled), strict=True)
             return np.array([" / ".join(map(text, one)) for one in every])
+        return self.labels
+
+    @property
+    def labels(self):
+        """The values as an array of numbers or of texts; they may recur."""
         if all(isinstance(value, (int, float)) for value in self.values):
             return np.array(self.values)
         return np.array([text(value) for value in self.values])
