@@ -6,6 +6,7 @@ import shutil
 import sys
 import time
 
+from .order import losses
 from .swing import MANY, measure
 
 SECONDS = 10.0  # of the trace
@@ -36,9 +37,7 @@ def status(recorder):
     if rate := recorder.measured_rate():
         parts.append(f"{rate:.1f} S/s")
     if rows:
-        missing = recorder.missing
-        damaged = sum(flag for _, flag in missing)
-        parts.append(f"{len(missing) - damaged} lost, {damaged} damaged")
+        parts.append("{} lost, {} damaged".format(*losses(recorder.missing)))
     return " | ".join(parts)
 
 

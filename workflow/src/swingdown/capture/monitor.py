@@ -9,6 +9,7 @@ from ..errors import InputError
 from . import source
 from .listener import Listener
 from .live import measured, trace_of
+from .order import losses
 from .recorder import Recorder, too_noisy
 from .verdict import saturated
 
@@ -76,11 +77,8 @@ class Monitor:
             parts.append(f"{by_host:.2f} S/s by this computer")
         if by_device := recorder.device_rate():
             parts.append(f"{by_device:.2f} S/s by the board's clock")
-        missing = recorder.order.missing
-        damaged = sum(flag for _, flag in missing)
-        return " | ".join(
-            [*parts, f"rate_hz {recorder.rate:g}", f"{len(missing) - damaged} lost, {damaged} damaged"]
-        )
+        lost = "{} lost, {} damaged".format(*losses(recorder.order.missing))
+        return " | ".join([*parts, f"rate_hz {recorder.rate:g}", lost])
 
     def _ends(self):
         if not (limits := self.settings.get("range")):
@@ -91,6 +89,16 @@ class Monitor:
                 f"SATURATED: {count} of the last samples are at the end of {limits[0]:g} to {limits[1]:g}"
             ]
         return []
+
+
+def went_away(opened, error, before="", then=""):
+    """What is told where the source went away: ``before`` which recording, and what the same command does ``then``."""
+    return InputError(
+        f"capture.port, {opened.name}",
+        f"the port went away{before} ({error or type(error).__name__})",
+        "a board that stays plugged in",
+        f"plug it in and run the same command again{then}",
+    )
 
 
 def angle_of(settings):
@@ -137,12 +145,7 @@ def watch(settings, show, stop):
         while not stop.is_set():
             arrival, data = listener.take() or (None, None)
             if isinstance(data, Exception):
-                raise InputError(
-                    f"capture.port, {opened.name}",
-                    f"the port went away ({data or type(data).__name__})",
-                    "a board that stays plugged in",
-                    "plug it in and run the same command again",
-                )
+                raise went_away(opened, data)
             if arrival is not None:
                 monitor.feed(data, arrival)
             if time.monotonic() - shown > _SHOW:

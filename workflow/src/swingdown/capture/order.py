@@ -2,6 +2,7 @@
 
 import math
 from collections import deque
+from collections.abc import Sequence
 from typing import NamedTuple
 
 from .formats import Sample
@@ -182,6 +183,12 @@ class Order:
         if seconds is None or not (0 < frames <= max(could * self._rate, 1) and 0 <= seconds <= could):
             return None
         return _Step(frames, seconds)
+
+
+def losses(missing: Sequence[tuple[int, bool]]) -> tuple[int, int]:
+    """How many of the missing frames never came, and how many came damaged."""
+    damaged = sum(flag for _, flag in missing)
+    return len(missing) - damaged, damaged
 
 
 def _told_apart(lost, damaged, claims, modulus):

@@ -6,7 +6,7 @@ of them is the same.
 
 from . import clocks, verdict
 from .formats import parser
-from .order import ANEW, Order
+from .order import ANEW, Order, losses
 from .trigger import SPREAD, Watch, noise, release
 
 COMPLETE, STOPPED, DISCONNECTED, TIMED_OUT = "complete", "stopped", "disconnected", "timed out"
@@ -231,17 +231,19 @@ class Recorder:
 
     def device_rate(self):
         """Samples a second by the device's own clock, or None where it sends none or too few came."""
-        rows = self.rows or self.order.rows
-        if not self.timed or len(rows) < 2 or rows[-1].time <= rows[0].time:
-            return None
-        return (rows[-1].position - rows[0].position) / (rows[-1].time - rows[0].time)
+        return self._rate("time", 0.0) if self.timed else None
 
     def measured_rate(self):
         """Samples a second by the host's clock, or None while that tells nothing."""
+        return self._rate("arrival", 1.0)
+
+    def _rate(self, clock, least):
+        """Samples a second by one of the clocks of a ``Row``, or None where no more than so many seconds have passed."""
         rows = self.rows or self.order.rows
-        if len(rows) < 2 or (passed := rows[-1].arrival - rows[0].arrival) < 1:
+        if len(rows) < 2:
             return None
-        return (rows[-1].position - rows[0].position) / passed
+        passed = getattr(rows[-1], clock) - getattr(rows[0], clock)
+        return (rows[-1].position - rows[0].position) / passed if passed > least else None
 
     def compared(self):
         """The ``clocks.Comparison`` of the recording's times with their arrivals, or None where there are too few."""
@@ -263,10 +265,8 @@ class Recorder:
                 early = round(lacking * self.rate) / self.rate
                 found.append(f"stopped {early:g} s early" + (f": {self.reason}" if self.reason else ""))
         if missing:
-            damaged = sum(damaged for _, damaged in missing)
-            found.append(
-                f"{len(missing) - damaged} frames lost and {damaged} damaged of {received + len(missing)}"
-            )
+            lost, damaged = losses(missing)
+            found.append(f"{lost} frames lost and {damaged} damaged of {received + len(missing)}")
         return found + verdict.of(self)
 
 

@@ -7,7 +7,7 @@ from ..errors import InputError
 from . import recording, source
 from .journal import in_the_way
 from .listener import Listener
-from .monitor import Monitor
+from .monitor import Monitor, went_away
 
 
 def run(jobs, guide, views=(), stop=None, leave=None, say=print):
@@ -101,11 +101,8 @@ def _looker(job, opened, listener):
         if found := listener.take():
             arrival, data = found
             if isinstance(data, Exception):
-                raise InputError(
-                    f"capture.port, {opened.name}",
-                    f"the port went away before {job.name} ({data or type(data).__name__})",
-                    "a board that stays plugged in",
-                    "plug it in and run the same command again: it goes on with what is not there yet",
+                raise went_away(
+                    opened, data, f" before {job.name}", ": it goes on with what is not there yet"
                 )
             monitor.feed(data, arrival)
         return monitor.line()

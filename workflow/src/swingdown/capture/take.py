@@ -9,6 +9,7 @@ import xarray as xr
 from .. import dataset
 from ..errors import InputError
 from . import verdict
+from .order import losses
 
 SIGNALS = {  # unit: variable, what it is
     "V": ("voltage", "voltage of the angle sensor"),
@@ -60,7 +61,7 @@ def to_dataset(recorder, about):
         "missing_damaged": variable("gap", came, "1 where the frame came damaged, 0 where it never came"),
     }
     times, clock, about_times = _times(recorder)
-    damaged = sum(flag for _, flag in missing)
+    lost_frames, damaged = losses(missing)
     problems = recorder.problems() + list(about.pop("problems", ()))
     attrs = {
         "status": recorder.status,
@@ -69,7 +70,7 @@ def to_dataset(recorder, about):
         "remarks": "; ".join([*about.pop("remarks", ()), *verdict.remarks(recorder)]),
         "expected": recorder.expected,
         "received": len(rows),
-        "lost": len(missing) - damaged,
+        "lost": lost_frames,
         "damaged": damaged,
         "repeated": recorder.order.repeated,
         "triggered": "yes" if recorder.trigger else "no",
