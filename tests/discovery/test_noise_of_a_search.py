@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
-from swingdown.discovery.campaign import Noise, Swing, at_most, campaign, measure_noise
-from swingdown.discovery.differences import coarse_noise
+from swingdown.discovery.campaign import Noise, Swing, at_most, campaign, coarse_noise, measure_noise
 from swingdown.discovery.files import summary
 from swingdown.discovery.linear import frame
 from swingdown.discovery.locate import line

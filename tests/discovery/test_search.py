@@ -8,10 +8,9 @@ import pytest
 
 from swingdown.discovery import refit as guarded
 from swingdown.discovery.admissible import inadmissible
-from swingdown.discovery.campaign import Noise, Swing, campaign
+from swingdown.discovery.campaign import Noise, Swing, campaign, coarse_noise
 from swingdown.discovery.candidates import without
 from swingdown.discovery.conclusion import concluded
-from swingdown.discovery.differences import coarse_noise
 from swingdown.discovery.files import read_rounds, summary, write_rounds
 from swingdown.discovery.linear import frame
 from swingdown.discovery.pairs import starts_of_pairs

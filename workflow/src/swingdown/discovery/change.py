@@ -212,7 +212,7 @@ def _promising(here: Frame, names: Collection[str], budget: Budget) -> list[tupl
             continue  # it was the pendulum that was changed, not what reads it
         with suppress(*FAILURES):
             begin, column = _offered(here, effect)
-            gains.append((explained(here, _apart(here, column))[0], name, begin))
+            gains.append((explained(here, here.apart(column))[0], name, begin))
     gains.sort(key=lambda one: -one[0])
     return [(name, begin) for _, name, begin in gains[:_FITTED]]
 
@@ -235,14 +235,6 @@ def _size(effect: Effect) -> str:
     """The name of an effect's size."""
     assert effect.size is not None  # others do not take part
     return effect.size.name
-
-
-def _apart(here: Frame, column: Floats) -> Floats:
-    """A column for each recording, nothing outside it."""
-    found = np.zeros((column.size, len(here.slices)))
-    for k, rows in enumerate(here.slices):
-        found[rows, k] = column[rows]
-    return found
 
 
 def _rival(here: Frame, name: str, begin: Begin) -> _Rival:

@@ -1,6 +1,6 @@
 """What a search says of its pendulum: the values of the model that it ends with, and the quantities, with their covariance."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from functools import cached_property
@@ -66,26 +66,24 @@ def conclusion(state: Round, campaign: Campaign) -> dict[str, Any]:
     told = last.derived | means | {name: values[name] for name in last.reported}
     return {
         "model": last.fit.model.label,
-        "values": {
-            name: {"value": one.value, "standard_error": finite_or_none(one.uncertainty), "unit": one.unit}
-            for name, one in values.items()
-        },
+        "values": _as_plain(values, "standard_error"),
         "amplitude_rad": last.amplitude,
         "residual": last.fit.rms,
-        "quantities": {
-            name: {
-                "value": finite_or_none(one.value),
-                "standard_uncertainty": finite_or_none(one.uncertainty),
-                "unit": one.unit,
-            }
-            for name, one in told.items()
-        },
+        "quantities": _as_plain(told, "standard_uncertainty"),
         "of_the_whole": follows,
         "narrows": any(narrowing(one.angle) < KEPT for one in campaign.whole),
         "whole_leaves": None if whole is None else whole.fit.rms / state.noise.deviation,
         "parameters": list(last.motion.parameters),
         "covariance": [[finite_or_none(cell) for cell in row] for row in last.covariance],
         "left_out": [name for name in last.fit.model.motion.names if name not in last.motion.names],
+    }
+
+
+def _as_plain(found: Mapping[str, Quantity], error: str) -> dict[str, dict[str, Any]]:
+    """Each quantity as plain numbers, the uncertainty under the name ``error``; None for what is not known."""
+    return {
+        name: {"value": finite_or_none(one.value), error: finite_or_none(one.uncertainty), "unit": one.unit}
+        for name, one in found.items()
     }
 
 

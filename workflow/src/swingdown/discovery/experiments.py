@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from math import asin, pi, sin, sqrt
+from math import pi, sin, sqrt
 from typing import NamedTuple
 
 import numpy as np
@@ -12,6 +12,7 @@ from ..engine.trajectory import sensitivities
 from ..fitting.problem import RELEASE
 from ..pendulum.catalogue import RATE
 from ..pendulum.effect import NATURAL_FREQUENCY
+from ..pendulum.ideal import reached
 from ..pendulum.model import Model
 from ..quantisation import quantisation_step
 from .campaign import Campaign, Noise
@@ -85,8 +86,7 @@ class LetGo:
             side = "positive" if self.angle > 0 else "negative"
             return f"Release from {_degrees(self.angle)} on the {side} side and record {self.duration:.3g} s{often}"
         side = "positive" if self.velocity > 0 else "negative"
-        ratio = abs(self.velocity) / model.values[NATURAL_FREQUENCY.name]
-        out = 2 * asin(min(ratio / 2, 1.0)) if model.restoring == "sine" else ratio
+        out = float(reached(abs(self.velocity) / model.values[NATURAL_FREQUENCY.name], model.restoring))
         return (
             f"Push it from where it hangs, so that it swings out to about {_degrees(out)} on the {side} side, "
             f"and record {self.duration:.3g} s{often}"
@@ -172,7 +172,7 @@ def menu(campaign: Campaign, model: Model, other: Model | None = None) -> Iterat
     rate = model.reading == RATE
     largest = max(float(np.max(np.abs(swing.angle))) for swing in swings)
     if rate:  # of the swing that such a rate belongs to
-        largest = _reached(largest / frequency, model)
+        largest = float(reached(largest / frequency, model.restoring))
     farthest = max(largest, float(_FARTHEST)) if model.restoring == "sine" else 2 * largest
     angles = list(dict.fromkeys(min(reach * largest, farthest) for reach in _REACHES))
     most = _PERIODS * 2 * pi / frequency
@@ -200,11 +200,6 @@ def _push(angle: float, model: Model) -> float:
     """The velocity (rad/s) at the bottom of a swing out to an angle (rad)."""
     frequency = model.values[NATURAL_FREQUENCY.name]
     return frequency * (2 * sin(min(angle, pi) / 2) if model.restoring == "sine" else angle)
-
-
-def _reached(ratio: float, model: Model) -> float:
-    """The angle (rad) to which a pendulum swings whose velocity at the bottom is ``ratio`` times its natural frequency."""
-    return 2 * asin(min(ratio / 2, 1.0)) if model.restoring == "sine" else ratio
 
 
 def _degrees(angle: float) -> str:

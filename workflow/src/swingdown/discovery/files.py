@@ -21,6 +21,7 @@ from ..pendulum.catalogue import READINGS
 from ..pendulum.model import Model
 from ..pendulum.model_file import write_model
 from ..sealed import read_json, write_csv, write_json, write_text
+from ..studies.experiment import read_alike
 from ..studies.fit_rows import largest_angles
 from .campaign import Campaign, Swing, campaign
 from .confirm import gap, per_swing
@@ -65,7 +66,7 @@ def read_campaign(name: str, paths: Sequence[Path | str], roles: Sequence[str]) 
     driven(read)
     static = [swing.pair for swing in kinds["static"]]
     known = campaign(name, kinds["fit"], kinds["holdout"], static)
-    known = replace(known, systematic=systematic, slack=of_angles(read), reading=reading_of(name, read))
+    known = replace(known, systematic=systematic, slack=of_angles(read), reading=read_alike(name, read))
     return known, emulated
 
 
@@ -74,17 +75,6 @@ def swing_of(angle: xr.Dataset) -> Swing:
     return Swing(
         str(angle.attrs["recording"]), angle["time"].values, dataset.series_of(angle).values, drive_of(angle)
     )
-
-
-def reading_of(name: str, angles: Sequence[xr.Dataset]) -> str:
-    """What the sensor of a campaign reads, ``angle`` or ``rate``; InputError where its recordings differ."""
-    kinds = {str(dataset.series_of(one).name) for one in angles}
-    if len(kinds) > 1:
-        raise InputError(
-            f"campaign {name}", "some of its recordings are of angles and some of angular rates", "one of the two",
-            "make two campaigns of it in the sample sheet",
-        )  # fmt: skip
-    return kinds.pop()
 
 
 def write_no_verdict(
@@ -255,24 +245,19 @@ def summary(state: Round, campaign: Campaign) -> dict[str, Any]:
 
 
 def _parameters(model: Model) -> dict[str, dict[str, Any]]:
-    return {
-        name: {
-            "value": value,
-            "standard_error": finite_or_none(model.standard_errors.get(name)),
-            "unit": model.units[name],
-        }
-        for name, value in model.values.items()
-        if name not in model.slack.parameters
-    }
+    return {name: _estimate(model, name) for name in model.values if name not in model.slack.parameters}
 
 
 def _nuisance(model: Model) -> dict[str, dict[str, Any]]:
     """What the measurement left open, as it came out, and the standard uncertainty it had before."""
     return {
-        name: {"value": model.values[name], "standard_error": finite_or_none(model.standard_errors.get(name)), "unit": model.units[name],
-               "before": before}
-        for name, before in model.slack.deviations.items()
-    }  # fmt: skip
+        name: _estimate(model, name) | {"before": before} for name, before in model.slack.deviations.items()
+    }
+
+
+def _estimate(model: Model, name: str) -> dict[str, Any]:
+    error = finite_or_none(model.standard_errors.get(name))
+    return {"value": model.values[name], "standard_error": error, "unit": model.units[name]}
 
 
 def _finding(one: Finding) -> dict[str, Any]:

@@ -10,11 +10,12 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
+from scipy.linalg import block_diag
 
 from ..arrays import Floats
 from ..fitting.result import Fit
 from .campaign import Swing
-from .green import Motion, hats, motion, motions_of, over_both, response, responses
+from .green import Motion, hats, motion, motions_of, plane, response, responses
 from .linear import Frame, orthonormal
 
 _ANGLES = 7  # nodes over the angle of a recording
@@ -44,7 +45,7 @@ def held_out(fit: Fit, swings: Sequence[Swing]) -> Work | None:
     residual = np.concatenate(
         [swing.angle - one.angle for one, swing in zip(fit.swings, swings, strict=True)]
     )
-    releases = _apart([one.slopes.T for one in motions])
+    releases = block_diag(*(one.slopes.T for one in motions))
     own = np.hstack([releases, _conserving(motions)])
     return _work(residual, own, _dissipative(motions), residual.size)
 
@@ -55,26 +56,12 @@ def _conserving(motions: Sequence[Motion]) -> Floats:
     for one in motions:
         torques = hats(one.angle / np.max(np.abs(one.angle)), np.linspace(-1, 1, _ANGLES))
         worked.append(np.column_stack([response(one, torques), np.ones(one.at.size)]))
-    return _apart(worked)
+    return block_diag(*worked)
 
 
 def _dissipative(motions: Sequence[Motion]) -> Floats:
     """What torques over angle, speed and side do to the readings (sample, any), the same in all recordings."""
-    largest = max(float(np.max(np.abs(one.angle))) for one in motions)
-    fastest = max(float(np.max(np.abs(one.speed))) for one in motions)
-    angles, speeds = np.linspace(-1, 1, _OVER), np.linspace(0, 1, _SPEEDS)
-    torques = [over_both(one.angle / largest, one.speed / fastest, angles, speeds) for one in motions]
-    return responses(motions, torques)
-
-
-def _apart(blocks: Sequence[Floats]) -> Floats:
-    """The blocks one below the other, each with columns of its own."""
-    wide = np.zeros((sum(len(one) for one in blocks), sum(one.shape[1] for one in blocks)))
-    row = column = 0
-    for one in blocks:
-        wide[row : row + len(one), column : column + one.shape[1]] = one
-        row, column = row + len(one), column + one.shape[1]
-    return wide
+    return responses(motions, plane(motions, _OVER, _SPEEDS).torques)
 
 
 def _work(residual: Floats, own: Floats, columns: Floats, samples: int) -> Work | None:

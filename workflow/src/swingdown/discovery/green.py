@@ -79,6 +79,23 @@ def hats(x: Floats, nodes: Floats) -> Floats:
     return np.column_stack([np.interp(x, nodes, unit) for unit in np.eye(nodes.size)])
 
 
+class Plane(NamedTuple):
+    """Torques over angle and speed: the places of their nodes (rad, rad/s), and by recording what each is over time (sample, torque)."""
+
+    angles: Floats
+    speeds: Floats
+    torques: list[Floats]
+
+
+def plane(motions: Sequence[Motion], angles: int, speeds: int) -> Plane:
+    """The ``Plane`` with so many nodes, as far as these motions reach."""
+    largest = max(float(np.max(np.abs(one.angle))) for one in motions)
+    fastest = max(float(np.max(np.abs(one.speed))) for one in motions)
+    nodes = np.linspace(-1, 1, angles), np.linspace(0, 1, speeds)
+    torques = [over_both(one.angle / largest, one.speed / fastest, *nodes) for one in motions]
+    return Plane(largest * nodes[0], fastest * nodes[1], torques)
+
+
 def over_both(angle: Floats, speed: Floats, angles: Floats, speeds: Floats) -> Floats:
     """Interpolation between nodes over the angle and over the speed's size as columns (place, node), for either direction its own: a friction
     jumps where the motion turns."""

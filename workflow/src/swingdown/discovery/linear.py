@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from scipy.linalg import qr
+from scipy.linalg import block_diag, qr
 from scipy.optimize import lsq_linear
 
 from ..arrays import Floats
@@ -53,6 +53,10 @@ class Frame:
     def samples(self) -> int:
         """The number of samples of all swings."""
         return self.slices[-1].stop
+
+    def apart(self, column: Floats) -> Floats:
+        """A column over the samples (sample,) as one for each recording, nothing outside it (sample, recording)."""
+        return block_diag(*(column[rows, np.newaxis] for rows in self.slices))
 
     def padded(self, columns: Floats) -> Floats:
         """Columns over the samples with nothing below them: they do not touch what is known of the measurement."""

@@ -7,7 +7,7 @@ import pandas as pd
 
 from ..arrays import Floats, Swing
 from ..pendulum.catalogue import ANGLE, RATE
-from ..pendulum.ideal import lengthening
+from ..pendulum.ideal import lengthening, reached
 
 COLUMNS = ["time_s", "amplitude_rad", "energy_loss", "period_ratio", "midpoint_rad"]
 _QUANTITIES = ("energy_loss", "period_ratio", "midpoint_rad")
@@ -73,9 +73,7 @@ def half_swings(
         return pd.DataFrame(columns=COLUMNS, dtype=float)
     if reading == RATE:
         where = where - np.median((where[:-2] + 2 * where[1:-1] + where[2:]) / 4)  # a gyroscope's zero
-        where = where / natural_frequency
-        if restoring == "sine":
-            where = np.sign(where) * 2 * np.arcsin(np.minimum(np.abs(where) / 2, 1.0))
+        where = reached(where / natural_frequency, restoring)
     amplitude = np.abs(np.diff(where)) / 2
     if restoring == "sine":
         height, mean = 1 - np.cos(where), 1 / lengthening(amplitude)

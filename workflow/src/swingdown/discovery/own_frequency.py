@@ -31,10 +31,7 @@ def with_own_frequencies(
     fit = here.fit
     if fit.model.own_frequency or min(len(campaign.whole), len(here.swings)) < _FEWEST:
         return None
-    shared = here.slopes[:, here.names.index(NATURAL_FREQUENCY.name)]
-    columns = np.zeros((here.samples, len(here.slices)))
-    for k, rows in enumerate(here.slices):
-        columns[rows, k] = shared[rows]
+    columns = here.apart(here.slopes[:, here.names.index(NATURAL_FREQUENCY.name)])
     excess = fit.rss - fit.n * noise.deviation**2
     if explained(here, columns)[0] < _SUBSTANTIAL * excess:
         return None

@@ -13,7 +13,7 @@ from scipy.optimize import minimize_scalar
 from ..arrays import Floats
 from ..pendulum.effect import NATURAL_FREQUENCY
 from .campaign import Noise
-from .green import Motion, motions_of, over_both, responses
+from .green import Motion, motions_of, plane, responses
 from .linear import Frame
 
 MAP = ["angle_rad", "speed_rad_per_s", "torque", "band", "known", "seen"]
@@ -55,16 +55,13 @@ def remainder(frame: Frame, noise: Noise) -> Remainder:
 
 def _map(frame: Frame, motions: Sequence[Motion], noise: Noise) -> tuple[pd.DataFrame, dict[str, float]]:
     """The table of the torque over angle and speed, and the shares of the shapes."""
-    largest = max(float(np.max(np.abs(one.angle))) for one in motions)
-    fastest = max(float(np.max(np.abs(one.speed))) for one in motions)
-    angles, speeds = np.linspace(-1, 1, _ANGLES), np.linspace(0, 1, _SPEEDS)
-    torques = [over_both(one.angle / largest, one.speed / fastest, angles, speeds) for one in motions]
-    seen = np.concatenate(torques).sum(axis=0)
-    columns = responses(motions, torques)
+    over = plane(motions, _ANGLES, _SPEEDS)
+    seen = np.concatenate(over.torques).sum(axis=0)
+    columns = responses(motions, over.torques)
     basis, triangle = np.linalg.qr(frame.outside(columns))
     size = np.linalg.qr(columns, mode="r")
     residual = frame.outside(frame.residual)
-    near_angle, near_speed = _near(angles), np.kron(np.eye(2), _near(speeds))
+    near_angle, near_speed = _near(_ANGLES, -1), np.kron(np.eye(2), _near(_SPEEDS, 0))
     over_angle = np.kron(np.eye(_ANGLES), np.ones((2 * _SPEEDS, 1)))
     over_speed = np.kron(np.ones((_ANGLES, 1)), np.eye(2 * _SPEEDS))
     shapes = {
@@ -82,13 +79,14 @@ def _map(frame: Frame, motions: Sequence[Motion], noise: Noise) -> tuple[pd.Data
             (triangle @ shape, size @ shape), along, near, noise.slow_variance, whole, frame.samples
         )
         shares[name] = float(np.clip((whole - told.left) / excess, 0, 1)) if excess > 0 else 0.0
-    places = np.meshgrid(angles * largest, np.r_[speeds, -speeds] * fastest, indexing="ij")
+    places = np.meshgrid(over.angles, np.r_[over.speeds, -over.speeds], indexing="ij")
     shown = (places[0].ravel(), places[1].ravel(), told.value, told.error, told.known, seen / seen.sum())
     return pd.DataFrame(dict(zip(MAP, shown, strict=True))), shares
 
 
-def _near(nodes: Floats) -> Floats:
-    """How far the torques at nodes hang together: a correlation that falls with their distance."""
+def _near(count: int, least: float) -> Floats:
+    """How far the torques at so many nodes from ``least`` to 1 hang together: a correlation that falls with their distance."""
+    nodes = np.linspace(least, 1, count)
     return np.exp(-0.5 * np.square((nodes[:, np.newaxis] - nodes) / _SMOOTH)) + 1e-6 * np.eye(nodes.size)
 
 

@@ -10,9 +10,8 @@ from ..fitting.result import Fit
 from ..pendulum.effect import NATURAL_FREQUENCY
 from ..pendulum.model import Model
 from ..pendulum.slack import Slack
-from .campaign import Campaign, Noise, measure_noise
+from .campaign import Campaign, Noise, coarse_noise, measure_noise
 from .confirm import predict
-from .differences import coarse_noise
 from .evidence import Candidate, evidence
 from .free_form import COLUMNS, missing
 from .guard import POSSIBLE

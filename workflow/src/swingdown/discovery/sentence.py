@@ -8,6 +8,7 @@ import numpy as np
 from ..language import capital
 from ..pendulum.catalogue import SHIPPED, Catalogue
 from ..pendulum.effect import Effect
+from ..pendulum.model import in_words
 from ..rounding import plus_minus
 
 LAW_OPEN = "friction of another law"
@@ -75,7 +76,7 @@ def follows(difference: Mapping[str, Any]) -> str:
             if stopped
             else f"No effect follows {quantity}."
         )
-    names = " or ".join(map(_spoken, (difference["effect"], *difference["tied_with"])))
+    names = " or ".join(map(in_words, (difference["effect"], *difference["tied_with"])))
     said = f"{capital(names)} follows {quantity} (P {_sure(difference)}){stopped}"
     law = difference["law"]
     if law is None:
@@ -102,7 +103,7 @@ def _without(found: Mapping[str, Any]) -> str:
         if one.get("gap_without") is None:
             return f" (P {_sure(one)})"
         return f" (P {_sure(one)}): without it {one['gap_without']:.3g} times the noise remains, with it {with_it}"
-    each = [f"without {_spoken(one['name'])} {one['gap_without']:.3g} (P {_sure(one)})"
+    each = [f"without {in_words(one['name'])} {one['gap_without']:.3g} (P {_sure(one)})"
             for one in found["effects"] if one.get("gap_without") is not None]  # fmt: skip
     return f": with them {with_it} times the noise remains, {', '.join(each)}" if each else ""
 
@@ -135,7 +136,7 @@ def _may_be(stand_ins: Sequence[Mapping[str, Any]], catalogue: Catalogue) -> tup
     if len(stand_ins) == 1:
         (one,) = stand_ins
         return _described(one, catalogue[one["name"]]).rstrip(","), f" ({one['doubt']})"
-    names = [_spoken(one["name"]) for one in stand_ins]
+    names = [in_words(one["name"]) for one in stand_ins]
     return " and ".join(filter(None, [", ".join(names[:-1]), *names[-1:]])), ""
 
 
@@ -173,18 +174,13 @@ def _misspecified(found: Mapping[str, Any]) -> str:
 
 
 def _listed(names: Iterable[str]) -> str:
-    return ", ".join(map(_spoken, names))
-
-
-def _spoken(name: str) -> str:
-    """An effect's name as one says it: Coulomb was a person."""
-    return name.replace("_", " ").replace("coulomb", "Coulomb")
+    return ", ".join(map(in_words, names))
 
 
 def _described(one: Mapping[str, Any], effect: Effect) -> str:
     """An effect with the parameters that the catalogue has told first, and its rivals."""
     name = one["name"].replace("_", " ")
-    ties = [*map(_spoken, one["tied_with"]), *([LAW_OPEN] if one.get("law_open") else [])]
+    ties = [*map(in_words, one["tied_with"]), *([LAW_OPEN] if one.get("law_open") else [])]
     told = [
         _quantity(_words(key, name), one["parameters"][key])
         for key in effect.told
@@ -194,7 +190,7 @@ def _described(one: Mapping[str, Any], effect: Effect) -> str:
         told.append("within what the calibration leaves open")
     rivals = " or ".join(ties)
     return (
-        _spoken(name)
+        in_words(name)
         + (f" ({', '.join(told)})" if told else "")
         + (f", or {rivals}, which the data do not distinguish," if ties else "")
     )
