@@ -10,6 +10,7 @@ from hashlib import sha256
 
 import netCDF4
 import numpy as np
+import pandas as pd
 import pytest
 import xarray as xr
 from snakemake.api import SnakemakeApi
@@ -269,7 +270,11 @@ def test_text_and_tables_are_written_whole_or_not_at_all(tmp_path, write, monkey
     assert path.read_text() == "old" and list(tmp_path.iterdir()) == [path]
 
 
-class Broken:
+class Broken(pd.DataFrame):
+    @property
+    def _constructor(self):
+        return Broken
+
     def to_csv(self, path, **told):
         path.write_text("ha")
         raise OSError("no room")

@@ -51,6 +51,21 @@ def test_a_clock_and_its_steps_make_it_less_sure():
     assert stepped.scatter >= 0.01 / np.sqrt(12)
 
 
+def test_exact_times_take_no_more_terms_than_they_need():
+    """A bend of some picoseconds in 80 s is rounding: terms that follow it would make the ends less sure."""
+    rounding = 2e-12 * np.cos(6 * np.arccos(HALVES / 40 - 1))
+    found, straight = pace(passed(0.0) + rounding, HALVES), pace(passed(0.0), HALVES)
+    assert found.u_first / found.u_period == pytest.approx(straight.u_first / straight.u_period, rel=0.1)
+    assert found.residuals == pytest.approx(rounding, abs=1e-12)
+
+
+def test_a_course_of_a_tenth_of_a_microsecond_is_followed():
+    """Of exact times, as a simulation has them: its fourth power is not rounding."""
+    at = HALVES / 40 - 1
+    found = pace(passed(0.0) + 1e-7 * at**4, HALVES)
+    assert np.abs(found.residuals).max() < 1e-11
+
+
 def test_passages_that_are_missing_are_counted_over():
     there = np.delete(np.arange(81), [7, 30, 31, 32])
     assert pace(passed(-0.04)[there], HALVES[there]).first == pytest.approx(1.9995, abs=1e-9)

@@ -200,7 +200,7 @@ _NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)(\([\d.]+\))?([eE][+-]?\d+)?")
 
 
 def write_csv(table: Any, path: str | Path, **told: Any) -> Path:
-    """The path written, whole: a table (pandas) as CSV without its index, unless ``told`` to ``to_csv`` otherwise."""
+    """The path written, whole: a table (pandas) ``for_spreadsheets`` as CSV, without its index unless ``told`` to ``to_csv`` otherwise."""
     path = Path(path)
     with written_whole(path) as partial:
         for_spreadsheets(table).to_csv(partial, **({"index": False} | told))

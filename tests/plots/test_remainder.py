@@ -1,0 +1,92 @@
+"""The picture of what a model still lacks: where the torque acts, of what it is a function, and when."""
+
+import matplotlib.colors
+import numpy as np
+import pandas as pd
+import pytest
+from written import in_the_way
+
+from swingdown.plots import style
+from swingdown.plots.remainder import remainder
+
+TOLD = {
+    "campaign": "bench",
+    "remainder": {"shares": {"position": 0.123, "velocity": 0.5, "sum": 0.75, "map": 1.0}},
+}
+
+
+@pytest.fixture
+def table():
+    """A torque of 2 rad/s^2 where the angle is positive, and of -1 where it is not; some of it weak, or not determined."""
+    angle, speed = np.meshgrid(np.linspace(-0.3, 0.3, 5), [0.0, 1.0, 2.0, -0.0, -1.0, -2.0], indexing="ij")
+    table = pd.DataFrame({"angle_rad": angle.ravel(), "speed_rad_per_s": speed.ravel()})
+    table["torque"] = np.where(table["angle_rad"] > 0, 2.0, -1.0)
+    table["band"], table["known"], table["seen"] = 0.4, 0.9, 0.01
+    table.loc[0, "known"] = 0.2  # of the torque where the angle is -0.3 and the speed 0
+    table.loc[29, "seen"] = 0.0  # and where they are 0.3 and -2
+    table.loc[7, "band"] = 0.51  # where they are -0.15 and 1: just less than two standard errors
+    return table
+
+
+@pytest.fixture
+def course():
+    times = np.arange(50) / 10
+    small = pd.DataFrame({"swing": "quiet", "time_s": times, "torque": 0.01, "band": 0.1})
+    loud = pd.DataFrame({"swing": "loud", "time_s": times + 5, "torque": np.sin(times), "band": 0.25})
+    return pd.concat([small, loud], ignore_index=True)
+
+
+@pytest.fixture
+def figure(table, course):
+    return remainder(table, course, TOLD)
+
+
+def test_the_map_has_each_torque_in_its_place_and_none_that_is_not_determined(figure):
+    here = next(axes for axes in figure.axes if axes.get_title(loc="left") == "where it acts")
+    halves = here.collections
+    drawn = np.ma.concatenate([half.get_array().ravel() for half in halves])
+    assert drawn.size == 30 and np.ma.count(drawn) == 28
+    assert set(drawn.compressed()) == {2.0, -1.0}
+    assert all(half.norm.vmin == -2 and half.norm.vmax == 2 for half in halves)
+    forward, back = (half.get_coordinates()[..., 1] for half in halves)
+    assert forward.max() >= 2 and back.min() <= -2 and forward.min() > -1.1 and back.max() < 1.1
+    (weak,) = (line for line in here.lines if line.get_marker() == ".")
+    assert weak.get_xydata() == pytest.approx(np.array([[np.degrees(-0.15), 1.0]]))
+
+
+def test_each_share_stands_right_of_its_bar(figure):
+    here = next(axes for axes in figure.axes if axes.get_title(loc="left") == "a function of")
+    bars = {bar.get_y() + bar.get_height() / 2: bar.get_width() for bar in here.patches}
+    names = dict(zip(here.get_yticks(), (one.get_text() for one in here.get_yticklabels()), strict=True))
+    assert {names[place]: width for place, width in bars.items()} == pytest.approx(
+        {"angle alone": 12.3, "speed alone": 50, "one added to the other": 75, "both together": 100}
+    )
+    assert names[max(names)] == "angle alone"  # uppermost
+    for text in here.texts:
+        x, y = text.get_position()
+        assert text.get_text() == f"{bars[y]:.0f} %" and x > bars[y]
+    assert here.get_xlim()[1] > 110 and not in_the_way(figure)
+
+
+def test_the_course_is_that_of_the_swing_that_lacks_most_with_its_plain_times_marked(figure, course):
+    here = next(axes for axes in figure.axes if axes.get_title(loc="left").startswith("when it acts"))
+    assert here.get_title(loc="left") == "when it acts: loud"
+    loud = course[course["swing"] == "loud"]
+    torque = next(line for line in here.lines if line.get_label() == "missing torque")
+    assert torque.get_xdata()[0] == 0 and here.get_xlim() == pytest.approx((0, 4.9))
+    np.testing.assert_allclose(torque.get_ydata(), loud["torque"])
+    edges = here.collections[0].get_paths()[0].vertices[:, 1]
+    assert edges.max() == pytest.approx(loud["torque"].max() + 0.5) and edges.min() == pytest.approx(
+        loud["torque"].min() - 0.5
+    )
+    marks = next(line for line in here.lines if line.get_marker() == "|")
+    np.testing.assert_allclose(marks.get_xdata(), loud["time_s"][loud["torque"].abs() > 0.5] - 5)
+    assert 0 < marks.get_ydata().max() < 0.1  # along the lower edge
+    low, high = here.get_ylim()
+    assert low < edges.min() and high > edges.max()
+
+
+def test_where_no_torque_is_left_the_picture_says_so(table, course):
+    figure = remainder(table[:0], course[:0], TOLD)
+    assert [text.get_text() for text in figure.texts] == ["no torque is left to draw"]
+    assert matplotlib.colors.same_color(figure.texts[0].get_color(), style.GREY)
