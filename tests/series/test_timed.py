@@ -160,3 +160,15 @@ def test_a_head_in_the_last_of_many_comments_is_one(tmp_path):
     assert timed(file).period().value == pytest.approx(0.38)
     unsaid = written(tmp_path, "\n".join(notes), ["1.93", "1.95", "1.90", "1.82"], "unsaid.csv")
     assert timed(unsaid) is None
+
+
+@pytest.mark.parametrize(
+    ("head", "row"), [("l theta tau", "{0:.2f} 5 {1:.2f}"), ("Event#, Time(ms)", "{1:.0f},{2}")]
+)
+def test_what_may_be_times_by_hand_asks_how_many_swings_each_covers(tmp_path, monkeypatch, capsys, head, row):
+    monkeypatch.chdir(tmp_path)
+    rows = [row.format(length, 10 * period, k) for k, (length, period) in enumerate(zip(LENGTHS, PERIODS, strict=True))]  # fmt: skip
+    written(tmp_path, head, 3 * rows)
+    with pytest.raises(SystemExit):
+        main(["timed.csv", "--quick"])
+    assert "how many swings each covers" in capsys.readouterr().err

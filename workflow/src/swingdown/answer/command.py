@@ -27,7 +27,7 @@ from ..paths import PROJECT, printable, write_csv, written_whole
 from ..planning import own
 from ..sealed import read_json
 from ..series import Series
-from ..series.hand_table import hand_table
+from ..series.hand_table import OF_TIMES, hand_table, may_be_times
 from ..studies.doubt import DoubtfulFit
 from ..studies.gravity import Gravity
 from ..studies.pendulums import in_order
@@ -271,6 +271,8 @@ def _read(
                         expected="recordings side by side, or such a table alone",
                         mend=f"swingdown {path.name}",
                     )
+                elif may_be_times(path):
+                    found = found._replace(mend=f"{found.mend}; {OF_TIMES}")
                 left_out.append(found)
                 if alone and len(parts) == 1:  # it ends the command, and is told there
                     continue

@@ -16,11 +16,13 @@ from ..measurement.sheet import cells_of
 from .values import KNOWN, head
 
 COUNTED = "the number of swings in the head, as `time for 10 swings (s)`; of one swing `period (s)`"
+OF_TIMES = "of times taken by hand write into the head how many swings each covers, as `time for 10 swings (s)` or `period (s)`"
 _LINES = 200  # of trials; a recording has more
 _HEADS = 10  # lines in which the heads stand
 _TITLES = 3000  # bytes of them
 _TEXT = (".csv", ".tsv", ".txt", ".dat")
 _WORKBOOKS = (".xlsx", ".xls", ".ods")
+_SMALL = 12_000  # bytes: a workbook of some trials has no more
 _LARGEST = 300_000  # bytes: a recording may have more than can be held
 _SWINGS = "osc|swing|cycle|period|périod|períod|vibr|schwing"
 _COUNTED = re.compile(rf"(?<![\d.,])(\d+)\s*[x×*·]?\s*(?:(?:full|complete)\s+)?(?:{_SWINGS}|t(?![^\W\d_]))|^t_?\{{?(\d\d+)\}}?(?!\d)", re.I)  # fmt: skip
@@ -139,6 +141,11 @@ def hand_table(path: Path) -> HandTable | None:
         emulated = any("emulated: yes" in " ".join(cells) for cells in lines[:place])
         return HandTable(cells, times, heads, emulated)
     return None
+
+
+def may_be_times(path: Path) -> bool:
+    """Whether a file is so small that its numbers may be times taken by hand, whatever its heads say."""
+    return path.suffix.lower() in (*_TEXT, *_WORKBOOKS) and path.is_file() and path.stat().st_size < _SMALL
 
 
 def _head_lines(lines: Sequence[Sequence[str]]) -> list[int]:
