@@ -164,6 +164,17 @@ def test_what_passes_its_middle_unevenly_has_no_period():
         check_free(fits, swings(TIMES, uneven, "rad")[0], "viscous")
 
 
+def test_of_a_program_that_stamps_its_samples_late_the_clock_is_told():
+    """As of one that waits for a disk now and then: the turning points fall evenly, and the times between them do not."""
+    rng = np.random.default_rng(1)
+    times = np.arange(0.0, 200.0, 0.1)
+    angle = 0.4 * np.exp(-times / 150) * np.cos(2 * np.pi * times / 1.9)
+    waits = np.interp(times, np.arange(0.0, 201.0, 0.5), rng.exponential(0.35, 402))
+    stamps = np.maximum.accumulate(times + waits) + 1e-4 * np.arange(times.size)
+    with pytest.raises(NotFree, match="its times are not those of its samples"):
+        swingdown.fit(stamps, angle)
+
+
 def test_it_spoils_only_its_own_row_of_a_class(tmp_path, first, capsys):
     (tmp_path / "class").mkdir()
     written(tmp_path / "class" / "driven.csv", "t_s,angle_rad", *isochronous())

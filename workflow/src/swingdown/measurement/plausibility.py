@@ -93,6 +93,20 @@ def in_step_and_steady(times: Floats, signal: Floats) -> bool:
     return bool(not falls and np.quantile(sizes, 0.95) < GROWS * np.quantile(sizes, 0.05))
 
 
+def late_stamps(times: Floats, signal: Floats) -> float:
+    """By which share of it the periods of a swing scatter whose sizes fall evenly: not the pendulum is uneven then, but its times; 0.0 of another.
+
+    Noise or a hand that moved the passages so far would move the turning points more. From each to the next but one, drift and decay drop out.
+    """
+    swings = half_swings(signal)
+    passed, sizes = passages(times, signal, swings.centre()), np.abs(np.diff(swings.turns[1:-1]))
+    if len(sizes) < 2 * ENOUGH or not narrowing(signal) < KEPT:
+        return 0.0
+    periods = passed[2:] - passed[:-2]
+    uneven, rough = (float(np.median(np.abs(np.diff(one, 2))) / np.median(one)) for one in (periods, sizes))
+    return uneven if uneven > EVEN > rough else 0.0
+
+
 def _sizes_in_step(times: Floats, signal: Floats, step: int = 0) -> Floats:
     """From turning point to turning point, of a swing whose passages of the middle are even; none of another, or of fewer than ENOUGH.
 

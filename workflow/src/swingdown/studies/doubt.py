@@ -13,7 +13,14 @@ from ..dataset import series_of
 from ..errors import InputError
 from ..measurement.again import may_be_read_once_more, readings
 from ..measurement.driven import drive_of
-from ..measurement.plausibility import KEPT, free_part, in_step_and_dying, in_step_and_steady, narrowing
+from ..measurement.plausibility import (
+    KEPT,
+    free_part,
+    in_step_and_dying,
+    in_step_and_steady,
+    late_stamps,
+    narrowing,
+)
 from ..pendulum.catalogue import SHIPPED, Catalogue
 from ..pendulum.model import Model, everyday
 from ..rounding import value_with_uncertainty
@@ -292,6 +299,15 @@ def check_free(fits: xr.Dataset, given: xr.Dataset, label: str, catalogue: Catal
             f"the best model of damping leaves {100 * left:.3g} % of its swings, and the file holds what may drive them: {drive}",
             "a pendulum that swings by itself, or the drive that was measured",
             "name the column of the drive ⟨in input_column⟩, or leave out what it drives (⟨start_s⟩ and ⟨stop_s⟩)",
+        )
+    late = 0.0 if "half_swings" in given else late_stamps(given["time"].values, series_of(given).values)
+    if late and not left <= LEFT:
+        raise NotFree(
+            f"recording {name}",
+            f"its swings die away evenly, and their periods scatter by {100 * late:.0f} %: its times are not those of its samples, as where a "
+            "program stamps them late",
+            "the time at which each sample was taken",
+            "let the board that reads the sensor count the time, or film it",
         )
     if not left <= LEFT:
         raise NotFree(
