@@ -65,7 +65,8 @@ def test_each_share_stands_right_of_its_bar(figure):
     for text in here.texts:
         x, y = text.get_position()
         assert text.get_text() == f"{bars[y]:.0f} %" and x > bars[y]
-    assert here.get_xlim()[1] > 110 and not in_the_way(figure)
+    assert list(here.get_xticks()) == [0, 50, 100] and here.get_xlim()[1] > 110
+    assert not in_the_way(figure)
 
 
 def test_the_course_is_that_of_the_swing_that_lacks_most_with_its_plain_times_marked(figure, course):
@@ -84,6 +85,12 @@ def test_the_course_is_that_of_the_swing_that_lacks_most_with_its_plain_times_ma
     assert 0 < marks.get_ydata().max() < 0.1  # along the lower edge
     low, high = here.get_ylim()
     assert low < edges.min() and high > edges.max()
+
+
+def test_where_it_acts_and_when_have_a_line_at_nothing(figure):
+    flat = [line for axes in figure.axes for line in axes.lines if len(set(line.get_ydata())) == 1]
+    levels = [line.get_ydata()[0] for line in flat if line.get_marker() in ("", "None", None)]
+    assert levels == [0, 0]
 
 
 def test_where_no_torque_is_left_the_picture_says_so(table, course):
