@@ -63,6 +63,16 @@ def test_whether_it_is_exponential_is_answered_with_the_damping_ratio_at_both_en
     assert re.search(r"0\.00\d+\(\d+\) at the first swing and 0\.0\d+\(\d+\) at the last swing\.$", words)
 
 
+def test_a_law_that_does_as_well_is_not_told_as_better(monkeypatch):
+    found = swing("viscous", {"viscous_ratio": 0.004}).laws()
+    for excess, told in (
+        (0.04, "describe the decay as well."),
+        (0.06, "better by 0.1 of BIC, and 6 would be strong."),
+    ):
+        monkeypatch.setattr("swingdown.curves.laws.exponential", lambda _, e=excess: ("open", e, "viscous+quadratic_drag"))  # fmt: skip
+        assert exponential_words(found).endswith(told)
+
+
 def test_a_wheel_on_a_spring_has_no_friction_that_grows_with_the_load():
     found = swing("constant_coulomb", {"constant_friction": 0.05}, "linear").laws()
     assert all("load_coulomb" not in one.label for one in found[0].laws)

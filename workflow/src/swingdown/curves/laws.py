@@ -320,10 +320,10 @@ def exponential_words(found: Sequence[Laws], curves: xr.Dataset | None = None) -
     best, together = model_words(label), "+" in label
     if answer == "yes":
         told = f"Exponential: yes, no law describes the decay better than {best}"
+    elif answer == "open" and (shown := f"{excess:.1f}") == "0.0":
+        told = (_AS_WELL_TOGETHER if together else _AS_WELL).format(law=best)
     elif answer == "open":
-        told = (_OPEN_TOGETHER if together else _OPEN).format(
-            law=best, value=f"{excess:.1f}", value_2=f"{WORTH:g}"
-        )
+        told = (_OPEN_TOGETHER if together else _OPEN).format(law=best, value=shown, value_2=f"{WORTH:g}")
     else:
         told = (_NO_TOGETHER if together else _NO).format(law=best, value=_whole(excess))
     return f"{told}{_change(curves)}."
@@ -331,6 +331,8 @@ def exponential_words(found: Sequence[Laws], curves: xr.Dataset | None = None) -
 
 _NO = "Exponential: no, {law} describes the decay better (BIC falls by {value})"
 _NO_TOGETHER = "Exponential: no, {law} describe the decay better (BIC falls by {value})"
+_AS_WELL = "Exponential: not decided, {law} describes the decay as well"
+_AS_WELL_TOGETHER = "Exponential: not decided, {law} describe the decay as well"
 _OPEN = "Exponential: not decided, {law} describes the decay better by {value} of BIC, and {value_2} would be strong"
 _OPEN_TOGETHER = "Exponential: not decided, {law} describe the decay better by {value} of BIC, and {value_2} would be strong"
 
