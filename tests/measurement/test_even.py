@@ -75,6 +75,7 @@ def test_samples_without_a_rate_are_read_between_their_neighbours():
     assert not found.kept
     np.testing.assert_allclose(np.diff(found.times), found.interval)
     assert (found.times[0], found.times[-1]) == (times[0], times[-1])
-    assert found.interval == pytest.approx(np.median(np.diff(times)), rel=0.01)
+    usual = np.median(np.diff(times))
+    assert abs(np.ptp(times) - (found.times.size - 1) * usual) <= usual / 2
     np.testing.assert_allclose(found.signal, swing(found.times), atol=1e-3)
     assert found.place.size == 800 and found.place.max() == found.times.size - 1
