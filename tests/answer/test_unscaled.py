@@ -6,6 +6,7 @@ import pytest
 
 from swingdown.__main__ import main
 from swingdown.engine.trajectory import simulate
+from swingdown.measurement.apparent_scale import RELATIVE, apparent_scale
 from swingdown.pendulum.model import Model
 from swingdown.studies.quantities import quantities
 
@@ -46,6 +47,14 @@ def test_the_period_is_that_of_the_first_swing_and_how_it_changes_is_told(
     assert "natural frequency" not in text
 
 
+def test_the_quality_is_that_of_the_pendulum_though_its_period_falls(tmp_path, capsys, monkeypatch):
+    """With one period for all swings other laws than the drag made up for it, and the quality was known to a tenth or wrong."""
+    log(tmp_path, 40)
+    _, row = told(tmp_path, capsys, monkeypatch)
+    true = quantities(PENDULUM, RELEASE * np.exp(-np.pi / 2 * 2 * 0.006))["quality"].value
+    assert abs(row["quality"] - true) < 3 * row["quality_u"] < 0.06 * true
+
+
 def test_of_a_few_swings_no_change_is_told(tmp_path, capsys, monkeypatch):
     log(tmp_path, 3.2)
     text, row = told(tmp_path, capsys, monkeypatch)
@@ -66,3 +75,14 @@ def test_where_no_model_follows_the_readings_the_period_is_the_mean_of_the_first
     text, row = told(tmp_path, capsys, monkeypatch)
     assert "at the first swings" in text and "for the model lacks something" in text
     assert abs(row["period_s"] - 2 * np.pi / 4) < 2 * row["period_s_u"]
+
+
+def test_what_a_reading_is_worth_by_its_period_alone():
+    times, rng = np.arange(0, 60, 0.02), np.random.default_rng(2)
+    for release in (0.4, 1.2, 2.0):
+        reading = 600 * simulate(PENDULUM, times, release) + rng.standard_normal(times.size)
+        assert apparent_scale(times, reading) == pytest.approx(1 / 600, rel=0.03)
+    small = 2 * RELATIVE / np.ptp(reading)
+    assert apparent_scale(times, reading, "linear") == small
+    spring = 600 * np.exp(-times / 40) * np.cos(4.2 * times) + rng.standard_normal(times.size)
+    assert apparent_scale(times, spring) == pytest.approx(2 * RELATIVE / np.ptp(spring))

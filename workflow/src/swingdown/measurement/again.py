@@ -8,10 +8,10 @@ import xarray as xr
 
 from ..dataset import series_of
 from .angle import UNSCALED
+from .apparent_scale import apparent_scale
 from .driven import drive_of
 from .half_swings import half_swings
 from .interpret import RELATIVE as RELATIVE_CELL
-from .judge import RELATIVE
 from .plausibility import free_part, in_step_and_dying
 from .points_recording import are_points
 
@@ -69,7 +69,7 @@ def without_unit(angle: xr.Dataset) -> xr.Dataset:
     if angle.attrs.get("mode") == UNSCALED:
         return angle
     series = series_of(angle)
-    scale = 2 * RELATIVE / float(np.ptp(series.values))
+    scale = apparent_scale(angle["time"].values, series.values)
     centre = half_swings(series.values).centre()
     middle = centre if np.isfinite(centre) else 0.0
     made = angle.drop_dims([dim for dim in ("nuisance", "source") if dim in angle.dims])

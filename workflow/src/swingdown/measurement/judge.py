@@ -6,6 +6,7 @@ import numpy as np
 
 from ..arrays import Floats
 from ..errors import InputError
+from .apparent_scale import RELATIVE, apparent_scale
 from .beats import check_one_motion
 from .continuity import check_alive, check_continuous
 from .even import evenly
@@ -19,7 +20,6 @@ from .slips import longest_between, out_of_step
 from .spikes import Spikes, find_spikes
 from .units import NO_SCALE, TURNS, angle_unit, check_steps, in_rad, turns_counted, unwrapped
 
-RELATIVE = 0.01  # rad: what the largest swing of a reading without a scale stands for, as sine and angle are then one
 UNSCALED = (
     "no scale is stated: PERIOD AND DECAY ALONE ARE REPORTED. For angles state the degrees that one unit is worth "
     "⟨in scale⟩"
@@ -86,7 +86,8 @@ def judge(times: Floats, signal: Floats, reading: Reading, place: str) -> Judged
         reading, remarks = replace(reading, unit=known, scale=in_rad(known) or np.nan), remarks + told
     if reading.unit in TO_RAD_PER_S:
         remarks += check_rate(times, signal, reading.unit, place)
-    if np.isnan(reading.scale):
+    unscaled = np.isnan(reading.scale)
+    if unscaled:
         reading = replace(reading, scale=2 * RELATIVE / float(np.ptp(spikes.healed)))
         zero = half_swings(spikes.healed).centre() * reading.scale
         if not any("UNKNOWN SCALE" in one for one in remarks):
@@ -114,6 +115,10 @@ def judge(times: Floats, signal: Floats, reading: Reading, place: str) -> Judged
         part = within(window, times)
         check_one_motion(times[part], about[part], place)
     windows = [_without_holes(_in_step(one, times, about), times, about) for one in windows]
+    if unscaled:
+        part = within(windows[0], times)
+        small, scale = reading.scale, apparent_scale(times[part], about[part], reading.restoring)
+        reading, zero = replace(reading, scale=scale), zero * scale / small
     return Judged(signal, reading, spikes, windows, zero, remarks)
 
 

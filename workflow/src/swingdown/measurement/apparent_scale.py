@@ -1,0 +1,62 @@
+"""What readings without a scale are worth, as far as their own period tells: the wider weight lets a pendulum swing, the slower it is."""
+
+import numpy as np
+from scipy.special import ellipk
+
+from ..arrays import Floats
+from .half_swings import half_swings, passages
+from .plausibility import ENOUGH, STEADY
+
+RELATIVE = (
+    0.01  # rad: what the largest swing stands for where no period tells more, as sine and angle are then one
+)
+_WIDEST = 3.0  # rad
+_WORTH = 10.0  # of BIC, by which the period has to be better told with the size of the swings than without
+_ROUNDS = 8  # until the square of the swings is what it makes of the period
+
+
+def apparent_scale(times: Floats, signal: Floats, restoring: str = "sine") -> float:
+    """Rad per unit with which a pendulum's period goes with its swings as that of a signal does.
+
+    A model of readings whose swings are taken for small ones would have one period for all of them, and its friction would make up for that.
+
+    Parameters
+    ----------
+    times, signal
+        In s and in any unit, of shape (sample,).
+    restoring
+        ``sine`` or ``linear``.
+
+    Returns
+    -------
+    float
+        That by which the largest swing is ``RELATIVE`` where the period does not evidently fall with the swings, or nothing but a spring pulls back.
+    """
+    small = 2 * RELATIVE / float(np.ptp(signal))
+    swings = half_swings(signal)
+    passed = passages(times, signal, swings.centre())
+    if restoring != "sine" or not len(passed) == len(swings.starts) - 1 > ENOUGH:
+        return small
+    periods, sizes = passed[2:] - passed[:-2], np.abs(np.diff(swings.turns[1:-1])) / 2
+    usual = float(np.median(periods))
+    near = np.abs(periods - usual) < STEADY * usual
+    periods, sizes = periods[near], sizes[near]
+    if periods.size < ENOUGH or not np.ptp(sizes) > 0:
+        return small
+    # noise moves a passage the more, the smaller the swing
+    weight = sizes**2 / np.sum(sizes**2)
+    late = periods - weight @ periods
+    # as BIC has it beside one period for all swings
+    scale, evident = small, np.sqrt(_WORTH + np.log(periods.size))
+    for _ in range(_ROUNDS):
+        slower = 2 / np.pi * ellipk(np.sin(scale * sizes / 2) ** 2) - 1
+        from_mean = slower - weight @ slower
+        spread = weight @ from_mean**2
+        slope = weight @ (from_mean * late) / spread
+        # each half-swing is in two periods
+        error = np.sqrt(2 * (weight @ (late - slope * from_mean) ** 2) / (periods.size - 2) / spread)
+        if not slope > evident * error:
+            return small
+        period = weight @ periods - slope * (weight @ slower)
+        scale = min(scale * float(np.sqrt(slope / period)), _WIDEST / float(sizes.max()))
+    return scale
