@@ -62,19 +62,16 @@ def main(count: int, seed: int) -> None:
         found = free([of_samples("one", times, measured)])
         at = np.linspace(found.low, found.high, 21)
         loss, period = course(model, found.low, found.high).at(at)
-        pairs = {
-            "loss": (found.loss_at(at), loss, found.loss),
-            "period": (found.period_at(at), period, found.period),
-        }
+        pairs = {"loss": (found.loss_at(at), loss), "period": (found.period_at(at), period)}
         angle = np.linspace(0.05, 1, 20) * found.high
-        pairs["restoring"] = found.restoring_at(angle), pull(model, angle), found.period
+        pairs["restoring"] = found.restoring_at(angle), pull(model, angle)
         if set(model.names) <= SPEED_ALONE:
             speed = (
                 np.linspace(0.05, 1, 20) * found.scale * float(found.ideal.speed(np.array([found.high]))[0])
             )
-            pairs["friction"] = found.friction_at(speed), drag(model, speed), found.loss
-        for key, ((value, error), truth, posterior) in pairs.items():
-            inside = np.abs(value - truth) <= posterior.factor * error
+            pairs["friction"] = found.friction_at(speed), drag(model, speed)
+        for key, ((value, error, factor), truth) in pairs.items():
+            inside = np.abs(value - truth) <= factor * error
             held[key, "all"] += list(inside)
             held[key, model.label] += list(inside)
     for key, inside in sorted(held.items()):

@@ -55,7 +55,7 @@ class Band(NamedTuple):
 
     value: Floats
     u: Floats
-    factor: float | Floats
+    factor: Floats
 
     def through(self, function: Callable[[Floats], Floats]) -> tuple[Floats, Floats, Floats, Floats]:
         """Value, standard uncertainty, and lower and upper end of the band of a function of it that rises or falls."""
@@ -156,17 +156,15 @@ def _reading(angle: xr.Dataset) -> tuple[float, str]:
 
 
 def _bandless(value: Floats) -> Band:
-    return Band(value, np.full_like(value, np.nan), np.nan)
+    return Band(value, *[np.full_like(value, np.nan)] * 2)
 
 
 def _of_free(found: Free, amplitude: Floats, angle: Floats, speed: Floats) -> dict[str, Band]:
-    loss = found.loss.factor
-    period = found.period.factor if found.period else np.nan
     return {
-        "period": Band(*found.period_at(amplitude), period),
-        "loss": Band(*found.loss_at(amplitude), loss),
-        "restoring": Band(*found.restoring_at(angle), period),
-        "friction": Band(*found.friction_at(speed), loss),
+        "period": Band(*found.period_at(amplitude)),
+        "loss": Band(*found.loss_at(amplitude)),
+        "restoring": Band(*found.restoring_at(angle)),
+        "friction": Band(*found.friction_at(speed)),
     }
 
 

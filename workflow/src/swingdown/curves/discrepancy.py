@@ -23,14 +23,14 @@ from .free import (
     typical_of,
 )
 from .modelled import Course, course_of, drag, effects_on, static
-from .regression import SHARE, Prior, kernel
+from .regression import SHARE, Posterior, Prior, kernel
 from .second_order import Table
-from .torques import durations, losses, lost
+from .torques import beyond_durations, durations, losses, lost
 
 _GRID = 41  # amplitudes between which the model's loss and period are interpolated
 _DIFFERENCES = 10  # releases of a model by which differences between two are told
 _WIDER = 10.0  # times its standard errors that a model's values may be off: what its fit knew then counts for a hundredth
-_LEAST_LACK = 1e-3  # of the loss that a model lacks, over the whole
+_LEAST_LACK = 1e-3  # of what a model lacks of the loss, or of the stiffness, over the whole
 _SMOOTH = 1.8  # of the logarithm of the speed: what the friction of a model changes over
 _ROUGH = 1e-3  # of the loss: how closely a friction of speed alone has to take what a model takes
 
@@ -41,7 +41,7 @@ class Known(NamedTuple):
     alone: Floats
     value: Floats
     u: Floats
-    factor: float
+    factor: Floats
 
 
 def with_discrepancy(
@@ -97,13 +97,16 @@ def with_discrepancy(
         "friction": speed.size,
     }
     none = {name: np.full(size, np.nan) for name, size in sizes.items()}
-    nothing = {name: Known(one, one, one, np.nan) for name, one in none.items()}
+    nothing = {name: Known(one, one, one, one) for name, one in none.items()}
     effects = effects_on(derived, bare, known) * _WIDER / SHARE
     if not (np.isfinite(whole).all() and np.isfinite(effects).all()):
         return nothing
     edges = np.cumsum([_GRID, _GRID, angle.size])
     parts = zip(np.split(whole, edges), np.split(effects, edges), strict=True)
     period, loss, restoring, friction = (_Part(*one) for one in parts)
+    # what is no friction of speed alone leaves that one as open as is its share
+    rest = np.abs(elsewhere(bare, loss.alone)).sum() / np.abs(loss.alone).sum()
+    spread = min(rest, 1.0) ** 2 * spread
     over = np.where(np.isfinite(course.at(amplitude)[0]), amplitude, np.nan)
     return (
         nothing
@@ -134,11 +137,10 @@ def _taken(
     told = of_losses(found.swings, found.courses, known, unknown, prior)
     taken, lost = known.at(amplitude)[:, 0], unknown.at(amplitude)
     fast, spread = speeds
-    pull, u_pull = told.at(friction.beside(fast, scale))
     left = np.sqrt(np.maximum(np.einsum("si,ij,sj->s", fast, spread, fast), 0.0))
     return {
-        "loss": _known(taken, *told.at(lost), told.factor),
-        "friction": _known(friction.alone, pull, np.hypot(u_pull, left), told.factor),
+        "loss": _known(taken, *told.band(lost)),
+        "friction": _known(friction.alone, *told.band(friction.beside(fast, scale), left)),
     }
 
 
@@ -155,22 +157,26 @@ def _timed(
     curve = longer * durations(ideal, found.stiffness, grid)
     unknown = Table(grid, halves.beside(curve, OF_STIFFNESS))
     marks = [marked(*one, known)[:, 0] for one in timed]
-    prior = Prior.enough(period.effects.shape[1], found.stiffness.nodes, OF_STIFFNESS, LEAST_STIFFNESS)
-    told = of_marks(timed, marks, unknown, prior)
+    first = period.effects.shape[1]
+    prior = Prior.any_size(first, found.stiffness.nodes, OF_STIFFNESS, _LEAST_LACK, LEAST_STIFFNESS)
+
+    def beyond(told: Posterior) -> Table:
+        lacks = told.mean[first : first + curve.shape[1]]
+        return Table(grid, longer * beyond_durations(ideal, found.stiffness, lacks, grid)[:, np.newaxis])
+
+    told = of_marks(timed, marks, unknown, prior, beyond)
     usual = found.scale**2 * ideal.torque(angle)[:, np.newaxis]
     stiff = restoring.beside(usual * found.stiffness.at(angle), OF_STIFFNESS)
     alone = 2 * known.at(amplitude)[:, 0]
-    value, u = told.at(2 * unknown.at(amplitude))
-    pull, u_pull = told.at(stiff)
+    lacking, u, factor = told.band(2 * unknown.at(amplitude), alone * found.period_off(amplitude))
+    off = restoring.alone * found.restoring_off(angle)
     return {
-        "period": _known(alone, value, np.hypot(u, alone * found.period_off(amplitude)), told.factor),
-        "restoring": _known(
-            restoring.alone, pull, np.hypot(u_pull, restoring.alone * found.restoring_off(angle)), told.factor
-        ),
+        "period": _known(alone, lacking + 2 * beyond(told).at(amplitude)[:, 0], u, factor),
+        "restoring": _known(restoring.alone, *told.band(stiff, off)),
     }
 
 
-def _known(alone: Floats, lacking: Floats, u: Floats, factor: float) -> Known:
+def _known(alone: Floats, lacking: Floats, u: Floats, factor: Floats) -> Known:
     return Known(alone, alone + lacking, u, factor)
 
 

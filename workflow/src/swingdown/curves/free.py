@@ -1,6 +1,6 @@
 """Period and loss against amplitude, and the torques behind them, from half-swings alone: no model of damping is asked."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -8,9 +8,9 @@ import numpy as np
 from ..arrays import Floats
 from ..errors import InputError
 from .amplitudes import HalfSwings
-from .regression import Design, Posterior, Prior, regression
+from .regression import Banded, Design, Posterior, Prior, regression
 from .second_order import Beyond, Course, Early, Table
-from .torques import Basis, Ideal, durations, friction, losses, stiffness
+from .torques import Basis, Ideal, beyond_durations, durations, friction, losses, stiffness
 
 FEWEST = 8  # half-swings
 _ROUNDS = 3  # in each of which the amplitudes are those that the one before smoothed
@@ -43,19 +43,23 @@ class Free:
     high: float
     early: Early
 
-    def loss_at(self, amplitude: Floats) -> tuple[Floats, Floats]:
-        """What a half-swing takes from the logarithm of the amplitude (rad), and its standard uncertainty."""
-        value, error = self.loss.at(losses(self.ideal, self.friction, amplitude))
-        return value + self.beyond.table.at(amplitude)[:, 0], error
+    def loss_at(self, amplitude: Floats) -> Banded:
+        """What a half-swing takes from the logarithm of the amplitude (rad)."""
+        value, u, factor = self.loss.band(losses(self.ideal, self.friction, amplitude))
+        return value + self.beyond.table.at(amplitude)[:, 0], u, factor
 
-    def period_at(self, amplitude: Floats) -> tuple[Floats, Floats]:
-        """The period (s) at these amplitudes (rad) and its standard uncertainty; nan where nothing is timed."""
+    def period_at(self, amplitude: Floats) -> Banded:
+        """The period (s) at these amplitudes (rad); nan where nothing is timed."""
         if self.period is None:
-            return np.full(amplitude.size, np.nan), np.full(amplitude.size, np.nan)
-        share, error = self.period.at(durations(self.ideal, self.stiffness, amplitude))
+            return _unknown(amplitude)
+        rows = durations(self.ideal, self.stiffness, amplitude)
+        share, u, factor = self.period.band(rows, self.period_off(amplitude))
         usual = 2 * np.pi / self.scale * self.ideal.lengthening(amplitude)
         share = share + self.beyond.table.at(amplitude)[:, 2 if self.passages else 1]
-        return usual * (1 + share), usual * np.hypot(error, self.period_off(amplitude))
+        share = share + beyond_durations(
+            self.ideal, self.stiffness, self.period.mean[: rows.shape[1]], amplitude
+        )
+        return usual * (1 + share), usual * u, factor
 
     def period_off(self, amplitude: Floats) -> Floats:
         """By what share the period is off where the amplitude (rad) is by its standard uncertainty."""
@@ -75,24 +79,28 @@ class Free:
         ]
         return np.sqrt(np.mean(variance, axis=0) / len(variance))
 
-    def restoring_at(self, angle: Floats) -> tuple[Floats, Floats]:
-        """The restoring torque over inertia (rad/s²) at these angles (rad) and its standard uncertainty; nan where nothing is timed."""
+    def restoring_at(self, angle: Floats) -> Banded:
+        """The restoring torque over inertia (rad/s²) at these angles (rad); nan where nothing is timed."""
         if self.period is None:
-            return np.full(angle.size, np.nan), np.full(angle.size, np.nan)
-        share, error = self.period.at(self.stiffness.at(angle))
+            return _unknown(angle)
         usual = self.scale**2 * self.ideal.torque(angle)
         # where in a swing friction acts matters to the period as the square of the loss
         inside = np.clip(angle, self.low, self.high)
         loss = self.loss_at(inside)[0]
         more, own = self.early.stiffer(loss, self.beyond.table.at(inside)[:, 3])
-        share = share + more
-        return usual * (1 + share), usual * np.sqrt(error**2 + own**2 + self.restoring_off(angle) ** 2)
+        share, u, factor = self.period.band(
+            self.stiffness.at(angle), np.hypot(own, self.restoring_off(angle))
+        )
+        return usual * (1 + share + more), usual * u, factor
 
-    def friction_at(self, speed: Floats) -> tuple[Floats, Floats]:
-        """The torque of friction over inertia (rad/s²) at these speeds (rad/s) and its standard uncertainty: what as a function of speed
-        alone takes as much."""
-        value, error = self.loss.at(self.friction.at(speed / self.scale))
-        return self.scale**2 * value, self.scale**2 * error
+    def friction_at(self, speed: Floats) -> Banded:
+        """The torque of friction over inertia (rad/s²) at these speeds (rad/s): what as a function of speed alone takes as much."""
+        value, u, factor = self.loss.band(self.friction.at(speed / self.scale))
+        return self.scale**2 * value, self.scale**2 * u, factor
+
+
+def _unknown(argument: Floats) -> Banded:
+    return (np.full(argument.size, np.nan),) * 3
 
 
 def free(swings: Sequence[HalfSwings], restoring: str = "sine") -> Free:
@@ -215,15 +223,20 @@ def of_losses(
 
 
 def of_marks(
-    timed: Sequence[tuple[HalfSwings, Course]], known: Sequence[Floats], unknown: Table, prior: Prior
+    timed: Sequence[tuple[HalfSwings, Course]],
+    known: Sequence[Floats],
+    unknown: Table,
+    prior: Prior,
+    beyond: Callable[[Posterior], Table],
 ) -> Posterior:
-    """What the marks tell of the coefficients of the ``unknown`` halves of a period (s; laws, then the curve) beside ``known`` times (s) of theirs."""
-    observed, error, summed, own = [], [], [], []
-    for (one, course), mark in zip(timed, known, strict=True):
-        observed.append(one.mark - mark)
-        error.append(one.u_mark)
-        summed.append(marked(one, course, unknown))
-        own.append(np.column_stack(_own(one._replace(both=one.passages), 1 / one.slope)))
+    """What the marks tell of the coefficients of the ``unknown`` halves of a period (s; laws, then the curve) beside ``known`` times (s) of theirs;
+    ``beyond`` is what coefficients do to a half beyond the first order."""
+    error = [one.u_mark for one, _ in timed]
+    summed = [marked(*one, unknown) for one in timed]
+    own = [np.column_stack(_own(one._replace(both=one.passages), 1 / one.slope)) for one, _ in timed]
+    observed = [one.mark - mark for (one, _), mark in zip(timed, known, strict=True)]
+    more = beyond(_twice(observed, error, summed, own, prior))
+    observed = [left - marked(*one, more)[:, 0] for one, left in zip(timed, observed, strict=True)]
     return _twice(observed, error, summed, own, prior)
 
 
@@ -296,7 +309,12 @@ def _period(
     scale = 1 / float(np.median(slopes))
     rows = np.pi / scale * longer[:, np.newaxis] * durations(ideal, shape, amplitude)
     prior = Prior.enough(len(shape.powers), shape.nodes, OF_STIFFNESS, LEAST_STIFFNESS)
-    return scale, of_marks(timed, [mark / scale for mark in marks], Table(amplitude, rows), prior)
+
+    def more(told: Posterior) -> Table:
+        share = beyond_durations(ideal, shape, told.mean[: rows.shape[1]], amplitude)
+        return Table(amplitude, (np.pi / scale * longer * share)[:, np.newaxis])
+
+    return scale, of_marks(timed, [mark / scale for mark in marks], Table(amplitude, rows), prior, more)
 
 
 def timed_of(swings: Sequence[HalfSwings], courses: Sequence[Course]) -> list[tuple[HalfSwings, Course]]:

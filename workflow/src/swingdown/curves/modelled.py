@@ -10,7 +10,7 @@ from ..arrays import Floats
 from ..engine.trajectory import TrajectoryError, simulate, simulate_each
 from ..pendulum.catalogue import RATE
 from ..pendulum.effect import NATURAL_FREQUENCY
-from ..pendulum.formula import evaluate
+from ..pendulum.formula import evaluate, names_in
 from ..pendulum.ideal import lengthening
 from ..pendulum.model import Model
 from ..studies.quantities import steady
@@ -29,10 +29,14 @@ def static(model: Model) -> Callable[[Floats], Floats]:
 
 
 def drag(model: Model) -> Callable[[Floats], Floats]:
-    """The friction over inertia (rad/s²) of a model at a speed (rad/s) in the middle; at none it is that of the slowest."""
+    """The friction over inertia (rad/s²) of a model at a speed (rad/s) where it is a function of that alone, at none that of the slowest; zero
+    where an angle or a state is in it."""
     torque = _torque(model)
+    alone = not any(one.states or {"theta", "thetadot"} <= names_in(one.term) for one in model.effects)
 
     def at(speed: Floats) -> Floats:
+        if not alone:
+            return np.zeros_like(speed)
         fast, middle = np.maximum(speed, _SLOW), np.zeros_like(speed)
         return (torque(middle, -fast) - torque(middle, fast)) / 2
 

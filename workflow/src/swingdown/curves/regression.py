@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from scipy.special import logsumexp, stdtrit
+from scipy.special import logsumexp, ndtr, ndtri, stdtrit
 
 from ..arrays import Floats
 from ..fitting.colour import autoregression
@@ -18,29 +18,51 @@ _WIDTHS = (0.35, 0.8, 1.8)  # of the curve's features, in the logarithm of its a
 SHARE = 3.0  # times of the whole that a single law may be
 _FEWEST = 3.0  # degrees of freedom that the noise is known to
 _LONG = 40  # observations, from which a colour is asked for
+_UNLIKELY = 1e-3  # of all cases: those that are less likely are left out of a band
+_LEVEL = 0.95
+_WIDEST = 4.5  # standard uncertainties, beyond which not 1 - 0.95 of any distribution lies (Chebyshev)
+_HALVINGS = 20
+
+Banded = tuple[Floats, Floats, Floats]  # values, their standard uncertainties, and the k of a band of 95 %
 
 
 @dataclass(frozen=True)
 class Posterior:
     """What is known of the coefficients (laws, then the curve's nodes; then what is fixed besides): mean, covariance, and degrees of
-    freedom. ``residual`` is over its standard uncertainty, ``noise`` the size of the noise over what was stated."""
+    freedom. ``residual`` is over its standard uncertainty, ``noise`` the size of the noise over what was stated. It is a mixture of
+    ``cases``: their weights, means and covariances."""
 
     mean: Floats
     covariance: Floats
     freedom: float
     residual: Floats
     noise: float
-
-    @property
-    def factor(self) -> float:
-        """The k of a band of 95 %."""
-        return float(stdtrit(self.freedom, 0.975))
+    cases: tuple[Floats, Floats, Floats]
 
     def at(self, rows: Floats) -> tuple[Floats, Floats]:
         """Value and standard uncertainty of sums of the coefficients (row, coefficient)."""
         size = rows.shape[1]
         variance = np.einsum("ri,ij,rj->r", rows, self.covariance[:size, :size], rows)
         return rows @ self.mean[:size], np.sqrt(np.maximum(variance, 0.0))
+
+    def band(self, rows: Floats, besides: Floats | float = 0.0) -> Banded:
+        """The same, with an independent standard uncertainty ``besides``, and the k of a band of 95 %.
+
+        A few cases with a wide curve have much of the variance and little of the probability, so that k is the mixture's.
+        """
+        value, own = self.at(rows)
+        u, size, (weights, means, covariances) = np.hypot(own, besides), rows.shape[1], self.cases
+        variances = np.sum((rows @ covariances[:, :size, :size]) * rows, axis=2)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            off = (means[:, :size] - self.mean[:size]) @ rows.T / u
+            spread = np.sqrt(np.maximum(variances, 0.0) + np.square(besides)) / u
+            low, high = np.zeros(value.size), np.full(value.size, _WIDEST)
+            for _ in range(_HALVINGS):
+                middle = (low + high) / 2
+                inside = weights @ (ndtr((middle - off) / spread) - ndtr((-middle - off) / spread))
+                low, high = np.where(inside < _LEVEL, middle, low), np.where(inside < _LEVEL, high, middle)
+        # the noise is known to so many degrees of freedom in every case
+        return value, u, high * stdtrit(self.freedom, (1 + _LEVEL) / 2) / ndtri((1 + _LEVEL) / 2)
 
 
 class Prior(NamedTuple):
@@ -114,8 +136,14 @@ def regression(observed: Floats, error: Floats, design: Design, prior: Prior) ->
     noise = float(np.sqrt(weights @ variances))
     free = max(float(weights @ frees), _FEWEST)
     residual = target - columns @ mean
-    covariance = covariance * _slow(residual)
-    return Posterior(mean, covariance, free, residual, noise)
+    slow = _slow(residual)
+    likely = weights > _UNLIKELY
+    cases = (
+        weights[likely] / weights[likely].sum(),
+        mean + np.sqrt(slow) * away[likely],
+        slow * covariances[likely],
+    )
+    return Posterior(mean, slow * covariance, free, residual, noise, cases)
 
 
 def kernel(nodes: Floats, width: float) -> Floats:

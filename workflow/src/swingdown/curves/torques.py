@@ -134,7 +134,21 @@ def _speeds(ideal: Ideal, amplitudes: Floats) -> tuple[Floats, Floats]:
 
 
 def durations(ideal: Ideal, basis: Basis, amplitudes: Floats) -> Floats:
-    """What each curve of stiffness does to the duration of a swing, as a share of the ideal one (amplitude, curve)."""
+    """What each curve of stiffness does to the duration of a swing, as a share of the ideal one (amplitude, curve): to first order."""
+    time, work = _works(ideal, basis, amplitudes)
+    return -0.5 * np.einsum("aq,aqc->ac", time, work)
+
+
+def beyond_durations(ideal: Ideal, basis: Basis, coefficients: Floats, amplitudes: Floats) -> Floats:
+    """What the sum of the curves, with these coefficients, does to the duration beyond that (amplitude,)."""
+    time, work = _works(ideal, basis, amplitudes)
+    stiffer = np.maximum(work @ coefficients, -0.5)
+    return np.sum(time * ((1 + stiffer) ** -0.5 - 1 + stiffer / 2), axis=1)
+
+
+def _works(ideal: Ideal, basis: Basis, amplitudes: Floats) -> tuple[Floats, Floats]:
+    """The share of a swing's time at each of some angles (amplitude, angle), and the work of each curve from there to the turning point, over
+    that of the ideal torque (amplitude, angle, curve)."""
     phase, weight = _phases()
     angle = amplitudes[:, np.newaxis] * np.sin(phase)
     left = ideal.energy(amplitudes)[:, np.newaxis] - ideal.energy(angle)
@@ -145,8 +159,7 @@ def durations(ideal: Ideal, basis: Basis, amplitudes: Floats) -> Floats:
     stretch = (amplitudes[:, np.newaxis] - angle)[..., np.newaxis]
     place = angle[..., np.newaxis] + stretch * (inner + 1) / 2
     torque = ideal.torque(place) * share
-    work = basis.summed(place, torque) / torque.sum(axis=2)[..., np.newaxis]
-    return -0.5 * np.einsum("aq,aqc->ac", time, work)
+    return time, basis.summed(place, torque) / torque.sum(axis=2)[..., np.newaxis]
 
 
 class Swung(NamedTuple):
