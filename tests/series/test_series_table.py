@@ -8,6 +8,7 @@ import pytest
 
 from swingdown.errors import InputError
 from swingdown.measurement.stated import Stated
+from swingdown.series.groups import compare
 from swingdown.series.table import as_laws, as_table, series_of
 
 G = 9.81
@@ -137,3 +138,28 @@ def test_all_points_and_all_laws_go_into_tables():
     assert laws["g_m_per_s2"].notna().tolist() == [True, False, False, False, False]
     assert laws["chi2"].notna().all() and list(laws["sentence"]) == [one.sentence for one in found]
     assert len(as_table([])) == 0 and list(as_table([]).columns[:3]) == ["recording", "label", "by"]
+
+
+def test_a_series_is_told_in_plain_numbers():
+    sides = {f"r{k}": {"side": "left" if k < 2 else "right"} for k in range(4)}
+    law, _, groups, *_ = [one.to_dict() for one in series_of(pendulums(), varied("length", LENGTHS), sides)]
+    assert law["gravity"]["g_m_per_s2"] == pytest.approx(G) and law["comparison"] is None
+    assert law["power_law"]["exponent"] == pytest.approx(0.5) and law["unit"] == "m"
+    assert groups["power_law"] is None and groups["gravity"] is None
+    assert groups["comparison"]["chi2"] > 0 and groups["at_equal"] == []
+
+
+def test_each_equal_value_but_one_takes_a_degree_of_freedom_of_the_scatter():
+    lengths = [0.5, 0.5, 1.0, 1.0] * 2
+    table = pendulums(lengths, quality=[40, 50, 30, 35, 44, 47, 28, 36])
+    sides = {f"r{k}": {"side": "left" if k < 4 else "right"} for k in range(8)}
+    alike = series_of(table, {}, sides)[1]
+    held = series_of(table, varied("length", lengths), sides, by="side")[1]
+    own = held.table
+    share = own["y_at_equal"] / own["y"]
+    expected = compare(list(own["group"]), own["y_at_equal"], own["u_y"] * share, taken=1)
+    pd.testing.assert_frame_equal(held.comparison.table, expected.table)
+    plain = compare(list(own["group"]), own["y"], own["u_y"])
+    pd.testing.assert_frame_equal(alike.comparison.table, plain.table)
+    less = compare(list(own["group"]), own["y_at_equal"], own["u_y"] * share, taken=0)
+    assert not np.allclose(less.table["standard_uncertainty"], expected.table["standard_uncertainty"])
