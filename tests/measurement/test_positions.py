@@ -5,6 +5,7 @@ import pytest
 from exports import SWING, TIME, rows, video
 
 from swingdown.errors import InputError
+from swingdown.measurement.positions import metres
 
 
 @pytest.mark.parametrize("tilt", [0.0, 0.3])
@@ -81,3 +82,15 @@ def test_positions_in_whole_pixels_are_at_no_rail(take, length):
     places = np.round(271 + length * np.sin(swing)), np.round(440 + length * np.cos(swing))
     made = take("t (s),x (px),y (px)\n" + rows(times, *places))
     assert made["signal"].values == pytest.approx(swing, abs=0.03)  # as the pivot is known
+
+
+@pytest.mark.parametrize(
+    ("length", "unit", "factor"), [("350px", "", 1.0), ("350", "px", 1.0), ("58 cm", "mm", 10.0)]
+)
+def test_a_length_in_the_coordinates_unit(length, unit, factor):
+    assert metres(length, unit, "here") == pytest.approx(float(length.strip("pxcm ")) * factor)
+
+
+def test_a_length_beside_a_coordinate_without_a_unit_asks_for_that():
+    with pytest.raises(InputError, match="write the coordinate's unit into its name"):
+        metres("58cm", "", "here")

@@ -50,7 +50,7 @@ def check_one_motion(times: Floats, signal: Floats, place: str) -> None:
         f"two motions of like strength beat in it, of {1 / max(pair):.3g} s and {1 / min(pair):.3g} s: from {begins[node]:.4g} s on its swings "
         f"grow again, to {after[node] / sizes[node]:.2g} times as wide",
         "one motion: what swings by itself swings less and less",
-        "release it so that one of them alone swings, without a motor, or use a part in which its swings shrink ⟨start_s⟩ and ⟨stop_s⟩",
+        "release it so that one of them alone swings, without a motor, or use a part in which its swings shrink (⟨start_s⟩ and ⟨stop_s⟩)",
     )
 
 

@@ -200,10 +200,9 @@ def metres(length: str, unit: str, place: str, quiet: bool = False) -> float:
     """
     found = read(length)
     number, own, wanted = (found.value, found.unit, unit.lower()) if found else (np.nan, "", unit.lower())
-    if own.lower() == wanted or (not own and wanted not in METRES):
-        factor = 1.0
-    else:
-        factor = METRES.get(own.lower() or "m", 0.0) / METRES.get(wanted, np.inf)
+    # a length in px says that a coordinate without a unit is in px, and the other way round
+    one_unit = own.lower() == wanted or not {own.lower(), wanted} & METRES.keys() and not (own and wanted)
+    factor = 1.0 if one_unit else METRES.get(own.lower() or "m", 0.0) / METRES.get(wanted, np.inf)
     if np.isfinite(number) and number > 0 and factor:
         return number * factor
     if quiet:
@@ -212,8 +211,11 @@ def metres(length: str, unit: str, place: str, quiet: bool = False) -> float:
         f"{place}, column length",
         f"{length!r} is no length in the coordinate's unit, {unit or 'which nobody states'}",
         "a length in m, or with a unit, as 58 cm"
-        + (f" or 350 {unit}" if unit and wanted not in METRES else ""),
-        "correct ⟨length⟩",
+        + (f" or 350 {unit}" if unit and wanted not in METRES else "")
+        + ("" if unit else "; and the unit of the coordinate"),
+        "correct ⟨length⟩"
+        if unit
+        else "write the coordinate's unit into its name, as `x (cm)`, or ⟨length⟩ in it, without a unit",
     )
 
 
