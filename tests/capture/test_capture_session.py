@@ -230,28 +230,6 @@ def test_a_board_that_is_unplugged_between_two_recordings_ends_the_session(board
     assert dataset.read(FOLDER / "a.nc").attrs["partial"] == "no"
 
 
-@pytest.mark.parametrize(
-    ("config", "told"),
-    [
-        ({"recording": "a/b"}, "'a/b' cannot name a file.*letters, digits"),
-        ({"recording": "a,,b"}, "a name is empty"),
-        ({"recording": "a,b,a"}, "a is there twice"),
-        ({"recording": "a,b", "height": 0.02}, "2 recordings are named"),
-        ({"session": True}, "the session has no plan.*recording: swing, count: 5"),
-        ({"session": True, "recording": "a"}, "recordings are named beside it"),
-    ],
-)
-def test_what_cannot_be_a_session_is_told(config, told):
-    with pytest.raises(InputError, match=told):
-        takes({"capture": {}, **config})
-
-
-def test_names_are_counted_and_listed():
-    names = [take["recording"] for take in takes({"recording": "swing", "count": 12})]
-    assert names[0] == "swing-01" and names[-1] == "swing-12" and len(names) == 12
-    assert takes({"recording": ["a", "b"], "role": "static"})[1] == {"recording": "b", "role": "static"}
-
-
 def watched(line, seconds, **capture):
     """The lines of a monitor at the end of some seconds."""
     shown, stop = [], threading.Event()
