@@ -239,12 +239,12 @@ def _with_verdicts(found: Found, searched: Sequence[str], config: Path, wishes: 
 
 
 def _none_of(refused: Sequence[own.Refused]) -> InputError:
-    """The refusal of files of which none can be used: of several each was told, and here only how many."""
+    """The refusal of recordings of which none can be used: of several each was told, and here only how many."""
     if len(refused) == 1:
         return refused[0].error
     return InputError(
         refused[0].file,
-        f"none of {len(refused)} files can be used; the reasons are above, file by file",
+        f"none of {len(refused)} recordings can be used; the reasons are above, one by one",
         "a recording of a swinging pendulum",
         "mend one of them",
     )
