@@ -16,12 +16,12 @@ from scipy.signal import lfilter
 from swingdown.answer import explain
 from swingdown.engine.trajectory import TrajectoryError, simulate
 from swingdown.errors import InputError
-from swingdown.measurement.even import evenly
-from swingdown.measurement.half_swings import half_swings
 from swingdown.measurement.recording import ingest
-from swingdown.measurement.renumbered import lost_evenly
 from swingdown.measurement.sheet import read_sheet
-from swingdown.measurement.spikes import find_spikes
+from swingdown.measurement.swings.even import evenly
+from swingdown.measurement.swings.half_swings import half_swings
+from swingdown.measurement.swings.renumbered import lost_evenly
+from swingdown.measurement.swings.spikes import find_spikes
 from swingdown.pendulum.catalogue import SHIPPED
 from swingdown.pendulum.model import Model
 

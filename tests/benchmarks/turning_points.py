@@ -14,8 +14,8 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "engine"))
 from turning import drawn
 
 from swingdown.errors import InputError
-from swingdown.measurement.points_recording import as_recording, to_angle
-from swingdown.measurement.turning_points import points_in
+from swingdown.measurement.points.points_recording import as_recording, to_angle
+from swingdown.measurement.points.turning_points import points_in
 from swingdown.pendulum.model import PAPER_MODELS, Model, models
 from swingdown.studies.described import described, described_by
 from swingdown.studies.experiment import fit_recording

@@ -2,7 +2,7 @@
 
 import pytest
 
-from swingdown.measurement.across import upright
+from swingdown.measurement.files.across import upright
 
 TIMES = ["0", "0.1", "0.2", "0.3", "0.4", "0.5", "0.6", "0.7", "0.8", "0.9"]
 ANGLES = ["10", "8", "3", "-4", "-9", "-10", "-6", "1", "7", "9"]

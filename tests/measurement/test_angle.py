@@ -15,10 +15,10 @@ from swingdown.calibration import MODES, calibrate
 from swingdown.errors import InputError
 from swingdown.measurement.angle import to_angle
 from swingdown.measurement.apparatus import read_apparatus
-from swingdown.measurement.noise_level import noise_level, noise_of
 from swingdown.measurement.recording import ingest
 from swingdown.measurement.sheet import read_sheet
 from swingdown.measurement.slack import of_angles
+from swingdown.measurement.swings.noise_level import noise_level, noise_of
 
 
 @cache

@@ -10,8 +10,8 @@ import openpyxl
 import pytest
 
 from swingdown.errors import InputError
-from swingdown.measurement import source
-from swingdown.measurement.source import opened, table_of
+from swingdown.measurement.files import source
+from swingdown.measurement.files.source import opened, table_of
 
 
 def refusal(path, **row):
@@ -42,7 +42,7 @@ def test_zeros_behind_a_table_are_a_line_too_long(tmp_path):
 
 
 def test_a_zip_archive_of_line_ends(tmp_path, monkeypatch):
-    monkeypatch.setattr("swingdown.measurement.archive.LARGEST", 60_000_000)
+    monkeypatch.setattr("swingdown.measurement.files.archive.LARGEST", 60_000_000)
     for size, told in ((80, "80 MB when unpacked"), (40, "1 samples|no table|it is empty")):
         with zipfile.ZipFile(tmp_path / "bomb.zip", "w", zipfile.ZIP_DEFLATED, compresslevel=1) as packed:
             packed.writestr("swing.csv", b"t,x\n" + b"\n" * size * 1_000_000)
@@ -50,7 +50,7 @@ def test_a_zip_archive_of_line_ends(tmp_path, monkeypatch):
 
 
 def test_lines_without_numbers_are_bounded(tmp_path, monkeypatch):
-    monkeypatch.setattr("swingdown.measurement.rows.MOST_ODD", 1000)
+    monkeypatch.setattr("swingdown.measurement.files.rows.MOST_ODD", 1000)
     (tmp_path / "diary.csv").write_text("t,x\n" + "1,2\n" * 20 + "today it swung\n" * 1001)
     assert "1000 of its lines are not rows of numbers" in refusal(tmp_path / "diary.csv")
 

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from swingdown.errors import InputError
-from swingdown.measurement import source
+from swingdown.measurement.files import source
 from swingdown.measurement.recording import ingest
 from swingdown.measurement.sheet import read_sheet
 

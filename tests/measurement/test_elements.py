@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from swingdown.errors import InputError
-from swingdown.measurement import elements
-from swingdown.measurement.elements import Columns, distinct, number, roots, text_in
+from swingdown.measurement.files import elements
+from swingdown.measurement.files.elements import Columns, distinct, number, roots, text_in
 
 
 def zipped(**files):

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from swingdown.measurement.even import evenly
+from swingdown.measurement.swings.even import evenly
 
 TIMES = np.arange(400) / 100
 

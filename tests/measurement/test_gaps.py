@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from swingdown.errors import InputError
-from swingdown.measurement.even import evenly
-from swingdown.measurement.gaps import check_countable, missing_samples, uncounted
+from swingdown.measurement.swings.even import evenly
+from swingdown.measurement.swings.gaps import check_countable, missing_samples, uncounted
 
 PERIOD = 1.3
 TIMES = np.arange(6000) / 100

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from swingdown.measurement.half_swings import Swings, half_swings, middles, passages
+from swingdown.measurement.swings.half_swings import Swings, half_swings, middles, passages
 
 TIMES = np.arange(1001) / 100
 PERIOD = 1.3

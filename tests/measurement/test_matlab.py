@@ -5,7 +5,7 @@ import pytest
 from scipy.io import savemat
 
 from swingdown.errors import InputError
-from swingdown.measurement.matlab import arrays
+from swingdown.measurement.files.matlab import arrays
 from swingdown.measurement.recording import ingest
 from swingdown.measurement.sheet import COLUMNS
 

@@ -8,8 +8,8 @@ import pytest
 from exports import zipped
 
 from swingdown.errors import InputError
-from swingdown.measurement import elements
-from swingdown.measurement.programs import CLOSED, saved_by_program
+from swingdown.measurement.files import elements
+from swingdown.measurement.files.programs import CLOSED, saved_by_program
 from swingdown.measurement.recording import ingest
 from swingdown.measurement.sheet import COLUMNS
 from swingdown.planning.own import Refused, Taken, files, rows, take

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from swingdown.measurement.quality import saturated_runs
+from swingdown.measurement.swings.quality import saturated_runs
 
 TIMES = np.arange(0, 10, 0.01)
 STEP = 1e-3  # rad, of the sensor

@@ -8,9 +8,9 @@ import xarray as xr
 
 from swingdown import dataset
 from swingdown.errors import InputError
-from swingdown.measurement.quality import check_signal
 from swingdown.measurement.recording import ingest, read_recording
 from swingdown.measurement.sheet import read_sheet
+from swingdown.measurement.swings.quality import check_signal
 
 TIME = np.arange(400) / 100
 

@@ -6,8 +6,8 @@ import pytest
 from swingdown.errors import InputError
 from swingdown.measurement.angle import to_angle
 from swingdown.measurement.recording import ingest
-from swingdown.measurement.release import find_windows
 from swingdown.measurement.sheet import read_sheet
+from swingdown.measurement.swings.release import find_windows
 
 
 def swing(time, phase=0.0, noise=0.002, seed=1):

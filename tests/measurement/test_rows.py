@@ -7,8 +7,8 @@ import pandas as pd
 import pytest
 
 from swingdown.errors import InputError
-from swingdown.measurement.columns import choose
-from swingdown.measurement.source import table_of, tables
+from swingdown.measurement.files.columns import choose
+from swingdown.measurement.files.source import table_of, tables
 
 TIME = np.arange(300) / 20
 SWING = np.round(0.4 * np.exp(-0.03 * TIME) * np.cos(5 * TIME), 5)
@@ -111,7 +111,7 @@ def test_a_header_that_lost_its_end_names_the_columns(take, separator):
 @pytest.mark.parametrize("what", FOUND)
 def test_a_table_is_the_same_in_pieces_of_any_size(monkeypatch, what, piece):
     _, columns = whole(FOUND[what][0])
-    monkeypatch.setattr("swingdown.measurement.text.PIECE", piece)
+    monkeypatch.setattr("swingdown.measurement.files.text.PIECE", piece)
     _, again = whole(FOUND[what][0])
     np.testing.assert_array_equal(columns, again)
 
@@ -267,7 +267,7 @@ def columns(header, *values):
 )
 @pytest.mark.parametrize("piece", [500, 1 << 20])
 def test_what_passed_since_the_row_before_is_summed(take, monkeypatch, name, piece):
-    monkeypatch.setattr("swingdown.measurement.text.PIECE", piece)
+    monkeypatch.setattr("swingdown.measurement.files.text.PIECE", piece)
     made = take(columns(f"theta_rad,{name}", UNEVEN_SWING, 1000 * PASSED))
     np.testing.assert_allclose(made["time"].values, UNEVEN, atol=1e-9)
     np.testing.assert_allclose(made["signal"].values, UNEVEN_SWING, atol=1e-6)

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from swingdown.errors import InputError
+from swingdown.measurement.files.runs import SeveralRuns
+from swingdown.measurement.files.source import runs
 from swingdown.measurement.recording import ingest
-from swingdown.measurement.runs import SeveralRuns
 from swingdown.measurement.sheet import read_sheet
-from swingdown.measurement.source import runs
 
 SIZES = 600, 420, 510  # samples of three runs
 

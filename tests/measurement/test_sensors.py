@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from swingdown.errors import InputError
+from swingdown.measurement.files.runs import SeveralRuns
 from swingdown.measurement.recording import ingest
-from swingdown.measurement.runs import SeveralRuns
 from swingdown.measurement.sheet import COLUMNS
 
 TIMES = 0.025 * np.arange(1600)

@@ -5,7 +5,7 @@ import pytest
 from exports import EXPORTS, SWING, TIME, rows, video
 
 from swingdown.errors import InputError
-from swingdown.measurement.columns import meaning
+from swingdown.measurement.files.columns import meaning
 
 
 @pytest.mark.parametrize("program", EXPORTS)

@@ -12,7 +12,7 @@ from swingdown.fitting.uncertainty import uncertainty
 from swingdown.measurement.angle import to_angle
 from swingdown.measurement.recording import ingest
 from swingdown.measurement.sheet import read_sheet
-from swingdown.measurement.spikes import find_spikes
+from swingdown.measurement.swings.spikes import find_spikes
 from swingdown.pendulum.model import Model
 from swingdown.plots.recordings import used_part
 

@@ -5,7 +5,7 @@ import pytest
 from exports import EXPORTS, SWING, TIME, rows
 
 from swingdown.errors import InputError
-from swingdown.measurement import series
+from swingdown.measurement.files import series
 
 BROKEN = {
     "a picture": lambda text: b"\x89PNG\r\n\x1a\n\x00\x00\x00\rIHDR",
@@ -134,7 +134,7 @@ def test_the_first_row_is_not_taken_for_a_header_when_a_cell_is_spoilt(take):
 def test_a_long_file_is_read_in_pieces_and_has_the_same_numbers(take, monkeypatch):
     text = "t_s;theta_rad\n" + rows(TIME, SWING, separator=";", comma=True)
     whole = take(text)
-    monkeypatch.setattr("swingdown.measurement.text.PIECE", 150)
+    monkeypatch.setattr("swingdown.measurement.files.text.PIECE", 150)
     made = take(text)
     assert made.identical(whole)
     spoilt = take(edit(text, 301, lambda cells: [cells[0], "oops"]))

@@ -5,9 +5,9 @@ import pytest
 from turning import turning_points
 
 from swingdown.errors import InputError
+from swingdown.measurement.points.turning_points import points_in
 from swingdown.measurement.recording import ingest
 from swingdown.measurement.sheet import COLUMNS
-from swingdown.measurement.turning_points import points_in
 
 TIMES, ANGLES = turning_points({"natural_frequency": 4.4, "viscous_ratio": 0.004}, 0.3, 60)
 SCATTER = np.random.default_rng(3).standard_normal((2, 60))

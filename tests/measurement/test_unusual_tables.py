@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from swingdown.errors import InputError
-from swingdown.measurement.across import upright
+from swingdown.measurement.files.across import upright
 from swingdown.measurement.recording import ingest
 from swingdown.measurement.sheet import COLUMNS
 

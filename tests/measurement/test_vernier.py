@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from swingdown.errors import InputError
-from swingdown.measurement.vernier import data_sets
+from swingdown.measurement.files.vernier import data_sets
 
 
 def column(name, cells, short="", unit=""):

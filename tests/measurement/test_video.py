@@ -10,7 +10,7 @@ from films import Scene, render
 
 from swingdown.answer.command import Wishes, answer
 from swingdown.errors import InputError, PackageError
-from swingdown.measurement import video
+from swingdown.measurement.film import video
 from swingdown.measurement.positions import fit_circle, to_angles
 from swingdown.measurement.recording import ingest
 from swingdown.measurement.sheet import COLUMNS

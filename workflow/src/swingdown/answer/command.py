@@ -21,8 +21,8 @@ from ..errors import InputError, Refusal, told_to
 from ..extras import has
 from ..language import IN_ENGLISH, Language, language
 from ..measurement.again import cells as cells_again
-from ..measurement.points_recording import POINTS_ALONE, are_points
-from ..measurement.programs import FILMS
+from ..measurement.files.programs import FILMS
+from ..measurement.points.points_recording import POINTS_ALONE, are_points
 from ..paths import PROJECT, printable, write_csv, written_whole
 from ..planning import own
 from ..sealed import read_json
@@ -292,7 +292,7 @@ def _draw_tracks(kept: Sequence[own.Taken], folder: Path) -> None:
     for one in kept:
         film = folder / one.row["file"]
         if film.suffix.lower() in FILMS:
-            from ..measurement.video import tracked  # what else is read needs nothing of it
+            from ..measurement.film.video import tracked  # what else is read needs nothing of it
 
             drawn = folder / f"{one.row['recording']}-track.png"
             with written_whole(drawn) as partial:

@@ -11,22 +11,22 @@ from ..arrays import Floats
 from ..errors import InputError, as_told
 from ..measurement.angle import to_angle
 from ..measurement.choice import SHORTEST
-from ..measurement.clock import in_order, parts
-from ..measurement.columns import ANGLE, RATE, choose, meaning
 from ..measurement.driven import as_variables, judge_driven, stated
-from ..measurement.even import evenly
-from ..measurement.gaps import missing_samples
+from ..measurement.files.columns import ANGLE, RATE, choose, meaning
+from ..measurement.files.series import MOST_EMPTY
 from ..measurement.gyroscope import TO_RAD_PER_S
 from ..measurement.judge import Judged, Reading, check_used, judge, used_part
-from ..measurement.passages import Gate, as_passages, counted
-from ..measurement.points_recording import as_recording
-from ..measurement.points_recording import to_angle as points_to_angle
-from ..measurement.points_table import unit_of
-from ..measurement.release import within
-from ..measurement.series import MOST_EMPTY
+from ..measurement.points.passages import Gate, as_passages, counted
+from ..measurement.points.points_recording import as_recording
+from ..measurement.points.points_recording import to_angle as points_to_angle
+from ..measurement.points.points_table import unit_of
+from ..measurement.points.turning_points import KINDS, PASSAGES, PERIODS, SWING, points_in
 from ..measurement.slack import tolerances, with_rate
-from ..measurement.spikes import as_variable
-from ..measurement.turning_points import KINDS, PASSAGES, PERIODS, SWING, points_in
+from ..measurement.swings.clock import in_order, parts
+from ..measurement.swings.even import evenly
+from ..measurement.swings.gaps import missing_samples
+from ..measurement.swings.release import within
+from ..measurement.swings.spikes import as_variable
 from ..measurement.units import NO_SCALE, in_rad
 from ..pendulum.drive import Drive, drive
 from .labelled import ANGLES, numbers

@@ -8,7 +8,7 @@ import pandas as pd
 
 from ..arrays import Floats
 from ..errors import InputError
-from ..measurement.columns import TIME, UNITS, meaning
+from ..measurement.files.columns import TIME, UNITS, meaning
 from ..measurement.gyroscope import TO_RAD_PER_S
 
 ANGLES = ("rad", "deg", *TO_RAD_PER_S)

@@ -10,8 +10,8 @@ from ..dataset import series_of
 from ..errors import InputError
 from ..fitting.guess import first_guess, middle_crossings
 from ..measurement.angle import UNSCALED
-from ..measurement.half_swings import middles
-from ..measurement.points_recording import COUNTED, PASSED, are_points
+from ..measurement.points.points_recording import COUNTED, PASSED, are_points
+from ..measurement.swings.half_swings import middles
 from ..pendulum.catalogue import RATE
 from ..studies.turning_points import turns_of
 

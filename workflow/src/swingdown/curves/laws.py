@@ -16,7 +16,7 @@ from ..fitting.least_squares import fit_jointly
 from ..fitting.nested import fit_nested
 from ..fitting.result import Begin, Fit, SwingStart
 from ..fitting.uncertainty import uncertainty
-from ..measurement.points_recording import PASSED, are_points
+from ..measurement.points.points_recording import PASSED, are_points
 from ..pendulum.catalogue import RATE, SHIPPED, Catalogue
 from ..pendulum.model import Model, model_words
 from ..rounding import value_with_uncertainty

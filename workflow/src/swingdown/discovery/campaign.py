@@ -10,8 +10,8 @@ import numpy as np
 from ..arrays import Floats, swing_under
 from ..errors import InputError
 from ..fitting.guess import middle_crossings
-from ..measurement.even import evenly
-from ..measurement.noise_level import HANN, HARMONICS, SPECTRUM, either
+from ..measurement.swings.even import evenly
+from ..measurement.swings.noise_level import HANN, HARMONICS, SPECTRUM, either
 from ..pendulum.catalogue import ANGLE
 from ..pendulum.drive import Drive
 from ..pendulum.slack import Slack

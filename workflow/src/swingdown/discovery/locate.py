@@ -11,7 +11,7 @@ import numpy as np
 from scipy.special import chdtrc
 
 from ..arrays import Floats
-from ..measurement.even import evenly
+from ..measurement.swings.even import evenly
 from ..pendulum.catalogue import ANGLE
 from .campaign import Noise
 from .free_form import free_columns

@@ -11,16 +11,16 @@ import xarray as xr
 from ..arrays import Floats
 from ..errors import InputError
 from ..quantisation import quantisation_step
-from . import points_recording
 from .apparatus import limit_at
 from .driven import carried
-from .even import Even
 from .gyroscope import TO_RAD_PER_S
-from .half_swings import half_swings
-from .noise_level import SPECTRUM, Noise, noise_by_times, noise_of
-from .release import by_itself
+from .points import points_recording
 from .slack import as_variables, of_calibration, of_tolerances
-from .spikes import without
+from .swings.even import Even
+from .swings.half_swings import half_swings
+from .swings.noise_level import SPECTRUM, Noise, noise_by_times, noise_of
+from .swings.release import by_itself
+from .swings.spikes import without
 
 BOUND = "half width of the interval that holds the angle with 95 %"
 PAPER_BOUND = "half width of the paper's bound, limits added: it holds some 90 % of angles (docs/trust.md)"

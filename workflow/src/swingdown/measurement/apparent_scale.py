@@ -4,8 +4,8 @@ import numpy as np
 from scipy.special import ellipk
 
 from ..arrays import Floats
-from .half_swings import half_swings, passages
 from .plausibility import ENOUGH, STEADY
+from .swings.half_swings import half_swings, passages
 
 RELATIVE = (
     0.01  # rad: what the largest swing stands for where no period tells more, as sine and angle are then one

@@ -8,8 +8,7 @@ import pandas as pd
 
 from ..arrays import Floats
 from ..errors import InputError
-from .clock import RISES, counts_rows, goes_on
-from .columns import (
+from .files.columns import (
     ANGLE,
     COUNTS,
     RATE,
@@ -26,9 +25,10 @@ from .columns import (
     numbers_rows,
     place_of,
 )
+from .files.table import Table, first_rows, numbers
 from .gyroscope import ASKEW, TO_RAD_PER_S
 from .plausibility import ENOUGH, in_a_row
-from .table import Table, first_rows, numbers
+from .swings.clock import RISES, counts_rows, goes_on
 
 SHORTEST = 10  # samples; fewer tell nothing about a swing
 LOOKED_AT = 200_000  # rows of which each column is looked at before the swing is chosen

@@ -13,9 +13,9 @@ from ..errors import InputError
 from ..pendulum.drive import BETWEEN, FREE, KINDS, Drive, drive
 from .judge import Judged, Reading
 from .plausibility import hanging
-from .quality import check_signal
-from .release import Window
-from .spikes import Spikes
+from .swings.quality import check_signal
+from .swings.release import Window
+from .swings.spikes import Spikes
 from .units import NO_SCALE, TURNS, unwrapped
 
 GRAVITY = 9.80665  # m/s^2, that an acceleration in units of g goes by

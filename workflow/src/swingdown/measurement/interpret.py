@@ -23,8 +23,7 @@ from .choice import (
     with_running_time,
     without_still,
 )
-from .clock import counts_ticks, in_order, parts
-from .columns import (
+from .files.columns import (
     LENGTH,
     OF_ACCELERATIONS,
     OTHER,
@@ -36,9 +35,11 @@ from .columns import (
     meaning,
     place_of,
 )
-from .columns import drives as moves_it
+from .files.columns import drives as moves_it
+from .files.runs import clock_part, several_runs
+from .files.series import series
+from .files.table import Table, apart
 from .gyroscope import TO_RAD_PER_S, rate_unit, turning_most
-from .half_swings import half_swings
 from .judge import Reading
 from .plausibility import EVEN_SIDES, check_once, evenness
 from .positions import (
@@ -54,9 +55,8 @@ from .positions import (
     without_length,
 )
 from .refused import WHICH_COLUMN
-from .runs import clock_part, several_runs
-from .series import series
-from .table import Table, apart
+from .swings.clock import counts_ticks, in_order, parts
+from .swings.half_swings import half_swings
 from .units import A_DAY, NO_SCALE, in_rad, time_factor
 
 UNIT_WORDS = {

@@ -7,17 +7,17 @@ import numpy as np
 from ..arrays import Floats
 from ..errors import InputError
 from .apparent_scale import RELATIVE, apparent_scale
-from .beats import check_one_motion
-from .continuity import check_alive, check_continuous
-from .even import evenly
-from .gaps import check_countable, uncounted
 from .gyroscope import TO_RAD_PER_S, check_rate
-from .half_swings import half_swings
 from .plausibility import check_shrinks, drift, hanging
-from .quality import check_signal
-from .release import Window, find_windows, within
-from .slips import longest_between, out_of_step
-from .spikes import Spikes, find_spikes
+from .swings.beats import check_one_motion
+from .swings.continuity import check_alive, check_continuous
+from .swings.even import evenly
+from .swings.gaps import check_countable, uncounted
+from .swings.half_swings import half_swings
+from .swings.quality import check_signal
+from .swings.release import Window, find_windows, within
+from .swings.slips import longest_between, out_of_step
+from .swings.spikes import Spikes, find_spikes
 from .units import NO_SCALE, TURNS, angle_unit, check_steps, in_rad, turns_counted, unwrapped
 
 UNSCALED = (

@@ -10,21 +10,21 @@ import xarray as xr
 
 from .. import dataset
 from ..errors import InputError, as_told
-from . import phyphox
 from .again import OPEN, may_be_read_again
 from .choice import SeveralSwings, Uncalibrated, may_be_it
-from .columns import place_of
 from .driven import UNITS, Stated, as_variables, judge_driven, stated
+from .files import phyphox
+from .files.columns import place_of
+from .files.runs import SeveralRuns
+from .files.source import Table, check_sha256, opened, table_of
 from .interpret import RELATIVE, Interpreted, interpret
 from .judge import Judged, Reading, check_used, judge, used_part
-from .passages import ask_periods, passages
-from .points_table import turning_points
-from .quality import check_signal
-from .release import SeveralReleases, several_releases, within
-from .runs import SeveralRuns
+from .points.passages import ask_periods, passages
+from .points.points_table import turning_points
 from .slack import tolerances, with_rate
-from .source import Table, check_sha256, opened, table_of
-from .spikes import Spikes, as_variable
+from .swings.quality import check_signal
+from .swings.release import SeveralReleases, several_releases, within
+from .swings.spikes import Spikes, as_variable
 from .units import NO_SCALE
 
 LONG_NAMES = {

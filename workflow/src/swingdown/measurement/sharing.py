@@ -6,7 +6,7 @@ import xarray as xr
 
 from ..errors import InputError
 from .angle import UNSCALED
-from .points_recording import NOT_IN_IT, POINTS_ALONE, are_points
+from .points.points_recording import NOT_IN_IT, POINTS_ALONE, are_points
 
 
 def sharing(angles: Sequence[xr.Dataset]) -> tuple[list[int], dict[int, InputError]]:

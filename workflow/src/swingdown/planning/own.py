@@ -16,15 +16,15 @@ import yaml
 from ..errors import InputError, as_told
 from ..language import ENGLISH
 from ..measurement.angle import to_angle
-from ..measurement.archive import SeveralFiles
-from ..measurement.programs import CLOSED, READERS
+from ..measurement.files.archive import SeveralFiles
+from ..measurement.files.programs import CLOSED, READERS
+from ..measurement.files.runs import SeveralRuns
+from ..measurement.files.source import NETCDF
 from ..measurement.recording import ingest
 from ..measurement.refused import NOT_LOOKED_AT, WHICH_COLUMN, place_in
-from ..measurement.release import SeveralReleases
-from ..measurement.runs import SeveralRuns
 from ..measurement.sharing import sharing
 from ..measurement.sheet import COLUMNS
-from ..measurement.source import NETCDF
+from ..measurement.swings.release import SeveralReleases
 from ..paths import printable, safe_name, write_csv, write_text
 from ..pendulum.model import everyday
 

@@ -11,7 +11,7 @@ import numpy as np
 import pandas as pd
 
 from ..errors import InputError
-from ..measurement.archive import unpacked
+from ..measurement.files.archive import unpacked
 from ..measurement.sheet import cells_of
 from .values import KNOWN, head
 

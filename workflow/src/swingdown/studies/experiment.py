@@ -17,7 +17,7 @@ from ..fitting.result import Begin, Fit
 from ..fitting.slack import allowing
 from ..measurement.driven import drive_of, driven
 from ..measurement.plausibility import in_step_and_steady, narrowing
-from ..measurement.points_recording import are_points
+from ..measurement.points.points_recording import are_points
 from ..measurement.sharing import sharing
 from ..measurement.slack import of_angles
 from ..pendulum.model import Model, as_model

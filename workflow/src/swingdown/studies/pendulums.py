@@ -13,7 +13,7 @@ import xarray as xr
 from ..engine.trajectory import TrajectoryWarning
 from ..measurement.angle import UNSCALED
 from ..measurement.plausibility import KEPT
-from ..measurement.points_recording import PASSED
+from ..measurement.points.points_recording import PASSED
 from ..measurement.refused import NOT_LOOKED_AT
 from ..paths import printable
 from ..pendulum.catalogue import ANGLE, RATE, READINGS, SHIPPED, Catalogue

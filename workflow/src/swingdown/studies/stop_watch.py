@@ -7,7 +7,7 @@ import numpy as np
 import pandas as pd
 
 from ..arrays import Floats, Shown, finite_or_none
-from ..measurement.half_swings import half_swings, passages
+from ..measurement.swings.half_swings import half_swings, passages
 from .unscaled import HIDES, counted_passages, course_seen, of_first_swings
 
 SWINGS = 10  # that are timed; of a shorter recording all

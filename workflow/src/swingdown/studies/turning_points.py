@@ -10,9 +10,9 @@ from ..errors import InputError
 from ..fitting.nested import fit_nested, stand_ins
 from ..fitting.passages import Pace, both_ways, pace
 from ..fitting.turning_points import Turns, TurnsFit, fit_turns
-from ..measurement.points_recording import COUNTED, NOT_IN_IT, PASSED, READ
+from ..measurement.points.points_recording import COUNTED, NOT_IN_IT, PASSED, READ
+from ..measurement.points.turning_points import BOTH_SIDES, PASSAGES, PERIODS
 from ..measurement.slack import of_angles
-from ..measurement.turning_points import BOTH_SIDES, PASSAGES, PERIODS
 from ..pendulum.ideal import lengthening
 from ..pendulum.model import Model, model_words
 from ..rounding import value_with_uncertainty
@@ -34,7 +34,7 @@ _DROPPED = {"time": ("period", "natural_frequency", "quadratic_coefficient", "co
 
 
 def fits_of(angle: xr.Dataset, models: Sequence[Model]) -> list[TurnsFit]:
-    """The ``TurnsFit`` of each model to a dataset of turning points (``measurement.turning_points``)."""
+    """The ``TurnsFit`` of each model to a dataset of turning points (``measurement.points.turning_points``)."""
     turns, clock = turns_of(angle), of_angles([angle]).clock
 
     def fit_one(model: Model, guesses: Sequence[TurnsFit | Mapping[str, float]]) -> TurnsFit:

@@ -10,9 +10,9 @@ from ..arrays import Floats
 from ..errors import InputError
 from ..fitting.passages import both_ways, pace
 from ..measurement.angle import UNSCALED
-from ..measurement.half_swings import half_swings, passages
 from ..measurement.plausibility import KEPT
 from ..measurement.slack import of_angles
+from ..measurement.swings.half_swings import half_swings, passages
 from ..rounding import value_with_uncertainty
 from .quantities import Quantity
 

@@ -1,0 +1,362 @@
+"""What a column's header says: a quantity and its unit, and so which columns hold the time and the swing."""
+
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from types import MappingProxyType
+
+from ...errors import InputError
+from ..sheet import SIGNAL_UNITS, TIME_UNITS, unit_of
+
+TIME, ANGLE, VOLTAGE, COUNTS, LENGTH, SPEED, RATE, OTHER, UNTOLD = (
+    "a time", "an angle", "a voltage", "counts", "a length", "a speed", "an angular rate", "something else", "",
+)  # fmt: skip
+
+# Units as programs write them: what is measured, and the unit by the sample sheet's name where it has one.
+_WRITTEN = {
+    (TIME, "s"): ("s", "sec", "secs", "second", "seconds", "sekunden"),
+    (TIME, "ms"): ("ms", "msec", "millis", "millisecond", "milliseconds"),
+    (TIME, "us"): ("us", "µs", "μs", "usec", "micros", "microsecond", "microseconds"),
+    (TIME, ""): ("min", "minutes", "h", "hours", "ns"),
+    (ANGLE, "rad"): ("rad", "rads", "radian", "radians"),
+    (ANGLE, "deg"): ("deg", "degs", "degree", "degrees", "°", "º", "˚"),
+    (ANGLE, ""): ("grad", "gon", "rev", "revs", "revolutions", "turn", "turns", "mrad"),
+    (VOLTAGE, "V"): ("v", "volt", "volts"),
+    (VOLTAGE, ""): ("mv", "µv", "μv"),
+    (COUNTS, "counts"): ("count", "counts", "ticks"),
+    (LENGTH, ""): ("m", "dm", "cm", "mm", "km", "in", "inch", "ft", "px", "pixel", "pixels", "meter", "metre", "meters", "metres"),
+    (SPEED, ""): ("m/s", "dm/s", "cm/s", "mm/s", "px/s"),
+    (RATE, "rad/s"): ("rad/s", "rad/sec", "rad·s⁻¹", "rad s^-1", "rad*s^-1", "rad s⁻¹", "rad s-1", "radians/s", "rads/s"),
+    (RATE, "deg/s"): ("deg/s", "deg/sec", "degrees/s", "°/s", "º/s", "˚/s", "dps", "°/sec", "deg s⁻¹"),
+    (RATE, ""): ("1/s", "rpm", "mdps"),
+    (OTHER, ""): (
+        "m/s^2", "m/s²", "m/s2", "g", "mg", "n", "nm", "n·m", "°c", "c", "°f", "k", "hz", "kg", "t", "µt", "μt",
+        "mt", "lx", "lux", "pa", "hpa", "kpa", "a", "ma", "w", "j", "db", "%", "rad/s^2", "rad/s²", "deg/s^2", "°/s²", "°/s^2",
+    ),
+}  # fmt: skip
+UNNAMED = "Unnamed: "  # before the number of a column without a name, where others have one
+SIGNAL_RATES = ("rad/s", "deg/s")
+_ACCELERATIONS = ("m/s^2", "m/s²", "m/s2", "g", "mg")
+UNITS = {written: meaning for meaning, all_ in _WRITTEN.items() for written in all_}
+
+_TIMES = re.compile(r"(?i)\b(t|time|zeit|temps|tiempo|tempo|timestamp|stamp|elapsed|millis|micros)\b")
+_FROM_ROW_TO_ROW = re.compile(
+    r"(?i)Δ|\b(previous|prev|last|delta|diff|difference|interval|step|between|d) ?t?\b|\bdt\b"
+)
+_ATTITUDE = re.compile(r"(?i)\b(roll|pitch|yaw)\b")
+_ANGLES = re.compile(
+    r"(?i)θ|φ|\b(theta|phi|angle|angular position|winkel|ángulo|angulo|ausschlag|roll|pitch|yaw)\b"
+)
+_DRIVES = re.compile(
+    r"(?i)\b(drive|driver|driving|motor|forcing|excitation|exciter|input|forzante|forzatura|erreger|antrieb|excitateur|torques?|tau|effort|"
+    r"forces?|pwm|control|command|cmd|set ?point|desired|reference|output (voltage|current|power))\b"
+)
+_ACCELERATES = re.compile(
+    r"(?i)α|\b(acceleration|accelerations|accelerometer|accel|acc|beschleunigung|accélération|aceleración|aceleracion|aceleração|accelerazione)[ .]?[xyz]?\b"
+    r"|\b(a|gf)[ .]?[xyzt]\b"
+)
+_SIZE_ALONE = re.compile(r"(?i)\b(abs|absolute|magnitude|norm|total|betrag)\b")
+_NUMBERS = re.compile(
+    r"(?i)(frame|frames|frame ?(no|nr|number|index|id)|bild|bildnummer|fotograma|image|sample|samples|sample ?(no|nr|number|id|index)|index|idx|n|no|nr)\.?"
+)
+_QUATERNION = re.compile(r"(?i)(q|quat|quaternion|orientation)[ _.]?[wxyz0-3]")
+_COORDINATE = re.compile(r"(?i)^(?:.*[ _/-])?(?:position[ _-]?)?([xy])(?:[ _-]?(?:position|pos))?$")
+OF_ACCELERATIONS = (
+    "record the gyroscope in the same way: an accelerometer that rides on the bob tells no angle; for a weight on a spring, whose "
+    "acceleration swings as it does, write ⟨restoring=linear⟩ and name the column ⟨in signal_column⟩"
+)
+
+
+@dataclass(frozen=True)
+class Meaning:
+    """What one column holds, as far as its header says."""
+
+    name: str
+    kind: str  # TIME, ANGLE, ...; UNTOLD where the header says nothing
+    unit: str = ""  # by the sample sheet's name; "" where none is stated, or none the sheet knows
+    written: str = ""  # the unit as it stands in the header
+    axis: str = ""  # x or y of a position
+    attribute: bool = False  # True where the file states the unit beside the header, as netCDF does
+
+
+@lru_cache(maxsize=10_000)  # each row of a table is asked whether it is a header
+def meaning(name: str, beside: str = "") -> Meaning:
+    """What one column holds, as far as its header says.
+
+    Parameters
+    ----------
+    name
+        ``Angle (°)``, ``t [ms]``, ``t/s``, ``theta_rad``, ``Latest: Time (s)``.
+    beside
+        A unit that the file states apart from the header; it goes first where it is known.
+    """
+    bare = re.sub(r"(?i)^latest:|\brun #?\d+\b|\bset \d+\b", " ", name).strip(" :,")
+    label, written = _unit_in(bare)
+    attribute = beside.lower().partition(" since ")[0].strip()
+    if known := beside in UNITS or attribute in UNITS:
+        written = beside if beside in UNITS else attribute
+    kind, unit = UNITS.get(
+        written.lower() if written not in UNITS else written, (OTHER if written else UNTOLD, "")
+    )
+    words = label.replace("_", " ")
+    if kind == UNTOLD:
+        kind = TIME if _TIMES.search(words) else ANGLE if _ANGLES.search(words) else UNTOLD
+        if _ACCELERATES.search(words):
+            kind = OTHER
+        elif re.search(r"(?i)\b(velocity|rate|gyro\w*|omega|w[xyz])\b|ω", words):
+            kind = RATE
+    if kind == UNTOLD and _QUATERNION.fullmatch(label):
+        kind, written = OTHER, "part of a quaternion"
+    coordinate = _COORDINATE.match(label) if kind in (LENGTH, UNTOLD) else None
+    return Meaning(name, kind, unit, written, coordinate[1].lower() if coordinate else "", known)
+
+
+def _unit_in(name: str) -> tuple[str, str]:
+    """A header's label and the unit that it states, or ""."""
+    if name.lower() in (
+        "millis",
+        "micros",
+        "degrees",
+        "radians",
+        "milliseconds",
+        "microseconds",
+        "seconds",
+        "second",
+        "counts",
+        "volt",
+        "volts",
+    ):
+        return name, name.lower()
+    if found := re.fullmatch(r"(.*?)\s*[(\[]\s*([^()\[\]]*?)\s*[)\]]\s*", name):
+        label, inside = found.groups()
+        return label, inside if _is_unit(inside) else ""
+    for pattern in (
+        r"(.+?)\s*/\s*(.+)",
+        r"(.+) in (\S+)",
+        r"(.+?)[,;:]\s*(\S+)",
+        r"(.+)_([^_]+)",
+        r"(.+) (\S+)",
+    ):
+        if (found := re.fullmatch(pattern, name)) and found[2].lower() in UNITS and _states(*found.groups()):
+            return found[1], found[2]
+    return name, ""
+
+
+def _is_unit(inside: str) -> bool:
+    """True for what stands in brackets unless it is a word of comment, such as ``angle (filtered)``."""
+    return inside.lower() in UNITS or bool(re.search(r"[/^°²·%]", inside))
+
+
+def _states(label: str, unit: str) -> bool:
+    """True where a last word of one letter is a unit and not a name: ``theta_t`` is no tesla."""
+    kind, _ = UNITS[unit.lower()]
+    return kind not in (OTHER, SPEED) and not (kind == LENGTH and unit == "in")
+
+
+def choose(
+    names: Sequence[str],
+    time: str,
+    signal: str,
+    place: str,
+    units: tuple[str, str] = ("", ""),
+    beside: Mapping[str, str] = MappingProxyType({}),
+) -> tuple[Meaning, list[Meaning]]:
+    """The column of the time, and that of the swing, or the two of its position x, y.
+
+    ``time`` and ``signal`` are what the sample sheet names, "" where it leaves the choice, and ``units`` those
+    that it states; ``beside`` holds units that the file tells apart from its header. Without a word from it the time is the first column, unless that is something else and
+    another says that it is one; the swing is the second, unless that is no angle and another one is. InputError
+    names what a column holds that cannot be an angle.
+    """
+    columns = [meaning(name, beside.get(name, "")) for name in names]
+    by_name = {column.name: column for column in columns}
+    if time:
+        clock = by_name[time]
+    else:
+        clock = next((one for one in columns if one.kind == TIME), columns[0])
+        if columns[0].kind == UNTOLD and columns[0].axis == "" and clock.kind != TIME:
+            clock = columns[0]
+    if not units[0] and clock.kind not in (TIME, UNTOLD):
+        raise InputError(
+            f"{place}, {place_of(clock.name)}",
+            f"{_saying(clock)} cannot be the time",
+            "a column of time in s, ms or us",
+            "name it ⟨in time_column⟩, or write its unit ⟨in time_unit⟩; for a file without times write the samples a second ⟨in rate_hz⟩",
+        )
+    if not units[0] and clock.written and not clock.unit:
+        raise InputError(
+            f"{place}, {place_of(clock.name)}",
+            f"the unit of the time, {clock.written!r}, is not known here",
+            "s, ms or us",
+            "convert the column, or write its unit ⟨in time_unit⟩",
+        )
+    return clock, _swing(
+        clock, [one for one in columns if one is not clock], by_name, signal, place, units[1]
+    )
+
+
+def _swing(
+    clock: Meaning, others: list[Meaning], by_name: dict[str, Meaning], signal: str, place: str, stated: str
+) -> list[Meaning]:
+    if signal:
+        chosen = by_name[signal]
+        pair = _pair(others) if chosen.kind == LENGTH or (chosen.axis and not stated) else []
+        if not stated and chosen in pair:
+            return pair
+        return [_checked(chosen, others, place, stated)]
+    # what drives a pendulum is none, while there is another column
+    others = [one for one in others if not drives(one.name)] or others
+    # nor is a number of the sample
+    others = [one for one in others if not numbers_rows(one.name)] or others
+    # what stands beside a table without a name is no part of it, while there is another column
+    others = [one for one in others if not one.name.startswith(UNNAMED)] or others
+    if not others:
+        raise InputError(
+            place, "the file has 1 column(s)", "a column of time and one of the signal", "export both"
+        )
+    first = others[0]
+    if stated in SIGNAL_RATES and (turning := next((one for one in others if one.kind == RATE), None)):
+        return [turning]
+    if stated or (first.unit and first.kind in (ANGLE, VOLTAGE, COUNTS)):
+        return [first]
+    if found := next((one for one in others if one.kind == ANGLE and one.unit), None):
+        return [found]
+    if pair := _pair(others):
+        return pair
+    if clock.axis == "x" and (drawn := next((one for one in others if one.axis == "y"), None)):
+        return [_checked(drawn, others, place, "")]  # a graph's: y over x, its errors may follow
+    for wanted in (_names_angle, _plain, _has_signal_unit, _is_rate, _is_coordinate, _is_speed):
+        if found := next((one for one in others if wanted(one)), None):
+            return [found]
+    first = next((one for one in others if not _accelerates(one)), first)  # a gyroscope beside tells more
+    return [_checked(first, others, place, "")]
+
+
+def drives(name: str) -> bool:
+    """True for the name of a column of what drives a pendulum, which is no swing."""
+    return bool(_DRIVES.search(name.replace("_", " ")))
+
+
+def _has_signal_unit(one: Meaning) -> bool:
+    return bool(one.unit) and one.kind in (VOLTAGE, COUNTS)
+
+
+def _is_rate(one: Meaning) -> bool:
+    return one.kind == RATE and bool(one.unit) and not _SIZE_ALONE.search(one.name)
+
+
+def axes_beside(names: Sequence[str], chosen: Meaning, beside: Mapping[str, str]) -> list[str]:
+    """The columns that hold the same about other axes as the ``chosen`` one, in its unit, that among them: of an angular rate the rates,
+    of roll, pitch or yaw those. How fast it turns without saying which way is none of them."""
+    if chosen.kind != RATE and not _of_attitude(chosen):
+        return [chosen.name]
+    columns = [meaning(name, beside.get(name, "")) for name in names]
+    beside_it = [
+        one
+        for one in columns
+        if (one.kind, one.unit, one.written) == (chosen.kind, chosen.unit, chosen.written)
+        and (one.kind == RATE or _of_attitude(one))
+    ]
+    return [one.name for one in beside_it if not _SIZE_ALONE.search(one.name) and not drives(one.name)]
+
+
+def _of_attitude(one: Meaning) -> bool:
+    """True for one of the three angles of a body."""
+    return one.kind == ANGLE and bool(_ATTITUDE.search(one.name.replace("_", " ")))
+
+
+def _is_coordinate(one: Meaning) -> bool:
+    return one.kind == LENGTH
+
+
+def _is_speed(one: Meaning) -> bool:
+    return one.kind == SPEED and not _SIZE_ALONE.search(one.name)
+
+
+def _names_angle(one: Meaning) -> bool:
+    return one.kind == ANGLE and not one.written
+
+
+def _plain(one: Meaning) -> bool:
+    return one.kind == UNTOLD and not one.axis
+
+
+def _pair(columns: list[Meaning]) -> list[Meaning]:
+    """The first x and the first y of one unit, or nothing."""
+    x = next((one for one in columns if one.axis == "x"), None)
+    y = next((one for one in columns if x and one.axis == "y" and one.written == x.written), None)
+    return [x, y] if x and y else []
+
+
+def _accelerates(one: Meaning) -> bool:
+    """True of an acceleration, by its unit or, without one, by its name."""
+    return one.written.lower() in _ACCELERATIONS or (
+        not one.written and one.kind == OTHER and bool(_ACCELERATES.search(one.name.replace("_", " ")))
+    )
+
+
+def _saying(one: Meaning) -> str:
+    kind = "an acceleration" if _accelerates(one) else one.kind
+    return f"{kind or 'a column'}" + (f" in {one.written!r}" if one.written else "")
+
+
+def _checked(one: Meaning, others: list[Meaning], place: str, stated: str) -> Meaning:
+    """``one``; InputError by name where it can be neither an angle nor one coordinate of a bob."""
+    if one.kind == RATE and _SIZE_ALONE.search(one.name):
+        raise InputError(
+            f"{place}, {place_of(one.name)}",
+            "it is a speed without a direction",
+            "the rate about one axis, in rad/s or deg/s",
+            "name the column of that axis ⟨in signal_column⟩",
+        )
+    if stated or (one.unit and one.kind in (ANGLE, VOLTAGE, COUNTS, RATE)):
+        return one
+    if one.kind == LENGTH or _is_speed(one) or (one.kind in (ANGLE, RATE, UNTOLD) and not one.written):
+        return one
+    mends = {
+        RATE: "write rad/s or deg/s ⟨in signal_unit⟩, or convert the column to one of them",
+        ANGLE: "convert it to rad or deg",
+        VOLTAGE: "convert it to V, rad or deg",
+    }
+    if _accelerates(one):
+        mends[OTHER] = OF_ACCELERATIONS
+    what = _saying(one)
+    raise InputError(
+        f"{place}, {place_of(one.name)}",
+        f"{what} is no angle"
+        + (
+            " in a unit known here"
+            if one.kind in (ANGLE, VOLTAGE)
+            else " and no rate in a unit known here"
+            if one.kind == RATE
+            else ""
+        ),
+        "an angle in rad or deg, an angular rate in rad/s or deg/s, encoder counts, volts, or positions x and y"
+        + (f"; the file has {', '.join(column.name for column in others)}" if len(others) > 1 else ""),
+        mends.get(one.kind, "name the column of the angle ⟨in signal_column⟩"),
+    )
+
+
+def from_row_to_row(one: Meaning) -> bool:
+    """True for a column that by its name holds how much time passed since the row before: ``dt``, ``time from previous sample (ms)``."""
+    words = one.name.replace("_", " ")
+    named = one.kind == TIME or re.fullmatch(r"(?i)(d|Δ|delta) ?t", words)
+    return bool(named and _FROM_ROW_TO_ROW.search(words))
+
+
+def numbers_rows(name: str) -> bool:
+    """True for the name of a column that counts frames or samples and is no time."""
+    return bool(_NUMBERS.fullmatch(name.replace("_", " ").strip()))
+
+
+def place_of(name: str) -> str:
+    """How a column is called where something is wrong with it: by its name, or by its number where it has none."""
+    return name if re.fullmatch(r"column \d+", name) else f"column {name}"
+
+
+def known_unit(column: Meaning, stated: str, kinds: Sequence[str]) -> str:
+    """The unit of a column: the sheet's word, else the ending of its name, else its header's, else ""."""
+    own = column.unit if column.kind in kinds else ""
+    ending = unit_of(column.name, TIME_UNITS if TIME in kinds else SIGNAL_UNITS)
+    return stated or (own if column.attribute else "") or ending or own

@@ -1,0 +1,163 @@
+"""Tables in a text file: cells between commas, tabs, semicolons or spaces, or a number a line."""
+
+import io
+import itertools
+import re
+from collections.abc import Iterator, Sequence
+from typing import Any, BinaryIO
+
+import numpy as np
+import pandas as pd
+
+from ...errors import InputError
+from ..swings.clock import counts_rows, goes_on
+from .across import upright
+from .cells import Dialect
+from .columns import TIME, meaning
+from .layout import ARRIVED, CLOCKED, STATES_RATE, Layout, dialect
+from .rows import Block, cut_short, find_blocks, layout_of, left_out, read
+from .runs import rows_of, side_by_side
+from .table import WHOLE, Table, numbers
+from .text import HEAD, charset, encoding, pieces_of
+from .worded import reworded
+
+_BRACKETED = re.compile(r"^[ \t]*[(\[]([^()\[\]\n]*)[)\]][ \t,;]*\r?$", re.MULTILINE)
+_MOSTLY = 0.9  # of the rows; notes stand above and below
+_INTERVAL = re.compile(r"(?i)^\W*(delta[ _]x|sample[ _]interval|sampling[ _]interval|increment)\b")
+
+
+def delimited(source: BinaryIO, name: str, rate: float = np.nan) -> dict[str, Table]:
+    """The Tables of a text file; of several below each other those of each, named by it."""
+    coded = encoding(source, name)
+    head = _head(source, coded, name)
+    if (text := _without_brackets(source, coded, name, head)) is not None:
+        found = delimited(text, name, rate)
+        return {run: one._replace(layout=f"rows in brackets, {one.layout}") for run, one in found.items()}
+    if (text := upright(head)) and not rate > 0:
+        found = delimited(text, name)
+        return {run: one._replace(layout=f"its rows as columns, {one.layout}") for run, one in found.items()}
+    how = dialect(head, name, single=rate > 0)
+    if (how is None or how.words) and (text := reworded(source, coded, name, surely=how is not None)):
+        found = delimited(text, name, rate)
+        return {
+            run: one._replace(layout=f"a word before each number, {one.layout}") for run, one in found.items()
+        }
+    blocks, opening = find_blocks(source, coded, how, name) if how else ([], [])
+    if not how or not blocks:
+        raise InputError(
+            name, "it holds no table of numbers", "columns of numbers: a time and a swing", "export it again"
+        )
+    about = _about(opening)
+    found = {}
+    for number, block in enumerate(blocks, 1):
+        whole, laid = _table(source, block, how, coded, name, rate)
+        if (
+            not rate > 0
+            and (known := stated_rate([*block.above, *block.sample[:1]]))
+            and _untimed(whole, laid)
+        ):
+            whole, laid = _table(source, block, how, coded, name, known)
+        whole = whole._replace(about=about, cut=block is blocks[-1] and cut_short(source, block, laid))
+        part = f"table {number}" if len(blocks) > 1 else WHOLE
+        beside = side_by_side(laid.headers, laid.titles)
+        if not (part and beside):
+            found[part] = whole
+        for run, own in beside.items():
+            found[f"{part}, {run}" if part else run] = whole._replace(
+                names=tuple(own.names), pieces=rows_of(own, whole.pieces), cut=False
+            )
+    return found
+
+
+def _table(
+    source: BinaryIO, block: Block, how: Dialect, coded: str, name: str, rate: float
+) -> tuple[Table, Layout]:
+    laid = layout_of(block, how, coded, name)
+    told, names = str(laid), laid.names
+    if rate > 0:
+        _check_untimed(laid, name)
+        told, names = f"{told} at {rate:g} Hz", (CLOCKED, *names)
+    units = {laid.names[k]: "s" for k in laid.stamps if laid.names[k] != ARRIVED}
+    if any(meaning(one).kind == TIME and one not in units for one in names):
+        # a device's own time goes before a computer's
+        names = (*(one for one in names if one not in units), *units)
+    rows = _Rows(source, block, laid, name, rate)
+    return Table(names, {}, rows, how.decimal, told, units, remarks=left_out(block)), laid
+
+
+class _Rows:
+    """The rows of a table, read anew each time that they are asked for."""
+
+    def __init__(self, *asked: Any) -> None:
+        self.asked = asked
+
+    def __iter__(self) -> Iterator[pd.DataFrame]:
+        return read(*self.asked)
+
+
+def _without_brackets(source: BinaryIO, coded: str, name: str, head: Sequence[str]) -> BinaryIO | None:
+    """The same text where each row stands in brackets, as a program prints its tuples or lists; None of another."""
+    rows = [line for line in head if line.strip()]
+    if not rows or np.mean([bool(_BRACKETED.match(line)) for line in rows]) < _MOSTLY:
+        return None
+    whole = "".join(
+        piece.decode(charset(coded), errors="replace") for _, piece in pieces_of(source, coded, name)
+    )
+    return io.BytesIO(_BRACKETED.sub(r"\1", whole).encode())
+
+
+def _head(source: BinaryIO, coded: str, name: str) -> list[str]:
+    """The first lines of a text, none of them cut short."""
+    _, piece = next(pieces_of(source, coded, name), (1, b""))
+    return (
+        piece[:HEAD]
+        .decode(charset(coded), errors="replace")
+        .split("\n")[: None if len(piece) <= HEAD else -1]
+    )
+
+
+def _about(opening: Sequence[str]) -> dict[str, str]:
+    """What the leading lines `# key: value` tell."""
+    own = itertools.takewhile(lambda line: line.startswith("#"), opening)
+    parts = [line.lstrip("# ").partition(":") for line in own]
+    return {key.strip().lower(): value.strip() for key, colon, value in parts if colon}
+
+
+def stated_rate(above: Sequence[str]) -> float:
+    """The samples a second that the lines above a table state, by themselves or by the time between two samples; 0 for none.
+
+    The value stands beside its name, or below it: ``Delta_X 0.02``, ``Sample Rate: 100 Hz``, ``X,CH1,Start,Increment``.
+    """
+    cells = [re.split(r"[,;:=\t]\s*", line.strip()) for line in above]
+    for line, below in itertools.zip_longest(cells, cells[1:], fillvalue=list[str]()):
+        for k, name in enumerate(line):
+            for value in (*line[k + 1 : k + 2], *below[k : k + 1]):
+                number = re.match(r"\s*(\d+\.?\d*(?:[eE][-+]?\d+)?)\s*(k?)(?:Hz|Sa?/s|s|$)", value)
+                found = float(number[1]) if number else 0.0
+                if found and STATES_RATE.search(name):
+                    return found * (1e3 if number and number[2] else 1.0)
+                if found and _INTERVAL.search(name):
+                    return 1 / found
+    return 0.0
+
+
+def _untimed(table: Table, laid: Layout) -> bool:
+    """True for a table with a name for each column, or one alone, of which none is a time, by its name or by numbers that go on."""
+    if laid.stamps or not (laid.named or len(laid.names) == 1):
+        return False
+    first = next(iter(table.pieces))
+    values = {one: numbers(first[one], table.decimal) for one in table.names}
+    clocks = [one for one, own in values.items() if goes_on(own) and not counts_rows(own)]
+    return not clocks and not any(meaning(one).kind == TIME for one in table.names)
+
+
+def _check_untimed(laid: Layout, name: str) -> None:
+    """InputError for a table with times of its own where the sheet states a rate."""
+    unnamed = not laid.named and len(laid.names) > 1
+    if unnamed or laid.stamps or any(meaning(one).kind == TIME for one in laid.names):
+        raise InputError(
+            f"{name} (column rate_hz)",
+            f"the file has {len(laid.names)} columns" + ("" if unnamed else ", and times of its own"),
+            "one number a line where the sheet states rate_hz, or a header that names no time",
+            "leave rate_hz away: times are read from the file",
+        )

@@ -1,0 +1,121 @@
+"""What programs save as XML, read within bounds: its elements, and the columns that a reader finds in them."""
+
+import re
+import zipfile
+import zlib
+from collections.abc import Iterator, Mapping
+from typing import Any, BinaryIO, NamedTuple
+from xml.etree import ElementTree
+from xml.etree.ElementTree import Element
+
+import pandas as pd
+
+from ...arrays import Floats
+from ...errors import InputError
+
+ZIP = b"PK\x03\x04"
+LARGEST = 100_000_000  # bytes of XML: the tree is held whole and takes some ten times as much
+
+
+class Columns(NamedTuple):
+    """The columns of one recording as a program saved them: numbers, NaN where it has none."""
+
+    frame: pd.DataFrame
+    layout: str  # told to the user
+    units: dict[str, str] = {}
+    about: dict[str, Any] = {}
+    remarks: tuple[str, ...] = ()  # to the user, beside the layout
+    usual: dict[str, float] = {}  # cells of the sample sheet where it says nothing
+    ordered: bool = True  # False of arrays that were saved by their names: the first of them is the swing no more than another
+
+    @classmethod
+    def of_arrays(cls, kept: Mapping[str, Floats], kind: str, more: str = "") -> "Columns":
+        """The Columns of arrays that ``kind`` saved, by their names; those of one array, ``name 1`` and so on, are in order."""
+        one = {re.sub(r" \d+$", "", name) for name in kept}
+        return cls(
+            pd.DataFrame(kept), f"arrays of {kind}{more}", about={"source": kind}, ordered=len(one) == 1
+        )
+
+
+class _Plain(ElementTree.TreeBuilder):
+    """Elements of a document that defines no entities: those that these programs write never do, and entities can fill the memory."""
+
+    def doctype(self, name: str, pubid: str, system: str) -> None:
+        raise ElementTree.ParseError("it declares a document type, which these programs never do")
+
+
+def roots(source: BinaryIO, name: str, program: str, ending: str) -> Iterator[Element]:
+    """The root element of an open XML file, or of each that ends in ``ending`` inside a zip archive.
+
+    InputError for what is no XML, declares entities, or has more than ``LARGEST`` bytes; ``program`` is who writes such files.
+    """
+    head = source.read(4)
+    source.seek(0)
+    try:
+        if head != ZIP:
+            yield _root(source.read(LARGEST + 1), name)
+            return
+        with zipfile.ZipFile(source) as archive:
+            inside = [one for one in archive.namelist() if one.lower().endswith(ending)]
+            if not inside:
+                raise InputError(
+                    name,
+                    f"the archive holds no file that ends in {ending}",
+                    f"an archive that {program} saved",
+                    f"save it again in {program}",
+                )
+            for one in inside:
+                with archive.open(one) as file:
+                    yield _root(file.read(LARGEST + 1), f"{name}, {one}")
+    except (
+        ElementTree.ParseError,
+        LookupError,
+        ValueError,
+        zipfile.BadZipFile,
+        zlib.error,
+        RuntimeError,
+        EOFError,
+    ) as error:
+        if isinstance(error, InputError):
+            raise
+        raise InputError(
+            name,
+            f"it cannot be read ({error})",
+            f"a file as {program} saves it",
+            f"save it again in {program}, or export its table as CSV",
+        ) from error
+
+
+def _root(content: bytes, name: str) -> Element:
+    if len(content) > LARGEST:
+        raise InputError(
+            name, f"it has more than {LARGEST / 1e6:.0f} MB", "a smaller file", "export its table as CSV"
+        )
+    return ElementTree.fromstring(content, ElementTree.XMLParser(target=_Plain()))
+
+
+def text_in(element: Element, tag: str) -> str:
+    """The text of a child, "" where there is none, on one line."""
+    return " ".join((element.findtext(tag) or "").split())
+
+
+def number(text: str | None) -> float:
+    """A number as programs write it, with a point or a comma; NaN for a cell that holds none."""
+    try:
+        return float((text or "").replace(",", "."))
+    except ValueError:
+        return float("nan")
+
+
+def distinct(names: list[str], more: list[str]) -> list[str]:
+    """The names, each once: one that repeats takes what stands for it in ``more``, and a number if that does not help."""
+    found: list[str] = []
+    for name, other in zip(names, more, strict=True):
+        chosen, count = name, 1
+        if names.count(name) > 1 and other:
+            chosen = name = f"{name} {other}"
+        while chosen in found:
+            count += 1
+            chosen = f"{name} {count}"
+        found.append(chosen)
+    return found

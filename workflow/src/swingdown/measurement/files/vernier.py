@@ -1,0 +1,46 @@
+"""Files of Logger Pro (Vernier), ``.cmbl``: the columns of its data sets."""
+
+from typing import BinaryIO
+from xml.etree.ElementTree import Element
+
+import pandas as pd
+
+from ...errors import InputError
+from .elements import Columns, distinct, number, roots, text_in
+
+PROGRAM = "Logger Pro"
+
+
+def data_sets(source: BinaryIO, name: str) -> dict[str, Columns]:
+    """The Columns of each data set by its name. InputError where none has two columns of numbers."""
+    found: list[tuple[str, Columns]] = []
+    for root in roots(source, name, PROGRAM, ".cmbl"):
+        for one in root.iter("DataSet"):
+            columns = [(column, cells) for column in one.findall("DataColumn") if (cells := _cells(column))]
+            if len(columns) > 1:
+                found.append((text_in(one, "DataSetName"), _set(columns)))
+    if not found:
+        raise InputError(
+            name,
+            "it holds no data set with two columns of numbers",
+            "a column of time and one of the signal",
+            "collect the data in Logger Pro, or export them with File > Export As > CSV",
+        )
+    names = distinct([key or "data set" for key, _ in found], [""] * len(found))
+    return {key: columns for key, (_, columns) in zip(names, found, strict=True)}
+
+
+def _set(columns: list[tuple[Element, list[float]]]) -> Columns:
+    names = distinct(
+        [text_in(one, "DataObjectName") for one, _ in columns],
+        [text_in(one, "DataObjectShortName") for one, _ in columns],
+    )
+    frame = pd.DataFrame({key: pd.Series(cells) for key, (_, cells) in zip(names, columns, strict=True)})
+    units = {key: unit for key, (one, _) in zip(names, columns, strict=True) if (unit := text_in(one, "ColumnUnits"))}  # fmt: skip
+    return Columns(frame, "columns of Logger Pro", units, {"source": PROGRAM})
+
+
+def _cells(column: Element) -> list[float]:
+    """The numbers, one a line, NaN for a cell without one; none where no cell has a number."""
+    cells = [number(line) for line in (column.findtext("ColumnCells") or "").strip("\r\n").splitlines()]
+    return cells if any(cell == cell for cell in cells) else []

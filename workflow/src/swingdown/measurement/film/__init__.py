@@ -1,0 +1,1 @@
+"""A film of a pendulum as a recording."""

@@ -1,0 +1,1 @@
+"""Turning points and passages alone, without the swing between them."""

@@ -1,0 +1,202 @@
+"""Turning points in a table: its columns of times or numbers, of readings, and of their uncertainties."""
+
+import itertools
+import re
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from math import pi
+from typing import Any, NamedTuple
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+
+from ...arrays import Floats
+from ...errors import InputError
+from ..files.columns import ANGLE, LENGTH, TIME, UNNAMED, UNTOLD, Meaning, choose, meaning, place_of
+from ..files.source import Table
+from ..files.table import numbers
+from ..sheet import TIME_UNITS
+from .points_recording import about_file, as_recording
+from .turning_points import PASSAGES, PERIODS, SWING, Points, points_in
+
+_MOST = 100_000  # rows: of a file with more each is a sample
+_NUMBER = re.compile(
+    r"(?i)^(n|no|nr|num|number|#|k|i|index|swings?|oscillations?|peaks?|cycles?|count|schwingung(en)?)( (no|nr|number|#))?\.?$"
+)
+_ERROR = re.compile(
+    r"(?i)\b(d[xytaθ]|[xyta]?_?err(or)?s?|unc(ert(ainty|ainties)?)?|sigma|sd|std)\b|[xyta]err\b|±|σ|δ"
+)
+
+
+class Columns(NamedTuple):
+    """What of a table may be turning points: the column of times or numbers, that of the readings, those of their uncertainties."""
+
+    clock: Meaning
+    signal: Meaning
+    u_clock: str = ""
+    u_signal: str = ""
+
+
+def turning_points(table: Table, row: Mapping[str, Any], place: str) -> tuple[Table, xr.Dataset | None]:
+    """The table, to be read on, and the dataset of its turning points; None where it holds something else.
+
+    The dataset has ``signal`` over ``time`` in the readings' unit and ``half_swings`` since the first. ``signal_kind`` of the ``row``
+    is the last word. InputError where one of several readings must be chosen, and for too few points.
+    """
+    stated = str(row.get("signal_kind", ""))
+    if (
+        stated in (SWING, PASSAGES, PERIODS)
+        or row.get("rate_hz", float("nan")) > 0
+        or row.get("role") == "static"
+    ):
+        return table, None
+    first, table = peeked(table)
+    if first is None:
+        return table, None
+    columns = _columns(table, row)
+    if columns is None:
+        return table, None
+    values = {one: numbers(first[one], table.decimal) for one in (columns.clock.name, columns.signal.name)}
+    clock, signal = values.values()
+    scale = TIME_UNITS[row["time_unit"] or columns.clock.unit or "s"]
+    sound = np.isfinite(clock) & np.isfinite(signal) & _inside(clock * scale, row)
+    counted = is_number(columns.clock, clock[sound], table)
+    where = f"{row['file']}, {place_of(columns.signal.name)} ({place})"
+    unit, told = _unit(signal[sound], columns, row)
+    in_rad = {"rad": 1.0, "deg": pi / 180}.get(unit, 0.0)
+    points = points_in(
+        clock[sound] * (1.0 if counted else scale),
+        signal[sound],
+        where,
+        stated,
+        counted,
+        columns.signal.name,
+        in_rad,
+    )
+    if points is None:
+        return table, None
+    stated_u = [_typical(first, name, table.decimal) for name in (columns.u_clock, columns.u_signal)]
+    points = points._replace(remarks=[*told, *points.remarks])
+    return table, _dataset(points, columns, row, table, unit, (stated_u[0] * scale, stated_u[1]))
+
+
+def peeked(table: Table) -> tuple[pd.DataFrame | None, Table]:
+    """The numbers of a small table, and the table as it was before they were read; None of a larger one."""
+    pieces, seen = iter(table.pieces), []
+    problem: InputError | None = None
+    try:
+        seen = list(itertools.islice(pieces, 3))  # a last line without an end is a piece of its own
+    except InputError as error:  # it is told where the table is read
+        problem = error
+    whole = table._replace(pieces=_again(seen, pieces, problem))
+    if problem is not None or len(seen) > 2 or not 0 < sum(map(len, seen)) <= _MOST:
+        return None, whole
+    told = [pd.DataFrame({name: numbers(one[name], table.decimal) for name in one}) for one in seen]
+    rows = pd.concat(told, ignore_index=True)  # as numbers: of a piece with words a column is of another type
+    return rows.iloc[: -1 if table.cut else None], whole
+
+
+def _again(
+    seen: Sequence[pd.DataFrame], rest: Iterable[pd.DataFrame], problem: InputError | None
+) -> Iterator[pd.DataFrame]:
+    yield from seen
+    if problem:
+        raise problem
+    yield from rest
+
+
+def _columns(table: Table, row: Mapping[str, Any]) -> Columns | None:
+    """The columns that may be turning points; None where the file has none, or positions."""
+    found = [meaning(name, table.units.get(name, "")) for name in table.names if not name.startswith(UNNAMED)]
+    usable = [one for one in found if not _ERROR.search(one.name.replace("_", " "))]
+    stated = row["time_unit"], row["signal_unit"]
+    try:
+        clock, chosen = choose(
+            [one.name for one in usable], row["time_column"], row["signal_column"], "", stated, table.units
+        )
+    except (InputError, KeyError):  # as an amplitude in cm without its partner
+        if len(usable) < 2:
+            return None
+        clock, *chosen = usable[:2]
+    # one coordinate at its turning points, without its partner
+    if row["signal_kind"] and row["signal_column"]:
+        chosen = [one for one in usable if one.name == row["signal_column"]]
+    if len(chosen) != 1 or clock.kind not in (TIME, UNTOLD) or chosen[0].kind not in (ANGLE, LENGTH, UNTOLD):
+        return None
+    signal = chosen[0]
+    errors = [one.name for one in found if one not in usable]
+    if "no header" in table.layout:
+        errors = []
+    return Columns(
+        clock, signal, *((errors + ["", ""])[:2] if len(errors) > 1 else ("", errors[0] if errors else ""))
+    )
+
+
+def _inside(times: Floats, row: Mapping[str, Any]) -> np.ndarray:
+    start, stop = (float(row.get(key, np.nan)) for key in ("start_s", "stop_s"))
+    return ~(times < start) & ~(times > stop)
+
+
+def is_number(clock: Meaning, values: Floats, table: Table) -> bool:
+    """True for a column that counts the swings: it is called so, or has no name, and holds whole numbers one apart."""
+    whole = (
+        values.size > 1
+        and bool(np.all(values == np.round(values)))
+        and bool(np.all(np.diff(np.sort(values)) == 1))
+    )
+    return (
+        bool(_NUMBER.match(clock.name.strip()))
+        and bool(np.all(values == np.round(values)))
+        or (clock.kind == UNTOLD and whole)
+    )
+
+
+def _typical(rows: pd.DataFrame, name: str, decimal: str) -> float:
+    """The median of a column of uncertainties; nan where there is none, or it says 0."""
+    if not name:
+        return float("nan")
+    values = numbers(rows[name], decimal)
+    middle = float(np.nanmedian(values)) if np.isfinite(values).any() else 0.0
+    return middle if middle > 0 else float("nan")
+
+
+def _dataset(
+    points: Points,
+    columns: Columns,
+    row: Mapping[str, Any],
+    table: Table,
+    unit: str,
+    stated_u: tuple[float, float],
+) -> xr.Dataset:
+    """The dataset of a file's turning points, with how they were read."""
+    seconds = row["time_unit"] or columns.clock.unit or "s (no unit is stated)"
+    clock = f"`{columns.clock.name}` as {seconds if points.timed else 'the number of the swing'}"
+    words = {"rad": "rad", "deg": "degrees"}.get(unit, unit)
+    said = words if columns.signal.written or row["signal_unit"] else f"{words} (no unit is stated)"
+    parts = [
+        f"took `{columns.signal.name}` as turning points",
+        points.each,
+        f"in {said}",
+        clock,
+        *([table.layout] if table.layout else []),
+    ]
+    return as_recording(points, unit, about_file(table, row, ", ".join(parts)), row, stated_u)
+
+
+def _unit(readings: Floats, columns: Columns, row: Mapping[str, Any]) -> tuple[str, list[str]]:
+    """The unit of a column's readings, and a remark where it was inferred or is none of angles."""
+    signal = columns.signal
+    coordinate = signal.kind == LENGTH or (signal.axis and columns.clock.axis != "x")  # y over x is a graph's
+    if coordinate and not row["signal_unit"]:
+        unit = signal.written or "units of its own"
+        return unit, [f"an amplitude in {unit} is no angle: how the period depends on it is not reported"]
+    return unit_of(readings, row["signal_unit"] or (signal.unit if signal.kind == ANGLE else ""))
+
+
+def unit_of(readings: Floats, stated: str) -> tuple[str, list[str]]:
+    """The unit of angles that is ``stated``, or else the only one that a pendulum's readings can have, with a remark."""
+    if stated:
+        return stated, []
+    if float(np.abs(readings).max(initial=0.0)) > pi:
+        return "deg", ["no unit is stated, and no pendulum swings by so many rad: taken for degrees"]
+    return "rad", []

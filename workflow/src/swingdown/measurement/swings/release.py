@@ -1,0 +1,197 @@
+"""Where a pendulum swings by itself: from the release out of a hand to the next one, or to where it rests."""
+
+import csv
+import io
+from collections.abc import Mapping, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+import xarray as xr
+
+from ...arrays import Floats
+from ...errors import InputError
+from ...quantisation import quantisation_step
+from .half_swings import Swings, half_swings
+from .hand import held_still, stretches
+from .lift import lifted_until
+from .noise_level import noise_level
+
+RISE = 1.15  # times as high as before it was held: a pendulum that was released anew
+FEWEST = 4  # half-swings; fewer are no swing
+REST = 0.01  # of the range: less is rest
+LONG = 2.0  # periods of rest at the end, beyond which the rest is left out
+ENOUGH = 200  # samples a period
+KEPT = 1.0  # period of rest that stays: it tells where friction stopped the pendulum
+
+
+class Window(NamedTuple):
+    """From when to when (s) a pendulum swings by itself."""
+
+    released: float  # when the hand let go, about; nan where it swings from the first sample on
+    begins: float  # past the middle for the first time; nan as before
+    ends: float  # nan where it swings to the last sample
+    rests: bool  # it ends because the pendulum came to rest; otherwise a hand stopped it
+    why: str = ""  # it begins and ends there, where that is neither a hand nor rest
+
+
+NAN = float("nan")
+
+
+class SeveralReleases(InputError):
+    """A recording with several releases: ``cells`` are the start_s and stop_s (s, as text) of each, those that it needs, and ``why`` what
+    else than a hand cuts it, "" for nothing."""
+
+    cells: tuple[dict[str, str], ...] = ()
+    why: tuple[str, ...] = ()
+
+
+def find_windows(
+    times: Floats,
+    signal: Floats,
+    scale: float = 0.0,
+    rate: bool = False,
+    hidden: Sequence[tuple[float, float]] = (),
+) -> tuple[list[Window], list[float]]:
+    """The ``Window``s of a recording in order, and when (s) something pushed the pendulum within one of them.
+
+    Parameters
+    ----------
+    times
+        In s, evenly spaced, of shape (sample,).
+    signal
+        Of the same shape.
+    scale
+        Rad per unit of ``signal``, 0 where that is not known.
+    rate
+        Whether it is an angular rate.
+    hidden
+        From when to when (s) the signal is not known; of hands nothing is told beside it.
+
+    Returns
+    -------
+    tuple
+        A window for each release, and one of nan where nobody touched the pendulum or the recording is too short. A hand parts two of
+        them where it stays for a period, or where the pendulum swings higher after it.
+    """
+    whole = Window(NAN, NAN, NAN, False)
+    starts = half_swings(signal).starts
+    if len(signal) < 64 or len(starts) < 5:
+        return [whole], []
+    # more samples a period tell no more of a hand, and take their square in time
+    step = max(1, int(np.median(np.diff(starts)) * 2 / ENOUGH))
+    times, signal = times[::step], signal[::step]
+    free, pushed = [_Free(NAN, NAN)], []
+    room = float(np.median(np.diff(times[starts // step]))) if len(starts) > 1 else 0.0
+    for hand in held_still(times, signal) if rate else stretches(times, signal, scale):
+        if any(hand.start < b + room and hand.stop > a - room for a, b in hidden):
+            continue
+        free[-1] = free[-1]._replace(stop=hand.start)
+        free.append(_Free(hand.stop, NAN))
+    found: list[tuple[_Free, Swings]] = []
+    for part in free:
+        swings = _swings_in(times, signal, part)
+        if swings is None:
+            continue
+        if found and not _anew(found[-1][0], found[-1][1], part, swings, times):
+            pushed.append(part.start)
+            part = _Free(found[-1][0].start, part.stop)
+            swings = _swings_in(times, signal, part) or swings
+            found.pop()
+        found.append((part, swings))
+    windows = [_window(times, signal, part) for part, _ in found] or [whole]
+    if scale and np.isnan(windows[0].begins):
+        part_of = within(windows[0], times)
+        starts = half_swings(signal[part_of]).starts
+        until = lifted_until(times[part_of], scale * signal[part_of]) if len(starts) > FEWEST else None
+        if until is not None:
+            windows[0] = windows[0]._replace(released=until, begins=float(times[part_of][starts[1]]))
+    return windows, pushed
+
+
+class _Free(NamedTuple):
+    """Between two hands (s); nan where there is none."""
+
+    start: float
+    stop: float
+
+
+def _samples(times: Floats, part: _Free) -> slice:
+    first = 0 if np.isnan(part.start) else int(np.searchsorted(times, part.start))
+    return slice(first, len(times) if np.isnan(part.stop) else int(np.searchsorted(times, part.stop)))
+
+
+def _swings_in(times: Floats, signal: Floats, part: _Free) -> Swings | None:
+    """The half-swings between two hands; None for less than a swing."""
+    own = signal[_samples(times, part)]
+    if len(own) < 64:
+        return None
+    swings = half_swings(own)
+    return swings if len(swings.starts) >= FEWEST else None
+
+
+def _anew(before: _Free, earlier: Swings, after: _Free, later: Swings, times: Floats) -> bool:
+    """True where a hand stayed for a period, or the pendulum swings higher after it."""
+    period = earlier.period(times[_samples(times, before)])
+    if after.start - before.stop > period:
+        return True
+    last, first = np.ptp(earlier.turns[-3:]), np.ptp(later.turns[:3])
+    return bool(first > RISE * last)
+
+
+def _window(times: Floats, signal: Floats, part: _Free) -> Window:
+    where = _samples(times, part)
+    own, when = signal[where], times[where]
+    swings = half_swings(own)
+    rest = _rest(when, own, swings.period(when))
+    begins = NAN if np.isnan(part.start) else float(when[swings.starts[1]])
+    ends = NAN if np.isnan(part.stop) else float(when[-1])
+    return Window(part.start, begins, ends if rest is None else rest, rest is not None)
+
+
+def _rest(times: Floats, signal: Floats, period: float) -> float | None:
+    """Until when (s) the samples are used of a pendulum that has come to rest; None for one that has not, or not for long."""
+    tail = signal[times > times[-1] - period]
+    around = np.abs(signal - np.median(tail))
+    still = max(REST * np.ptp(signal), 5 * noise_level(times, signal), 1.5 * quantisation_step(signal))
+    moving = np.flatnonzero(around > still)
+    if not len(moving) or times[-1] - times[moving[-1]] < LONG * period:
+        return None
+    return float(times[moving[-1]] + KEPT * period)
+
+
+def within(window: Window, times: Floats) -> slice:
+    """The samples of a window."""
+    first = 0 if np.isnan(window.begins) else int(np.searchsorted(times, window.begins))
+    last = len(times) if np.isnan(window.ends) else int(np.searchsorted(times, window.ends, "right"))
+    return slice(first, last)
+
+
+def by_itself(recording: xr.Dataset) -> xr.Dataset:
+    """The part of a recording, as ``recording.ingest`` made it, in which the pendulum swings by itself."""
+    begins, ends = (float(recording.attrs.get(key, NAN)) for key in ("begins_s", "ends_s"))
+    return recording.isel(time=within(Window(NAN, begins, ends, False), recording["time"].values))
+
+
+def several_releases(windows: Sequence[Window], row: Mapping[str, Any], place: str) -> SeveralReleases:
+    """The refusal of a recording with several releases. Its mend holds the rows of the sheet that make each of them a recording."""
+    kept = [key for key, cell in row.items() if key != "line" and isinstance(cell, str) and cell]
+    if not np.isnan(row["counts_per_revolution"]):
+        kept.append("counts_per_revolution")
+    text = io.StringIO()
+    rows = csv.writer(text, lineterminator="\n")
+    rows.writerow([*kept, "start_s", "stop_s"])
+    parts = []
+    for number, window in enumerate(windows, 1):
+        ends = {"start_s": window.begins, "stop_s": window.ends}
+        parts.append({key: "" if np.isnan(at) else f"{at:.3f}" for key, at in ends.items()})
+        cells = [f"{row[key]}-{number}" if key == "recording" else row[key] for key in kept]
+        rows.writerow([*cells, *parts[-1].values()])
+    refusal = SeveralReleases(
+        place,
+        f"the pendulum is released {len(windows)} times in it",
+        "one swing in a recording",
+        f"put these rows in place of this one, or state ⟨start_s⟩ or ⟨stop_s⟩ to keep it whole:\n{text.getvalue()}".rstrip(),
+    )
+    refusal.why = tuple(one.why for one in windows)
+    refusal.cells = tuple({key: cell for key, cell in part.items() if cell} for part in parts)
+    return refusal
