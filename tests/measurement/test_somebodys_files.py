@@ -49,6 +49,9 @@ def test_the_sheet_has_the_last_word(take):
         ("t (ms)", "a time", "ms"),
         ("t/s", "a time", "s"),
         ("millis", "a time", "ms"),
+        ("msec", "a time", "ms"),
+        ("m", "", ""),
+        ("Epoch time ns", "a time", "ns"),
         ("Time (µs)", "a time", "us"),
         ("Gyroscope z (rad/s)", "an angular rate", "rad/s"),
         ("Gyroscope z (°/s)", "an angular rate", "deg/s"),
@@ -85,7 +88,7 @@ def test_what_a_header_says(header, kind, unit):
         ("t (s),U (V)", ["recordings in volts need one", "docs/calibrate.md"]),
         ("t (s),lap (s)", ["lap (s)", "a time in 's' is no angle"]),
         ("t (s),phi (gon)", ["'gon'", "convert it to rad or deg"]),
-        ("t (min),phi (rad)", ["'min'", "s, ms or us"]),
+        ("t (min),phi (rad)", ["'min'", "s, ms, us or ns"]),
         ("x (m),phi (rad)", ["cannot be the time"]),
     ],
 )
@@ -94,6 +97,18 @@ def test_what_cannot_be_an_angle_is_refused_by_name(take, header, told):
         take(header + "\n" + rows(TIME, SWING))
     for part in (*told, "swing.csv", "Expected:", "Mend:"):
         assert part in str(caught.value), str(caught.value)
+
+
+def test_an_encoder_that_writes_each_change_of_its_count_keeps_its_times(take):
+    """Over even times the counts of a swing are straight lines, smoother than any swing."""
+    fine = np.arange(0, 60, 1e-4)
+    counts = np.round(100 * np.exp(-2e-4 * fine) * np.cos(2 * fine))
+    at = np.flatnonzero(np.diff(counts)) + 1
+    late = np.random.default_rng(1).normal(0, 2, at.size)  # its slits are uneven
+    stamps = np.sort(np.round(1000 * fine[at] + late))
+    made = take("n,msec,pos\n" + rows(np.arange(at.size), stamps, counts[at]))
+    apart = 1000 * (made["time"].values[:, np.newaxis] - stamps[::50] / 1000)
+    assert np.median(np.abs(apart).min(axis=0)) <= 1  # ms
 
 
 def test_a_line_without_end_is_no_table(take):

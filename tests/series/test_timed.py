@@ -24,6 +24,16 @@ def series(found):
     return series_of(found.table, found.values, found.groups)
 
 
+def test_heads_in_other_languages_and_their_errors(tmp_path):
+    rows = [f"{100 * length:.1f},{10 * period:.2f},0.3,0.4" for length, period in zip(LENGTHS, PERIODS, strict=True)]  # fmt: skip
+    for head in (
+        "lengte (cm),tijd 10 slingeringen (s),fout in lengte (cm),fout in tijd (s)",
+        "длина (cm),10 колебаний (s),err длина (cm),err_t (s)",
+    ):
+        found = timed(written(tmp_path, head, rows))
+        assert np.allclose(found.table["period_s"], PERIODS, atol=2e-3)
+
+
 def test_trials_side_by_side_give_g_with_what_their_scatter_leaves(tmp_path):
     rng = np.random.default_rng(1)
     rows = [

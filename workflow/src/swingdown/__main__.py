@@ -151,7 +151,7 @@ def _parser() -> argparse.ArgumentParser:
         "passages through a light gate (two a period), or periods (one a period); by default the values decide"
     )
     one_of("--kind", ["swing", "turning_points", "half_swings", "passages", "periods"], told)
-    one_of("--time-unit", ["s", "ms", "us"], "unit of the time, if the file does not state it")
+    one_of("--time-unit", ["s", "ms", "us", "ns"], "unit of the time, if the file does not state it")
     text("--time-column", "NAME", "column of the time")
     number("--rate", "HZ", "samples a second of a file without times (one number a line)")
     told = "what pulls it back: the sine of the angle, as weight does (default), or linear, as the spring of a wheel or torsion pendulum does"

@@ -35,7 +35,7 @@ class Told(TypedDict, total=False):
     column: str
     """Name of the column of the angle."""
     time_unit: str
-    """s, ms or us."""
+    """s, ms, us or ns."""
     time_column: str
     """Name of the column of the time."""
     rate: float

@@ -18,7 +18,7 @@ SCHEMA = "recordings.schema.yaml"  # what a row may hold
 COLUMNS: dict[str, Any] = {name: rule.get("default") for name, rule in rules(SCHEMA)["properties"].items()}
 NUMBERS = tuple(name for name, rule in rules(SCHEMA)["properties"].items() if rule.get("type") == "number")
 SIGNAL_UNITS = tuple(rules(SCHEMA)["properties"]["signal_unit"]["enum"])
-TIME_UNITS = {"s": 1.0, "ms": 1e-3, "us": 1e-6}
+TIME_UNITS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
 
 
 def read_sheet(path: str | Path, check_files: bool = True) -> pd.DataFrame:

@@ -24,12 +24,12 @@ _TEXT = (".csv", ".tsv", ".txt", ".dat")
 _WORKBOOKS = (".xlsx", ".xls", ".ods")
 _SMALL = 12_000  # bytes: a workbook of some trials has no more
 _LARGEST = 300_000  # bytes: a recording may have more than can be held
-_SWINGS = "osc|swing|cycle|period|périod|períod|vibr|schwing"
+_SWINGS = "osc|swing|cycle|period|périod|períod|vibr|schwing|slinger|wahni|kmit|salını|период|колеб"
 _COUNTED = re.compile(rf"(?<![\d.,])(\d+)\s*[x×*·]?\s*(?:(?:full|complete)\s+)?(?:{_SWINGS}|t(?![^\W\d_]))|^t_?\{{?(\d\d+)\}}?(?!\d)", re.I)  # fmt: skip
 _PERIOD = re.compile(r"(?:(?:mean|average|avg)\W*)?(?:(?-i:T)|period|periode|période|periodo|período|schwingungsdauer)(?:[\s_]*(?:mean|avg|average|\d))?", re.I)  # fmt: skip
 _TRIAL = re.compile(r"(?:trial|try|versuch|essai|prova|ensayo|tentativa)[\s_]*\d", re.I)
-_NOT = re.compile(r"\^|²|\*\*|squared|uncert|error|std|s\.?d\.?\b|±|^[uδΔd]_|delta|theor|calc|expected", re.I)
-_LENGTH = re.compile("length|länge|longueur|lunghezza|longitud|comprimento")
+_NOT = re.compile(r"\^|²|\*\*|squared|uncert|unsicher|incert|(?<![^\W\d_])err|fehler|fout|std|s\.?d\.?\b|±|^[uδΔd]_|delta|theor|calc|expected", re.I)
+_LENGTH = re.compile("length|länge|longueur|lunghezza|longitud|comprimento|lengte|długość|délka|uzunluk|длина")
 _COUNTER = re.compile(
     r"#|n[or°]?\.?|(?:\w+_)?(?:no\.|nr\.|number|#)|(?:trial|run|measurement|reading|attempt|versuch|messung|essai|prova|ensayo|tentativa)s?(?:_?(?:#|no\.?|number|nr\.?))?"
 )
@@ -167,8 +167,8 @@ def _lines(path: Path) -> list[list[str]]:
 
 def _of_text(path: Path) -> list[list[str]]:
     with path.open("rb") as file:
-        first = file.read(_TITLES)
-    named = re.search(rb"(?i)(period|osc|swing|schwing|cycle|p\xc3\xa9riod|(\b|\d)t)", first)
+        first = file.read(_TITLES).decode(errors="replace")
+    named = re.search(rf"(?i){_SWINGS}|(\b|\d)t", first)
     return cells_of(path, path)[0] if named else []
 
 

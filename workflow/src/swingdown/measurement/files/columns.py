@@ -18,7 +18,8 @@ _WRITTEN = {
     (TIME, "s"): ("s", "sec", "secs", "second", "seconds", "sekunden"),
     (TIME, "ms"): ("ms", "msec", "millis", "millisecond", "milliseconds"),
     (TIME, "us"): ("us", "µs", "μs", "usec", "micros", "microsecond", "microseconds"),
-    (TIME, ""): ("min", "minutes", "h", "hours", "ns"),
+    (TIME, "ns"): ("ns", "nsec", "nanos", "nanosecond", "nanoseconds"),
+    (TIME, ""): ("min", "minutes", "h", "hours"),
     (ANGLE, "rad"): ("rad", "rads", "radian", "radians"),
     (ANGLE, "deg"): ("deg", "degs", "degree", "degrees", "°", "º", "˚"),
     (ANGLE, ""): ("grad", "gon", "rev", "revs", "revolutions", "turn", "turns", "mrad"),
@@ -35,6 +36,14 @@ _WRITTEN = {
         "mt", "lx", "lux", "pa", "hpa", "kpa", "a", "ma", "w", "j", "db", "%", "rad/s^2", "rad/s²", "deg/s^2", "°/s²", "°/s^2",
     ),
 }  # fmt: skip
+# units that are a column's whole name: those of one letter are as well a symbol
+_ALONE = {"counts", "volt", "volts"} | {
+    written
+    for (kind, unit), all_ in _WRITTEN.items()
+    if unit and kind in (TIME, ANGLE)
+    for written in all_
+    if len(written) > 1
+}
 UNNAMED = "Unnamed: "  # before the number of a column without a name, where others have one
 SIGNAL_RATES = ("rad/s", "deg/s")
 _ACCELERATIONS = ("m/s^2", "m/s²", "m/s2", "g", "mg")
@@ -114,19 +123,7 @@ def meaning(name: str, beside: str = "") -> Meaning:
 
 def _unit_in(name: str) -> tuple[str, str]:
     """A header's label and the unit that it states, or ""."""
-    if name.lower() in (
-        "millis",
-        "micros",
-        "degrees",
-        "radians",
-        "milliseconds",
-        "microseconds",
-        "seconds",
-        "second",
-        "counts",
-        "volt",
-        "volts",
-    ):
+    if name.lower() in _ALONE:
         return name, name.lower()
     if found := re.fullmatch(r"(.*?)\s*[(\[]\s*([^()\[\]]*?)\s*[)\]]\s*", name):
         label, inside = found.groups()
@@ -181,14 +178,14 @@ def choose(
         raise InputError(
             f"{place}, {place_of(clock.name)}",
             f"{_saying(clock)} cannot be the time",
-            "a column of time in s, ms or us",
+            "a column of time in s, ms, us or ns",
             "name it ⟨in time_column⟩, or write its unit ⟨in time_unit⟩; for a file without times write the samples a second ⟨in rate_hz⟩",
         )
     if not units[0] and clock.written and not clock.unit:
         raise InputError(
             f"{place}, {place_of(clock.name)}",
             f"the unit of the time, {clock.written!r}, is not known here",
-            "s, ms or us",
+            "s, ms, us or ns",
             "convert the column, or write its unit ⟨in time_unit⟩",
         )
     return clock, _swing(

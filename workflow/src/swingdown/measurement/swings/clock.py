@@ -200,7 +200,7 @@ def _even_clock(times: Floats, signal: Floats) -> tuple[Floats | None, list[str]
         return found
     # a computer is late by less than a swing: a clock that is further off counts something else
     clocks = [even for even in clocks if np.std(times - even) < LATE * half_swings(signal).period(even)]
-    if clocks and times.size >= 2 * WINDOW:
+    if clocks and times.size >= 2 * WINDOW and not _at_changes(signal):
         left = [scatter(one, signal, WINDOW, ORDER) for one in (stamps, *clocks)]
         rough = [float(one.sum()) for one in left]
         best = int(np.argmin(rough))
@@ -216,6 +216,14 @@ def _even_clock(times: Floats, signal: Floats) -> tuple[Floats | None, list[str]
             "samples that share a time, for the clock has too few digits, were spread evenly over it"
         ]
     return None, []
+
+
+def _at_changes(signal: Floats) -> bool:
+    """Whether readings in steps were written when they changed, as an encoder's are: mostly by one step, and never by none as at a turning
+    point. Over even times they would be straight lines."""
+    changes = np.abs(np.diff(signal))
+    step = changes.min()
+    return bool(step > 0 and np.isclose(np.median(changes), step))
 
 
 def _by_figures(times: Floats) -> tuple[Floats, list[str]] | None:
