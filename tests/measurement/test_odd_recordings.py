@@ -116,6 +116,16 @@ def test_turns_from_a_zero_that_is_nowhere_are_none():
     assert "it swings about 22.8 rad" in told and "turns" not in told
 
 
+@pytest.mark.parametrize("bits", [8, 12, 14])
+def test_counts_that_begin_anew_at_a_power_of_two_run_on(bits):
+    turn = 2**bits
+    counts = np.round(turn * swing(noise=0) / (2 * np.pi))
+    told = looked_at(counts % turn, unit_told=False)
+    assert any("jumps by a whole turn" in one for one in told)
+    judged = judge(TIME, counts % turn, Reading("rad", False, 1.0), "a.csv")
+    assert np.ptp(judged.signal) == np.ptp(counts)
+
+
 def test_a_zero_beside_the_vertical():
     told = "it swings about 0.3 rad (17.2°), and 0 should be where it hangs: this is taken away"
     assert looked_at(swing() + 0.3) == [told]

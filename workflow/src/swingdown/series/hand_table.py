@@ -28,8 +28,13 @@ _SWINGS = "osc|swing|cycle|period|périod|períod|vibr|schwing|slinger|wahni|kmi
 _COUNTED = re.compile(rf"(?<![\d.,])(\d+)\s*[x×*·]?\s*(?:(?:full|complete)\s+)?(?:{_SWINGS}|t(?![^\W\d_]))|^t_?\{{?(\d\d+)\}}?(?!\d)", re.I)  # fmt: skip
 _PERIOD = re.compile(r"(?:(?:mean|average|avg)\W*)?(?:(?-i:T)|period|periode|période|periodo|período|schwingungsdauer)(?:[\s_]*(?:mean|avg|average|\d))?", re.I)  # fmt: skip
 _TRIAL = re.compile(r"(?:trial|try|versuch|essai|prova|ensayo|tentativa)[\s_]*\d", re.I)
-_NOT = re.compile(r"\^|²|\*\*|squared|uncert|unsicher|incert|(?<![^\W\d_])err|fehler|fout|std|s\.?d\.?\b|±|^[uδΔd]_|delta|theor|calc|expected", re.I)
-_LENGTH = re.compile("length|länge|longueur|lunghezza|longitud|comprimento|lengte|długość|délka|uzunluk|длина")
+_NOT = re.compile(
+    r"\^|²|\*\*|squared|uncert|unsicher|incert|(?<![^\W\d_])err|fehler|fout|std|s\.?d\.?\b|±|^[uδΔd]_|delta|theor|calc|expected",
+    re.I,
+)
+_LENGTH = re.compile(
+    "length|länge|longueur|lunghezza|longitud|comprimento|lengte|długość|délka|uzunluk|длина"
+)
 _COUNTER = re.compile(
     r"#|n[or°]?\.?|(?:\w+_)?(?:no\.|nr\.|number|#)|(?:trial|run|measurement|reading|attempt|versuch|messung|essai|prova|ensayo|tentativa)s?(?:_?(?:#|no\.?|number|nr\.?))?"
 )
