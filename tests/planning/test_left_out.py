@@ -53,7 +53,8 @@ def series():
     one, two, three = (
         simulate(TRUTH, TIMES, angle) + more for angle, more in zip((0.3, 0.2, 0.4), noise, strict=False)
     )
-    hand = 0.3 * np.exp(-0.02 * TIMES) * np.sin(7 * TIMES + 2 * np.sin(1.3 * TIMES)) + noise[3]
+    held = 1 + 0.4 * np.sin(2.3 * TIMES)  # a hand changes how far it swings, and when
+    hand = 0.3 * held * np.exp(-0.02 * TIMES) * np.sin(7 * TIMES + 2 * np.sin(1.3 * TIMES)) + noise[3]
     return {
         "one": (TIMES, one), "two": (TIMES, two), "three": (TIMES, three), "grown": (TIMES, three[::-1]), "hand": (TIMES, hand),
         "short": (TIMES[:70], three[:70]), "brief": (TIMES[:190], three[:190]), "soft": softening(), "kicked": kicked(),

@@ -149,8 +149,11 @@ def hand_table(path: Path) -> HandTable | None:
 
 
 def may_be_times(path: Path) -> bool:
-    """Whether a file is so small that its numbers may be times taken by hand, whatever its heads say."""
-    return path.suffix.lower() in (*_TEXT, *_WORKBOOKS) and path.is_file() and path.stat().st_size < _SMALL
+    """Whether a file is so small that its numbers may be times taken by hand, whatever its heads say; a text without numbers holds none."""
+    ending = path.suffix.lower()
+    if ending not in (*_TEXT, *_WORKBOOKS) or not path.is_file() or path.stat().st_size >= _SMALL:
+        return False
+    return ending in _WORKBOOKS or bool(re.search(rb"\d", path.read_bytes()))
 
 
 def _head_lines(lines: Sequence[Sequence[str]]) -> list[int]:
