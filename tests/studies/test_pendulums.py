@@ -95,6 +95,15 @@ def test_a_model_that_ran_away_describes_nothing_where_another_does(study):
     assert described_by(one) == "viscous"
 
 
+def test_a_model_whose_frequency_is_not_told_describes_nothing(study):
+    """A friction that winds up over many turns is a spring, and takes the weight's place."""
+    one = study[0].sel(recording=["z1"]).copy(deep=True)
+    best = described_by(one)
+    at = {"fitted": best, "parameter": "natural_frequency"}
+    one["standard_error"].loc[at] = 1.1 * one["value"].loc[at]
+    assert described_by(one) != best and best not in weights(one)
+
+
 def test_a_law_of_a_shape_that_it_cannot_have_describes_nothing():
     """A drag by the 25th power of the speed fits a few large swings, and stops those that are a little larger at once."""
     times = np.arange(1500) / 50

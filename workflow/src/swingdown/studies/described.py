@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from ..arrays import Floats
 from ..pendulum.catalogue import ANGLE, SHIPPED, Catalogue
-from ..pendulum.effect import Effect
+from ..pendulum.effect import NATURAL_FREQUENCY, Effect
 from ..pendulum.model import Model
 from .comparison import WORTH, aic_effective, bic_effective, terms_of
 from .norms import as_text, over
@@ -33,8 +33,8 @@ def described_by(norms: xr.Dataset, catalogue: Catalogue = SHIPPED) -> str:
     -------
     str
         By BIC, for as many samples as count as independent. A model whose effect has a size or a shape that it cannot have (a damper that
-        gives energy, a drag by the 25th power), or one whose values ran away (no standard error, or ``_ran_away``), is left out where
-        there is another.
+        gives energy, a drag by the 25th power), or one whose values ran away (no standard error, one above the frequency, or ``_ran_away``), is
+        left out where there is another.
     """
     labels, evidence, usable = _evidence(norms, catalogue)
     lowest, terms = min(evidence[k] for k in usable), terms_of(norms).sum(axis=1)
@@ -68,6 +68,14 @@ def _evidence(norms: xr.Dataset, catalogue: Catalogue) -> tuple[list[str], Float
     sound = ~((sizes < 0).any(axis=(1, 2)) | _beyond_bounds(norms, effects)) & np.isfinite(evidence)
     unsure = np.all(np.abs(sizes) < errors, axis=2)
     sound &= [not _ran_away(k, compress(sized, unsure[k]), labels, evidence) for k in range(len(labels))]
+    # of a frequency within its standard error of none no pendulum is seen, but a friction that winds up as a spring does
+    pace, error = (
+        over(norms, key, "fitted", "parameter")[:, known.index(NATURAL_FREQUENCY.name)].reshape(
+            len(labels), -1
+        )
+        for key in ("value", "standard_error")
+    )
+    sound &= ~(error > pace).any(axis=1)
     # without a standard error a parameter runs away, and tells nothing
     told = np.isfinite(over(norms, "standard_error", "fitted").reshape(len(labels), -1)).any(axis=1)
     sound &= told | ~told.any()
