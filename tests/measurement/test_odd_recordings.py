@@ -9,7 +9,7 @@ from swingdown.measurement.judge import Reading, check_used, judge
 from swingdown.measurement.plausibility import in_step_and_dying, in_step_and_steady
 from swingdown.measurement.recording import ingest
 from swingdown.measurement.sheet import read_sheet
-from swingdown.measurement.units import check_steps, in_rad, time_factor
+from swingdown.measurement.units import check_steps, in_rad, time_factor, unwrapped
 
 RATE = 100
 TIME = np.arange(30 * RATE) / RATE
@@ -124,6 +124,13 @@ def test_counts_that_begin_anew_at_a_power_of_two_run_on(bits):
     assert any("jumps by a whole turn" in one for one in told)
     judged = judge(TIME, counts % turn, Reading("rad", False, 1.0), "a.csv")
     assert np.ptp(judged.signal) == np.ptp(counts)
+
+
+@pytest.mark.parametrize("high", [1023.0, 1.7e308])
+def test_what_is_on_and_off_begins_no_turn_anew(high):
+    gate = np.where(np.cos(7.25 * TIME) > 0, high, 2.0)
+    signal, told = unwrapped(gate, "")
+    assert not told and np.array_equal(signal, gate)
 
 
 def test_a_zero_beside_the_vertical():

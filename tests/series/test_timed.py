@@ -182,3 +182,15 @@ def test_what_may_be_times_by_hand_asks_how_many_swings_each_covers(tmp_path, mo
     with pytest.raises(SystemExit):
         main(["timed.csv", "--quick"])
     assert "how many swings each covers" in capsys.readouterr().err
+
+
+def test_a_short_recording_is_not_asked_how_many_swings_its_times_cover(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    times = np.arange(250) / 20
+    grown = 0.1 * np.exp(0.1 * times) * np.cos(6 * times)
+    rows = [f"{t:.2f},{x:.4f}" for t, x in zip(times, grown, strict=True)]
+    written(tmp_path, "t (s),angle (rad)", rows)
+    with pytest.raises(SystemExit):
+        main(["timed.csv", "--quick"])
+    told = capsys.readouterr().err
+    assert "its swings grow" in told and "how many swings each covers" not in told

@@ -7,9 +7,8 @@ from ..arrays import Floats
 from .plausibility import ENOUGH, STEADY
 from .swings.half_swings import half_swings, passages
 
-RELATIVE = (
-    0.01  # rad: what the largest swing stands for where no period tells more, as sine and angle are then one
-)
+# rad: what the largest swing stands for where no period tells more, as sine and angle are then one
+RELATIVE = 0.01
 _WIDEST = 3.0  # rad
 _WORTH = 10.0  # of BIC, by which the period has to be better told with the size of the swings than without
 _ROUNDS = 8  # until the square of the swings is what it makes of the period

@@ -18,6 +18,7 @@ A_DAY = 86_400.0  # s
 SLOWEST = 700.0  # s; a torsion balance
 WHOLE = 1.02  # turns from one turning point to the next: weight swings nothing further back and forth
 _A_BYTE = 8  # bits
+_EXACT = 2.0**53  # below it a number holds each count
 WRAPPED = 0.1  # of a turn: a jump that is so nearly a whole one is that of a sensor that begins anew
 TURNS = {"rad": 2 * pi, "deg": 360.0}
 NO_SCALE = "1"  # the unit of a reading whose scale nobody states
@@ -113,20 +114,26 @@ def unwrapped(signal: Floats, unit: str) -> tuple[Floats, list[str]]:
     ``unit`` is rad or deg, or "" where nobody states it: then a jump of 360 tells degrees, and one of a power of two a counter of so many bits.
     """
     jumps = np.abs(np.diff(signal))
-    for turn in [TURNS[unit]] if unit else [*TURNS.values(), *_counter(signal)]:
+    counter = [] if unit else _counter(signal)
+    for turn in [TURNS[unit]] if unit else [*TURNS.values(), *counter]:
         wraps = np.count_nonzero(np.abs(jumps - turn) < WRAPPED * turn)
-        if wraps and np.ptp(signal) < (1 + WRAPPED) * turn:
-            whole = np.unwrap(signal, period=turn)
-            return whole - turn * np.round(np.median(whole) / turn), [
-                f"the angle jumps by a whole turn {wraps} times, where the sensor begins anew: these were added up"
-            ]
+        if not (wraps and np.ptp(signal) < (1 + WRAPPED) * turn):
+            continue
+        whole = np.unwrap(signal, period=turn)
+        if turn in counter and np.ptp(whole) < WRAPPED * turn:  # on and off, as a light gate
+            continue
+        return whole - turn * np.round(np.median(whole) / turn), [
+            f"the angle jumps by a whole turn {wraps} times, where the sensor begins anew: these were added up"
+        ]
     return signal, []
 
 
 def _counter(signal: Floats) -> list[float]:
     """The number at which a counter of bytes or more begins anew, which holds these readings; none where they are no whole numbers above 0."""
-    bits = int(np.ceil(np.log2(signal.max() + 1))) if signal.min() >= 0 else 0
-    return [2.0**bits] if bits >= _A_BYTE and np.all(signal == np.round(signal)) else []
+    if not (signal.min() >= 0 and signal.max() < _EXACT and np.all(signal == np.round(signal))):
+        return []
+    bits = int(np.ceil(np.log2(signal.max() + 1)))
+    return [2.0**bits] if bits >= _A_BYTE else []
 
 
 def angle_unit(signal: Floats, unit: str, restoring: str, place: str) -> tuple[str, list[str]]:

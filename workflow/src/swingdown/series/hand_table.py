@@ -22,7 +22,7 @@ _HEADS = 10  # lines in which the heads stand
 _TITLES = 3000  # bytes of them
 _TEXT = (".csv", ".tsv", ".txt", ".dat")
 _WORKBOOKS = (".xlsx", ".xls", ".ods")
-_SMALL = 12_000  # bytes: a workbook of some trials has no more
+_SMALL = 12_000  # bytes: a workbook of some trials, or as many lines, has no more
 _LARGEST = 300_000  # bytes: a recording may have more than can be held
 _SWINGS = "osc|swing|cycle|period|périod|períod|vibr|schwing|slinger|wahni|kmit|salını|период|колеб"
 _COUNTED = re.compile(rf"(?<![\d.,])(\d+)\s*[x×*·]?\s*(?:(?:full|complete)\s+)?(?:{_SWINGS}|t(?![^\W\d_]))|^t_?\{{?(\d\d+)\}}?(?!\d)", re.I)  # fmt: skip
@@ -149,11 +149,12 @@ def hand_table(path: Path) -> HandTable | None:
 
 
 def may_be_times(path: Path) -> bool:
-    """Whether a file is so small that its numbers may be times taken by hand, whatever its heads say; a text without numbers holds none."""
+    """Whether a file is so short that its numbers may be times taken by hand, whatever its heads say; a text without numbers holds none."""
     ending = path.suffix.lower()
     if ending not in (*_TEXT, *_WORKBOOKS) or not path.is_file() or path.stat().st_size >= _SMALL:
         return False
-    return ending in _WORKBOOKS or bool(re.search(rb"\d", path.read_bytes()))
+    text = path.read_bytes()
+    return ending in _WORKBOOKS or (bool(re.search(rb"\d", text)) and len(text.splitlines()) <= _LINES)
 
 
 def _head_lines(lines: Sequence[Sequence[str]]) -> list[int]:

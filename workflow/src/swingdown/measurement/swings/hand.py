@@ -83,7 +83,7 @@ def held_still(times: Floats, rate: Floats) -> list[Stretch]:
     period = swings.period(times)
     usual = round(period / float(np.median(np.diff(times))))
     found = []
-    for a, b in runs(still.astype(float)):
+    for a, b in runs(still):
         before, after = np.abs(rate[max(0, a - usual) : a]), np.abs(rate[b:])
         if (
             b < len(rate)
