@@ -81,7 +81,7 @@ class Cluster:
         for node in nodes:
             self._signal_jobs(node, signal.SIGSTOP)
         time.sleep(1)  # what had ended before is told by now
-        if all(self.running(node) for node in nodes):
+        if all(self.running(node) and self._workers(node) for node in nodes):
             return True
         self.go_on(nodes)
         return False
@@ -91,11 +91,14 @@ class Cluster:
         for node in nodes:
             self._signal_jobs(node, signal.SIGCONT)
 
+    def _workers(self, node):
+        """The processes of a node's jobs without their step daemons, which have to answer Slurm: none where a job only tells its end."""
+        return [pid for pid in self._of(node) if b"slurmstepd" not in self._command(pid)]
+
     def _signal_jobs(self, node, number):
-        for pid in self._of(node):
-            if b"slurmstepd" not in self._command(pid):  # it has to answer Slurm
-                with suppress(ProcessLookupError):
-                    os.kill(pid, number)
+        for pid in self._workers(node):
+            with suppress(ProcessLookupError):
+                os.kill(pid, number)
 
     def kill(self, node):
         """A node dies at once: its daemon, and all that ran on it."""
