@@ -42,13 +42,16 @@ def fitted(path, angle):
     """How a fit in the lanes of the engine in a shared library ends, and what it finds of a pendulum with both effects."""
     library, motions = interface.ffi().dlopen(str(path)), [(0, 1, 0), (2, 1, 0), (3, 2, 0)]
     model = interface.model(interface.Layout(motions, n_parameters=3), 3.0)
-    where, given = np.arange(5, dtype=np.int32)[None], np.zeros((1, 5))
     bounds = interface.Bounds(np.full(5, -np.inf), np.full(5, np.inf))
-    problem = interface.FitProblem([model], [(TIMES, angle)], where, given, bounds)
-    rss, values, normal, outcome = interface.fit_in_segments(
-        library, problem, [TIMES.size], np.empty(TIMES.size)
+    start = np.array([*VALUES.values(), 0.5, 0.1])
+    common = interface.Batch(model, TIMES, start, np.arange(5, dtype=np.int32), bounds)
+    converged, evaluations, alone = np.zeros((3, 1), dtype=np.int32)
+    found = interface.BatchResult(np.empty((1, 5)), np.empty(1), converged, evaluations, alone)
+    interface.fit_batch(
+        library, common, angle[None], start[None].copy(), interface.Options(200, 1e-10), found
     )
-    return outcome.converged, [rss, *values, *normal.flat]
+    assert not alone[0]
+    return converged[0], [*found.rss, *found.values[0]]
 
 
 @pytest.fixture(scope="module")

@@ -219,16 +219,6 @@ def minimise(
     return half, normal, _outcome(outcome)
 
 
-def invert_normal(library: Any, x: Floats, bounds: tuple[Any, Any], normal: Floats, inverse: Floats) -> float:
-    """No less than the condition number of J'J with its diagonal scaled to one; ``inverse`` becomes that of J'J at ``x``.
-
-    Infinite, and nothing is known, where a bound holds a variable or J'J is not positive definite. ``bounds`` as a
-    ``FitProblem`` has them.
-    """
-    at, matrix, into = doubles(x), doubles(normal), doubles(inverse)
-    return library.invert_normal(x.size, at, *bounds, matrix, into)
-
-
 # ---- Fits of swings ----
 
 
@@ -310,23 +300,6 @@ def fit_swings(
     all_starts = new("Starts *", (len(variables), doubles(variables), *asked))
     rss = library.fit_swings(swings, all_starts, new("SearchOptions *", options), result)
     return rss, best, normal, squares, _outcome(result.outcome)
-
-
-def fit_in_segments(
-    library: Any, problem: FitProblem, lengths: Sequence[int], angles: Floats
-) -> tuple[float, Floats, Floats, Outcome]:
-    """The least sum of squares (rad^2) of one swing, the variables there, J'J and the ``Outcome``, where the swing
-    can be followed in segments side by side and leaves nothing but noise; else it has not converged.
-
-    What is given is as in ``fit_swings``.
-    """
-    size, new = problem.n_variables, ffi().new
-    values, best, normal = problem.given.copy(), np.zeros(size), np.zeros((size, size))
-    n_samples = new("int[]", lengths)  # it and the values under names, or C is pointed to what is freed
-    swings = problem.c(n_samples, values)
-    result = new("FitResult *", (doubles(best), doubles(normal), doubles(angles)))
-    rss = library.fit_in_segments(swings, result)
-    return rss, best, normal, _outcome(result.outcome)
 
 
 class BatchResult(NamedTuple):

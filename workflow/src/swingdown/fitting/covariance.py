@@ -3,7 +3,6 @@
 import numpy as np
 
 from ..arrays import Floats
-from ..engine import interface
 from ..engine.trajectory import sensitivities
 from ..pendulum.slack import time_power
 from .problem import RELEASE, Problem
@@ -13,9 +12,7 @@ _SINGULAR = 1e15
 _RELEASE_UNITS = dict(zip(RELEASE, ("rad", "rad/s"), strict=True))
 
 
-def covariance_of(
-    problem: Problem, hessian: Floats, rss: float, best: Floats, quickly: bool = False
-) -> tuple[Floats, Floats]:
+def covariance_of(problem: Problem, hessian: Floats, rss: float, best: Floats) -> tuple[Floats, Floats]:
     """The covariance of the free values for independent residuals, and its systematic part.
 
     Parameters
@@ -28,8 +25,6 @@ def covariance_of(
         The sum of squares at the minimum; rss / (n - k) is the variance of the noise.
     best
         The free values there, of shape (free,).
-    quickly
-        As of ``inverse_of``.
 
     Returns
     -------
@@ -39,7 +34,7 @@ def covariance_of(
         Of shape (free, source).
     """
     noise, slack = rss / (problem.n - len(problem.free)), problem.model.slack
-    inverse = inverse_of(problem, hessian, best, quickly)
+    inverse = inverse_of(problem, hessian, best)
     if problem.known is None and not slack.clock:  # the usual fit: there is nothing systematic
         inverse *= noise
         return inverse, np.zeros((len(problem.free), len(slack.sources) + 1))
@@ -52,7 +47,7 @@ def covariance_of(
     return noise * inverse + systematic @ systematic.T, systematic
 
 
-def inverse_of(problem: Problem, hessian: Floats, best: Floats, quickly: bool = False) -> Floats:
+def inverse_of(problem: Problem, hessian: Floats, best: Floats) -> Floats:
     """The inverse of J'J over the variables that no bound holds; NaN for those held or undetermined.
 
     Parameters
@@ -63,15 +58,7 @@ def inverse_of(problem: Problem, hessian: Floats, best: Floats, quickly: bool = 
         J'J, of shape (free, free).
     best
         The free values at the minimum, of shape (free,).
-    quickly
-        By the engine, in a fifth of the time, where all are free and determined. The last digits are others than numpy's, and what goes on from
-        a fit's covariance then ends elsewhere, by up to 1e-5 of a standard error.
     """
-    compiled = problem.compiled[0]
-    if quickly:
-        whole = np.empty(hessian.shape)
-        if interface.invert_normal(compiled.library, best, problem.c.bounds, hessian, whole) < _SINGULAR:
-            return whole
     scale = np.sqrt(hessian.diagonal())
     free = (best > problem.lower) & (best < problem.upper) & (scale > 0)
     found, at = np.full(hessian.shape, np.nan), np.ix_(free, free)

@@ -53,8 +53,7 @@ def fit_jointly(  # noqa: PLR0913
     start
         ``free`` fits each release angle and velocity; ``rest`` starts at rest at the first sample.
     guess
-        A model with values, a fit or a ``Begin``, or several, to start from besides the decay in the data. With a list, also an
-        empty one, a single swing is not cut into segments (c/segments.h).
+        A model with values, a fit or a ``Begin``, or several, to start from besides the decay in the data.
     bounded
         Whether parameters keep within the catalogue's bounds.
     own
@@ -84,12 +83,9 @@ def fit_jointly(  # noqa: PLR0913
         model = replace(model, record=max(float(times[-1] - times[0]) for times, _ in swings))
     own = (model.each if len(swings) > 1 else ()) if own is None else tuple(own)
     problem = Problem(model, swings, start, bounded, own, fixed)
-    found, agreeing, tried = None if guess is not None else _in_segments(problem, most), 1, 1
-    in_segments = found is not None
-    if found is None:
-        starts, from_data = problem.starts(guess, seen)
-        first = len(starts) - from_data + 1 if from_data else 0
-        found, agreeing, tried = _from_all(problem, starts, first, most, tolerance, grown, rough)
+    starts, from_data = problem.starts(guess, seen)
+    first = len(starts) - from_data + 1 if from_data else 0
+    found, agreeing, tried = _from_all(problem, starts, first, most, tolerance, grown, rough)
     rss, best, hessian, _, outcome, angles = found
     if outcome.converged < 0:
         raise TrajectoryError(f"model {model.label}: no start of {tried} gives a trajectory")
@@ -97,7 +93,7 @@ def fit_jointly(  # noqa: PLR0913
     message += (
         "stationary" if outcome.converged else f"not stationary after {outcome.evaluations} evaluations"
     )
-    covariance, converged = covariance_of(problem, hessian, rss, best, in_segments), bool(outcome.converged)
+    covariance, converged = covariance_of(problem, hessian, rss, best), bool(outcome.converged)
     if outcome.driven:
         for compiled, series in zip(problem.compiled, angles, strict=False):
             warn_of_drive(compiled, True, series)
@@ -236,20 +232,6 @@ def _from_all(
     if thin is not problem:
         found = _search(problem, np.vstack([best, grown]), most, tolerance, rough=rough)
     return found, int(np.sum(squares <= rss * (1 + _SAME))), squares.size
-
-
-def _in_segments(problem: Problem, most: int) -> Any:
-    """What ``_search`` gives, of one swing that its model explains down to white noise: there is nothing better to be found.
-
-    None of all others, and where the swing cannot be followed in segments (c/segments.h).
-    """
-    if len(problem.swings) > 1:
-        return None
-    library, angles = problem.compiled[0].library, np.empty(problem.n)
-    *found, outcome = interface.fit_in_segments(library, problem.c, [problem.n], angles)
-    return (
-        (*found, None, outcome, [angles]) if outcome.converged > 0 and outcome.evaluations <= most else None
-    )
 
 
 def _search(

@@ -114,10 +114,6 @@ typedef struct {
 /* Half the least sum of squares within the bounds, from x, which moves to the minimum; normal: J'J there. */
 double minimise(const LeastSquares *problem, double *x, double *normal, SearchOutcome *outcome);
 
-/* The inverse of J'J (n by n) at x; no less than the condition number of J'J with its diagonal scaled to one: the product of
- * Frobenius' norms of that and of its inverse. Infinite, and no inverse, where a bound holds a variable or J'J is not positive definite. */
-double invert_normal(int n, const double *x, const double *lower, const double *upper, const double *normal, double *inverse);
-
 /* ---- Fits of swings ---- */
 
 /* What is known of the variables before any swing: (x - mean)' precision (x - mean) joins the sum of squares, in rad^2. The
@@ -159,10 +155,6 @@ typedef struct {
 
 /* The least sum of squares (rad^2) over all starts. */
 double fit_swings(const FitProblem *problem, const Starts *starts, const SearchOptions *options, FitResult *result);
-
-/* The same without a start where a single swing can be followed in segments, side by side in the processor's vector lanes
- * (segments.h), and ends in nothing but white noise: then converged is STATIONARY. Else it is NOT_COMPUTABLE and nothing is known. */
-double fit_in_segments(const FitProblem *problem, FitResult *result);
 
 /* Many series of angles over the same times, each fitted alone. values: by series, the row it starts from. */
 typedef struct {

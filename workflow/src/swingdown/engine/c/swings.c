@@ -6,7 +6,6 @@
 
 #include "least_squares.h"
 #include "lockstep.h"
-#include "segments.h"
 #include "trajectory.h"
 
 #define MOST_WORK 4.0      /* of a trajectory, times the usual */
@@ -15,8 +14,6 @@
 /* Reduction that a last step promised, relative to the sum of squares, below which the slopes from before it are those after:
  * of 1e4 samples it went by 3e-5 of a standard error. */
 #define SAME_SLOPES 1e-13
-
-#define SMALL_STEP 1e-8 /* reduction that it promises, relative to the sum of squares: where segments end at the minimum */
 
 /* What the last point was like. */
 typedef struct {
@@ -295,50 +292,6 @@ double fit_swings(const FitProblem *problem, const Starts *starts, const SearchO
     free(fit.residuals);
     free(room);
     return 2.0 * least;
-}
-
-/* The step from x to the minimum, by whole trajectories; whether it is small, and no bound holds it. room: for 2 n and n * n. */
-static int step_to_minimum(Fit *fit, double *x, double *normal, double *room) {
-    const FitProblem *problem = fit->problem;
-    const int n = problem->n_variables;
-    double *step = room + n, *a = step + n, predicted = 0.0;
-    const double half = swings_cost(fit, x, room, normal);
-    if (!(half < INFINITY)) return 0;
-    memcpy(a, normal, (size_t)n * n * sizeof(double));
-    for (int i = 0; i < n; i++) step[i] = -room[i];
-    if (!factorise(n, a)) return 0;
-    substitute(n, a, step);
-    int within = 1;
-    for (int i = 0; i < n; i++) {
-        predicted -= 0.5 * room[i] * step[i];
-        x[i] += step[i];
-        within &= x[i] > problem->bounds.lower[i] && x[i] < problem->bounds.upper[i];
-    }
-    return within && predicted < SMALL_STEP * half;
-}
-
-/* The trajectory at the minimum is that of every other fit, and its sum of squares has the last word. */
-double fit_in_segments(const FitProblem *problem, FitResult *result) {
-    const size_t n = problem->n_variables;
-    Fit fit;
-    double squares = INFINITY;
-    int directed;
-    result->outcome = (SearchOutcome){NOT_COMPUTABLE, 0, INFINITY, 0, 0, 0};
-    const int evaluations = search_in_segments(problem, result->variables, result->normal, &directed);
-    if (!evaluations) return INFINITY;
-    double *room = malloc((n * n + 2 * n) * sizeof(double));
-    if (open_fit(&fit, problem) && room) {
-        fit.angles = result->angles;
-        fit.rough = 1.0;
-        set_budget(&fit, result->variables, 2);
-        const int arrives = !directed || step_to_minimum(&fit, result->variables, result->normal, room);
-        if (arrives) squares = 2.0 * swings_cost(&fit, result->variables, NULL, NULL);
-        if (squares < INFINITY && !fit.last.stops && !fit.last.driven && leaves_noise(&fit))
-            result->outcome = (SearchOutcome){STATIONARY, evaluations + 1 + directed, 0.0, 0, 1, 0};
-    }
-    free(fit.residuals);
-    free(room);
-    return squares;
 }
 
 /* One series of a batch by itself. normal: room for a matrix. */
