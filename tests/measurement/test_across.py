@@ -66,3 +66,10 @@ def test_decimal_commas_and_powers_of_ten_are_numbers():
     assert turned(commas, ANGLES, between=";")[1] == ["0,1", "8"]
     small = [f"{k + 1}.5e-3" for k in range(10)]
     assert turned(TIMES, small)[0] == ["0", "1.5e-3"]
+
+
+@pytest.mark.parametrize("form", ["{} = [{}]", "{} = np.array([{}])", "{} = [{}];", "{}: ({}),"])
+def test_lists_as_a_program_prints_them_are_rows(form):
+    lines = [form.format(name, ", ".join(cells)) for name, cells in (("t", TIMES), ("theta", ANGLES))]
+    found = upright(lines).read().decode().splitlines()
+    assert found[0] == "t\ttheta" and found[1:] == [f"{t}\t{a}" for t, a in zip(TIMES, ANGLES, strict=True)]

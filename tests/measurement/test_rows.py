@@ -145,7 +145,7 @@ def test_a_table_below_another_is_taken_by_its_name(take):
 def test_two_data_sets_of_vernier_are_two_recordings():
     one = "Vernier Format 2\nMy.cmbl 7/5/2019 9:37:43\nData Set\nTime\tAngle\nt\tA\ns\trad\n\n" + rows("\t")
     found = tables(io.BytesIO((one + "\n" + one).encode()), {"file": "swing.txt"})
-    assert [table.names for table in found.values()] == [("t (s)", "A (rad)")] * 2
+    assert [table.names for table in found.values()] == [("Time (s)", "Angle (rad)")] * 2
 
 
 @pytest.mark.parametrize("form", ["{clock} -> {raw}", "[{clock}] {raw}", "[{clock}] -> {raw}"])
@@ -314,7 +314,9 @@ def test_coordinates_may_stand_behind_the_name_of_what_was_followed():
 
 def test_settings_beside_the_rows_are_no_columns(take):
     beside = ["Record Length,2.5e+03,", "Source,CH1,", "Vertical Units,V,", *[",,"] * 297]
-    made = take("".join(f"{own},{row},\n" for own, row in zip(beside, rows().splitlines(), strict=True)))
+    text = "".join(f"{own},{row},\n" for own, row in zip(beside, rows().splitlines(), strict=True))
+    made = take(text, scale="relative")
+    assert "`column 5` as volts" in made.attrs["taken"]  # as the settings state
     np.testing.assert_array_equal(made["signal"].values, SWING)
     assert "next to no numbers: left out" in made.attrs["remarks"]
 

@@ -64,3 +64,31 @@ def test_all_words_before_a_number_name_it(here):
     ]
     found = read(here, "\n".join(lines), "log")
     assert found.attrs["taken"].startswith("took `Pendulum angle (deg)` as degrees, `Time (s)` as s")
+
+
+def test_a_record_over_several_lines_is_a_row(here):
+    """As a library's example prints an inertial sensor: the words stand before the first axis, the unit behind the last."""
+    rates = np.gradient(np.radians(ANGLES), 0.02)
+    lines = ["Found!"]
+    for angle, rate in zip(np.radians(ANGLES), rates, strict=True):
+        lines += [
+            f"Acceleration X: {9.81 * np.sin(angle):.2f}, Y: 0.11, Z: {9.81 * np.cos(angle):.2f} m/s^2",
+            f"Rotation X: 0.01, Y: {rate:.3f}, Z: -0.02 rad/s",
+            "Temperature: 24.5 degC",
+            "",
+        ]
+    del lines[98]  # of this record a line is lost: it is none
+    (here / "swing.log").write_text("\n".join(lines))
+    (here / "sheet.csv").write_text(
+        "recording,file,rate_hz,signal_column\nswing,swing.log,50,Rotation Y (rad/s)\n"
+    )
+    found = ingest(read_sheet("sheet.csv").loc["swing"], "sheet.csv")
+    assert "1 of 400 cells" in found.attrs["remarks"] and "an angular rate" in found.attrs["taken"]
+    kept = np.delete(rates, 24)
+    assert np.abs(found["signal"] - kept).max() < 1e-3
+
+
+def test_what_stands_above_the_first_line_hides_no_names(here):
+    lines = ["sensor ready", *(f"AcX = {a:.2f} | GyY = {2 * a:.3f}" for a in ANGLES)]
+    with pytest.raises(InputError, match="AcX, GyY"):
+        read(here, "\n".join(lines), "log")

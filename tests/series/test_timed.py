@@ -194,3 +194,43 @@ def test_a_short_recording_is_not_asked_how_many_swings_its_times_cover(tmp_path
         main(["timed.csv", "--quick"])
     told = capsys.readouterr().err
     assert "its swings grow" in told and "how many swings each covers" not in told
+
+
+@pytest.mark.parametrize(
+    "head", ["number of oscillations,time (s)", "Кол-во периодов,Время", "Anzahl Schwingungen,t (s)"]
+)
+def test_a_column_may_count_the_swings_of_each_line(tmp_path, head):
+    found = timed(written(tmp_path, head, ["10,14.02", "20,28.10", "5,7.03", "10,14.03"]))
+    assert np.allclose(found.table["period_s"], 1.404, atol=2e-3) and "as many swings as" in found.told[0]
+
+
+@pytest.mark.parametrize("cell", ["0", "2.5", "", "many"])
+def test_a_count_that_is_no_whole_number_is_refused(tmp_path, cell):
+    with pytest.raises(InputError, match="is no number of swings"):
+        timed(written(tmp_path, "number of swings,time (s)", ["10,14.02", f"{cell},28.10"]))
+
+
+def test_of_half_swings_and_of_n_alone_nobody_knows_what_they_count(tmp_path):
+    for head in ("number of half swings,time (s)", "n,time (s)", "number of the trial,time (s)"):
+        assert timed(written(tmp_path, head, ["10,14.02", "20,28.10"])) is None
+
+
+def test_times_that_rise_with_their_counts_may_be_those_of_one_swing(tmp_path):
+    """Of a watch that runs on each line would be the trial of all before it."""
+    assert (
+        timed(
+            written(
+                tmp_path,
+                "number of swings,time_A (s),time_B (s)",
+                ["1,8.6,8.5", "2,17.2,", "3,25.9,25.7", "4,34.5,34.2"],
+            )
+        )
+        is None
+    )
+
+
+def test_a_trial_that_is_not_there_leaves_the_others(tmp_path):
+    found = timed(
+        written(tmp_path, "length (m),10T_1 (s),10T_2 (s)", ["0.5,14.1,14.3", "0.6,15.5,", "0.7,16.7,16.9"])
+    )
+    assert np.allclose(found.table["period_s"], [1.42, 1.55, 1.68]) and found.table["period_s_u"].gt(0).all()

@@ -15,6 +15,7 @@ from .choice import SeveralSwings, Uncalibrated, may_be_it
 from .driven import UNITS, Stated, as_variables, judge_driven, stated
 from .files import phyphox
 from .files.columns import place_of
+from .files.known_units import in_known_units
 from .files.runs import SeveralRuns
 from .files.source import Table, check_sha256, opened, table_of
 from .interpret import RELATIVE, Interpreted, interpret
@@ -86,7 +87,7 @@ def _ingest(row: dict[str, Any], sheet: str, restoring: str) -> xr.Dataset:
     )
     with opened(row["file"], place) as source:
         digest = check_sha256(source, row["sha256"], row["file"], place)
-        table, points = passages(table_of(source, row), row, place)
+        table, points = passages(in_known_units(table_of(source, row), row), row, place)
         if points is None:
             table, points = turning_points(table, row, place)
         if points is not None:

@@ -12,7 +12,8 @@ import pandas as pd
 
 from ..errors import InputError
 from ..measurement.files.archive import unpacked
-from ..measurement.sheet import cells_of
+from ..measurement.files.columns import TIME, meaning
+from ..measurement.sheet import TIME_UNITS, cells_of
 from .values import KNOWN, head
 
 COUNTED = "the number of swings in the head, as `time for 10 swings (s)`; of one swing `period (s)`"
@@ -26,6 +27,8 @@ _SMALL = 12_000  # bytes: a workbook of some trials, or as many lines, has no mo
 _LARGEST = 300_000  # bytes: a recording may have more than can be held
 _SWINGS = "osc|swing|cycle|period|périod|períod|vibr|schwing|slinger|wahni|kmit|salını|период|колеб"
 _COUNTED = re.compile(rf"(?<![\d.,])(\d+)\s*[x×*·]?\s*(?:(?:full|complete)\s+)?(?:{_SWINGS}|t(?![^\W\d_]))|^t_?\{{?(\d\d+)\}}?(?!\d)", re.I)  # fmt: skip
+_COUNTS = re.compile(rf"(?:n|nr|no|num|number|count|anzahl|zahl|aantal|numero|número|nombre|liczba|ilość|počet|кол|количество|число)\b\D*(?:{_SWINGS})\D*", re.I)  # fmt: skip
+_HALVES = re.compile("half|halb|halv|mezz|medi|demi|meio|pół|полу|½|1/2", re.I)
 _PERIOD = re.compile(r"(?:(?:mean|average|avg)\W*)?(?:(?-i:T)|period|periode|période|periodo|período|schwingungsdauer)(?:[\s_]*(?:mean|avg|average|\d))?", re.I)  # fmt: skip
 _TRIAL = re.compile(r"(?:trial|try|versuch|essai|prova|ensayo|tentativa)[\s_]*\d", re.I)
 _NOT = re.compile(
@@ -68,12 +71,14 @@ class Head(NamedTuple):
 
 
 class HandTable(NamedTuple):
-    """The cells as text by line and head, the columns of times of one kind, each other head, and whether the file says that it is emulated."""
+    """The cells as text by line and head, the columns of times of one kind, each other head, whether the file says that it is emulated, and
+    the column that counts in each line how many swings the times are, "" for none."""
 
     cells: pd.DataFrame
     times: Sequence[Times]
     heads: Mapping[str, Head]
     emulated: bool
+    counts: str = ""
 
     def seconds(self, path: Path) -> pd.DataFrame:
         """The times of one swing by line and column, NaN for empty cells.
@@ -85,7 +90,7 @@ class HandTable(NamedTuple):
         """
         if not self.times[0].swings:
             raise InputError(f"{path.name}, column {self.times[0].name}", "it does not say how many swings each time covers", COUNTED, "write it into the head")  # fmt: skip
-        found = {}
+        found, swings = {}, self._swings(path)
         for one in self.times:
             values = pd.to_numeric(_decimal(self.cells[one.name]), errors="coerce")
             wrong = (self.cells[one.name] != "") & ~(values > 0)
@@ -99,15 +104,30 @@ class HandTable(NamedTuple):
                 raise InputError(
                     f"{path.name}, line {line}, column {one.name}", f"{self.cells[one.name][line]!r} is no time", "a number of s above 0", "correct the cell, or leave it empty",
                 )  # fmt: skip
-            found[one.name] = values * one.factor / one.swings
+            found[one.name] = values * one.factor / swings
         return pd.DataFrame(found, self.cells.index)
+
+    def _swings(self, path: Path) -> pd.Series:
+        """How many swings the times of each line are; InputError for a count that is no whole number above 0."""
+        if not self.counts:
+            return pd.Series(float(self.times[0].swings), self.cells.index)
+        found = pd.to_numeric(self.cells[self.counts], errors="coerce")
+        timed = self.cells[[one.name for one in self.times]].ne("").any(axis=1)
+        wrong = timed & ~((found >= 1) & (found == np.round(found)))
+        if wrong.any():
+            line = wrong.idxmax()
+            raise InputError(
+                f"{path.name}, line {line}, column {self.counts}", f"{self.cells[self.counts][line]!r} is no number of swings", "a whole number above 0", "correct the cell",
+            )  # fmt: skip
+        return found
 
     @property
     def last_digit(self) -> float:
         """A unit of the last digit that the times are written to, of one swing, in s."""
         texts = [text for one in self.times for text in _decimal(self.cells[one.name])]
         places = max(len(text.partition(".")[2]) for text in texts)
-        return float(10.0**-places * self.times[0].factor / self.times[0].swings)
+        counted = pd.to_numeric(self.cells[self.counts]).min() if self.counts else self.times[0].swings
+        return float(10.0**-places * self.times[0].factor / counted)
 
 
 def _decimal(cells: pd.Series) -> pd.Series:
@@ -124,9 +144,14 @@ def hand_table(path: Path) -> HandTable | None:
         names = lines[place]
         own = [name for name in names if name]
         times = [one for name in own if (one := _times(name))]
-        heads = {name: _head(name) for name in own if name not in {one.name for one in times}}
+        counts = next((name for name in own if _COUNTS.fullmatch(name) and not _HALVES.search(name)), "")
+        if counts and not any(one.swings > 1 for one in times):
+            times = [one for name in own if (one := _clocked(name))]
+        else:
+            counts = ""
+        heads = {name: _head(name) for name in own if name not in {counts, *(one.name for one in times)}}
         varied = any(one.column in KNOWN and not one.error for one in heads.values())
-        if not (any(one.swings > 1 for one in times) or (times and varied)):
+        if not (any(one.swings > 1 for one in times) or (times and (varied or counts))):
             continue
         if len(set(own)) < len(own):
             raise InputError(f"{path.name}, line {place + 1}", "two columns have one name", "a name of its own for each column", "rename one of them")  # fmt: skip
@@ -141,10 +166,11 @@ def hand_table(path: Path) -> HandTable | None:
         cells = pd.DataFrame.from_dict(rows, orient="index", columns=names, dtype=str)
         # a sentence with commas is no head: there are no times below it
         empty = not cells[[one.name for one in times]].ne("").to_numpy().any()
-        if empty or not 0 < len(rows) <= _LINES or _is_clock(cells, times[0]):
+        running = counts and any(_goes_on(cells, counts, one) for one in times)
+        if empty or running or not 0 < len(rows) <= _LINES or _is_clock(cells, times[0]):
             return None
         emulated = any("emulated: yes" in " ".join(cells) for cells in lines[:place])
-        return HandTable(cells, times, heads, emulated)
+        return HandTable(cells, times, heads, emulated, counts)
     return None
 
 
@@ -199,6 +225,18 @@ def _is_clock(cells: pd.DataFrame, one: Times) -> bool:
     """Whether the times go on in equal steps, line by line, as those of a recording do."""
     steps = np.diff(pd.to_numeric(_decimal(cells[one.name]), errors="coerce"))
     return one.swings < 2 and steps.size > 2 and bool(np.all(np.abs(steps - steps.mean()) < 1e-3 * steps.mean()))  # fmt: skip
+
+
+def _goes_on(cells: pd.DataFrame, counts: str, one: Times) -> bool:
+    """Whether the counts and the times rise from line to line, as those of one swing that goes on do."""
+    both = cells[[counts, one.name]].apply(lambda own: pd.to_numeric(_decimal(own), errors="coerce")).dropna()
+    return len(both) > 2 and bool((both.diff().iloc[1:] > 0).to_numpy().all())
+
+
+def _clocked(name: str) -> Times | None:
+    """What a head says of a column of times whose swings another one counts; None where it is of something else."""
+    one = meaning(name)
+    return None if one.kind != TIME or _NOT.search(name) else Times(name, 1, TIME_UNITS[one.unit or "s"])
 
 
 def _times(name: str) -> Times | None:

@@ -109,6 +109,8 @@ def timed(path: Path, by: str = "", u: float = np.nan) -> Timed | None:
 def _told(given: HandTable) -> str:
     names, swings = ", ".join(f"`{one.name}`" for one in given.times), given.times[0].swings
     told = f"took {names} as times of {swings} swings" if swings > 1 else f"took {names} as times of a swing"
+    if given.counts:
+        told = f"took {names} as times of as many swings as `{given.counts}` says"
     return told + ("; trials side by side" if len(given.times) > 1 else "")
 
 
@@ -131,7 +133,7 @@ def _of_trials(times: pd.DataFrame, alike: pd.DataFrame, digit: float) -> tuple[
     which: dict[tuple[str, ...], list[Any]] = {}
     for line, cells in alike.iterrows():
         which.setdefault(tuple(cells), []).append(line)
-    trials = [times.loc[lines].stack().to_numpy() for lines in which.values()]
+    trials = [times.loc[lines].stack().dropna().to_numpy() for lines in which.values()]
     free = sum(one.size - 1 for one in trials)
     pooled = sum(float(((one - one.mean()) ** 2).sum()) for one in trials) / free if free else 0.0
     table = pd.DataFrame(

@@ -9,6 +9,9 @@ from .cells import split
 from .layout import COMMENT, DIALECTS
 
 FEWEST = 10  # samples: fewer rows are none of a recording's, and fewer columns none of its samples
+_LIST = re.compile(
+    r"(?:([^\W\d]\w*)\s*[=:]\s*)?(?:[\w.]+\()?[\[({]([^\[\](){}]*)[\])}]+[;,]?"
+)  # as a program prints it, with its name
 _NUMBER = re.compile(r"[+-]?(\d+[.,]?\d*|[.,]\d+)([eE][+-]?\d+)?")
 
 
@@ -18,7 +21,7 @@ def upright(lines: Sequence[str]) -> io.BytesIO | None:
     It has fewer rows than a recording has samples, each with a name before its numbers or each without, and as many numbers in one as in the
     other; of one row they rise.
     """
-    some = (line.strip() for line in lines if line.strip() and not COMMENT.match(line))
+    some = (_bare(line.strip()) for line in lines if line.strip() and not COMMENT.match(line))
     filled = list(islice(some, FEWEST))
     if not 2 <= len(filled) < FEWEST:
         return None
@@ -35,6 +38,14 @@ def upright(lines: Sequence[str]) -> io.BytesIO | None:
             text = "\n".join("\t".join(cells) for cells in zip(*rows, strict=True))
             return io.BytesIO(f"{text}\n".encode())
     return None
+
+
+def _bare(line: str) -> str:
+    """A list or an array of a program, `t = [0, 0.1, 0.2]`, as its name and its numbers; any other line as it is."""
+    if not (found := _LIST.fullmatch(line)):
+        return line
+    between = "," if "," in found[2] else " "
+    return f"{found[1]}{between}{found[2].strip()}" if found[1] else found[2].strip()
 
 
 def _without_end(cells: list[str]) -> list[str]:

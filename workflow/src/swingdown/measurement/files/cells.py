@@ -19,7 +19,7 @@ NUMBER = {
 THOUSANDS = ",.\u2019' \u00a0\u202f"  # what stands between groups of three digits
 _CLOCK = r"\d{1,2}:\d{1,2}:\d{1,2}(?:[.,]\d+)?|\d{1,3}:\d{1,2}[.,]\d+"
 STAMP = re.compile(
-    rf"(?i)(?:\d{{1,4}}[-/.]\d{{1,2}}[-/.]\d{{1,4}}[T ]\s*)?(?:{_CLOCK})(?:\s?[ap]m)?(?:Z|[+-]\d\d:?\d\d)?"
+    rf"(?i)(?:\d{{1,4}}[-/.](?:\d{{1,2}}|[a-z]{{3}})[-/.]\d{{1,4}}[T ]\s*)?(?:{_CLOCK})(?:\s?[ap]m)?(?:Z|[+-]\d\d:?\d\d)?"
 )
 # What a serial monitor sets before each line: `12:03:11.245 -> 512`, `[12:03:11.245] 512`.
 ARRIVAL = re.compile(rf"^\s*(?:({_CLOCK})\s*->|\[({_CLOCK})\](?:\s*->)?)[ \t]*")
@@ -36,6 +36,7 @@ class Dialect:
     words: bool = False  # True where rows hold words beside numbers
     size: int = 2  # cells of most rows
     thousands: str = ""  # what stands between groups of three digits
+    led: bool = False  # True where most rows begin with a number
 
     def plain(self, line: str) -> str:
         """The line with a serial monitor's stamp as its first cell."""
@@ -108,7 +109,7 @@ class Clock:
 def stamps(column: pd.Series) -> pd.Series:
     """A clock's stamps as pandas has them: moments where they have a date, else times since midnight; a cell that is none is missing."""
     text = column.astype(str).str.strip().str.replace(",", ".", regex=False)
-    if text.str.contains(r"^\d{1,4}[-/.]\d{1,2}[-/.]\d", regex=True).any():
+    if text.str.contains(r"^\d{1,4}[-/.](?:\d{1,2}|[A-Za-z]{3})[-/.]\d", regex=True).any():
         return pd.to_datetime(text, errors="coerce", utc=True, format="mixed")
     if text.str.contains(r"(?i)[ap]m$", regex=True).any():
         midnight = "2000-01-01 "

@@ -15,14 +15,14 @@ TIME, ANGLE, VOLTAGE, COUNTS, LENGTH, SPEED, RATE, OTHER, UNTOLD = (
 
 # Units as programs write them: what is measured, and the unit by the sample sheet's name where it has one.
 _WRITTEN = {
-    (TIME, "s"): ("s", "sec", "secs", "second", "seconds", "sekunden"),
-    (TIME, "ms"): ("ms", "msec", "millis", "millisecond", "milliseconds"),
+    (TIME, "s"): ("s", "sec", "secs", "second", "seconds", "sekunden", "с", "сек", "秒"),
+    (TIME, "ms"): ("ms", "msec", "millis", "millisecond", "milliseconds", "мс", "毫秒"),
     (TIME, "us"): ("us", "µs", "μs", "usec", "micros", "microsecond", "microseconds"),
     (TIME, "ns"): ("ns", "nsec", "nanos", "nanosecond", "nanoseconds"),
-    (TIME, ""): ("min", "minutes", "h", "hours"),
-    (ANGLE, "rad"): ("rad", "rads", "radian", "radians"),
-    (ANGLE, "deg"): ("deg", "degs", "degree", "degrees", "°", "º", "˚"),
-    (ANGLE, ""): ("grad", "gon", "rev", "revs", "revolutions", "turn", "turns", "mrad"),
+    (TIME, ""): ("min", "minutes", "h", "hours", "1/10 s", "0.1 s", "0,1 s", "1/100 s", "0.01 s", "0,01 s"),
+    (ANGLE, "rad"): ("rad", "rads", "radian", "radians", "рад"),
+    (ANGLE, "deg"): ("deg", "degs", "degree", "degrees", "°", "º", "˚", "град", "度", "도"),
+    (ANGLE, ""): ("grad", "gon", "rev", "revs", "revolutions", "turn", "turns", "mrad", "arcmin", "arcsec"),
     (VOLTAGE, "V"): ("v", "volt", "volts"),
     (VOLTAGE, ""): ("mv", "µv", "μv"),
     (COUNTS, "counts"): ("count", "counts", "ticks"),
@@ -49,13 +49,15 @@ SIGNAL_RATES = ("rad/s", "deg/s")
 _ACCELERATIONS = ("m/s^2", "m/s²", "m/s2", "g", "mg")
 UNITS = {written: meaning for meaning, all_ in _WRITTEN.items() for written in all_}
 
-_TIMES = re.compile(r"(?i)\b(t|time|zeit|temps|tiempo|tempo|timestamp|stamp|elapsed|millis|micros)\b")
+_TIMES = re.compile(
+    r"(?i)\b(t|time|zeit|temps|tiempo|tempo|tijd|czas|čas|tid|zaman|время|час|时间|時間|시간|timestamp|stamp|elapsed|millis|micros)\b"
+)
 _FROM_ROW_TO_ROW = re.compile(
     r"(?i)Δ|\b(previous|prev|last|delta|diff|difference|interval|step|between|d) ?t?\b|\bdt\b"
 )
 _ATTITUDE = re.compile(r"(?i)\b(roll|pitch|yaw)\b")
 _ANGLES = re.compile(
-    r"(?i)θ|φ|\b(theta|phi|angle|angular position|winkel|ángulo|angulo|ausschlag|roll|pitch|yaw)\b"
+    r"(?i)θ|φ|\b(theta|phi|angle|angular position|winkel|ángulo|angulo|ângulo|angolo|hoek|kąt|úhel|uhol|vinkel|açı|угол|кут|角度|각도|ausschlag|roll|pitch|yaw)\b"
 )
 _DRIVES = re.compile(
     r"(?i)\b(drive|driver|driving|motor|forcing|excitation|exciter|input|forzante|forzatura|erreger|antrieb|excitateur|torques?|tau|effort|"
@@ -70,7 +72,9 @@ _NUMBERS = re.compile(
     r"(?i)(frame|frames|frame ?(no|nr|number|index|id)|bild|bildnummer|fotograma|image|sample|samples|sample ?(no|nr|number|id|index)|index|idx|n|no|nr)\.?"
 )
 _QUATERNION = re.compile(r"(?i)(q|quat|quaternion|orientation)[ _.]?[wxyz0-3]")
-_COORDINATE = re.compile(r"(?i)^(?:.*[ _/-])?(?:position[ _-]?)?([xy])(?:[ _-]?(?:position|pos))?$")
+_COORDINATE = re.compile(
+    r"(?i)^(?:.*[ _/-])?(?:position[ _-]?|pos|c|center|centre|centroid)?([xy])(?:[ _-]?(?:position|pos|c|center|centre))?$"
+)
 OF_ACCELERATIONS = (
     "record the gyroscope in the same way: an accelerometer that rides on the bob tells no angle; for a weight on a spring, whose "
     "acceleration swings as it does, write ⟨restoring=linear⟩ and name the column ⟨in signal_column⟩"

@@ -13,7 +13,7 @@ from ...errors import InputError
 from ..swings.clock import counts_rows, goes_on
 from .across import upright
 from .cells import Dialect
-from .columns import TIME, meaning
+from .columns import TIME, UNTOLD, meaning
 from .layout import ARRIVED, CLOCKED, STATES_RATE, Layout, dialect
 from .rows import Block, cut_short, find_blocks, layout_of, left_out, read
 from .runs import rows_of, side_by_side
@@ -23,7 +23,10 @@ from .worded import reworded
 
 _BRACKETED = re.compile(r"^[ \t]*[(\[]([^()\[\]\n]*)[)\]][ \t,;]*\r?$", re.MULTILINE)
 _MOSTLY = 0.9  # of the rows; notes stand above and below
-_INTERVAL = re.compile(r"(?i)^\W*(delta[ _]x|sample[ _]interval|sampling[ _]interval|increment)\b")
+# as oscilloscopes and LabVIEW state above or beside the rows what they measured
+_VOLTS = re.compile(r"(?i)^\s*(?:vertical[ _]units?|y[ _]unit[ _]label)[,;:\t ]+(?:ch\d:)?v(?:olts?)?\b")
+_SETTINGS = 40  # lines in which that stands
+_INTERVAL = re.compile(r"(?i)^\W*(delta[ _]x|sample[ _]interval|sampling[ _]interval|increment|t[ _]?inc)\b")
 
 
 def delimited(source: BinaryIO, name: str, rate: float = np.nan) -> dict[str, Table]:
@@ -47,7 +50,7 @@ def delimited(source: BinaryIO, name: str, rate: float = np.nan) -> dict[str, Ta
         raise InputError(
             name, "it holds no table of numbers", "columns of numbers: a time and a swing", "export it again"
         )
-    about = _about(opening)
+    about, volts = _about(opening), any(map(_VOLTS.match, head[:_SETTINGS]))
     found = {}
     for number, block in enumerate(blocks, 1):
         whole, laid = _table(source, block, how, coded, name, rate)
@@ -56,7 +59,8 @@ def delimited(source: BinaryIO, name: str, rate: float = np.nan) -> dict[str, Ta
             and (known := stated_rate([*block.above, *block.sample[:1]]))
             and _untimed(whole, laid)
         ):
-            whole, laid = _table(source, block, how, coded, name, known)
+            whole, laid = _table(source, block, how, coded, name, known, told=True)
+        whole = _in_volts(whole) if volts else whole
         whole = whole._replace(about=about, cut=block is blocks[-1] and cut_short(source, block, laid))
         part = f"table {number}" if len(blocks) > 1 else WHOLE
         beside = side_by_side(laid.headers, laid.titles)
@@ -70,19 +74,20 @@ def delimited(source: BinaryIO, name: str, rate: float = np.nan) -> dict[str, Ta
 
 
 def _table(
-    source: BinaryIO, block: Block, how: Dialect, coded: str, name: str, rate: float
+    source: BinaryIO, block: Block, how: Dialect, coded: str, name: str, rate: float, told: bool = False
 ) -> tuple[Table, Layout]:
+    """A block's Table and Layout; ``told``: it is the file that states the rate."""
     laid = layout_of(block, how, coded, name)
-    told, names = str(laid), laid.names
+    how_laid, names = str(laid), laid.names
     if rate > 0:
-        _check_untimed(laid, name)
-        told, names = f"{told} at {rate:g} Hz", (CLOCKED, *names)
+        _check_untimed(laid, name, told)
+        how_laid, names = f"{how_laid} at {rate:g} Hz", (CLOCKED, *names)
     units = {laid.names[k]: "s" for k in laid.stamps if laid.names[k] != ARRIVED}
     if any(meaning(one).kind == TIME and one not in units for one in names):
         # a device's own time goes before a computer's
         names = (*(one for one in names if one not in units), *units)
     rows = _Rows(source, block, laid, name, rate)
-    return Table(names, {}, rows, how.decimal, told, units, remarks=left_out(block)), laid
+    return Table(names, {}, rows, how.decimal, how_laid, units, remarks=left_out(block)), laid
 
 
 class _Rows:
@@ -141,20 +146,34 @@ def stated_rate(above: Sequence[str]) -> float:
     return 0.0
 
 
+def _in_volts(table: Table) -> Table:
+    """The table with V as the unit of each column without one that neither is a time nor goes on as one."""
+    first = next(iter(table.pieces))
+    own = {one: meaning(one, table.units.get(one, "")) for one in table.names}
+    plain = [
+        one
+        for one, told in own.items()
+        if told.kind == UNTOLD and not told.axis and not goes_on(numbers(first[one], table.decimal))
+    ]
+    return table._replace(units={**dict.fromkeys(plain, "V"), **table.units})
+
+
 def _untimed(table: Table, laid: Layout) -> bool:
-    """True for a table with a name for each column, or one alone, of which none is a time, by its name or by numbers that go on."""
-    if laid.stamps or not (laid.named or len(laid.names) == 1):
+    """True for a table of which no column is a time, by its name or by numbers that go on."""
+    if laid.stamps:
         return False
     first = next(iter(table.pieces))
     values = {one: numbers(first[one], table.decimal) for one in table.names}
     clocks = [one for one, own in values.items() if goes_on(own) and not counts_rows(own)]
-    return not clocks and not any(meaning(one).kind == TIME for one in table.names)
+    filled = [one for one, own in values.items() if np.isfinite(own).any()]
+    return not clocks and not any(meaning(one).kind == TIME for one in filled)
 
 
-def _check_untimed(laid: Layout, name: str) -> None:
-    """InputError for a table with times of its own where the sheet states a rate."""
-    unnamed = not laid.named and len(laid.names) > 1
-    if unnamed or laid.stamps or any(meaning(one).kind == TIME for one in laid.names):
+def _check_untimed(laid: Layout, name: str, told: bool = False) -> None:
+    """InputError for a table with times of its own where the sheet states a rate; of one whose own rate is ``told`` the columns may have no names."""
+    unnamed = not laid.named and len(laid.names) > 1 and not told
+    timed = not told and any(meaning(one).kind == TIME for one in laid.names)
+    if unnamed or laid.stamps or timed:
         raise InputError(
             f"{name} (column rate_hz)",
             f"the file has {len(laid.names)} columns" + ("" if unnamed else ", and times of its own"),

@@ -22,6 +22,7 @@ MOST_COLUMNS = 16384  # as many as an office program has
 COMMENT = re.compile(r"^\s*(#+|%+|//+|!)\s*")
 STATES_RATE = re.compile(r"(?i)\b(sample|sampling)[ _](rate|frequency)\b")
 GROUPED = re.compile(r"[+-]?[1-9]\d{0,2}[.,]\d{3}")  # 1,234 may be a thousand and more
+NEAR = 3  # lines above the rows in which names, symbols and units stand
 CLOCKED, ARRIVED, READING, SIGNAL = "time (s)", "arrival", "raw", "signal"
 
 
@@ -94,8 +95,9 @@ def _dialect(lines: Sequence[str], name: str, single: bool) -> Dialect | None:
         rows, separator, decimal = max(found, key=lambda one: len(one[0]))
     if not rows:
         return None
-    usual = len(split(bare[rows[0]], separator)) + arrivals
-    return Dialect(separator, decimal, arrivals, words, usual)
+    usual, one = len(split(bare[rows[0]], separator)) + arrivals, Dialect(separator, decimal)
+    led = 2 * sum(one.is_number(split(bare[k], separator)[0]) for k in rows) > len(rows)
+    return Dialect(separator, decimal, arrivals, words, usual, led=led)
 
 
 def _one_sign(column: Sequence[str]) -> bool:
@@ -212,12 +214,16 @@ def _header_cells(line: str, how: Dialect) -> list[str]:
     whole = how.cells(bare)
     cells = _stripped(whole)
     cells = _before_a_row(cells, how) or cells
+    while len(cells) > how.size and how.is_number(cells[-1].rpartition("=")[2].strip()):
+        cells = cells[:-1]  # what is said once beside the names, as the start and the step of a clock
     if len(cells) == how.size or (
         len(whole) == how.size and sum(map(tells, cells)) > 1
     ):  # a separator ends the line
         return cells
     for separator in dict.fromkeys((how.separator, ",", ";", "\t", SPACES, ".")):
         # one quoted cell over all columns; spaces above rows with tabs; a decimal comma set by machine: `t.a.b` above `0,1`
+        if separator == SPACES and how.separator != SPACES and len(_stripped(whole)) > 1:
+            continue  # what stands in its cells are words
         inside = _stripped(split(bare.strip().strip('"'), separator))
         if separator == "." and not re.fullmatch(r"\S+", bare.strip()):
             continue  # sentences
@@ -257,14 +263,32 @@ def _named(
     size, units = how.size, list[str]()
     if len(lines) > 1 and _are_units(lines[-1], lines[-2], size):
         *lines, units = lines
-    for k in range(len(lines) - 1, -1, -1):
-        cells = lines[k]
-        fits = cells if len(cells) == size else _padded(cells, how, rows, place, lowest=k == len(lines) - 1)
-        if fits and any(map(tells, fits)):
+    lowest, whole = len(lines) - 1, bool(lines) and len(lines[-1]) == size
+    for k in range(lowest, -1, -1):
+        cells, near = lines[k], k > lowest - NEAR
+        if not near and whole:
+            break
+        if k < lowest and any(map(how.is_number, cells)):
+            continue  # a setting and its value
+        fits = cells if len(cells) == size else _padded(cells, how, rows, place, lowest=k == lowest)
+        if fits and sum(map(tells, fits)) > (0 if near else 1):
+            if k and _symbols(fits, lines[k - 1], how):
+                k, fits = k - 1, lines[k - 1]
             return _with_units(fits, units, place), tuple(lines[k - 1] if k else [])
-    if lines and len(lines[-1]) == size:
+    if whole:
         return _with_units(lines[-1], units, place), tuple(lines[-2] if len(lines) > 1 else [])
     return [], ()
+
+
+def _symbols(cells: Sequence[str], above: Sequence[str], how: Dialect) -> bool:
+    """True for a line of symbols, ``t θ``, below one of the same quantities' names."""
+    return (
+        len(above) == len(cells) == len(set(above))
+        and all(above)
+        and not any(map(how.is_number, above))
+        and all(len(cell) < 3 for cell in cells)
+        and any(map(tells, above))
+    )
 
 
 def _padded(

@@ -151,6 +151,8 @@ class _Finder:
             return len(cells) > 1 or self.how.size == 1 or (block is not None and not self.gap)
         if len(cells) != (block.size if block else self.how.size):
             return False
+        if block is None and self.how.led and not self.how.words and not self._leads(bare[0]):
+            return False  # a setting and its value, above the table
         # a header may hold numbers, as of releases from 30 and 40 degrees
         header = not self.how.is_number(cells[0]) and meaning(cells[0]).kind == TIME
         return not header and (block is not None or not self.how.words or found > 1)
@@ -171,14 +173,22 @@ class _Finder:
 
     def _goes_on(self, line: str, cells: Sequence[str], block: Block) -> bool:
         """True where a row after other lines belongs to the table before them."""
-        again = [
-            one
-            for _, text in self.gap
-            if len(one := self.how.cells(text)) == len(cells) and any(map(tells, one))
-        ]
+        gap = [one for _, text in self.gap if len(one := self.how.cells(text)) == len(cells)]
+        if block.rows < FEWEST and any(map(self._names, gap)):
+            return False  # settings and their values, above the names
+        again = [one for one in gap if any(map(tells, one))]
         if again and again[-1] not in [self.how.cells(text) for text in block.above]:
             return False
         return self.how.size == 1 or not self._clock(line, block) < self._clock(block.tail, block)
+
+    def _leads(self, cell: str) -> bool:
+        """True for a number, or a word for none."""
+        return self.how.is_number(cell) or cell.lower() in MISSING
+
+    def _names(self, cells: Sequence[str]) -> bool:
+        """True for words in all cells, each another one."""
+        words = [one for one in cells if one and one.lower() not in MISSING and not self.how.is_number(one)]
+        return len(set(words)) == len(cells)
 
     def _clock(self, line: str, block: Block) -> float:
         cells = self.how.cells(line)

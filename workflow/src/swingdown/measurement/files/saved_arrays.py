@@ -60,7 +60,7 @@ def _of_numpy(saved: Any) -> dict[str, Floats]:
 
 def _of_json(saved: Any) -> dict[str, Floats]:
     if isinstance(saved, list) and saved and isinstance(saved[0], Mapping):
-        frame = pd.DataFrame(saved)
+        frame = pd.json_normalize(saved)
         return {str(key): _numbers(frame[key]) for key in frame if np.isfinite(_numbers(frame[key])).any()}
     if isinstance(saved, list):
         return _columns("column", np.array(saved, float))

@@ -39,7 +39,8 @@ _ALIKE = 0.25  # of the usual step: a step that differs by more is no half-swing
 _USUAL = 0.9  # of all steps that are alike: the others are passages missed
 _LIGHT = 3.0  # times as long as it is dark: beyond the side of a swing, which lasts half a period, as a comparator tells it
 _BETWEEN = 0.05  # of the samples of a gate's voltage, that are on their way from one level to the other
-_LEVEL = 0.1  # of the voltage's range, about either level
+_LEVEL = 0.25  # of the voltage's range, about either level: a sine is beyond them for a third of its time
+_BARE = 0.01  # of the numbers of the fullest column: one with fewer holds what is said once, as the start and the step of a clock
 _SLOWEST = 100.0  # s; a pendulum with this period is 2.5 km long
 _WIDTHS = "bob widths/s"
 _WORDS = "write passages (each passage: two a period) or periods (one a period) ⟨in signal_kind⟩"
@@ -189,7 +190,8 @@ def _gate(rows: pd.DataFrame, table: Table, row: Mapping[str, Any]) -> Gate | No
     """The ``Gate`` of a file's rows; None where they are something else."""
     columns = [meaning(name, table.units.get(name, "")) for name in table.names]
     values = {one.name: numbers(rows[one.name], table.decimal) for one in columns}
-    columns = [one for one in columns if np.isfinite(values[one.name]).any()]
+    filled = {one.name: np.count_nonzero(np.isfinite(values[one.name])) for one in columns}
+    columns = [one for one in columns if filled[one.name] > _BARE * max(filled.values())]
     number = [one for one in columns if is_number(one, _sound(values[one.name]), table)]
     rest = [one for one in columns if one not in number]
     if row["time_column"]:

@@ -1,0 +1,114 @@
+"""Exports of oscilloscopes and of LabVIEW: settings above the rows, a clock that is stated once, volts that the settings state."""
+
+import numpy as np
+import pytest
+
+from swingdown.errors import InputError
+from swingdown.measurement.recording import ingest
+from swingdown.measurement.sheet import COLUMNS
+
+STEP = 0.02
+TIMES = STEP * np.arange(1200) - 12
+VOLTS = 2.5 + 0.4 * np.exp(-0.01 * TIMES) * np.cos(4.4 * TIMES)
+LABVIEW = """LabVIEW Measurement\t
+Time\t10:22:31.123
+***End_of_Header***\t
+Channels\t2\t\t
+Samples\t1200\t1200\t
+Time\t10:22:31.123\t10:22:31.123\t
+Y_Unit_Label\tVolts\tVolts\t
+X_Dimension\tTime\tTime\t
+X0\t0.0000000000000000E+0\t0.0E+0\t
+Delta_X\t0.020000\t0.020000\t
+***End_of_Header***\t\t\t
+X_Value\tVoltage_0\tVoltage_1\tComment
+"""
+TEKTRONIX = "Model,MSO2024B\nHorizontal Units,s,\n,,\nSample Interval,0.02,\nVertical Units,V,\n,,\nLabel,,\nTIME,CH1\n"
+GW = "Memory Length,1200,\nVertical Units,V,\nSincET Mode,Real Time,\nSampling Period,2.000e-02,\nTime,\nMode,Fast,\nWaveform Data,\n"
+
+
+def each(form, *more):
+    return "".join(
+        form.format(k, *cells, t=t, v=v) + "\n"
+        for k, (t, v, *cells) in enumerate(zip(TIMES, VOLTS, *more, strict=True))
+    )
+
+
+EXPORTS = {
+    "start and step in the header": (
+        "X,CH1,Start,Increment,\nSequence,Volt,-1.200000e+01,2.000000e-02\n" + each("{0},{v:.4e},"),
+        "`Volt` as volts",
+    ),
+    "start and step in the first row": (
+        "Sequence,Volt,Start,Increment\n" + each("{0},{v:.4e},").replace(",\n", ",-1.2e1,2e-2\n", 1),
+        "`Volt` as volts",
+    ),
+    "an empty column of times": ("Time(s),CH1V,t0 = -12, tInc = 0.02\n" + each(",{v:.4e}"), "`CH1V`"),
+    "no column of times": ("CH1V,t0 = -1.2e+01, tInc = 2.0e-02,\n" + each("{v:.4e},"), "`CH1V`"),
+    "settings above": (TEKTRONIX + each("{t:.5e},{v:.4f}"), "`CH1` as volts"),
+    "a setting that looks like names": (GW + each("{t:.6e},{v:.4e},"), "`column 2` as volts"),
+    "LabVIEW": (LABVIEW + each("{t:.6f}\t{v:.6f}\t0.01\t"), "`Voltage_0` as volts"),
+    "LabVIEW without times": (LABVIEW + each("\t{v:.6f}\t0.01\t"), "`Voltage_0` as volts"),
+    "mV": ("#timebase=2500000(us)\n#,time(S),CH1(mV)\n" + each("{0},{t:.6f},{v:.6f}"), "`CH1(mV)` as volts"),
+}
+
+
+def taken(folder, text, **cells):
+    path = folder / "export.csv"
+    path.write_text(text)
+    return ingest({**COLUMNS, "recording": "export", "file": str(path), "scale": "relative", **cells})
+
+
+@pytest.mark.parametrize(("text", "words"), EXPORTS.values(), ids=EXPORTS)
+def test_an_instruments_export_is_read_in_volts_by_its_clock(tmp_path, text, words):
+    found = taken(tmp_path, text)
+    assert words in found.attrs["taken"] and "rad" not in found.attrs["taken"]
+    assert np.allclose(np.diff(found["time"]), STEP, rtol=1e-3)
+    assert abs(np.corrcoef(found["signal"], VOLTS)[0, 1]) > 0.999
+
+
+def test_a_gates_voltage_with_noise_on_both_levels_holds_its_passages(tmp_path):
+    """Dips of some samples, as an oscilloscope shows a gate; whether two are a swing is asked."""
+    noise = np.random.default_rng(3).choice([0.0, 0.8], TIMES.size)
+    text = "Sequence,Volt,Start,Increment\n0,8.8,-12,0.02\n"
+    text += "".join(f"{k},{8 + n if t % 0.62 > 0.06 else n:.2f},,\n" for k, (t, n) in enumerate(zip(TIMES, noise, strict=True)) if k)  # fmt: skip
+    with pytest.raises(InputError, match=r"0\.62 s apart: is that a half-swing, a whole period"):
+        taken(tmp_path, text)
+    found = taken(tmp_path, text, signal_kind="passages")
+    assert np.allclose(np.diff(found["time"]), 0.62, atol=0.025)
+
+
+@pytest.mark.parametrize(
+    ("head", "factor", "column"),
+    [
+        ("t (s),angle (mrad)", (1, 1e3), "angle (mrad)"),
+        ("t (min),angle (arcmin)", (1 / 60, 10_800 / np.pi), "angle (arcmin)"),
+        ("t [1/10 s],phi (gon)", (10, 200 / np.pi), "phi (gon)"),
+    ],
+)
+def test_units_that_are_a_known_number_of_others(tmp_path, head, factor, column):
+    angle = 0.1 * (VOLTS - 2.5)
+    rows = "".join(f"{t * factor[0]:.8f},{a * factor[1]:.8f}\n" for t, a in zip(TIMES, angle, strict=True))
+    found = taken(tmp_path, f"{head}\n{rows}", scale="")
+    assert (
+        found.attrs["taken"].startswith(f"took `{column}` as rad")
+        and "is read in rad" in found.attrs["remarks"]
+    )
+    assert np.allclose(found["time"], TIMES, atol=1e-4) and np.allclose(found["signal"], angle, atol=1e-6)
+
+
+def test_grad_is_a_degree_to_some_and_is_asked(tmp_path):
+    with pytest.raises(InputError, match="'grad' is no angle in a unit known here"):
+        taken(tmp_path, "t (s),phi (grad)\n" + each("{t:.3f},{v:.4f}"), scale="")
+
+
+def test_names_stand_above_their_symbols(tmp_path):
+    """As Logger Pro writes a gate: the symbol G says nothing, its name does."""
+    rows = "".join(f"{0.7 * k:.4f}\t1\t\n{0.7 * k + 0.02:.4f}\t0\t\n" for k in range(30))
+    found = taken(tmp_path, f"Vernier Format 2\nLatest\nTime\tGate State\tPeriod\nt\tG\tT\ns\t\ts\n\n{rows}")
+    assert "`Gate State` as a light gate's" in found.attrs["taken"]
+
+
+def test_a_setting_above_the_names_is_none_of_them(tmp_path):
+    text = "Mass,60\nAngle,60\nt,θ\n" + each("{t:.3f},{v:.4f}")
+    assert taken(tmp_path, text).attrs["taken"].startswith("took `θ`")

@@ -1,0 +1,48 @@
+"""Columns in units that are a known number of another one, as min or mrad: they are read in s, rad and V."""
+
+from collections.abc import Mapping
+from math import pi
+from typing import Any
+
+import pandas as pd
+
+from .columns import TIME, meaning
+from .table import Table, numbers
+
+# "grad" is none of them: to some it is a degree, to others a 400th of a turn
+_WORTH = {
+    "s": {"min": 60.0, "minutes": 60.0, "h": 3600.0, "hours": 3600.0}
+    | dict.fromkeys(("1/10 s", "0.1 s", "0,1 s"), 0.1)
+    | dict.fromkeys(("1/100 s", "0.01 s", "0,01 s"), 0.01),
+    "rad": {"mrad": 1e-3, "gon": pi / 200, "arcmin": pi / 10_800, "arcsec": pi / 648_000}
+    | dict.fromkeys(("rev", "revs", "revolutions", "turn", "turns"), 2 * pi),
+    "V": {"mv": 1e-3, "µv": 1e-6, "μv": 1e-6},
+    "rad/s": {"rpm": pi / 30, "mdps": pi / 180_000},
+}
+_FACTOR = {written: (unit, worth) for unit, all_ in _WORTH.items() for written, worth in all_.items()}
+
+
+def in_known_units(table: Table, row: Mapping[str, Any]) -> Table:
+    """The table with the columns in such a unit in s, rad, V or rad/s, each with a remark; where the sheet's ``row`` states a unit, as it is."""
+    known = [meaning(name, table.units.get(name, "")) for name in table.names]
+    found = {
+        one.name: _FACTOR[one.written.lower()]
+        for one in known
+        if one.written.lower() in _FACTOR and not row["time_unit" if one.kind == TIME else "signal_unit"]
+    }
+    if not found:
+        return table
+
+    def converted(rows: pd.DataFrame) -> pd.DataFrame:
+        return rows.assign(
+            **{name: factor * numbers(rows[name], table.decimal) for name, (_, factor) in found.items()}
+        )
+
+    told = tuple(
+        f"`{name}` is read in {unit}, {factor:.6g} for one of its unit"
+        for name, (unit, factor) in found.items()
+    )
+    units = {name: unit for name, (unit, _) in found.items()}
+    return table._replace(
+        pieces=map(converted, table.pieces), units={**table.units, **units}, remarks=(*table.remarks, *told)
+    )
