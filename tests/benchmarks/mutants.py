@@ -1,9 +1,9 @@
 """How many faults put into random modules their closest tests notice: python tests/benchmarks/mutants.py SEED [MODULES] [EACH]
 
 A mutant is a copy of the package in which one comparison, sign, number or condition of a module is another. The closest tests are the
-files of its room that are named after the module; else those that import it; else those of the room. A mutant that leaves them
-green survives: either a test lacks an assertion, or the change changes nothing that a user would notice. It exits with the share that
-survives above a tenth.
+files of its room that are named after the module; else those that import it; else those closest to the modules that do. A mutant that
+leaves them green survives: either a test lacks an assertion, or the change changes nothing that a user would notice. It exits with the
+share that survives above a tenth.
 """
 
 import ast
@@ -15,6 +15,8 @@ import subprocess
 import sys
 import tempfile
 from pathlib import Path
+
+from swingdown.planning.sources import imported
 
 ROOT = Path(__file__).resolve().parents[2]
 SOURCE = ROOT / "workflow/src"
@@ -33,8 +35,8 @@ def modules():
     return [path for path in found if path.stem not in LEFT_OUT and "discovery" not in path.parts]
 
 
-def closest(module):
-    """The files of tests that are closest to a module."""
+def closest(module, passed=()):
+    """The files of tests that are closest to a module, none to those ``passed`` on the way to it."""
     parts = module.relative_to(SOURCE).with_suffix("").parts
     room = ROOT / "tests" / (parts[1] if len(parts) > 2 else "")
     names = {f"test_{parts[-1]}.py", f"test_{parts[1]}_{parts[-1]}.py"}
@@ -43,6 +45,10 @@ def closest(module):
     above, name = re.escape(".".join(parts[:-1])), re.escape(parts[-1])
     imports = re.compile(rf"{above}\.{name}\b|from {above} import (\([^)]*|.*)\b{name}\b")
     found = [path for path in sorted((ROOT / "tests").rglob("test_*.py")) if imports.search(path.read_text())]
+    if not found:
+        package = sorted((SOURCE / "swingdown").rglob("*.py"))
+        users = (user for user in package if module in imported(user) and user not in passed)
+        found = sorted({test for user in users for test in closest(user, (*passed, module))})
     return [path for path in found if path.parent == room] or found or [room]
 
 

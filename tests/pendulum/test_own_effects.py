@@ -60,12 +60,28 @@ def test_an_own_effect_is_found_like_one_of_the_catalogue(symbol):
         ({"parameters": {"k": {"start": [0.1]}, "phi": {"start": [0.0]}}}, "linear"),
         ({"parameters": {"k": {}, "phi": {}}}, "start"),
         ({"parameters": {"k": {"lower": 1.0, "upper": 0.0}, "phi": {"start": [0.0]}}}, "between"),
-        ({"parameters": {"theta": {}, "phi": {"start": [0.0]}}}, "variable"),
+        ({"parameters": {"theta": {}, "phi": {"start": [0.0]}}}, "'theta' is a variable of every formula"),
+        ({"parameters": {"1k": {}, "phi": {"start": [0.0]}}}, "'1k' is no symbol"),
+        ({"parameters": {"k": {"lower": 1.0, "upper": 1.0}, "phi": {"start": [0.0]}}}, "leave nothing between"),
+        ({"parameters": {"k": {}, "phi": {"lower": 1.0, "start": [1.0, 0.9]}}}, "start: 0.9 is outside the bounds"),
+        ({"parameters": {"k": {}, "phi": {"upper": 1.0, "start": [1.0, 1.1]}}}, "start: 1.1 is outside the bounds"),
     ],
 )
 def test_what_cannot_be_an_effect_is_refused(changes, words):
     with pytest.raises(InputError, match=words):
         catalogue({"five_teeth": COGGING | changes})
+
+
+@pytest.mark.parametrize(
+    ("stated", "typical"),
+    [({"start": [-0.3, 2.0]}, 0.3), ({"start": [0.0, 2.0]}, 1.0), ({"start": [2.0], "typical": 0.5}, 0.5)],
+)
+def test_a_typical_size_that_is_not_stated_is_that_of_the_first_start(stated, typical):
+    """Searches set out with steps of that size; of none they would not move."""
+    parameters = {"k": {"unit": "rad/s^2"}, "phi": {"unit": "rad"} | stated}
+    own = catalogue({"five_teeth": {"torque": COGGING["torque"], "parameters": parameters}})
+    sizes = {one.symbol: one.typical for one in own["five_teeth"].parameters}
+    assert sizes == {"k": 1.0, "phi": typical}
 
 
 @pytest.mark.parametrize("name", ["viscous", "unnamed_time", "gravity", "gravity_linear"])
