@@ -171,7 +171,7 @@ def test_a_value_that_was_changed_is_refused_and_mended_as_told(small_study, sna
     folder = tmp_path / "study"
     shutil.copytree(small_study, folder)
     arguments = ("results/manifest.json", "--configfile", folder / "small.yaml", "--rerun-triggers", "mtime")
-    changed = folder / "results/discovery/bench/round-0/model.yaml"
+    changed = folder / "results/discovery/bench/first/model.yaml"
     whole = changed.read_text()
     changed.write_text(whole.replace("viscous", "Viscous", 1))
     (folder / "results/manifest.json").unlink()
@@ -179,7 +179,7 @@ def test_a_value_that_was_changed_is_refused_and_mended_as_told(small_study, sna
     assert done.returncode and not (folder / "results/manifest.json").exists()
     told = " ".join(done.stdout.split())
     assert (
-        "results/discovery/bench/round-0/model.yaml" in told
+        "results/discovery/bench/first/model.yaml" in told
         and "mend: delete it and give the same command" in told
     )
     changed.unlink()

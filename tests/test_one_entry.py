@@ -23,6 +23,7 @@ from swingdown.pendulum.model import Model
 from swingdown.plots import discovery as drawn
 from swingdown.plots import trials as trials_drawn
 from swingdown.report import contents, page
+from swingdown.sealed import read_json
 from swingdown.studies.comparison import comparison
 from swingdown.studies.experiment import fit_campaign, fit_recording
 from swingdown.studies.norms import combine_recordings
@@ -80,14 +81,14 @@ def states():
 
 def test_it_is_discovered_and_told(states, tmp_path):
     one, found = states
-    folders = [files.write_round(state, one, tmp_path / f"round-{state.number}", True) for state in found]
-    told = verdict(files.read_rounds(folders), CATALOGUE)
+    files.write_rounds(found, one, tmp_path, True)
+    told = verdict(read_json(tmp_path / "rounds.json"), CATALOGUE)
     assert [entry["name"] for entry in told["effects"]] == ["rolling_resistance"]
     assert "Rolling resistance (friction 1." in told["sentence"]
     assert told["next_measurement"] in (None, "Release from twice the angle.")
     for name in ("residuals", "half_swings", "ranking"):
-        assert (folders[0] / {"residuals": "fit.nc"}.get(name, f"{name}.csv")).stat().st_size
-    drawn.ranking(pd.read_csv(folders[0] / "ranking.csv"), told["moves"][0])
+        assert ((tmp_path / "first") / {"residuals": "fit.nc"}.get(name, f"{name}.csv")).stat().st_size
+    drawn.ranking(pd.read_csv((tmp_path / "first") / "ranking.csv"), told["moves"][0])
     drawn.gap(told)
     material = contents.Material({}, {}, [], {"sweeps": {}}, verdicts=[told])
     page.write(tmp_path / "report.html", [contents.findings(material)], contents.head(material))

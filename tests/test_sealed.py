@@ -222,7 +222,7 @@ def test_a_run_on_damaged_results_is_refused_in_our_words(small_study, snakemake
     damaged = {
         "results/tables/table2.csv": ("results/figures/fig03.svg", "fig03"),
         "results/angles/swing_01.nc": ("results/figures/fig09.svg", "fig09"),
-        "results/discovery/bench/round-0/round.json": ("results/discovery/bench/verdict.json", "discover_verdict"),
+        "results/discovery/bench/rounds.json": ("results/discovery/bench/verdict.json", "discover_verdict"),
     }  # fmt: skip
     for name in damaged:
         path = folder / name

@@ -1,7 +1,5 @@
 """A sensor effect is named only beyond what the calibration leaves open, and what it leaves open is no missing effect."""
 
-import json
-
 import numpy as np
 import pytest
 
@@ -12,6 +10,7 @@ from swingdown.discovery.verdict import verdict
 from swingdown.engine.trajectory import simulate
 from swingdown.pendulum.model import Model
 from swingdown.pendulum.slack import reading_slack
+from swingdown.sealed import read_json
 
 TIMES = np.arange(0, 15, 0.02)
 BASE = Model(
@@ -34,11 +33,8 @@ def seen(gain, slack, folder, amplitudes=(0.25, 0.4, 0.55, 0.7)):
     ]
     made = campaign("bench", swings)
     known = type(made)(made.name, made.fit, made.holdout, made.how, systematic=DEVIATION * 0.7, slack=slack)
-    folders = [
-        files.write_round(state, known, folder / f"round-{state.number}", False)
-        for state in discover(known, BASE, allowed=ALLOWED)
-    ]
-    return verdict(json.loads(json.dumps(files.read_rounds(folders))))
+    files.write_rounds(discover(known, BASE, allowed=ALLOWED), known, folder, False)
+    return verdict(read_json(folder / "rounds.json"))
 
 
 @pytest.fixture

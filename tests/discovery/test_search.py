@@ -11,7 +11,7 @@ from swingdown.discovery.admissible import inadmissible
 from swingdown.discovery.campaign import Noise, Swing, campaign, coarse_noise
 from swingdown.discovery.candidates import without
 from swingdown.discovery.conclusion import concluded
-from swingdown.discovery.files import read_rounds, summary, write_rounds
+from swingdown.discovery.files import summary, write_rounds
 from swingdown.discovery.linear import frame
 from swingdown.discovery.pairs import starts_of_pairs
 from swingdown.discovery.refit import refit
@@ -21,6 +21,7 @@ from swingdown.discovery.verdict import verdict
 from swingdown.engine.trajectory import TrajectoryError, simulate
 from swingdown.errors import InputError
 from swingdown.pendulum.model import Model
+from swingdown.sealed import read_json
 
 TIMES = np.arange(601) / 50  # s
 NOISE = 1e-3  # rad
@@ -208,8 +209,8 @@ def test_a_search_that_cannot_begin_ends_so_too(two, monkeypatch, tmp_path):
 
     monkeypatch.setattr("swingdown.discovery.rounds.groups", breaks)
     states = concluded(discover(two, "viscous", rounds=2), two)
-    write_rounds(states, two, [tmp_path / "round-0"], emulated=True)
-    found = verdict(read_rounds([tmp_path / "round-0"]))
+    write_rounds(states, two, tmp_path, emulated=True)
+    found = verdict(read_json(tmp_path / "rounds.json"))
     assert found["status"] == "unknown" and "broke off (Singular matrix)" in found["sentence"]
 
 

@@ -62,9 +62,18 @@ def test_an_own_effect_is_found_like_one_of_the_catalogue(symbol):
         ({"parameters": {"k": {"lower": 1.0, "upper": 0.0}, "phi": {"start": [0.0]}}}, "between"),
         ({"parameters": {"theta": {}, "phi": {"start": [0.0]}}}, "'theta' is a variable of every formula"),
         ({"parameters": {"1k": {}, "phi": {"start": [0.0]}}}, "'1k' is no symbol"),
-        ({"parameters": {"k": {"lower": 1.0, "upper": 1.0}, "phi": {"start": [0.0]}}}, "leave nothing between"),
-        ({"parameters": {"k": {}, "phi": {"lower": 1.0, "start": [1.0, 0.9]}}}, "start: 0.9 is outside the bounds"),
-        ({"parameters": {"k": {}, "phi": {"upper": 1.0, "start": [1.0, 1.1]}}}, "start: 1.1 is outside the bounds"),
+        (
+            {"parameters": {"k": {"lower": 1.0, "upper": 1.0}, "phi": {"start": [0.0]}}},
+            "leave nothing between",
+        ),
+        (
+            {"parameters": {"k": {}, "phi": {"lower": 1.0, "start": [1.0, 0.9]}}},
+            "start: 0.9 is outside the bounds",
+        ),
+        (
+            {"parameters": {"k": {}, "phi": {"upper": 1.0, "start": [1.0, 1.1]}}},
+            "start: 1.1 is outside the bounds",
+        ),
     ],
 )
 def test_what_cannot_be_an_effect_is_refused(changes, words):

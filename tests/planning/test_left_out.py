@@ -205,12 +205,7 @@ def test_where_no_swing_is_free_the_search_goes_first(study):
 @pytest.mark.slow("a whole study")
 def test_what_stands_for_a_bad_recording_yields_no_number(study):
     folder, _ = study
-    for name in (
-        "recordings/text-3",
-        "angles/text-3",
-        "experiment/fits/short-3",
-        "discovery/lost/round-0/fit",
-    ):
+    for name in ("recordings/text-3", "angles/text-3", "experiment/fits/short-3", "discovery/lost/first/fit"):
         with pytest.raises(InputError, match=REASONS["short" if "short" in name else "text"].split(": ")[-1]):
             dataset.read(folder / "results" / f"{name}.nc")
     assert main(["verify", str(folder / "results")]) == 0

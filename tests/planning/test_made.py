@@ -43,12 +43,14 @@ def test_a_study_of_one_s_own_shows_its_pendulums_and_what_was_varied(whole):
     assert not papers.figures and not papers.curves and "results/tables/series.csv" not in papers.tables
 
 
-def test_a_pendulum_of_one_swing_has_no_joint_fit_and_a_search_has_a_folder_for_each_round(whole):
+def test_a_pendulum_of_one_swing_has_no_joint_fit_and_a_search_has_its_first_and_last_round(whole):
     shown = whole(discovery={"campaigns": ["two"], "rounds": 3})
     assert shown.joint == ["results/experiment/joint/one.nc"]
     assert shown.verdicts == ["results/discovery/two/verdict.json"]
-    rounds = {path.split("/")[3] for path in shown.searched if "/round-" in path}
-    assert rounds == {f"round-{number}" for number in range(4)}
+    fits = [
+        path for path in shown.searched if path.startswith("results/discovery") and path.endswith("/fit.nc")
+    ]
+    assert fits == ["results/discovery/two/first/fit.nc", "results/discovery/two/last/fit.nc"]
     assert "results/experiment/fits/a.nc" in shown.searched  # it tells whether a swing is free
 
 

@@ -194,11 +194,10 @@ def test_a_key_that_came_later_changes_no_cell_that_was_computed_before_it():
 
 def test_a_measured_pendulum_is_the_one_that_is_simulated(tmp_path):
     folder = tmp_path / "mine"
-    (folder / "round-2").mkdir(parents=True)
-    (folder / "round-10").mkdir()
-    for number, friction in ((2, 0.001), (10, 0.002)):
+    for name, friction in (("first", 0.001), ("last", 0.002)):
+        (folder / name).mkdir(parents=True)
         values = {"natural_frequency": 6.5, "viscous_ratio": 0.01, "load_friction": friction}
-        write_model(Model("viscous+load_coulomb", values), folder / f"round-{number}/model.yaml")
+        write_model(Model("viscous+load_coulomb", values), folder / f"{name}/model.yaml")
     (folder / "verdict.json").write_text('{"noise_rms_rad": 0.0007}')
     sweep = made(
         computes="detection",
@@ -210,7 +209,7 @@ def test_a_measured_pendulum_is_the_one_that_is_simulated(tmp_path):
     assert cell["simulation.natural_frequency"] == 6.5 and cell["simulation.load_friction"] == 0.002
     assert cell["simulation.viscous_ratio"] == 0.03  # what the settings say goes before
     assert cell["discovery.base"] == ["viscous", "load_coulomb"] and cell["detection.noise_rad"] == 0.0007
-    known = made(axes={"simulation.snr": [10]}, pendulum=str(folder / "round-2/model.yaml"))
+    known = made(axes={"simulation.snr": [10]}, pendulum=str(folder / "first/model.yaml"))
     assert (
         known.settings["simulation.simulated"] == ["viscous+load_coulomb"]
         and known.settings["simulation.load_friction"] == 0.001

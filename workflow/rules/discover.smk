@@ -1,8 +1,7 @@
-# Which effect is missing: rounds of fit, disagreement, naming and confirmation, a folder each, made by one search.
+# Which effect is missing: rounds of fit, disagreement, naming and confirmation, made by one search.
 # needs: results/angles/, results/experiment/fits/ (whether a swing is free)
-# makes: results/discovery/{campaign}/: round-{n}/, difference.json, verdict.json and figures/
+# makes: results/discovery/{campaign}/: rounds.json, first/, last/, difference.json, verdict.json and figures/
 
-ROUNDS = config["discovery"]["rounds"]
 # the recordings of each campaign as discovery takes them: static ones tell the noise
 MEMBERS = {campaign: PLAN.swings(campaign) + PLAN.statics(campaign) for campaign in PLAN.searched}
 
@@ -16,14 +15,14 @@ rule discover_search:
             "results/experiment/fits/{recording}.nc", recording=PLAN.swings(wildcards.campaign)
         ),
     output:
-        expand("results/discovery/{{campaign}}/round-{n}/{file}", n=range(ROUNDS + 1), file=ROUND_FILES),
-        "results/discovery/{campaign}/difference.json",
+        rounds=expand("results/discovery/{{campaign}}/{file}", file=SEARCH_FILES),
+        follows="results/discovery/{campaign}/difference.json",
     log:
         "results/logs/discover/{campaign}/search.log",
     params:
         roles=lambda wildcards: [PLAN.rows[name]["role"] for name in MEMBERS[wildcards.campaign]],
         base=config["discovery"]["base"],
-        rounds=ROUNDS,
+        rounds=config["discovery"]["rounds"],
         budget_s=config["discovery"]["budget_s"],
         changed=lambda wildcards: PLAN.changed(wildcards.campaign),
         model=config["model"],
@@ -37,7 +36,7 @@ rule discover_search:
 
 rule discover_verdict:
     input:
-        rounds=expand("results/discovery/{{campaign}}/round-{n}/round.json", n=range(ROUNDS + 1)),
+        rounds="results/discovery/{campaign}/rounds.json",
         follows="results/discovery/{campaign}/difference.json",
     output:
         "results/discovery/{campaign}/verdict.json",
@@ -55,7 +54,7 @@ rule discover_verdict:
 rule discover_figures:
     input:
         verdict="results/discovery/{campaign}/verdict.json",
-        rounds=expand("results/discovery/{{campaign}}/round-{n}/round.json", n=range(ROUNDS + 1)),
+        rounds="results/discovery/{campaign}/rounds.json",
     output:
         expand("results/discovery/{{campaign}}/figures/{name}.{ending}", name=SEEN, ending=["svg", "png"]),
     log:

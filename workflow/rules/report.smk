@@ -8,11 +8,7 @@ from swingdown.report.sections import FEW
 
 # What the swings are drawn from in the page of one's own recordings: the last round's fit. Of a class there is no room for it.
 FITS = (
-    expand(
-        "results/discovery/{campaign}/round-{n}/fit.nc",
-        campaign=PLAN.searched,
-        n=config["discovery"]["rounds"],
-    )
+    expand("results/discovery/{campaign}/last/fit.nc", campaign=PLAN.searched)
     if OWN and len(PLAN.searched) <= FEW
     else []
 )

@@ -16,29 +16,27 @@ from swingdown.studies.left_out import NO_VERDICT
 from swingdown.studies.words import short
 
 
-def figures(verdict, folders, outputs, spoken):
+def figures(verdict, rounds, outputs, spoken):
     """Each of the outputs written, the first and the last of the campaign's rounds side by side."""
     found = read_json(verdict)
     if found["status"] == NO_VERDICT:
         for output in outputs:
             save(in_language(discovery.no_verdict(found["campaign"]), spoken), output)
         return
-    used = [Path(folder) for folder in folders][: len(found["gap"]["fit"])]
-    first, last = used[0], used[-1]
+    first, last = (Path(rounds).with_name(place) for place in ("first", "last"))
+    rounds = read_json(rounds)
     moved = found["moves"][0] if found["moves"] else ""
     fitted = dataset.read(last / "fit.nc")
     drawn = {
         "answer": lambda: swings_with_fit(shown_in(fitted), noise_rms(found), fitted, short({}, found)),
         "remainder": lambda: remainder(
-            read_csv(last / "remainder.csv"), read_csv(last / "course.csv"), read_json(last / "round.json")
+            read_csv(last / "remainder.csv"), read_csv(last / "course.csv"), rounds[-1]
         ),
         "residuals": lambda: discovery.residuals(
             dataset.read(first / "fit.nc"), dataset.read(last / "fit.nc")
         ),
         "map": lambda: discovery.missing_torque(
-            read_csv(first / "map.csv"),
-            read_csv(last / "map.csv"),
-            [read_json(folder / "round.json") for folder in used],
+            read_csv(first / "map.csv"), read_csv(last / "map.csv"), rounds
         ),
         "half_swings": lambda: discovery.half_swings(
             read_csv(first / "half_swings.csv"), read_csv(last / "half_swings.csv")
@@ -55,5 +53,4 @@ def figures(verdict, folders, outputs, spoken):
 if __name__ == "__main__":
     with console.job(snakemake.log[0]):
         files = snakemake.input
-        folders = [Path(path).parent for path in files.rounds]
-        figures(files.verdict, folders, snakemake.output, language(snakemake.params.lang))
+        figures(files.verdict, files.rounds, snakemake.output, language(snakemake.params.lang))

@@ -1,4 +1,4 @@
-"""The search for what a campaign's model lacks, written as a folder a round; rounds that it did not need repeat the last."""
+"""The search for what a campaign's model lacks, and what follows a change between its recordings."""
 
 import swingdown.prefork  # noqa: F401  # first of all: it may take the job over
 
@@ -9,17 +9,17 @@ from swingdown.discovery import files
 from swingdown.discovery.budget import Budget
 from swingdown.discovery.change import difference
 from swingdown.discovery.conclusion import concluded
-from swingdown.discovery.files import DIFFERENCE
 from swingdown.discovery.search import discover
 from swingdown.errors import InputError
 from swingdown.measurement.refused import doubt_in, left_out, none_left, row_on, taking_part
 from swingdown.measurement.sharing import sharing
 from swingdown.pendulum.catalogue import catalogue
 from swingdown.pendulum.model import Model
+from swingdown.sealed import write_json
 
 
-def discover_search(campaign, angles, fits, roles, base, rounds, budget_s, changed, outputs):
-    """The rounds' folders written, what follows the change between the recordings, and what was found in a sentence.
+def discover_search(campaign, angles, fits, roles, base, rounds, budget_s, changed, output):
+    """The rounds written, what follows the change between the recordings, and what was found in a sentence.
 
     ``angles`` and ``roles`` are of all members, first the swings, whose ``fits`` say whether they are free, then the static ones. Where
     none is free, what moves them may have a name, and is looked for.
@@ -47,23 +47,17 @@ def discover_search(campaign, angles, fits, roles, base, rounds, budget_s, chang
     except InputError as problem:
         if problem.where in angles:  # a damaged file
             raise
-        files.write_no_verdict(
-            campaign, problem, members, [path for path in outputs if Path(path).name != DIFFERENCE]
-        )
-        files.write_difference(None, outputs)
+        files.write_no_verdict(campaign, problem, members, output.rounds)
+        write_json(output.follows, None)
         return f"{campaign}: NOT SEARCHED: {problem}"
     base = base.under(swings.fit[0].drive)
     quantity, values = changed or ("", {})
     budget = Budget(budget_s)
     follows = difference(swings, values, base, budget_s=budget_s and budget_s / 2)
-    files.write_difference(follows and follows.to_dict(quantity), outputs)
+    write_json(output.follows, follows and follows.to_dict(quantity))
     base = follows.beside(base) if follows else base
     states = concluded(discover(swings, base, rounds, budget_s=budget.left), swings)
-    folders = sorted(
-        {Path(path).parent for path in outputs if Path(path).name != DIFFERENCE},
-        key=lambda one: int(one.name[6:]),
-    )
-    files.write_rounds(states, swings, folders, emulated, members)
+    files.write_rounds(states, swings, Path(output.follows).parent, emulated, members)
     last = states[-1]
     gap = last.fit.rms / last.noise.deviation
     return f"{campaign}: {last.fit.model.label} leaves {gap:.3g} times the noise; {last.reason}"
@@ -76,6 +70,6 @@ if __name__ == "__main__":
         say(
             discover_search(
                 snakemake.wildcards.campaign, list(given.angles), list(given.fits), params.roles, base, params.rounds,
-                params.budget_s, params.changed, list(snakemake.output),
+                params.budget_s, params.changed, snakemake.output,
             )
         )  # fmt: skip

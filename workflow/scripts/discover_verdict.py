@@ -1,24 +1,20 @@
-"""The verdict on a campaign, from the files of its rounds."""
+"""The verdict on a campaign, from the rounds of its search."""
 
 import swingdown.prefork  # noqa: F401  # first of all: it may take the job over
 
-from pathlib import Path
-
 from swingdown import console
-from swingdown.discovery.files import read_rounds
 from swingdown.discovery.verdict import no_verdict, verdict
 from swingdown.pendulum.catalogue import catalogue
 from swingdown.sealed import read_json, write_json
 
 
-def discover_verdict(folders, follows, known, output):
+def discover_verdict(rounds, follows, known, output):
     """The verdict written, and its sentence."""
-    rounds = read_rounds(folders)
+    rounds = read_json(rounds)
     if "no_verdict" in rounds[0]:
         found = no_verdict(rounds[0])
     else:
-        last = next((k for k, state in enumerate(rounds) if state["chosen"] is None), len(rounds) - 1)
-        found = verdict(rounds[: last + 1], known.of(rounds[0].get("reading", "angle")), read_json(follows))
+        found = verdict(rounds, known.of(rounds[0].get("reading", "angle")), read_json(follows))
         doubt = rounds[0].get("doubt")
         if doubt and found["status"] == "unknown":  # then it is as little a pendulum's as damping alone says
             out = [{"recording": name, "problem": doubt["problem"]} for name in found["recordings"]]
@@ -30,8 +26,9 @@ def discover_verdict(folders, follows, known, output):
 
 if __name__ == "__main__":
     with console.job(snakemake.log[0]) as say:
-        folders = [Path(path).parent for path in snakemake.input.rounds]
         given = snakemake.input
         say(
-            discover_verdict(folders, given.follows, catalogue(snakemake.params.effects), snakemake.output[0])
+            discover_verdict(
+                given.rounds, given.follows, catalogue(snakemake.params.effects), snakemake.output[0]
+            )
         )

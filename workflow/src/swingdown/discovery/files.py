@@ -1,4 +1,4 @@
-"""A round of discovery as files: what a search writes, and what verdict, figures and report read."""
+"""The rounds of a search as files: what a search writes, and what verdict, figures and report read."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
@@ -20,7 +20,7 @@ from ..measurement.slack import of_angles
 from ..pendulum.catalogue import READINGS
 from ..pendulum.model import Model
 from ..pendulum.model_file import write_model
-from ..sealed import read_json, write_csv, write_json, write_text
+from ..sealed import write_csv, write_json, write_text
 from ..studies.experiment import read_alike
 from ..studies.fit_rows import largest_angles
 from .campaign import Campaign, Swing, campaign
@@ -34,7 +34,7 @@ from .remainder import COURSE, MAP, Remainder, remainder
 from .state import Round
 from .verdict import in_unit
 
-DIFFERENCE = "difference.json"
+ROUNDS = "rounds.json"
 _RANKING = ["move", "added", "also", "dropped", "delta_bic", "gain_bic", "rms_rad", "tied", "refused", "effects"]  # fmt: skip
 
 
@@ -78,75 +78,61 @@ def swing_of(angle: xr.Dataset) -> Swing:
 
 
 def write_no_verdict(
-    name: str, problem: InputError, members: Mapping[str, Any], outputs: Sequence[Path | str]
+    name: str, problem: InputError, members: Mapping[str, Any], outputs: Iterable[Path | str]
 ) -> None:
-    """The rounds' files written of a campaign in which nothing can be looked for: each says why, and none holds a number."""
+    """The files of a search written of a campaign in which nothing can be looked for: each says why, and none holds a number."""
     why = {key: getattr(problem, key) for key in ("where", "problem", "expected", "mend")}
     for path in map(Path, outputs):
-        if path.suffix == ".json":
-            write_json(path, {"campaign": name, "no_verdict": why} | dict(members))
+        if path.name == ROUNDS:
+            write_json(path, [{"campaign": name, "no_verdict": why} | dict(members)])
         elif path.suffix == ".nc":
             refuse(problem, {"campaign": name}, path)
         else:
             write_text(path, f"# no verdict: {problem.problem}\n")
 
 
-def write_difference(found: Mapping[str, Any] | None, outputs: Iterable[Path | str]) -> None:
-    """difference.json written, the one of these outputs: what follows the change between the recordings, null where nothing was changed."""
-    for path in outputs:
-        if Path(path).name == DIFFERENCE:
-            write_json(path, found)
-
-
 def write_rounds(
     states: Sequence[Round],
     campaign: Campaign,
-    folders: Sequence[Path | str],
+    folder: Path | str,
     emulated: bool,
     members: Mapping[str, Any] | None = None,
 ) -> None:
-    """The folders written, one for each ``Round``; those beyond the last one repeat it. ``members`` says which recordings take part
-    (``recordings``) and which were ``left_out``."""
-    for number, state in enumerate(states):
+    """The rounds written: each in ``rounds.json``, and in the folders ``first`` and ``last`` the model, the fit and the tables of these two.
+
+    Parameters
+    ----------
+    states
+        Of a search. Their tables are groups, ranking, map and half-swings, and of what is still lacking remainder and course.
+    campaign
+        Its swings.
+    folder
+        Where to.
+    emulated
+        Whether the files say that their numbers come from a computed pendulum.
+    members
+        Which recordings take part (``recordings``) and which were ``left_out``.
+    """
+    folder, told = Path(folder), []
+    for state in states:
         lacks = _NOTHING
         if state.missing:  # a motion that cannot be followed more finely is no reason to lose the verdict
             with suppress(TrajectoryError, np.linalg.LinAlgError):
                 lacks = remainder(frame(state.fit, campaign.fit), state.noise)
-        for folder in folders[number:] if state is states[-1] else folders[number : number + 1]:
-            write_round(state, campaign, folder, emulated, lacks, members)
+        told.append(
+            summary(state, campaign)
+            | {"remainder": {"shares": lacks.shares, "torque": lacks.torque, "gain": lacks.gain}}
+            | dict(members or {})
+        )
+        for place in ["first"] * (state is states[0]) + ["last"] * (state is states[-1]):
+            _write_round(state, campaign, folder / place, emulated, lacks, told[-1])
+    write_json(folder / ROUNDS, told)
 
 
-def write_round(
-    state: Round,
-    campaign: Campaign,
-    folder: Path | str,
-    emulated: bool,
-    lacks: Remainder = _NOTHING,
-    members: Mapping[str, Any] | None = None,
-) -> Path:
-    """The folder written: round.json, model.yaml, fit.nc and the tables of one ``Round``.
-
-    Parameters
-    ----------
-    state
-        The round. Its tables are groups, ranking, map and half-swings.
-    campaign
-        Its swings.
-    folder
-        Where to; it is made if it is not there.
-    emulated
-        Whether the files say that their numbers come from a computed pendulum.
-    lacks
-        What the model still lacks: the tables remainder and course.
-    members
-        Which recordings take part (``recordings``) and which were ``left_out``.
-    """
-    folder = Path(folder)
+def _write_round(
+    state: Round, campaign: Campaign, folder: Path, emulated: bool, lacks: Remainder, told: Mapping[str, Any]
+) -> None:
     folder.mkdir(parents=True, exist_ok=True)
-    told = summary(state, campaign) | {
-        "remainder": {"shares": lacks.shares, "torque": lacks.torque, "gain": lacks.gain},
-        **(members or {}),
-    }
     write_model(state.model, folder / "model.yaml")
     write_csv(pd.DataFrame(told["groups"]), folder / "groups.csv")
     write_csv(pd.DataFrame(told["ranking"], columns=_RANKING), folder / "ranking.csv")
@@ -155,8 +141,6 @@ def write_round(
     write_csv(lacks.map, folder / "remainder.csv", float_format="%.6g")
     write_csv(lacks.course, folder / "course.csv", float_format="%.6g")
     dataset.write(_series(state, campaign, emulated), folder / "fit.nc")
-    write_json(folder / "round.json", told)
-    return folder
 
 
 def _series(state: Round, campaign: Campaign, emulated: bool) -> xr.Dataset:
@@ -196,7 +180,7 @@ def _series(state: Round, campaign: Campaign, emulated: bool) -> xr.Dataset:
 
 
 def summary(state: Round, campaign: Campaign) -> dict[str, Any]:
-    """What round.json holds of a ``Round``: the state in numbers and words, the groups, and the ranking."""
+    """What ``rounds.json`` holds of a ``Round``: the state in numbers and words, the groups, and the ranking."""
     chosen, swings = state.chosen, [s.name for s in (*campaign.fit, *campaign.holdout)]
     ratios = [*per_swing(state.fit, state.noise), *per_swing(state.holdout, state.noise)]
     best = state.ranked[0].bic if state.ranked else 0.0
@@ -267,8 +251,3 @@ def _finding(one: Finding) -> dict[str, Any]:
         for key, value in asdict(one).items()
     }
     return told | {"ties": list(one.ties)}
-
-
-def read_rounds(folders: Iterable[Path | str]) -> list[dict[str, Any]]:
-    """The round.json of each folder, in order."""
-    return [read_json(Path(folder) / "round.json") for folder in folders]

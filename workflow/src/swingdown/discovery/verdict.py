@@ -30,7 +30,7 @@ def verdict(
     Parameters
     ----------
     rounds
-        The contents of the rounds' round.json, in order.
+        The contents of ``rounds.json``.
     catalogue
         The effects that may be named.
     difference
@@ -171,7 +171,7 @@ def no_verdict(state: Mapping[str, Any]) -> dict[str, Any]:
     Parameters
     ----------
     state
-        The contents of its round.json.
+        The only entry of its ``rounds.json``.
 
     Returns
     -------

@@ -5,9 +5,11 @@ from typing import Any, NamedTuple
 
 from .plan import Plan
 
-ROUND_FILES = (
-    "round.json", "model.yaml", "fit.nc", "groups.csv", "ranking.csv", "map.csv", "half_swings.csv", "remainder.csv", "course.csv",
+_ROUND = (
+    "model.yaml", "fit.nc", "groups.csv", "ranking.csv", "map.csv", "half_swings.csv", "remainder.csv", "course.csv",
 )  # fmt: skip
+# What a search writes below the folder of its campaign.
+SEARCH_FILES = ("rounds.json", *(f"{place}/{file}" for place in ("first", "last") for file in _ROUND))
 SEEN = ("answer", "remainder", "residuals", "map", "half_swings", "ranking", "gap")  # functions of plots
 _PICTURES = ("svg", "png")
 # What a sample sheet states beside its files: lengths, and what was varied between recordings.
@@ -74,7 +76,7 @@ def made(plan: Plan, settings: Mapping[str, Any], own: bool) -> Made:
         for kind in ("curves", "laws")
         for ending in ("csv", *_PICTURES)
     ]
-    found = _searched(plan, settings["discovery"]["rounds"])
+    found = _searched(plan)
     return Made(
         _in("tables", tables, ".csv"), _pictures("figures", figures),
         [f"results/discovery/{name}/verdict.json" for name in plan.searched],
@@ -84,16 +86,14 @@ def made(plan: Plan, settings: Mapping[str, Any], own: bool) -> Made:
     )  # fmt: skip
 
 
-def _searched(plan: Plan, rounds: int) -> list[str]:
+def _searched(plan: Plan) -> list[str]:
     """What the searches make but for their verdicts, and what they read. A swing that is only searched is fitted too: is it free?"""
     found = _in("recordings", plan.measured, ".nc") + _in("angles", plan.measured, ".nc")
     found += ["results/calibration/calibration.nc"] if plan.in_volts else []
     found += _in("experiment/fits", plan.moving, ".nc")
     for name in plan.searched:
         folder = f"discovery/{name}"
-        for number in range(rounds + 1):
-            found += _in(f"{folder}/round-{number}", ROUND_FILES)
-        found += _in(folder, ["difference.json"])
+        found += _in(folder, (*SEARCH_FILES, "difference.json"))
         found += _pictures(f"{folder}/figures", (*SEEN, *(["difference"] if plan.changed(name) else [])))
     return found
 

@@ -81,7 +81,7 @@ def missing_torque(first: pd.DataFrame, last: pd.DataFrame, rounds: Sequence[Map
     """The torque that the base model and the last one lack, over angle, velocity and time, with bands of two standard errors.
 
     ``first`` and ``last`` are the rounds' map tables (``over``, ``part``, ``x``, ``torque``, ``band``), ``rounds`` the
-    contents of their round.json.
+    contents of ``rounds.json``.
     """
     figure = style.new_figure(8.8)
     grid = figure.subplots(1, 3)

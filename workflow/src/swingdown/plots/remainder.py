@@ -27,7 +27,7 @@ def remainder(table: pd.DataFrame, course: pd.DataFrame, told: Mapping[str, Any]
     """The missing torque over angle and speed, what it is a function of, and its course in the swing that has most of it.
 
     ``table`` (``angle_rad``, ``speed_rad_per_s``, ``torque``, ``band``, ``known``, ``seen``) and ``course`` (``swing``, ``time_s``,
-    ``torque``, ``band``) are those of a round, ``told`` its round.json. Where there is none the picture says so.
+    ``torque``, ``band``) are those of a round, ``told`` its entry in ``rounds.json``. Where there is none the picture says so.
     """
     if table.empty:
         return style.absent("no torque is left to draw")

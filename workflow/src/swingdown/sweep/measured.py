@@ -1,6 +1,5 @@
 """A pendulum that was measured, as the one that a sweep simulates: what its campaign's discovery found."""
 
-import re
 from pathlib import Path
 
 from ..errors import InputError
@@ -20,12 +19,9 @@ def of_pendulum(entry, place, own=None):
     if not entry.get("pendulum"):
         return {}
     path = Path(entry["pendulum"])
-    rounds = sorted(
-        path.glob("round-*/model.yaml"), key=lambda file: int(re.sub(r"\D", "", file.parent.name) or 0)
-    )
-    file = rounds[-1] if rounds else path
+    file = path / "last/model.yaml" if path.is_dir() else path
     if not file.is_file():
-        raise InputError(place, f"{path} is no model file, nor the folder of a campaign that was searched", "a file such as round-1/model.yaml",
+        raise InputError(place, f"{path} is no model file, nor the folder of a campaign that was searched", "a file such as last/model.yaml",
                          "run `snakemake discover` first, or correct the path")  # fmt: skip
     model = read_model(file, catalogue(own))
     if model.reading != ANGLE:
