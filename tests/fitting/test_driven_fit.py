@@ -6,6 +6,7 @@ import pytest
 from swingdown.arrays import swing_under
 from swingdown.engine.trajectory import simulate
 from swingdown.errors import InputError
+from swingdown.fitting.batch import fit_batch
 from swingdown.fitting.driven import driven_guesses
 from swingdown.fitting.least_squares import fit_jointly
 from swingdown.pendulum.drive import drive
@@ -63,6 +64,16 @@ def test_several_swings_share_their_values_and_have_each_its_drive():
     assert fit.rms == pytest.approx(NOISE, rel=0.1)
     assert [one.model.drive for one in fit.swings] == [model.drive, other]
     assert fit.model.values["torque_gain"] == pytest.approx(2.0, rel=0.01)
+
+
+def test_many_at_once_are_driven_by_the_clock_of_the_drive():
+    """Theirs begins at 5 s; a delay would hide another beginning."""
+    model = made("torque")
+    under = drive(TIMES, FORCE, "torque", free=("gain",))
+    values = {name: value for name, value in model.values.items() if name != "input_delay"}
+    model = Model(f"viscous+quadratic_drag+{under.effect}", values, drive=under)
+    found = fit_batch(model, TIMES, np.stack([recorded(model, seed) for seed in (1, 2)]), (0.3, 0.1))
+    assert found.rss == pytest.approx(TIMES.size * NOISE**2, rel=0.2)
 
 
 def test_a_guess_needs_no_peaks():

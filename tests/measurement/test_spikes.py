@@ -53,6 +53,14 @@ def read(tmp_path, monkeypatch):
     return one
 
 
+@pytest.mark.parametrize("at", [20, 60, 2940, 2980])
+def test_a_spike_of_the_first_periods_and_of_the_last_is_found(at):
+    """There the noise is told by the periods of one side alone."""
+    signal = swing(2)
+    signal[at] += 0.05
+    assert list(np.flatnonzero(find_spikes(TIME, signal).where)) == [at]
+
+
 @pytest.mark.parametrize("size", [0.06, 0.3, 2.0])
 @pytest.mark.parametrize(("samples", "longest"), [(1, 1), (5, 1), (20, 1), (20, 5)])
 def test_spikes_are_found_and_nothing_else(samples, longest, size):

@@ -281,3 +281,12 @@ def test_of_places_those_on_the_bobs_circle_are_the_bobs():
     off = np.abs(np.hypot(*(other - (320, 60)).T) - 300)
     kept = video._on_circle(np.concatenate([arc, other, [[np.nan, np.nan]]]), 10.0, "film")
     assert kept[:300].all() and not kept[300:330][off > 12].any() and not kept[330]
+
+
+def test_three_places_on_a_circle_tell_all_others_of_it():
+    """However unevenly they lie on it."""
+    turned = np.radians(np.arange(-60, 61, 2))
+    arc = np.column_stack([320 + 300 * np.sin(turned), 60 + 300 * np.cos(turned)])
+    for chosen in ((0, 30, 60), (0, 5, 60), (0, 55, 60), (20, 60, 1)):
+        assert video._near_circle(arc, 5.0, *arc[list(chosen)]).all()
+        assert not video._near_circle(1.1 * arc, 5.0, *arc[list(chosen)]).all()

@@ -43,6 +43,23 @@ def test_a_study_of_one_s_own_shows_its_pendulums_and_what_was_varied(whole):
     assert not papers.figures and not papers.curves and "results/tables/series.csv" not in papers.tables
 
 
+def test_pendulums_are_drawn_side_by_side_where_there_are_two_swings(whole):
+    """As those of one campaign, or of two."""
+    two, one = (
+        whole(experiment={"campaigns": [name]}, discovery={"campaigns": ["two"]}) for name in ("one", "two")
+    )
+    assert (
+        "results/figures/pendulums.svg" in two.figures and "results/figures/pendulums.svg" not in one.figures
+    )
+
+
+def test_what_follows_a_change_is_drawn_where_something_was_changed(whole, tmp_path):
+    changed = SHEET.replace("length", "length,changed,changed_value").replace(" m\n", " m,magnet,0.1\n")
+    (tmp_path / "sheet.csv").write_text(changed.replace("0.7 m,magnet,0.1", "0.7 m,,"))
+    drawn = [path for path in whole().searched if "/difference.svg" in path]
+    assert drawn == ["results/discovery/one/figures/difference.svg"]
+
+
 def test_a_pendulum_of_one_swing_has_no_joint_fit_and_a_search_has_its_first_and_last_round(whole):
     shown = whole(discovery={"campaigns": ["two"], "rounds": 3})
     assert shown.joint == ["results/experiment/joint/one.nc"]

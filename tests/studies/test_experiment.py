@@ -143,6 +143,22 @@ def test_everything_is_kept_with_units_on_disk(fits, joint, tmp_path):
     xr.testing.assert_allclose(again["norm"], table["norm"])
 
 
+def test_a_value_names_its_standard_errors_for_readers_of_cf(fits):
+    named = fits[0]["value"].attrs["ancillary_variables"].split()
+    assert "standard_error" in named and set(named) <= set(fits[0].variables)
+    assert "ancillary_variables" not in fits[0]["norm"].attrs
+
+
+def test_norms_of_angles_and_of_rates_side_by_side_say_which_is_in_what(fits):
+    alike = norms.combine_recordings(fits)
+    assert alike["norm"].attrs["units"] == "degrees" and "comment" not in alike["norm"].attrs
+    rate = fits[1].copy()
+    rate["norm"] = rate["norm"].assign_attrs(units="degrees/s", long_name="of rates")
+    mixed = norms.combine_recordings([fits[0], rate])
+    assert mixed["norm"].attrs["units"] == "degrees"
+    assert "degrees/s of recordings whose reading is rate" in mixed["norm"].attrs["comment"]
+
+
 def test_too_few_swings_are_refused(angles, fits):
     short = angles[0].isel(time=slice(0, 60))  # 1.2 s of a period of 0.87 s
     with pytest.raises(InputError, match=r"swing_0: too few swings to fit.*widen start_s"):
