@@ -1,10 +1,13 @@
 """Recordings that cannot be used leave their reason behind, and who is left of several."""
 
+import io
+
 import pytest
 import xarray as xr
 
 from swingdown import dataset
 from swingdown.errors import InputError
+from swingdown.measurement.files.source import check_sha256
 from swingdown.measurement.refused import (
     COLUMNS,
     doubt_in,
@@ -108,7 +111,9 @@ def test_where_none_is_left_the_first_says_why_and_how_many_there_are(file):
 def test_what_was_out_of_reach_may_pass_and_a_bad_file_does_not():
     reached = InputError("r1.csv", "it cannot be reached")
     reached.__cause__ = OSError("no route")
-    damaged = InputError("row 2, column sha256", "the file is another")
+    with pytest.raises(InputError) as told:
+        check_sha256(io.BytesIO(b"cut off"), "0" * 64, "r1.csv", "row 2")
+    damaged = told.value
     far = {"file": "https://example.org/r1.csv"}
     assert may_pass(reached, ROW) and may_pass(damaged, far)
     assert not may_pass(damaged, ROW) and not may_pass(BROKEN, far) and not may_pass(BROKEN, ROW)

@@ -30,7 +30,7 @@ class Window(Generic[_Recorder]):
 
             from matplotlib import pyplot
         except ImportError as error:
-            mend = ". Tk is missing (Debian: python3-tk)" if "No module" in str(error) else ""
+            mend = ". Tk is missing (Debian: python3-tk)" if isinstance(error, ModuleNotFoundError) else ""
             raise OSError(f"no window can be opened ({error}){mend}") from error
         self._status, self._recent = status, recent
         try:

@@ -18,6 +18,7 @@ import xarray as xr
 from ...errors import InputError
 from ...extras import needed
 from ...paths import find, is_url
+from ..refused import OTHER_BYTES
 from . import phyphox
 from .archive import unpacked
 from .columns import TIME, meaning
@@ -230,6 +231,7 @@ def check_sha256(source: BinaryIO, expected: str, name: str, place: str) -> str:
             f"the checksum does not match: the file has {digest}",
             expected,
             "fetch the file anew, or correct the sheet if the file was changed on purpose",
+            OTHER_BYTES,
         )
     return digest
 
