@@ -72,7 +72,7 @@ IMPORT_ALL := import importlib, pkgutil, swingdown; \
 QUICK := $(addprefix tests/, test_imports.py test_lint.py test_types.py test_dataset.py test_quantisation.py test_rounding.py test_schema.py \
   discovery/test_frozen.py discovery/test_losses.py discovery/test_verdict.py engine/test_elementary.py engine/test_refusals.py engine/test_sticking.py engine/test_trajectory.py \
   fitting/test_covariance.py fitting/test_fit.py fitting/test_guess.py \
-  measurement/test_angle.py measurement/test_bounds.py measurement/test_line.py measurement/test_recording.py measurement/test_sheet.py \
+  measurement/test_angle.py measurement/test_bounds.py measurement/test_recording.py measurement/test_sheet.py measurement/test_straight_line.py \
   pendulum/test_formula.py pendulum/test_model.py)
 
 quick: $(READY)

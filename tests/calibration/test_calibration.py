@@ -16,9 +16,9 @@ from swingdown.calibration.deviation import deviation_lines, extreme_lines
 from swingdown.calibration.geometry import arm_angle, printed_bound
 from swingdown.errors import InputError
 from swingdown.measurement.apparatus import read_apparatus
-from swingdown.measurement.line import fit_line
 from swingdown.measurement.recording import ingest
 from swingdown.measurement.sheet import read_sheet
+from swingdown.measurement.straight_line import fit_line
 from swingdown.measurement.uncertainty import Mean
 
 DRAWS = 50_000

@@ -12,8 +12,8 @@ from scipy.io import savemat
 import swingdown
 from swingdown.answer.command import Wishes, answer
 from swingdown.errors import InputError
-from swingdown.measurement.again import OPEN, readings
 from swingdown.measurement.plausibility import in_step_and_dying
+from swingdown.measurement.second_reading import OPEN, readings
 from swingdown.planning import own
 
 TIMES = np.arange(0, 30, 0.02)

@@ -67,7 +67,7 @@ class Study:
 
     def start(self, log, *more):
         command = [
-            sys.executable, "-m", "snakemake", *more, "--profile", "workflow/profiles/slurm", "--slurm-init-seconds-before-status-checks", "2",
+            sys.executable, "-m", "snakemake", *more, "--profile", "profiles/slurm", "--slurm-init-seconds-before-status-checks", "2",
             "--seconds-between-status-checks", "2", "--slurm-keep-successful-logs", "--configfile", self.folder / "sweep.yaml", "--directory", self.folder,
         ]  # fmt: skip
         with (self.folder / log).open("w") as printed:

@@ -6,11 +6,11 @@ import numpy as np
 
 from swingdown import console, dataset
 from swingdown.errors import InputError
-from swingdown.measurement.again import TOLD
 from swingdown.measurement.angle import to_angle
 from swingdown.measurement.points.points_recording import are_points
 from swingdown.measurement.recording import read_recording
 from swingdown.measurement.refused import problem_in, refuse
+from swingdown.measurement.second_reading import TOLD
 from swingdown.studies.doubt import free_stretch
 
 

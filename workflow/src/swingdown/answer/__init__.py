@@ -22,8 +22,8 @@ from ..discovery.state import Round
 from ..discovery.verdict import verdict
 from ..engine.trajectory import TrajectoryWarning, engine
 from ..errors import InputError, told_to
-from ..measurement.again import readings
 from ..measurement.driven import driven
+from ..measurement.second_reading import readings
 from ..measurement.sharing import sharing
 from ..measurement.slack import of_angles
 from ..pendulum.catalogue import READINGS, catalogue

@@ -20,9 +20,9 @@ from ..engine.trajectory import TrajectoryWarning
 from ..errors import InputError, Refusal, told_to
 from ..extras import has
 from ..language import IN_ENGLISH, Language, language
-from ..measurement.again import cells as cells_again
 from ..measurement.files.programs import FILMS
 from ..measurement.points.points_recording import POINTS_ALONE, are_points
+from ..measurement.second_reading import cells as cells_again
 from ..paths import PROJECT, printable, write_csv, written_whole
 from ..planning import own
 from ..sealed import read_json
@@ -34,8 +34,8 @@ from ..studies.pendulums import in_order
 from ..studies.words import damping_words, details, lines, quantity_rows, told_of
 from . import Answer, of_swings, searchable
 from .alone import alone
-from .beside import write_beside
 from .by_hand import by_hand
+from .curve_files import write_beside
 from .hand_in import check_able, hand_in
 from .lengths import PIVOTS, with_g, with_lengths, written
 from .options import TO_THE_COMMAND

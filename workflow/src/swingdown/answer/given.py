@@ -29,9 +29,9 @@ from ..measurement.swings.release import within
 from ..measurement.swings.spikes import as_variable
 from ..measurement.units import NO_SCALE, in_rad
 from ..pendulum.drive import Drive, drive
-from .labelled import ANGLES, numbers
-from .labelled import angles as in_one_unit
-from .labelled import times as seconds
+from .array_units import ANGLES, numbers
+from .array_units import angles as in_one_unit
+from .array_units import times as seconds
 
 # What a file's owner mends in the sample sheet, the caller of a function mends in the call: by the settings that a mend names.
 _MENDS = {

@@ -10,8 +10,8 @@ import pandas as pd
 from ..errors import InputError
 from ..extras import has
 from ..language import IN_ENGLISH, Language
-from ..measurement.line import FEWEST
 from ..measurement.stated import Stated, read
+from ..measurement.straight_line import FEWEST
 from ..paths import write_csv, write_json
 from ..planning.own import Taken
 from ..series import Series, as_table, from_names, from_rows, from_table, merged, series_of

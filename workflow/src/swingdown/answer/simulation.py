@@ -11,7 +11,7 @@ from ..engine.trajectory import simulate as trajectory
 from ..errors import InputError
 from ..pendulum.catalogue import READINGS
 from ..pendulum.model import Model
-from . import labelled
+from . import array_units
 from .given import Driven, asked, drive_over
 
 if TYPE_CHECKING:
@@ -66,7 +66,7 @@ def simulate(
     """
     known: Any = getattr(model, "model", model)
     said = asked({name: values.pop(name) for name in Driven.__annotations__ if name in values})
-    drive = drive_over(labelled.times(times), said) if said else None
+    drive = drive_over(array_units.times(times), said) if said else None
     if not isinstance(known, Model):
         names = known.split("+") if isinstance(known, str) else list(known)
         known = Model((*names, *([drive.effect] if drive else [])), {}, {}, restoring)
@@ -75,7 +75,7 @@ def simulate(
     if values:
         units = known.units
         told = {
-            name: labelled.value(one, units[name], name) if name in units else one
+            name: array_units.value(one, units[name], name) if name in units else one
             for name, one in values.items()
         }
         known = known.with_values({**known.values, **told}, known.standard_errors)
@@ -103,13 +103,13 @@ def swing_of(
     InputError
         If times precede the start, or no pendulum moves so.
     """
-    at = labelled.times(times)
+    at = array_units.times(times)
     since, angle, velocity = begin
-    given, stated = labelled.angles(angle)
+    given, stated = array_units.angles(angle)
     start = float(np.ravel(np.radians(given) if stated == "deg" else given)[0])
     if model.restoring == "sine" and abs(start) >= np.pi:
         raise InputError("angle", f"{start:.4g} rad is more than half a turn", "an angle in rad, less than pi", f"for degrees write np.radians({start:g})")  # fmt: skip
-    noise = labelled.value(noise, READINGS[model.reading], "noise")
+    noise = array_units.value(noise, READINGS[model.reading], "noise")
     if at.size and since is not None and at[0] < since:
         raise InputError("times", f"they begin at {at[0]:.6g} s, before the recording does", f"times from {since:.6g} s on", "give an angle to let it go from")  # fmt: skip
     if not noise >= 0:
@@ -120,7 +120,7 @@ def swing_of(
             model,
             np.concatenate([[since], at]) if before else at,
             start,
-            labelled.value(velocity, "rad/s", "velocity"),
+            array_units.value(velocity, "rad/s", "velocity"),
         )
     except TrajectoryError as problem:
         raise InputError(

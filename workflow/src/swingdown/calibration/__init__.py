@@ -13,9 +13,9 @@ import xarray as xr
 
 from ..errors import InputError
 from ..measurement.apparatus import Apparatus
-from ..measurement.line import FEWEST
 from ..measurement.recording import ingest
 from ..measurement.sheet import COLUMNS
+from ..measurement.straight_line import FEWEST
 from ..measurement.uncertainty import Mean, Propagation, mean_of_samples
 from . import layout, modes
 from .chain import OUTPUTS, measurement

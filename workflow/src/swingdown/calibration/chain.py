@@ -10,7 +10,7 @@ import numpy as np
 
 from ..arrays import Floats
 from ..measurement.apparatus import Apparatus, encoder_limit, length_inputs
-from ..measurement.line import Line, fit_line_correlated, solve_lines
+from ..measurement.straight_line import Line, fit_line_correlated, solve_lines
 from ..measurement.uncertainty import Input, Mean, from_limit, propagate_gum
 from .geometry import arm_angle
 

@@ -4,7 +4,7 @@ import numpy as np
 from scipy.optimize import linprog
 
 from ..arrays import Floats
-from ..measurement.line import Line
+from ..measurement.straight_line import Line
 
 KINDS = ("extreme", "one-sigma", "covariance")
 _FACTORS = tuple(2.0**k for k in range(8))

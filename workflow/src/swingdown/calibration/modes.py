@@ -7,7 +7,7 @@ import numpy as np
 
 from ..errors import InputError
 from ..measurement.apparatus import Apparatus, encoder_limit
-from ..measurement.line import fit_line
+from ..measurement.straight_line import fit_line
 from ..measurement.uncertainty import Mean, draw_inputs, propagate_gum, symmetric_interval
 from .chain import Chain, lengths
 from .geometry import printed_bound

@@ -11,7 +11,7 @@ from ..arrays import Floats
 from ..errors import InputError
 from ..paths import find, is_url
 from ..schema import check, read_yaml
-from .line import FEWEST
+from .straight_line import FEWEST
 from .uncertainty import Input, from_limit
 
 

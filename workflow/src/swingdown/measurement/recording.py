@@ -10,7 +10,6 @@ import xarray as xr
 
 from .. import dataset
 from ..errors import InputError, as_told
-from .again import OPEN, may_be_read_again
 from .choice import SeveralSwings, Uncalibrated, may_be_it
 from .driven import UNITS, Stated, as_variables, judge_driven, stated
 from .files import phyphox
@@ -22,6 +21,7 @@ from .interpret import RELATIVE, Interpreted, interpret
 from .judge import Judged, Reading, check_used, judge, used_part
 from .points.passages import ask_periods, passages
 from .points.points_table import turning_points
+from .second_reading import OPEN, may_be_read_again
 from .slack import tolerances, with_rate
 from .swings.quality import check_signal
 from .swings.release import SeveralReleases, several_releases, within

@@ -8,8 +8,8 @@ import numpy as np
 import pandas as pd
 
 from ..errors import InputError
-from ..measurement.line import FEWEST
 from ..measurement.stated import Stated
+from ..measurement.straight_line import FEWEST
 from ..rounding import value_with_uncertainty
 from ..studies.power_laws import LengthsAndPeriods, PowerLaw, gravity_of_lengths, power_law
 from .groups import Comparison, compare

@@ -11,7 +11,6 @@ import xarray as xr
 from ..arrays import Swing
 from ..dataset import series_of
 from ..errors import InputError
-from ..measurement.again import may_be_read_once_more, readings
 from ..measurement.driven import drive_of
 from ..measurement.plausibility import (
     KEPT,
@@ -21,6 +20,7 @@ from ..measurement.plausibility import (
     late_stamps,
     narrowing,
 )
+from ..measurement.second_reading import may_be_read_once_more, readings
 from ..pendulum.catalogue import SHIPPED, Catalogue
 from ..pendulum.model import Model, everyday
 from ..rounding import value_with_uncertainty

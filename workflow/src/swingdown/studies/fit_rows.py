@@ -12,7 +12,7 @@ from ..engine.trajectory import simulate
 from ..fitting.course import TOLD, Courses
 from ..fitting.result import Fit
 from ..fitting.uncertainty import Uncertainty, uncertainty
-from ..measurement.again import TOLD as AGAIN
+from ..measurement.second_reading import TOLD as AGAIN
 from ..pendulum.catalogue import ANGLE
 from ..pendulum.model import Model
 from ..pendulum.slack import Slack

@@ -10,7 +10,7 @@ from scipy.special import chdtrc, stdtrit
 
 from ..arrays import Floats
 from ..errors import InputError
-from ..measurement.line import FEWEST, Line, fit_line
+from ..measurement.straight_line import FEWEST, Line, fit_line
 from ..rounding import plus_minus, value_with_uncertainty
 
 BEYOND = 0.05  # probability of chi2 below which the stated errors do not explain the scatter

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from swingdown.arrays import Floats
-from swingdown.measurement.line import Line, fit_line
+from swingdown.measurement.straight_line import Line, fit_line
 
 from .case import Quantity, text, values
 

@@ -7,7 +7,7 @@ import pandas as pd
 import pytest
 import xarray as xr
 
-from swingdown.answer.labelled import angles, numbers, times, value
+from swingdown.answer.array_units import angles, numbers, times, value
 from swingdown.errors import InputError
 
 

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from swingdown.errors import InputError
-from swingdown.measurement.line import fit_line, fit_line_correlated
+from swingdown.measurement.straight_line import fit_line, fit_line_correlated
 
 
 @pytest.fixture
