@@ -290,3 +290,10 @@ def test_three_places_on_a_circle_tell_all_others_of_it():
     for chosen in ((0, 30, 60), (0, 5, 60), (0, 55, 60), (20, 60, 1)):
         assert video._near_circle(arc, 5.0, *arc[list(chosen)]).all()
         assert not video._near_circle(1.1 * arc, 5.0, *arc[list(chosen)]).all()
+
+
+def test_a_film_whose_frames_bear_no_times_has_those_of_its_rate():
+    assert list(video._increasing([0.0, 0.0, 0.0], 25.0, "film")) == [0.0, 0.04, 0.08]
+    assert list(video._increasing([0.0, 0.05, 0.08], 25.0, "film")) == [0.0, 0.05, 0.08]
+    with pytest.raises(InputError, match="neither the times of its frames nor their rate"):
+        video._increasing([0.0, 0.0, 0.0], 0.0, "film")

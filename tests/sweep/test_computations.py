@@ -3,7 +3,9 @@
 import numpy as np
 import pytest
 
+from swingdown.engine.trajectory import sensitivities
 from swingdown.fitting.batch import Search, fit_batch
+from swingdown.fitting.problem import RELEASE
 from swingdown.planning.settings import complete
 from swingdown.sweep import detection, identification, noise_free
 from swingdown.sweep.cost import seconds
@@ -21,6 +23,27 @@ def cell(computes, **settings):
         complete({"sweeps": {"one": {"computes": computes, "axes": axes, "settings": settings}}})
     )["one"]
     return chosen.cell(next(iter(chosen)))
+
+
+def test_the_curvature_at_a_models_closest_fit_is_that_of_its_sum_of_squares():
+    """By second differences of it; what J'J lacks of them is so small beside it that a wrong factor shows in that alone."""
+    times, truth, begins = noise_free.noise_free(cell("identification", **{"simulation.start": "free"}))
+    begin = begins["viscous"]
+    point = np.array([*begin.model.vector(), begin.release_angle, begin.release_velocity])
+    names, steps = begin.model.parameters, 1e-4 * np.maximum(np.abs(point), 0.1)
+
+    def slopes(at):
+        model = begin.model.with_values(dict(zip(names, map(float, at[:-2]), strict=True)))
+        angle, each = sensitivities(model, times, *at[-2:], [*names, *RELEASE])
+        return each, each @ (angle - truth)
+
+    whole = np.array(
+        [(slopes(point + one)[1] - slopes(point - one)[1]) / (2 * one.max()) for one in np.diag(steps)]
+    )
+    each = slopes(point)[0]
+    assert begin.curvature == pytest.approx(
+        whole - each @ each.T, rel=1e-2, abs=1e-3 * np.abs(begin.curvature).max()
+    )
 
 
 def test_where_friction_stops_the_pendulum_no_larger_model_leaves_more_and_nearly_all_fits_are_stationary():
