@@ -352,3 +352,12 @@ def test_with_a_rate_what_counts_the_rows_is_no_swing(take, header):
     recording = take(f"{header}\n{rows}", rate_hz=20)
     assert "`Distance" in recording.attrs["taken"]
     assert "counts the rows: left out" in recording.attrs["remarks"]
+
+
+def test_a_sentence_between_rows_names_no_columns(take):
+    """Of ten swings at a time by hand, first two pendulums side by side and then one below the other."""
+    text = "T1\tT2\n9.94\t9.4\n9.34\t9.57\n9.26\t9.38\n\nIn step\n" + "".join(
+        f"{9.5 + 0.01 * k:.2f}\n" for k in range(40)
+    )
+    with pytest.raises(InputError, match="column T2: 40 of 43 cells"):
+        take(text)

@@ -7,6 +7,7 @@ from swingdown.errors import InputError
 from swingdown.measurement.files.across import upright
 from swingdown.measurement.recording import ingest
 from swingdown.measurement.sheet import COLUMNS
+from swingdown.measurement.swings.clock import counts_ticks
 
 TIMES = np.arange(0.0, 12.0, 0.1)
 ANGLE = 20 * np.exp(-TIMES / 40) * np.cos(2 * np.pi * TIMES / 1.4)
@@ -83,3 +84,9 @@ def test_even_seconds_may_be_a_torsion_balances(tmp_path, steps, question):
     file.write_text(ticks(steps, False, ""))
     with pytest.raises(InputError, match=question):
         ingest({**COLUMNS, "recording": "a", "file": str(file)})
+
+
+def test_whole_numbers_that_only_fall_are_no_clock_of_a_processor():
+    assert not counts_ticks(np.arange(400.0)[::-1]) and counts_ticks(
+        np.cumsum(np.tile([9.0, 11.0, 10.0], 200))
+    )

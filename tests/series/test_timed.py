@@ -234,3 +234,16 @@ def test_a_trial_that_is_not_there_leaves_the_others(tmp_path):
         written(tmp_path, "length (m),10T_1 (s),10T_2 (s)", ["0.5,14.1,14.3", "0.6,15.5,", "0.7,16.7,16.9"])
     )
     assert np.allclose(found.table["period_s"], [1.42, 1.55, 1.68]) and found.table["period_s_u"].gt(0).all()
+
+
+def test_columns_of_two_pendulums_are_no_trials(tmp_path):
+    """Their mean would be nobody's period; trials by two hands, which start and stop a little differently, are trials."""
+    with pytest.raises(InputError, match="differ by 84 % in line after line.*whose are they"):
+        timed(written(tmp_path, "5T (cylinder) / s,5T (ball) / s", ["3.81,9.29", "3.76,9.20", "3.77,9.43"]))
+    found = timed(written(tmp_path, "10T_A (s),10T_B (s)", ["15.1,15.3", "15.0,15.2", "15.2,15.3"]))
+    assert np.allclose(found.table["period_s"], 1.518, atol=1e-3)
+
+
+def test_names_between_commas_may_stand_above_numbers_between_spaces(tmp_path):
+    found = timed(written(tmp_path, "# length / cm, 10T / s", ["20 9.0", "30 11.0", "40 12.7"]))
+    assert np.allclose(found.table["period_s"], [0.9, 1.1, 1.27])

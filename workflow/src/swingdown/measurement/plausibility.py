@@ -165,7 +165,8 @@ def check_once(signal: Floats, place: str) -> None:
             place,
             f"no unit is stated, and {what}: that goes up and down twice a period",
             "an angle or an angular rate",
-            f"if it is an angle write its unit ⟨in signal_unit⟩; of an acceleration {OF_ACCELERATIONS}",
+            f"if it is an angle write its unit ⟨in signal_unit⟩, and of another reading that goes back and forth once a period write relative "
+            f"⟨in scale⟩; of an acceleration {OF_ACCELERATIONS}",
         )
 
 

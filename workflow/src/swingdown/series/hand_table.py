@@ -141,7 +141,7 @@ def hand_table(path: Path) -> HandTable | None:
     """
     lines = _lines(path)
     for place in _head_lines(lines):
-        names = lines[place]
+        names, below = lines[place], _between_spaces(lines, place)
         own = [name for name in names if name]
         times = [one for name in own if (one := _times(name))]
         counts = next((name for name in own if _COUNTS.fullmatch(name) and not _HALVES.search(name)), "")
@@ -157,7 +157,7 @@ def hand_table(path: Path) -> HandTable | None:
             raise InputError(f"{path.name}, line {place + 1}", "two columns have one name", "a name of its own for each column", "rename one of them")  # fmt: skip
         rows = {
             number: [*cells, *[""] * len(names)][: len(names)]
-            for number, cells in enumerate(lines[place + 1 :], place + 2)
+            for number, cells in enumerate(below, place + 2)
             if any(cells) and not cells[0].startswith("#")
         }
         # What was timed, before the period that somebody worked out of it.
@@ -181,6 +181,22 @@ def may_be_times(path: Path) -> bool:
         return False
     text = path.read_bytes()
     return ending in _WORKBOOKS or (bool(re.search(rb"\d", text)) and len(text.splitlines()) <= _LINES)
+
+
+def _between_spaces(lines: Sequence[Sequence[str]], place: int) -> Sequence[Sequence[str]]:
+    """The lines below a head; where its names stand between other signs than the numbers below, which spaces part, with a cell for each."""
+    below = lines[place + 1 :]
+    size = len([name for name in lines[place] if name])
+    rows = [[one for one in cells if one] for cells in below]
+    parted = [
+        cells[0].split() if len(cells) == 1 and not cells[0].startswith("#") else cells for cells in rows
+    ]
+    whole = (
+        size > 1
+        and any(len(cells) == 1 for cells in rows)
+        and all(len(cells) in (0, size) for cells in parted)
+    )
+    return parted if whole else below
 
 
 def _head_lines(lines: Sequence[Sequence[str]]) -> list[int]:

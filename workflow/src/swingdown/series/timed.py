@@ -6,6 +6,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
+from scipy import stats
 
 from ..arrays import Floats
 from ..errors import InputError
@@ -17,6 +18,8 @@ from .values import GROUP, KNOWN, Values, cell
 
 NEAR = 0.3  # of g: what lengths and periods of a bob on a string give, however carelessly measured
 MOST = 50  # swings that somebody counts
+# trials differ by no more: half a second of ten swings of a second, and by chance as rarely
+BETWEEN, CHANCE = 0.05, 0.01
 
 
 class Timed(NamedTuple):
@@ -71,8 +74,8 @@ def timed(path: Path, by: str = "", u: float = np.nan) -> Timed | None:
     Raises
     ------
     InputError
-        If the heads leave open how many swings were timed, a cell is no number, two columns say one thing, or lengths and periods fit another
-        count of swings.
+        If the heads leave open how many swings were timed, a cell is no number, two columns say one thing, columns side by side are no trials
+        of one pendulum, or lengths and periods fit another count of swings.
     """
     given = hand_table(path)
     if given is None:
@@ -81,6 +84,7 @@ def timed(path: Path, by: str = "", u: float = np.nan) -> Timed | None:
     kept = times.notna().any(axis=1)
     given, times = given._replace(cells=given.cells[kept]), times[kept]
     alike = {name: one for name, one in given.heads.items() if not (one.counts or one.error)}
+    _check_trials(times, path)
     told = [_told(given)]
     if angle := next((name for name, one in alike.items() if one.angle), None):
         longer = _longer(given.cells[angle], alike[angle].unit, f"{path.name}, column {angle}")
@@ -104,6 +108,27 @@ def timed(path: Path, by: str = "", u: float = np.nan) -> Timed | None:
         and len({text for text in given.cells[name] if read(text)}) > 1
     ]
     return Timed(table, values, groups, others, told, "yes" if given.emulated else "no")
+
+
+def _check_trials(times: pd.DataFrame, path: Path) -> None:
+    """None for columns of times that may be trials of one pendulum; InputError where each is longer than another in line after line.
+
+    By an analysis of variance of columns beside lines: people who start and stop a watch differ by little.
+    """
+    whole = times.dropna().to_numpy()
+    lines, columns = whole.shape
+    if lines < 2 or columns < 2:
+        return
+    left = whole - whole.mean(axis=1, keepdims=True)
+    each = left.mean(axis=0)
+    scatter = float(((left - each) ** 2).sum()) / ((lines - 1) * (columns - 1))
+    between, apart = lines * float((each**2).sum()) / (columns - 1), float(np.ptp(each) / whole.mean())
+    chance = stats.f.sf(between / scatter, columns - 1, (lines - 1) * (columns - 1)) if scatter > 0 else 0.0
+    if apart > BETWEEN and chance < CHANCE:
+        raise InputError(
+            path.name, f"its columns of times differ by {100 * apart:.2g} % in line after line, as those of one pendulum do not: whose are they?",
+            "trials of one pendulum side by side", "make a file of each pendulum's times",
+        )  # fmt: skip
 
 
 def _told(given: HandTable) -> str:

@@ -186,7 +186,9 @@ class _Finder:
         return self.how.is_number(cell) or cell.lower() in MISSING
 
     def _names(self, cells: Sequence[str]) -> bool:
-        """True for words in all cells, each another one."""
+        """True for words in all cells, each another one; words between spaces, or in one cell, are a sentence."""
+        if self.how.separator == SPACES or len(cells) < 2:
+            return False
         words = [one for one in cells if one and one.lower() not in MISSING and not self.how.is_number(one)]
         return len(set(words)) == len(cells)
 

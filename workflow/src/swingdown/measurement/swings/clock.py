@@ -100,7 +100,7 @@ def counts_ticks(times: Floats) -> bool:
     Who reads a slow swing does so at even times, each so many whole seconds after the one before.
     """
     steps = _changes(times)
-    if steps.size < RESTART or not (times == np.round(times)).all():
+    if steps.size < RESTART or not (steps > 0).any() or not (times == np.round(times)).all():
         return False
     return bool(np.ptp(steps[steps > 0]) >= 2 and np.gcd.reduce(steps.astype(np.int64)) == 1)
 
