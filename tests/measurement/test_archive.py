@@ -102,7 +102,7 @@ def test_notes_beside_the_table_in_an_archive_are_no_second_one(read):
         (TEXT.encode(), "a.csv", "Data", "has no sheets"),
         (zipped({"one.csv": zipped({"two.csv": TEXT})}), "a.zip", "", "a zip archive inside another"),
         (b"PK\x03\x04" + bytes(100), "a.xlsx", "", "cannot be read"),
-        (b"\xd0\xcf\x11\xe0" + bytes(600), "a.xls", "", "cannot be read as a workbook"),
+        (b"\xd0\xcf\x11\xe0" + bytes(600), "a.xls", "", r"cannot be read as a workbook \(.*(Error|error).*\)"),
     ],
 )  # fmt: skip
 def test_what_is_no_such_table_is_refused(read, content, name, sheet, words):

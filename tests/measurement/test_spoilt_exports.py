@@ -1,6 +1,7 @@
 """Files of other programs with a row that is spoilt: the others are read and that is told, or no number comes of it."""
 
 import numpy as np
+import pandas as pd
 import pytest
 from exports import EXPORTS, SWING, TIME, rows
 
@@ -143,3 +144,24 @@ def test_a_long_file_is_read_in_pieces_and_has_the_same_numbers(take, monkeypatc
     with pytest.raises(InputError, match="more than 300 samples"):
         take(text)
     assert take(text, stop_s=2).sizes["time"] == 121
+
+
+@pytest.mark.parametrize(
+    ("empty", "odd", "why"),
+    [
+        (50, 0, None),
+        (51, 0, "51 of 100 cells hold no finite number"),
+        (0, 5, None),
+        (0, 6, "6 of 100 cells .*'oops'"),
+    ],
+)
+def test_a_column_of_half_its_numbers_or_of_words_is_another_one(empty, odd, why):
+    cells = pd.Series([*[""] * empty, *["oops"] * odd, *["1.5"] * (100 - empty - odd)])
+    column = series._Spoilt()
+    sound = column.note(cells, pd.to_numeric(cells, errors="coerce").to_numpy(), np.arange(2, 102))
+    assert sound.sum() == 100 - empty - odd
+    if why:
+        with pytest.raises(InputError, match=why):
+            column.told("swing.csv", "angle")
+    else:
+        assert column.told("swing.csv", "angle")[0].startswith(f"{empty + odd} of 100 cells of `angle`")

@@ -12,7 +12,7 @@ from swingdown.pendulum.model import Model
 from swingdown.studies.described import described_by, rivals, weights
 from swingdown.studies.experiment import fit_campaign, fit_recording
 from swingdown.studies.norms import combine_recordings
-from swingdown.studies.pendulums import pendulums, quantities_of
+from swingdown.studies.pendulums import by_verdict, pendulums, quantities_of
 from swingdown.studies.quantities import quantities
 from swingdown.studies.words import short
 
@@ -49,6 +49,33 @@ def test_a_row_for_each_recording_and_for_all_of_one_pendulum_in_the_sheets_orde
     together = table.iloc[2]
     assert together["viscous_ratio_u"] < table.iloc[0]["viscous_ratio_u"]
     assert together["amplitude_rad"] == pytest.approx(0.3, abs=0.002)
+
+
+def test_what_was_read_once_more_says_so_of_its_own_row_alone(study):
+    norms, joint = study
+    norms = norms.assign_coords(again=("recording", ["", "its longest free stretch is used", ""]))
+    remarks = dict(zip(*(pendulums(norms, [joint])[key] for key in ("recording", "remark")), strict=True))
+    assert "its longest free stretch is used" in remarks["z2"]
+    assert not any("stretch" in remarks[name] for name in ("z1", "(joint)", "a1"))
+
+
+def test_of_a_searchs_model_no_quantity_of_damping_is_left():
+    row = {
+        "model": "viscous", "share_left": 0.3, "or_model": "", "remark": "", "amplitude_rad": 0.4, "campaign": "a", "recording": "a1", "residual_rad": 0.01,
+        "period_s": 0.87, "period_s_u": 0.1, "period_s_text": "0.87(10)", "decay_time_s": 9.0, "decay_time_s_u": 1.0, "decay_time_s_text": "9.0(10)",
+    }  # fmt: skip
+    quantities = {"period": {"value": 0.88, "standard_uncertainty": 0.01, "unit": "s"}}
+    concluded = {
+        "quantities": quantities,
+        "amplitude_rad": 0.41,
+        "model": "viscous+presliding",
+        "residual": 0.002,
+    }
+    found = by_verdict(row, {"status": "named", "conclusion": concluded})
+    assert (
+        found["period_s_text"] == "0.880(10)" and found["campaign"] == "a" and found["residual_rad"] == 0.002
+    )
+    assert not [key for key in found if key.startswith("decay") or key in ("share_left", "or_model")]
 
 
 def test_a_file_that_nobody_looked_at_is_no_pendulum_and_a_refused_one_is(study):

@@ -14,6 +14,7 @@ MEMORY = (
     4_000_000_000  # bytes that reading may take: a sheet of a million rows and ten columns takes a quarter
 )
 _SECONDS = 120
+_NO_ROOM = 17  # the exit code of a process that has not the memory; where it is ended for that, the code is below 0
 # Prints the sheets' names in the first line, then the rows of the one asked for.
 _READING = """
 import csv, io, json, sys
@@ -23,14 +24,17 @@ try:
 except (ImportError, ValueError, OSError):
     pass
 from python_calamine import CalamineWorkbook
-with CalamineWorkbook.from_filelike(io.BytesIO(sys.stdin.buffer.read())) as book:
-    names = book.sheet_names
-    wanted = sys.argv[2] or (names[0] if names else "")
-    print(json.dumps(names))
-    if wanted in names:
-        cells = lambda row: [" ".join(cell.split()) if isinstance(cell, str) else cell for cell in row]
-        rows = book.get_sheet_by_name(wanted).to_python(skip_empty_area=False)
-        csv.writer(sys.stdout, delimiter="\\t", lineterminator="\\n").writerows(map(cells, rows))
+try:
+    with CalamineWorkbook.from_filelike(io.BytesIO(sys.stdin.buffer.read())) as book:
+        names = book.sheet_names
+        wanted = sys.argv[2] or (names[0] if names else "")
+        print(json.dumps(names))
+        if wanted in names:
+            cells = lambda row: [" ".join(cell.split()) if isinstance(cell, str) else cell for cell in row]
+            rows = book.get_sheet_by_name(wanted).to_python(skip_empty_area=False)
+            csv.writer(sys.stdout, delimiter="\\t", lineterminator="\\n").writerows(map(cells, rows))
+except MemoryError:
+    sys.exit(int(sys.argv[3]))
 """
 
 
@@ -43,13 +47,13 @@ def sheet(source: BinaryIO, name: str, wanted: str = "") -> tuple[list[str], byt
     source.seek(0)
     try:
         done = subprocess.run(
-            [sys.executable, "-X", "utf8", "-c", _READING, str(MEMORY), wanted],
+            [sys.executable, "-X", "utf8", "-c", _READING, str(MEMORY), wanted, str(_NO_ROOM)],
             input=source.read(), capture_output=True, timeout=_SECONDS, check=False,
         )  # fmt: skip
     except subprocess.TimeoutExpired as error:
         raise _too_large(name, f"it was not read within {_SECONDS} s") from error
     said = done.stderr.decode(errors="replace").strip().splitlines()
-    if done.returncode < 0 or "MemoryError" in said[-1:] or "memory allocation" in " ".join(said):
+    if done.returncode < 0 or done.returncode == _NO_ROOM:
         raise _too_large(name, "its sheet asks for more memory than a table of numbers does")
     if done.returncode:
         raise InputError(
