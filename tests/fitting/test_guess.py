@@ -5,7 +5,7 @@ import pytest
 
 from swingdown.engine.trajectory import simulate
 from swingdown.errors import InputError
-from swingdown.fitting.guess import first_guess
+from swingdown.fitting.guess import _without_hole, at_first, first_guess
 from swingdown.pendulum.model import Model
 
 TIMES = np.arange(1001) / 100
@@ -80,3 +80,28 @@ def test_two_passages_of_a_rate_are_enough_for_a_start():
     times = np.arange(0, 0.75, 0.01)
     seen = first_guess(times, np.cos(2 * np.pi * times + 0.3), "sine", "rate")
     assert seen.natural_frequency == pytest.approx(2 * np.pi, rel=0.3)  # its mean is no zero
+
+
+def test_value_and_slope_are_those_of_the_first_sample_whatever_its_time():
+    times = 7 + np.arange(40) / 100
+    since = times - 7
+    value, slope = at_first(times, 0.3 + 0.5 * since - 2 * since**2, 0.8)
+    assert (value, slope) == pytest.approx((0.3, 0.5), rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("hole", "whole"),
+    [
+        (9, [False, True, True]),
+        (10, [False, False, True]),
+        (11, [True, False, True]),
+        (19, [True, False, True]),
+    ],
+)
+def test_a_hole_spoils_the_half_swing_it_is_in_and_none_beside_it(hole, whole):
+    """Of half-swings of ten samples; also right behind a crossing, and right before the next."""
+    steps = np.full(31, 0.01)
+    steps[hole] = 0.1
+    times = np.concatenate([[0.0], np.cumsum(steps)])
+    crossings = np.array([(times[k] + times[k + 1]) / 2 for k in (0, 10, 20, 30)])
+    assert list(_without_hole(times, steps, crossings)) == whole

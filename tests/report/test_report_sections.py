@@ -96,8 +96,8 @@ def test_parameters_tell_the_mean_the_joint_fit_and_the_scatter():
 def test_the_budget_is_that_of_the_angle_largest_share_first():
     row = {"limit": 0.001, "divisor": 1.732, "standard_uncertainty": 0.000577, "unit": "m", "sensitivity": 2.0, "kind": "systematic"}  # fmt: skip
     budget = pd.DataFrame([
-        row | {"quantity": "slope", "source": "arm", "contribution": 9.0, "share": 1.0},
         row | {"quantity": "angle_at_20_deg", "source": "arm", "contribution": 0.003, "share": 0.36},
+        row | {"quantity": "slope", "source": "arm", "contribution": 9.0, "share": 1.0},
         row | {"quantity": "angle_at_20_deg", "source": "bob_diameter", "contribution": 0.004, "share": 0.64},
     ])  # fmt: skip
     (table,) = apparatus.apparatus(material(uncertainty_budget=budget)).items

@@ -14,7 +14,7 @@ MEMORY = (
     4_000_000_000  # bytes that reading may take: a sheet of a million rows and ten columns takes a quarter
 )
 _SECONDS = 120
-_NO_ROOM = 17  # the exit code of a process that has not the memory; where it is ended for that, the code is below 0
+_NO_ROOM = 17  # the exit code for want of memory; below 0 where the system ends it for that
 # Prints the sheets' names in the first line, then the rows of the one asked for.
 _READING = """
 import csv, io, json, sys
