@@ -247,3 +247,15 @@ def test_columns_of_two_pendulums_are_no_trials(tmp_path):
 def test_names_between_commas_may_stand_above_numbers_between_spaces(tmp_path):
     found = timed(written(tmp_path, "# length / cm, 10T / s", ["20 9.0", "30 11.0", "40 12.7"]))
     assert np.allclose(found.table["period_s"], [0.9, 1.1, 1.27])
+
+
+def test_lines_of_several_pendulums_are_no_trials(tmp_path):
+    with pytest.raises(InputError, match="scatter by 2[0-9] %, 5.* s: are they of several"):
+        timed(written(tmp_path, "10T (s)", ["14.0", "20.1", "25.3"]))
+    with pytest.raises(InputError, match="differ by .* whose are they"):  # of one line no scatter is known
+        timed(written(tmp_path, "10T (20 cm) / s,10T (30 cm) / s", ["9.0,11.0"]))
+    assert timed(written(tmp_path, "length (cm),10T (s)", ["20,9.0", "30,11.0", "40,12.7"])) is not None
+    one_by_one = timed(
+        written(tmp_path, "length (cm),T (s)", ["20,0.8", "20,1.0", "30,1.2", "30,1.0"])
+    )  # a swing at a time
+    assert len(one_by_one.table) == 2

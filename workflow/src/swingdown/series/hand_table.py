@@ -122,6 +122,12 @@ class HandTable(NamedTuple):
         return found
 
     @property
+    def usual(self) -> float:
+        """How many swings a time is of, as a rule."""
+        counted = pd.to_numeric(self.cells[self.counts]).median() if self.counts else self.times[0].swings
+        return float(counted)
+
+    @property
     def last_digit(self) -> float:
         """A unit of the last digit that the times are written to, of one swing, in s."""
         texts = [text for one in self.times for text in _decimal(self.cells[one.name])]

@@ -18,8 +18,8 @@ from .values import GROUP, KNOWN, Values, cell
 
 NEAR = 0.3  # of g: what lengths and periods of a bob on a string give, however carelessly measured
 MOST = 50  # swings that somebody counts
-# trials differ by no more: half a second of ten swings of a second, and by chance as rarely
-BETWEEN, CHANCE = 0.05, 0.01
+# trials differ by no more: a share of the period, by chance as rarely, and what a hand errs by (s)
+ALIKE, CHANCE, HAND = 0.05, 0.01, 0.5
 
 
 class Timed(NamedTuple):
@@ -84,7 +84,7 @@ def timed(path: Path, by: str = "", u: float = np.nan) -> Timed | None:
     kept = times.notna().any(axis=1)
     given, times = given._replace(cells=given.cells[kept]), times[kept]
     alike = {name: one for name, one in given.heads.items() if not (one.counts or one.error)}
-    _check_trials(times, path)
+    _check_columns(times, path)
     told = [_told(given)]
     if angle := next((name for name, one in alike.items() if one.angle), None):
         longer = _longer(given.cells[angle], alike[angle].unit, f"{path.name}, column {angle}")
@@ -92,7 +92,8 @@ def timed(path: Path, by: str = "", u: float = np.nan) -> Timed | None:
         told.append(f"periods are those of small swings, by the angle of release in `{angle}`")
     else:
         told.append("taken as periods of small swings, as no column has the angle of release")
-    table, lines = _of_trials(times, given.cells[list(alike)], given.last_digit)
+    table, lines, trials, scatter = _of_trials(times, given.cells[list(alike)], given.last_digit)
+    _check_lines(trials, scatter, given.usual, path)
     if len(lines) == times.notna().to_numpy().sum():
         told.append("there are no trials: how the points scatter tells the uncertainty")
     given = given._replace(cells=given.cells.loc[lines].set_axis(table["recording"]))
@@ -110,24 +111,34 @@ def timed(path: Path, by: str = "", u: float = np.nan) -> Timed | None:
     return Timed(table, values, groups, others, told, "yes" if given.emulated else "no")
 
 
-def _check_trials(times: pd.DataFrame, path: Path) -> None:
+def _check_columns(times: pd.DataFrame, path: Path) -> None:
     """None for columns of times that may be trials of one pendulum; InputError where each is longer than another in line after line.
 
-    By an analysis of variance of columns beside lines: people who start and stop a watch differ by little.
+    By an analysis of variance of columns beside lines: people who start and stop a watch differ by little. Of one line chance is not known.
     """
     whole = times.dropna().to_numpy()
     lines, columns = whole.shape
-    if lines < 2 or columns < 2:
+    if not lines or columns < 2:
         return
     left = whole - whole.mean(axis=1, keepdims=True)
-    each = left.mean(axis=0)
-    scatter = float(((left - each) ** 2).sum()) / ((lines - 1) * (columns - 1))
+    each, free = left.mean(axis=0), (lines - 1) * (columns - 1)
+    scatter = float(((left - each) ** 2).sum()) / max(free, 1)
     between, apart = lines * float((each**2).sum()) / (columns - 1), float(np.ptp(each) / whole.mean())
-    chance = stats.f.sf(between / scatter, columns - 1, (lines - 1) * (columns - 1)) if scatter > 0 else 0.0
-    if apart > BETWEEN and chance < CHANCE:
+    chance = stats.f.sf(between / scatter, columns - 1, free) if scatter > 0 and free else 0.0
+    if apart > ALIKE and chance < CHANCE:
         raise InputError(
             path.name, f"its columns of times differ by {100 * apart:.2g} % in line after line, as those of one pendulum do not: whose are they?",
             "trials of one pendulum side by side", "make a file of each pendulum's times",
+        )  # fmt: skip
+
+
+def _check_lines(trials: Sequence[Floats], scatter: float, swings: float, path: Path) -> None:
+    """None for periods (s) that may be of the same pendulum in each group; InputError where they scatter (s) more than a watch in a hand does."""
+    mean = float(np.mean(np.concatenate(trials)))
+    if scatter > ALIKE * mean and scatter * swings > HAND:
+        raise InputError(
+            path.name, f"times of what seems to be one pendulum scatter by {100 * scatter / mean:.2g} %, {scatter * swings:.2g} s: are they of several?",
+            "trials of one pendulum, or a column of what was varied", "add a column with the length, the mass or the name of each",
         )  # fmt: skip
 
 
@@ -150,8 +161,10 @@ def _longer(cells: pd.Series, unit: str, where: str) -> Floats:
     return lengthening(known * factor)
 
 
-def _of_trials(times: pd.DataFrame, alike: pd.DataFrame, digit: float) -> tuple[pd.DataFrame, list[Any]]:
-    """The table of mean periods with their standard uncertainties, and the first line of each.
+def _of_trials(
+    times: pd.DataFrame, alike: pd.DataFrame, digit: float
+) -> tuple[pd.DataFrame, list[Any], list[Floats], float]:
+    """The table of mean periods with their standard uncertainties, the first line of each, its trials, and how far (s) these scatter.
 
     Pooled over all trials (JCGM 100, 4.2), with half a unit of the last digit (4.3.7).
     """
@@ -171,7 +184,7 @@ def _of_trials(times: pd.DataFrame, alike: pd.DataFrame, digit: float) -> tuple[
             "period_s_u": [float(np.sqrt((pooled + digit**2 / 12) / one.size)) for one in trials],
         }
     )
-    return table, [lines[0] for lines in which.values()]
+    return table, [lines[0] for lines in which.values()], trials, float(np.sqrt(pooled))
 
 
 def _varied(
