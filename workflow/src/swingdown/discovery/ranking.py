@@ -199,14 +199,10 @@ def _moved(
 
 
 def in_pairs(
-    here: Frame,
-    noise: Noise,
-    allowed: Collection[str] | None = None,
-    few: int = _FEW,
-    budget: Budget = ENDLESS,
+    here: Frame, noise: Noise, allowed: Collection[str] | None = None, budget: Budget = ENDLESS
 ) -> list[Candidate]:
-    """The ``Candidate``s that add two effects without a shape at once, best first: the ``few`` that promise most, if it is enough."""
-    offered = [starts for starts in starts_of_pairs(here, allowed, few=few) if _may_pay(here, starts, noise)]
+    """The ``Candidate``s that add two effects without a shape at once, best first: the few that promise most, if it is enough."""
+    offered = [starts for starts in starts_of_pairs(here, allowed, few=_FEW) if _may_pay(here, starts, noise)]
     return best_first([_best(starts, here, noise) for starts in offered if not budget.spent])
 
 
@@ -215,10 +211,9 @@ def beside_the_best(
     noise: Noise,
     ranked: Sequence[Candidate],
     allowed: Collection[str] | None = None,
-    few: int = 2,
     budget: Budget = ENDLESS,
 ) -> list[Candidate]:
-    """The ``Candidate``s that add one of the best of the ``ranked`` effects without a shape and another one without: the ``few``
+    """The ``Candidate``s that add one of the best of the ``ranked`` effects without a shape and another one without: the two
     that promise most once the first is fitted.
 
     Far from the noise a linear step from the model as it is tells little of two.
@@ -235,7 +230,7 @@ def beside_the_best(
         except TrajectoryError:
             continue
         names = [name for name in additions(one.fit.model, allowed) if plain(catalogue[name])]
-        moves = sorted(_offered(there, names), key=lambda starts: -starts[0].predicted)[:few]
+        moves = sorted(_offered(there, names), key=lambda starts: -starts[0].predicted)[:2]
         for starts in moves:
             begun = [replace(start, added=one.added, also=(start.added,)) for start in starts if start.added]
             found.append(_best(begun, there, noise))
@@ -243,16 +238,11 @@ def beside_the_best(
 
 
 def in_place_of(
-    here: Frame,
-    noise: Noise,
-    old: str,
-    allowed: Collection[str] | None = None,
-    few: int = _FEW,
-    beside: bool = False,
+    here: Frame, noise: Noise, old: str, allowed: Collection[str] | None = None, beside: bool = False
 ) -> list[Candidate]:
     """The ``Candidate``s that have another effect in the place of one of the model's own, best first.
 
-    The model is fitted without it, and the ``few`` effects that then promise most are fitted in its place; ``beside`` the others as they
+    The model is fitted without it, and the few effects that then promise most are fitted in its place; ``beside`` the others as they
     were, too, those that are nearly its like.
     """
     begin = without(here.fit, old)
@@ -265,7 +255,7 @@ def in_place_of(
         return []
     moves = _offered(there, [name for name in additions(fit.model, allowed) if name != old], old)
     moves.sort(key=lambda starts: -starts[0].predicted)
-    found = [_best(starts, there, noise) for starts in moves[:few]]
+    found = [_best(starts, there, noise) for starts in moves[:_FEW]]
     if beside:
         good = {one.added for one in found if one and one.fit.rss < _FELL_SHORT * here.fit.rss}
         alike = {name: size for name, size in mimics(here, old, allowed).items() if name not in good}
