@@ -12,7 +12,7 @@ from swingdown.pendulum.model import Model
 from swingdown.studies.described import described_by, rivals, weights
 from swingdown.studies.experiment import fit_campaign, fit_recording
 from swingdown.studies.norms import combine_recordings
-from swingdown.studies.pendulums import by_verdict, pendulums, quantities_of
+from swingdown.studies.pendulums import NOT_DYING, by_verdict, pendulums, quantities_of
 from swingdown.studies.quantities import quantities
 from swingdown.studies.words import short
 
@@ -49,6 +49,18 @@ def test_a_row_for_each_recording_and_for_all_of_one_pendulum_in_the_sheets_orde
     together = table.iloc[2]
     assert together["viscous_ratio_u"] < table.iloc[0]["viscous_ratio_u"]
     assert together["amplitude_rad"] == pytest.approx(0.3, abs=0.002)
+
+
+@pytest.mark.parametrize(
+    ("narrowing", "model"), [(1.0, NOT_DYING), (0.97, NOT_DYING), (0.85, "viscous"), (np.nan, "viscous")]
+)
+def test_a_quality_that_the_turning_points_deny_is_none(study, narrowing, model):
+    """A swing that a motor keeps up, fitted by laws of which one gives what another takes: its Q would be theirs alone."""
+    norms = study[0].assign(narrowing=narrowing + 0 * study[0]["narrowing"])
+    row = pendulums(norms).set_index("recording").loc["a1"]
+    assert row["model"] == model
+    assert bool(np.isfinite(row.get("quality", np.nan))) == (model == "viscous")
+    assert row["period"] == pytest.approx(0.9, abs=0.01) if "period" in row else row["period_s"] > 0
 
 
 def test_what_was_read_once_more_says_so_of_its_own_row_alone(study):

@@ -209,6 +209,8 @@ def _row(
     if points:
         row = as_told(row, own.isel(recording=0), rivals(own, label, catalogue))
     keeps_on = left > MUCH and "steady" in own and bool((own["steady"] == 1).any())
+    # two laws of which one gives what the other takes fit a swing that keeps on
+    keeps_on |= "narrowing" in own and float(own["narrowing"].min()) >= KEPT and _foretold(row) < KEPT**2
     dies = "narrowing" in own and bool((own["narrowing"] < KEPT).any())
     return _of_what_is_seen(row, keeps_on, dies)
 
@@ -227,6 +229,14 @@ def _of_what_is_seen(row: dict[str, Any], keeps_on: bool = False, dies: bool = F
     lost = {column + end for column in row if f"{column}_u" in row for end in ("", "_u", "_text")} - kept
     lost.add("or_model")
     return {key: value for key, value in row.items() if key not in lost} | {"model": NOT_DYING}
+
+
+def _foretold(row: Mapping[str, Any]) -> float:
+    """How wide the last third of a row's swings is over the first third by its quality; 1.0 where it has none."""
+    known = quantities_of(row)
+    if not {"quality", "period"} <= known.keys() or not known["quality"].value > 0:
+        return 1.0
+    return float(np.exp(-2 / 3 * np.pi * row["record_s"] / known["period"].value / known["quality"].value))
 
 
 def doubted(row: Mapping[str, Any]) -> bool:
