@@ -21,7 +21,7 @@ from swingdown.pendulum.model import Model
 from swingdown.planning.settings import complete
 from swingdown.studies.doubt import DoubtfulFit, NotFree, ask_counted, check_free, fit_any, unit_in_doubt
 from swingdown.studies.pendulums import by_verdict
-from swingdown.studies.quantities import cycle
+from swingdown.studies.quantities import cycle, quantities
 
 
 def test_a_camera_that_hangs_askew_spoils_no_answer(tmp_path, first):
@@ -90,7 +90,8 @@ def test_what_no_pendulum_does_gives_no_number(made, words):
 
 def test_a_wheel_on_a_spring_has_a_linear_restoring_torque(tmp_path, first):
     times, angle = isochronous()
-    path = written(tmp_path / "wheel.csv", "t_s,angle_rad", times, angle + NOISE * np.cos(997 * times))
+    noise = NOISE * np.random.default_rng(3).standard_normal(times.size)
+    path = written(tmp_path / "wheel.csv", "t_s,angle_rad", times, angle + noise)
     row = first(path, "--restoring", "linear")
     truth = np.hypot(4.8, 0.01)
     assert abs(row["natural_frequency_rad_per_s"] - truth) < 4 * row["natural_frequency_rad_per_s_u"] < 1e-3
@@ -365,3 +366,34 @@ def test_what_does_not_swing_is_refused_for_what_it_does(drive, damping, told):
     ).y[0]
     with pytest.raises(InputError, match=told):
         swingdown.fit(times, angles + np.random.default_rng(1).normal(0, 2e-3, times.size), unit="rad")
+
+
+@pytest.mark.parametrize("off", [0.0, 0.03])
+def test_a_zero_that_is_off_changes_no_value(tmp_path, first, off):
+    """No file says where its pendulum hangs: of one whose zero is 1.7° off, period and quality are those of one whose is right."""
+    times = np.arange(0, 30, 0.02)
+    truth = Model(
+        "viscous+load_coulomb", {"natural_frequency": 5.0, "viscous_ratio": 0.002, "load_friction": 0.0005}
+    )
+    angle = simulate(truth, times, 0.3) + off + 1e-3 * np.random.default_rng(8).standard_normal(times.size)
+    row = first(written(tmp_path / "swing.csv", "t_s,angle_rad", times, angle))
+    known = quantities(truth, 0.3)
+    assert abs(row["quality"] - known["quality"].value) < 3 * row["quality_u"] < 0.1 * row["quality"]
+    assert abs(row["period_s"] - known["period"].value) < 3 * row["period_s_u"]
+    if off:
+        assert abs(row["sensor_zero_rad"] - off) < 4 * row["sensor_zero_rad_u"] < 1e-3
+    else:
+        assert "sensor_zero_rad" not in row
+
+
+def test_a_zero_that_is_stated_is_not_sought():
+    times = np.arange(0, 20, 0.02)
+    truth = Model("viscous", {"natural_frequency": 5.0, "viscous_ratio": 0.002})
+    angle = simulate(truth, times, 0.3) + 0.02 + 1e-3 * np.random.default_rng(8).standard_normal(times.size)
+    assert "sensor_zero" in swingdown.fit(times, angle, unit="rad").quantities
+    held = swingdown.fit(times, angle, unit="rad", zero_tolerance=0.0)
+    assert "sensor_zero" not in held.quantities
+    assert held.row["residual_rad"] > 0.015
+    for wrong in (-0.1, 2.0, "a little"):
+        with pytest.raises(InputError, match="zero_tolerance"):
+            swingdown.fit(times, angle, unit="rad", zero_tolerance=wrong)

@@ -3,7 +3,7 @@
     .venv/bin/python tests/benchmarks/everyday.py [COUNT] [--seed SEED] [--truth NAME …] [--verdict]
 
 Prints a table in Markdown. Each recording is one swing of its own pendulum: sizes of damping, frequency, release, length of the record
-(10 to 60 s), rate (30 to 100 a second), noise and clock are drawn; ``--verdict`` asks ``explain``, not the first answer. A value is inside where
+(10 to 60 s), rate (30 to 100 a second), noise, clock and zero are drawn; ``--verdict`` asks ``explain``, not the first answer. A value is inside where
 the truth is within 1.96 stated standard uncertainties; ``wide`` is the median of the stated uncertainty over the value, and ``pull`` the
 RMS of what is off, in stated uncertainties.
 """
@@ -72,6 +72,7 @@ OWN = {  # no effects of the catalogue
     "flap": {"torque": "-c*abs(theta)*thetadot", "parameters": {"c": {"unit": "1/s", "lower": 0.0}}},
 }
 CLOCK = 5e-5  # share by which a recorder's seconds may be wrong
+ZERO = 0.03  # rad; by so much the zero may be off
 
 
 def drawn(draws, effects):
@@ -113,7 +114,11 @@ def pulls(truth, count, draws, verdict):
     rows, silent = [], 0
     while len(rows) + silent < count:
         model, times, release, noise = drawn(draws, (TRUTHS | FOREIGN)[truth])
-        angle = simulate(model, times, release) + noise * draws.standard_normal(times.size)
+        angle = (
+            simulate(model, times, release)
+            + draws.uniform(-ZERO, ZERO)
+            + noise * draws.standard_normal(times.size)
+        )
         try:
             found, amplitude = told(times * (1 + draws.uniform(-CLOCK, CLOCK)), angle, verdict)
         except (InputError, TrajectoryError):

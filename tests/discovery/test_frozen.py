@@ -98,6 +98,7 @@ def found(hidden, values, releases, special):
         restoring=special.get("restoring", "sine"),
         rounds=special.get("rounds", 4),
         fitted=("viscous", "quadratic_drag"),
+        zero_tolerance=None if special.get("reading") == "rate" else 0.0,  # the angles are from the vertical
     )
     told, (period, error, _) = answer.verdict, answer.quantities["period"]
     return {

@@ -32,9 +32,9 @@ def state(
     }  # fmt: skip
 
 
-def finding(doubt="", ties=(), probability=0.9999, without=3.0, at_shape=1.0, law_open=False):
+def finding(doubt="", ties=(), probability=0.9999, without=3.0, at_shape=1.0, law_open=False, idle=False):
     """What round.json holds of what is judged of an effect."""
-    return {"probability": probability, "ties": list(ties), "share": 0.01, "held_out": 0.0, "without": without, "doubt": doubt, "at_shape": at_shape, "law_open": law_open}  # fmt: skip
+    return {"probability": probability, "ties": list(ties), "share": 0.01, "held_out": 0.0, "without": without, "doubt": doubt, "at_shape": at_shape, "law_open": law_open, "idle": idle}  # fmt: skip
 
 
 def test_nothing_missing_is_consistent():
@@ -54,6 +54,25 @@ def named(*ties, missing=False, spent=False, **judged):
     last = state(1, missing=missing, found=["constant_torque"], effects=("viscous", "constant_torque"), parameters=TORQUE,
                  holdout=1.01, judged={"constant_torque": finding(ties=ties, **judged)}, spent=spent)  # fmt: skip
     return verdict([first, last])
+
+
+def test_without_what_is_idle_nothing_is_missing():
+    found = named(doubt="without it nothing is missing", idle=True)
+    assert found["status"] == "consistent" and not found["effects"]
+    assert "Nothing is missing" in found["sentence"] and "may be" not in found["sentence"]
+
+
+def test_an_idle_effect_beside_what_remains_leaves_it_unknown():
+    found = named(doubt="without it nothing is missing", idle=True, missing=True)
+    assert found["status"] == "unknown"
+
+
+def test_nothing_is_missing_with_the_zero_that_the_swings_tell():
+    at = {"sensor_zero": {"value": 0.0019, "standard_error": 0.0001, "unit": "rad", "before": 0.058}}
+    told = verdict([state(0, missing=False) | {"nuisance": at}])["sentence"]
+    assert told.startswith("Nothing is missing with a zero of 1.9 ± 0.1 mrad: the model leaves"), told
+    at["sensor_zero"]["standard_error"] = 0.002
+    assert "zero" not in verdict([state(0, missing=False) | {"nuisance": at}])["sentence"]
 
 
 def test_an_effect_that_stands_alone_is_named_with_its_value_and_what_remains_without_it():

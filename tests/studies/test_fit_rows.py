@@ -25,5 +25,5 @@ def test_the_reduced_chi2_is_of_the_random_uncertainty_and_unknown_without_one(s
         assert np.isnan(found)
     else:
         left = fits["residual"].sel(fitted="viscous").values
-        assert found == pytest.approx(np.sum(left**2) / sigma**2 / (TIMES.size - 4), rel=1e-9)
+        assert found == pytest.approx(np.sum(left**2) / sigma**2 / (TIMES.size - 5), rel=1e-9)
         assert abs(found - 1) < 4 * np.sqrt(2 / TIMES.size)

@@ -119,6 +119,11 @@ def _parser() -> argparse.ArgumentParser:
     number("--counts-per-revolution", "N", "counts of an encoder for a turn")
     told = "degrees for one unit of raw readings or volts; or two readings at known angles: 512=0,700=30"
     text("--scale", "DEG", told)
+    number(
+        "--zero-tolerance",
+        "RAD",
+        "how far the zero of an angle may be off, in rad (default: 0.1, and the swings tell it)",
+    )
     told = (
         "distance from the pivot to the middle of the bob: 0.583±0.001 (m), 58.3(1)cm. It gives g, and the angle if one coordinate "
         "was recorded (350px)"

@@ -44,7 +44,7 @@ from ..studies.norms import combine_recordings
 from ..studies.pendulums import NOT_DYING, SEARCH, joined, pendulums
 from ..studies.quantities import Quantity
 from ..studies.unscaled import without_scale
-from .given import Driven, asked, swings
+from .given import Said, asked, swings
 from .options import TO_FIT
 from .recorded import Recording, Restoring, Told, read, shown_with
 from .result import Answer, Begin
@@ -72,7 +72,7 @@ def fit(  # noqa: PLR0913
     names: Sequence[str] | None = None,
     restoring: Restoring = "sine",
     kind: Kind = "",
-    **driven: Unpack[Driven],
+    **more: Unpack[Said],
 ) -> Answer:
     """The ``Answer`` of models of damping fitted to one swing or several of one pendulum: period, quality, decay, the best model.
 
@@ -98,10 +98,10 @@ def fit(  # noqa: PLR0913
     kind
         ``swing`` (samples), ``turning_points`` (one a period), ``half_swings`` (turning points of both sides), ``passages`` (two a
         period) or ``periods`` (one). Default: the values decide between the first three.
-    **driven
-        Of a driven pendulum ``input``, the values of its drive at each time, and ``input_kind``, what it is: ``torque``,
+    **more
+        ``zero_tolerance``, how far the zero may be off (rad); by default 0.1, and the swings tell it. Of a driven pendulum ``input``, the values of its drive at each time, and ``input_kind``, what it is: ``torque``,
         ``pivot_acceleration``, ``pivot_position`` or ``pivot_angle``. Also ``input_unit``, ``input_free`` and ``input_between``
-        (``given.Driven`` tells them). The drive acts in every model, and the swing need not be a free one.
+        (``given.Said`` tells them). The drive acts in every model, and the swing need not be a free one.
 
     Returns
     -------
@@ -115,7 +115,7 @@ def fit(  # noqa: PLR0913
     NotFree
         An InputError: if no model of damping follows the motion.
     """
-    said = asked(driven)
+    said = asked(more)
     if not said and (recorded := _recorded(times, angles, unit, kind, restoring)) is not None:
         return recorded.fit(fitted=fitted, effects=effects)
     return of_swings(swings(times, angles, unit, names, kind, restoring, said), fitted, effects, restoring)
@@ -270,7 +270,7 @@ def explain(  # noqa: PLR0913
     effects: Mapping[str, Any] | None = None,
     names: Sequence[str] | None = None,
     restoring: Restoring = "sine",
-    **driven: Unpack[Driven],
+    **more: Unpack[Said],
 ) -> Answer:
     """The ``Answer`` of ``fit`` with a verdict: what the model ``base`` lacks.
 
@@ -285,8 +285,8 @@ def explain(  # noqa: PLR0913
         Names of the effects that the search starts from.
     rounds
         The most moves of the search: additions, exchanges, drops.
-    **driven
-        Of a driven pendulum the same as in ``fit``.
+    **more
+        The same as in ``fit``.
 
     Returns
     -------
@@ -301,10 +301,10 @@ def explain(  # noqa: PLR0913
     EngineError
         If there is no compiled engine and no C compiler.
     """
-    said = asked(driven)
+    said = asked(more)
     if not said and (recorded := _recorded(times, angles, unit, "", restoring)) is not None:
         return recorded.explain(base=base, rounds=rounds, fitted=fitted, effects=effects)
-    given = swings(times, angles, unit, names, restoring=restoring, driven=said)
+    given = swings(times, angles, unit, names, restoring=restoring, said=said)
     return explained(given, base, rounds, fitted, effects, restoring)
 
 

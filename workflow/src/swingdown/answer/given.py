@@ -21,7 +21,7 @@ from ..measurement.points.points_recording import as_recording
 from ..measurement.points.points_recording import to_angle as points_to_angle
 from ..measurement.points.points_table import unit_of
 from ..measurement.points.turning_points import KINDS, PASSAGES, PERIODS, SWING, points_in
-from ..measurement.slack import tolerances, with_rate
+from ..measurement.slack import tolerances, with_rate, zero_unstated
 from ..measurement.swings.clock import in_order, parts
 from ..measurement.swings.even import evenly
 from ..measurement.swings.gaps import missing_samples
@@ -42,6 +42,9 @@ _MENDS = {
 }
 
 
+ZERO = "zero_tolerance_rad"  # the cell of the sheet
+
+
 class Driven(TypedDict, total=False):
     """What can be said of a measured drive."""
 
@@ -55,6 +58,13 @@ class Driven(TypedDict, total=False):
     """What of its sensor is to be found: gain, delay, or nothing."""
     input_between: Literal["curve", "line", "hold"]
     """What it does between its samples: a smooth curve through them, straight lines, or it keeps its last value."""
+
+
+class Said(Driven, total=False):
+    """What can be said of a swing beside its times and angles."""
+
+    zero_tolerance: float
+    """How far the zero of an angle may be off, in rad; by default 0.1, and the swings tell it."""
 
 
 class Series(NamedTuple):
@@ -73,7 +83,7 @@ def swings(
     names: Sequence[str] | None = None,
     kind: str = "",
     restoring: str = "sine",
-    driven: Mapping[str, Any] | None = None,
+    said: Mapping[str, Any] | None = None,
 ) -> list[xr.Dataset]:
     """Datasets of the angle in rad over the time in s, as ``measurement.angle.to_angle`` gives them.
 
@@ -81,8 +91,8 @@ def swings(
     ----------
     times, angles, unit, names, kind, restoring
         As of ``answer.fit``.
-    driven
-        What is said of their input (``Driven``); nothing of swings by themselves.
+    said
+        What else is said of them (``Said``); of swings by themselves nothing of an input.
 
     Returns
     -------
@@ -110,10 +120,14 @@ def swings(
         raise InputError(
             "argument names", f"{len(set(names))} names for {len(found)} swings", "one name each"
         )
-    if driven:
-        inputs = _inputs(driven["input"], len(found))
+    said = dict(said or {})
+    if "zero_tolerance" in said:
+        known = {ZERO: float(said.pop("zero_tolerance"))}
+        found = [one._replace(about=one.about | known) for one in found]
+    if said:
+        inputs = _inputs(said["input"], len(found))
         return [
-            _driven(name, one, drive, driven, unit, restoring)
+            _driven(name, one, drive, said, unit, restoring)
             for name, one, drive in zip(names, found, inputs, strict=True)
         ]
     return [
@@ -124,19 +138,23 @@ def swings(
 
 
 def asked(given: Mapping[str, Any]) -> dict[str, Any]:
-    """The arguments of a call that say something of an input, by name; InputError for an unknown one, and for words without an input."""
+    """The arguments of a call that say more of a swing, by name; InputError for an unknown one, and for words on an
+    input without one."""
     for name in given:
-        if name not in Driven.__annotations__:
+        if name not in Said.__annotations__:
             raise InputError(
                 f"argument {name}",
                 "there is no such argument",
-                ", ".join(Driven.__annotations__),
+                ", ".join(Said.__annotations__),
                 "leave it out",
             )
     said = {name: value for name, value in given.items() if value is not None}
-    if said and "input" not in said:
+    if not isinstance(said.get("zero_tolerance", 0.0), int | float):
+        raise InputError("argument zero_tolerance", f"it is {said['zero_tolerance']!r}", "a number of rad", "leave it out: the swings tell their zero")  # fmt: skip
+    driven = [name for name in said if name in Driven.__annotations__]
+    if driven and "input" not in said:
         raise InputError(
-            f"argument {next(iter(said))}",
+            f"argument {driven[0]}",
             "the drive is described, but its values are missing",
             "input=, the values of the drive",
             "give them, or leave the description out",
@@ -345,7 +363,7 @@ def _swings_in(name: str, given: Series, unit: str | None, kind: str, restoring:
         {
             **_attributes(name, about), "unit_told": judged.reading.told, **kept,
             **({"zero_rad": judged.zero} if judged.zero else {}),
-            **({} if not (judged.zero or ordered.rate) else with_rate(tolerances({}, taken, upright=not judged.zero), ordered.rate)),
+            **with_rate(_tolerances(about, taken), ordered.rate),
             **({"rad_per_unit": judged.reading.scale, "scale": "unknown"} if judged.reading.unit == NO_SCALE else {}),
         },
     )  # fmt: skip
@@ -372,6 +390,14 @@ def _points(
         return []
     points = points._replace(remarks=[f"taken as turning points, {points.each}", *told, *points.remarks])
     return [points_to_angle(as_recording(points, unit, _attributes(name, about)))]
+
+
+def _tolerances(about: Mapping[str, Any], unit: str) -> dict[str, float]:
+    """The limits of error of a swing in this unit; its zero is open unless a limit is stated."""
+    stated = (
+        {"zero_tolerance_rad_per_s" if unit in TO_RAD_PER_S else ZERO: about[ZERO]} if ZERO in about else {}
+    )
+    return tolerances(stated | zero_unstated(stated, unit), unit)
 
 
 def _attributes(name: str, about: dict[str, Any]) -> dict[str, str]:

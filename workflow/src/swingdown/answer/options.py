@@ -20,6 +20,7 @@ CELLS = {
     "stop_s": "--stop",
     "counts_per_revolution": "--counts-per-revolution",
     "scale": "--scale",
+    "zero_tolerance_rad": "--zero-tolerance",
     "length": "--length",
     "bob_diameter": "--bob-diameter",
     "bob_density": "--bob-density",
@@ -34,6 +35,7 @@ ARGUMENTS = {
     "start": "start_s",
     "stop": "stop_s",
     "input": "input_column",
+    "zero_tolerance": "zero_tolerance_rad",
 }
 _OF_A_CALL = {cell: f"{name}=" for name, cell in ARGUMENTS.items()} | {"restoring": "restoring="}
 _ALIKE = ("time_unit", "time_column", "counts_per_revolution", "scale", "length", "run", "sheet")

@@ -50,6 +50,8 @@ class Told(TypedDict, total=False):
     """Of an encoder in counts."""
     scale: str
     """Degrees that one unit of the signal is worth; or two readings at known angles, as ``512=0,700=30``."""
+    zero_tolerance: float
+    """How far the zero of an angle may be off, in rad; by default 0.1, and the swings tell it."""
     length: str
     """From the pivot to the middle of the bob: ``0.583±0.001`` (m), ``58cm``. It gives g, and the angle where one coordinate was recorded (``350px``)."""
     bob_diameter: str

@@ -84,6 +84,17 @@ def within(fit: Fit, name: str) -> bool:
     )
 
 
+def determined(fit: Fit) -> bool:
+    """True where the data tell each shape of a fit's effects: of drag in a power of the speed beside viscous drag they may tell the sum
+    alone, and to first order all values of both are open then."""
+    return not any(
+        _vague(fit, one.name, fit.models[0].values[one.name])
+        for name in fit.model.names
+        for one in fit.model.catalogue[name].with_role("shape")
+        if not one.each and fit.model.standard_errors.get(one.name) is not None
+    )
+
+
 def _vague(fit: Fit, name: str, value: float) -> bool:
     """True for a shape that the data leave anywhere: its standard error is beyond its own size."""
     error = fit.model.standard_errors.get(name, 0.0)

@@ -15,6 +15,7 @@ from ..fitting.uncertainty import uncertainty
 from ..measurement.plausibility import KEPT, narrowing
 from ..pendulum.free_form import FreeForm
 from ..studies.quantities import UNITS, Beside, Quantity, about, over_models, quantities, steady
+from .admissible import determined
 from .campaign import Campaign, Swing
 from .confirm import predict
 from .refit import FAILURES, refit
@@ -155,10 +156,11 @@ def _of_the_whole(fit: Fit, state: Round, campaign: Campaign) -> _Told | None:
 
 
 def _other(fit: Fit, state: Round, campaign: Campaign, whole: bool) -> _Told | None:
-    """What another model says, of the whole recordings or of the fitted swings; None where it cannot be followed."""
+    """What another model says, of the whole recordings or of the fitted swings; None where it cannot be followed, or they do not tell its
+    values."""
     with suppress(*FAILURES):
         one = _of_the_whole(fit, state, campaign) if whole else _Told(fit, campaign.fit)
-        if one is not None and one.derived:
+        if one is not None and determined(one.fit) and one.derived:
             return one
     return None
 

@@ -250,4 +250,4 @@ def _finding(one: Finding) -> dict[str, Any]:
         key: finite_or_none(value) if isinstance(value, float) else value
         for key, value in asdict(one).items()
     }
-    return told | {"ties": list(one.ties)}
+    return told | {"ties": list(one.ties), "idle": one.idle}

@@ -44,6 +44,11 @@ class Finding:
         """True where the effect, or one of those it ties with, is told."""
         return not self.doubt
 
+    @property
+    def idle(self) -> bool:
+        """True of an effect without which nothing is missing, however probable it is."""
+        return bool(np.isinf(self.share))
+
 
 def judged(pool: Pool, best: Structure) -> dict[str, Finding]:
     """The ``Finding`` of each effect that a structure has beside the base; of its frictions in one, and of its drags, where they are not
@@ -145,6 +150,8 @@ def _doubt(probability: float, share: float, held_out: float) -> str:
     """Why an effect is not told, or empty."""
     if probability < PROBABLE:
         return f"its probability is only {probability:.2f}"
+    if np.isinf(share):
+        return "without it nothing is missing"
     if share > SHARE:
         return f"{min(share, 9.99):.0%} of what is missing remains with it"
     if np.isinf(held_out):

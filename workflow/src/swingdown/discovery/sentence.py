@@ -9,6 +9,7 @@ from ..language import capital
 from ..pendulum.catalogue import SHIPPED, Catalogue
 from ..pendulum.effect import Effect
 from ..pendulum.model import in_words
+from ..pendulum.slack import ZERO
 from ..rounding import plus_minus
 
 LAW_OPEN = "friction of another law"
@@ -42,7 +43,7 @@ def sentence(found: Mapping[str, Any], catalogue: Catalogue = SHIPPED) -> str:
         + (" The search stopped: its time was used up." if found["stopped"] else "")
     )
     if found["status"] == "consistent":
-        slack = " within the calibration's uncertainty" if _used(found.get("nuisance", {})) else ""
+        slack = _slack(found.get("nuisance", {}))
         noise = found.get("noise_rms_rad") or found.get("noise_rms_rad_per_s") or np.nan
         text = (
             f"Nothing is missing{slack}: the model leaves {fit[-1]:.3g} times the noise "
@@ -140,9 +141,16 @@ def _may_be(stand_ins: Sequence[Mapping[str, Any]], catalogue: Catalogue) -> tup
     return " and ".join(filter(None, [", ".join(names[:-1]), *names[-1:]])), ""
 
 
-def _used(nuisance: Mapping[str, Any]) -> bool:
-    """True where a nuisance value is not nothing: the data ask for it."""
-    return any(abs(one["value"]) > _ASKED * (one["standard_error"] or np.inf) for one in nuisance.values())
+def _slack(nuisance: Mapping[str, Any]) -> str:
+    """What the data ask for of what the measurement leaves open: a zero alone, or more."""
+    used = {
+        name: one
+        for name, one in nuisance.items()
+        if abs(one["value"]) > _ASKED * (one["standard_error"] or np.inf)
+    }
+    if used.keys() == {ZERO} and nuisance.keys() == {ZERO}:
+        return f" with a zero of {_quantity('', used[ZERO])}"
+    return " within the calibration's uncertainty" if used else ""
 
 
 def _frequencies(found: Mapping[str, Any]) -> str:

@@ -60,7 +60,11 @@ def verdict(
             stand_ins.append(one | {"doubt": doubt})
         else:
             asserted.append(one)
-    if last["missing"] or stand_ins or last.get("failed"):
+    # what is idle is nothing that is missing, but where all is doubted
+    doubted = [
+        one for one in stand_ins if not last["findings"][one["name"]]["idle"] or unit_doubt or not dies_away
+    ]
+    if last["missing"] or doubted or last.get("failed"):
         status = "partial" if asserted or (difference and difference["effect"]) else "unknown"
     elif not asserted:
         status = "consistent"

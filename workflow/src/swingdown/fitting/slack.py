@@ -1,12 +1,21 @@
 """Fits that leave open what the measurement leaves open: the reading's gain, zero and curvature within what is known of them."""
 
-from ..pendulum.slack import Slack
+from ..pendulum.slack import ZERO, Slack
 from .least_squares import fit_jointly
 from .problem import Swings
 from .result import Begin, Fit
 from .uncertainty import uncertainty
 
 _ROUNDS = 2  # the residuals that what is known is weighed against are those of the fit itself
+_LITTLE = 1e-5  # of the variance of what is known: so little is left by the data that what is known beforehand changes nothing
+
+
+def begun_with(slack: Slack) -> Slack | None:
+    """What is open from the first fit on: the clock, or a zero alone, of which data tell more than was known; None where no value is,
+    as of a gain, which the data of small swings do not tell."""
+    if not slack.names:
+        return slack
+    return slack.weighed(0.0) if slack.names == (ZERO,) else None
 
 
 def allowing(fit: Fit, swings: Swings, slack: Slack, *, start: str = "free", bounded: bool = False) -> Fit:
@@ -26,9 +35,18 @@ def allowing(fit: Fit, swings: Swings, slack: Slack, *, start: str = "free", bou
     start, bounded
         As of the fit: how swings begin, and whether parameters keep their bounds.
     """
+    if fit.model.slack.names == slack.names == (ZERO,) and _told_by_data(fit, slack):
+        return fit
     for _ in range(_ROUNDS if slack.names else 1):
         weighed = slack.weighed(uncertainty(fit, swings).noise) if slack.names else slack
         model = fit.model.with_slack(weighed)
         begin = Begin(model, fit.begin.swings)
         fit = fit_jointly(model, swings, start=start, guess=begin, bounded=bounded, seen=False, grown=False)
     return fit
+
+
+def _told_by_data(fit: Fit, slack: Slack) -> bool:
+    """Whether the data leave so little of a zero open that what was known of it is nothing beside them."""
+    (name,) = slack.parameters
+    at = fit.free.index(name)
+    return bool(fit.covariance[at, at] < _LITTLE * slack.covariance[0, 0])

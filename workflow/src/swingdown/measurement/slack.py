@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from ..errors import InputError
 from ..pendulum.slack import Slack, reading_slack
 from .gyroscope import GAIN_TOLERANCE, TO_RAD_PER_S, ZERO_TOLERANCE
 from .plausibility import CENTRED
@@ -38,7 +39,18 @@ def tolerances(row: Mapping[str, Any], unit: str, upright: bool = True) -> dict[
     usual = _OF_RATES if unit in TO_RAD_PER_S else _OF_ANGLES
     stated = {key: float(row.get(key, float("nan"))) for key in usual}
     known = {key: value if (value := stated[key]) == value else usual[key] for key in usual}
-    return known if upright else known | {"zero_tolerance_rad": max(known["zero_tolerance_rad"], CENTRED)}
+    if upright or unit in TO_RAD_PER_S:
+        return known
+    return known | {"zero_tolerance_rad": max(known["zero_tolerance_rad"], CENTRED)}
+
+
+def zero_unstated(row: Mapping[str, Any], unit: str) -> dict[str, float]:
+    """The cell of the sheet that leaves the zero of an angle open, where a ``row`` does not state how far it may be off: no file says where
+    its pendulum hangs. Of a rate none. InputError for a limit that is none."""
+    stated = float(row.get("zero_tolerance_rad", float("nan")))
+    if stated == stated and not 0 <= stated <= 1:
+        raise InputError("zero_tolerance_rad", f"it is {stated:g} rad", "a limit from 0 to 1 rad", "leave it out: the swings tell their zero")  # fmt: skip
+    return {} if unit in TO_RAD_PER_S or stated == stated else {"zero_tolerance_rad": CENTRED}
 
 
 def with_rate(known: Mapping[str, float], rate: float) -> dict[str, float]:

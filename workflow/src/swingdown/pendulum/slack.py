@@ -8,7 +8,8 @@ import numpy as np
 
 from ..arrays import Floats
 
-READING = {"sensor_gain": "sensor_gain", "sensor_zero": "sensor_zero", "sensor_curvature": "sensor_curvature"}
+ZERO = "sensor_zero"
+READING = {"sensor_gain": "sensor_gain", ZERO: ZERO, "sensor_curvature": "sensor_curvature"}
 """The effects that a calibration may leave open, and the parameter of each."""
 
 _POWER = re.compile(r"(\*|/)?\s*([A-Za-z]+)\s*(?:\^\s*(-?\d+))?")

@@ -24,6 +24,7 @@ from ..measurement.recording import ingest
 from ..measurement.refused import NOT_LOOKED_AT, WHICH_COLUMN, place_in
 from ..measurement.sharing import sharing
 from ..measurement.sheet import COLUMNS
+from ..measurement.slack import zero_unstated
 from ..measurement.swings.release import SeveralReleases
 from ..paths import printable, safe_name, write_csv, write_text
 from ..pendulum.model import everyday
@@ -280,8 +281,10 @@ def _cut(one: Taken | Refused, why: str) -> Taken | Refused:
 
 
 def _taken(row: Mapping[str, Any], path: Path, restoring: str) -> Taken:
-    """The recording and its angle."""
+    """The recording and its angle; the zero of an angle is open, as nobody states it."""
     recording = ingest({**COLUMNS, **row, "file": str(path)}, restoring=restoring, calibrated=False)
+    if "signal" in recording and (known := zero_unstated(row, str(recording["signal"].attrs["units"]))):
+        row, recording = {**row, **known}, recording.assign_attrs(known)
     return Taken(dict(row), recording, to_angle(recording))
 
 

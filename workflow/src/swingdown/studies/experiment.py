@@ -14,7 +14,7 @@ from ..fitting.guess import first_guess
 from ..fitting.least_squares import fit_jointly
 from ..fitting.nested import fit_nested, stand_ins, unseen
 from ..fitting.result import Begin, Fit
-from ..fitting.slack import allowing
+from ..fitting.slack import allowing, begun_with
 from ..measurement.driven import drive_of, driven
 from ..measurement.plausibility import in_step_and_steady, narrowing
 from ..measurement.points.points_recording import are_points
@@ -244,8 +244,9 @@ def _fits(
             failed.append(problem)
             return None
 
-    clocked = models if slack.names else [model.with_slack(slack) for model in models]
-    found: list[Fit | None] = fit_nested(clocked, fit_one, in_place)
+    begun = begun_with(slack)
+    opened = models if begun is None else [model.with_slack(begun) for model in models]
+    found: list[Fit | None] = fit_nested(opened, fit_one, in_place)
     fits = [allowed(fit) for fit in found]
     if not any(fits):
         raise failed[0]

@@ -15,7 +15,7 @@ from ..fitting.uncertainty import Uncertainty, uncertainty
 from ..measurement.second_reading import TOLD as AGAIN
 from ..pendulum.catalogue import ANGLE
 from ..pendulum.model import Model
-from ..pendulum.slack import Slack
+from ..pendulum.slack import ZERO, Slack
 from .norms import Variable, spread
 
 DIMS: dict[str, tuple[str, ...]] = {
@@ -56,6 +56,8 @@ def row_of_fit(
         "systematic": np.array([by_source[name] if name in fit.model.values else absent for name in names]),
         "nuisance_value": spread(fit.model.values, nuisance),
         "nuisance_standard_error": spread(errors["standard_error"], nuisance),
+        "zero": fit.model.values.get(ZERO, np.nan) if ZERO in nuisance else np.nan,
+        "zero_u": errors["standard_error"].get(ZERO, np.nan) if ZERO in nuisance else np.nan,
         "correlation": over_names(_correlated(known.covariance), fit.free, names),
         "covariance": over_names(known.covariance, fit.free, names),
         "condition_number": _condition(known.covariance),
@@ -192,7 +194,7 @@ def in_units(found: xr.Dataset, reading: str) -> xr.Dataset:
     """The dataset with the units of what was read: of rates rad/s and degrees/s where angles have rad and degrees."""
     if reading == ANGLE:
         return found
-    for name in ("fit", "residual", "rms", "norm", "error_bound_norm"):
+    for name in ("fit", "residual", "rms", "norm", "error_bound_norm", "zero", "zero_u"):
         if name in found:
             about = found[name].attrs
             about |= {

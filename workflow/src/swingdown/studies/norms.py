@@ -34,6 +34,8 @@ LABELS: dict[str, tuple[str | None, str]] = {
     "systematic": (_OF_EACH, "what a standard uncertainty of a source does to the fitted value"),
     "nuisance_value": (_OF_EACH, "fitted value of what the measurement leaves open"),
     "nuisance_standard_error": (_OF_EACH, "its standard uncertainty after the fit"),
+    "zero": ("rad", "reading at rest, as fitted, where the measurement leaves it open"),
+    "zero_u": ("rad", "its standard uncertainty"),
     "nuisance_prior": (_OF_EACH, "its standard uncertainty before the fit, about zero"),
     "correlation": ("1", "correlation of two fitted values"),
     "covariance": (

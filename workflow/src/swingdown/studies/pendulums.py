@@ -17,6 +17,7 @@ from ..measurement.points.points_recording import PASSED
 from ..measurement.refused import NOT_LOOKED_AT
 from ..paths import printable
 from ..pendulum.catalogue import ANGLE, RATE, READINGS, SHIPPED, Catalogue
+from ..pendulum.slack import ZERO
 from ..rounding import value_with_uncertainty
 from .described import described, described_by, over_laws, reading_of, rivals, weights
 from .left_over import MUCH, doubt
@@ -36,6 +37,7 @@ _SUFFIX = {
     "rad": "_rad",
 }
 TOGETHER = "(joint)"  # stands for all recordings of a pendulum
+_SURELY = 3.0  # standard errors
 REFUSED = "refused"  # stands where a verdict would, for a file that could not be read
 
 
@@ -199,7 +201,7 @@ def _row(
         if period:
             derived = derived | {"period": period}
             row |= more
-    for key, quantity in derived.items():
+    for key, quantity in (derived | ({} if unscaled else _zero_of(fitted, label))).items():
         row |= cells_of(key, quantity)
     rms = np.nan if unscaled else np.radians(np.sqrt(np.mean(fitted["norm"].sel(fitted=label).values ** 2)))
     emulated = "yes" if "yes" in own["emulated"].values else "no"
@@ -237,6 +239,19 @@ def _foretold(row: Mapping[str, Any]) -> float:
     if not {"quality", "period"} <= known.keys() or not known["quality"].value > 0:
         return 1.0
     return float(np.exp(-2 / 3 * np.pi * row["record_s"] / known["period"].value / known["quality"].value))
+
+
+def _zero_of(fitted: xr.Dataset, label: str) -> dict[str, Quantity]:
+    """The reading where the pendulum hangs, as it was fitted, where that is surely not nothing; by its name, or none."""
+    if "zero" not in fitted:
+        return {}
+    value, error = (float(fitted[key].sel(fitted=label)) for key in ("zero", "zero_u"))
+    return zero_seen(value, error, READINGS[reading_of(fitted)])
+
+
+def zero_seen(value: float, error: float, unit: str) -> dict[str, Quantity]:
+    """A zero as a quantity, where it is surely not nothing."""
+    return {ZERO: Quantity(value, error, unit)} if abs(value) > _SURELY * error else {}
 
 
 def doubted(row: Mapping[str, Any]) -> bool:
@@ -285,6 +300,11 @@ def by_verdict(row: Mapping[str, Any], verdict: Mapping[str, Any]) -> dict[str, 
     for name, one in concluded["quantities"].items():
         value, error = (np.nan if one[key] is None else one[key] for key in ("value", "standard_uncertainty"))
         found |= cells_of(name, Quantity(value, error, one["unit"]))
+    if zero := verdict.get("nuisance", {}).get(ZERO):
+        for name, quantity in zero_seen(
+            zero["value"], zero["standard_error"] or np.inf, zero["unit"]
+        ).items():
+            found |= cells_of(name, quantity)
     rates = verdict.get("reading") == RATE
     return _of_what_is_seen(found | {
         "amplitude_rad": concluded["amplitude_rad"], "model": concluded["model"], "model_of": SEARCH,

@@ -20,12 +20,14 @@ from ..fitting.uncertainty import uncertainty
 from ..pendulum.catalogue import ANGLE
 from ..pendulum.effect import NATURAL_FREQUENCY
 from ..pendulum.ideal import LARGEST, lengthening
-from ..pendulum.model import as_model
+from ..pendulum.model import Model, as_model
+from ..pendulum.slack import ZERO, reading_slack
 from .comparison import WORTH
 
 DEGREE = pi / 180
 _MODEL = "viscous+quadratic_drag+load_coulomb"  # whatever damps: only the period is asked
 _BESIDE = "cubic_stiffness"  # any other change of the period with the amplitude, to first order
+_OPEN = reading_slack({ZERO: {"where it hangs": 1.0}}).weighed(0.0)  # of a zero nothing is known
 _ALL = 0.99  # of what such a change would explain, that another unit must explain
 _CLEAR = 5.0  # standard errors of the scale: evidence is their square
 
@@ -98,7 +100,7 @@ def _scale_of(swings: Sequence[Swing], restoring: str, reading: str, stated: boo
 
 def _period_changes(given: Fit, swings: Sequence[Swing], reading: str) -> bool:
     """Whether another change of the period with the amplitude may be worth it, if all samples counted as independent."""
-    model = as_model(f"{_MODEL}+{_BESIDE}").of(reading)
+    model = _model(f"{_MODEL}+{_BESIDE}", reading)
     try:
         more = fit_jointly(model, swings, guess=given, seen=False, grown=False, bounded=True)
     except (TrajectoryError, InputError):
@@ -112,9 +114,13 @@ def _fitted(swings: Sequence[Swing], factor: float, reading: str, begin: Fit | N
     scaled = _scaled(swings, factor)
     label = _MODEL if begin is None else f"{_MODEL}+{_BESIDE}"
     try:
-        return fit_jointly(as_model(label).of(reading), scaled, guess=begin, bounded=True)
+        return fit_jointly(_model(label, reading), scaled, guess=begin, bounded=True)
     except (TrajectoryError, InputError):
         return None
+
+
+def _model(label: str, reading: str) -> Model:
+    return as_model(label).of(reading).with_slack(_OPEN)
 
 
 def _swings(swings: Sequence[Swing], factor: float, given: Fit) -> bool:

@@ -8,6 +8,7 @@ from ..language import ENGLISH, IN_ENGLISH, Language, capital
 from ..pendulum.catalogue import SHIPPED, Catalogue
 from ..pendulum.effect import Effect
 from ..pendulum.model import model_words
+from ..pendulum.slack import ZERO
 from ..rounding import value_with_uncertainty
 from .pendulums import NOT_DYING, SEARCH, by_verdict, doubted, quantities_of, residual_of
 from .quantities import Quantity, in_its_middle
@@ -80,6 +81,7 @@ def quantity_rows(row: Mapping[str, Any], verdict: Mapping[str, Any] | None = No
         "decay_time": f"from {begun}{_beyond(row)}",
         "decay_swings": f"from {begun}",
         "g": str(row.get("g_of", "")),
+        ZERO: "at rest, as fitted",
     }
     only = f"if it is {model_words(str(row['model']))}" if or_models(row) else ""
     order = [name for name in _WORDS if name in found] + [name for name in found if name not in _WORDS]
