@@ -236,7 +236,10 @@ def test_once_mended_it_takes_part(study, snakemake, tmp_path):
 def test_the_command_leaves_out_the_same_for_the_same_reasons(study, files, monkeypatch, capsys):
     monkeypatch.chdir(files)
     bad = [f"{kind}.csv" for kind in REASONS]
-    assert main(["one.csv", "two.csv", *bad, "--together", "--quick", "--into", "mine"]) == 0
+    assert (
+        main(["one.csv", "two.csv", *bad, "--together", "--quick", "--zero-tolerance", "0", "--into", "mine"])
+        == 0
+    )
     by_command = pd.read_csv(files / "mine/left_out.csv").set_index("recording")["problem"]
     by_sheet = pd.read_csv(study[0] / "results/tables/left_out.csv").set_index("recording")["problem"]
     assert set(by_command.index) == set(REASONS)

@@ -56,7 +56,7 @@ def test_pendulums_are_drawn_side_by_side_where_there_are_two_swings(whole):
 def test_what_follows_a_change_is_drawn_where_something_was_changed(whole, tmp_path):
     changed = SHEET.replace("length", "length,changed,changed_value").replace(" m\n", " m,magnet,0.1\n")
     (tmp_path / "sheet.csv").write_text(changed.replace("0.7 m,magnet,0.1", "0.7 m,,"))
-    drawn = [path for path in whole().searched if "/difference.svg" in path]
+    drawn = [path for path in whole().seen if "/difference.svg" in path]
     assert drawn == ["results/discovery/one/figures/difference.svg"]
 
 

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..arrays import Floats
+from ..arrays import Floats, standard_errors
 from ..engine import interface
 from ..engine.trajectory import TrajectoryError, simulate_compiled, warn_of_drive
 from ..pendulum.model import Model, as_model
@@ -148,7 +148,7 @@ def fit_at(problem: Problem, minimum: Minimum, method: str, message: str) -> Fit
     """The ``Fit`` of a problem at a minimum; ``method`` and ``message`` are what the fit states of itself."""
     names, slots = problem.model.parameters, problem.slots(minimum.best)
     (whole, systematic), angles = minimum.covariance, minimum.angles
-    errors = dict(zip(problem.free, np.sqrt(whole.diagonal()).tolist(), strict=True))
+    errors = dict(zip(problem.free, standard_errors(whole).tolist(), strict=True))
     shared = np.array(slots)[:, :-2].mean(axis=0).tolist() if problem.own else slots[0][:-2]
     model = problem.model.with_values(
         dict(zip(names, shared, strict=True)), {name: errors[name] for name in problem.shared}

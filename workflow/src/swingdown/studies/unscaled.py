@@ -165,10 +165,10 @@ def as_seen(own: xr.Dataset) -> tuple[Quantity | None, dict[str, Any]]:
 def meets(own: xr.Dataset, period: Quantity | None) -> bool:
     """False where the ``period`` of a model is surely another than that of the first swings by passages of the middle, as a stop-watch shows.
 
-    ``own`` is the recording's part of the norms. Of a swing that does not shrink the first swings need not be the widest.
+    ``own`` is the recording's part of the norms. Of swings that grow the first ones need not be the widest.
     """
     seen, _ = as_seen(own.isel(recording=0))
-    if period is None or seen is None or not (own["narrowing"] < KEPT).any():
+    if period is None or seen is None or not (own["narrowing"] < 1 / KEPT).any():
         return True
     scatter = float(own["period_first_scatter"].max()) if "period_first_scatter" in own else seen.uncertainty
     off = abs(period.value - seen.value)
