@@ -11,7 +11,7 @@ from swingdown.capture import takes
 from swingdown.paths import find, is_url, remove_leftovers
 from swingdown.sealed import remove_orphans
 from swingdown.studies import left_out
-from swingdown.planning.made import SEARCH_FILES, SEEN, made as made_by
+from swingdown.planning.made import SEARCH_FILES, SEEN, made as made_by, models_of_rounds
 from swingdown.planning.plan import plan
 from swingdown.planning.settings import complete
 from swingdown.planning.sources import fingerprint

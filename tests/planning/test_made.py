@@ -68,6 +68,8 @@ def test_a_pendulum_of_one_swing_has_no_joint_fit_and_a_search_has_its_first_and
         path for path in shown.searched if path.startswith("results/discovery") and path.endswith("/fit.nc")
     ]
     assert fits == ["results/discovery/two/first/fit.nc", "results/discovery/two/last/fit.nc"]
+    models = [path for path in shown.searched if "/round-" in path]
+    assert models == [f"results/discovery/two/round-{number}/model.yaml" for number in range(4)]
     assert "results/experiment/fits/a.nc" in shown.searched  # it tells whether a swing is free
 
 

@@ -1,7 +1,8 @@
 # Which effect is missing: rounds of fit, disagreement, naming and confirmation, made by one search.
 # needs: results/angles/, results/experiment/fits/ (whether a swing is free)
-# makes: results/discovery/{campaign}/: rounds.json, first/, last/, difference.json, verdict.json and figures/
+# makes: results/discovery/{campaign}/: rounds.json, round-{n}/model.yaml, first/, last/, difference.json, verdict.json and figures/
 
+MODELS = models_of_rounds(config["discovery"]["rounds"])
 # the recordings of each campaign as discovery takes them: static ones tell the noise
 MEMBERS = {campaign: PLAN.swings(campaign) + PLAN.statics(campaign) for campaign in PLAN.searched}
 
@@ -16,6 +17,7 @@ rule discover_search:
         ),
     output:
         rounds=expand("results/discovery/{{campaign}}/{file}", file=SEARCH_FILES),
+        models=expand("results/discovery/{{campaign}}/{file}", file=MODELS),
         follows="results/discovery/{campaign}/difference.json",
     log:
         "results/logs/discover/{campaign}/search.log",

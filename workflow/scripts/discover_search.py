@@ -47,7 +47,7 @@ def discover_search(campaign, angles, fits, roles, base, rounds, budget_s, chang
     except InputError as problem:
         if problem.where in angles:  # a damaged file
             raise
-        files.write_no_verdict(campaign, problem, members, output.rounds)
+        files.write_no_verdict(campaign, problem, members, [*output.rounds, *output.models])
         write_json(output.follows, None)
         return f"{campaign}: NOT SEARCHED: {problem}"
     base = base.under(swings.fit[0].drive)
@@ -58,6 +58,7 @@ def discover_search(campaign, angles, fits, roles, base, rounds, budget_s, chang
     base = follows.beside(base) if follows else base
     states = concluded(discover(swings, base, rounds, budget_s=budget.left), swings)
     files.write_rounds(states, swings, Path(output.follows).parent, emulated, members)
+    files.write_models(states, output.models)
     last = states[-1]
     gap = last.fit.rms / last.noise.deviation
     return f"{campaign}: {last.fit.model.label} leaves {gap:.3g} times the noise; {last.reason}"

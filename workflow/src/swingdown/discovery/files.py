@@ -129,6 +129,13 @@ def write_rounds(
     write_json(folder / ROUNDS, told)
 
 
+def write_models(states: Sequence[Round], outputs: Sequence[Path | str]) -> None:
+    """The model of each round written; where a search needed fewer than there are outputs, that of the last one again."""
+    for number, path in enumerate(outputs):
+        Path(path).parent.mkdir(parents=True, exist_ok=True)
+        write_model(states[min(number, len(states) - 1)].model, path)
+
+
 def _write_round(
     state: Round, campaign: Campaign, folder: Path, emulated: bool, lacks: Remainder, told: Mapping[str, Any]
 ) -> None:

@@ -76,7 +76,7 @@ def made(plan: Plan, settings: Mapping[str, Any], own: bool) -> Made:
         for kind in ("curves", "laws")
         for ending in ("csv", *_PICTURES)
     ]
-    found = _searched(plan)
+    found = _searched(plan, settings["discovery"]["rounds"])
     return Made(
         _in("tables", tables, ".csv"), _pictures("figures", figures),
         [f"results/discovery/{name}/verdict.json" for name in plan.searched],
@@ -86,14 +86,19 @@ def made(plan: Plan, settings: Mapping[str, Any], own: bool) -> Made:
     )  # fmt: skip
 
 
-def _searched(plan: Plan) -> list[str]:
+def models_of_rounds(rounds: int) -> list[str]:
+    """The files below a campaign's folder that hold the model of each round, the base's first."""
+    return [f"round-{number}/model.yaml" for number in range(rounds + 1)]
+
+
+def _searched(plan: Plan, rounds: int) -> list[str]:
     """What the searches make but for their verdicts, and what they read. A swing that is only searched is fitted too: is it free?"""
     found = _in("recordings", plan.measured, ".nc") + _in("angles", plan.measured, ".nc")
     found += ["results/calibration/calibration.nc"] if plan.in_volts else []
     found += _in("experiment/fits", plan.moving, ".nc")
     for name in plan.searched:
         folder = f"discovery/{name}"
-        found += _in(folder, (*SEARCH_FILES, "difference.json"))
+        found += _in(folder, (*SEARCH_FILES, *models_of_rounds(rounds), "difference.json"))
         found += _pictures(f"{folder}/figures", (*SEEN, *(["difference"] if plan.changed(name) else [])))
     return found
 
