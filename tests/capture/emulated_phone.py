@@ -30,7 +30,9 @@ class Telephone:
         }
         self.session, self.measuring, self.timed = "abcdef", False, False
         self.asked, self.commands, self.force_full = [], [], False
-        self.begun, self.stopped = None, None
+        self.foreign = False  # another experiment is open, whose buffers have other names
+        self.iphone = False  # it answers with what is new also after its data were cleared
+        self.begun, self.stopped, self.paused, self.marks = None, None, 0.0, []
         self.mute, self.slow, self.text = (math.inf, math.inf), 0.0, (math.inf, "")
         self.lacking, self.hole, self.jumps = (math.inf, math.inf), (math.inf, math.inf), (math.inf, 0.0)
         self.still_until, self.omega = 0.0, 6.0  # s, rad/s; y rests before, and is let go then
@@ -55,7 +57,7 @@ class Telephone:
 
     @property
     def seconds(self):
-        return (self.stopped or time.monotonic()) - self.begun if self.begun else 0.0
+        return (self.stopped or time.monotonic()) - self.begun - self.paused if self.begun else 0.0
 
     def rate_of_y(self, at):
         at -= self.still_until
@@ -75,12 +77,20 @@ class Telephone:
     def command(self, name):
         self.commands.append(name)
         if name == "start" and not self.measuring:
-            self.measuring, self.begun, self.stopped = True, time.monotonic(), None
+            if self.stopped:
+                self.paused += time.monotonic() - self.stopped
+            self.measuring, self.begun, self.stopped = True, self.begun or time.monotonic(), None
+            self._mark("START")
         elif name == "stop" and self.measuring:
             self.measuring, self.stopped = False, time.monotonic()
+            self._mark("PAUSE")
         elif name == "clear":
-            self.measuring, self.begun, self.stopped, self.force_full = False, None, None, True
+            self.measuring, self.begun, self.stopped, self.paused = False, None, None, 0.0
+            self.force_full, self.marks = not self.iphone, []
         return True
+
+    def _mark(self, event):
+        self.marks.append({"event": event, "experimentTime": self.seconds, "systemTime": time.time()})
 
     def answer(self, request):
         path, _, query = request.path.partition("?")
@@ -97,6 +107,8 @@ class Telephone:
             text = self.config if isinstance(self.config, str) else json.dumps(self.config)
         elif path == "/control":
             text = json.dumps({"result": self.command(parameters["cmd"])})
+        elif path == "/time":
+            text = json.dumps(self.marks)
         elif path == "/get":
             text = self.text[1] if self.seconds >= self.text[0] else self._get(parameters)
         else:
@@ -113,7 +125,7 @@ class Telephone:
         samples, columns = self.samples(), {"gyr_time": 0, "gyrX": 1, "gyrY": 2, "gyrZ": 3}
         buffers = {}
         for name, since in parameters.items():
-            if name not in columns:
+            if name not in columns or self.foreign:
                 continue
             if not since:
                 mode, rows = "single", samples[-1:]

@@ -76,7 +76,9 @@ def test_an_axis_that_is_asked_for_needs_no_motion(capture, asked):
 def test_a_recording_is_read_as_a_pendulum(phone, capture):
     """y is 1.8 exp(-0.02 t) sin(6 t): a rate of a period of 1.0472 s that dies away in 50 s."""
     capture(duration_s=8.0)
-    found = swingdown.read(NC, restoring="linear").fit()
+    read = swingdown.read(NC, restoring="linear")
+    assert "took `rate` as rad/s" in str(read)  # and not what the device sent, which stands beside it
+    found = read.fit()
     assert found["period"].value == pytest.approx(2 * np.pi / 6, rel=1e-3)
     assert found["decay_time"].value == pytest.approx(50, rel=0.05)
 
@@ -132,19 +134,34 @@ def do(phone, what):
     def session():
         phone.session = "fedcba"
 
+    def other():
+        phone.session, phone.foreign = "fedcba", True
+
+    def pause():
+        phone.command("stop")
+        phone.command("start")
+
     def anew():
         phone.command("clear")
         phone.command("start")
 
-    return {"stop": lambda: phone.command("stop"), "another": session, "clear": anew}[what]
+    def iphone():
+        phone.iphone = True
+        anew()
+
+    did = {"another": session, "other": other, "clear": anew, "iphone": iphone, "pause": pause}
+    return did.get(what, lambda: phone.command(what))
 
 
 @pytest.mark.parametrize(
     ("what", "told"),
     [
         ("stop", "the recording was stopped on the telephone"),
+        ("pause", "the recording was stopped on the telephone"),
         ("another", "another experiment was opened on the telephone"),
+        ("other", "another experiment was opened on the telephone"),
         ("clear", "the data were cleared on the telephone"),
+        ("iphone", "the data were cleared on the telephone"),
     ],
 )
 def test_what_is_done_on_the_telephone_ends_it_as_partial(phone, capture, what, told):

@@ -1,8 +1,10 @@
 """Fits that leave open what a calibration leaves open: the truth inside the intervals, and no sensor asserted."""
 
 import numpy as np
+import pandas as pd
 import pytest
 
+import swingdown
 from swingdown.engine.trajectory import simulate
 from swingdown.errors import InputError
 from swingdown.fitting.least_squares import fit_jointly, fit_trajectory
@@ -118,3 +120,14 @@ def test_what_is_known_has_to_be_weighed():
     own = swings(3, (0.5,))
     with pytest.raises(InputError, match="not weighed"):
         fit_trajectory(TRUTH.with_slack(SLACK), *own[0])
+
+
+def test_rates_without_any_noise_leave_their_own_law():
+    """Exact rates of a spring: the gain is known beforehand alone, and weighs next to nothing beside residuals of nothing."""
+    times = np.arange(0, 9.5, 0.01)
+    rates = pd.DataFrame(
+        {"t (s)": times, "gyro (rad/s)": -1.8 * np.exp(-0.02 * times) * np.sin(6 * times + 3)}
+    )
+    answer = swingdown.fit(rates, restoring="linear")
+    assert answer.model.label == "viscous"
+    assert answer["quality"].value == pytest.approx(150, rel=1e-6)

@@ -3,7 +3,7 @@
 ``capture.port: phyphox://HOST[:PORT]``, the address that phyphox shows under "Allow remote access". What is read is told by the
 experiment itself (``/config``): buffers of a gyroscope (rad/s) and of its time (s), those that the experiment exports. The telephone
 keeps all samples and is asked a few times a second for those since the last (phyphox.org/wiki, "Remote-interface communication"), so that a
-network that drops for some seconds loses none.
+network that drops for some seconds loses none. Its clock stands still in a pause: what it lists of starts and pauses (``/time``) shows one.
 """
 
 import contextlib
@@ -75,14 +75,15 @@ class Telephone:
     """
 
     def __init__(
-        self, remote: "_Remote", channel: _Channel, axis: str, looked: "_Look", session: str
+        self, remote: "_Remote", channel: _Channel, axis: str, looked: "_Look", began: "_Began"
     ) -> None:
-        self._remote, self._clock, self._rate, self._session = (
+        self._remote, self._clock, self._rate, self._began = (
             remote,
             channel.clock,
             channel.rates[axis],
-            session,
+            began,
         )
+        self._ended = ""  # what was done on the telephone that ended it
         self.rate, self._last = looked.rate, looked.last
         self.name = f"{remote.name} ({channel.title})"
         self.what = f"{self._rate} of the telephone ({axis} of its gyroscope, {looked.why(axis)})"
@@ -92,8 +93,12 @@ class Telephone:
     def read(self) -> bytes:
         """The samples since the last, in the format ``timed``; b"" where there are none, or no answer for a while."""
         time.sleep(_POLL)
+        if self._ended:
+            raise Gone(self._ended)
         try:
-            found = self._remote.samples(self._clock, [self._rate], self._last)
+            found, until = self._asked(), self._until()
+            if until < math.inf:  # what came between the two questions
+                found = self._asked()
         except _Mute as problem:
             self._mute = self._mute or time.monotonic()
             if time.monotonic() - self._mute > PATIENCE:
@@ -105,15 +110,22 @@ class Telephone:
                 (time.time(), f"the telephone did not answer for {lost:.1f} s and kept its samples meanwhile")
             )
             self._mute = None
-        if found.session != self._session:
-            raise Gone("another experiment was opened on the telephone")
-        if found.anew:
-            raise Gone("the data were cleared on the telephone")
-        times, values = found.after(self._last)
-        if not len(times) and not found.measuring:
-            raise Gone("the recording was stopped on the telephone")
+        times, values = found.between(self._last, until)
         self._last = float(times[-1]) if len(times) else self._last
         return Timed.encoded(times, values[:, 0])
+
+    def _asked(self) -> "_Samples":
+        return self._remote.samples(self._clock, [self._rate], self._last, self._began.session)
+
+    def _until(self) -> float:
+        """The time on its clock (s) up to which its samples are of this recording."""
+        marks, begun = self._remote.marks(), self._began.marks
+        if marks == begun:
+            return math.inf
+        if marks[: len(begun)] != begun:
+            raise Gone("the data were cleared on the telephone")
+        self._ended = "the recording was stopped on the telephone"
+        return marks[len(begun)].at
 
     def close(self) -> None:
         """Stops the experiment; its data stay on the telephone."""
@@ -121,18 +133,30 @@ class Telephone:
             self._remote.control("stop")
 
 
+class _Mark(NamedTuple):
+    """A start or a pause of an experiment: which, when on its own clock (s), and when (s since 1970)."""
+
+    event: str
+    at: float
+    when: float
+
+
+class _Began(NamedTuple):
+    """What tells a recording from others: the experiment that is open, and its starts and pauses so far."""
+
+    session: str
+    marks: Sequence[_Mark]
+
+
 class _Samples(NamedTuple):
-    """An answer: times (s), values (sample, buffer; nan where there is none), session, whether it records, and whether it begins anew."""
+    """An answer: times (s), and values (sample, buffer; nan where there is none)."""
 
     times: np.ndarray
     values: np.ndarray
-    session: str
-    measuring: bool
-    anew: bool
 
-    def after(self, last: float) -> tuple[np.ndarray, np.ndarray]:
-        """Times beyond ``last``, each later than those before it, with their values; without samples that lack a number."""
-        whole = np.isfinite(self.times) & np.isfinite(self.values).all(axis=1)
+    def between(self, last: float, until: float) -> tuple[np.ndarray, np.ndarray]:
+        """Times beyond ``last``, to ``until``, each later than those before it, with their values; without samples that lack a number."""
+        whole = np.isfinite(self.values).all(axis=1) & (self.times <= until)
         times, values = self.times[whole], self.values[whole]
         latest = np.maximum.accumulate(np.concatenate([[last], times]))[:-1]
         return times[times > latest], values[times > latest]
@@ -180,22 +204,30 @@ class _Remote:
         """True where it takes the command: start, stop or clear."""
         return _of(self.asked("control", cmd=command), "result", bool)
 
-    def samples(self, clock: str, rates: Sequence[str], last: float | None) -> _Samples:
-        """What it holds of these buffers since a time (s; None for all)."""
+    def marks(self) -> list[_Mark]:
+        """The starts and pauses of its experiment, since it was cleared."""
+        found = self.asked("time")
+        try:
+            return [
+                _Mark(str(one["event"]), float(one["experimentTime"]), float(one["systemTime"]))
+                for one in found
+            ]
+        except (TypeError, KeyError, ValueError) as problem:
+            raise _Mute("an answer without starts and pauses") from problem
+
+    def samples(
+        self, clock: str, rates: Sequence[str], last: float | None, session: str | None = None
+    ) -> _Samples:
+        """What it holds of these buffers since a time (s; None for all); Gone where another session than this is open."""
         since, beside = ("full", "full") if last is None else (repr(last), f"{last!r}|{clock}")
         found = self.asked("get", **{clock: since, **dict.fromkeys(rates, beside)})
         buffers, status = _of(found, "buffer", dict), _of(found, "status", dict)
+        if session not in (None, _of(status, "session", str)):
+            raise Gone("another experiment was opened on the telephone")
         columns = [_numbers(_of(_of(buffers, name, dict), "buffer", list)) for name in (clock, *rates)]
         count = min(map(len, columns))
         times, *values = (one[:count] for one in columns)
-        mode = _of(buffers[clock], "updateMode", str)
-        return _Samples(
-            times,
-            np.column_stack(values),
-            _of(status, "session", str),
-            _of(status, "measuring", bool),
-            anew=last is not None and mode != "partial",
-        )
+        return _Samples(times, np.column_stack(values))
 
     def status(self, clock: str) -> dict[str, Any]:
         """Whether it records, and which experiment."""
@@ -212,6 +244,7 @@ def connect(settings: Mapping[str, Any]) -> Telephone:
     channel = _channel(_reached(remote), remote.name)
     asked = _axis_of(settings.get("signal_column"), channel)
     try:
+        remote.marks()  # before anything is cleared: whether it has them
         status = remote.status(channel.clock)
         _check_idle(status, remote.name)
         if not (remote.control("clear") and remote.control("start")):
@@ -222,6 +255,7 @@ def connect(settings: Mapping[str, Any]) -> Telephone:
         try:
             looked = _looked(remote, channel, [asked] if asked else list(channel.rates))
             axis = asked or _most_moved(looked)
+            began = _Began(str(status.get("session")), remote.marks())
         except InputError:
             remote.control("stop")
             raise
@@ -230,7 +264,7 @@ def connect(settings: Mapping[str, Any]) -> Telephone:
             f"{remote.name} stopped answering ({problem})",
             "keep phyphox open, with its screen on, and try again",
         ) from problem
-    return Telephone(remote, channel, axis, looked, str(status.get("session")))
+    return Telephone(remote, channel, axis, looked, began)
 
 
 def _reached(remote: _Remote) -> Any:
@@ -261,7 +295,7 @@ def _looked(remote: _Remote, channel: _Channel, axes: Sequence[str]) -> _Look:
     begun, rates = time.monotonic(), [channel.rates[axis] for axis in axes]
     while True:
         time.sleep(_POLL)
-        times, values = remote.samples(channel.clock, rates, None).after(-math.inf)
+        times, values = remote.samples(channel.clock, rates, None).between(-math.inf, math.inf)
         passed = time.monotonic() - begun
         if passed > _LOOK and len(times) >= _ENOUGH and times[-1] - times[0] > _LOOK / 2:
             break
@@ -299,7 +333,7 @@ def _channel(config: Any, name: str) -> _Channel:
     if not isinstance(inputs, list):
         raise _error(
             f"what answers at {name} is not phyphox, or an old one",
-            f"update phyphox (1.1.6 or later); {_REACH}",
+            f"update phyphox (1.1.8 or later); {_REACH}",
         )
     exported = {one.get("buffer") for part in config.get("export") or () for one in _dicts(part, "sources")}
     for one in inputs:

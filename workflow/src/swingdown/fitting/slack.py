@@ -1,5 +1,7 @@
 """Fits that leave open what the measurement leaves open: the reading's gain, zero and curvature within what is known of them."""
 
+import numpy as np
+
 from ..pendulum.slack import ZERO, Slack
 from .least_squares import fit_jointly
 from .problem import Swings
@@ -7,6 +9,7 @@ from .result import Begin, Fit
 from .uncertainty import uncertainty
 
 _ROUNDS = 2  # the residuals that what is known is weighed against are those of the fit itself
+_LEAST = 1e-6  # of the readings' RMS: beside less noise, as of an exact simulation, what is known beforehand would be lost in rounding
 _LITTLE = 1e-5  # of the variance of what is known: so little is left by the data that what is known beforehand changes nothing
 
 
@@ -37,8 +40,9 @@ def allowing(fit: Fit, swings: Swings, slack: Slack, *, start: str = "free", bou
     """
     if fit.model.slack.names == slack.names == (ZERO,) and _told_by_data(fit, slack):
         return fit
+    least = _LEAST * float(np.sqrt(sum(series @ series for _, series in swings) / fit.n))
     for _ in range(_ROUNDS if slack.names else 1):
-        weighed = slack.weighed(uncertainty(fit, swings).noise) if slack.names else slack
+        weighed = slack.weighed(max(uncertainty(fit, swings).noise, least)) if slack.names else slack
         model = fit.model.with_slack(weighed)
         begin = Begin(model, fit.begin.swings)
         fit = fit_jointly(model, swings, start=start, guess=begin, bounded=bounded, seen=False, grown=False)

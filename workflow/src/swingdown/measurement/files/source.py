@@ -33,6 +33,7 @@ from .table import WHOLE, Table
 LARGEST = 2_000_000_000  # bytes that the variables of a netCDF file may take: it is held whole
 MOST_BYTES = 5_000_000_000  # of a file: each is read twice, a minute for so many
 _PIECE = 1 << 20  # bytes of it in memory
+BESIDE_A_SIGNAL = ("sent", "sequence", "arrival")  # what a capture keeps of its device, which is no swing
 NETCDF = (".nc", ".nc4", ".cdf", ".netcdf", ".h5", ".hdf5")
 
 
@@ -263,6 +264,9 @@ def _netcdf(source: BinaryIO, row: Mapping[str, Any]) -> Table:
         else max(sizes, key=lambda name: sizes[name], default="")
     )
     series = {key: value for key, value in series.items() if value.dims[0] == along}
+    if data.attrs.get("captured") == "yes":
+        named = (time_column, row.get("signal_column", ""))
+        series = {key: value for key, value in series.items() if key in named or key not in BESIDE_A_SIGNAL}
     table = pd.DataFrame({key: value.values for key, value in series.items()})
     table.index = table.index + 1
     units = {key: str(value.attrs["units"]) for key, value in series.items() if "units" in value.attrs}
