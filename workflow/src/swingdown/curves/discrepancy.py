@@ -22,7 +22,7 @@ from .free import (
     timed_of,
     typical_of,
 )
-from .modelled import Course, course_of, drag, effects_on, static
+from .modelled import Course, course_of, drag, effects_on, resting, static
 from .regression import SHARE, Posterior, Prior, kernel
 from .second_order import Table
 from .torques import beyond_durations, durations, losses, lost
@@ -76,8 +76,8 @@ def with_discrepancy(
 
     def of(one: Model, course: Course) -> Floats:
         loss, period = (_filled(grid, part) for part in course.at(grid))
-        torque = static(one)
-        pull = (torque(-angle) - torque(angle)) / 2
+        torque, middle = static(one), resting(one)
+        pull = (torque(middle - angle) - torque(middle + angle)) / 2
         return np.concatenate(
             [period, loss, pull, drag(one)(speed) + fast @ (inverse @ elsewhere(one, loss))]
         )

@@ -11,15 +11,18 @@ from ..engine.trajectory import TrajectoryError, simulate, simulate_each
 from ..pendulum.catalogue import RATE
 from ..pendulum.effect import NATURAL_FREQUENCY
 from ..pendulum.formula import evaluate, names_in
-from ..pendulum.ideal import lengthening
 from ..pendulum.model import Model
 from ..studies.quantities import steady
+from .torques import Ideal
 
 _SAMPLES = 400  # of a half-swing: a turning point lies between two, and Newton's step from them ends within 1e-9 of it
 _NEAR = 1e-4  # rad
 _SLOW = 1e-9  # rad/s
 _RELEASES = 24  # a spline through them is within 1e-4 of a loss by a brake a fifth as wide as the swing
 _STEP = 0.1  # of a standard error: the differences that uncertainties follow from
+
+_Half = tuple[float, float, float, float]
+_NONE: _Half = (np.nan,) * 4
 
 
 def static(model: Model) -> Callable[[Floats], Floats]:
@@ -57,7 +60,7 @@ def _torque(model: Model) -> Callable[[Floats, Floats], Floats]:
     return torque
 
 
-def _rest(model: Model) -> float:
+def resting(model: Model) -> float:
     """Where a model hangs (rad): the zero of its static torque beside 0."""
     torque = static(model)
     place = 0.0
@@ -74,20 +77,25 @@ def _rest(model: Model) -> float:
 
 class Course(NamedTuple):
     """What a model's half-swings do by amplitude (rad): ``loss`` of the logarithm of the amplitude in a half-swing, at the root of the
-    product of its two turning points; ``period`` (s), twice the time between passages through the middle, or between turning points."""
+    product of its two turning points; ``period`` (s), twice the time between passages through the middle, or between turning points; ``ideal``
+    without friction and all that is beside the weight."""
 
     amplitude: Floats
     loss: Floats
     period_amplitude: Floats
     period: Floats
+    ideal: Ideal
 
     def at(self, amplitude: Floats) -> tuple[Floats, Floats]:
         """Loss and period (s) at these amplitudes (rad), nan beyond those that were computed."""
         if self.amplitude.size < 4:
             return np.full(amplitude.size, np.nan), np.full(amplitude.size, np.nan)
         loss = CubicSpline(np.log(self.amplitude), np.log(self.loss), extrapolate=False)
-        period = CubicSpline(self.period_amplitude, self.period, extrapolate=False)
-        return np.exp(loss(np.log(amplitude))), period(amplitude)
+        longer = self.ideal.lengthening
+        period = CubicSpline(
+            self.period_amplitude, self.period / longer(self.period_amplitude), extrapolate=False
+        )
+        return np.exp(loss(np.log(amplitude))), period(amplitude) * longer(amplitude)
 
 
 def course(model: Model, low: float, high: float, passages: bool = True) -> Course:
@@ -109,19 +117,23 @@ def course_of(
     bare: Model, low: float, high: float, passages: bool = True, releases: int = _RELEASES
 ) -> Course:
     """The ``Course`` of a model that has nothing but its motion, by as many ``releases``."""
-    middle = _rest(bare)
+    middle = resting(bare)
     begun = np.geomspace(0.97 * low, 1.03 * high, releases) * _ahead(bare, high, middle, releases)
-    found = _two(bare, begun + middle, passages, middle)
-    kept = np.array([one for one in found if one is not None]).reshape(-1, 4)
+    # where the middle is moved, a swing goes further and takes longer on one side of it than on the other
+    sides = [middle + begun, middle - begun] if middle else [begun]
+    found = np.array(_two(bare, np.concatenate(sides), passages, middle))
+    kept = np.mean([found[k : k + releases] for k in range(0, len(found), releases)], axis=0)
+    kept = kept[kept[:, 1] > 0]
     kept = kept[kept[:, 0].argsort()]
     rising = np.append([True], np.diff(kept[:, [0, 2]], axis=0).min(axis=1) > 0)[: len(kept)]
-    return Course(*kept[rising].T)
+    amplitude, loss, period_amplitude, period = kept[rising].T
+    return Course(amplitude, loss, period_amplitude, period, Ideal(bare.restoring))
 
 
 def _ahead(model: Model, high: float, middle: float, releases: int) -> Floats:
     """How much further than a swing of that amplitude each release is: as much as half a half-swing takes, and a whole one at the largest."""
     (first,) = _two(model, np.array([min(high, 3.0)]), False, middle)
-    loss = first[1] if first else 0.0
+    loss = first[1] if first[1] > 0 else 0.0
     return np.linspace(1.0, np.exp(min((1.5 + _late(model)) * loss, 0.5)), releases)
 
 
@@ -130,16 +142,13 @@ def _late(model: Model) -> int:
     return 1 if any(effect.states for effect in model.effects) else 0
 
 
-def _two(
-    model: Model, releases: Floats, passages: bool, middle: float
-) -> list[tuple[float, float, float, float] | None]:
+def _two(model: Model, releases: Floats, passages: bool, middle: float) -> list[_Half]:
     """Of each release from rest (rad) amplitude and loss of its half-swing, amplitude and period of the one in the middle of which that ends;
-    None where it does not come back."""
-    usable = (releases > 0) & (releases < 3.1)
+    nan where it does not come back."""
+    usable = np.abs(releases) < 3.1
     if not usable.any():
-        return [None] * releases.size
-    longer = lengthening(releases[usable]) if model.restoring == "sine" else np.ones(1)
-    half = np.pi / model.values[NATURAL_FREQUENCY.name] * longer
+        return [_NONE] * releases.size
+    half = np.pi / model.values[NATURAL_FREQUENCY.name] * Ideal(model.restoring).lengthening(releases[usable])
     step = float(half.min()) / _SAMPLES
     times = step * np.arange(int((2.8 + _late(model)) * float(half.max()) / step))
     rows = np.array([[*model.vector(), release, 0.0] for release in releases])
@@ -147,27 +156,27 @@ def _two(
     angles = simulate_each(model, times, rows) if passages else rates
     every = zip(releases, usable, rates, angles, strict=True)
     return [
-        _one(model, float(release), times, (rate, angle if passages else None), middle) if good else None
+        _one(model, float(release), times, (rate, angle if passages else None), middle) if good else _NONE
         for release, good, rate, angle in every
     ]
 
 
 def _one(
     model: Model, release: float, times: Floats, swing: tuple[Floats, Floats | None], middle: float
-) -> tuple[float, float, float, float] | None:
+) -> _Half:
     """The same of one release, by its rates (rad/s) and, where passages tell the period, its angles (rad) at these times (s)."""
     late, (rates, angles) = _late(model), swing
     ends = _zeros(times, rates)[: 2 + late]
     if ends.size < 2 + late:
-        return None
+        return _NONE
     try:
         turns = simulate(model, np.concatenate([[0.0], ends]), release)[late:]
     except TrajectoryError:
-        return None
+        return _NONE
     through = ends if angles is None else _zeros(times, angles - middle)[late:]
     size = np.abs(turns - middle)
-    if through.size < 2 or not size[0] > size[1] > 0:
-        return None
+    if through.size < 2 or not size.min() > 0:
+        return _NONE
     amplitude, loss = float(np.sqrt(size[0] * size[1])), float(np.log(size[0] / size[1]))
     if angles is not None:
         return amplitude, loss, float(size[1]), 2 * float(through[1] - through[0])
