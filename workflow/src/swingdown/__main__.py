@@ -6,7 +6,7 @@ import gc
 import os
 import re
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any, NoReturn
@@ -58,18 +58,23 @@ class _Parser(argparse.ArgumentParser):
         meant = [name for names in near for name in names]
         return f"; did you mean {', '.join(meant)}?" if meant else ""
 
-    def parse_args(self, args: Any = None, namespace: Any = None) -> Any:
-        self._given = list(args or ())
-        return super().parse_args(args, namespace)
-
     def error(self, message: str) -> NoReturn:
-        if "required" in message:  # then what was given are options, one of which may be mistyped
-            unknown = [one for one in self._given if one.split("=")[0] not in self._option_string_actions]
-            message += self._meant(unknown)
-        elif found := re.search(r"invalid choice: '(.*?)' \(choose from (.*)\)", message):
-            near = difflib.get_close_matches(found[1], re.findall(r"[^', ]+", found[2]), 1, 0.4)
-            message += f"; did you mean {near[0]}?" if near else ""
         self.exit(2, f"{self.prog}: {message}\n(swingdown --help lists all options)\n")
+
+
+def _among(choices: Sequence[str]) -> Callable[[str], str]:
+    """What takes an option's value that is one of these, and refuses any other with the one that may be meant."""
+
+    def chosen(text: str) -> str:
+        if text in choices:
+            return text
+        near = difflib.get_close_matches(text, choices, 1, 0.4)
+        meant = f"; did you mean {near[0]}?" if near else ""
+        raise argparse.ArgumentTypeError(
+            f"invalid choice: {text!r} (choose from {', '.join(choices)}){meant}"
+        )
+
+    return chosen
 
 
 class _Version(argparse.Action):
@@ -100,7 +105,7 @@ def _parser() -> argparse.ArgumentParser:
         add(name, type=float, metavar=what, help=told)
 
     def one_of(name: str, choices: Sequence[str], told: str, usual: str | None = None) -> None:
-        add(name, choices=choices, default=usual, help=told)
+        add(name, type=_among(choices), choices=choices, default=usual, help=told)
 
     add("--version", action=_Version, nargs=0, help="show program's version number and exit")
     told = "language of the lines and of the report (default: en); JSON and CSV files stay English"
@@ -110,7 +115,7 @@ def _parser() -> argparse.ArgumentParser:
     flag("--xlsx", "the table as answer.xlsx")
     flag("--json", "the answers as JSON on stdout, and all other lines on stderr")
     told = "recordings, or folders of them: each file is a pendulum of its own"
-    add("given", nargs="+", metavar="FILE", help=told)
+    add("given", nargs="*", metavar="FILE", help=told)
     flag("--together", "all files are recordings of one pendulum")
     flag("--quick", "stop after the first answer: no search for what is missing, no report")
     text("--into", "FOLDER", "the study's folder (default: beside the first file, named after it)")
@@ -189,7 +194,9 @@ def _main(given: Sequence[str]) -> int:
     if not given:
         _parser().print_usage(sys.stderr)
         return 2
-    options = _parser().parse_args(given)
+    options = (parser := _parser()).parse_args(given)
+    if not options.given:
+        parser.error("the following arguments are required: FILE")
     with console.job():
         _check_command(options.given)
     handed_in = tuple(kind for kind in ("pdf", "latex", "xlsx") if getattr(options, kind))

@@ -144,18 +144,18 @@ class Port:
 
 
 def _refused(url, error):
-    number, text = getattr(error, "errno", None), str(error)
-    if number in (errno.EACCES, errno.EPERM) or "ermission denied" in text:
+    number = getattr(error, "errno", None)
+    if number in (errno.EACCES, errno.EPERM):
         return _error(
             f"{url} may not be opened by you",
             "join the group that owns it (sudo usermod -aG dialout $USER) and log in again",
         )
-    if number in (errno.EBUSY, errno.EWOULDBLOCK) or "exclusively lock" in text or "busy" in text:
+    if number in (errno.EBUSY, errno.EWOULDBLOCK):
         return _error(
             f"{url} is in use by another program",
             f"close it (a serial monitor, another capture); `fuser {url}` names it",
         )
-    return _error(f"{url} cannot be opened ({text})", "check the cable and capture.port")
+    return _error(f"{url} cannot be opened ({error})", "check the cable and capture.port")
 
 
 def _error(problem, mend):

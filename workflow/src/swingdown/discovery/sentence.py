@@ -9,12 +9,11 @@ from ..language import capital
 from ..pendulum.catalogue import SHIPPED, Catalogue
 from ..pendulum.effect import Effect
 from ..pendulum.model import in_words
-from ..pendulum.slack import ZERO
+from ..pendulum.slack import ZERO, is_open
 from ..rounding import plus_minus
 
 LAW_OPEN = "friction of another law"
 _SMALLER = {"rad": (1e-3, "mrad"), "rad/s": (1e-3, "mrad/s"), "s": (1e-3, "ms")}
-_ASKED = 3.0  # standard errors
 _PLAIN = 0.999  # probability above which one says no more
 _SMALL = 0.1  # of a unit that has a smaller one beside it
 
@@ -143,11 +142,7 @@ def _may_be(stand_ins: Sequence[Mapping[str, Any]], catalogue: Catalogue) -> tup
 
 def _slack(nuisance: Mapping[str, Any]) -> str:
     """What the data ask for of what the measurement leaves open: a zero alone, or more."""
-    used = {
-        name: one
-        for name, one in nuisance.items()
-        if abs(one["value"]) > _ASKED * (one["standard_error"] or np.inf)
-    }
+    used = {name: one for name, one in nuisance.items() if is_open(one["value"], one["standard_error"])}
     if used.keys() == {ZERO} and nuisance.keys() == {ZERO}:
         return f" with a zero of {_quantity('', used[ZERO])}"
     return " within the calibration's uncertainty" if used else ""

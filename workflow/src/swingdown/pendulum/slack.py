@@ -12,6 +12,7 @@ ZERO = "sensor_zero"
 READING = {"sensor_gain": "sensor_gain", ZERO: ZERO, "sensor_curvature": "sensor_curvature"}
 """The effects that a calibration may leave open, and the parameter of each."""
 
+_SURELY = 3.0  # standard errors
 _POWER = re.compile(r"(\*|/)?\s*([A-Za-z]+)\s*(?:\^\s*(-?\d+))?")
 
 
@@ -75,6 +76,11 @@ def reading_slack(values: dict[str, dict[str, float]], clock: float = 0.0) -> Sl
     sources = tuple(dict.fromkeys(source for name in names for source in values[name]))
     table = [[values[name].get(source, 0.0) for source in sources] for name in names]
     return Slack(names, sources, np.array(table, dtype=float).reshape(len(names), len(sources)), clock)
+
+
+def is_open(value: float, standard_error: float | None) -> bool:
+    """True where a fitted nuisance value is surely not nothing: beyond three standard errors. Without one it is not known to be any."""
+    return abs(value) > _SURELY * (standard_error or np.inf)
 
 
 def time_power(unit: str) -> int:

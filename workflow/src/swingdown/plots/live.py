@@ -49,9 +49,8 @@ class Window(Generic[_Recorder]):
             return
         times, values = self._recent(recorder)
         self._line.set_data(times, values)
-        if values:
-            margin = 0.05 * (max(values) - min(values)) or 0.01
-            self._axes.set_ylim(min(values) - margin, max(values) + margin)
+        self._axes.relim()
+        self._axes.autoscale_view(scalex=False)
         self._text.set_text(self._status(recorder))
         self._figure.canvas.draw()
         self._figure.canvas.flush_events()

@@ -17,7 +17,7 @@ from ..measurement.points.points_recording import PASSED
 from ..measurement.refused import NOT_LOOKED_AT
 from ..paths import printable
 from ..pendulum.catalogue import ANGLE, RATE, READINGS, SHIPPED, Catalogue
-from ..pendulum.slack import ZERO
+from ..pendulum.slack import ZERO, is_open
 from ..rounding import value_with_uncertainty
 from .described import described, described_by, over_laws, reading_of, rivals, weights
 from .left_over import MUCH, doubt
@@ -37,7 +37,6 @@ _SUFFIX = {
     "rad": "_rad",
 }
 TOGETHER = "(joint)"  # stands for all recordings of a pendulum
-_SURELY = 3.0  # standard errors
 REFUSED = "refused"  # stands where a verdict would, for a file that could not be read
 
 
@@ -246,12 +245,7 @@ def _zero_of(fitted: xr.Dataset, label: str) -> dict[str, Quantity]:
     if "zero" not in fitted:
         return {}
     value, error = (float(fitted[key].sel(fitted=label)) for key in ("zero", "zero_u"))
-    return zero_seen(value, error, READINGS[reading_of(fitted)])
-
-
-def zero_seen(value: float, error: float, unit: str) -> dict[str, Quantity]:
-    """A zero as a quantity, where it is surely not nothing."""
-    return {ZERO: Quantity(value, error, unit)} if abs(value) > _SURELY * error else {}
+    return {ZERO: Quantity(value, error, READINGS[reading_of(fitted)])} if is_open(value, error) else {}
 
 
 def doubted(row: Mapping[str, Any]) -> bool:
@@ -300,11 +294,9 @@ def by_verdict(row: Mapping[str, Any], verdict: Mapping[str, Any]) -> dict[str, 
     for name, one in concluded["quantities"].items():
         value, error = (np.nan if one[key] is None else one[key] for key in ("value", "standard_uncertainty"))
         found |= cells_of(name, Quantity(value, error, one["unit"]))
-    if zero := verdict.get("nuisance", {}).get(ZERO):
-        for name, quantity in zero_seen(
-            zero["value"], zero["standard_error"] or np.inf, zero["unit"]
-        ).items():
-            found |= cells_of(name, quantity)
+    zero = verdict.get("nuisance", {}).get(ZERO)
+    if zero and is_open(zero["value"], zero["standard_error"]):
+        found |= cells_of(ZERO, Quantity(zero["value"], zero["standard_error"], zero["unit"]))
     rates = verdict.get("reading") == RATE
     return _of_what_is_seen(found | {
         "amplitude_rad": concluded["amplitude_rad"], "model": concluded["model"], "model_of": SEARCH,

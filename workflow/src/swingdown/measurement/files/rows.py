@@ -372,8 +372,6 @@ def _parsed(piece: bytes, how: Layout, name: str, lines: NDArray[np.integer]) ->
             encoding_errors="replace",
         )
     except pd.errors.ParserError as error:
-        if found := re.search(r"Expected \d+ fields in line (\d+)", str(error)):
-            raise too_long(name, int(lines[int(found[1]) - 1]), len(how.names)) from error
         raise InputError(
             name, f"it is not a table ({error})", "CSV with a header", "correct the file"
         ) from error
