@@ -11,7 +11,7 @@ from swingdown.discovery.admissible import at_its_bound
 from swingdown.discovery.campaign import Noise, Swing, campaign
 from swingdown.discovery.confirm import predict
 from swingdown.discovery.discrepancy import Discrepancy
-from swingdown.discovery.judge import judged, told_of
+from swingdown.discovery.judge import Finding, judged, told_of
 from swingdown.discovery.linear import frame
 from swingdown.discovery.structures import Pool
 from swingdown.fitting.least_squares import fit_jointly
@@ -236,3 +236,63 @@ def test_a_drag_is_asked_of_what_only_a_drag_could_do_where_held_out_swings_lack
     pool = SimpleNamespace(lacking=lambda *_: [there], noise=None)
     assert judge._asked(pool, there, "quadratic_drag", ["quadratic_drag"], judge.Finding(1.0)).sure
     assert judge._asked(pool, there, "cubic_stiffness", ["cubic_stiffness"], judge.Finding(1.0)).doubt
+
+
+def _judged(*wanted):
+    """A stand-in for ``judged``: of each effect (share, the same of held-out swings) by the effects of the structure."""
+    found = dict(wanted)
+
+    def judged(pool, best, most=None):
+        shares = found[best.key]
+        assert best.key == max(found, key=len) or most.key == max(found, key=len)
+        return {
+            name: Finding(
+                1.0, share=share, held_out=held, doubt="" if share <= 0.2 and held <= 0.5 else "too little"
+            )
+            for name, (share, held) in shares.items()
+        }
+
+    return judged
+
+
+@pytest.mark.parametrize(
+    ("share", "held", "told"), [(0.1, 0.8, {"magnet"}), (0.1, 0.4, {"magnet", "detent"})]
+)
+def test_what_held_out_swings_speak_against_is_not_in_the_model_that_is_told(monkeypatch, share, held, told):
+    both, one = frozenset(("magnet", "detent")), frozenset(("magnet",))
+    structures = {key: SimpleNamespace(key=key) for key in (both, one)}
+    pool = SimpleNamespace(
+        frictions=lambda _: ["any"],
+        added=sorted,
+        lacking=lambda here, names: [structures[here.key - set(names)]],
+    )
+    given = {"magnet": (0.05, 0.1), "detent": (share, held)}
+    monkeypatch.setattr(judge, "judged", _judged((both, given), (one, {"magnet": (0.1, 0.2)})))
+    last, found = told_of(pool, structures[both])
+    assert last.key == told and set(found) == told
+
+
+def test_what_an_effect_is_nearly_in_the_most_probable_structure_it_is_in_a_smaller_one(monkeypatch):
+    """Without its neighbours a size is known too well to be that of the simpler effect."""
+    here, most = (
+        SimpleNamespace(key=frozenset(names))
+        for names in (["cubic_stiffness"], ["cubic_stiffness", "detent"])
+    )
+    nearly = {here.key: [], most.key: ["finite_amplitude", "detent"]}
+    monkeypatch.setattr(judge, "_nearly_in", lambda structure, name: nearly[structure.key])
+    assert judge._nearly([here], "cubic_stiffness") == []
+    assert judge._nearly([here, most], "cubic_stiffness") == ["finite_amplitude"]
+
+
+@pytest.mark.parametrize(("of_four", "law_open"), [(0.95, True), (0.995, False)])
+def test_a_drag_of_which_more_laws_are_possible_than_a_tie_has_is_told_as_one(monkeypatch, of_four, law_open):
+    kind = ["viscous", "quadratic_drag", "power_law_drag", "eddy_brake", "structural_damping"]
+    pool = SimpleNamespace(
+        of=lambda names: of_four if len(list(names)) < len(kind) else 0.997,
+        first=SimpleNamespace(fit=SimpleNamespace(model=Model("constant_coulomb"))),
+        sees_friction=lambda: 0.0,
+    )
+    monkeypatch.setattr(judge, "_nearly", lambda *_: [])
+    monkeypatch.setattr(judge, "_asked", lambda pool, best, name, names, one, seen: one)
+    found = judge._as_one(pool, None, "viscous", ["viscous"], kind, ())
+    assert found.probability == 0.997 and len(found.ties) == 3 and found.law_open is law_open

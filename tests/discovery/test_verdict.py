@@ -248,16 +248,22 @@ def test_what_could_as_well_be_nothing_or_is_slower_than_the_recording_is_no_fin
 
 
 @pytest.mark.parametrize(
-    ("at_shape", "law_open", "status"),
-    [(0.1, False, "named"), (1.0, False, "unknown"), (1.0, True, "ambiguous")],
+    ("at_shape", "law_open", "ties", "status"),
+    [
+        (0.1, False, (), "named"),
+        (1.0, False, (), "unknown"),
+        (1.0, True, (), "ambiguous"),
+        (1.0, False, ("quadratic_drag",), "ambiguous"),
+    ],
 )
-def test_a_size_is_asked_at_its_shape_unless_it_was_seen_without_a_law(at_shape, law_open, status):
-    """A coefficient at 1 rad/s is as free as its exponent is, and clear at the exponent that it has."""
+def test_a_size_is_asked_at_its_shape_unless_its_law_is_open(at_shape, law_open, ties, status):
+    """A coefficient at 1 rad/s is as free as its exponent is, and clear at the exponent that it has; of a law that may be another one
+    no size is asked, and none is told that is not known."""
     known = {"power_law_coefficient": (2.0, 1.5, "rad/s^2"), "power_law_exponent": (1.3, 0.4, "1")}
     parameters = {key: dict(zip(("value", "standard_error", "unit"), one, strict=True)) for key, one in known.items()}  # fmt: skip
     first = state(0, missing=True, chosen="power_law_drag", holdout=3.0)
     last = state(1, missing=False, found=["power_law_drag"], effects=("viscous", "power_law_drag"), parameters=parameters,
-                 holdout=1.01, judged={"power_law_drag": finding(at_shape=at_shape, law_open=law_open)})  # fmt: skip
+                 holdout=1.01, judged={"power_law_drag": finding(at_shape=at_shape, law_open=law_open, ties=ties)})  # fmt: skip
     assert verdict([first, last])["status"] == status
 
 
@@ -276,12 +282,17 @@ def test_of_several_that_are_not_sure_enough_the_names_are_told():
     assert "nicht sicher genug" in german and "sure enough" not in german
 
 
-def test_a_friction_whose_law_is_open_is_told_as_a_tie_with_another():
-    first = state(0, missing=True, chosen="presliding", holdout=3.0)
-    judged = {"presliding": finding(law_open=True)}
-    found = verdict([first, state(1, missing=False, found=["presliding"], effects=("viscous", "presliding"), holdout=1.01, judged=judged)])  # fmt: skip
-    assert found["status"] == "ambiguous"
-    assert "or friction of another law, which the data do not distinguish" in found["sentence"]
+@pytest.mark.parametrize(
+    ("name", "kind", "german"),
+    [("presliding", "friction", "Reibung"), ("quadratic_drag", "drag", "Widerstand")],
+)
+def test_a_damping_whose_law_is_open_is_told_as_a_tie_with_another(name, kind, german):
+    first = state(0, missing=True, chosen=name, holdout=3.0)
+    judged = {name: finding(law_open=True)}
+    found = verdict([first, state(1, missing=False, found=[name], effects=("viscous", name), holdout=1.01, judged=judged)])  # fmt: skip
+    assert found["status"] == "ambiguous" and found["effects"][0]["damping"] == kind
+    assert f"or {kind} of another law, which the data do not distinguish" in found["sentence"]
+    assert f"{german} nach einem anderen Gesetz" in language("de").text(found["sentence"])
 
 
 def test_a_size_that_may_be_nothing_beside_what_has_no_name_is_never_asserted():

@@ -50,16 +50,17 @@ class Finding:
         return bool(np.isinf(self.share))
 
 
-def judged(pool: Pool, best: Structure) -> dict[str, Finding]:
+def judged(pool: Pool, best: Structure, most: Structure | None = None) -> dict[str, Finding]:
     """The ``Finding`` of each effect that a structure has beside the base; of its frictions in one, and of its drags, where they are not
-    sure each."""
-    found = {name: _finding(pool, best, name) for name in pool.added(best.key)}
+    sure each. What an effect is nearly is seen in the ``most`` probable structure, too (default: the same)."""
+    alike = (best,) if most is None else (best, most)
+    found = {name: _finding(pool, best, name, alike) for name in pool.added(best.key)}
     for kind in (pool.frictions, pool.drags):
         names = [name for name in kind(best.key) if name in found]
         if all(found[name].sure for name in names) or kind(pool.base):
             continue
         first = max(names, key=lambda name: pool.of([name]))
-        as_one = _as_one(pool, best, first, names, kind())
+        as_one = _as_one(pool, best, first, names, kind(), alike)
         if as_one.sure:
             found = {
                 name: as_one if name == first else one
@@ -71,23 +72,27 @@ def judged(pool: Pool, best: Structure) -> dict[str, Finding]:
 
 def told_of(pool: Pool, best: Structure) -> tuple[Structure, dict[str, Finding]]:
     """(the structure that is told, the ``Finding`` of each effect that it adds): the best one without the effects that take away too
-    little of what is missing, if some effect is told then; else the best one. A friction that is sure without being named has the
-    most probable structure that names one."""
+    little of what is missing, of fitted swings or of held-out ones, if some effect is told then; else the best one. A friction that is
+    sure without being named has the most probable structure that names one."""
     if not pool.frictions(best.key) and pool.of_friction() >= PROBABLE:
         rubbing = [one for one in pool.known.values() if pool.frictions(one.key)]
         best = max(rubbing, key=lambda one: one.evidence, default=best)
     whole = found = judged(pool, best)
     here = best
-    while shares := {name: one.share for name, one in found.items() if one.share > SHARE and not one.sure}:
-        fewer = pool.lacking(here, [max(shares, key=lambda name: shares[name])])
+    while little := {
+        name: over
+        for name, one in found.items()
+        if (over := _over_bounds((one.share, one.held_out))) > 1 and not one.sure
+    }:
+        fewer = pool.lacking(here, [max(little, key=lambda name: little[name])])
         if not fewer or not pool.added(fewer[0].key):
             return best, whole
-        here, found = fewer[0], judged(pool, fewer[0])
+        here, found = fewer[0], judged(pool, fewer[0], best)
     return (here, found) if any(one.sure for one in found.values()) else (best, whole)
 
 
-def _finding(pool: Pool, best: Structure, name: str) -> Finding:
-    simpler = _nearly(best, name)
+def _finding(pool: Pool, best: Structure, name: str, alike: Sequence[Structure]) -> Finding:
+    simpler = _nearly(alike, name)
     same = {name, *simpler, *_at_its_values(pool, best, name)}
     # what the structure has beside it is there with or without it: no rival
     others = {one for key in pool.known for one in pool.added(key)} - same - best.key
@@ -103,15 +108,23 @@ def _finding(pool: Pool, best: Structure, name: str) -> Finding:
     return _asked(pool, best, name, [name], Finding(chance, tuple(ties)))
 
 
-def _as_one(pool: Pool, best: Structure, name: str, names: Sequence[str], kind: Sequence[str]) -> Finding:
-    """That of all effects of one kind of damping that a structure has, told by the name of one: the data may not tell their law. Of
-    friction, which is left as the speed goes to nothing, the law may be none of the catalogue's: an unnamed torque may hold it as well."""
+def _as_one(
+    pool: Pool,
+    best: Structure,
+    name: str,
+    names: Sequence[str],
+    kind: Sequence[str],
+    alike: Sequence[Structure],
+) -> Finding:
+    """That of all effects of one kind of damping that a structure has, told by the name of one: the data may not tell their law. It may be
+    one that the tie has no place for, and of friction, which is left as the speed goes to nothing, none of the catalogue's: an unnamed
+    torque may hold that as well."""
     others = sorted(
         (one for one in kind if one in names or pool.of([one]) >= POSSIBLE), key=lambda one: -pool.of([one])
     )
-    ties = tuple(one for one in dict.fromkeys([*_nearly(best, name), *others]) if one != name)[: TIES - 1]
-    chance, rubs = pool.of([name, *ties]), pool.first.fit.model.catalogue.rubs(name)
-    one = Finding(pool.of_friction() if rubs else chance, ties, law_open=rubs and chance < PROBABLE)
+    ties = tuple(one for one in dict.fromkeys([*_nearly(alike, name), *others]) if one != name)[: TIES - 1]
+    rubs, open_ = pool.first.fit.model.catalogue.rubs(name), pool.of([name, *ties]) < PROBABLE
+    one = Finding(pool.of_friction() if rubs else pool.of(kind), ties, law_open=open_)
     return _asked(pool, best, name, names, one, seen=rubs and pool.sees_friction() >= PROBABLE)
 
 
@@ -126,7 +139,7 @@ def _asked(
     # what the base has may be improbable beside a discrepancy, and does more of the work than it does
     without = min(near, key=lambda other: other.left(pool.noise))
     share, held, rms = _whole(pool, best, without)
-    if _too_little(share, held) and best.fit.model.catalogue.damps(name):
+    if _over_bounds((share, held)) > 1 and best.fit.model.catalogue.damps(name):
         share, held = min((share, held), _of_friction(pool, best, without), key=_over_bounds)
     doubt, law_open = _doubt(one.probability, share, held), one.law_open
     if seen and doubt:
@@ -137,13 +150,9 @@ def _asked(
 
 
 def _over_bounds(shares: tuple[float, float]) -> float:
-    """What the larger of (share, the same of held-out swings) is, each of the most that may be left."""
+    """What the larger of (share, the same of held-out swings) is, each of the most that may be left: above one an effect leaves too much to
+    be the thing that is missing."""
     return max(shares[0] / SHARE, shares[1] / HELD_OUT)
-
-
-def _too_little(share: float, held_out: float) -> bool:
-    """True for an effect that leaves too much to be the thing that is missing."""
-    return share > SHARE or held_out > HELD_OUT
 
 
 def _doubt(probability: float, share: float, held_out: float) -> str:
@@ -175,16 +184,22 @@ def _at_its_values(pool: Pool, best: Structure, name: str) -> set[str]:
     return found
 
 
-def _nearly(best: Structure, name: str) -> list[str]:
+def _nearly(structures: Sequence[Structure], name: str) -> list[str]:
+    """The simpler effects, in none of these structures, that this one is nearly in one of them."""
+    found = [one for structure in structures if name in structure.key for one in _nearly_in(structure, name)]
+    return [one for one in dict.fromkeys(found) if not any(one in structure.key for structure in structures)]
+
+
+def _nearly_in(best: Structure, name: str) -> list[str]:
     """The simpler effects that this one is at values that are as likely as those it is fitted with: presliding over no angle."""
     values, errors = best.fit.model.values, best.fit.model.standard_errors
     errors = {one: error * best.widened.get(one, 1.0) for one, error in errors.items()}
     found = [
         simpler.name
         for simpler in best.fit.model.catalogue[name].contains
-        if simpler.name not in best.key and simpler.at and _as_likely(simpler, values, errors)
+        if simpler.at and _as_likely(simpler, values, errors)
     ]
-    return [*found, *(one for one in _of_no_size(best, name, values, errors) if one not in best.key)]
+    return [*found, *_of_no_size(best, name, values, errors)]
 
 
 def _of_no_size(

@@ -12,7 +12,7 @@ from ..pendulum.model import in_words
 from ..pendulum.slack import ZERO, is_open
 from ..rounding import plus_minus
 
-LAW_OPEN = "friction of another law"
+_OF_ANOTHER_LAW = {"friction": "friction of another law", "drag": "drag of another law"}
 _SMALLER = {"rad": (1e-3, "mrad"), "rad/s": (1e-3, "mrad/s"), "s": (1e-3, "ms")}
 _PLAIN = 0.999  # probability above which one says no more
 _SMALL = 0.1  # of a unit that has a smaller one beside it
@@ -180,10 +180,15 @@ def _listed(names: Iterable[str]) -> str:
     return ", ".join(map(in_words, names))
 
 
+def rivals(one: Mapping[str, Any]) -> list[str]:
+    """What the data do not tell an effect of a verdict from, in words."""
+    of_another_law = [_OF_ANOTHER_LAW[one["damping"]]] if one.get("law_open") else []
+    return [*map(in_words, one["tied_with"]), *of_another_law]
+
+
 def _described(one: Mapping[str, Any], effect: Effect) -> str:
     """An effect with the parameters that the catalogue has told first, and its rivals."""
     name = one["name"].replace("_", " ")
-    ties = [*map(in_words, one["tied_with"]), *([LAW_OPEN] if one.get("law_open") else [])]
     told = [
         _quantity(_words(key, name), one["parameters"][key])
         for key in effect.told
@@ -191,11 +196,11 @@ def _described(one: Mapping[str, Any], effect: Effect) -> str:
     ]
     if told and one["within_calibration"]:
         told.append("within what the calibration leaves open")
-    rivals = " or ".join(ties)
+    ties = " or ".join(rivals(one))
     return (
         in_words(name)
         + (f" ({', '.join(told)})" if told else "")
-        + (f", or {rivals}, which the data do not distinguish," if ties else "")
+        + (f", or {ties}, which the data do not distinguish," if ties else "")
     )
 
 

@@ -50,7 +50,7 @@ def verdict(
     dies_away = bool(last.get("driven")) or _dies_away(last.get("conclusion"))
     unit_doubt = last.get("unit_doubt", "") if dies_away else ""
     for name in last["findings"]:
-        one = _effect(catalogue[name], rounds, values)
+        one = _effect(name, catalogue, rounds, values)
         doubt = last["findings"][name]["doubt"]
         if unit_doubt:  # whatever was found does the work of another unit
             doubt = "another unit would explain it as well"
@@ -156,8 +156,8 @@ def _no_finding(effect: Effect, told: Mapping[str, Any]) -> str:
         # what may be nothing beside the rest of its effect, as a damping of the pivot may, is as well where it is
         beside = parameter.role == "shape" and parameter.lower == 0 and not parameter.at_line
         free = beside or parameter.role in ("phase", "range") or parameter.each or parameter.name in simpler
-        # a friction whose law is open has been seen without its law, and so has its size
-        free |= parameter.role == "size" and judged["law_open"]
+        # where the law is open, so is what its size would be
+        free |= parameter.role == "size" and bool(judged["ties"] or judged["law_open"])
         if free or value is None:
             continue
         if error is not None and parameter.role == "size":
@@ -218,9 +218,11 @@ def _explained(first: Mapping[str, Any], last: Mapping[str, Any]) -> float | Non
     return float(1 - max(after, 0.0) / before) if before > 0 else None
 
 
-def _effect(effect: Effect, rounds: Sequence[Mapping[str, Any]], values: Mapping[str, Any]) -> dict[str, Any]:
+def _effect(
+    name: str, catalogue: Catalogue, rounds: Sequence[Mapping[str, Any]], values: Mapping[str, Any]
+) -> dict[str, Any]:
     """What is told of one effect: its round, values, evidence, what is judged of it, and what the data do not tell it from."""
-    last, name = rounds[-1], effect.name
+    last, effect = rounds[-1], catalogue[name]
     state = next(state for state in reversed(rounds) if state["chosen"] and name in _names(state["chosen"]))
     judged = last["findings"][name]
     nothing = {"value": None, "standard_error": None}
@@ -235,6 +237,7 @@ def _effect(effect: Effect, rounds: Sequence[Mapping[str, Any]], values: Mapping
         "delta_bic": state["chosen"]["gain_bic"],
         "tied_with": judged["ties"],
         "law_open": judged["law_open"],
+        "damping": "friction" if catalogue.rubs(name) else "drag" if catalogue.damps(name) else None,
         "replaces": state["chosen"]["dropped"],
         "within_calibration": _within_calibration(effect, last),
     }

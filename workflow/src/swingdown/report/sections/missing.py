@@ -5,7 +5,7 @@ from typing import Any
 
 from markupsafe import Markup
 
-from ...discovery.sentence import LAW_OPEN
+from ...discovery.sentence import rivals
 from ...pendulum.model import model_words
 from .. import numbers
 from ..material import Material
@@ -117,8 +117,7 @@ def _effects(
             entry["unit"],
             numbers.whole(one["delta_bic"]),
             "–" if one.get("probability") is None else f"{100 * one['probability']:.0f}",
-            ", ".join([*map(model_words, one["tied_with"]), *([LAW_OPEN] if one.get("law_open") else [])])
-            or "–",
+            ", ".join(rivals(one)) or "–",
         ]
         for one in told
         for name, entry in one["parameters"].items()
