@@ -5,6 +5,7 @@ import pytest
 
 from swingdown.errors import as_told
 from swingdown.measurement.judge import Reading, judge, used_part
+from swingdown.measurement.swings.slips import out_of_step
 
 TIMES = np.arange(0.0, 60.0, 1 / 30)
 RAD = Reading("rad", True, 1.0)
@@ -73,3 +74,16 @@ def test_a_telephone_that_a_hand_takes_before_the_end(seed):
     rate = noisy(np.where(TIMES < 50, swing(TIMES), hand))
     window, told, _ = used_part(judge(TIMES, rate, Reading("rad/s", True), "here").windows)
     assert "OUT OF STEP" in told[0] and np.isnan(window.begins) and 47.5 < window.ends < 52
+
+
+@pytest.mark.parametrize(
+    "scatter, late, told", [(0.0, 0.07, True), (0.0, 0.04, False), (0.01, 0.1, True), (0.01, 0.06, False)]
+)
+def test_a_period_is_odd_beyond_a_twentieth_and_five_times_what_periods_scatter(scatter, late, told):
+    """Two longer and two shorter ones take turns, so that what they scatter (1.48 times 1 %) is no matter of chance."""
+    periods = 1.5 * (1 + scatter * np.resize([1, 1, -1, -1], 60))
+    periods[30] = 1.5 * (1 + late)
+    ends = np.concatenate([[0.0], np.cumsum(periods)])
+    turns = np.interp(TIMES, ends, np.arange(ends.size))
+    found = out_of_step(TIMES, 0.3 * np.exp(-TIMES / 40) * np.cos(2 * np.pi * turns))
+    assert any(start - 1.5 < ends[30] < stop for start, stop in found) is told

@@ -9,7 +9,14 @@ import pytest
 from swingdown.errors import InputError
 from swingdown.language import language
 from swingdown.measurement.stated import Stated
-from swingdown.studies.gravity import Gravity, gravity, gravity_of_two_pivots, of_words, with_gravity
+from swingdown.studies.gravity import (
+    Gravity,
+    gravity,
+    gravity_of_two_pivots,
+    of_two_pivots,
+    of_words,
+    with_gravity,
+)
 
 SECOND = Stated(np.pi, 0.0, "rad/s")  # the frequency of a period of 2 s
 
@@ -106,6 +113,25 @@ def test_recordings_of_one_pendulum_share_its_length():
     assert list(both["g_m_per_s2_text"]) == ["9.810(12)"] * 3 and list(found) == ["a", "b", "one"]
     other, found = with_gravity(table, {"a": {"length": "99.4(1) cm"}, "b": {"length": "0.5"}})
     assert list(found) == ["a", "b"] and "is the length's unit right" not in other["g_of"].iloc[1]
+
+
+def test_a_body_about_two_pivots_needs_two_periods_and_two_distances():
+    table = pd.DataFrame([row("a"), row("b"), row("c", natural_frequency_rad_per_s=np.nan)])
+    first, second = rod(0.3), rod(0.45)
+    known = table.assign(natural_frequency_rad_per_s=[first, second, np.nan])
+    pivots = {"a": {"pivot_distance": "0.3000(1)"}, "b": {"pivot_distance": "0.4500(1)"}}
+    (found,) = of_two_pivots(known, pivots).values()
+    assert found.value == pytest.approx(9.81, abs=3 * found.uncertainty)
+    assert of_two_pivots(known, {"a": {"length": "1"}}) == {}
+    for lacking in ({"a": pivots["a"]}, {"a": pivots["a"], "c": pivots["b"]}):
+        with pytest.raises(InputError, match="1 recordings with a period and the distance of a pivot"):
+            of_two_pivots(known, lacking)
+
+
+def test_how_much_air_goes_along_is_half_of_what_is_displaced_give_or_take_as_much():
+    found = gravity(SECOND, Stated(1.0, 1e-4), bob_density=Stated(240.0, 1.0))
+    (carried,) = found.budget[found.budget["value"] == 0.5].to_dict("records")
+    assert carried["standard_uncertainty"] == pytest.approx(0.5 / np.sqrt(3))  # a rectangle from none to all
 
 
 def test_no_g_of_a_spring_of_pixels_or_without_a_frequency():

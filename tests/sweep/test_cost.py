@@ -72,6 +72,16 @@ def test_what_is_to_be_computed_is_counted_in_fits_chunks_and_bytes(tmp_path, mo
     assert told(of, plan, [])[1:] == ["  every chunk is there"]
 
 
+def test_a_large_sweep_tells_how_much_disk_it_takes(tmp_path, monkeypatch):
+    """26 bytes a fit: of 4 cells, 50 000 draws and two models."""
+    of = sweep(settings={"simulation.fitted": ["viscous", "load_coulomb"]}, realizations=50_000, chunk=20_000)
+    monkeypatch.setattr(cost, "seconds", lambda *_: (1.0, 0.5))
+    first, _ = told(of, deal(of, tmp_path / "plan.jsonl"))
+    assert first.startswith("sweep small: 4 cells × 50,000 draws = 400,000 fits") and first.endswith(
+        "(10.4 MB)"
+    )
+
+
 def test_verdicts_are_called_so_and_long_times_are_told_in_minutes_and_hours(tmp_path, monkeypatch):
     of = sweep("detection", {"detection.size": [0, 2]}, realizations=100, chunk=50)
     plan = deal(of, tmp_path / "plan.jsonl")

@@ -1,5 +1,6 @@
 """The catalogue as C source: each formula and its exact partial derivatives, one loop over the points each."""
 
+import numpy as np
 import sympy
 from sympy.printing.c import C99CodePrinter
 
@@ -343,11 +344,12 @@ def _effect(number, effect, form):
 
 
 def _table(name, values):
-    if "tail" not in name and isinstance(values[0], list):
-        # stored by column, so that the loop over the nodes is the inner, contiguous one
-        values = list(zip(*values, strict=True))
-    flat = [value for row in values for value in row] if isinstance(values[0], (list, tuple)) else values
-    return f"static const double {name}[] = {{{', '.join(value.hex() for value in flat)}}};"
+    values = np.array(values, dtype=float)
+    # stored by column, so that the loop over the nodes is the inner, contiguous one
+    values = values if "tail" in name else values.T
+    return (
+        f"static const double {name}[] = {{{', '.join(value.hex() for value in values.ravel().tolist())}}};"
+    )
 
 
 def source(catalogue, gravity):

@@ -26,9 +26,7 @@ def over_the_change(found: Mapping[str, Any] | None) -> Figure:
     x = np.array([order.index(row["value"]) if names else row["value"] for row in rows], dtype=float)
     y = np.array([row["size"] for row in rows])
     bars = np.array([2 * (row["standard_error"] or np.nan) for row in rows])
-    axes.errorbar(
-        x, y, bars, fmt="o", color=_DATA, ms=4.5, capsize=2, elinewidth=1.0, zorder=3, label="recordings"
-    )
+    axes.errorbar(x, y, bars, fmt="o", color=_DATA, ms=4.5, elinewidth=1.0, zorder=3, label="recordings")
     if names:
         axes.set_xticks(range(len(order)), order)
     if law:

@@ -152,6 +152,7 @@ def _swings(axes: Axes, size: Floats, value: Floats, error: Floats, upright: boo
         "mew": 0,
         "color": style.GREY,
         "elinewidth": 0.7,
+        "capsize": 0,
         "zorder": 1,
         "label": words,
     }

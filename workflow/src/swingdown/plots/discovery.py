@@ -213,7 +213,6 @@ def _means(axes: Axes, at: Floats, values: Floats, colour: str) -> None:
                 fmt="o",
                 color=colour,
                 ms=3.4,
-                capsize=2,
                 elinewidth=1.0,
             )
 

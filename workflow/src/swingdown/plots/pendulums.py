@@ -36,9 +36,7 @@ def side_by_side(table: pd.DataFrame) -> Figure:
         ):
             marker, colour, _ = LOOKS.get(kind, LOOKS[""])
             reach = 2 * error if np.isfinite(error) else 0.0
-            axes.errorbar(
-                value, place, xerr=reach, fmt=marker, color=colour, ms=4.5, capsize=2, elinewidth=1.0
-            )
+            axes.errorbar(value, place, xerr=reach, fmt=marker, color=colour, ms=4.5, elinewidth=1.0)
         axes.set_xlabel(label)
         axes.grid(True, axis="x")
         axes.tick_params(axis="y", length=0)

@@ -40,7 +40,7 @@ def _panel(upper: Axes, lower: Axes, one: Any) -> None:
     if np.isfinite(law.theory):
         upper.plot(at, law.by_theory(at), "--", color=THEORY, label="the law that theory says")
     upper.plot(at, law(at), color=LAW, label="power law through the points")
-    bars: dict[str, Any] = {"fmt": "o", "color": DATA, "ms": 4, "capsize": 2, "elinewidth": 1.0, "zorder": 3}
+    bars: dict[str, Any] = {"fmt": "o", "color": DATA, "ms": 4, "elinewidth": 1.0, "zorder": 3}
     across = 2 * points["u_x"] if (points["u_x"] > 0).any() else None
     upper.errorbar(points["x"], points["y"], 2 * points["u_y"], across, label="recordings", **bars)
     here = law(points["x"])
@@ -90,7 +90,7 @@ def groups_side_by_side(series: Sequence[Any], emulated: str = "no") -> Figure:
                 )
             axes.errorbar(
                 mean["value"], place, xerr=2 * mean["standard_uncertainty"], color=colour,
-                fmt="D" if name in one.comparison.apart else "o", ms=4.5, capsize=2, elinewidth=1.0,
+                fmt="D" if name in one.comparison.apart else "o", ms=4.5, elinewidth=1.0,
             )  # fmt: skip
         weight = table["standard_uncertainty"] ** -2
         axes.axvline(np.average(table["value"], weights=weight), color=style.FAINT, zorder=0)

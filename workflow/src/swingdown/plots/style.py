@@ -91,6 +91,7 @@ RC: dict[str, Any] = {
     "grid.linewidth": 0.6,
     "lines.linewidth": 1.2,
     "lines.solid_capstyle": "round",
+    "errorbar.capsize": 2,
     "hatch.linewidth": 0.6,
     "savefig.facecolor": "white",
     "svg.hashsalt": "swingdown",
@@ -265,7 +266,7 @@ def runs(axes: Axes, place: float, values: ArrayLike, colour: str, marker: str) 
     deviation = values.std(ddof=1) if values.size > 1 else np.nan
     axes.errorbar(
         place, values.mean(), deviation, fmt=marker, color=colour, mfc=colour, mec="white", mew=0.5,
-        ms={"D": 4.6}.get(marker, 5.4), capsize=2.8, elinewidth=1.2, capthick=1.2, zorder=4,
+        ms={"D": 4.6}.get(marker, 5.4), elinewidth=1.2, capthick=1.2, zorder=4,
     )  # fmt: skip
 
 
@@ -273,7 +274,7 @@ def published(axes: Axes, place: float, mean: float, deviation: float) -> None:
     """The paper's mean ± standard deviation as a hollow square, nothing where the paper gives none."""
     if np.isfinite(mean):
         axes.errorbar(
-            place, mean, deviation, fmt="s", color=INK, mfc="white", mec=INK, mew=0.9, ms=4.8, capsize=2.8,
+            place, mean, deviation, fmt="s", color=INK, mfc="white", mec=INK, mew=0.9, ms=4.8,
             elinewidth=0.9, capthick=0.9, zorder=3,
         )  # fmt: skip
 

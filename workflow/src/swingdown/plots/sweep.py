@@ -219,9 +219,7 @@ def _bars(panel: Axes, maps: xr.Dataset, order: Sequence[str]) -> None:
     named, low, high = (np.atleast_1d(maps[key].values) for key in ("named", "named_low_95", "named_high_95"))
     made = np.isfinite(named)
     ends = 100 * np.array([(named - low)[made], (high - named)[made]]).clip(0)
-    panel.errorbar(
-        places[made], 100 * named[made], ends, fmt="none", ecolor=style.INK, elinewidth=0.8, capsize=2
-    )
+    panel.errorbar(places[made], 100 * named[made], ends, fmt="none", ecolor=style.INK, elinewidth=0.8)
     left, reached = np.atleast_1d(maps["left_by_base"].values), np.atleast_1d(maps["reached"].values)
     for k in range(sizes.size):
         if not made[k]:
