@@ -213,22 +213,32 @@ def _from_all(
         part = _search(thin, starts, min(most, 30), max(tolerance, _ROUGH), _TELLING)
         if part[4].converged > 0 and np.all(part[3] <= part[0] * (1 + _SAME)):
             starts = part[1][None]
+    found: Any = None
+    known = starts[
+        :0, 0
+    ]  # the sums of squares of the whole to which the first starts led: none of them is tried twice
     if first:
         for until_noise in (True, False):
             part = _search(thin, starts, min(most, 30), max(tolerance, _ROUGH), _TELLING, until_noise)
-            tried = np.concatenate([part[1][None], starts[:first]])
+            tried = np.vstack([part[1], found[1] if known.size else starts[:first]])
             rss, best, _, squares, outcome, _ = found = _search(
                 thin, tried, most, tolerance, until_noise=True, rough=rough
             )
-            if outcome.ends_in_noise or not part[4].ends_in_noise:
+            if outcome.ends_in_noise:
+                squares = squares[:1]
                 break
-        squares = squares[:1] if outcome.ends_in_noise else squares
+            if outcome.converged >= 0 and not known.size:
+                known = squares[1:]
+            squares = np.append(squares[:1], known)
+            if not part[4].ends_in_noise:
+                break
         stationary = part[4].converged > 0 and outcome.converged > 0
         agreed = stationary and not outcome.stops and bool(np.all(squares <= rss * (1 + _SAME)))
     if not agreed:
         grown = _grown(thin, starts, most, tolerance) if grow else starts[:0]
-        tried = np.vstack([grown, starts])
+        tried = np.vstack([found[1], grown, starts[first:]] if known.size else [grown, starts])
         rss, best, _, squares, _, _ = found = _search(thin, tried, most, tolerance, rough=rough)
+        squares = np.append(squares[1:], known) if known.size else squares
     if thin is not problem:
         found = _search(problem, np.vstack([best, grown]), most, tolerance, rough=rough)
     return found, int(np.sum(squares <= rss * (1 + _SAME))), squares.size

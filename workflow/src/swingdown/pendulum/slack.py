@@ -3,6 +3,7 @@
 import re
 from collections.abc import Collection
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -40,7 +41,7 @@ class Slack:
         """The names of the nuisance parameters, one for each effect."""
         return tuple(READING[name] for name in self.names)
 
-    @property
+    @cached_property
     def covariance(self) -> Floats:
         """The covariance of the nuisance values, (name, name), in the parameters' units."""
         return self.contributions @ self.contributions.T
@@ -50,7 +51,7 @@ class Slack:
         """The standard uncertainty of each nuisance parameter, by its name."""
         return dict(zip(self.parameters, map(float, np.sqrt(np.diag(self.covariance))), strict=True))
 
-    @property
+    @cached_property
     def precision(self) -> Floats:
         """The inverse of the covariance times the noise's variance: what joins J'J, rad^2 over the parameters' units."""
         size = np.sqrt(np.diag(self.covariance))

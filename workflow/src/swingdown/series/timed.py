@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
-from scipy import stats
+from scipy import special
 
 from ..arrays import Floats
 from ..errors import InputError
@@ -124,7 +124,7 @@ def _check_columns(times: pd.DataFrame, path: Path) -> None:
     each, free = left.mean(axis=0), (lines - 1) * (columns - 1)
     scatter = float(((left - each) ** 2).sum()) / max(free, 1)
     between, apart = lines * float((each**2).sum()) / (columns - 1), float(np.ptp(each) / whole.mean())
-    chance = stats.f.sf(between / scatter, columns - 1, free) if scatter > 0 and free else 0.0
+    chance = special.fdtrc(columns - 1, free, between / scatter) if scatter > 0 and free else 0.0
     if apart > ALIKE and chance < CHANCE:
         raise InputError(
             path.name, f"its columns of times differ by {100 * apart:.2g} % in line after line, as those of one pendulum do not: whose are they?",

@@ -70,7 +70,11 @@ def _dialect(lines: Sequence[str], name: str, single: bool) -> Dialect | None:
     alone = _alone(bare)
     found = [_rows(bare, *one) for one in DIALECTS]
     rows, separator, decimal = max(found, key=lambda one: len(one[0]))
-    grouped = max((_grouped(bare, *one) for one in DIALECTS), key=lambda one: one[0], default=(0, None))
+    text = "\n".join(bare)  # one search for each mark: most files are without groups
+    marks = [mark for mark in THOUSANDS if re.search(rf"\d{re.escape(mark)}\d{{3}}(?!\d)", text)]
+    grouped = max(
+        (_grouped(bare, *one, marks) for one in DIALECTS), key=lambda one: one[0], default=(0, None)
+    )
     if grouped[1] and grouped[0] > max(len(rows), len(alone)) and not arrivals:
         return grouped[1]
     mixed, between, _ = max(
@@ -108,18 +112,17 @@ def _one_sign(column: Sequence[str]) -> bool:
     )
 
 
-def _grouped(lines: Sequence[str], separator: str, decimal: str) -> tuple[int, Dialect | None]:
-    """How many lines are rows of numbers with groups of three digits, and in which Dialect; 0 for none.
+def _grouped(
+    lines: Sequence[str], separator: str, decimal: str, marks: Sequence[str]
+) -> tuple[int, Dialect | None]:
+    """How many lines are rows of numbers with groups of three digits by one of the ``marks``, and in which Dialect; 0 for none.
 
     In a column with groups some number has none, or a decimal sign too: ``1,234`` alone may be a little more than 1. One such cell
     is a spoilt one.
     """
     best: tuple[int, Dialect | None] = (0, None)
-    text = "\n".join(lines)  # one search, for a file without groups is searched for each mark in each dialect
-    for mark in THOUSANDS:
+    for mark in marks:
         if mark in (decimal, separator if separator != "," else "") or (mark == " " and separator == SPACES):
-            continue
-        if not re.search(rf"\d{re.escape(mark)}\d{{3}}(?!\d)", text):
             continue
         rows, *_ = _rows(lines, separator, decimal, thousands=mark)
         cells = [split(lines[k], separator) for k in rows]
