@@ -331,6 +331,23 @@ def test_of_two_columns_that_mean_the_same_a_refusal_names_both(take):
     assert made["signal"].values == pytest.approx(SWING, abs=2e-6)
 
 
+def test_one_that_swings_and_was_passed_over_may_be_the_pendulum(take):
+    both = rows(TIME, 3 + 40 * SWING, np.degrees(SWING))
+    with pytest.raises(InputError, match="2 of its columns swing.*: x2, x"):
+        take("t,x,x2\n" + both)
+    made = take("t,x,x2\n" + both, signal_column="x2")
+    assert made["signal"].values == pytest.approx(np.degrees(SWING), abs=1e-5)
+    still = 5 + 1e-3 * np.random.default_rng(31).standard_normal(TIME.size)
+    assert "`x2`" in take("t,x,x2\n" + rows(TIME, still, np.degrees(SWING))).attrs["taken"]
+    assert "`x2`" in take("t,x2,x\n" + rows(TIME, np.degrees(SWING), 3 + 40 * SWING)).attrs["taken"]
+
+
+def test_a_setting_in_a_comment_names_no_columns(take):
+    error = np.full(TIME.size, 0.001)
+    text = "# TAG = Amplitude_decay\n" + rows(TIME, SWING, error).replace(",", " ")
+    assert "TAG" not in take(text).attrs["taken"] and "=" not in take(text).attrs["taken"]
+
+
 def test_a_spreadsheets_days_are_seconds(take):
     made = take("time,angle (rad)\n" + rows(45_123.52 + TIME / 86_400, SWING, digits=11))
     assert np.ptp(made["time"].values) == pytest.approx(np.ptp(TIME), abs=1e-3)

@@ -236,12 +236,23 @@ def unnamed(table: Table, names: list[str]) -> list[str]:
 
 
 def alike_in(table: Table, chosen: Chosen) -> list[str]:
-    """The arrays beside the one ``chosen`` of which each may be the swing as well: by name and order none of them says so."""
+    """The columns beside the one ``chosen`` of which each may be the swing as well, for no name says so.
+
+    The order of a table speaks for the first column beside the time alone: one that was passed over may be it, too.
+    """
     others = [meaning(name, table.units.get(name, "")) for name in table.names]
     swing = chosen.found[0]
-    if table.ordered or swing.kind != UNTOLD or len(chosen.found) > 1:
+    if swing.kind != UNTOLD or len(chosen.found) > 1:
         return []
-    return [one.name for one in others if one.kind == UNTOLD and one.name not in (swing.name, chosen.clock.name) and not drives(one.name)]  # fmt: skip
+    if table.ordered:
+        others = others[: table.names.index(swing.name)]
+    return [
+        one.name
+        for one in others
+        if one.kind == UNTOLD
+        and one.name not in (swing.name, chosen.clock.name)
+        and not (drives(one.name) or numbers_rows(one.name) or one.name.startswith(UNNAMED))
+    ]
 
 
 def widest(times: Floats, angles: Mapping[str, Floats], place: str) -> tuple[int, list[str]]:

@@ -129,14 +129,17 @@ def interpret(table: Table, row: Mapping[str, Any], place: str, restoring: str) 
     columns = columns_of(
         table._replace(names=tuple(one for one in table.names if one not in drives)), row, place, restoring
     )
-    names, unsaid = [one.name for one in columns.found], []
+    names, beside, alike = [one.name for one in columns.found], [], []
     if len(names) == 1 and not row["signal_column"]:
         names = axes_beside(table.names, columns.found[0], table.units) or names
     if not row["signal_column"] and not drives and len(columns.found) == 1:
-        unsaid = unnamed(table, names)[:1] or alike_in(table, columns)
+        beside = unnamed(table, names)[:1]
+        alike = [] if beside else alike_in(table, columns)
     where = f"{row['file']}, {place_of(columns.clock.name)} ({place})"
     read = [*names, *drives]
-    times, values, told = series(table, row, columns.clock.name, read, columns.time_unit or "s", unsaid)
+    times, values, told = series(
+        table, row, columns.clock.name, read, columns.time_unit or "s", beside + alike
+    )
     piece, chosen = _part(times, row, where)
     times, values, told = times[piece], [one[piece] for one in values], told + chosen
     if len(times) < SHORTEST:
@@ -166,10 +169,10 @@ def interpret(table: Table, row: Mapping[str, Any], place: str, restoring: str) 
         *ordered.remarks,
         *odd,
     ]
-    if unsaid and not table.ordered:
-        ask_which(times, dict(zip([*names, *unsaid], values, strict=True)), f"{row['file']} ({place})")
-    elif unsaid:
-        pair, both = (values[0], values[len(names)]), f"{row['file']}, {names[0]} and {unsaid[0]} ({place})"
+    if alike:
+        ask_which(times, dict(zip([*names, *alike], values, strict=True)), f"{row['file']} ({place})")
+    if beside:
+        pair, both = (values[0], values[len(names)]), f"{row['file']}, {names[0]} and {beside[0]} ({place})"
         _check_slowest(times, *pair, both)
         if not columns.unit and np.isfinite(pair[1]).all():
             check_no_positions(*pair, both)

@@ -184,6 +184,7 @@ def layout(above: Sequence[str], sample: Sequence[str], how: Dialect, encoding: 
         ]
         for comments in (False, True)
     ]
+    lines = [[cells for cells in one if "=" not in cells] for one in lines]  # a setting and its value
     names, titles = _named(lines[0], how, rows, place)
     if not names:
         fitting = [cells for cells in lines[1] if len(cells) <= size]  # what else a comment says is no header
