@@ -17,7 +17,7 @@ from swingdown.measurement.angle import to_angle
 from swingdown.measurement.apparatus import read_apparatus
 from swingdown.measurement.recording import ingest
 from swingdown.measurement.sheet import read_sheet
-from swingdown.measurement.slack import of_angles
+from swingdown.measurement.slack import of_angles, zero_unstated
 from swingdown.measurement.swings.noise_level import noise_level, noise_of
 
 
@@ -241,6 +241,17 @@ def test_tolerances_of_a_sheet_are_limits_and_reach_the_angle():
     expected = np.hypot(0.01 * values, 0.002) / 3**0.5
     assert angle["angle_systematic_uncertainty"].values == pytest.approx(expected)
     assert "sample sheet" in angle.attrs["systematic"]
+
+
+def test_a_zero_that_nobody_states_is_told_by_fits_and_is_no_uncertainty_of_the_angle():
+    """A tenth of a radian for a reading good to a milliradian: bounds as wide would hold any model's residual."""
+    time = np.arange(2000) / 100
+    values = 0.05 * np.cos(7.25 * time) + 1e-3 * np.random.default_rng(1).standard_normal(time.size)
+    angle = to_angle(record(values, "rad", time, gain_tolerance=0.01, **zero_unstated({}, "rad")))
+    assert angle["angle_systematic_uncertainty"].values == pytest.approx(0.01 * np.abs(values) / 3**0.5)
+    assert float(angle["angle_bound"].max()) < 3e-3
+    assert "zero, which fits tell" in angle.attrs["systematic"]
+    assert of_angles([angle]).deviations["sensor_zero"] == pytest.approx(0.1 / 3**0.5)
 
 
 def test_where_nothing_is_stated_only_the_clock_is_open():

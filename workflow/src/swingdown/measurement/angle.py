@@ -15,7 +15,7 @@ from .apparatus import limit_at
 from .driven import carried
 from .gyroscope import TO_RAD_PER_S
 from .points import points_recording
-from .slack import as_variables, of_calibration, of_tolerances
+from .slack import as_variables, of_calibration, of_tolerances, zero_is_fitted
 from .swings.even import Even
 from .swings.half_swings import half_swings
 from .swings.noise_level import SPECTRUM, Noise, noise_by_times, noise_of
@@ -49,7 +49,7 @@ def to_angle(recording: xr.Dataset, calibration: xr.Dataset | None = None, mode:
     ----------
     recording
         As ``recording.ingest`` returns it. Its random uncertainty is that of the resolution (step / sqrt 12), or else of the noise
-        in the recording; its systematic one that of the sheet's tolerances.
+        in the recording; its systematic one that of the sheet's tolerances, without that of a zero that is open.
     calibration
         The calibration dataset, for a recording in volts.
     mode
@@ -74,11 +74,14 @@ def to_angle(recording: xr.Dataset, calibration: xr.Dataset | None = None, mode:
     stated = of_tolerances(recording)
     if stated.names:
         open_by = stated.deviations
-        by_sheet = np.hypot(open_by.get("sensor_gain", 0.0) * angle, open_by.get("sensor_zero", 0.0))
+        fitted = zero_is_fitted(recording)  # a fit tells it, better than this
+        by_sheet = np.hypot(
+            open_by.get("sensor_gain", 0.0) * angle, 0.0 if fitted else open_by.get("sensor_zero", 0.0)
+        )
         factor = bound / np.hypot(random, systematic)
         systematic = np.hypot(systematic, by_sheet)
         bound = factor * np.hypot(random, systematic)
-        also = "as the sample sheet states"
+        also = "without that of the zero, which fits tell" if fitted else "as the sample sheet states"
         notes["systematic"] = f"{notes['systematic']}; and {also}" if unit == "V" else also
     slack = of_calibration(calibration, stated) if unit == "V" and calibration is not None else stated
     total = np.hypot(random, systematic)

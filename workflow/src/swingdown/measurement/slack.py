@@ -53,6 +53,11 @@ def zero_unstated(row: Mapping[str, Any], unit: str) -> dict[str, float]:
     return {} if unit in TO_RAD_PER_S or stated == stated else {"zero_tolerance_rad": CENTRED}
 
 
+def zero_is_fitted(recording: xr.Dataset) -> bool:
+    """True of angles whose zero is open as far as that of one whose zero nobody states (``zero_unstated``): the swings tell it."""
+    return float(recording.attrs.get("zero_tolerance_rad", 0.0)) >= CENTRED
+
+
 def with_rate(known: Mapping[str, float], rate: float) -> dict[str, float]:
     """The tolerances with the clock's widened by the standard uncertainty of its ``rate`` (a share) that the stamps leave."""
     if rate:
