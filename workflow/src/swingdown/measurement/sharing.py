@@ -33,6 +33,6 @@ def _alone(angle: xr.Dataset) -> InputError | None:
     if angle.attrs.get("mode") == UNSCALED:
         return InputError(
             where, "its readings have no scale: they allow no search, and period and decay alone are reported",
-            "angles", "state the degrees that one unit is worth ⟨in scale⟩",
+            "angles", "state the degrees that one unit is worth ⟨in scale⟩; of a wheel on a spring any will do, beside ⟨restoring=linear⟩",
         )  # fmt: skip
     return None
