@@ -43,6 +43,12 @@ def test_a_jump_that_is_too_small_is_told_and_not_taken():
     assert what.jumps == what.bends == () and what.small[0] == pytest.approx(0.1, abs=0.03)
 
 
+def test_lines_that_all_but_meet_and_turn_far_are_a_bend():
+    values = 0.02 * TIMES + 0.05 * np.where(TIMES > 20.1, TIMES - 18.0, 0)  # they would meet at 18 s
+    what = breaks([part(TIMES, values, 0, 41), part(TIMES, values, 41, TIMES.size)], TIMES, SCATTER, 0.2)
+    assert what == Breaks(bends=(20.25,))
+
+
 def test_the_line_follows_its_breaks_and_tells_jumps_and_slopes():
     values = 1 + 0.1 * (TIMES - 0.0) + 0.2 * np.maximum(TIMES - 10, 0) - 0.5 * (TIMES >= 20)
     line = BrokenLine(TIMES, values, SCATTER, Breaks((10.0,), (20.0,)))

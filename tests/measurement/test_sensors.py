@@ -53,3 +53,15 @@ def test_the_readings_of_a_sensor_are_no_number_of_it(tmp_path):
     path.write_text("\n".join(["t (s),sensor 1", *(f"{t:.3f},{one:.0f}" for t, one in zip(TIMES, SWING, strict=True)), ""]))  # fmt: skip
     found = ingest({**COLUMNS, "recording": "a", "file": str(path)})
     assert found["signal"].values[:3] == pytest.approx(SWING[:3], abs=0.6)
+
+
+@pytest.mark.parametrize(("other", "told"), [(0.05, ""), (0.75, "75 % as much"), (0.75, "by about 20.0 %")])
+def test_an_axis_beside_the_one_that_turns_most_tells_how_far_askew_it_lies(tmp_path, other, told):
+    """By Pythagoras: 1 - 1 / sqrt(1 + 0.75^2) is a fifth."""
+    rate = (SWING - 500) / 140
+    path = tmp_path / "phone.csv"
+    rows = [f"{t:.3f},{other * one:.5f},{one:.5f}" for t, one in zip(TIMES, rate, strict=True)]
+    path.write_text("\n".join(["t (s),Gyroscope x (rad/s),Gyroscope y (rad/s)", *rows, ""]))
+    remarks = ingest({**COLUMNS, "recording": "a", "file": str(path)}).attrs["remarks"]
+    assert "`Gyroscope y (rad/s)` turns most" in remarks
+    assert told in remarks if told else "askew" not in remarks

@@ -264,6 +264,12 @@ def test_nist_numacc(first, pattern, times, mean, deviation, lag_1):
     assert found.lag_1 == pytest.approx(lag_1, abs=1e-7)
 
 
+def test_a_mean_needs_two_samples():
+    assert mean_of_samples([1.0, 1.5]).standard_uncertainty == pytest.approx(0.25)
+    with pytest.raises(InputError, match="at least two"):
+        mean_of_samples([1.0])
+
+
 def test_correlated_samples_widen_the_uncertainty_of_their_mean():
     rng = np.random.default_rng(2)
     phi, means, told = 0.7, [], []

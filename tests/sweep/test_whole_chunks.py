@@ -171,3 +171,15 @@ def test_the_version_of_the_code_is_of_its_syntax_and_of_the_compiled_parts(root
     assert of(c, 'const char *s = "// 1";') != of(c, 'const char *s = "// 2";')
     assert code.version("identification") != code.version("detection")
     assert len(code.version("identification")) == 8 and Path(code.PACKAGE).name == "swingdown"
+
+
+@pytest.mark.parametrize(
+    ("file", "counts"), [("fitting/least_squares.py", True), ("sweep/draws.py", True), ("errors.py", False)]
+)
+def test_code_that_computes_no_draw_may_change(monkeypatch, file, counts):
+    meaning = code._meaning
+    before = code.version.__wrapped__("identification")
+    monkeypatch.setattr(
+        code, "_meaning", lambda path: meaning(path) + " " * (path.as_posix().endswith(f"swingdown/{file}"))
+    )
+    assert (code.version.__wrapped__("identification") != before) == counts

@@ -64,8 +64,7 @@ def _out_of_step(times: Floats, signal: Floats) -> Floats:
     moves a passage of the middle the more, the smaller the swing.
     """
     swings = half_swings(signal)
-    middle = float(np.median(signal[len(signal) // 2 :])) if len(swings.starts) < 5 else swings.centre()
-    passed = passages(times, signal, middle)
+    passed = passages(times, signal, swings.centre())
     if len(passed) != len(swings.starts) - 1 or len(passed) < 13:
         return np.empty(0)
     lasts = np.diff(passed)
