@@ -192,11 +192,13 @@ def test_both_of_two_effects_that_were_added_at_once_have_the_round():
     ]
 
 
-def test_a_dissipation_that_would_be_negative_is_told():
+@pytest.mark.parametrize("missing", [True, False])
+def test_a_dissipation_that_would_be_negative_is_told_and_where_nothing_is_missing_it_is_not_there(missing):
     values = {"viscous_ratio": {"value": 0.0, "standard_error": None, "unit": "1"}}
-    found = verdict([state(0, missing=False, parameters=values)])
+    found = verdict([state(0, missing=missing, parameters=values)])
     assert found["misspecified"] == ["viscous_ratio"]
-    assert "negative" in found["sentence"]
+    assert ("Viscous ratio would be negative" in found["sentence"]) is missing
+    assert ("Not needed: viscous ratio." in found["sentence"]) is not missing
 
 
 @pytest.mark.parametrize(("gain", "within"), [(0.006, True), (0.02, False)])

@@ -14,6 +14,7 @@ from ..rounding import plus_minus
 
 _OF_ANOTHER_LAW = {"friction": "friction of another law", "drag": "drag of another law"}
 _SMALLER = {"rad": (1e-3, "mrad"), "rad/s": (1e-3, "mrad/s"), "s": (1e-3, "ms")}
+_WHOLE = ("consistent", "named", "ambiguous")  # the status of a verdict beside which nothing is missing
 _PLAIN = 0.999  # probability above which one says no more
 _SMALL = 0.1  # of a unit that has a smaller one beside it
 
@@ -34,7 +35,9 @@ def sentence(found: Mapping[str, Any], catalogue: Catalogue = SHIPPED) -> str:
         Whole sentences in English, each of which ``language`` can say.
     """
     fit, holdout, where = found["gap"]["fit"], found["gap"]["holdout"], found["where"]
-    dropped = f" Not needed: {_listed(found['removed'])}." if found["removed"] else ""
+    # where nothing is missing, a size that ends at nothing is that of an effect that is not there
+    needless = [*found["removed"], *(found["misspecified"] if found["status"] in _WHOLE else ())]
+    dropped = f" Not needed: {_listed(needless)}." if needless else ""
     end = (
         _frequencies(found)
         + _of_parts(found)
@@ -171,7 +174,7 @@ def _of_parts(found: Mapping[str, Any]) -> str:
 
 def _misspecified(found: Mapping[str, Any]) -> str:
     names = _listed(found["misspecified"])
-    if not names:
+    if not names or found["status"] in _WHOLE:
         return ""
     return f" {capital(names)} would be negative if it could: the model does not fit this pendulum."
 
