@@ -7,6 +7,7 @@ from swingdown.errors import InputError
 from swingdown.measurement.angle import to_angle
 from swingdown.measurement.recording import ingest
 from swingdown.measurement.sheet import read_sheet
+from swingdown.measurement.swings.half_swings import half_swings
 from swingdown.measurement.swings.release import find_windows
 
 
@@ -46,7 +47,7 @@ def test_a_bob_that_is_held_first(rate, seconds):
 def test_a_bob_that_is_lifted_first():
     time, signal = held(100, 2.0)
     signal[:200] -= 0.4 * (1 - time[:200] / 2)
-    (found,), _ = find_windows(time, signal)
+    (found,), _ = find_windows(time, signal, 0.0)
     assert found.released == pytest.approx(2.0, abs=0.08)
 
 
@@ -84,6 +85,8 @@ def test_a_rest_at_the_end_is_left_out_but_for_a_period(tmp_path):
     assert found.rests and np.isnan(found.begins)
     moving = time[np.abs(signal) > 0.01 * np.ptp(signal)].max()
     assert found.ends == pytest.approx(moving + 2 * np.pi / 7.25, abs=0.1)
+    (early,), _ = find_windows(time[:1700], signal[:1700], 1.0)
+    assert early.rests and early.ends == found.ends
     (found,), _ = find_windows(time[:1600], signal[:1600], 1.0)
     assert np.isnan(found.ends)  # what tells where friction stopped it stays
 
@@ -141,11 +144,40 @@ def test_a_window_in_the_sheet_keeps_several_releases_together(tmp_path, monkeyp
     assert "released 3 times" in found.attrs["remarks"]
 
 
-def test_a_knock_is_told_and_parts_nothing():
+def knocked():
+    """(times, angle): a swing into which something hits at 9.6 s, for half a second."""
     time = np.arange(2000) / 100
     signal = swing(time)
     pushed = (time > 9.6) & (time < 10.1)
     signal[pushed] += 0.15 * np.sin(np.pi * (time[pushed] - 9.6) / 0.5) ** 2
-    windows, told = find_windows(time, signal, 1.0)
+    return time, signal
+
+
+@pytest.mark.parametrize(("hole", "told"), [((5, 6), 1), ((9.2, 9.4), 0), ((10.4, 10.6), 0), ((14, 15), 1)])
+def test_beside_a_hole_no_knock_is_told(hole, told):
+    assert len(find_windows(*knocked(), 1.0, hidden=[hole])[1]) == told
+
+
+def test_a_knock_is_told_and_parts_nothing():
+    windows, told = find_windows(*knocked(), 1.0)
     assert len(windows) == 1 and np.isnan([windows[0].begins, windows[0].ends]).all()
     assert len(told) == 1 and told[0] == pytest.approx(9.9, abs=0.6)
+
+
+@pytest.mark.parametrize(("height", "anew"), [(0.44, False), (0.5, True)])
+def test_a_pendulum_that_swings_higher_after_a_hand_is_released_anew(height, anew):
+    """From 0.4 rad on, by a hand that stays for half a period."""
+    time = np.arange(2000) / 100
+    before, after = 0.4 * np.cos(7.25 * time[:960]), height * np.cos(7.25 * time[:990])
+    signal = np.concatenate([before, np.linspace(before[-1], height, 50), after])
+    signal += 0.002 * np.random.default_rng(3).standard_normal(time.size)
+    windows, pushed = find_windows(time, signal, 1.0)
+    assert (len(windows), len(pushed)) == ((2, 0) if anew else (1, 1))
+
+
+@pytest.mark.parametrize(("end", "count", "told"), [(440, 4, False), (475, 5, True)])
+def test_of_a_few_half_swings_no_release_is_told(end, count, told):
+    time, signal = held(100, 3.0)
+    (found,), _ = find_windows(time[:end], signal[:end], 1.0)
+    assert len(half_swings(signal[:end]).starts) == count
+    assert np.isfinite(found.released) == told

@@ -20,7 +20,7 @@ RISE = 1.15  # times as high as before it was held: a pendulum that was released
 FEWEST = 4  # half-swings; fewer are no swing
 REST = 0.01  # of the range: less is rest
 LONG = 2.0  # periods of rest at the end, beyond which the rest is left out
-ENOUGH = 200  # samples a period
+ENOUGH = 100  # samples a half-swing
 KEPT = 1.0  # period of rest that stays: it tells where friction stopped the pendulum
 
 
@@ -48,7 +48,7 @@ class SeveralReleases(InputError):
 def find_windows(
     times: Floats,
     signal: Floats,
-    scale: float = 0.0,
+    scale: float,
     rate: bool = False,
     hidden: Sequence[tuple[float, float]] = (),
 ) -> tuple[list[Window], list[float]]:
@@ -74,14 +74,15 @@ def find_windows(
         them where it stays for a period, or where the pendulum swings higher after it.
     """
     whole = Window(NAN, NAN, NAN, False)
-    starts = half_swings(signal).starts
-    if len(signal) < 64 or len(starts) < 5:
-        return [whole], []
-    # more samples a period tell no more of a hand, and take their square in time
-    step = max(1, int(np.median(np.diff(starts)) * 2 / ENOUGH))
-    times, signal = times[::step], signal[::step]
     free, pushed = [_Free(NAN, NAN)], []
-    room = float(np.median(np.diff(times[starts // step]))) if len(starts) > 1 else 0.0
+    swings = _swings_in(times, signal, free[0])
+    if swings is None:
+        return [whole], []
+    starts = swings.starts
+    # more samples a period tell no more of a hand, and take their square in time
+    step = max(1, int(np.median(np.diff(starts))) // ENOUGH)
+    times, signal = times[::step], signal[::step]
+    room = float(np.median(np.diff(times[starts // step])))
     for hand in held_still(times, signal) if rate else stretches(times, signal, scale):
         if any(hand.start < b + room and hand.stop > a - room for a, b in hidden):
             continue
@@ -102,7 +103,7 @@ def find_windows(
     if scale and np.isnan(windows[0].begins):
         part_of = within(windows[0], times)
         starts = half_swings(signal[part_of]).starts
-        until = lifted_until(times[part_of], scale * signal[part_of]) if len(starts) > FEWEST else None
+        until = lifted_until(times[part_of], scale * signal[part_of])
         if until is not None:
             windows[0] = windows[0]._replace(released=until, begins=float(times[part_of][starts[1]]))
     return windows, pushed
