@@ -49,6 +49,10 @@ def test_where_the_sides_stop_taking_turns_the_longer_part_is_used(tmp_path):
     found = taken(tmp_path, "t (s),angle (rad)", T, np.where(np.arange(60) < 40, A, -A))
     assert list(found["half_swings"].values) == list(range(40))
     assert "follow each other as if on both" in found.attrs["remarks"]
+    late = points_in(T, np.where(np.arange(60) < 21, A, -A), "here")
+    assert list(late.halves) == list(range(39))
+    np.testing.assert_array_equal(np.sign(late.readings), (-1.0) ** late.halves)
+    np.testing.assert_array_equal(np.abs(late.readings), np.abs(A[21:]))
 
 
 def test_sides_without_signs_are_told_by_the_zero_of_the_scale(tmp_path):
@@ -92,6 +96,8 @@ def test_rows_sorted_by_angle_are_put_in_the_order_of_time(tmp_path):
 
 def test_numbers_of_swings_are_no_times(tmp_path):
     found = taken(tmp_path, "n,amplitude (cm)", np.arange(30), 100 * A[::2])
+    assert "order of their times" not in found.attrs["remarks"]
+    assert "each number is taken for a whole swing" in found.attrs["remarks"]
     assert "as the number of the swing" in found.attrs["taken"] and "in cm" in found.attrs["taken"]
     assert list(found["half_swings"].values) == list(range(0, 60, 2))
 

@@ -110,9 +110,8 @@ def points_in(
     else:
         times, readings, halves, told = _numbered(times, readings, sides, in_rad, place, stated)
         remarks += told
-    sign = 1.0 if halves[0] % 2 == 0 else -1.0
     if signed:
-        flipped = readings * (1.0 if readings[0] > 0 else -1.0) * sign
+        flipped = readings * (1.0 if readings[0] > 0 else -1.0)
         used = _by_turns(np.sign(flipped) == (-1.0) ** halves, place) if both else slice(None)
         if used != slice(None):
             remarks.append(
