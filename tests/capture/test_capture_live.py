@@ -79,7 +79,7 @@ class Terminal(io.StringIO):
 
 
 def test_a_terminal_is_drawn_over_and_rings_once_when_armed(monkeypatch):
-    monkeypatch.setattr(live.shutil, "get_terminal_size", lambda: os.terminal_size((81, 24)))
+    monkeypatch.setattr(live.shutil, "get_terminal_size", lambda *_, **__: os.terminal_size((81, 24)))
     monkeypatch.setenv("TERM", "xterm")
     stream = Terminal()
     view, made = live.TerminalView(stream), recorder([500] * 150, trigger=TRIGGER)
