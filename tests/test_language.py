@@ -13,8 +13,8 @@ from swingdown.discovery.losses import _SAID
 from swingdown.discovery.sentence import _described, _misspecified
 from swingdown.errors import InputError
 from swingdown.language import language, languages
-from swingdown.measurement.interpret import Interpreted
 from swingdown.measurement.judge import Reading
+from swingdown.measurement.signal import Interpreted
 from swingdown.measurement.units import NO_SCALE, angle_unit, time_factor
 from swingdown.pendulum.catalogue import SHIPPED
 from swingdown.pendulum.model import model_words

@@ -1,9 +1,8 @@
 """What a file's columns mean: the times in order, the signal, and what it is read as; which columns these are is ``choice``."""
 
-import re
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -18,85 +17,23 @@ from .choice import (
     guessed_in,
     input_of,
     unnamed,
-    widest,
     with_rising_time,
     with_running_time,
     without_still,
 )
-from .files.columns import (
-    LENGTH,
-    OF_ACCELERATIONS,
-    OTHER,
-    RATE,
-    SPEED,
-    UNTOLD,
-    Meaning,
-    axes_beside,
-    meaning,
-    place_of,
-)
+from .files.columns import LENGTH, SPEED, axes_beside, meaning, place_of
 from .files.columns import drives as moves_it
 from .files.runs import clock_part, several_runs
 from .files.series import series
 from .files.table import Table, apart
-from .gyroscope import TO_RAD_PER_S, rate_unit, turning_most
-from .judge import Reading
-from .plausibility import EVEN_SIDES, check_once, evenness
-from .positions import (
-    Circle,
-    along_a_line,
-    along_most,
-    by_length,
-    check_no_positions,
-    fit_circle,
-    lost,
-    metres,
-    to_angles,
-    without_length,
-)
+from .positions import check_no_positions
 from .refused import WHICH_COLUMN
+from .signal import Interpreted, signal_of
 from .swings.clock import counts_ticks, in_order, parts
 from .swings.half_swings import half_swings
-from .units import A_DAY, NO_SCALE, in_rad, time_factor
+from .units import A_DAY, time_factor
 
-UNIT_WORDS = {
-    "V": "volts", "rad": "rad", "deg": "degrees", "counts": "counts", "rad/s": "rad/s, an angular rate",
-    "deg/s": "degrees a second, an angular rate", NO_SCALE: "readings of unknown scale",
-}  # fmt: skip
-MOST_LOST = 0.2  # of the positions: a tracker that loses more follows no bob
 TWICE = 0.2  # by which the ratio of two periods may be off 2
-RELATIVE = "relative"  # in the cell scale: nobody knows it
-_RAW = re.compile(
-    r"(?i)\b(adc|raw|analog\w*|a0|sensor ?value|poti?|potentiometer|au|a\.u|arb|ch(annel)? ?\d+ ?v?)\b"
-)
-
-
-class Interpreted(NamedTuple):
-    """Times (s) in order, the signal, what it is read as, remarks, attributes to keep, the signal's column, and how it was read."""
-
-    times: Floats
-    signal: Floats
-    reading: Reading
-    remarks: list[str]
-    about: dict[str, Any]
-    column: str
-    rate: float = 0.0  # standard uncertainty of the clock's rate, as a share, that scattered stamps leave
-    read: tuple[
-        str, ...
-    ] = ()  # in words: the columns, what they are where that is no angle, the clock, the layout
-    input: Floats | None = None  # what was measured of its drive
-    input_unit: str = ""  # that the file states of it
-    guessed: bool = False  # neither the names nor the number of its columns say which one holds the swing
-
-    def taken(self, reading: Reading) -> str:
-        """One line on how the file was read, for what the signal turned out to be."""
-        what, instead, *others = self.read
-        unit = instead or UNIT_WORDS[reading.unit]
-        if not (reading.stated or instead):
-            unit = (
-                "rad (no unit is stated)" if reading.unit == "rad" else f"{unit.upper()} (no unit is stated)"
-            )
-        return ", ".join([f"took {what} as {unit}", *others])
 
 
 def interpret(table: Table, row: Mapping[str, Any], place: str, restoring: str) -> Interpreted:
@@ -180,7 +117,7 @@ def interpret(table: Table, row: Mapping[str, Any], place: str, restoring: str) 
             f"the file has {len(table.names)} columns and no names of them: `{names[0]}` was taken (⟨signal_column⟩ says otherwise)"
         )
     third = next((name for name in table.names if name.strip().lower() == "z"), "")
-    made = _signal(row, place, columns, times, dict(zip(names, values, strict=False)), restoring, third)
+    made = signal_of(row, place, columns, times, dict(zip(names, values, strict=False)), restoring, third)
     if len(names) > 1 and len(columns.found) == 1:  # of a gyroscope's axes the one that turns most
         columns = columns._replace(found=[replace(columns.found[0], name=made.column)])
     told_unit = columns.time_unit or {
@@ -217,182 +154,6 @@ def _part(times: Floats, row: Mapping[str, Any], where: str) -> tuple[slice, lis
     at = pieces[1].start
     why = f"the clock jumps back from {times[at - 1]:.6g} to {times[at]:.6g} s and counts anew, so that the file holds {{}} parts"
     raise several_runs(tuple(f"part {k}" for k in range(1, len(pieces) + 1)), row, where, why)
-
-
-def _signal(
-    row: Mapping[str, Any],
-    place: str,
-    columns: Chosen,
-    times: Floats,
-    read: Mapping[str, Floats],
-    restoring: str,
-    third: str,
-) -> Interpreted:
-    """The signal that the columns hold: an angle about a fitted pivot, one by a coordinate and a length, or as recorded.
-
-    ``third`` is the column z beside x and y, "" for none.
-    """
-    first, file, names, values = columns.found[0], row["file"], list(read), list(read.values())
-    where = f"{file}, {place_of(first.name)} ({place})"
-    if len(columns.found) == 2:
-        both = f"{file}, columns {first.name} and {columns.found[1].name} ({place})"
-        if third and not first.written:
-            raise InputError(
-                f"{file}, columns {first.name}, {columns.found[1].name} and {third} ({place})",
-                "no unit is stated: are they positions of a bob, its acceleration, or rates about three axes?",
-                "positions, or an angle or an angular rate",
-                "write the unit of positions in the header, as `x (m)`; of a gyroscope name the axis that it swings about ⟨in signal_column⟩, "
-                f"and rad/s ⟨in signal_unit⟩; of an acceleration {OF_ACCELERATIONS}",
-            )
-        if (line := along_a_line(values[0], values[1])) is not None:
-            made = _coordinate(row, both, columns, times, line, restoring)
-            on_a_line = "the positions lie on a line, which tells no pivot: how far along it is taken for one coordinate"
-            return _computed(made, on_a_line)
-        try:
-            circle = fit_circle(values[0], values[1], both)
-        except InputError:
-            if (line := along_most(times, values[0], values[1])) is None:
-                raise
-            made = _coordinate(row, both, columns, times, line, restoring)
-            no_circle = "THE POSITIONS LIE ON NO CIRCLE: how far along the axis on which they move most is taken for one coordinate"
-            return _computed(made, no_circle)
-        away = lost(values[0], values[1], circle)
-        signal = to_angles(values[0], values[1], circle)
-        about = {f"pivot_{key}": value for key, value in circle._asdict().items()}
-        remarks = [_pivot(circle, first.written), *_told_lost(away, circle, signal, first.written, both)]
-        return Interpreted(
-            times[~away],
-            signal[~away],
-            Reading("rad", True, 1.0, restoring, True),
-            remarks,
-            about,
-            first.name,
-        )
-    if not columns.unit and (first.kind in (LENGTH, SPEED) or (first.axis and columns.clock.axis != "x")):
-        return _coordinate(row, where, columns, times, values[0], restoring)
-    taken, told = _most(first, times, read, f"{file} ({place})")
-    about = {"counts_per_revolution": row["counts_per_revolution"]} if columns.unit == "counts" else {}
-    if first.kind == UNTOLD and not columns.unit and not row.get("scale"):
-        check_once(values[taken], where)
-    reading = _reading(row, columns, times, values[taken], restoring, where)
-    return Interpreted(times, values[taken], reading, told, about, names[taken])
-
-
-def _most(first: Meaning, times: Floats, read: Mapping[str, Floats], place: str) -> tuple[int, list[str]]:
-    """Which of the columns that hold the same about several axes is the swing, by its place, and remarks on that."""
-    if first.kind == RATE or len(read) == 1:
-        return turning_most(list(read), list(read.values()))
-    return widest(times, read, place)
-
-
-def _reading(
-    row: Mapping[str, Any], columns: Chosen, times: Floats, signal: Floats, restoring: str, where: str
-) -> Reading:
-    """What a column is read as: by its unit, the sheet's scale, or its name where that is one of raw readings."""
-    unit, scale = columns.unit, _stated_scale(row, where)
-    if unit == "counts" and scale is None:
-        turn = row["counts_per_revolution"]
-        return Reading(unit, True, 2 * np.pi / turn if turn > 0 else np.nan, restoring)
-    if unit in ("V", "counts"):
-        return Reading(unit, True, 0.0 if scale is None else scale, restoring)
-    if unit in TO_RAD_PER_S:
-        return Reading(unit, True, 0.0, restoring)
-    # asked for by ``relative``: period and decay alone; so are a force and an acceleration, in step with what a spring pulls back
-    if (scale is not None and np.isnan(scale)) or columns.found[0].kind == OTHER:
-        return Reading(NO_SCALE, True, np.nan, restoring)
-    if unit:
-        return Reading(unit, True, in_rad(unit), restoring)
-    if columns.found[0].kind == RATE:
-        return Reading(rate_unit(times, signal), False, 0.0, restoring)
-    if scale is not None:
-        return Reading(NO_SCALE, True, scale, restoring)
-    if _RAW.search(columns.found[0].name.replace("_", " ")):
-        return Reading(NO_SCALE, True, np.nan, restoring)
-    return Reading("rad", False, 1.0, restoring)
-
-
-def _stated_scale(row: Mapping[str, Any], where: str) -> float | None:
-    """Rad per unit of the signal by the sheet's cell ``scale``; NaN for ``relative``, None for an empty cell."""
-    cell = str(row.get("scale", "") or "").strip()
-    if not cell:
-        return None
-    if cell == RELATIVE:
-        return np.nan
-    try:
-        scale = float(np.radians(_degrees_a_unit(cell)))
-    except (ValueError, ZeroDivisionError):
-        scale = 0.0
-    if not (np.isfinite(scale) and scale):
-        raise InputError(f"{where}, column scale", f"{cell!r} is no scale", "degrees that one unit of the signal is worth, two readings at known angles as 512=0,700=30, or relative", "correct ⟨scale⟩")  # fmt: skip
-    return scale
-
-
-def _degrees_a_unit(cell: str) -> float:
-    """The degrees that one unit is worth: ``0.35``, or by two readings and their angles, ``512=0,700=30``."""
-    if "=" not in cell:
-        return float(cell)
-    pairs = [pair.split("=") for pair in cell.replace(";", ",").split(",")]
-    (first, low), (second, high) = [(float(reading), float(angle)) for reading, angle in pairs]
-    return (high - low) / (second - first)
-
-
-def _coordinate(
-    row: Mapping[str, Any], where: str, columns: Chosen, times: Floats, x: Floats, restoring: str
-) -> Interpreted:
-    """The angle of one coordinate of the bob: by the length that the sheet states, as a small swing, or without a scale."""
-    first = columns.found[0]
-    unit, alone = first.written, len(columns.found) == 1
-    cell, scale = str(row.get("length", "") or "").strip(), _stated_scale(row, where)
-    height, even = first.axis == "y" and alone, evenness(x)
-    if (alone and even < EVEN_SIDES) or (height and (cell or not even >= EVEN_SIDES)):  # nan is neither
-        raise InputError(
-            where,
-            "it is the height of a bob without its partner x: it goes up and down twice a period"
-            if height
-            else "its turning points of one side stay where they are: the height of a bob goes up and down twice a period",
-            "the horizontal coordinate, or both",
-            "export x too, or name its column ⟨in signal_column⟩",
-        )
-    if not unit and alone:
-        check_once(x, where)
-    reading = Reading("rad", True, 1.0, restoring)
-    if cell and first.kind != SPEED:
-        length = metres(cell, unit, where)
-        told = [f"one coordinate: the angle is its arcsine over the length, {cell}"]
-        return Interpreted(times, by_length(x, length, where), reading, told, {}, first.name)
-    each = metres(f"1 {unit}", "m", where, quiet=True) if unit and first.kind != SPEED else 0.0
-    if scale is None and each and not height and (small := without_length(times, x, each, where)):
-        return Interpreted(times, small[0], reading, small[1], {}, first.name)
-    told = [
-        "the speed of a bob: taken as it swings"
-        if first.kind == SPEED
-        else "the height of a bob whose tops fall as its bottoms rise, as on a spring: taken as it swings"
-        if height
-        else "one coordinate without a length (⟨length⟩, in its unit): taken as it swings, whatever pulls it back"
-    ]
-    known = np.nan if scale is None else scale
-    return Interpreted(
-        times, x, Reading(NO_SCALE, True, known, restoring), told if scale is None else [], {}, first.name
-    )
-
-
-def _told_lost(away: np.ndarray, circle: Circle, angle: Floats, unit: str, place: str) -> list[str]:
-    """Remarks on positions off the circle, which a tracker lost; InputError where they are too many."""
-    share, unit = float(np.mean(away)), f" {unit}" if unit else ""
-    if share > MOST_LOST:
-        raise InputError(
-            place,
-            f"{100 * share:.0f} % of the positions lie off the circle of the others, {circle.residual:.2g}{unit} (RMS)",
-            "a bob that the tracker follows",
-            "track it anew, or leave the part out with ⟨start_s⟩ and ⟨stop_s⟩",
-        )
-    told = [f"{int(away.sum())} of {away.size} positions lie off the circle, as where a tracker lost the bob: left out as missing"] if away.any() else []  # fmt: skip
-    swing = circle.radius * float(np.ptp(angle)) / 2
-    if circle.residual > 0.1 * swing:
-        told.append(
-            f"THE TRACKER SCATTERS by {100 * circle.residual / swing:.0f} % of the swing: values are as unsure as that makes them"
-        )
-    return told
 
 
 def _check_no_count(times: Floats, place: str) -> None:
@@ -435,17 +196,3 @@ def _read(table: Table, columns: Chosen, time_unit: str, times: Floats, scaled: 
     what = " and ".join(f"`{one.name}`" for one in found)
     clock = f"`{columns.clock.name}` as {time_unit}"
     return what, instead, clock, f"{rate:.1f} samples a second", *([table.layout] if table.layout else [])
-
-
-def _computed(made: Interpreted, remark: str) -> Interpreted:
-    """What was computed of two coordinates, with a remark before its own."""
-    return made._replace(reading=replace(made.reading, computed=True), remarks=[remark, *made.remarks])
-
-
-def _pivot(circle: Circle, unit: str) -> str:
-    unit = f" {unit}" if unit else ""
-    return (
-        f"the pivot was fitted to the positions: x {circle.x:.6g} ± {circle.u_x:.2g}{unit}, "
-        f"y {circle.y:.6g} ± {circle.u_y:.2g}{unit}, radius {circle.radius:.6g} ± {circle.u_radius:.2g}{unit}, "
-        f"points {circle.residual:.2g}{unit} (RMS) from the circle"
-    )

@@ -17,11 +17,12 @@ from .files.columns import place_of
 from .files.known_units import in_known_units
 from .files.runs import SeveralRuns
 from .files.source import Table, check_sha256, opened, table_of
-from .interpret import RELATIVE, Interpreted, interpret
+from .interpret import interpret
 from .judge import Judged, Reading, check_used, judge, used_part
 from .points.passages import ask_periods, passages
 from .points.points_table import turning_points
 from .second_reading import OPEN, may_be_read_again
+from .signal import RELATIVE, Interpreted
 from .slack import tolerances, with_rate
 from .swings.quality import check_signal
 from .swings.release import SeveralReleases, several_releases, within

@@ -10,9 +10,9 @@ from ..dataset import series_of
 from .angle import UNSCALED
 from .apparent_scale import apparent_scale
 from .driven import drive_of
-from .interpret import RELATIVE as RELATIVE_CELL
 from .plausibility import free_part, in_step_and_dying
 from .points.points_recording import are_points
+from .signal import RELATIVE as RELATIVE_CELL
 from .swings.half_swings import half_swings
 
 OPEN, TOLD = "read_again", "again"  # attributes: whether a recording may be read once more, and what was done
