@@ -38,10 +38,11 @@ def allowing(fit: Fit, swings: Swings, slack: Slack, *, start: str = "free", bou
     start, bounded
         As of the fit: how swings begin, and whether parameters keep their bounds.
     """
-    if fit.model.slack.names == slack.names == (ZERO,) and _told_by_data(fit, slack):
+    begun = fit.model.slack.names == slack.names
+    if begun and slack.names == (ZERO,) and _told_by_data(fit, slack):
         return fit
     least = _LEAST * float(np.sqrt(sum(series @ series for _, series in swings) / fit.n))
-    for _ in range(_ROUNDS if slack.names else 1):
+    for _ in range(1 if begun else _ROUNDS):  # with the same values free, its residuals are those of this fit
         weighed = slack.weighed(max(uncertainty(fit, swings).noise, least)) if slack.names else slack
         model = fit.model.with_slack(weighed)
         begin = Begin(model, fit.begin.swings)
