@@ -97,6 +97,7 @@ def test_plots_rest_on_datasets_symbols_rounding_and_the_way_files_are_written_a
                     "arrays",
                     "dataset",
                     "language",
+                    "own_unit",
                     "pendulum.model",
                     "paths",
                     "rounding",

@@ -25,21 +25,22 @@ def figures(verdict, rounds, outputs, spoken):
         return
     first, last = (Path(rounds).with_name(place) for place in ("first", "last"))
     rounds = read_json(rounds)
+    unit = found.get("unit", "rad").removesuffix("/s")  # of what swings, also where its rate is read
     moved = found["moves"][0] if found["moves"] else ""
     fitted = dataset.read(last / "fit.nc")
     drawn = {
         "answer": lambda: swings_with_fit(shown_in(fitted), noise_rms(found), fitted, short({}, found)),
         "remainder": lambda: remainder(
-            read_csv(last / "remainder.csv"), read_csv(last / "course.csv"), rounds[-1]
+            read_csv(last / "remainder.csv"), read_csv(last / "course.csv"), rounds[-1], unit
         ),
         "residuals": lambda: discovery.residuals(
             dataset.read(first / "fit.nc"), dataset.read(last / "fit.nc")
         ),
         "map": lambda: discovery.missing_torque(
-            read_csv(first / "map.csv"), read_csv(last / "map.csv"), rounds
+            read_csv(first / "map.csv"), read_csv(last / "map.csv"), rounds, unit
         ),
         "half_swings": lambda: discovery.half_swings(
-            read_csv(first / "half_swings.csv"), read_csv(last / "half_swings.csv")
+            read_csv(first / "half_swings.csv"), read_csv(last / "half_swings.csv"), unit
         ),
         "ranking": lambda: discovery.ranking(read_csv(first / "ranking.csv"), moved),
         "gap": lambda: discovery.gap(found),

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 
 from ..arrays import Shown
 from ..dataset import series_of
-from ..discovery.campaign import Campaign, Swing, campaign
+from ..discovery.campaign import Campaign, campaign
 from ..discovery.conclusion import concluded
 from ..discovery.files import summary, swing_of
 from ..discovery.search import discover
@@ -26,7 +26,8 @@ from ..measurement.driven import driven
 from ..measurement.second_reading import readings
 from ..measurement.sharing import sharing
 from ..measurement.slack import of_angles
-from ..pendulum.catalogue import READINGS, catalogue
+from ..own_unit import own_of
+from ..pendulum.catalogue import catalogue
 from ..pendulum.model import BASES, Model, everyday, models
 from ..studies.described import described_by, reading_of, values_of
 from ..studies.doubt import (
@@ -336,7 +337,7 @@ def explained(
     # then damping alone has to follow it, as it has in ``fit``
     if found["status"] == "unknown" and not found["unit_doubt"]:
         of_swings(given, fitted, effects, restoring)
-    answer = first.with_verdict(found, _shown(states[-1], whole.fit, whole.holdout))
+    answer = first.with_verdict(found, _shown(states[-1], whole))
     if answer.row.get("model_of") != SEARCH:  # the quantities are those of damping, too
         return answer
     return replace(answer, **_ended(states[-1], whole, found["conclusion"], first.begins))
@@ -388,20 +389,25 @@ def searchable(name: str, given: Sequence[xr.Dataset]) -> Campaign:
         campaign(name, [swing_of(one) for one in given]),
         slack=of_angles(given),
         reading=read_alike(name, given),
+        own=own_of(given[0].attrs),
     )
 
 
-def _shown(state: Round, fitted: Sequence[Swing], held: Sequence[Swing]) -> tuple[Shown, ...]:
+def _shown(state: Round, whole: Campaign) -> tuple[Shown, ...]:
     """The swings beside what the last model of a search makes of them, in the order of their times."""
-    pairs = [*zip(fitted, state.fit.swings, strict=True), *zip(held, state.holdout.swings, strict=True)]
+    pairs = [
+        *zip(whole.fit, state.fit.swings, strict=True),
+        *zip(whole.holdout, state.holdout.swings, strict=True),
+    ]
+    times = whole.own.step if whole.own else 1.0
     found = [
         Shown(
             *Shown.named(swing.name),
             swing.times,
-            swing.angle,
-            one.angle,
-            swing in held,
-            READINGS[state.fit.model.reading],
+            times * swing.angle,
+            times * one.angle,
+            swing in whole.holdout,
+            whole.unit,
         )
         for swing, one in pairs
     ]

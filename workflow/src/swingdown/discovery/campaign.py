@@ -12,7 +12,8 @@ from ..errors import InputError
 from ..fitting.guess import middle_crossings
 from ..measurement.swings.even import evenly
 from ..measurement.swings.noise_level import HANN, HARMONICS, SPECTRUM, either
-from ..pendulum.catalogue import ANGLE
+from ..own_unit import Own
+from ..pendulum.catalogue import ANGLE, READINGS
 from ..pendulum.drive import Drive
 from ..pendulum.slack import Slack
 
@@ -73,7 +74,8 @@ class Campaign:
 
     ``systematic`` is the largest standard uncertainty (rad) that all samples share; ``slack`` what calibration and clock leave
     open of the readings, which every fit leaves open too. ``reading`` is what the sensor reads: where it is a rate, angles of
-    swings and of fits stand for angular velocities (rad/s). ``whole`` are all swings, of a recording that is cut the whole of it.
+    swings and of fits stand for angular velocities (rad/s). ``whole`` are all swings, of a recording that is cut the whole of it. ``own`` is
+    the unit of readings that are no angle, and what of it stands for 1 rad.
     """
 
     name: str
@@ -85,6 +87,12 @@ class Campaign:
     slack: Slack = field(default_factory=Slack, compare=False)
     reading: str = ANGLE
     whole: tuple[Swing, ...] = field(default=(), compare=False)
+    own: Own | None = None
+
+    @property
+    def unit(self) -> str:
+        """What its readings are told in: rad, of a rate rad/s, or their own unit."""
+        return READINGS[self.reading] if self.own is None else self.own.name
 
 
 def campaign(

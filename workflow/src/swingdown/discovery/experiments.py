@@ -10,6 +10,7 @@ import numpy as np
 from ..arrays import Floats
 from ..engine.trajectory import sensitivities
 from ..fitting.problem import RELEASE
+from ..own_unit import Own
 from ..pendulum.catalogue import RATE
 from ..pendulum.effect import NATURAL_FREQUENCY
 from ..pendulum.ideal import reached
@@ -41,13 +42,15 @@ class Predicted(NamedTuple):
 
 @dataclass(frozen=True)
 class LetGo:
-    """A swing from ``angle`` (rad, with its side) and ``velocity`` (rad/s) that is sampled every ``interval`` s for ``duration`` s."""
+    """A swing from ``angle`` (rad, with its side) and ``velocity`` (rad/s) that is sampled every ``interval`` s for ``duration`` s; ``unit``
+    is what its angle is told in, where it is none."""
 
     angle: float
     velocity: float
     duration: float
     interval: float
     most: int = _TIMES
+    unit: Own | None = None
 
     @property
     def kind(self) -> str:
@@ -84,11 +87,11 @@ class LetGo:
         often = "" if times == 1 else f", {times} times"
         if not self.velocity:
             side = "positive" if self.angle > 0 else "negative"
-            return f"Release from {_degrees(self.angle)} on the {side} side and record {self.duration:.3g} s{often}"
+            return f"Release from {_told(self.angle, self.unit)} on the {side} side and record {self.duration:.3g} s{often}"
         side = "positive" if self.velocity > 0 else "negative"
         out = float(reached(abs(self.velocity) / model.values[NATURAL_FREQUENCY.name], model.restoring))
         return (
-            f"Push it from where it hangs, so that it swings out to about {_degrees(out)} on the {side} side, "
+            f"Push it from where it hangs, so that it swings out to about {_told(out, self.unit)} on the {side} side, "
             f"and record {self.duration:.3g} s{often}"
         )
 
@@ -152,8 +155,8 @@ class Held:
         seconds = f"read the sensor for {self.duration:.3g} s"
         if len(self.angles) == 1:
             return f"Let it hang at rest and {seconds}"
-        sides = [f"±{_degrees(angle)}" for angle in self.angles if angle > 0]
-        return f"Hold it still at 0°, {' and '.join(sides)}, each to {_degrees(self.limit)} ({self.means}), and {seconds} at each"
+        sides = [f"±{_told(angle)}" for angle in self.angles if angle > 0]
+        return f"Hold it still at 0°, {' and '.join(sides)}, each to {_told(self.limit)} ({self.means}), and {seconds} at each"
 
 
 Experiment = LetGo | Held
@@ -180,14 +183,15 @@ def menu(campaign: Campaign, model: Model, other: Model | None = None) -> Iterat
     for duration in durations:
         for angle in angles:
             for side in (1.0, -1.0):
-                yield LetGo(angle * side, 0.0, duration, interval)
+                yield LetGo(angle * side, 0.0, duration, interval, unit=campaign.own)
     samples, step = max(round(_READ / interval), 2), max(quantisation_step(swing.angle) for swing in swings)
     play = max(_play(model), _play(other or model))
     held = (0.0,) if rate else (0.0, largest / 2, -largest / 2, largest, -largest)
-    for means, limit in (("", 0.0),) if rate else (PROTRACTOR, TOWER):
+    # where nobody knows the scale no reading is one of an angle that is
+    for means, limit in () if campaign.own else (("", 0.0),) if rate else (PROTRACTOR, TOWER):
         yield Held(held, means, float(limit), samples, interval, step, play)
     for side in (1.0, -1.0):
-        yield LetGo(0.0, _push(angles[-1], model) * side, durations[0], interval)
+        yield LetGo(0.0, _push(angles[-1], model) * side, durations[0], interval, unit=campaign.own)
 
 
 def _play(model: Model) -> float:
@@ -202,5 +206,5 @@ def _push(angle: float, model: Model) -> float:
     return frequency * (2 * sin(min(angle, pi) / 2) if model.restoring == "sine" else angle)
 
 
-def _degrees(angle: float) -> str:
-    return f"{np.degrees(abs(angle)):.2g}°"
+def _told(angle: float, own: Own | None = None) -> str:
+    return f"{own.step * abs(angle):.2g} {own.name}" if own else f"{np.degrees(abs(angle)):.2g}°"

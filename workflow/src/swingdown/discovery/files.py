@@ -17,7 +17,7 @@ from ..errors import InputError
 from ..measurement.driven import drive_of, driven
 from ..measurement.refused import refuse
 from ..measurement.slack import of_angles
-from ..pendulum.catalogue import READINGS
+from ..own_unit import Own, own_of
 from ..pendulum.model import Model
 from ..pendulum.model_file import write_model
 from ..sealed import write_csv, write_json, write_text
@@ -66,7 +66,13 @@ def read_campaign(name: str, paths: Sequence[Path | str], roles: Sequence[str]) 
     driven(read)
     static = [swing.pair for swing in kinds["static"]]
     known = campaign(name, kinds["fit"], kinds["holdout"], static)
-    known = replace(known, systematic=systematic, slack=of_angles(read), reading=read_alike(name, read))
+    known = replace(
+        known,
+        systematic=systematic,
+        slack=of_angles(read),
+        reading=read_alike(name, read),
+        own=own_of(read[0].attrs),
+    )
     return known, emulated
 
 
@@ -143,11 +149,28 @@ def _write_round(
     write_model(state.model, folder / "model.yaml")
     write_csv(pd.DataFrame(told["groups"]), folder / "groups.csv")
     write_csv(pd.DataFrame(told["ranking"], columns=_RANKING), folder / "ranking.csv")
-    write_csv(state.curves, folder / "map.csv", float_format="%.6g")
-    write_csv(state.half_swings, folder / "half_swings.csv", float_format="%.6g")
-    write_csv(lacks.map, folder / "remainder.csv", float_format="%.6g")
-    write_csv(lacks.course, folder / "course.csv", float_format="%.6g")
+    tables = {
+        "map": state.curves,
+        "half_swings": state.half_swings,
+        "remainder": lacks.map,
+        "course": lacks.course,
+    }
+    for name, table in tables.items():
+        write_csv(_in_own_unit(table, campaign.own), folder / f"{name}.csv", float_format="%.6g")
     dataset.write(_series(state, campaign, emulated), folder / "fit.nc")
+
+
+_OF_AN_ANGLE = ("torque", "band", "amplitude_rad", "midpoint_rad", "angle_rad", "speed_rad_per_s")
+
+
+def _in_own_unit(table: pd.DataFrame, own: Own | None) -> pd.DataFrame:
+    """A table of a round in the reading's own unit, where that is no angle."""
+    if own is None:
+        return table
+    told = {name: own.step * table[name] for name in _OF_AN_ANGLE if name in table}
+    if "over" in table:
+        told["x"] = table["x"].where(table["over"] == "time", own.step * table["x"])
+    return table.assign(**told)
 
 
 def _series(state: Round, campaign: Campaign, emulated: bool) -> xr.Dataset:
@@ -155,17 +178,18 @@ def _series(state: Round, campaign: Campaign, emulated: bool) -> xr.Dataset:
     swings = [*campaign.fit, *campaign.holdout]
     series = [one.angle for one in (*state.fit.swings, *state.holdout.swings)]
     rad, what = (
-        {"units": READINGS[campaign.reading]},
-        "angle" if campaign.reading == "angle" else "angular rate",
+        {"units": campaign.unit},
+        "angular rate" if campaign.reading != "angle" else "reading" if campaign.own else "angle",
     )
+    times = campaign.own.step if campaign.own else 1.0
     return xr.Dataset(
         {
             campaign.reading: (
                 "sample",
-                np.concatenate([s.angle for s in swings]),
+                times * np.concatenate([s.angle for s in swings]),
                 rad | {"long_name": f"measured {what}"},
             ),
-            "fit": ("sample", np.concatenate(series), rad | {"long_name": f"fitted {what}"}),
+            "fit": ("sample", times * np.concatenate(series), rad | {"long_name": f"fitted {what}"}),
             "time": (
                 "sample",
                 np.concatenate([s.times for s in swings]),
@@ -180,7 +204,7 @@ def _series(state: Round, campaign: Campaign, emulated: bool) -> xr.Dataset:
         {
             "campaign": campaign.name,
             "emulated": "yes" if emulated else "no",
-            in_unit("noise_rms", campaign.reading): state.noise.deviation,
+            in_unit("noise_rms", campaign.reading): times * state.noise.deviation,
             "model": state.fit.model.label,
         },
     )
@@ -196,6 +220,7 @@ def summary(state: Round, campaign: Campaign) -> dict[str, Any]:
         "round": state.number,
         "campaign": campaign.name,
         "reading": campaign.reading,
+        "own": campaign.own and campaign.own._asdict(),
         "split": campaign.how,
         "effects": list(state.fit.model.names),
         "found": list(state.found),
@@ -213,7 +238,7 @@ def summary(state: Round, campaign: Campaign) -> dict[str, Any]:
         "missing": state.missing,
         in_unit("unnamed", campaign.reading): state.unnamed,
         "kind": at,
-        "seen": said(state.half_swings, at),
+        "seen": said(state.half_swings, at, campaign.own),
         "groups": [vars(group) for group in state.groups],
         "ranking": [
             {"move": one.move, "added": one.added, "also": list(one.also), "dropped": one.dropped, "delta_bic": one.bic - best, "gain_bic": state.bic - one.bic,

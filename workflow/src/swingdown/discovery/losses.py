@@ -6,6 +6,7 @@ import numpy as np
 import pandas as pd
 
 from ..arrays import Floats, Swing
+from ..own_unit import Own
 from ..pendulum.catalogue import ANGLE, RATE
 from ..pendulum.ideal import lengthening, reached
 
@@ -166,8 +167,11 @@ _SAID = {
 }
 
 
-def said(table: pd.DataFrame, kind: str | None) -> str:
-    """A clause that tells the disagreement of a kind (a key of ``locate.KINDS``) by amplitude; empty where none is plain."""
+def said(table: pd.DataFrame, kind: str | None, own: Own | None = None) -> str:
+    """A clause that tells the disagreement of a kind (a key of ``locate.KINDS``) by amplitude; empty where none is plain.
+
+    ``own`` is the unit of amplitudes that are no angles.
+    """
     found = differences(table)
     found = found[found["quantity"] == _OF_KIND.get(kind or "")]
     if found.empty:
@@ -177,16 +181,18 @@ def said(table: pd.DataFrame, kind: str | None) -> str:
     if sizes.max() < 4:
         return ""
     words = _SAID[row["quantity"]][0 if row["difference"] > 0 else 1]
-    low, high = np.degrees([row["low_rad"], row["high_rad"]])
+    low, high = (_amplitude(row[key], own) for key in ("low_rad", "high_rad"))
     if (found["difference"] > 0).nunique() == 1 and sizes.min() > 4:
         return words
     if row["low_rad"] == found["low_rad"].min():
-        return f"at amplitudes below {_degrees(high)} {words}"
+        return f"at amplitudes below {high} {words}"
     if row["high_rad"] == found["high_rad"].max():
-        return f"at amplitudes above {_degrees(low)} {words}"
-    return f"at amplitudes from {_degrees(low)} to {_degrees(high)} {words}"
+        return f"at amplitudes above {low} {words}"
+    return f"at amplitudes from {low} to {high} {words}"
 
 
-def _degrees(angle: float) -> str:
-    """An angle (degrees) with two figures: 7.3°, 57°, 140°."""
-    return f"{float(f'{angle:.2g}'):g}°"
+def _amplitude(angle: float, own: Own | None) -> str:
+    """An amplitude (rad) with two figures: 7.3°, 57°, 140°, or 0.52 V."""
+    if own:
+        return f"{float(f'{own.step * angle:.2g}'):g} {own.name}"
+    return f"{float(f'{np.degrees(angle):.2g}'):g}°"

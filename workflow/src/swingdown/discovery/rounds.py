@@ -1,12 +1,14 @@
 """The rounds of a search: at each structure on its way, where the model fails, what was tried there, and what was chosen."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 import pandas as pd
 
 from ..fitting.least_squares import fit_jointly
 from ..fitting.result import Fit
+from ..own_unit import OF_AN_ANGLE
 from ..pendulum.effect import NATURAL_FREQUENCY
 from ..pendulum.model import Model
 from ..pendulum.slack import Slack
@@ -27,6 +29,8 @@ _TIED = np.log(100.0)  # of the evidence, below which the data do not tell two m
 
 def first_fit(campaign: Campaign, base: Model) -> Fit:
     """The base model fitted jointly within the catalogue's bounds, the sensor and the clock taken for what they say."""
+    if campaign.own:
+        base = replace(base, catalogue=base.catalogue.without(*OF_AN_ANGLE))
     base = base.of(campaign.reading).with_slack(Slack(clock=campaign.slack.clock))
     fit = fit_jointly(base, [swing.pair for swing in campaign.fit], bounded=True)
     return nudged(fit, campaign.fit)

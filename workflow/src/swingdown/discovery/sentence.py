@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from ..language import capital
+from ..own_unit import small
 from ..pendulum.catalogue import SHIPPED, Catalogue
 from ..pendulum.effect import Effect
 from ..pendulum.model import in_words
@@ -49,7 +50,7 @@ def sentence(found: Mapping[str, Any], catalogue: Catalogue = SHIPPED) -> str:
         noise = found.get("noise_rms_rad") or found.get("noise_rms_rad_per_s") or np.nan
         text = (
             f"Nothing is missing{slack}: the model leaves {fit[-1]:.3g} times the noise "
-            f"({1e3 * noise:.3g} m{found.get('unit', 'rad')}) on fitted and {holdout[-1]:.3g} on held-out swings."
+            f"({small(noise, found.get('unit', 'rad'))}) on fitted and {holdout[-1]:.3g} on held-out swings."
         )
         return text + dropped + end
     if not found.get("dies_away", True):
@@ -129,7 +130,7 @@ def _remains(found: Mapping[str, Any], catalogue: Catalogue) -> str:
     if not remaining:
         return f"{may_be} Nothing more is missing." if not found["effects"] else may_be
     left = found["gap"]["left"]
-    size = f"{1e3 * left.get('rad', left.get('rad_per_s')):.3g} m{found.get('unit', 'rad')}"
+    size = small(left.get("rad", left.get("rad_per_s")), found.get("unit", "rad"))
     rest = f"{'The rest' if found['effects'] else 'What remains'}, {left['noise']:.3g} times the noise ({size}){kind} has no name in the catalogue."
     return " ".join(filter(None, (rest, may_be)))
 

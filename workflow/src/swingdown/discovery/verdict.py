@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from ..own_unit import Own
 from ..pendulum.catalogue import ANGLE, READINGS, SHIPPED, Catalogue
 from ..pendulum.effect import NATURAL_FREQUENCY, Effect
 from ..pendulum.formula import evaluate
@@ -43,8 +44,9 @@ def verdict(
         ``ambiguous`` the same with a tie, ``partial`` something is asserted and something remains or is not asserted, ``unknown`` where
         something is missing and nothing is asserted. ``effects`` holds what is asserted, ``stand_ins`` what merely helps.
     """
+    rounds = [_in_own_unit(state) for state in rounds]
     first, last = rounds[0], rounds[-1]
-    reading = last.get("reading", ANGLE)
+    reading, own = last.get("reading", ANGLE), last.get("own")
     asserted, stand_ins = [], []
     values = last["parameters"] | ((last.get("conclusion") or {}).get("values") or {})
     dies_away = bool(last.get("driven")) or _dies_away(last.get("conclusion"))
@@ -73,7 +75,7 @@ def verdict(
     found = {
         "campaign": last["campaign"],
         "reading": reading,
-        "unit": READINGS[reading],
+        "unit": own["name"] if own else READINGS[reading],
         "status": status,
         "effects": asserted,
         "stand_ins": stand_ins,
@@ -110,7 +112,9 @@ def verdict(
         "conclusion": last.get("conclusion"),
         "nuisance": last.get("nuisance", {}),
         "misspecified": _at_their_bounds([catalogue[name] for name in last["effects"]], values),
-        "next_measurement": _next_measurement(asserted, status, catalogue, last.get("next_swing"))
+        "next_measurement": _next_measurement(
+            asserted, status, catalogue, last.get("next_swing"), own is not None
+        )
         if dies_away
         else _LET_GO,
         "next_swing": last.get("next_swing") if dies_away else None,
@@ -201,6 +205,30 @@ def no_verdict(state: Mapping[str, Any]) -> dict[str, Any]:
     }
 
 
+def _in_own_unit(state: Mapping[str, Any]) -> Mapping[str, Any]:
+    """A round with its values in the reading's own unit, where that is no angle: a key that ends in ``_rad`` holds them too."""
+    if not state.get("own"):
+        return state
+    own = Own(**state["own"])
+    told = dict(state) | {key: own.entries(state[key]) for key in ("parameters", "nuisance")}
+    for key in ("noise_rms_rad", "systematic_rad", "largest_angle_rad"):
+        told[key] = own.step * state[key]
+    if found := state.get("conclusion"):
+        units = [found["values"].get(name, {"unit": "1"})["unit"] for name in found["parameters"]]
+        told["conclusion"] = found | {
+            "values": own.entries(found["values"]),
+            "quantities": own.entries(found["quantities"]),
+            "amplitude_rad": own.step * found["amplitude_rad"],
+            "residual": own.step * found["residual"],
+            "covariance": own.covariance(found["parameters"], units, found["covariance"]),
+        }
+    if swing := state.get("next_swing"):
+        told["next_swing"] = swing | {
+            key: own.step * swing[key] for key in ("release_angle", "release_velocity")
+        }
+    return told
+
+
 def in_unit(key: str, reading: str) -> str:
     """A key for a number of what is read, with its unit: ``noise_rms_rad``, of a rate ``noise_rms_rad_per_s``."""
     return f"{key}_{'rad' if reading == ANGLE else 'rad_per_s'}"
@@ -272,7 +300,11 @@ def _at_their_bounds(effects: Iterable[Effect], values: Mapping[str, Any]) -> li
 
 
 def _next_measurement(
-    added: Sequence[Mapping[str, Any]], status: str, catalogue: Catalogue, swing: Mapping[str, Any] | None
+    added: Sequence[Mapping[str, Any]],
+    status: str,
+    catalogue: Catalogue,
+    swing: Mapping[str, Any] | None,
+    own: bool,
 ) -> str | None:
     """The measurement that would tell more, as a sentence, or None: the experiment that tells the leading structures apart where one
     does; else of tied effects what the catalogue says of two of them, or that nothing at hand does."""
@@ -283,7 +315,8 @@ def _next_measurement(
         return str(swing["text"])
     for one in added:
         for pair in combinations(catalogue.ordered({one["name"], *one["tied_with"]}), 2):
-            if text := catalogue.measurement(*pair):
+            text = catalogue.measurement(*pair)
+            if text and not (own and "°" in text):  # of what is no angle
                 return text
     if tied and swing is not None:
         return str(swing["text"])

@@ -32,6 +32,8 @@ _CARRIED = (
     "label",
     "unit_told",
     "scale",
+    "own_unit",
+    "own_step",
     "read_again",
     "time_standard_uncertainty_s",
 )  # from a recording to its angles

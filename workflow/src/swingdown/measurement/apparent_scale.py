@@ -9,6 +9,8 @@ from .swings.half_swings import half_swings, passages
 
 # rad: what the largest swing stands for where no period tells more, as sine and angle are then one
 RELATIVE = 0.01
+# rad: of what a spring pulls back, about as wide as the searched shapes of torques are
+ON_A_SPRING = 0.1
 _WIDEST = 3.0  # rad
 _WORTH = 10.0  # of BIC, by which the period has to be better told with the size of the swings than without
 _ROUNDS = 8  # until the square of the swings is what it makes of the period
@@ -29,9 +31,10 @@ def apparent_scale(times: Floats, signal: Floats, restoring: str = "sine") -> fl
     Returns
     -------
     float
-        That by which the largest swing is ``RELATIVE`` where the period does not evidently fall with the swings, or nothing but a spring pulls back.
+        That by which the largest swing is ``RELATIVE`` where the period does not evidently fall with the swings, and ``ON_A_SPRING`` where
+        nothing but a spring pulls back.
     """
-    small = 2 * RELATIVE / float(np.ptp(signal))
+    small = 2 * (RELATIVE if restoring == "sine" else ON_A_SPRING) / float(np.ptp(signal))
     swings = half_swings(signal)
     passed = passages(times, signal, swings.centre())
     if restoring != "sine" or not len(passed) == len(swings.starts) - 1 > ENOUGH:

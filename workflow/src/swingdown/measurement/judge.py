@@ -24,6 +24,7 @@ UNSCALED = (
     "no scale is stated: PERIOD AND DECAY ALONE ARE REPORTED. For angles state the degrees that one unit is worth "
     "⟨in scale⟩"
 )
+OWN = "no scale is known: SIZES ARE IN UNITS OF THE READING ({})"
 
 _AT_REST = 0.02  # of what a recording goes through, in its last quarter
 
@@ -31,13 +32,15 @@ _AT_REST = 0.02  # of what a recording goes through, in its last quarter
 @dataclass(frozen=True)
 class Reading:
     """What a signal is read as: its ``unit`` (NO_SCALE for a reading without one), whether that was ``stated``, and rad per unit of
-    it (``scale``; NaN where that is not known, 0 for no angle). What was ``computed`` of two coordinates has no rail and no smallest step."""
+    it (``scale``; NaN where that is not known, 0 for no angle). What was ``computed`` of two coordinates has no rail and no smallest step.
+    ``own`` is the unit as written of what a spring pulls back, whose sizes need no scale; empty of all else."""
 
     unit: str
     stated: bool
     scale: float = 0.0
     restoring: str = "sine"
     computed: bool = False
+    own: str = ""
 
     @property
     def told(self) -> str:
@@ -90,7 +93,9 @@ def judge(times: Floats, signal: Floats, reading: Reading, place: str) -> Judged
     if unscaled:
         reading = replace(reading, scale=2 * RELATIVE / float(np.ptp(spikes.healed)))
         zero = half_swings(spikes.healed).centre() * reading.scale
-        if not any("UNKNOWN SCALE" in one for one in remarks):
+        if reading.own:
+            remarks.append(OWN.format(reading.own))
+        elif not any("UNKNOWN SCALE" in one for one in remarks):
             remarks.append(UNSCALED)
         zero = zero if np.isfinite(zero) else 0.0
     else:

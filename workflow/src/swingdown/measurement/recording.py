@@ -164,6 +164,7 @@ def _dataset(
         **turned,
         **scale,
         **({"scale": "unknown"} if unscaled else {}),
+        **({"own_unit": reading.own, "own_step": 1 / reading.scale} if unscaled and reading.own else {}),
         **kept,
     }
     return xr.Dataset(

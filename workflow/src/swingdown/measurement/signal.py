@@ -9,6 +9,7 @@ import numpy as np
 
 from ..arrays import Floats
 from ..errors import InputError
+from ..own_unit import UNNAMED
 from .choice import Chosen, widest
 from .files.columns import LENGTH, OF_ACCELERATIONS, OTHER, RATE, SPEED, UNTOLD, Meaning, place_of
 from .gyroscope import TO_RAD_PER_S, rate_unit, turning_most
@@ -32,6 +33,7 @@ UNIT_WORDS = {
     "deg/s": "degrees a second, an angular rate", NO_SCALE: "readings of unknown scale",
 }  # fmt: skip
 MOST_LOST = 0.2  # of the positions: a tracker that loses more follows no bob
+_NAMES = {"V": "V", "counts": "counts"}
 RELATIVE = "relative"  # in the cell scale: nobody knows it
 _RAW = re.compile(
     r"(?i)\b(adc|raw|analog\w*|a0|sensor ?value|poti?|potentiometer|au|a\.u|arb|ch(annel)? ?\d+ ?v?)\b"
@@ -122,6 +124,9 @@ def signal_of(
     if first.kind == UNTOLD and not columns.unit and not row.get("scale"):
         check_once(values[taken], where)
     reading = _reading(row, columns, times, values[taken], restoring, where)
+    # a force or an acceleration has jumps where the friction of what swings has them, and a rate is no deflection
+    if restoring == "linear" and first.kind not in (OTHER, SPEED, RATE):
+        reading = replace(reading, own=first.written or _NAMES.get(columns.unit, UNNAMED))
     return Interpreted(times, values[taken], reading, told, about, names[taken])
 
 
@@ -218,9 +223,9 @@ def _coordinate(
         else "one coordinate without a length (⟨length⟩, in its unit): taken as it swings, whatever pulls it back"
     ]
     known = np.nan if scale is None else scale
-    return Interpreted(
-        times, x, Reading(NO_SCALE, True, known, restoring), told if scale is None else [], {}, first.name
-    )
+    own = (unit or UNNAMED) if restoring == "linear" and first.kind != SPEED else ""
+    reading = Reading(NO_SCALE, True, known, restoring, own=own)
+    return Interpreted(times, x, reading, told if scale is None else [], {}, first.name)
 
 
 def _told_lost(away: np.ndarray, circle: Circle, angle: Floats, unit: str, place: str) -> list[str]:

@@ -9,6 +9,8 @@ from matplotlib.axes import Axes
 
 from ..arrays import Floats, Shown, extremes
 from ..dataset import series_of
+from ..own_unit import axis
+from ..own_unit import shown as told_in
 from . import style
 
 FITTED, HELD, DATA = "#0072B2", "#009E73", style.GREY
@@ -45,9 +47,8 @@ def swings_with_fit(
         if len(parts) > 1:
             upper.set_title(name)
         lower.set_xlabel("time (s)" if len(chosen) > 1 else style.TIME)
-    angle = shown[0].unit == "rad"
-    grid[0, 0].set_ylabel("angle (°)" if angle else "angular rate (°/s)")
-    grid[1, 0].set_ylabel("data − fit (°)" if angle else "data − fit (°/s)")
+    grid[0, 0].set_ylabel(axis(shown[0].unit))
+    grid[1, 0].set_ylabel(f"data − fit ({told_in(0.0, shown[0].unit)[1]})")
     figure.legend(
         handles=[style.mark(".", DATA, "measured"), *style.handles_of(figure)],
         loc="outside upper left",
@@ -69,9 +70,14 @@ def swings_alone(shown: Sequence[Shown], data: xr.Dataset | Mapping[str, Any]) -
     grid = figure.subplots(len(shown), 1, squeeze=False)[:, 0]
     for axes, one in zip(grid, shown, strict=True):
         axes.plot(
-            *thinned(one.times, style.degrees(one.angle)), ".", ms=2.6, mew=0, color=DATA, rasterized=True
+            *thinned(one.times, told_in(one.angle, one.unit)[0]),
+            ".",
+            ms=2.6,
+            mew=0,
+            color=DATA,
+            rasterized=True,
         )
-        axes.set_ylabel("angle (°)" if one.unit == "rad" else "angular rate (°/s)")
+        axes.set_ylabel(axis(one.unit))
         axes.grid(True, axis="y")
         if len(shown) > 1:
             axes.set_title(one.recording)
@@ -85,16 +91,17 @@ def _recording(upper: Axes, lower: Axes, parts: Sequence[Shown], noise: float | 
         time = one.times - begin
         colour = HELD if one.held_out else FITTED
         what = "model, on a part held out of the fit" if one.held_out else "fit"
-        left = style.degrees(one.angle - one.fit)
-        upper.plot(*thinned(time, style.degrees(one.angle)), ".", ms=2.6, mew=0, color=DATA, rasterized=True)
-        upper.plot(*thinned(time, style.degrees(one.fit)), lw=0.7, color=colour, label=what)
+        angle, fit = (told_in(each, one.unit)[0] for each in (one.angle, one.fit))
+        left = angle - fit
+        upper.plot(*thinned(time, angle), ".", ms=2.6, mew=0, color=DATA, rasterized=True)
+        upper.plot(*thinned(time, fit), lw=0.7, color=colour, label=what)
         lower.plot(*thinned(time, left), lw=0.6, color=colour)
     if noise:
-        band = 2 * float(np.degrees(noise))
+        band = 2 * float(told_in(noise, parts[0].unit)[0])
         lower.axhspan(
             -band, band, color=style.FAINT, alpha=0.7, lw=0, label="± 2 standard deviations of the noise"
         )
-    style.symmetric(lower, np.concatenate([style.degrees(one.angle - one.fit) for one in parts]))
+    style.symmetric(lower, np.concatenate([told_in(one.angle - one.fit, one.unit)[0] for one in parts]))
     lower.set_xlim(0, float(parts[-1].times[-1]) - begin)
     for axes in (upper, lower):
         axes.grid(True, axis="y")

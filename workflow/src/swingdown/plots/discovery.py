@@ -11,10 +11,14 @@ from matplotlib.figure import Figure
 
 from ..arrays import Floats
 from ..dataset import series_of
+from ..own_unit import axis as axis_of
+from ..own_unit import shown as shown_in
+from ..own_unit import speed
 from ..pendulum.model import in_words
 from . import style
 
 BEFORE, AFTER, HELD = "#D55E00", "#0072B2", "#009E73"
+ANGLE = "rad"  # what readings are in, unless they are no angle
 _ROWS = 12  # of a ranking
 _MANY, _GROUPS = 80, 12  # half-swings beyond which means of groups are drawn, and so many groups
 
@@ -33,8 +37,9 @@ def residuals(first: xr.Dataset, last: xr.Dataset) -> Figure:
     figure = style.new_figure(10.5)
     shown = [one for one in (_worst(first, held=False), _worst(first, held=True)) if one is not None]
     grid = figure.subplots(len(shown), 1, squeeze=False)[:, 0]
-    unit = "°" if series_of(last).attrs["units"] == "rad" else "°/s"
-    noise = float(np.degrees(last.attrs["noise_rms_rad" if unit == "°" else "noise_rms_rad_per_s"]))
+    read = series_of(last)
+    key = "noise_rms_rad_per_s" if read.name == "rate" else "noise_rms_rad"
+    noise, unit = shown_in(last.attrs[key], read.attrs["units"])
     for axes, k in zip(grid, shown, strict=True):
         time, before = _residual(first, k)
         _, after = _residual(last, k)
@@ -68,7 +73,8 @@ def residuals(first: xr.Dataset, last: xr.Dataset) -> Figure:
 def _residual(data: xr.Dataset, k: int) -> tuple[Floats, Floats]:
     rows = data["swing"].values == k
     time = data["time"].values[rows]
-    return time - time[0], style.degrees(series_of(data).values[rows] - data["fit"].values[rows])
+    read = series_of(data)
+    return time - time[0], shown_in(read.values[rows] - data["fit"].values[rows], read.attrs["units"])[0]
 
 
 def _worst(data: xr.Dataset, held: bool) -> int | None:
@@ -77,11 +83,13 @@ def _worst(data: xr.Dataset, held: bool) -> int | None:
 
 
 @style.styled
-def missing_torque(first: pd.DataFrame, last: pd.DataFrame, rounds: Sequence[Mapping[str, Any]]) -> Figure:
+def missing_torque(
+    first: pd.DataFrame, last: pd.DataFrame, rounds: Sequence[Mapping[str, Any]], unit: str = ANGLE
+) -> Figure:
     """The torque that the base model and the last one lack, over angle, velocity and time, with bands of two standard errors.
 
     ``first`` and ``last`` are the rounds' map tables (``over``, ``part``, ``x``, ``torque``, ``band``), ``rounds`` the
-    contents of ``rounds.json``.
+    contents of ``rounds.json``, ``unit`` that of the angle.
     """
     figure = style.new_figure(8.8)
     grid = figure.subplots(1, 3)
@@ -90,8 +98,8 @@ def missing_torque(first: pd.DataFrame, last: pd.DataFrame, rounds: Sequence[Map
     )
     chosen = _largest(first[first["over"] == "time"])
     axis = {
-        "position": ("angle (°)", 180 / np.pi),
-        "velocity": ("angular speed (rad/s)", 1.0),
+        "position": (axis_of(unit), float(shown_in(1.0, unit)[0])),
+        "velocity": (speed(unit), 1.0),
         "time": ("time (share of the record)", 1.0),
     }
     for axes, (over, (label, scale)) in zip(grid, axis.items(), strict=True):
@@ -118,7 +126,7 @@ def missing_torque(first: pd.DataFrame, last: pd.DataFrame, rounds: Sequence[Map
         axes.set(xlabel=label, title=f"{heading}\n{share}")
         axes.axhline(0, color=style.GREY, lw=0.6)
         axes.grid(True, axis="y")
-    grid[0].set_ylabel("missing torque over inertia (rad/s²)")
+    grid[0].set_ylabel(f"missing torque over inertia ({unit}/s²)")
     figure.legend(handles=style.handles_of(figure), loc="outside upper left", ncols=3)
     return style.footnote(
         figure,
@@ -135,10 +143,10 @@ def _largest(part: pd.DataFrame) -> str:
 
 
 @style.styled
-def half_swings(first: pd.DataFrame, last: pd.DataFrame) -> Figure:
+def half_swings(first: pd.DataFrame, last: pd.DataFrame, unit: str = ANGLE) -> Figure:
     """Energy loss, period and mid-point of each half-swing against its amplitude: measured, base model and last model.
 
-    ``first`` and ``last`` are the rounds' half-swing tables. Of many half-swings the lower row has means of groups, with bars of two
+    ``first`` and ``last`` are the rounds' half-swing tables, ``unit`` that of the angle. Of many half-swings the lower row has means of groups, with bars of two
     standard errors.
     """
     figure = style.new_figure(11.5)
@@ -146,14 +154,14 @@ def half_swings(first: pd.DataFrame, last: pd.DataFrame) -> Figure:
     quantities = (
         ("energy_loss", "energy lost (%)", 100.0),
         ("period_ratio", "half-period over ideal", 1.0),
-        ("midpoint_rad", "mid-point (°)", 180 / np.pi),
+        ("midpoint_rad", f"mid-point ({shown_in(0.0, unit)[1]})", float(shown_in(1.0, unit)[0])),
     )
     kinds = dict.fromkeys(("amplitude_rad", *(column for column, *_ in quantities)), float)
     first, last = first.astype(kinds), last.astype(kinds)  # a table without rows is read as text
     for axes, below, (column, label, scale) in zip(upper, lower, quantities, strict=True):
         measured = first[first["of"] == "measured"]
         many = len(measured) > _MANY
-        at, values = style.degrees(measured["amplitude_rad"]), scale * measured[column].to_numpy()
+        at, values = shown_in(measured["amplitude_rad"], unit)[0], scale * measured[column].to_numpy()
         look = (
             {"marker": ".", "ms": 1.5, "mew": 0}
             if many
@@ -163,7 +171,7 @@ def half_swings(first: pd.DataFrame, last: pd.DataFrame) -> Figure:
         for table, colour, name in ((first, BEFORE, "base model"), (last, AFTER, "last model")):
             modelled = table[table["of"] == "modelled"]
             axes.plot(
-                style.degrees(modelled["amplitude_rad"]),
+                shown_in(modelled["amplitude_rad"], unit)[0],
                 scale * modelled[column],
                 ".",
                 color=colour,
@@ -172,7 +180,7 @@ def half_swings(first: pd.DataFrame, last: pd.DataFrame) -> Figure:
                 label=name,
             )
             amplitude, left = _left(table, column)
-            at, left = style.degrees(amplitude), scale * np.asarray(left, float)
+            at, left = shown_in(amplitude, unit)[0], scale * np.asarray(left, float)
             if len(at) > _MANY:
                 below.plot(at, left, ".", color=colour, ms=1.5, mew=0, alpha=0.5)
                 _means(below, at, left, colour)
@@ -182,7 +190,7 @@ def half_swings(first: pd.DataFrame, last: pd.DataFrame) -> Figure:
         _reach(axes, scale * measured[column].to_numpy())
         below.axhline(0, color=style.GREY, lw=0.6)
         axes.set_title(label)
-        below.set_xlabel("amplitude (°)")
+        below.set_xlabel(f"amplitude ({shown_in(0.0, unit)[1]})")
         if not np.isfinite(measured[column]).any():
             axes.annotate(
                 "not shown by a rate" if len(measured) else "no half-swing",

@@ -9,6 +9,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from ..arrays import Floats
+from ..own_unit import axis, speed
+from ..own_unit import shown as shown_in
 from . import style
 
 _KNOWN = 0.3  # of a torque on the map must be determined by the data for it to be drawn
@@ -23,11 +25,13 @@ _COLOURS = "RdBu_r"
 
 
 @style.styled
-def remainder(table: pd.DataFrame, course: pd.DataFrame, told: Mapping[str, Any]) -> Figure:
+def remainder(
+    table: pd.DataFrame, course: pd.DataFrame, told: Mapping[str, Any], unit: str = "rad"
+) -> Figure:
     """The missing torque over angle and speed, what it is a function of, and its course in the swing that has most of it.
 
     ``table`` (``angle_rad``, ``speed_rad_per_s``, ``torque``, ``band``, ``known``, ``seen``) and ``course`` (``swing``, ``time_s``,
-    ``torque``, ``band``) are those of a round, ``told`` its entry in ``rounds.json``. Where there is none the picture says so.
+    ``torque``, ``band``) are those of a round, ``told`` its entry in ``rounds.json``, ``unit`` that of the angle. Where there is none the picture says so.
     """
     if table.empty:
         return style.absent("no torque is left to draw")
@@ -35,10 +39,10 @@ def remainder(table: pd.DataFrame, course: pd.DataFrame, told: Mapping[str, Any]
     halves: Any = figure.subfigures(2, 1, height_ratios=(1.25, 1))
     upper, lower = halves
     left, right = upper.subplots(1, 2, width_ratios=(1.6, 1))
-    drawn = _map(left, table)
-    upper.colorbar(drawn, ax=left, label="missing torque (rad/s²)", pad=0.02)
+    drawn = _map(left, table, unit)
+    upper.colorbar(drawn, ax=left, label=f"missing torque ({unit}/s²)", pad=0.02)
     _shares(right, told["remainder"]["shares"])
-    _course(lower.subplots(), course)
+    _course(lower.subplots(), course, unit)
     return style.footnote(
         figure,
         f"campaign {told['campaign']}",
@@ -47,7 +51,7 @@ def remainder(table: pd.DataFrame, course: pd.DataFrame, told: Mapping[str, Any]
     )
 
 
-def _map(axes: Axes, table: pd.DataFrame) -> Any:
+def _map(axes: Axes, table: pd.DataFrame, unit: str) -> Any:
     """Torque over angle and speed, blank where the data do not determine it; for either direction of motion its own."""
     shown = table["torque"].where((table["known"] > _KNOWN) & (table["seen"] > 0))
     largest = float(np.nanmax(np.abs(shown))) if shown.notna().any() else 1.0
@@ -58,15 +62,19 @@ def _map(axes: Axes, table: pd.DataFrame) -> Any:
             "shown", "speed_rad_per_s", "angle_rad", dropna=False
         )
         drawn = axes.pcolormesh(
-            style.degrees(grid.columns), grid.index, np.ma.masked_invalid(grid.to_numpy()), cmap=_COLOURS,
+            shown_in(grid.columns, unit)[0], grid.index, np.ma.masked_invalid(grid.to_numpy()), cmap=_COLOURS,
             vmin=-largest, vmax=largest, shading="gouraud" if grid.notna().all(axis=None) else "nearest", rasterized=True,
         )  # fmt: skip
     weak = shown.notna() & (table["torque"].abs() < _PLAIN * table["band"])
     axes.plot(
-        style.degrees(table["angle_rad"][weak]), table["speed_rad_per_s"][weak], ".", color=style.GREY, ms=2
+        shown_in(table["angle_rad"][weak], unit)[0],
+        table["speed_rad_per_s"][weak],
+        ".",
+        color=style.GREY,
+        ms=2,
     )
     axes.axhline(0, color=style.INK, lw=0.6)
-    axes.set(xlabel="angle (°)", ylabel="angular speed (rad/s)", title="where it acts")
+    axes.set(xlabel=axis(unit), ylabel=speed(unit), title="where it acts")
     return drawn
 
 
@@ -81,7 +89,7 @@ def _shares(axes: Axes, shares: Mapping[str, float]) -> None:
     axes.set_yticks(range(len(names)), [_SHAPES[name] for name in names])
 
 
-def _course(axes: Axes, course: pd.DataFrame) -> None:
+def _course(axes: Axes, course: pd.DataFrame, unit: str) -> None:
     """The torque over time of the swing in which it is largest, with what is plainly not nothing marked."""
     size = (course["torque"] ** 2).groupby(course["swing"]).mean()
     one = course[course["swing"] == size.idxmax()]
@@ -95,7 +103,7 @@ def _course(axes: Axes, course: pd.DataFrame) -> None:
     axes.axhline(0, color=style.GREY, lw=0.6)
     axes.set(
         xlabel=style.TIME,
-        ylabel="(rad/s²)",
+        ylabel=f"({unit}/s²)",
         title=f"when it acts: {one['swing'].iloc[0]}",
         xlim=(time[0], time[-1]),
     )

@@ -11,6 +11,8 @@ from numpy.typing import NDArray
 
 from ..arrays import Floats, Shown, extremes
 from ..language import IN_ENGLISH, Language
+from ..own_unit import axis
+from ..own_unit import shown as told
 
 MOST = 15_000  # samples of all traces of a page: 16 bytes each
 _FOLDER = Path(__file__).parent
@@ -36,17 +38,16 @@ def trace(
 ) -> Markup:
     """The JSON of swings and fits that ``trace.js`` draws: by recording time (s), angle and fit (degrees), and the parts held out.
 
-    ``spoken`` is the language of what stands beside them. ``noise`` is the noise's standard deviation; angles, fits and noise are in ``unit``: ``rad``, or ``rad/s`` where a rate is read.
+    ``spoken`` is the language of what stands beside them. ``noise`` is the noise's standard deviation; angles, fits and noise are in ``unit``: ``rad``, ``rad/s`` where a rate is read, or a reading's own.
     Of more than ``most`` samples those stay that leave most of the fit, to both sides, in columns of equal width: ``kept`` tells
     how many of ``samples``.
     """
     parts = Shown.by_recording(shown)
     recordings = [_recording(name, own, most // len(parts)) for name, own in parts.items()]
-    shown_in = unit.replace("rad", "°")
     content = {
-        "what": f"{'angle' if unit == 'rad' else 'angular rate'} ({shown_in})",
-        "left": f"data − fit ({shown_in})",
-        "noise": float(np.degrees(noise)) if noise else None,
+        "what": axis(unit),
+        "left": f"data − fit ({told(0.0, unit)[1]})",
+        "noise": float(told(noise, unit)[0]) if noise else None,
         "words": {one: text for one in WORDS if (text := spoken.text(one)) != one},
         "decimal": spoken.decimal,
         "recordings": recordings,
@@ -65,8 +66,8 @@ def _recording(name: str, parts: Sequence[Shown], most: int) -> dict[str, object
         "kept": sum(rows.size for rows in kept),
         "parts": [[int(rows.size), one.held_out] for one, rows in pairs],
         "time": _packed(np.concatenate([one.times[rows] - begin for one, rows in pairs])),
-        "angle": _packed(np.concatenate([np.degrees(one.angle[rows]) for one, rows in pairs])),
-        "fit": _packed(np.concatenate([np.degrees(one.fit[rows]) for one, rows in pairs])),
+        "angle": _packed(np.concatenate([told(one.angle[rows], one.unit)[0] for one, rows in pairs])),
+        "fit": _packed(np.concatenate([told(one.fit[rows], one.unit)[0] for one, rows in pairs])),
     }
 
 

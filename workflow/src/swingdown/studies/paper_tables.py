@@ -11,6 +11,7 @@ import pandas as pd
 import xarray as xr
 
 from ..arrays import Floats
+from ..measurement.angle import UNSCALED
 from .comparison import bic_effective
 from .norms import as_text
 
@@ -95,6 +96,7 @@ def table3(norms: xr.Dataset, published: pd.DataFrame) -> pd.DataFrame:
     printed = published.set_index("fitted")
     rows = []
     for campaign, chosen in norms.groupby("campaign", squeeze=False):
+        unscaled = (chosen["uncertainty"] == UNSCALED).values
         about = ["emulated recordings"] if "yes" in chosen["emulated"].values else []
         about += [
             f"uncertainty of the angle: {', '.join(sorted(set(as_text(chosen['uncertainty']))))}",
@@ -105,14 +107,20 @@ def table3(norms: xr.Dataset, published: pd.DataFrame) -> pd.DataFrame:
             for key in ("norm", "reduced_chi2", "bic", "variance_inflation")
         }
         bic = by_model["bic"].sum(axis=1)
-        bound = dict(zip(("mean", "std", "n"), statistics(chosen["error_bound_norm"].values), strict=True))
+        bound = dict(
+            zip(
+                ("mean", "std", "n"),
+                statistics(np.where(unscaled, np.nan, chosen["error_bound_norm"].values)),
+                strict=True,
+            )
+        )
         rows.append({"campaign": campaign, "fitted": "error_bounds", **bound, "note": "; ".join(about)})
         effective = bic_effective(chosen)
         values = chosen["value"].transpose("fitted", "parameter", "recording").values
         parameter = as_text(chosen["parameter"])
         for k, label in enumerate(as_text(chosen["fitted"])):
             one = {key: all[k] for key, all in by_model.items()}
-            mean, std, n = statistics(one["norm"])
+            mean, std, n = statistics(np.where(unscaled, np.nan, one["norm"]))
             rows.append({
                 "campaign": campaign, "fitted": label, "mean": mean, "std": std, "n": n,
                 "reduced_chi2": float(one["reduced_chi2"].mean()), "bic": float(bic[k]), "delta_bic": float(bic[k] - bic.min()),

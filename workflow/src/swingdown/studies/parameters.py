@@ -9,6 +9,8 @@ import xarray as xr
 from scipy.special import stdtrit
 
 from ..arrays import Floats
+from ..measurement.angle import UNSCALED
+from ..own_unit import has_size
 from ..rounding import value_with_uncertainty
 from .norms import as_text
 
@@ -33,16 +35,20 @@ def parameters(norms: xr.Dataset, joint: Iterable[xr.Dataset] = ()) -> pd.DataFr
     pandas.DataFrame
         Columns campaign, recording, fitted, parameter, value, standard_error with its random and systematic part, low, high (95 %), unit,
         text. After a campaign's recordings comes ``(mean)``, where there are two or more: its random part is from the scatter between
-        recordings, its systematic part the root mean square of theirs. For each dataset of ``joint`` follows ``(joint)``.
+        recordings, its systematic part the root mean square of theirs. For each dataset of ``joint`` follows ``(joint)``. Readings without a
+        scale have no value of a parameter whose size depends on it.
     """
     units = dict(zip(as_text(norms["parameter"]), as_text(norms["parameter_unit"]), strict=True))
     together = {str(one.attrs["campaign"]): one for one in joint}
     rows = []
     for campaign, chosen in norms.groupby("campaign", squeeze=False):
         names = as_text(chosen["recording"])
+        unscaled = bool((chosen["uncertainty"] == UNSCALED).all())
         told = _arrays(chosen, ("fitted", "parameter", "recording"))
         for k, label in enumerate(as_text(chosen["fitted"])):
             for n, name in enumerate(units):
+                if unscaled and has_size(name, units[name]):
+                    continue
                 where = {"campaign": campaign, "fitted": label, "parameter": name, "unit": units[name]}
                 rows += [row | where for row in _estimates(names, *(every[k, n] for every in told))]
                 if campaign in together:

@@ -1,5 +1,6 @@
 """The pendulums of a study side by side: of each the model of damping that describes it, its quantities, and the verdict."""
 
+import re
 import warnings
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
@@ -147,6 +148,7 @@ _TAIL = {
     "last_period_s": False,
     RESIDUALS[ANGLE]: True,
     RESIDUALS[RATE]: False,
+    "own_unit": False,
     "record_s": True,
     "verdict": True,
     "missing": True,
@@ -284,6 +286,9 @@ def by_verdict(row: Mapping[str, Any], verdict: Mapping[str, Any]) -> dict[str, 
     if not concluded or verdict["status"] in open_still:
         return dict(row)
     ends = ("", "_u", "_text")
+    own = (
+        {"own_unit": verdict["unit"]} if verdict.get("unit", READINGS[ANGLE]) not in READINGS.values() else {}
+    )
     old = {
         "or_model",
         "share_left",
@@ -299,7 +304,7 @@ def by_verdict(row: Mapping[str, Any], verdict: Mapping[str, Any]) -> dict[str, 
         found |= cells_of(ZERO, Quantity(zero["value"], zero["standard_error"], zero["unit"]))
     rates = verdict.get("reading") == RATE
     return _of_what_is_seen(found | {
-        "amplitude_rad": concluded["amplitude_rad"], "model": concluded["model"], "model_of": SEARCH,
+        "amplitude_rad": np.nan if own else concluded["amplitude_rad"], **own, "model": concluded["model"], "model_of": SEARCH,
         "remark": joined(*(one for one in row.get("remark", "").split("; ") if one != _doubt_of(row))),
         RESIDUALS[RATE if rates else ANGLE]: concluded["residual"],
     })  # fmt: skip
@@ -316,16 +321,29 @@ def cells_of(name: str, one: Quantity) -> dict[str, Any]:
 
 
 def residual_of(row: Mapping[str, Any]) -> tuple[float, str]:
-    """What the model of a row of ``pendulums`` leaves (RMS), and its unit: rad, or rad/s of an angular rate."""
+    """What the model of a row of ``pendulums`` leaves (RMS), and its unit: rad, rad/s of an angular rate, or that of a reading without a scale."""
     rate = float(row.get(RESIDUALS[RATE], np.nan))
-    return (rate, READINGS[RATE]) if np.isfinite(rate) else (float(row[RESIDUALS[ANGLE]]), READINGS[ANGLE])
+    if np.isfinite(rate):
+        return rate, READINGS[RATE]
+    return float(row[RESIDUALS[ANGLE]]), _own_unit(row) or READINGS[ANGLE]
+
+
+def _own_unit(row: Mapping[str, Any]) -> str:
+    """The unit of what is no angle in a row; empty of angles and rates."""
+    own = row.get("own_unit")
+    return own if isinstance(own, str) else ""
 
 
 def quantities_of(row: Mapping[str, Any]) -> dict[str, Quantity]:
     """The quantities that a row of ``pendulums`` holds, by name, in the order of its columns."""
-    found = {}
+    found, own = {}, _own_unit(row)
+    of_own = re.compile(rf"(?<![A-Za-z]){re.escape(own)}(?![A-Za-z])") if own else None
     for column in row:
         if f"{column}_u" in row and np.isfinite(row[column]):
+            name, _, unit = str(column).rpartition("_")
+            if of_own and of_own.search(unit):
+                found[name] = Quantity(float(row[column]), float(row[f"{column}_u"]), unit)
+                continue
             endings = [(unit, end) for unit, end in _SUFFIX.items() if str(column).endswith(end)]
             unit, ending = max(endings, key=lambda one: len(one[1]))
             name = str(column).removesuffix(ending)

@@ -146,7 +146,9 @@ def at_first_swing(own: xr.Dataset) -> tuple[Quantity | None, dict[str, Any]]:
         value_with_uncertainty(one, u)
         for one, u in ((first, u_first), (first + change, float(np.hypot(u_first, u_change))))
     ]
-    note = f"{COURSE.format(*both)}; the period of small swings needs the scale"
+    note = COURSE.format(*both)
+    if own.attrs.get("restoring") != "linear":
+        note += "; the period of small swings needs the scale"
     cells = {"period_of": PASSAGES, "last_period_s": first + change}
     return Quantity(first, u_first, "s"), {"amplitude_text": "the first swing", "note": note, **cells}
 

@@ -5,6 +5,7 @@ from math import degrees, isfinite, nan
 from typing import Any, NamedTuple
 
 from ..language import ENGLISH, IN_ENGLISH, Language, capital
+from ..own_unit import small
 from ..pendulum.catalogue import SHIPPED, Catalogue
 from ..pendulum.effect import Effect
 from ..pendulum.model import model_words
@@ -225,7 +226,7 @@ def details(
         for one in quantity_rows(row, verdict)
     ]
     residual, unit = residual_of(row)
-    leaves = f"; it leaves {1e3 * residual:.3g} m{unit} RMS" if isfinite(residual) else ""
+    leaves = f"; it leaves {small(residual, unit)} RMS" if isfinite(residual) else ""
     model = spoken.text("model" if row.get("model_of") == SEARCH else "damping")
     width = max([18, *(len(words) for words, *_ in quantities if spoken.code != ENGLISH)])
     more = [*notes(row), *([EMULATED] if row.get("emulated") == "yes" else [])]

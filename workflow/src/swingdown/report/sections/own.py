@@ -11,6 +11,7 @@ from markupsafe import Markup
 
 from ...discovery.verdict import noise_rms
 from ...language import capital
+from ...own_unit import small
 from ...pendulum.catalogue import catalogue
 from ...pendulum.model import model_words
 from ...studies.pendulums import NO_MODEL, NOT_DYING, REFUSED, SEARCH, TOGETHER, residual_of
@@ -90,9 +91,9 @@ def _verdict(found: Mapping[str, Any]) -> Iterator[Text]:
 
 def _sure(found: Mapping[str, Any]) -> Markup:
     """How sure a verdict is: what was held out of every fit, and what each effect gained."""
-    noise = 1e3 * noise_rms(found)
+    noise = small(noise_rms(found), found.get("unit", "rad"))
     parts = [
-        f"The held-out residual is {found['gap']['holdout'][-1]:.3g} times the noise of {noise:.3g} m{found.get('unit', 'rad')}; a "
+        f"The held-out residual is {found['gap']['holdout'][-1]:.3g} times the noise of {noise}; a "
         "complete model leaves 1."
     ]
     for one in found["effects"]:
@@ -111,7 +112,7 @@ def _zoomable(figure: Figure, material: Material, found: Mapping[str, Any] | Non
     if not swings:
         return figure
     unit = found.get("unit", "rad") if found else "rad"  # of what is read, an angle or a rate
-    noise = found[f"noise_rms_{unit.replace('/', '_per_')}"] if found else None
+    noise = noise_rms(found) if found else None
     return replace(figure, numbers=trace(swings, noise, MOST // len(material.swings), unit, material.spoken))
 
 
@@ -166,7 +167,7 @@ def _of_model(row: Mapping[str, Any]) -> str:
         return "The period of passages through a light gate: nothing but their times was recorded."
     residual, unit = residual_of(row)
     left = (
-        f"{numbers.plain(1e3 * residual)} m{unit} RMS" if math.isfinite(residual) else "a scatter told below"
+        f"{small(residual, unit, numbers.plain)} RMS" if math.isfinite(residual) else "a scatter told below"
     )
     words = damping_words(row)
     if row["model"] == NOT_DYING:

@@ -1,0 +1,120 @@
+"""A wheel or a mass on a spring whose readings have no scale: searched in their own unit."""
+
+import re
+
+import numpy as np
+import pytest
+
+from swingdown import read
+from swingdown.engine.trajectory import simulate
+from swingdown.errors import InputError
+from swingdown.own_unit import OF_AN_ANGLE, Own, has_size
+from swingdown.pendulum.catalogue import SHIPPED
+from swingdown.pendulum.model import Model
+
+STEP, TIMES = 3.0, np.arange(0, 60, 0.02)
+HIDDEN = {
+    "natural_frequency": 3.1,
+    "viscous_ratio": 0.004,
+    "constant_friction": 0.002,
+    "cubic_stiffness": 30.0,
+}
+
+
+def _values(name):
+    """Values of an effect that show it in a swing of 0.1 rad."""
+    each = {"presliding_angle": 0.01, "power_law_exponent": 1.6, "stribeck_velocity": 0.1, "wind_speed": 0.1}
+    return {p.name: each.get(p.name, p.typical) for p in SHIPPED[name].parameters}
+
+
+@pytest.mark.parametrize(
+    "name", [one.name for one in SHIPPED if one.name not in OF_AN_ANGLE and one.beside != "sine"]
+)
+def test_a_parameter_in_the_readings_unit_moves_the_reading_as_it_moves_the_angle(name):
+    own, times = Own("V", STEP), TIMES[:700]
+    known = {"natural_frequency": 3.1, "viscous_ratio": 0.02} | _values(name)
+    model = Model(tuple({"viscous": 0, name: 0}), known, {}, "linear")
+    told = {key: own.told(key, model.units[key])[0] * value for key, value in known.items()}
+    if name == "power_law_drag":  # told at the speed of one step a second
+        told["power_law_coefficient"] *= STEP ** -known["power_law_exponent"]
+    if name == "base_vibration":  # the direction of the floor is one of space: small angles alone have none
+        times = times[:20]
+    reading = simulate(model.with_values(told), times, STEP * 0.1)
+    np.testing.assert_allclose(
+        reading, STEP * simulate(model, times, 0.1), atol=2e-3 if name == "base_vibration" else 1e-6
+    )
+
+
+def test_what_turns_keeps_its_rad_and_the_unit_is_told_in_full():
+    own = Own("cm", 2.0)
+    assert own.told("natural_frequency", "rad/s") == (1.0, "rad/s")
+    assert own.told("viscous_ratio", "1") == (1.0, "1")
+    assert own.told("constant_friction", "rad/s^2") == (2.0, "cm/s^2")
+    assert own.told("quadratic_coefficient", "s") == (0.5, "s/cm")
+    assert own.told("cubic_stiffness", "1/s^2") == (0.25, "1/s^2/cm^2")
+    assert own.told("magnet_depth", "1/s^2") == (4.0, "cm^2/s^2")
+    assert has_size("constant_friction", "rad/s^2") and not has_size("viscous_ratio", "1")
+
+
+def _wheel(tmp_path, times_as_large, head, seed=4, name="wheel"):
+    """A file of a wheel with a cubic spring; its swing of 0.1 rad is so many times as large in the file."""
+    model = Model(("viscous", "constant_coulomb", "cubic_stiffness"), HIDDEN, {}, "linear")
+    noise = np.random.default_rng(seed).normal(0, 1e-4, TIMES.size)
+    series = times_as_large * (simulate(model, TIMES, 0.1) + noise)
+    path = tmp_path / f"{name}.csv"
+    np.savetxt(
+        path, np.column_stack([TIMES, series]), delimiter=",", header=f"t (s),{head}", comments="", fmt="%.9g"
+    )
+    return path
+
+
+@pytest.mark.slow("a search")
+def test_a_wheel_in_volts_is_searched_in_volts(tmp_path):
+    found = read(_wheel(tmp_path, 20.0, "U (V)"), restoring="linear")
+    assert any("SIZES ARE IN UNITS OF THE READING (V)" in one for one in found.remarks)
+    answer = found.explain()
+    verdict = answer.verdict
+    assert verdict["unit"] == "V" and verdict["status"] in ("named", "ambiguous")
+    named = {name for one in verdict["effects"] for name in (one["name"], *one["tied_with"])}
+    assert "cubic_stiffness" in named
+    one = next(one for one in verdict["effects"] if "cubic_stiffness" in (one["name"], *one["tied_with"]))
+    if one["name"] == "cubic_stiffness":
+        size = one["parameters"]["cubic_stiffness"]
+        assert size["unit"] == "1/s^2/V^2"
+        assert abs(size["value"] - 30 / 400) < 4 * size["standard_error"]
+    assert verdict["noise_rms_rad"] == pytest.approx(20e-4, rel=0.2)  # in V, as unit says
+    told = "\n".join([verdict["sentence"], verdict["next_measurement"] or "", str(answer)])
+    assert " V" in told and not re.search(r"°|mrad|\brad\b(?!/s)|rad/s\^2|rad/s²", told)
+    assert answer.shown[0].unit == "V" and np.ptp(answer.shown[0].angle) > 3
+
+
+@pytest.mark.slow("a search")
+def test_the_unit_in_which_a_reading_is_written_changes_its_sizes_alone(tmp_path):
+    volts, counts = (
+        read(_wheel(tmp_path, size, head, name=name), restoring="linear").explain().verdict
+        for size, head, name in ((2.0, "U (V)", "volts"), (2000.0, "y (px)", "pixels"))
+    )
+    assert (volts["unit"], counts["unit"]) == ("V", "px")
+    assert volts["status"] == counts["status"]
+    assert [one["name"] for one in volts["effects"]] == [one["name"] for one in counts["effects"]]
+    assert counts["noise_rms_rad"] == pytest.approx(1000 * volts["noise_rms_rad"], rel=1e-6)
+    friction, many = (one["model"]["constant_friction"] for one in (volts, counts))
+    assert many["value"] == pytest.approx(1000 * friction["value"], rel=1e-3)
+    assert many["unit"] == "px/s^2"
+
+
+@pytest.mark.parametrize("head", ["a (m/s^2)", "F (N)", "velocity (m/s)"])
+def test_an_acceleration_a_force_and_a_speed_are_no_deflection_to_search_in(tmp_path, head):
+    found = read(_wheel(tmp_path, 20.0, head), restoring="linear", column=head)
+    assert found.swings[0].attrs["mode"] == "unknown scale"
+    assert "own_unit" not in found.swings[0].attrs
+    with pytest.raises(InputError, match="no scale"):
+        found.explain()
+
+
+def test_a_pendulum_without_a_scale_is_still_asked_for_it(tmp_path):
+    found = read(_wheel(tmp_path, 20.0, "U (V)"))
+    assert "own_unit" not in found.swings[0].attrs
+    assert any("state the degrees" in one for one in found.remarks)
+    with pytest.raises(InputError, match="no scale"):
+        found.explain()
