@@ -10,7 +10,6 @@ from swingdown.discovery import friction, judge
 from swingdown.discovery.admissible import at_its_bound
 from swingdown.discovery.campaign import Noise, Swing, campaign
 from swingdown.discovery.confirm import predict
-from swingdown.discovery.discrepancy import Discrepancy
 from swingdown.discovery.judge import Finding, judged, told_of
 from swingdown.discovery.linear import frame
 from swingdown.discovery.structures import Pool
@@ -132,27 +131,6 @@ def test_drags_that_share_the_work_are_judged_as_one():
     found = judged(pool, pool.known[frozenset(("constant_coulomb", "viscous", "structural_damping"))])
     assert list(found) == ["viscous"] and found["viscous"].sure
     assert "structural_damping" in found["viscous"].ties
-    assert found["viscous"].at_shape < 0.1  # as far from nothing as both are together
-
-
-def test_sizes_that_share_the_work_are_from_nothing_together():
-    """Two frictions of which either may do the work of the other: what they do in all is known ten times better than each."""
-    names, known = ("constant_friction", "load_friction"), np.array([[1.0, -0.99], [-0.99, 1.0]])
-    lacks = Discrepancy(0.0, 0.0, 0.0, {}, 1.0, {}, names, known)
-    assert lacks.from_nothing({"constant_friction": 1.5}, []) == pytest.approx(1.5)
-    assert lacks.from_nothing(dict.fromkeys(names, 1.5), []) == pytest.approx(1.5 * np.sqrt(2 / 0.01))
-    assert lacks.from_nothing({"constant_friction": 1.5}, ["load_friction"]) == pytest.approx(
-        1.5 / np.sqrt(1 - 0.99**2)
-    )
-
-
-@pytest.mark.slow("many trajectories")
-def test_a_size_is_asked_at_the_shape_that_it_has(beside_a_spring):
-    """The coefficient of a power law is that at 1 rad/s, and free with its exponent; what it takes away is not."""
-    begun = {"power_law_coefficient": 0.14, "power_law_exponent": 1.9}
-    finding, _ = asked(beside_a_spring, "power_law_drag", **begun)
-    assert finding.sure and finding.at_shape < 0.5
-    assert asked(beside_a_spring, "quadratic_drag")[0].at_shape == 1
 
 
 @pytest.mark.slow("many trajectories")
@@ -231,7 +209,6 @@ def test_a_drag_is_asked_of_what_only_a_drag_could_do_where_held_out_swings_lack
     """Most of what is missing goes with it, of held-out swings too little: what these lack beside it tells nothing of a drag."""
     monkeypatch.setattr(judge, "_whole", lambda *_: (0.1, 0.7, 5.0))
     monkeypatch.setattr(judge, "_of_friction", lambda *_: (0.15, 0.15))
-    monkeypatch.setattr(judge, "_at_its_shape", lambda *_: 1.0)
     there = SimpleNamespace(left=lambda _: 1.0, fit=SimpleNamespace(model=Model("viscous")))
     pool = SimpleNamespace(lacking=lambda *_: [there], noise=None)
     assert judge._asked(pool, there, "quadratic_drag", ["quadratic_drag"], judge.Finding(1.0)).sure
@@ -284,7 +261,7 @@ def test_what_an_effect_is_nearly_in_the_most_probable_structure_it_is_in_a_smal
     assert judge._nearly([here, most], "cubic_stiffness") == ["finite_amplitude"]
 
 
-@pytest.mark.parametrize(("of_four", "law_open"), [(0.95, True), (0.995, False)])
+@pytest.mark.parametrize(("of_four", "law_open"), [(0.9, True), (0.995, False)])
 def test_a_drag_of_which_more_laws_are_possible_than_a_tie_has_is_told_as_one(monkeypatch, of_four, law_open):
     kind = ["viscous", "quadratic_drag", "power_law_drag", "eddy_brake", "structural_damping"]
     pool = SimpleNamespace(

@@ -7,7 +7,7 @@ reading do to the reading, to first order. What the fit's own values can imitate
 largest marginal likelihood (Kennedy and O'Hagan, J. R. Stat. Soc. B 63, 425 (2001)).
 """
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Sequence
 from copy import copy
 from dataclasses import dataclass
 
@@ -79,7 +79,7 @@ class Discrepancy:
     constant for all fits of the same swings); ``size`` (rad), the RMS of its work on the readings beyond what the fit imitates, with what
     is as quick as noise and not the noise; ``sizes`` the same by kind; ``rest``, the RMS beyond fit and discrepancy in units of the
     noise; ``widened``, by how much the standard error of each value that all swings share is larger where the discrepancy may do some
-    of its work; ``covariance``, that of the values ``names`` beside the discrepancy, in units of its own; ``friction`` and
+    of its work; ``friction`` and
     ``friction_error`` (rad/s^2), the unnamed torque against the motion that is left at the middle as the speed goes to nothing."""
 
     log_evidence: float
@@ -88,20 +88,8 @@ class Discrepancy:
     sizes: dict[str, float]
     rest: float
     widened: dict[str, float]
-    names: tuple[str, ...]
-    covariance: Floats
     friction: float = 0.0
     friction_error: float = 0.0
-
-    def from_nothing(self, sizes: Mapping[str, float], held: Collection[str]) -> float:
-        """How many standard errors ``sizes``, in units of their own, are from nothing together where the values ``held`` are."""
-        names = [one for one in sizes if one in self.names]
-        at = [self.names.index(one) for one in (*names, *held) if one in self.names]
-        known = self.covariance[np.ix_(at, at)]
-        scale = np.sqrt(np.maximum(np.diag(known), 1e-300))
-        precision = np.linalg.pinv(known / np.outer(scale, scale), hermitian=True)[: len(names), : len(names)]
-        away = np.array([sizes[one] for one in names])
-        return float(np.sqrt(max(away @ precision @ away, 0.0)))
 
 
 class Unnamed:
@@ -175,8 +163,6 @@ class Unnamed:
             dict(zip(KINDS, (sizes * scale).tolist(), strict=True)),
             float(np.sqrt(at.left / (left.size - basis.shape[1]) / noise.slow_variance)),
             {named[k][0]: float(ratio[k]) for k in shared},
-            tuple(named[k][0] for k in shared),
-            beside[np.ix_(shared, shared)],
             *at.linear(self._rubs),
         )
 

@@ -26,8 +26,7 @@ _ANGLES = 101  # at which two torques are compared
 class Finding:
     """What is to be said of an effect that the most probable structure has: the ``probability`` that it or one of its ``ties`` is there,
     the ``share`` of the discrepancy that is left with it, that of the ``held_out`` swings' excess over the noise, what they leave
-    ``without`` it (in units of the noise), NaN where that cannot be computed, the ``doubt``, why it is not told, or empty,
-    ``at_shape``, the standard error of its size where its shape is held, over the reported one (``_at_its_shape``), and
+    ``without`` it (in units of the noise), NaN where that cannot be computed, the ``doubt``, why it is not told, or empty, and
     ``law_open``, True of a friction whose law may be one that the catalogue has not."""
 
     probability: float
@@ -36,7 +35,6 @@ class Finding:
     held_out: float = np.nan
     without: float = np.nan
     doubt: str = ""
-    at_shape: float = 1.0
     law_open: bool = False
 
     @property
@@ -133,9 +131,9 @@ def _asked(
 ) -> Finding:
     """The finding with the shares that are left with these effects, and what speaks against it. What is ``seen`` without a name is there,
     however little its named law explains."""
-    near, at_shape = pool.lacking(best, names), _at_its_shape(best, name, names)
+    near = pool.lacking(best, names)
     if not near:
-        return replace(one, doubt="no model without it can be fitted", at_shape=at_shape)
+        return replace(one, doubt="no model without it can be fitted")
     # what the base has may be improbable beside a discrepancy, and does more of the work than it does
     without = min(near, key=lambda other: other.left(pool.noise))
     share, held, rms = _whole(pool, best, without)
@@ -144,9 +142,7 @@ def _asked(
     doubt, law_open = _doubt(one.probability, share, held), one.law_open
     if seen and doubt:
         doubt, law_open = "", True
-    return replace(
-        one, share=share, held_out=held, without=rms, doubt=doubt, at_shape=at_shape, law_open=law_open
-    )
+    return replace(one, share=share, held_out=held, without=rms, doubt=doubt, law_open=law_open)
 
 
 def _over_bounds(shares: tuple[float, float]) -> float:
@@ -231,24 +227,6 @@ def _as_likely(simpler: Contained, values: Mapping[str, float], errors: Mapping[
         abs(values[p] - (0.0 if np.isinf(wanted) else wanted)) <= CLEAR * errors.get(p, 0.0)
         for p, wanted in simpler.at.items()
     )
-
-
-def _at_its_shape(best: Structure, name: str, names: Sequence[str]) -> float:
-    """The standard error of an effect's size where its shape is held, over that where all are free: of an effect of nothing there is no
-    shape, and what is as likely as nothing is asked with the shape that it has. Of several that are judged as one it is such that this
-    size is as far from nothing as all sizes are together."""
-    effects = [best.fit.model.catalogue[one] for one in (name, *(one for one in names if one != name))]
-    values, errors, wider = best.fit.model.values, best.fit.model.standard_errors, best.widened
-    sizes = {
-        one.size.name: values[one.size.name] / (errors[one.size.name] * wider.get(one.size.name, 1.0))
-        for one in effects
-        if one.size and errors.get(one.size.name)
-    }
-    if effects[0].size is None or effects[0].size.name not in sizes:
-        return 1.0
-    shapes = [p.name for one in effects for p in one.with_role("shape")]
-    together = best.lacks.from_nothing(sizes, shapes)
-    return abs(sizes[effects[0].size.name]) / together if together > 0 else 1.0
 
 
 def _with(key: Key, old: str, new: str) -> Key:

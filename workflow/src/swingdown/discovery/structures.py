@@ -25,6 +25,7 @@ from .linear import Frame, frame
 from .refit import FAILURES, refit
 
 Key = frozenset[str]
+_COUNTS = 0.01  # the least share of a structure that values are told from
 OWN = "a frequency each"  # in a key: recordings that have a natural frequency each
 
 
@@ -215,7 +216,7 @@ class Pool:
             logs = np.array([one.evidence + self._aic_for_bic(one) for one in group])
             shares = np.exp(logs - np.logaddexp.reduce(logs)) * sum(chances[one.key] for one in group)
             found += [
-                (float(share), one.fit) for share, one in zip(shares, group, strict=True) if share >= POSSIBLE
+                (float(share), one.fit) for share, one in zip(shares, group, strict=True) if share >= _COUNTS
             ]
         return found
 

@@ -8,11 +8,11 @@ import numpy as np
 
 from ..own_unit import Own
 from ..pendulum.catalogue import ANGLE, READINGS, SHIPPED, Catalogue
-from ..pendulum.effect import NATURAL_FREQUENCY, Effect
+from ..pendulum.effect import Effect
 from ..pendulum.formula import evaluate
 from ..studies.left_out import NO_VERDICT
 from ..studies.quantities import Quantity, loss_seen
-from .guard import CLEAR, GUARD
+from .guard import GUARD
 from .locate import KINDS
 from .next_swing import APART
 from .sentence import follows, sentence
@@ -145,30 +145,13 @@ def _dies_away(concluded: Mapping[str, Any] | None) -> bool:
 
 
 def _no_finding(effect: Effect, told: Mapping[str, Any]) -> str:
-    """In words why an effect's values in a round are none: one that nothing is as likely as, or a frequency that the recordings are too
-    short for; empty where there is no reason."""
-    known = told["parameters"]
-    # a size is asked at its shape, and a shape of nothing, or without bounds, makes the effect a simpler one: a tie, unless that is there
-    judged = told["findings"][effect.name]
-    ends = {
-        name: one.name for one in effect.contains for name, at in one.at.items() if at == 0 or np.isinf(at)
-    }
-    simpler = ends.keys() - {name for name, one in ends.items() if one in told["effects"]}
-    for parameter in (NATURAL_FREQUENCY, *effect.parameters):
-        one = known.get(parameter.name, {})
-        value, error = one.get("value"), one.get("standard_error")
-        # what may be nothing beside the rest of its effect, as a damping of the pivot may, is as well where it is
-        beside = parameter.role == "shape" and parameter.lower == 0 and not parameter.at_line
-        free = beside or parameter.role in ("phase", "range") or parameter.each or parameter.name in simpler
-        # where the law is open, so is what its size would be
-        free |= parameter.role == "size" and bool(judged["ties"] or judged["law_open"])
-        if free or value is None:
-            continue
-        if error is not None and parameter.role == "size":
-            error *= judged["at_shape"]
-        if error is not None and abs(value) < CLEAR * error:
-            return f"{parameter.name} is no more than {CLEAR:g} standard errors from nothing"
-        if parameter.at_line and value * (told.get("duration_s") or np.inf) < 1:
+    """In words why an effect's values in a round are none: a frequency that the recordings are too short for; empty where there is no
+    reason."""
+    longest = told.get("duration_s") or np.inf
+    values = {one.name: told["parameters"].get(one.name, {}).get("value") for one in effect.parameters}
+    for parameter in effect.parameters:
+        value = values[parameter.name]
+        if parameter.at_line and value is not None and value * longest < 1:
             return f"{parameter.name} is less than one in the longest recording"
     return ""
 
