@@ -54,6 +54,20 @@ def test_a_power_that_theory_does_not_have_is_said_to_be_away():
     assert "not given" not in period.sentence
 
 
+@pytest.mark.parametrize(("exponent", "short", "shared"), [(0.5, 0.03, True), (0.5, 0.0, False), (0.6, 0.0, False), (0.4, 0.0, False)])  # fmt: skip
+def test_lengths_that_are_all_short_are_no_disagreement_with_theory(exponent, short, shared):
+    """Measured to the top of the bob, say: theory's line of T² over the length follows the points as well as a power law."""
+    draw = np.random.default_rng(3)
+    periods = (
+        2 * pi / np.sqrt(G) * (LENGTHS + short) ** exponent * (1 + 5e-4 * draw.standard_normal(len(LENGTHS)))
+    )
+    table = pendulums(natural_frequency_rad_per_s=2 * pi / periods)
+    period = series_of(table, varied("length", LENGTHS, uncertainty=1e-4))[0]
+    assert period.shared_error == period.to_dict()["theory_with_shared_error_of_lengths"] == shared
+    assert ("does not agree without an error that all lengths share" in period.sentence) == shared
+    assert ("which agrees" in period.sentence) == (exponent == 0.5 and not short)
+
+
 def test_what_is_drawn_depends_on_what_was_varied():
     def drawn(column):
         return [one.quantity for one in series_of(pendulums(), varied(column, LENGTHS))]

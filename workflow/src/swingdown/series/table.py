@@ -24,6 +24,7 @@ class Kind(NamedTuple):
     unit: str
 
 
+_AGREES = 2.0  # standard uncertainties: an exponent that is no farther agrees with theory's
 PERIOD, QUALITY, DECAY = "period", "quality", "decay_rate"
 KINDS = {
     PERIOD: Kind("T", "period of small swings", "s"),
@@ -87,12 +88,23 @@ class Series:
         power = value_with_uncertainty(law.exponent, law.u_exponent)
         told = f"{kind.symbol}{less} goes as the power {power} of {self.by}"
         if np.isfinite(law.theory):
-            verdict = "agrees" if law.away <= 2 else "does not agree"
-            told += (
-                f"; theory says {law.theory:g}, which {verdict} ({law.away:.1f} standard uncertainties away)"
-            )
+            verdict = "which agrees" if law.away <= _AGREES else "which does not agree"
+            if self.shared_error:
+                verdict = "which does not agree without an error that all lengths share"
+            told += f"; theory says {law.theory:g}, {verdict} ({law.away:.1f} standard uncertainties away)"
         parts = [told, law.scatter.sentence, self.gravity.sentence if self.gravity else "", self._unstated()]
         return "; ".join(one for one in parts if one)
+
+    @property
+    def shared_error(self) -> bool:
+        """Whether theory's exponent agrees where all lengths may be off by one amount, and else does not.
+
+        Its line of T² over the length is then at most two standard uncertainties less likely than the power law, of as many values.
+        """
+        if not (self.law and self.gravity and self.law.away > _AGREES):
+            return False
+        law, line = self.law.scatter, self.gravity.scatter
+        return self.gravity.off and line.chi2 - law.chi2 <= (_AGREES * max(1.0, law.birge)) ** 2
 
     def _unstated(self) -> str:
         return f"the uncertainty of {self.by} was not given" if not (self.table["u_x"] > 0).any() else ""
@@ -104,6 +116,7 @@ class Series:
             "power_law": self.law.to_dict() if self.law else None,
             "gravity": self.gravity.to_dict() if self.gravity else None,
             "comparison": self.comparison.to_dict() if self.comparison else None,
+            "theory_with_shared_error_of_lengths": self.shared_error,
             "at_equal": list(self.at_equal),
         }  # fmt: skip
 

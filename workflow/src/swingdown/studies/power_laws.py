@@ -50,7 +50,7 @@ class Scatter:
     @property
     def few(self) -> float:
         """Student's factor for so few points where their scatter alone tells the uncertainty, so that two standard ones hold 95 %."""
-        return float(stdtrit(self.dof, (1 + _TWO) / 2) / 2) if self.refuted else 1.0
+        return _student(self.dof) if self.refuted else 1.0
 
     @property
     def widening(self) -> float:
@@ -65,13 +65,19 @@ class Scatter:
         return f"the points scatter {self.birge:.2g} times as far as their errors say, and the uncertainty is widened to that"
 
 
+def _student(dof: int) -> float:
+    """Student's factor, by which two standard uncertainties that a scatter of so few degrees of freedom tells hold 95 %."""
+    return float(stdtrit(dof, (1 + _TWO) / 2) / 2)
+
+
 def settled(
     x: Floats, y: Floats, u_x: Floats, u_y: Floats, share: Floats
 ) -> tuple[Line, Floats, Scatter, float]:
     """York's line through points, the covariance of (intercept, slope), the ``Scatter``, and a further error of y.
 
-    If the stated errors do not explain the scatter, all are widened alike (Birge). If none of x is stated, each y gets a
-    further error in proportion to ``share`` so that chi² is its expectation (Paule and Mandel 1982).
+    Where points scatter farther than they state, each y gets a further error in proportion to ``share`` so that chi² is its
+    expectation (Paule and Mandel 1982): what differs between recordings, the best known has as well as the others. The points
+    do not tell whether their errors are all too small alike instead (Birge): the covariance is the larger one.
 
     Parameters
     ----------
@@ -82,8 +88,8 @@ def settled(
     """
     line = fit_line(x, y, u_x, u_y)
     scatter = Scatter(line.chi2, line.dof)
-    if not scatter.refuted or np.any(u_x > 0):
-        return line, line.covariance * scatter.widening**2, scatter, 0.0
+    if not scatter.widening > 1:
+        return line, line.covariance, scatter, 0.0
 
     def more(extra: float) -> Line:
         return fit_line(x, y, u_x, np.hypot(u_y, extra * share))
@@ -92,8 +98,10 @@ def settled(
     while more(top).chi2 > scatter.dof:
         top *= 2
     extra = brentq(lambda at: more(at).chi2 - scatter.dof, 0.0, top, rtol=1e-6)
-    line = more(extra)
-    return line, line.covariance * scatter.few**2, scatter, float(extra)
+    alike, line = line.covariance * scatter.widening**2, more(extra)
+    covariance = line.covariance * _student(scatter.dof) ** 2
+    larger = max(1.0, *(np.diag(alike) / np.diag(covariance)))
+    return line, covariance * larger, scatter, float(extra)
 
 
 @dataclass(frozen=True)
@@ -258,11 +266,15 @@ class LengthsAndPeriods:
     scatter: Scatter = field(repr=False)
 
     @property
+    def off(self) -> bool:
+        """Whether all lengths are too short, or too long, by more than two standard uncertainties."""
+        return abs(self.short) > 2 * self.u_short
+
+    @property
     def sentence(self) -> str:
         """A sentence with g, and with a common error of the lengths where it exceeds two standard uncertainties."""
         told = f"g = {plus_minus(self.g, self.u_g)} m/s² by the slope of T² over the length"
-        far = abs(self.short) > 2 * self.u_short
-        if far:
+        if self.off:
             size = f"{value_with_uncertainty(1e3 * abs(self.short), 1e3 * self.u_short)} mm"
             short, long = (
                 f"the lengths are too short by {size}, all alike",
