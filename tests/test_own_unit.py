@@ -103,6 +103,12 @@ def test_the_unit_in_which_a_reading_is_written_changes_its_sizes_alone(tmp_path
     assert many["unit"] == "px/s^2"
 
 
+@pytest.mark.parametrize(("head", "unit"), [("U [Volts]", "V"), ("adc", "units"), ("y (cm)", "cm")])
+def test_the_unit_is_told_as_one_writes_it(tmp_path, head, unit):
+    found = read(_wheel(tmp_path, 20.0, head), restoring="linear")
+    assert found.swings[0].attrs["own_unit"] == unit
+
+
 @pytest.mark.parametrize("head", ["a (m/s^2)", "F (N)", "velocity (m/s)"])
 def test_an_acceleration_a_force_and_a_speed_are_no_deflection_to_search_in(tmp_path, head):
     found = read(_wheel(tmp_path, 20.0, head), restoring="linear", column=head)

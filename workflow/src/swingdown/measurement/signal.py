@@ -126,7 +126,7 @@ def signal_of(
     reading = _reading(row, columns, times, values[taken], restoring, where)
     # a force or an acceleration has jumps where the friction of what swings has them, and a rate is no deflection
     if restoring == "linear" and first.kind not in (OTHER, SPEED, RATE):
-        reading = replace(reading, own=first.written or _NAMES.get(columns.unit, UNNAMED))
+        reading = replace(reading, own=_NAMES.get(columns.unit) or first.written or UNNAMED)
     return Interpreted(times, values[taken], reading, told, about, names[taken])
 
 
