@@ -57,6 +57,41 @@ def test_trials_below_each_other_are_those_side_by_side(tmp_path):
         assert np.allclose(tables[0][name], tables[1][name], rtol=1e-12)
 
 
+def test_tables_of_the_same_heads_side_by_side_are_one_below_the_other(tmp_path):
+    each = [f"{k},{100 * length:.1f},{10 * period:.2f}" for k, (length, period) in enumerate(zip(LENGTHS, PERIODS, strict=True))]  # fmt: skip
+    head = "Sample,length (cm),10T (s)"
+    beside = written(tmp_path, f"{head},,{head}", [f"{one},,{other}" for one, other in zip(each[:3], each[3:], strict=True)])  # fmt: skip
+    unequal = written(tmp_path, f"{head},,,{head}", [f"{each[k]},,,{each[k + 4]}" if k < 2 else each[k] + "," * 6 for k in range(4)], "u.csv")  # fmt: skip
+    below = timed(written(tmp_path, head, each, "b.csv")).table
+    for path in (beside, unequal):
+        found = timed(path)
+        assert any("2 tables with the same heads stand side by side" in one for one in found.told)
+        assert sorted(found.table["period_s"]) == pytest.approx(sorted(below["period_s"]))
+        assert len(series(found)) == 1 and abs(series(found)[0].gravity.g - 9.81) < 0.1
+
+
+def test_a_cell_of_a_table_that_stands_beside_is_found(tmp_path):
+    path = written(
+        tmp_path, "length (cm),10T (s),,length (cm),10T (s)", ["20,9.0,,30,11.0", "40,12.7,,50,no"]
+    )
+    with pytest.raises(InputError, match="'no' is no time") as told:
+        timed(path)
+    assert "line 3b" in told.value.where
+
+
+def test_columns_of_one_name_within_a_table_are_refused(tmp_path):
+    with pytest.raises(InputError, match="two columns have one name"):
+        timed(written(tmp_path, "length (cm),10T (s),10T (s)", ["20,9.0,9.1", "30,11.0,11.1"]))
+
+
+def test_tables_one_below_the_other_under_heads_of_their_own_are_asked_about(tmp_path):
+    path = written(tmp_path, "# 10T (s)", ["18.63", "18.72", "18.62", "# 50T (s), position (cm)", "95.75,70", "97.26,72"])  # fmt: skip
+    with pytest.raises(InputError, match="2 tables of times, one below the other .*which one is meant"):
+        timed(path)
+    written(tmp_path, "# 10T (s)", ["18.63", "# looked away here", "18.62"])
+    assert len(timed(path).table)
+
+
 def test_lengths_without_a_unit_take_the_one_by_which_weight_pulls(tmp_path):
     rows = [f"{100 * length:g},{period:.3f}" for length, period in zip(LENGTHS, PERIODS, strict=True)]
     found = timed(written(tmp_path, "length,period", rows))

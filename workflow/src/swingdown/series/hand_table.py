@@ -4,6 +4,7 @@ import csv
 import io
 import re
 from collections.abc import Mapping, Sequence
+from itertools import pairwise
 from pathlib import Path
 from typing import NamedTuple
 
@@ -19,10 +20,12 @@ from .values import KNOWN, head
 COUNTED = "the number of swings in the head, as `time for 10 swings (s)`; of one swing `period (s)`"
 OF_TIMES = "of times taken by hand write into the head how many swings each covers, as `time for 10 swings (s)` or `period (s)`"
 _LINES = 200  # of trials; a recording has more
+_WORDS = 5  # of a head that stands in a comment
 _HEADS = 10  # lines in which the heads stand
 _TITLES = 3000  # bytes of them
 _TEXT = (".csv", ".tsv", ".txt", ".dat")
 _WORKBOOKS = (".xlsx", ".xls", ".ods")
+_LETTERS = "abcdefghijklmnopqrstuvwxyz"  # of the lines of tables side by side, the first without
 _SMALL = 12_000  # bytes: a workbook of some trials, or as many lines, has no more
 _LARGEST = 300_000  # bytes: a recording may have more than can be held
 _SWINGS = "osc|swing|cycle|period|périod|períod|vibr|schwing|slinger|wahni|kmit|salını|период|колеб"
@@ -39,7 +42,7 @@ _LENGTH = re.compile(
     "length|länge|longueur|lunghezza|longitud|comprimento|lengte|długość|délka|uzunluk|длина"
 )
 _COUNTER = re.compile(
-    r"#|n[or°]?\.?|(?:\w+_)?(?:no\.|nr\.|number|#)|(?:trial|run|measurement|reading|attempt|versuch|messung|essai|prova|ensayo|tentativa)s?(?:_?(?:#|no\.?|number|nr\.?))?"
+    r"#|n[or°]?\.?|(?:\w+_)?(?:no\.|nr\.|number|#)|(?:trial|sample|run|measurement|reading|attempt|versuch|messung|essai|prova|ensayo|tentativa)s?(?:_?(?:#|no\.?|number|nr\.?))?"
 )
 _ANGLE = {"angle", "amplitude", "release_angle", "winkel", "theta", "θ", "angolo", "ángulo", "ângulo"}
 
@@ -72,13 +75,14 @@ class Head(NamedTuple):
 
 class HandTable(NamedTuple):
     """The cells as text by line and head, the columns of times of one kind, each other head, whether the file says that it is emulated, and
-    the column that counts in each line how many swings the times are, "" for none."""
+    the column that counts in each line how many swings the times are, "" for none; and how many tables of these heads stood side by side."""
 
     cells: pd.DataFrame
     times: Sequence[Times]
     heads: Mapping[str, Head]
     emulated: bool
     counts: str = ""
+    beside: int = 1
 
     def seconds(self, path: Path) -> pd.DataFrame:
         """The times of one swing by line and column, NaN for empty cells.
@@ -159,16 +163,24 @@ def hand_table(path: Path) -> HandTable | None:
         varied = any(one.column in KNOWN and not one.error for one in heads.values())
         if not (any(one.swings > 1 for one in times) or (times and (varied or counts))):
             continue
-        if len(set(own)) < len(own):
+        parts = _side_by_side(names)
+        names = names[parts[0]]
+        if len(set(filter(None, names))) * len(parts) < len(own):
             raise InputError(f"{path.name}, line {place + 1}", "two columns have one name", "a name of its own for each column", "rename one of them")  # fmt: skip
+        if heads_below := [_spelt(cells) for cells in below if _heads_again(cells)]:
+            raise InputError(
+                f"{path.name}, line {place + 1}", f"it holds {1 + len(heads_below)} tables of times, one below the other ({'; '.join([_spelt(names), *heads_below])}): which one is meant?",
+                "one table of times", "put the one that is meant into a file of its own",
+            )  # fmt: skip
         rows = {
-            number: [*cells, *[""] * len(names)][: len(names)]
+            f"{number}{_LETTERS[k]}" if k else number: [*cells[part], *[""] * len(names)][: len(names)]
+            for k, part in enumerate(parts)
             for number, cells in enumerate(below, place + 2)
-            if any(cells) and not cells[0].startswith("#")
+            if any(cells[part]) and not cells[0].startswith("#")
         }
         # What was timed, before the period that somebody worked out of it.
         most = max(one.swings for one in times)
-        times = [one for one in times if one.swings == most]
+        times = [one for one in dict.fromkeys(times) if one.swings == most]
         cells = pd.DataFrame.from_dict(rows, orient="index", columns=names, dtype=str)
         # a sentence with commas is no head: there are no times below it
         empty = not cells[[one.name for one in times]].ne("").to_numpy().any()
@@ -176,8 +188,28 @@ def hand_table(path: Path) -> HandTable | None:
         if empty or running or not 0 < len(rows) <= _LINES or _is_clock(cells, times[0]):
             return None
         emulated = any("emulated: yes" in " ".join(cells) for cells in lines[:place])
-        return HandTable(cells, times, heads, emulated, counts)
+        return HandTable(cells, times, heads, emulated, counts, len(parts))
     return None
+
+
+def _side_by_side(names: Sequence[str]) -> list[slice]:
+    """The columns of each table where several of the same heads stand side by side, an empty column between them; else all of them."""
+    bounds = [-1, *(k for k, name in enumerate(names) if not name), len(names)]
+    parts = [slice(low + 1, high) for low, high in pairwise(bounds) if high > low + 1]
+    same = len(parts) > 1 and len({tuple(names[part]) for part in parts}) == 1
+    return parts if same else [slice(0, len(names))]
+
+
+def _heads_again(cells: Sequence[str]) -> bool:
+    """Whether a comment below a table is the head of another: a few words, among them times of counted swings."""
+    if not cells or not cells[0].startswith("#"):
+        return False
+    return any(_times(one.lstrip("# ")) for one in cells if one and len(one.split()) <= _WORDS)
+
+
+def _spelt(cells: Sequence[str]) -> str:
+    """The words of a head that may stand in a comment."""
+    return ", ".join(filter(None, cells)).lstrip("# ")
 
 
 def may_be_times(path: Path) -> bool:

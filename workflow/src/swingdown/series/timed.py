@@ -86,6 +86,8 @@ def timed(path: Path, by: str = "", u: float = np.nan) -> Timed | None:
     alike = {name: one for name, one in given.heads.items() if not (one.counts or one.error)}
     _check_columns(times, path)
     told = [_told(given)]
+    if given.beside > 1:
+        told.append(f"{given.beside} tables with the same heads stand side by side: taken for one")
     if angle := next((name for name, one in alike.items() if one.angle), None):
         longer = _longer(given.cells[angle], alike[angle].unit, f"{path.name}, column {angle}")
         times = times.div(longer, axis=0)
