@@ -5,7 +5,7 @@ from math import inf, nan
 
 import pytest
 
-from swingdown.rounding import plus_minus, value_with_uncertainty
+from swingdown.rounding import moment, plus_minus, value_with_uncertainty
 
 
 def test_two_digits_as_another_package_has_them(certified):
@@ -83,3 +83,18 @@ def test_a_value_and_its_uncertainty_side_by_side(value, uncertainty, rule, text
 def test_an_unknown_rule_is_refused():
     with pytest.raises(ValueError, match="unknown rule"):
         plus_minus(1, 1, "three")
+
+
+@pytest.mark.parametrize(
+    ("time", "digits", "text"),
+    [
+        (12.345678, 6, "12.3457"),
+        (12.345678, 9, "12.345678"),
+        (1707683251.2345, 6, "1707683251.234"),
+        (1707683251.0, 9, "1707683251"),
+        (-0.5, 6, "-0.5"),
+        (250000.25, 6, "250000.25"),
+    ],
+)
+def test_a_moment_of_a_clock_since_1970_is_told_to_a_millisecond(time, digits, text):
+    assert moment(time, digits) == text

@@ -11,6 +11,13 @@ _SMALLEST = -4  # power of ten of the larger of the two below which, and ...
 _COARSEST = 2  # ... of the last digit shown above which a power of ten reads better
 
 
+def moment(time: float, digits: int = 6) -> str:
+    """A time (s) as a message has it and an option takes it: to so many digits, of a clock that counts since 1970 to a millisecond."""
+    if abs(time) < 10.0 ** (digits - 1):
+        return f"{time:.{digits}g}"
+    return f"{time:.3f}".rstrip("0").rstrip(".")
+
+
 def value_with_uncertainty(value: float, uncertainty: float, known: float = nan) -> str:
     """A text such as ``1.418(45)``: the standard uncertainty, with two digits (GUM 7.2.6), in units of the last digits.
 

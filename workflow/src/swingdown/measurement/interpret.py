@@ -8,6 +8,7 @@ import numpy as np
 
 from ..arrays import Floats
 from ..errors import InputError
+from ..rounding import moment
 from .choice import (
     SHORTEST,
     Chosen,
@@ -152,7 +153,7 @@ def _part(times: Floats, row: Mapping[str, Any], where: str) -> tuple[slice, lis
             f"the clock counts anew {len(pieces) - 1} times in it: this is part {number}"
         ]
     at = pieces[1].start
-    why = f"the clock jumps back from {times[at - 1]:.6g} to {times[at]:.6g} s and counts anew, so that the file holds {{}} parts"
+    why = f"the clock jumps back from {moment(times[at - 1])} to {moment(times[at])} s and counts anew, so that the file holds {{}} parts"
     raise several_runs(tuple(f"part {k}" for k in range(1, len(pieces) + 1)), row, where, why)
 
 

@@ -6,6 +6,7 @@ import numpy as np
 
 from ..arrays import Floats
 from ..errors import InputError
+from ..rounding import moment
 from .plausibility import TO_RAD
 from .refused import WHICH_COLUMN
 from .swings.half_swings import half_swings
@@ -211,7 +212,7 @@ def check_steps(times: Floats, angle: Floats, place: str) -> None:
     far = np.flatnonzero(jumps > pi)
     if len(far):
         raise InputError(
-            f"{place}, {times[far[0] + 1]:.6g} s",
+            f"{place}, {moment(times[far[0] + 1])} s",
             f"the angle changes by {jumps[far[0]] / (2 * pi):.3g} turns between two samples",
             "less than half a turn",
             "mend the file there, or correct ⟨signal_unit⟩",

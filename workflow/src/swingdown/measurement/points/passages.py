@@ -14,6 +14,7 @@ import xarray as xr
 
 from ...arrays import Floats
 from ...errors import InputError
+from ...rounding import moment
 from ..files.columns import COUNTS, TIME, UNTOLD, VOLTAGE, Meaning, meaning, place_of
 from ..files.source import Table
 from ..files.table import numbers
@@ -151,7 +152,7 @@ def counted(gate: Gate, stated: str, place: str) -> tuple[Points, str]:
     halves, used = _halves(times, kind, step, place)
     if halves.size < times.size:
         remarks.append(
-            f"used from {times[used][0]:.6g} to {times[used][-1]:.6g} s: how many swings passed beyond cannot be told"
+            f"used from {moment(times[used][0])} to {moment(times[used][-1])} s: how many swings passed beyond cannot be told"
         )
     missed = int(halves[-1] // step + 1 - halves.size)
     if missed:

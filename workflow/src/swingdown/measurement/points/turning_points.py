@@ -14,6 +14,7 @@ from scipy.special import bdtr, stdtrit
 
 from ...arrays import Floats
 from ...errors import InputError
+from ...rounding import moment
 from ..swings.half_swings import half_swings, middles
 from .swing_counts import FEWEST, counts
 
@@ -115,7 +116,7 @@ def points_in(
         used = _by_turns(np.sign(flipped) == (-1.0) ** halves, place) if both else slice(None)
         if used != slice(None):
             remarks.append(
-                f"used from {times[used][0]:.6g} to {times[used][-1]:.6g} s: beyond two turning points on one side follow each other as if on both"
+                f"used from {moment(times[used][0])} to {moment(times[used][-1])} s: beyond two turning points on one side follow each other as if on both"
             )
             times, halves = times[used], halves[used] - halves[used][0]
             flipped = flipped[used] * np.sign(flipped[used][0])
@@ -147,7 +148,7 @@ def _numbered(
         raise _no_count(place)
     if halves.size < times.size:
         told.append(
-            f"used from {times[used][0]:.6g} to {times[used][-1]:.6g} s: how many swings passed beyond cannot be told"
+            f"used from {moment(times[used][0])} to {moment(times[used][-1])} s: how many swings passed beyond cannot be told"
         )
     times, readings = times[used], readings[used]
     if np.min(np.diff(count)) > 1:

@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from ...arrays import Floats
 from ...errors import InputError
+from ...rounding import moment
 from .half_swings import half_swings
 from .noise_level import scatter
 
@@ -78,7 +79,7 @@ def _going(times: Floats) -> tuple[int, list[str]]:
     if sizes.size < 2 or sizes[-1] < RESTART * sizes[:-1].max():
         return times.size, []
     return int(edges[-2]) + 1, [
-        f"THE CLOCK STOPS at {times[-1]:.6g} s: the last {sizes[-1] - 1} rows, which have no other time, were left out"
+        f"THE CLOCK STOPS at {moment(times[-1])} s: the last {sizes[-1] - 1} rows, which have no other time, were left out"
     ]
 
 

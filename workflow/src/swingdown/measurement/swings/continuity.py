@@ -6,6 +6,7 @@ from numpy.typing import NDArray
 from ...arrays import Floats
 from ...errors import InputError
 from ...quantisation import quantisation_step
+from ...rounding import moment
 from .clock import UNEVEN
 from .even import evenly
 from .gaps import missing_samples
@@ -79,7 +80,7 @@ def _out_of_step(times: Floats, signal: Floats) -> Floats:
 
 def _told(what: str, times: Floats) -> str:
     more = f" and {len(times) - 1} times more" if len(times) > 1 else ""
-    return f"{what} at {times[0]:.6g} s{more}"
+    return f"{what} at {moment(times[0])} s{more}"
 
 
 def _places(signal: Floats, weights: Floats, period: float, unknown: NDArray[np.bool_]) -> list[int]:
@@ -111,8 +112,8 @@ def check_alive(times: Floats, signal: Floats, place: str) -> None:
         still = bool(abs(signal[last] - signal[last - 3]) < 3 * 0.2 * np.pi * late / n)
     if not still and late > 8 * quantisation_step(signal):
         raise InputError(
-            f"{place}, {times[last]:.6g} s",
+            f"{place}, {moment(times[last])} s",
             f"the sensor is dead from there on: it stays at {signal[-1]:g} while the pendulum still swings",
             "a swing that decays before it ends",
-            f"leave the end out with ⟨stop_s={times[last - 1]:.6g}⟩, and check the sensor",
+            f"leave the end out with ⟨stop_s={moment(times[last - 1])}⟩, and check the sensor",
         )

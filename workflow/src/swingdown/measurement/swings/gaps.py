@@ -6,6 +6,7 @@ import numpy as np
 
 from ...arrays import Floats
 from ...errors import InputError
+from ...rounding import moment
 from .even import Even, evenly
 from .half_swings import half_swings, passages
 
@@ -48,10 +49,10 @@ def check_countable(times: Floats, signal: Floats, place: str) -> None:
     if hidden := uncounted(times, signal):
         first, last = hidden.part
         raise InputError(
-            f"{place}, {hidden.start:.6g} s",
+            f"{place}, {moment(hidden.start)} s",
             hidden.words(),
             "holes in which swings can be counted",
-            f"use a part: from {first:.9g} to {last:.9g} s there is no such hole (⟨start_s={first:.9g}⟩, ⟨stop_s={last:.9g}⟩)",
+            f"use a part: from {moment(first, 9)} to {moment(last, 9)} s there is no such hole (⟨start_s={moment(first, 9)}⟩, ⟨stop_s={moment(last, 9)}⟩)",
         )
 
 

@@ -4,6 +4,7 @@ import numpy as np
 
 from ...arrays import Floats
 from ...errors import InputError
+from ...rounding import moment
 
 PLATEAU = 4  # samples at the highest value of one top before it is looked at
 EDGES = (
@@ -33,7 +34,7 @@ def check_signal(
         if len(runs := saturated_runs(sign * signal)):
             first, length = runs[0]
             raise InputError(
-                f"{place}, {times[first]:.6g} s",
+                f"{place}, {moment(times[first])} s",
                 f"the signal is saturated: {length} samples at its {word} value {signal[first]:g} ({len(runs)} such tops)",
                 "rounded turning points",
                 "record with a wider range, or leave the part out with ⟨start_s⟩ and ⟨stop_s⟩",
