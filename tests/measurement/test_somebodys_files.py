@@ -55,6 +55,20 @@ def test_the_sheet_has_the_last_word(take):
         ("Time (µs)", "a time", "us"),
         ("Gyroscope z (rad/s)", "an angular rate", "rad/s"),
         ("Gyroscope z (°/s)", "an angular rate", "deg/s"),
+        ("v / rad/s", "an angular rate", "rad/s"),
+        ("ω, рад/с", "an angular rate", "rad/s"),
+        ("gyro_z_rad_s", "an angular rate", "rad/s"),
+        ("gyro_deg_per_sec", "an angular rate", "deg/s"),
+        ("v_m_s", "a speed", ""),
+        ("t, s", "a time", "s"),
+        ("SampleTimeFine", "a time", ""),
+        ("begTime=-406.21", "", ""),
+        ("Euler_X", "an angle", ""),
+        ("orient_y", "an angle", ""),
+        ("compass_x", "something else", ""),
+        ("mag_y", "something else", ""),
+        ("Zeit / Âµs", "a time", "us"),
+        ("Winkel / Â°", "an angle", "deg"),
         ("Gyroscope z (rpm)", "an angular rate", ""),
         ("Angular velocity", "an angular rate", ""),
         ("Temperature (°C)", "something else", ""),
@@ -67,6 +81,39 @@ def test_the_sheet_has_the_last_word(take):
 )
 def test_what_a_header_says(header, kind, unit):
     assert (meaning(header).kind, meaning(header).unit) == (kind, unit)
+
+
+def test_a_column_without_a_name_has_the_one_above_it(take):
+    """As OpenSim's and Cortex' .trc have it: the clock one line above the letters of the axes."""
+    head = (
+        "PathFileType\t4\t(X/Y/Z)\tbob.trc\nDataRate\tCameraRate\tNumFrames\tUnits\n100.00\t100.00\t2000\tmm\n"
+        "Frame#\tTime\tbob\t\t\n\t\tX1\tY1\tZ1\n\n"
+    )
+    x, y = 400 * np.sin(SWING), 1000 - 400 * np.cos(SWING)
+    made = take(head + rows(np.arange(TIME.size), TIME, x, y, 0 * x, separator="\t"))
+    assert "`Time` as s" in made.attrs["taken"] and "`X1` and `Y1` as positions" in made.attrs["taken"]
+    assert np.ptp(made["signal"].values) == pytest.approx(np.ptp(SWING), rel=1e-3)
+
+
+def test_rotations_beside_positions_under_the_same_letters_are_asked_about(take):
+    """As Motive exports a rigid body: a type, a name and X, Y, Z above each column, the letters twice."""
+    text = (
+        "Format Version,1.23,Take Name,bob,Export Frame Rate,100.0,Length Units,Meters\n\n"
+        ",,Rotation,Rotation,Rotation,Position,Position,Position\nFrame,Time (Seconds),X,Y,Z,X,Y,Z\n"
+    )
+    zero = np.zeros_like(TIME)
+    columns = (
+        np.arange(TIME.size),
+        TIME,
+        zero,
+        zero,
+        np.degrees(SWING),
+        np.sin(SWING),
+        1 - np.cos(SWING),
+        zero,
+    )
+    with pytest.raises(InputError, match="no unit is stated: are they positions"):
+        take(text + rows(*columns))
 
 
 @pytest.mark.parametrize(

@@ -2,7 +2,7 @@
 
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from types import MappingProxyType
 
@@ -28,8 +28,8 @@ _WRITTEN = {
     (COUNTS, "counts"): ("count", "counts", "ticks"),
     (LENGTH, ""): ("m", "dm", "cm", "mm", "km", "in", "inch", "ft", "px", "pixel", "pixels", "meter", "metre", "meters", "metres"),
     (SPEED, ""): ("m/s", "dm/s", "cm/s", "mm/s", "px/s"),
-    (RATE, "rad/s"): ("rad/s", "rad/sec", "rad·s⁻¹", "rad s^-1", "rad*s^-1", "rad s⁻¹", "rad s-1", "radians/s", "rads/s"),
-    (RATE, "deg/s"): ("deg/s", "deg/sec", "degrees/s", "°/s", "º/s", "˚/s", "dps", "°/sec", "deg s⁻¹"),
+    (RATE, "rad/s"): ("rad/s", "rad/sec", "rad·s⁻¹", "rad s^-1", "rad*s^-1", "rad s⁻¹", "rad s-1", "radians/s", "rads/s", "рад/с", "рад/сек"),
+    (RATE, "deg/s"): ("deg/s", "deg/sec", "degrees/s", "°/s", "º/s", "˚/s", "dps", "°/sec", "deg s⁻¹", "град/с", "град/сек"),
     (RATE, ""): ("1/s", "rpm", "mdps"),
     (OTHER, ""): (
         "m/s^2", "m/s²", "m/s2", "g", "mg", "n", "nm", "n·m", "°c", "c", "°f", "k", "hz", "kg", "t", "µt", "μt",
@@ -44,6 +44,7 @@ _ALONE = {"counts", "volt", "volts"} | {
     for written in all_
     if len(written) > 1
 }
+_A_SECOND = re.compile(r"(?i)(.+)_(rad|deg|mm|cm|m)_(?:per_)?s(?:ec)?")
 UNNAMED = "Unnamed: "  # before the number of a column without a name, where others have one
 SIGNAL_RATES = ("rad/s", "deg/s")
 _ACCELERATIONS = ("m/s^2", "m/s²", "m/s2", "g", "mg")
@@ -57,7 +58,7 @@ _FROM_ROW_TO_ROW = re.compile(
 )
 _ATTITUDE = re.compile(r"(?i)\b(roll|pitch|yaw)\b")
 _ANGLES = re.compile(
-    r"(?i)θ|φ|\b(theta|phi|angle|angular position|winkel|ángulo|angulo|ângulo|angolo|hoek|kąt|úhel|uhol|vinkel|açı|угол|кут|角度|각도|ausschlag|roll|pitch|yaw)\b"
+    r"(?i)θ|φ|\b(theta|phi|angle|angular position|winkel|ángulo|angulo|ângulo|angolo|hoek|kąt|úhel|uhol|vinkel|açı|угол|кут|角度|각도|ausschlag|roll|pitch|yaw|euler|orient)\b"
 )
 _DRIVES = re.compile(
     r"(?i)\b(drive|driver|driving|motor|forcing|excitation|exciter|input|forzante|forzatura|erreger|antrieb|excitateur|torques?|tau|effort|"
@@ -67,6 +68,9 @@ _ACCELERATES = re.compile(
     r"(?i)α|\b(acceleration|accelerations|accelerometer|accel|acc|beschleunigung|accélération|aceleración|aceleracion|aceleração|accelerazione)[ .]?[xyz]?\b"
     r"|\b(a|gf)[ .]?[xyzt]\b"
 )
+_FIELD = re.compile(r"(?i)\b(compass|magnetometer|mag)\b")  # its x and y are no positions
+_HUMP = re.compile("(?<=[a-z])(?=[A-Z][a-z])")  # of `SampleTime`
+_POINT = re.compile(r"(?i)([xy])[ _]?(\d)")
 _SIZE_ALONE = re.compile(r"(?i)\b(abs|absolute|magnitude|norm|total|betrag)\b")
 _NUMBERS = re.compile(
     r"(?i)(frame|frames|frame ?(no|nr|number|index|id)|bild|bildnummer|fotograma|image|sample|samples|sample ?(no|nr|number|id|index)|index|idx|n|no|nr)\.?"
@@ -104,7 +108,8 @@ def meaning(name: str, beside: str = "") -> Meaning:
     beside
         A unit that the file states apart from the header; it goes first where it is known.
     """
-    bare = re.sub(r"(?i)^latest:|\brun #?\d+\b|\bset \d+\b", " ", name).strip(" :,")
+    mended = re.sub("Â(?=[°µ])", "", name)  # UTF-8 that a program took for Latin-1
+    bare = re.sub(r"(?i)^latest:|\brun #?\d+\b|\bset \d+\b", " ", mended).strip(" :,")
     label, written = _unit_in(bare)
     attribute = beside.lower().partition(" since ")[0].strip()
     if known := beside in UNITS or attribute in UNITS:
@@ -112,10 +117,10 @@ def meaning(name: str, beside: str = "") -> Meaning:
     kind, unit = UNITS.get(
         written.lower() if written not in UNITS else written, (OTHER if written else UNTOLD, "")
     )
-    words = label.replace("_", " ")
+    words = (label if "=" in label else _HUMP.sub(" ", label)).replace("_", " ")  # a setting is no name
     if kind == UNTOLD:
         kind = TIME if _TIMES.search(words) else ANGLE if _ANGLES.search(words) else UNTOLD
-        if _ACCELERATES.search(words):
+        if _ACCELERATES.search(words) or _FIELD.search(words):
             kind = OTHER
         elif re.search(r"(?i)\b(velocity|rate|gyro\w*|omega|w[xyz])\b|ω", words):
             kind = RATE
@@ -129,13 +134,15 @@ def _unit_in(name: str) -> tuple[str, str]:
     """A header's label and the unit that it states, or ""."""
     if name.lower() in _ALONE:
         return name, name.lower()
+    if found := _A_SECOND.fullmatch(name):
+        return found[1], f"{found[2]}/s"
     if found := re.fullmatch(r"(.*?)\s*[(\[]\s*([^()\[\]]*?)\s*[)\]]\s*", name):
         label, inside = found.groups()
         return label, inside if _is_unit(inside) else ""
     for pattern in (
+        r"(.+?)[,;:]\s*(\S+)",
         r"(.+?)\s*/\s*(.+)",
         r"(.+) in (\S+)",
-        r"(.+?)[,;:]\s*(\S+)",
         r"(.+)_([^_]+)",
         r"(.+) (\S+)",
     ):
@@ -170,7 +177,7 @@ def choose(
     another says that it is one; the swing is the second, unless that is no angle and another one is. InputError
     names what a column holds that cannot be an angle.
     """
-    columns = [meaning(name, beside.get(name, "")) for name in names]
+    columns = _numbered_once([meaning(name, beside.get(name, "")) for name in names])
     by_name = {column.name: column for column in columns}
     if time:
         clock = by_name[time]
@@ -195,6 +202,17 @@ def choose(
     return clock, _swing(
         clock, [one for one in columns if one is not clock], by_name, signal, place, units[1]
     )
+
+
+def _numbered_once(columns: list[Meaning]) -> list[Meaning]:
+    """The columns, ``X1`` and ``Y1`` of a single point with their axes: of several points nobody says which is the bob."""
+    found = [_POINT.fullmatch(one.name) if one.kind in (LENGTH, UNTOLD) else None for one in columns]
+    if (
+        sorted(one[1].lower() for one in found if one) != ["x", "y"]
+        or len({one[2] for one in found if one}) > 1
+    ):
+        return columns
+    return [replace(one, axis=at[1].lower()) if at else one for one, at in zip(columns, found, strict=True)]
 
 
 def _swing(

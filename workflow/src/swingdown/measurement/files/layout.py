@@ -278,10 +278,22 @@ def _named(
         if fits and sum(map(tells, fits)) > (0 if near else 1):
             if k and _symbols(fits, lines[k - 1], how):
                 k, fits = k - 1, lines[k - 1]
+            fits = _with_those_above(fits, lines[k - 1] if k else [])
             return _with_units(fits, units, place), tuple(lines[k - 1] if k else [])
     if whole:
-        return _with_units(lines[-1], units, place), tuple(lines[-2] if len(lines) > 1 else [])
+        above = lines[-2] if len(lines) > 1 else []
+        return _with_units(_with_those_above(lines[-1], above), units, place), tuple(above)
     return [], ()
+
+
+def _with_those_above(names: list[str], above: Sequence[str]) -> list[str]:
+    """The names, a column without one by what stands above it, where that says what such columns hold."""
+    bare = [k for k, name in enumerate(names) if not name and k < len(above) and above[k]]
+    if sum(map(bool, above)) < 2 or not any(
+        tells(above[k]) for k in bare
+    ):  # one cell alone is a title or a setting
+        return names
+    return [above[k] if k in bare else name for k, name in enumerate(names)]
 
 
 def _symbols(cells: Sequence[str], above: Sequence[str], how: Dialect) -> bool:

@@ -118,7 +118,12 @@ def _runs(names: Sequence[str], marks: Sequence[str]) -> dict[str, Run]:
         columns = own if timed else sorted([*shared, *own])
         if not (timed or set(shared) & set(clocks)) or len(columns) < 2:
             return {}
-        found[run] = Run(columns, [bare[k] or f"{UNNAMED}{k}" for k in columns], own)
+        named = [bare[k] or f"{UNNAMED}{k}" for k in columns]
+        if len(set(named)) < len(
+            named
+        ):  # what stands beside the runs has one name twice: which is meant is not told
+            return {}
+        found[run] = Run(columns, named, own)
     return found
 
 
