@@ -219,6 +219,19 @@ def test_what_may_be_times_by_hand_asks_how_many_swings_each_covers(tmp_path, mo
     assert "how many swings each covers" in capsys.readouterr().err
 
 
+def test_a_workbook_of_a_few_lines_is_asked_too_however_many_bytes_it_has(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    table = pd.DataFrame({"#": range(1, 7), "a, cm": 100 * LENGTHS, "T, s": (10 * PERIODS).round(2)[::-1]})
+    notes = pd.DataFrame({"note": [f"note {k} {hash(k * 7.3)}" for k in range(1500)]})
+    with pd.ExcelWriter("timed.xlsx") as book:
+        table.to_excel(book, sheet_name="times", index=False)
+        notes.to_excel(book, sheet_name="notes", index=False)
+    assert (tmp_path / "timed.xlsx").stat().st_size > 12_000
+    with pytest.raises(SystemExit):
+        main(["timed.xlsx", "--quick"])
+    assert "how many swings each covers" in capsys.readouterr().err
+
+
 def test_a_short_recording_is_not_asked_how_many_swings_its_times_cover(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     times = np.arange(250) / 20

@@ -26,7 +26,7 @@ _TITLES = 3000  # bytes of them
 _TEXT = (".csv", ".tsv", ".txt", ".dat")
 _WORKBOOKS = (".xlsx", ".xls", ".ods")
 _LETTERS = "abcdefghijklmnopqrstuvwxyz"  # of the lines of tables side by side, the first without
-_SMALL = 12_000  # bytes: a workbook of some trials, or as many lines, has no more
+_SMALL = 12_000  # bytes: as many lines of trials have no more
 _LARGEST = 300_000  # bytes: a recording may have more than can be held
 _SWINGS = "osc|swing|cycle|period|périod|períod|vibr|schwing|slinger|wahni|kmit|salını|период|колеб"
 _COUNTED = re.compile(rf"(?<![\d.,])(\d+)\s*[x×*·]?\s*(?:(?:full|complete)\s+)?(?:{_SWINGS}|t(?![^\W\d_]))|^t_?\{{?(\d\d+)\}}?(?!\d)", re.I)  # fmt: skip
@@ -215,10 +215,12 @@ def _spelt(cells: Sequence[str]) -> str:
 def may_be_times(path: Path) -> bool:
     """Whether a file is so short that its numbers may be times taken by hand, whatever its heads say; a text without numbers holds none."""
     ending = path.suffix.lower()
-    if ending not in (*_TEXT, *_WORKBOOKS) or not path.is_file() or path.stat().st_size >= _SMALL:
+    if ending in _WORKBOOKS:
+        return 0 < len(_lines(path)) <= _LINES  # its bytes are of styles as well
+    if ending not in _TEXT or not path.is_file() or path.stat().st_size >= _SMALL:
         return False
     text = path.read_bytes()
-    return ending in _WORKBOOKS or (bool(re.search(rb"\d", text)) and len(text.splitlines()) <= _LINES)
+    return bool(re.search(rb"\d", text)) and len(text.splitlines()) <= _LINES
 
 
 def _between_spaces(lines: Sequence[Sequence[str]], place: int) -> Sequence[Sequence[str]]:
