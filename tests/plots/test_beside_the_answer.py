@@ -6,10 +6,11 @@ import pytest
 from written import boxes, in_the_way
 
 import swingdown
+from swingdown.curves.laws import envelopes as of_laws
 from swingdown.language import language, languages
 from swingdown.measurement.stated import Stated
 from swingdown.plots import save
-from swingdown.plots.curves import backbone, resonances
+from swingdown.plots.curves import backbone, envelopes, resonances
 from swingdown.plots.series import groups_side_by_side, over_what_was_varied
 from swingdown.plots.style import in_language
 from swingdown.series import series_of
@@ -49,6 +50,15 @@ def test_a_spring_s_torque_is_named_where_it_is_seen_beside_the_pendulum_s(tmp_p
     save(figure, tmp_path / "curves.svg")  # the layout is settled once
     assert not in_the_way(figure)
     assert ("a spring's" in [text for text, _ in boxes(figure)]) is there
+
+
+def test_the_laws_of_damping_are_named_in_full_and_none_is_cut(answer):
+    (found,) = answer.laws()
+    figure = envelopes(of_laws(found))
+    lower = figure.axes[1]
+    drawn = np.concatenate([line.get_ydata() for line in lower.lines])
+    assert np.nanmax(np.abs(drawn)) <= lower.get_ylim()[1]
+    assert any(text.startswith("load Coulomb") for text, _ in boxes(figure))
 
 
 def test_a_resonance_beyond_the_ring_down_is_told_and_leaves_the_legend_its_room(answer):

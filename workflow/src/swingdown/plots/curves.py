@@ -8,6 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.ticker import LogLocator, MaxNLocator
 
 from ..arrays import Floats
+from ..pendulum.model import in_words
 from . import style
 
 FREE, MODEL = "#0072B2", "#D55E00"
@@ -208,7 +209,9 @@ def envelopes(data: xr.Dataset) -> style.Drawn:
     for k, label in enumerate(data["law"].values):
         fitted = scale * data["fitted"].sel(law=label).values
         bold = {"lw": 1.3, "zorder": 6} if label == best else {"lw": 1.0, "ls": (0, (5, 1 + k % 3))}
-        words = style.name(label) + (" (most evidence)" if label == best else "")
+        words = " + ".join(map(in_words, str(label).split("+"))) + (
+            " (most evidence)" if label == best else ""
+        )
         upper.plot(time, fitted, color=_COLOURS.get(str(label), style.INK), label=words, **bold)
         lower.plot(time, measured - fitted, color=_COLOURS.get(str(label), style.INK), **bold)
         left.append(measured - fitted)
@@ -217,7 +220,7 @@ def envelopes(data: xr.Dataset) -> style.Drawn:
     unit = "°" if angles else data["amplitude"].attrs["units"]
     upper.set_ylabel(f"amplitude ({unit})")
     lower.set(xlabel=style.TIME, ylabel=f"measured − law ({unit})")
-    style.symmetric(lower, np.nanquantile(np.abs(left), 0.97))
+    style.symmetric(lower, left)
     for axes in (upper, lower):
         axes.grid(True)
     figure.legend(loc="outside upper left", ncols=3)
