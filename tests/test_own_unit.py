@@ -8,6 +8,7 @@ import pytest
 from swingdown import read
 from swingdown.engine.trajectory import simulate
 from swingdown.errors import InputError
+from swingdown.measurement.sharing import sharing
 from swingdown.own_unit import OF_AN_ANGLE, Own, has_size
 from swingdown.pendulum.catalogue import SHIPPED
 from swingdown.pendulum.model import Model
@@ -124,3 +125,14 @@ def test_a_pendulum_without_a_scale_is_still_asked_for_it(tmp_path):
     assert any("state the degrees" in one for one in found.remarks)
     with pytest.raises(InputError, match="no scale"):
         found.explain()
+
+
+def test_two_of_unknown_scale_share_no_model_and_each_is_searched_alone(tmp_path):
+    one, other = (
+        read(_wheel(tmp_path, 20.0, "U (V)", seed, str(seed)), restoring="linear").swings[0]
+        for seed in (1, 2)
+    )
+    assert sharing([one]) == ([0], {})
+    together, alone = sharing([one, other])
+    assert together == [] and "make it a campaign of its own" in alone[1].mend
+    assert "linear" not in alone[0].mend  # that is stated

@@ -32,7 +32,12 @@ def _alone(angle: xr.Dataset, beside: bool) -> InputError | None:
         return InputError(
             where, NOT_IN_IT, "samples of the motion itself", "record the motion itself", POINTS_ALONE
         )
-    if angle.attrs.get("mode") == UNSCALED and (beside or own_of(angle.attrs) is None):
+    if own_of(angle.attrs) is not None:
+        return InputError(
+            where, "its readings have no scale, and how large its unit is beside that of another recording is not known",
+            "angles, or a recording alone", "state the degrees that one unit is worth ⟨in scale⟩, or make it a campaign of its own",
+        ) if beside else None  # fmt: skip
+    if angle.attrs.get("mode") == UNSCALED:
         return InputError(
             where, "its readings have no scale: they allow no search, and period and decay alone are reported",
             "angles", "state the degrees that one unit is worth ⟨in scale⟩; of a wheel or a mass on a spring none is needed: write ⟨restoring=linear⟩",
