@@ -198,3 +198,11 @@ def test_the_half_width_of_a_clock_within_limits_is_that_of_the_sum():
         off = np.sqrt(3) * share * (np.arange(200_000) + 0.5) / 200_000
         spread = max(np.sqrt(1 - share**2), 1e-6)
         assert np.mean(ndtr((k - off) / spread) - ndtr((-k - off) / spread)) == pytest.approx(0.95, abs=1e-5)
+
+
+@pytest.mark.filterwarnings("error::RuntimeWarning")
+def test_a_series_that_is_foretold_to_rounding_has_a_colour_in_numbers():
+    """A reflection is then 1, or by rounding more: what it leaves has no logarithm."""
+    rates = [0.0, *np.random.default_rng(1).uniform(0, 1e-3, 200)]
+    found = [autoregression([1e-9 * np.cos(rate * np.arange(300))]) for rate in rates]
+    assert all(one.variance >= 0 and np.isfinite(one.coefficients).all() for one in found)

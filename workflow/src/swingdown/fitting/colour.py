@@ -139,13 +139,16 @@ def autoregression(series: Sequence[Floats], highest: int = _HIGHEST) -> Colour:
         if not (variance > 0 and power > 0):
             break
         reflection = 2 * sum(map(shared, ahead, behind)) / power
+        left = 1 - reflection**2
+        if not left > 0:  # to rounding all of it is foretold: no noise is there to be coloured
+            break
         coefficients = np.append(coefficients - reflection * coefficients[::-1], reflection)
         forward = [a - reflection * b for a, b in zip(ahead, behind, strict=True)]
         backward = [b - reflection * a for a, b in zip(ahead, behind, strict=True)]
-        variance *= 1 - reflection**2
+        variance *= left
         # the share of predictions that tell this reflection
         seen = 1.0 if whole else np.mean(np.isfinite(np.concatenate(forward)))
-        bic += n * seen * np.log(1 - reflection**2) + np.log(n)
+        bic += n * seen * np.log(left) + np.log(n)
         if bic < least:
             best, least = Colour(coefficients, variance), bic
     return best
