@@ -35,7 +35,14 @@ SWINGS, RATES, SECONDS, DEGREES = (1, 2, 4, 6, 12), (10.0, 30.0, 100.0, 1000.0),
 RATIOS, MISFITS = (1.3, 2.0, 5.0), (0.0, 0.0, 0.0, 0.5, 1.0, 2.0)
 BASES = ("own", "own", "default", "rich", "poor")
 MOST = 30000  # samples of a campaign
-RUBS = {"friction_patch", *(name for name in SHIPPED.names if SHIPPED.rubs(name))}
+# what takes energy, by the word for it in a verdict
+DAMPS = {
+    "friction": {"friction_patch", *(name for name in SHIPPED.names if SHIPPED.rubs(name))},
+    "drag": {
+        "one_sided_drag",
+        *(name for name in SHIPPED.names if SHIPPED.damps(name) and not SHIPPED.rubs(name)),
+    },
+}
 NOTHING = 1.1  # times the noise on held-out swings: less is nothing that could tell
 
 
@@ -90,17 +97,18 @@ def told(one, base, allowed):
     return verdict([summary(state, one) for state in discover(one, base, allowed=allowed)], base.catalogue)
 
 
-def end(said, there, rubs=False):
+def end(said, there, whole=()):
     """How a verdict stands to what is there, in a word: ``named`` all of it alone or in ties, ``partly`` some of it, ``another`` that is not there,
-    ``as good`` where that leaves no more than a tenth above the noise, or the status. ``rubs`` is whether a friction is there: "friction of
-    another law" is that."""
-    status = said["status"]
-    effects = {each["name"]: each["tied_with"] for each in said["effects"]}
-    open_law = {each["name"] for each in said["effects"] if each["law_open"]}
-    if any(not {name, *ties} & there and not (rubs and name in open_law) for name, ties in effects.items()):
+    ``as good`` where that leaves no more than a tenth above the noise, or the status. ``whole`` is all that is there, what has no name in
+    the catalogue too: "friction of another law" is one of the frictions among it."""
+    status, effects = said["status"], {}
+    for each in said["effects"]:
+        laws = DAMPS.get(each["damping"], set()) if each["law_open"] else set()
+        effects[each["name"]] = {each["name"], *each["tied_with"]}, bool(laws & {*whole})
+    if any(not names & there and not another_law for names, another_law in effects.values()):
         return "as good" if said["gap"]["holdout"][-1] < NOTHING else "another"
     if effects:
-        found = all(any(name in {one, *ties} for one, ties in effects.items()) for name in there)
+        found = all(any(name in names for names, _ in effects.values()) for name in there)
         return "named" if found else "partly"
     return status
 
@@ -146,8 +154,7 @@ def main(argv=None):
         except InputError as problem:
             said = {"status": f"refused: {problem.problem}", "effects": []}
         spent.append(time.process_time() - began)
-        rubs = any(name in RUBS for name in (*trial.hidden, *trial.beside, *lacking))
-        word = end(said, there - set(gone), rubs)
+        word = end(said, there - set(gone), (*trial.hidden, *trial.beside, *lacking))
         ends[one.planned.kind, "misfit" if one.misfit else "", word] += 1
         d = one.design
         print(

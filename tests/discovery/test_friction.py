@@ -197,6 +197,26 @@ def test_a_friction_that_an_unnamed_torque_shows_is_told_whatever_its_law_leaves
 
 
 @pytest.mark.slow("many trajectories")
+@pytest.mark.parametrize(
+    ("hidden", "values", "law_open"),
+    [
+        ("one_sided_drag", {"one_sided_drag": 0.1}, True),
+        ("quadratic_drag", {"quadratic_coefficient": 0.02}, False),
+    ],
+)
+def test_the_law_of_a_drag_is_open_where_something_else_that_takes_energy_is_left(hidden, values, law_open):
+    """A drag on one side only, of which one on both does the most; and one on both, of which it does all."""
+    finding, _ = asked(swings((hidden,), **values), "quadratic_drag")
+    assert finding.sure and finding.law_open is law_open
+
+
+@pytest.mark.slow("many trajectories")
+def test_a_spring_that_is_left_opens_no_law_of_a_drag(beside_a_spring):
+    finding, pool = asked(beside_a_spring, "quadratic_drag")
+    assert pool.best.whole < 0.01 and not finding.law_open
+
+
+@pytest.mark.slow("many trajectories")
 def test_no_friction_is_told_of_an_unnamed_drag():
     one = swings(("quadratic_drag",), quadratic_coefficient=0.02)
     pool = Pool(one, NOISE, fitted(one, "viscous"))
@@ -209,7 +229,7 @@ def test_a_drag_is_asked_of_what_only_a_drag_could_do_where_held_out_swings_lack
     """Most of what is missing goes with it, of held-out swings too little: what these lack beside it tells nothing of a drag."""
     monkeypatch.setattr(judge, "_whole", lambda *_: (0.1, 0.7, 5.0))
     monkeypatch.setattr(judge, "_of_friction", lambda *_: (0.15, 0.15))
-    there = SimpleNamespace(left=lambda _: 1.0, fit=SimpleNamespace(model=Model("viscous")))
+    there = SimpleNamespace(left=lambda _: 1.0, fit=SimpleNamespace(model=Model("viscous")), loses_more=False)
     pool = SimpleNamespace(lacking=lambda *_: [there], noise=None)
     assert judge._asked(pool, there, "quadratic_drag", ["quadratic_drag"], judge.Finding(1.0)).sure
     assert judge._asked(pool, there, "cubic_stiffness", ["cubic_stiffness"], judge.Finding(1.0)).doubt

@@ -27,7 +27,7 @@ class Finding:
     """What is to be said of an effect that the most probable structure has: the ``probability`` that it or one of its ``ties`` is there,
     the ``share`` of the discrepancy that is left with it, that of the ``held_out`` swings' excess over the noise, what they leave
     ``without`` it (in units of the noise), NaN where that cannot be computed, the ``doubt``, why it is not told, or empty, and
-    ``law_open``, True of a friction whose law may be one that the catalogue has not."""
+    ``law_open``, True of a damping whose law may be one that the catalogue has not."""
 
     probability: float
     ties: tuple[str, ...] = ()
@@ -137,9 +137,11 @@ def _asked(
     # what the base has may be improbable beside a discrepancy, and does more of the work than it does
     without = min(near, key=lambda other: other.left(pool.noise))
     share, held, rms = _whole(pool, best, without)
-    if _over_bounds((share, held)) > 1 and best.fit.model.catalogue.damps(name):
+    damps = best.fit.model.catalogue.damps(name)
+    if _over_bounds((share, held)) > 1 and damps:
         share, held = min((share, held), _of_friction(pool, best, without), key=_over_bounds)
-    doubt, law_open = _doubt(one.probability, share, held), one.law_open
+    doubt = _doubt(one.probability, share, held)
+    law_open = one.law_open or (not doubt and damps and best.loses_more)
     if seen and doubt:
         doubt, law_open = "", True
     return replace(one, share=share, held_out=held, without=rms, doubt=doubt, law_open=law_open)

@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 from ..arrays import Floats
 from .green import Motion, hats, over_both, response
 
-KINDS = ("restoring", "dissipative", "time", "sensor")
+DISSIPATIVE = "dissipative"
+KINDS = ("restoring", DISSIPATIVE, "time", "sensor")
 
 # nodes over angle, over speed to either side, and over the time of a record
 _ANGLES, _SPEEDS, _TIMES = 11, 6, 6

@@ -21,6 +21,7 @@ from .candidates import without
 from .confirm import predict
 from .discrepancy import Discrepancy, Unnamed
 from .guard import POSSIBLE
+from .kinds import DISSIPATIVE
 from .linear import Frame, frame
 from .refit import FAILURES, refit
 
@@ -61,6 +62,13 @@ class Structure:
         lacks = self.lacks
         clear = lacks.friction / lacks.friction_error if lacks.friction_error > 0 else 0.0
         return (1 - self.whole) * float(erf(max(clear, 0.0) / np.sqrt(2)))
+
+    @property
+    def loses_more(self) -> bool:
+        """Whether it surely lacks something that does most as a torque over angle, speed and side would: none of its laws of damping is the
+        whole of what takes energy then."""
+        sizes = self.lacks.sizes
+        return self.whole < POSSIBLE and max(sizes, key=lambda kind: sizes[kind]) == DISSIPATIVE
 
     @property
     def widened(self) -> dict[str, float]:
