@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scipy.signal import savgol_filter
 
 from swingdown.errors import as_told
 from swingdown.measurement.judge import Reading, judge, used_part
@@ -87,3 +88,38 @@ def test_a_period_is_odd_beyond_a_twentieth_and_five_times_what_periods_scatter(
     turns = np.interp(TIMES, ends, np.arange(ends.size))
     found = out_of_step(TIMES, 0.3 * np.exp(-TIMES / 40) * np.cos(2 * np.pi * turns))
     assert any(start - 1.5 < ends[30] < stop for start, stop in found) is told
+
+
+DERIVED = {
+    "differences": lambda angle, rate: np.append(np.diff(angle), 0.0) * rate,
+    "central differences": lambda angle, rate: np.gradient(angle, 1 / rate),
+    "Savitzky-Golay": lambda angle, rate: savgol_filter(angle, 11, 3, deriv=1, delta=1 / rate),
+}
+
+
+@pytest.mark.parametrize("lost", [0.0, 0.5])
+@pytest.mark.parametrize("rate", [30, 60, 100])
+@pytest.mark.parametrize("derived", DERIVED)
+def test_rates_that_somebody_computed_from_angles_slip_where_the_swing_does(derived, rate, lost):
+    """Their noise is that of two angles over an interval: up to a third of the largest rate, many times a passage's own."""
+    times = np.arange(0.0, 60.0, 1 / rate)
+    for seed in range(5):
+        noise = np.random.default_rng(seed).normal(0, 3e-3, times.size)
+        signal = DERIVED[derived](swing(times + lost * (times > 30)) + noise, rate)
+        window, told, _ = used_part(judge(times, signal, Reading("rad/s", True), "here").windows)
+        if lost:
+            assert "OUT OF STEP" in told[0]
+            ends = (window.begins, window.ends)
+            assert any(27 < end < 33 for end in ends) and np.isnan(ends).any()
+        else:
+            assert not told
+
+
+@pytest.mark.parametrize("derived", DERIVED)
+def test_rates_that_die_into_their_noise_are_let_go_by_no_hand(derived):
+    times = np.arange(0.0, 60.0, 1 / 60)
+    for seed in range(5):
+        angle = 0.3 * np.exp(-times / 15) * np.cos(2 * np.pi * times / 1.5)
+        angle += np.random.default_rng(seed).normal(0, 1e-3, times.size)
+        judged = judge(times, DERIVED[derived](angle, 60), Reading("rad/s", True), "here")
+        assert len(judged.windows) == 1 and not used_part(judged.windows)[1]

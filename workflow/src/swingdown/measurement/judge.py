@@ -10,6 +10,7 @@ from .apparent_scale import RELATIVE, apparent_scale
 from .gyroscope import TO_RAD_PER_S, check_rate
 from .plausibility import check_shrinks, drift, hanging
 from .swings.beats import check_one_motion
+from .swings.calmed import calmed
 from .swings.continuity import check_alive, check_continuous
 from .swings.even import evenly
 from .swings.gaps import check_countable, uncounted
@@ -88,6 +89,7 @@ def judge(times: Floats, signal: Floats, reading: Reading, place: str) -> Judged
         known, told = angle_unit(spikes.healed, unit, reading.restoring, place)
         reading, remarks = replace(reading, unit=known, scale=in_rad(known) or np.nan), remarks + told
     if reading.unit in TO_RAD_PER_S:
+        spikes = spikes._replace(healed=calmed(times, spikes.healed))
         remarks += check_rate(times, signal, reading.unit, place)
     unscaled = np.isnan(reading.scale)
     if unscaled:

@@ -1,0 +1,31 @@
+"""A rate without what its samples scatter: what is derived from angles has their noise, times its frequency."""
+
+import numpy as np
+
+from ...arrays import Floats
+from .even import evenly
+
+ORDER = 5  # follows a swing through half of its period, to 0.04 % of its size
+FEWEST = 9  # samples; fewer tell no polynomial from its noise
+
+
+def calmed(times: Floats, rate: Floats) -> Floats:
+    """The rate of a swing by the polynomials through half a period about each sample, of the shape and in the unit of ``rate``.
+
+    A rate that somebody computed from angles is no second sensor. The difference of two angles has the noise of both over their
+    interval, so that a swing passes its middle several times at once; over half a period it is none. An even weight moves no
+    passage. The period is that of the largest line of the spectrum; ``times`` (s) rise, in any steps. Fewer than nine samples in half a
+    period are left as they are.
+    """
+    even = evenly(times, rate)
+    middle = even.signal.mean()
+    about = even.signal - middle
+    line = int(np.argmax(np.abs(np.fft.rfft(about * np.hanning(about.size)))))
+    half = round(about.size / (2 * max(1, line)))
+    if half < FEWEST:
+        return rate
+    side = half // 2
+    powers = np.linspace(-1, 1, 2 * side + 1)[:, None] ** np.arange(ORDER)
+    # beyond its ends a swing goes on as half a period away, on the other side
+    longer = np.concatenate([-about[half - side : half], about, -about[-half:][:side]])
+    return np.asarray(middle + np.convolve(longer, np.linalg.pinv(powers)[0], "valid")[even.place])
