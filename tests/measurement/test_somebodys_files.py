@@ -83,6 +83,44 @@ def test_what_a_header_says(header, kind, unit):
     assert (meaning(header).kind, meaning(header).unit) == (kind, unit)
 
 
+@pytest.mark.parametrize(
+    ("header", "kind", "unit"),
+    [
+        ("phi in Grad", "an angle", "deg"),
+        ("Winkelgeschwindigkeit in Grad/s", "an angular rate", "deg/s"),
+        ("Winkelgeschwindigkeit in rad/s", "an angular rate", "rad/s"),
+        ("Auslenkung in cm", "a length", ""),
+        ("Zeit in s", "a time", "s"),
+        ("Zeit in Millisekunden", "a time", "ms"),
+        ("angle en degrés", "an angle", "deg"),
+        ("temps en secondes", "a time", "s"),
+        ("angolo in gradi", "an angle", "deg"),
+        ("velocità in gradi/s", "an angular rate", "deg/s"),
+        ("ángulo en grados", "an angle", "deg"),
+        ("ângulo em graus", "an angle", "deg"),
+        ("tempo em segundos", "a time", "s"),
+        # to some a 400th of a turn
+        ("phi in grad", "an angle", ""),
+        ("phi (Grad)", "an angle", ""),
+        ("Temperatur in Grad", "something else", ""),
+        ("température en degrés", "something else", ""),
+        ("temperatura (gradi)", "something else", ""),
+    ],
+)
+def test_a_quantity_in_a_unit_by_its_word(header, kind, unit):
+    found = meaning(header)
+    assert (found.kind, found.unit) == (kind, unit)
+
+
+@pytest.mark.parametrize(
+    "header",
+    ["Zeit in s;Winkel in Grad", "temps en s;angle en degrés", "tiempo en segundos;ángulo en grados"],
+)
+def test_degrees_by_their_word_need_no_other(take, header):
+    made = take(header + "\n" + rows(TIME, np.degrees(SWING)).replace(",", ";"))
+    assert made["signal"].attrs["units"] == "deg" and made["time"].values == pytest.approx(TIME, abs=1e-6)
+
+
 def test_a_column_without_a_name_has_the_one_above_it(take):
     """As OpenSim's and Cortex' .trc have it: the clock one line above the letters of the axes."""
     head = (

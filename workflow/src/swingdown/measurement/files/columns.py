@@ -15,13 +15,13 @@ TIME, ANGLE, VOLTAGE, COUNTS, LENGTH, SPEED, RATE, OTHER, UNTOLD = (
 
 # Units as programs write them: what is measured, and the unit by the sample sheet's name where it has one.
 _WRITTEN = {
-    (TIME, "s"): ("s", "sec", "secs", "second", "seconds", "sekunden", "с", "сек", "秒"),
-    (TIME, "ms"): ("ms", "msec", "millis", "millisecond", "milliseconds", "мс", "毫秒"),
+    (TIME, "s"): ("s", "sec", "secs", "second", "seconds", "sekunden", "secondes", "segundos", "secondi", "с", "сек", "秒"),
+    (TIME, "ms"): ("ms", "msec", "millis", "millisecond", "milliseconds", "millisekunden", "millisecondes", "milisegundos", "milissegundos", "millisecondi", "мс", "毫秒"),
     (TIME, "us"): ("us", "µs", "μs", "usec", "micros", "microsecond", "microseconds"),
     (TIME, "ns"): ("ns", "nsec", "nanos", "nanosecond", "nanoseconds"),
     (TIME, ""): ("min", "minutes", "h", "hours", "1/10 s", "0.1 s", "0,1 s", "1/100 s", "0.01 s", "0,01 s"),
-    (ANGLE, "rad"): ("rad", "rads", "radian", "radians", "рад"),
-    (ANGLE, "deg"): ("deg", "degs", "degree", "degrees", "°", "º", "˚", "град", "度", "도"),
+    (ANGLE, "rad"): ("rad", "rads", "radian", "radians", "radiant", "radianti", "radianes", "radianos", "рад"),
+    (ANGLE, "deg"): ("deg", "degs", "degree", "degrees", "°", "º", "˚", "degrés", "degré", "grados", "gradi", "graus", "град", "度", "도"),
     (ANGLE, ""): ("grad", "gon", "rev", "revs", "revolutions", "turn", "turns", "mrad", "arcmin", "arcsec"),
     (VOLTAGE, "V"): ("v", "volt", "volts"),
     (VOLTAGE, ""): ("mv", "µv", "μv"),
@@ -29,7 +29,7 @@ _WRITTEN = {
     (LENGTH, ""): ("m", "dm", "cm", "mm", "km", "in", "inch", "ft", "px", "pixel", "pixels", "meter", "metre", "meters", "metres"),
     (SPEED, ""): ("m/s", "dm/s", "cm/s", "mm/s", "px/s"),
     (RATE, "rad/s"): ("rad/s", "rad/sec", "rad·s⁻¹", "rad s^-1", "rad*s^-1", "rad s⁻¹", "rad s-1", "radians/s", "rads/s", "рад/с", "рад/сек"),
-    (RATE, "deg/s"): ("deg/s", "deg/sec", "degrees/s", "°/s", "º/s", "˚/s", "dps", "°/sec", "deg s⁻¹", "град/с", "град/сек"),
+    (RATE, "deg/s"): ("deg/s", "deg/sec", "degrees/s", "degrés/s", "grados/s", "gradi/s", "graus/s", "°/s", "º/s", "˚/s", "dps", "°/sec", "deg s⁻¹", "град/с", "град/сек"),
     (RATE, ""): ("1/s", "rpm", "mdps"),
     (OTHER, ""): (
         "m/s^2", "m/s²", "m/s2", "g", "mg", "n", "nm", "n·m", "°c", "c", "°f", "k", "hz", "kg", "t", "µt", "μt",
@@ -44,6 +44,8 @@ _ALONE = {"counts", "volt", "volts"} | {
     for written in all_
     if len(written) > 1
 }
+_IN = "(?:in|en|em)"  # between a quantity and its unit
+_TEMPERATURE = re.compile(r"(?i)\b(temp|temperatur\w*|température|thermo\w*)\b")
 _A_SECOND = re.compile(r"(?i)(.+)_(rad|deg|mm|cm|m)_(?:per_)?s(?:ec)?")
 UNNAMED = "Unnamed: "  # before the number of a column without a name, where others have one
 SIGNAL_RATES = ("rad/s", "deg/s")
@@ -117,6 +119,8 @@ def meaning(name: str, beside: str = "") -> Meaning:
     kind, unit = UNITS.get(
         written.lower() if written not in UNITS else written, (OTHER if written else UNTOLD, "")
     )
+    if kind == ANGLE and _TEMPERATURE.search(label.replace("_", " ")):
+        kind, unit = OTHER, ""
     words = (label if "=" in label else _HUMP.sub(" ", label)).replace("_", " ")  # a setting is no name
     if kind == UNTOLD:
         kind = TIME if _TIMES.search(words) else ANGLE if _ANGLES.search(words) else UNTOLD
@@ -139,10 +143,13 @@ def _unit_in(name: str) -> tuple[str, str]:
     if found := re.fullmatch(r"(.*?)\s*[(\[]\s*([^()\[\]]*?)\s*[)\]]\s*", name):
         label, inside = found.groups()
         return label, inside if _is_unit(inside) else ""
+    # the German noun; what is no noun may be a 400th of a turn
+    if found := re.fullmatch(rf"(.+) {_IN} Grad(/s)?", name):
+        return found[1], "degrees" + (found[2] or "")
     for pattern in (
+        rf"(.+) {_IN} (\S+)",  # before a stroke, which may be the unit's own
         r"(.+?)[,;:]\s*(\S+)",
         r"(.+?)\s*/\s*(.+)",
-        r"(.+) in (\S+)",
         r"(.+)_([^_]+)",
         r"(.+) (\S+)",
     ):
