@@ -68,7 +68,7 @@ _DRIVES = re.compile(
 )
 _ACCELERATES = re.compile(
     r"(?i)α|\b(acceleration|accelerations|accelerometer|accel|acc|beschleunigung|accélération|aceleración|aceleracion|aceleração|accelerazione)[ .]?[xyz]?\b"
-    r"|\b(a|gf)[ .]?[xyzt]\b"
+    r"|\b(a|g ?f)[ .]?[xyzt]\b"
 )
 _FIELD = re.compile(r"(?i)\b(compass|magnetometer|mag)\b")  # its x and y are no positions
 _HUMP = re.compile("(?<=[a-z])(?=[A-Z][a-z])")  # of `SampleTime`
