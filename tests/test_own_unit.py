@@ -5,7 +5,7 @@ import re
 import numpy as np
 import pytest
 
-from swingdown import read
+from swingdown import explain, fit, read
 from swingdown.engine.trajectory import simulate
 from swingdown.errors import InputError
 from swingdown.measurement.sharing import sharing
@@ -136,3 +136,29 @@ def test_two_of_unknown_scale_share_no_model_and_each_is_searched_alone(tmp_path
     together, alone = sharing([one, other])
     assert together == [] and "make it a campaign of its own" in alone[1].mend
     assert "linear" not in alone[0].mend  # that is stated
+
+
+def test_arrays_without_a_unit_are_read_as_a_file_without_one(tmp_path):
+    path = _wheel(tmp_path, 60.0, "reading")
+    times, values = np.loadtxt(path, delimiter=",", skiprows=1).T
+    found = read(path, restoring="linear")
+    answer = fit(times, values, restoring="linear")
+    (one,), (other,) = found.swings, answer.swings
+    assert other.attrs["own_unit"] == one.attrs["own_unit"] == "units"
+    assert other.attrs["own_step"] == pytest.approx(one.attrs["own_step"], rel=1e-9)
+    np.testing.assert_allclose(other["angle"].values, one["angle"].values, atol=1e-12)
+    assert "SIZES ARE IN UNITS OF THE READING (units)" in other.attrs["remarks"]
+    assert answer.row["period_s"] == pytest.approx(found.fit().row["period_s"], rel=1e-9)
+
+
+@pytest.mark.slow("a search")
+def test_a_notebook_searches_in_the_readings_own_unit_as_the_command_does(tmp_path):
+    path = _wheel(tmp_path, 60.0, "reading")
+    times, values = np.loadtxt(path, delimiter=",", skiprows=1).T
+    file, arrays = read(path, restoring="linear").explain(), explain(times, values, restoring="linear")
+    one, other = file.verdict, arrays.verdict
+    assert other["unit"] == one["unit"] == "units" and other["status"] == one["status"]
+    assert [effect["name"] for effect in other["effects"]] == [effect["name"] for effect in one["effects"]]
+    for name, told in one["model"].items():
+        assert other["model"][name]["unit"] == told["unit"]
+        assert other["model"][name]["value"] == pytest.approx(told["value"], rel=1e-6)

@@ -28,6 +28,7 @@ from ..measurement.swings.gaps import missing_samples
 from ..measurement.swings.release import within
 from ..measurement.swings.spikes import as_variable
 from ..measurement.units import NO_SCALE, in_rad
+from ..own_unit import UNNAMED
 from ..pendulum.drive import Drive, drive
 from .array_units import ANGLES, numbers
 from .array_units import angles as in_one_unit
@@ -332,7 +333,8 @@ def _swings_in(name: str, given: Series, unit: str | None, kind: str, restoring:
         )
     remarks = [f"{missing.sum()} of {missing.size} samples hold no number: missing"] if missing.any() else []
     taken = unit or stated or "rad"
-    reading = Reading(taken, bool(unit or stated), in_rad(taken), restoring)
+    own = UNNAMED if restoring == "linear" and taken not in TO_RAD_PER_S else ""
+    reading = Reading(taken, bool(unit or stated), in_rad(taken), restoring, own=own)
     pieces = parts(times)
     if len(pieces) > 1:
         found = [(times[piece], values[piece], f"{name}, part {k}") for k, piece in enumerate(pieces, 1)]
@@ -364,7 +366,7 @@ def _swings_in(name: str, given: Series, unit: str | None, kind: str, restoring:
             **_attributes(name, about), "unit_told": judged.reading.told, **kept,
             **({"zero_rad": judged.zero} if judged.zero else {}),
             **with_rate(_tolerances(about, taken), ordered.rate),
-            **({"rad_per_unit": judged.reading.scale, "scale": "unknown"} if judged.reading.unit == NO_SCALE else {}),
+            **({"rad_per_unit": judged.reading.scale} | judged.reading.unscaled if judged.reading.unit == NO_SCALE else {}),
         },
     )  # fmt: skip
     return [to_angle(recording).assign_attrs(remarks=as_told("; ".join(remarks)))]

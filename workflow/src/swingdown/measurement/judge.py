@@ -48,6 +48,12 @@ class Reading:
         """``yes`` where the unit is stated or the only one possible, ``no`` where it is rad for want of a word."""
         return "no" if self.unit == "rad" and not self.stated else "yes"
 
+    @property
+    def unscaled(self) -> dict[str, str | float]:
+        """The attributes of a recording whose scale nobody knows, as ``own_unit.own_of`` reads them where it has a unit of its own."""
+        about: dict[str, str | float] = {"scale": "unknown"}
+        return about | {"own_unit": self.own, "own_step": 1 / self.scale} if self.own else about
+
 
 @dataclass(frozen=True)
 class Judged:

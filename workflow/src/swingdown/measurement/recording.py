@@ -163,8 +163,7 @@ def _dataset(
         **({} if counted and not np.isfinite(found.about["counts_per_revolution"]) else found.about),
         **turned,
         **scale,
-        **({"scale": "unknown"} if unscaled else {}),
-        **({"own_unit": reading.own, "own_step": 1 / reading.scale} if unscaled and reading.own else {}),
+        **(reading.unscaled if unscaled else {}),
         **kept,
     }
     return xr.Dataset(
