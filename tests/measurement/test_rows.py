@@ -307,6 +307,35 @@ def test_the_rate_that_a_file_states_stands_for_its_times(take, above):
     np.testing.assert_array_equal(made["signal"].values, SWING)
 
 
+QTM = "NO_OF_FRAMES\t300\nFREQUENCY\t20\nANALOG_FREQUENCY\t0\nDATA_INCLUDED\t3D\nMARKER_NAMES\tbob\n"
+
+
+@pytest.mark.parametrize(
+    "head",
+    [
+        QTM,
+        "SAMPLE_RATE\t20\n",
+        "Sampling Rate\t20\nName\tbob\n",
+        "SamplingRate\t20 Hz\n",
+        "fps\t20\n",
+        "Frame rate\t20\n",
+    ],
+)
+def test_a_rate_beside_its_name_above_the_rows_makes_their_times(take, head):
+    made = take(head + "theta_rad\tz\n" + "".join(f"{x:.9f}\t{x**2:.5f}\n" for x in SWING))
+    np.testing.assert_allclose(np.diff(made["time"].values), 0.05)
+    np.testing.assert_allclose(made["signal"].values, SWING, atol=1e-9)
+    assert "20.0 samples a second, tabs at 20 Hz" in made.attrs["taken"]
+
+
+@pytest.mark.parametrize(
+    "head", ["Frequency\t0.67\n", "FREQUENCY: 0.67\n", "ANALOG_FREQUENCY\t1000\n", "FREQUENCY\t0\n"]
+)
+def test_a_frequency_that_may_be_another_makes_no_times(take, head):
+    with pytest.raises(InputError, match="cannot be the time"):
+        take(head + "theta_rad\tz\n" + "".join(f"{x:.9f}\t{x**2:.5f}\n" for x in SWING))
+
+
 def test_coordinates_may_stand_behind_the_name_of_what_was_followed():
     _, found = choose(["Time (ms)", "Bob/0/X", "Bob/0/Y"], "", "", "")
     assert [one.name for one in found] == ["Bob/0/X", "Bob/0/Y"]

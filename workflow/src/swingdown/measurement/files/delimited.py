@@ -134,12 +134,12 @@ def stated_rate(above: Sequence[str]) -> float:
     The value stands beside its name, or below it: ``Delta_X 0.02``, ``Sample Rate: 100 Hz``, ``X,CH1,Start,Increment``.
     """
     cells = [re.split(r"[,;:=\t]\s*", line.strip()) for line in above]
-    for line, below in itertools.zip_longest(cells, cells[1:], fillvalue=list[str]()):
+    for whole, line, below in zip(above, cells, [*cells[1:], []], strict=True):
         for k, name in enumerate(line):
             for value in (*line[k + 1 : k + 2], *below[k : k + 1]):
                 number = re.match(r"\s*(\d+\.?\d*(?:[eE][-+]?\d+)?)\s*(k?)(?:Hz|Sa?/s|s|$)", value)
                 found = float(number[1]) if number else 0.0
-                if found and STATES_RATE.search(name):
+                if found and (STATES_RATE.search(name) or not k and STATES_RATE.match(whole)):
                     return found * (1e3 if number and number[2] else 1.0)
                 if found and _INTERVAL.search(name):
                     return 1 / found

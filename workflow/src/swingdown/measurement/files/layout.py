@@ -20,7 +20,10 @@ DIALECTS = (
 LOOKED_AT = 400  # lines from which the dialect is told
 MOST_COLUMNS = 16384  # as many as an office program has
 COMMENT = re.compile(r"^\s*(#+|%+|//+|!)\s*")
-STATES_RATE = re.compile(r"(?i)\b(sample|sampling)[ _](rate|frequency)\b")
+# a frequency by itself may be the pendulum's, but as a setting of motion capture (QTM)
+STATES_RATE = re.compile(
+    r"(?i)\b(sample|sampling)[ _]?(rate|frequency)\b|^((?-i:FREQUENCY)|fps|frame[ _]?rate)\t"
+)
 GROUPED = re.compile(r"[+-]?[1-9]\d{0,2}[.,]\d{3}")  # 1,234 may be a thousand and more
 NEAR = 3  # lines above the rows in which names, symbols and units stand
 CLOCKED, ARRIVED, READING, SIGNAL = "time (s)", "arrival", "raw", "signal"
