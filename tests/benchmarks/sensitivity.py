@@ -27,8 +27,7 @@ from test_frozen import CAMPAIGNS, swings
 
 SETTINGS = {
     "judge": ("PROBABLE", "SHARE", "HELD_OUT", "TIES", "POSSIBLE", "CLEAR"),
-    "structures": ("POSSIBLE",),
-    "verdict": ("CLEAR",),
+    "structures": ("POSSIBLE", "_COUNTS"),
     "friction": ("_ANGLES", "_EACH"),
     "discrepancy": ("_BINS", "_SEEN", "_NOISE_KNOWN"),
     "kinds": ("_ANGLES", "_SPEEDS", "_TIMES", "SMOOTH", "_KEPT", "_FINE"),
