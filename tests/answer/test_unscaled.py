@@ -6,7 +6,7 @@ import pytest
 
 from swingdown.__main__ import main
 from swingdown.engine.trajectory import simulate
-from swingdown.measurement.apparent_scale import RELATIVE, apparent_scale
+from swingdown.measurement.apparent_scale import ON_A_SPRING, RELATIVE, apparent_scale
 from swingdown.pendulum.model import Model
 from swingdown.studies.quantities import quantities
 
@@ -82,7 +82,7 @@ def test_what_a_reading_is_worth_by_its_period_alone():
     for release in (0.4, 1.2, 2.0):
         reading = 600 * simulate(PENDULUM, times, release) + rng.standard_normal(times.size)
         assert apparent_scale(times, reading) == pytest.approx(1 / 600, rel=0.03)
-    small = 2 * RELATIVE / np.ptp(reading)
+    small = 2 * ON_A_SPRING / np.ptp(reading)
     assert apparent_scale(times, reading, "linear") == small
     spring = 600 * np.exp(-times / 40) * np.cos(4.2 * times) + rng.standard_normal(times.size)
     assert apparent_scale(times, spring) == pytest.approx(2 * RELATIVE / np.ptp(spring))
