@@ -79,8 +79,8 @@ class Discrepancy:
     constant for all fits of the same swings); ``size`` (rad), the RMS of its work on the readings beyond what the fit imitates, with what
     is as quick as noise and not the noise; ``sizes`` the same by kind; ``rest``, the RMS beyond fit and discrepancy in units of the
     noise; ``widened``, by how much the standard error of each value that all swings share is larger where the discrepancy may do some
-    of its work; ``friction`` and
-    ``friction_error`` (rad/s^2), the unnamed torque against the motion that is left at the middle as the speed goes to nothing."""
+    of its work; ``friction`` and ``friction_error`` (rad/s^2), the unnamed torque against the motion that is left at the middle as the
+    speed goes to nothing."""
 
     log_evidence: float
     log_plain: float

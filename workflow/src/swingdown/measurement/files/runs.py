@@ -119,9 +119,8 @@ def _runs(names: Sequence[str], marks: Sequence[str]) -> dict[str, Run]:
         if not (timed or set(shared) & set(clocks)) or len(columns) < 2:
             return {}
         named = [bare[k] or f"{UNNAMED}{k}" for k in columns]
-        if len(set(named)) < len(
-            named
-        ):  # what stands beside the runs has one name twice: which is meant is not told
+        # what stands beside the runs has one name twice: which is meant is not told
+        if len(set(named)) < len(named):
             return {}
         found[run] = Run(columns, named, own)
     return found
