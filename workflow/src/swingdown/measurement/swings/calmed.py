@@ -5,7 +5,7 @@ import numpy as np
 from ...arrays import Floats
 from .even import evenly
 
-ORDER = 5  # follows a swing through half of its period, to 0.04 % of its size
+DEGREE = 4  # of the polynomials: follows a swing through half of its period, to 0.04 % of its size
 FEWEST = 9  # samples; fewer tell no polynomial from its noise
 
 
@@ -17,6 +17,8 @@ def calmed(times: Floats, rate: Floats) -> Floats:
     passage. The period is that of the largest line of the spectrum; ``times`` (s) rise, in any steps. Fewer than nine samples in half a
     period are left as they are.
     """
+    from scipy.signal import savgol_filter  # takes long to import
+
     even = evenly(times, rate)
     middle = even.signal.mean()
     about = even.signal - middle
@@ -25,7 +27,7 @@ def calmed(times: Floats, rate: Floats) -> Floats:
     if half < FEWEST:
         return rate
     side = half // 2
-    powers = np.linspace(-1, 1, 2 * side + 1)[:, None] ** np.arange(ORDER)
     # beyond its ends a swing goes on as half a period away, on the other side
     longer = np.concatenate([-about[half - side : half], about, -about[-half:][:side]])
-    return np.asarray(middle + np.convolve(longer, np.linalg.pinv(powers)[0], "valid")[even.place])
+    smooth = savgol_filter(longer, 2 * side + 1, DEGREE)[side : longer.size - side]
+    return np.asarray(middle + smooth[even.place])
