@@ -107,7 +107,9 @@ class Cluster:
         self._kill_of(node)
 
     def _kill_of(self, node):
-        for pid in self._of(node):
+        """The step daemons first: one that outlives its job tells Slurm of a failure, and a dead node tells nothing."""
+        found = self._of(node)
+        for pid in sorted(found, key=lambda pid: b"slurmstepd" not in self._command(pid)):
             with suppress(ProcessLookupError):  # it ended with its parent
                 os.kill(pid, signal.SIGKILL)
 
