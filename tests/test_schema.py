@@ -96,10 +96,12 @@ def within(rule):
 
 def of_every_key(values):
     """(schema, way, value, …) of every key of the schemas."""
-    for schema in NEEDED:
-        for way, rule in leaves(rules(schema)):
-            for one in values(rule):
-                yield (schema, way, *one) if isinstance(one, tuple) else (schema, way, one)
+    return [
+        (schema, way, *one) if isinstance(one, tuple) else (schema, way, one)
+        for schema in NEEDED
+        for way, rule in leaves(rules(schema))
+        for one in values(rule)
+    ]
 
 
 def given(schema, way, value):
