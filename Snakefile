@@ -58,7 +58,8 @@ onstart:
         remove_orphans("results")
         if not AT_THE_BENCH:
             write_books()
-    if workflow.local_exec and workflow.is_main_process:  # how jobs are executed is known only now
+    # How jobs are executed is known only now. A capture has Ctrl-C and a window to itself.
+    if workflow.local_exec and workflow.is_main_process and not AT_THE_BENCH:
         prefork.start()
         # Snakemake's limit to 100 jobs a second looks at all jobs anew once a second for each job that has ended; on one
         # machine there is nothing to limit.

@@ -1,18 +1,18 @@
 """Jobs in forks of a process that has done their imports: they end, speak and fail as scripts of their own do."""
 
-import ast
 import os
 import signal
 import subprocess
 import sys
 import time
+from pathlib import Path
 
 import pytest
 
 from swingdown import prefork
 
-# What Snakemake puts before a script, and the script's own first import.
-HEAD = "snakemake = None\nimport swingdown.prefork\nimport slow\n"
+HEAD = "import slow\n"  # what Snakemake puts before a script, and what that imports first
+SCRIPT = Path(".snakemake/scripts/script.py")
 STARTER = "from swingdown import prefork\nprefork.start()\nimport os\nprint(os.environ[prefork.ADDRESS], flush=True)\ninput()\n"
 
 
@@ -38,11 +38,16 @@ def starter(tmp_path, environment):
 def script(tmp_path, environment, starter):
     """A function that starts a script with these further lines and returns its process."""
 
+    (tmp_path / SCRIPT).parent.mkdir(parents=True)
+    given = environment | {
+        prefork.ADDRESS: starter.address,
+        "PYTHONPATH": os.pathsep.join([prefork._EARLY, str(tmp_path)]),
+    }
+
     def run(text, **more):
-        (tmp_path / "script.py").write_text(HEAD + text)
+        (tmp_path / SCRIPT).write_text(HEAD + text)
         return subprocess.Popen(
-            [sys.executable, "script.py"], cwd=tmp_path, text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
-            env=environment | {prefork.ADDRESS: starter.address} | more,
+            [sys.executable, SCRIPT], cwd=tmp_path, text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE, env=given | more,
         )  # fmt: skip
 
     return run
@@ -133,34 +138,10 @@ def test_a_script_on_its_own_does_its_own_imports(script, tmp_path, more):
     assert (tmp_path / "imported").read_text() == "once once "
 
 
-def test_every_script_asks_before_it_imports(root):
-    """But that of the capture, which has Ctrl-C and a window to itself."""
-    for path in (root / "workflow/scripts").glob("*.py"):
-        tree = ast.parse(path.read_text())
-        first = next(node for node in tree.body if isinstance(node, ast.Import | ast.ImportFrom))
-        asks = isinstance(first, ast.Import) and first.names[0].name == "swingdown.prefork"
-        assert asks != (path.stem == "capture"), path
-
-
-def test_what_snakemake_puts_before_a_script_is_not_run_first(tmp_path, environment, starter):
-    """But in the forks alone; and a sitecustomize of the user's own is read as ever."""
-    folder = tmp_path / ".snakemake" / "scripts"
-    folder.mkdir(parents=True)
-    (folder / "script.py").write_text(
-        "import slow\nsnakemake = None\nimport swingdown.prefork\nimport os\nprint(os.environ['PYTHONPATH'])\n"
-    )
-    early = os.pathsep.join([prefork._EARLY, str(tmp_path)])
-    command = [sys.executable, ".snakemake/scripts/script.py"]
-    here = environment | {prefork.ADDRESS: starter.address, "PYTHONPATH": early}
-    for _ in range(2):
-        told = subprocess.run(command, cwd=tmp_path, env=here, capture_output=True, text=True, check=True)
-        assert told.stdout == f"{tmp_path}\n"
-    assert (tmp_path / "imported").read_text() == "once "
-
-    alone = here | {prefork.ADDRESS: "/nowhere"}
-    done = subprocess.run(command, cwd=tmp_path, env=alone, capture_output=True, check=True)
-    assert not done.stderr
+def test_a_job_sees_the_environment_of_the_run_and_a_sitecustomize_of_the_users_own_is_read(script, tmp_path):
+    asked = "import os\nprint(os.environ['PYTHONPATH'])\n"
+    assert script(asked).communicate()[0] == f"{tmp_path}\n"
     (tmp_path / "sitecustomize.py").write_text("open('own', 'a').write('read ')\n")
-    subprocess.run(command, cwd=tmp_path, env=alone, capture_output=True, check=True)
-    assert (tmp_path / "imported").read_text() == "once once once "
+    alone, complaint = script(asked, **{prefork.ADDRESS: "/nowhere"}).communicate()
+    assert alone.endswith(f"{os.pathsep}{tmp_path}\n") and not complaint
     assert (tmp_path / "own").read_text().split() == ["read"]

@@ -169,9 +169,8 @@ def test_results_are_read_by_the_one_reader(root):
         "discovery/guard.py: yaml.safe_load(read_text(str(resources.files(__package__) / 'guard.yaml')))",
         "pendulum/model.py: yaml.safe_load(read_text(path))",
         "scripts/report.py: Path(caption).read_text(encoding='utf-8')",
-        "scripts/sweep_book.py: Path(book).read_bytes()",
-        "scripts/table2.py: pd.read_csv(published)",
-        "scripts/table3.py: pd.read_csv(published)",
+        "scripts/table2.py: pd.read_csv(files.published)",
+        "scripts/table3.py: pd.read_csv(files.published)",
         "src/snakemake_logger_plugin_swingdown/__init__.py: Path(path).read_text(encoding='utf-8', errors='replace')",  # a log
         "sweep/combine.py: xr.open_dataset(path, engine='netcdf4', decode_times=False, decode_timedelta=False)",
         "sweep/compute.py: Path(partial).read_bytes()",

@@ -1,7 +1,5 @@
 """One swing in radians, with its uncertainty; of one that no model follows, its longest free stretch."""
 
-import swingdown.prefork  # noqa: F401  # first of all: it may take the job over
-
 import numpy as np
 
 from swingdown import console, dataset
@@ -34,7 +32,6 @@ def angle(recording, calibration, mode, restoring, output):
     return f"{span}, standard uncertainty {uncertainty:.2g}{unit} ({result.attrs['mode']}){again}"
 
 
-if __name__ == "__main__":
-    with console.job(snakemake.log[0]) as say:
-        files, params = snakemake.input, snakemake.params
-        say(angle(files.recording, files.calibration, params.mode, params.restoring, snakemake.output[0]))
+with console.job(snakemake.log[0]) as say:
+    files, params = snakemake.input, snakemake.params
+    say(angle(files.recording, files.calibration, params.mode, params.restoring, snakemake.output[0]))

@@ -32,6 +32,5 @@ def capture(config, say):
     return session.run(jobs, guide, views, stop, leave, say)
 
 
-if __name__ == "__main__":
-    with console.job(snakemake.log[0]) as say:
-        say(capture(snakemake.params.config, say))
+with console.job(snakemake.log[0]) as say:
+    say(capture(snakemake.params.config, say))

@@ -1,7 +1,5 @@
 """What a pendulum shows against the amplitude, and what each law of damping leaves: a table and a picture of each."""
 
-import swingdown.prefork  # noqa: F401  # first of all: it may take the job over
-
 import numpy as np
 import pandas as pd
 
@@ -104,6 +102,5 @@ def written(outputs, rows, figure, spoken):
         save(in_language(figure, spoken), path)
 
 
-if __name__ == "__main__":
-    with console.job(snakemake.log[0]):
-        made(snakemake.input, snakemake.wildcards.campaign, snakemake.params, snakemake.output)
+with console.job(snakemake.log[0]):
+    made(snakemake.input, snakemake.wildcards.campaign, snakemake.params, snakemake.output)

@@ -1,7 +1,5 @@
 """The figures of one campaign's search: residuals, missing torque, half-swings, ranking, and the gap by round."""
 
-import swingdown.prefork  # noqa: F401  # first of all: it may take the job over
-
 from pathlib import Path
 
 from swingdown import console, dataset
@@ -51,7 +49,6 @@ def figures(verdict, rounds, outputs, spoken):
         save(made[output.stem], output, spoken.text(style.emulated_note(fitted)))
 
 
-if __name__ == "__main__":
-    with console.job(snakemake.log[0]):
-        files = snakemake.input
-        figures(files.verdict, files.rounds, snakemake.output, language(snakemake.params.lang))
+with console.job(snakemake.log[0]):
+    files = snakemake.input
+    figures(files.verdict, files.rounds, snakemake.output, language(snakemake.params.lang))

@@ -1,7 +1,5 @@
 """The search for what a campaign's model lacks, and what follows a change between its recordings."""
 
-import swingdown.prefork  # noqa: F401  # first of all: it may take the job over
-
 from pathlib import Path
 
 from swingdown import console, dataset
@@ -64,13 +62,12 @@ def discover_search(campaign, angles, fits, roles, base, rounds, budget_s, chang
     return f"{campaign}: {last.fit.model.label} leaves {gap:.3g} times the noise; {last.reason}"
 
 
-if __name__ == "__main__":
-    with console.job(snakemake.log[0]) as say:
-        params, given = snakemake.params, snakemake.input
-        base = Model(tuple(params.base), **params.model, catalogue=catalogue(params.effects))
-        say(
-            discover_search(
-                snakemake.wildcards.campaign, list(given.angles), list(given.fits), params.roles, base, params.rounds,
-                params.budget_s, params.changed, snakemake.output,
-            )
-        )  # fmt: skip
+with console.job(snakemake.log[0]) as say:
+    params, given = snakemake.params, snakemake.input
+    base = Model(tuple(params.base), **params.model, catalogue=catalogue(params.effects))
+    say(
+        discover_search(
+            snakemake.wildcards.campaign, list(given.angles), list(given.fits), params.roles, base, params.rounds,
+            params.budget_s, params.changed, snakemake.output,
+        )
+    )  # fmt: skip

@@ -1,7 +1,5 @@
 """One figure of the paper, as SVG and PNG, from the datasets and tables its function takes."""
 
-import swingdown.prefork  # noqa: F401  # first of all: it may take the job over
-
 from swingdown import console, dataset
 from swingdown.measurement.apparatus import read_apparatus
 from swingdown.measurement.refused import left_out, none_left
@@ -31,6 +29,5 @@ def opened(path):
     return dataset.read(path) if path.endswith(".nc") else read_apparatus(path)
 
 
-if __name__ == "__main__":
-    with console.job(snakemake.log[0]):
-        figure(snakemake.rule, snakemake.params.data, snakemake.output)
+with console.job(snakemake.log[0]):
+    figure(snakemake.rule, snakemake.params.data, snakemake.output)

@@ -1,7 +1,5 @@
 """All models fitted to the swings of one campaign together: shared parameters, a release for each swing."""
 
-import swingdown.prefork  # noqa: F401  # first of all: it may take the job over
-
 import numpy as np
 
 from swingdown import console, dataset
@@ -32,9 +30,8 @@ def fit_campaign(angles, alone, campaign, fitted, start, output):
     )
 
 
-if __name__ == "__main__":
-    with console.job(snakemake.log[0]) as say:
-        params, campaign = snakemake.params, snakemake.wildcards.campaign
-        fitted = models(params.fitted, params.effects, **params.model)
-        files = snakemake.input
-        say(fit_campaign(files.angles, files.fits, campaign, fitted, params.start, snakemake.output[0]))
+with console.job(snakemake.log[0]) as say:
+    params, campaign = snakemake.params, snakemake.wildcards.campaign
+    fitted = models(params.fitted, params.effects, **params.model)
+    files = snakemake.input
+    say(fit_campaign(files.angles, files.fits, campaign, fitted, params.start, snakemake.output[0]))

@@ -1,7 +1,5 @@
 """All models fitted to one swing; or why it is no swing of a pendulum that swings by itself."""
 
-import swingdown.prefork  # noqa: F401  # first of all: it may take the job over
-
 from swingdown import console, dataset
 from swingdown.errors import InputError
 from swingdown.measurement.refused import doubted, problem_in, refuse
@@ -35,8 +33,7 @@ def fit_swing(angle, fitted, start, output):
     return f"{name}: RMS of data less fit: {told}" + (f"\n{name}: NO FREE SWING: {doubt}" if doubt else "")
 
 
-if __name__ == "__main__":
-    with console.job(snakemake.log[0]) as say:
-        params = snakemake.params
-        fitted = models(params.fitted, params.effects, **params.model)
-        say(fit_swing(snakemake.input.angle, fitted, params.start, snakemake.output[0]))
+with console.job(snakemake.log[0]) as say:
+    params = snakemake.params
+    fitted = models(params.fitted, params.effects, **params.model)
+    say(fit_swing(snakemake.input.angle, fitted, params.start, snakemake.output[0]))

@@ -1,7 +1,5 @@
 """The confusion matrix of hidden effects, and how often they are found by size."""
 
-import swingdown.prefork  # noqa: F401  # first of all: it may take the job over
-
 from pathlib import Path
 
 from swingdown import console
@@ -9,17 +7,11 @@ from swingdown.plots import save, trials
 from swingdown.sealed import read_csv
 from swingdown_trials.score import read_scores
 
-
-def figures(scores, confusion, outputs):
-    """Each of the outputs written."""
+with console.job(snakemake.log[0]):
+    files = snakemake.input
     drawn = {
-        "confusion": trials.confusion(read_csv(confusion)),
-        "detection": trials.detection(read_scores(scores)),
+        "confusion": trials.confusion(read_csv(files.confusion)),
+        "detection": trials.detection(read_scores(files.scores)),
     }
-    for output in map(Path, outputs):
-        save(drawn[output.stem], output)
-
-
-if __name__ == "__main__":
-    with console.job(snakemake.log[0]):
-        figures(snakemake.input.scores, snakemake.input.confusion, snakemake.output)
+    for output in snakemake.output:
+        save(drawn[Path(output).stem], output)

@@ -1,7 +1,5 @@
 """All pendulums of a study in one picture."""
 
-import swingdown.prefork  # noqa: F401  # first of all: it may take the job over
-
 from swingdown import console
 from swingdown.language import language
 from swingdown.plots import save
@@ -9,13 +7,7 @@ from swingdown.plots.pendulums import side_by_side
 from swingdown.plots.style import in_language
 from swingdown.sealed import read_csv
 
-
-def draw(table, outputs, lang):
-    figure = in_language(side_by_side(read_csv(table)), language(lang))
-    for path in outputs:
-        save(figure, path)
-
-
-if __name__ == "__main__":
-    with console.job(snakemake.log[0]):
-        draw(snakemake.input.table, snakemake.output, snakemake.params.lang)
+with console.job(snakemake.log[0]):
+    figure = side_by_side(read_csv(snakemake.input.table))
+    for path in snakemake.output:
+        save(in_language(figure, language(snakemake.params.lang)), path)

@@ -1,7 +1,5 @@
 """One recording of the sample sheet as a dataset: signal as recorded, time in s, provenance; or why it cannot be used."""
 
-import swingdown.prefork  # noqa: F401  # first of all: it may take the job over
-
 import pandas as pd
 
 from swingdown import console, dataset
@@ -27,14 +25,13 @@ def record(row, sheet, restoring, calibrated, output):
     )
 
 
-if __name__ == "__main__":
-    with console.job(snakemake.log[0]) as say:
-        say(
-            record(
-                snakemake.params.row,
-                snakemake.params.sheet,
-                snakemake.params.restoring,
-                snakemake.params.calibrated,
-                snakemake.output[0],
-            )
+with console.job(snakemake.log[0]) as say:
+    say(
+        record(
+            snakemake.params.row,
+            snakemake.params.sheet,
+            snakemake.params.restoring,
+            snakemake.params.calibrated,
+            snakemake.output[0],
         )
+    )

@@ -1,7 +1,5 @@
 """The report: every table and figure of the run, its settings and what it rests on, in one HTML file."""
 
-import swingdown.prefork  # noqa: F401  # first of all: it may take the job over
-
 from pathlib import Path
 
 from swingdown import console, dataset
@@ -62,12 +60,11 @@ def used(recordings, tables):
     return [path for path in recordings if Path(path).stem not in lost]
 
 
-if __name__ == "__main__":
-    with console.job(snakemake.log[0]) as say:
-        files = snakemake.input
-        say(
-            report(
-                files.tables, files.figures, files.captions, files.recordings, files.verdicts, files.seen, files.told,
-                snakemake.params.settings, files.sweep_captions, files.fits, files.curves, snakemake.output[0],
-            )
-        )  # fmt: skip
+with console.job(snakemake.log[0]) as say:
+    files = snakemake.input
+    say(
+        report(
+            files.tables, files.figures, files.captions, files.recordings, files.verdicts, files.seen, files.told,
+            snakemake.params.settings, files.sweep_captions, files.fits, files.curves, snakemake.output[0],
+        )
+    )  # fmt: skip

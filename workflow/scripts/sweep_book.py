@@ -1,18 +1,9 @@
 """The book of a sweep's chunks, copied to where all nodes can read it."""
 
-import swingdown.prefork  # noqa: F401  # first of all: it may take the job over
-
-from pathlib import Path
+import shutil
 
 from swingdown import console
 from swingdown.paths import written_whole
 
-
-def sweep_book(book, output):
-    with written_whole(output) as partial:
-        partial.write_bytes(Path(book).read_bytes())
-
-
-if __name__ == "__main__":
-    with console.job(snakemake.log[0]):
-        sweep_book(snakemake.params.book, snakemake.output[0])
+with console.job(snakemake.log[0]), written_whole(snakemake.output[0]) as partial:
+    shutil.copyfile(snakemake.params.book, partial)

@@ -1,7 +1,5 @@
 """All fits of the experiment in one dataset, and the tables from them: norms, paired comparison, parameters."""
 
-import swingdown.prefork  # noqa: F401  # first of all: it may take the job over
-
 import pandas as pd
 
 from swingdown import console, dataset
@@ -13,35 +11,24 @@ from swingdown.studies.norms import combine_recordings
 from swingdown.studies.paper_tables import table3
 from swingdown.studies.parameters import parameter_budget, parameters
 
-
-def collect(fits, joint, verdicts, published, outputs):
-    kept, lost = taking_part(fits, explained([read_json(path) for path in verdicts]))
+with console.job(snakemake.log[0]) as say:
+    files, made = snakemake.input, snakemake.output
+    kept, lost = taking_part(files.fits, explained(map(read_json, files.verdicts)))
     if not kept:
         raise none_left(lost)
     single = [dataset.read(path) for path in kept]
-    campaigns = {str(one["campaign"].item()) for one in single}
     norms = combine_recordings(single)
-    dataset.write(norms, outputs.norms)
+    dataset.write(norms, made.norms)
+    write_csv(table3(norms, pd.read_csv(files.published)), made.table3)
     pairs = comparison(norms)
-    write_csv(table3(norms, pd.read_csv(published)), outputs.table3)
-    write_csv(pairs, outputs.comparison)
-    together = [one for one in used(joint)[0] if one.attrs["campaign"] in campaigns]
-    write_csv(parameters(norms, together), outputs.parameters)
-    alone = [
-        one
-        for one in single
-        if str(one["campaign"].item()) not in {each.attrs["campaign"] for each in together}
-    ]
-    write_csv(parameter_budget([*together, *alone]), outputs.budget)
-    alike = [
-        f"{row.campaign}: {row.verdict}" for row in pairs.itertuples() if "indistinguishable" in row.verdict
-    ]
-    return "\n".join(
-        [f"models compared: {norms.sizes['fitted']}, over swings: {norms.sizes['recording']}", *alike]
-    )
-
-
-if __name__ == "__main__":
-    with console.job(snakemake.log[0]) as say:
-        files = snakemake.input
-        say(collect(files.fits, files.joint, files.verdicts, files.published, snakemake.output))
+    write_csv(pairs, made.comparison)
+    campaigns = {str(one["campaign"].item()) for one in single}
+    together = [one for one in used(files.joint)[0] if one.attrs["campaign"] in campaigns]
+    write_csv(parameters(norms, together), made.parameters)
+    joined = {one.attrs["campaign"] for one in together}
+    alone = [one for one in single if str(one["campaign"].item()) not in joined]
+    write_csv(parameter_budget([*together, *alone]), made.budget)
+    say(f"models compared: {norms.sizes['fitted']}, over swings: {norms.sizes['recording']}")
+    for row in pairs.itertuples():
+        if "indistinguishable" in row.verdict:
+            say(f"{row.campaign}: {row.verdict}")

@@ -1,11 +1,10 @@
 """A process that imports once what jobs need, and forks for each of them.
 
 numpy, pandas and xarray take longer to import than most jobs take to work. While a study runs on one machine, the workflow
-keeps such a process (``start``). A script that imports this module before all else hands itself over: a fork of the process,
-which has by then imported what the script imports, runs it from its beginning with the script's own streams, folder and
-environment, and the script ends as that does. A script that finds no such process (on a cluster's node, or by hand) does
-its own imports and works as any other. So that not even the lines which Snakemake puts before a script are run twice, Python is
-shown a ``sitecustomize`` (folder ``early``) that hands over before them.
+keeps such a process (``start``). Python is shown a ``sitecustomize`` (folder ``early``) that hands each script of the workflow over before
+its first line: a fork of the process, which has by then imported what the script imports, runs it with the script's own streams, folder
+and environment, and the script ends as that does. A script that finds no such process (on a cluster's node, or by hand) does
+its own imports and works as any other.
 """
 
 import os
@@ -86,89 +85,27 @@ def hand_over() -> None:
     os._exit(ended[0] if ended else 1)
 
 
-class _Server:
-    """Jobs under way: the process of each, and the line to the script that waits for it."""
+def _serve(listening: Any) -> None:
+    """Jobs are taken, each in a fork of this process, until its standard input ends; a fork tells its script itself how it ended."""
+    import json
+    import select
+    import signal
+    import socket
 
-    def __init__(self, listening: Any) -> None:
-        import selectors
-        import signal
-
-        self.listening, self.waiting = listening, {}  # type: ignore[var-annotated]
-        self.selector = selectors.DefaultSelector()
-        self.selector.register(listening, selectors.EVENT_READ, self.take)
-        self.selector.register(0, selectors.EVENT_READ, self.close)
-        self.ended, wake = os.pipe()
-        for end in (self.ended, wake):
-            os.set_blocking(end, False)
-        self.selector.register(self.ended, selectors.EVENT_READ, self.collect)
-        signal.set_wakeup_fd(wake, warn_on_full_buffer=False)
-        signal.signal(signal.SIGCHLD, lambda *_: None)
-        signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the jobs
-        self.open = True
-
-    def run(self) -> None:
-        """Until there are neither more jobs to come nor any under way."""
-        while self.open or self.waiting:
-            for key, _ in self.selector.select():
-                key.data(key.fileobj)
-
-    def close(self, _: Any) -> None:
-        self.open = False
-        self.selector.unregister(0)
-        self.selector.unregister(self.listening)
-        self.listening.close()
-
-    def take(self, _: Any) -> None:
-        """A job, in a fork of this process."""
-        import json
-        import selectors
-        import socket
-
-        connection, _ = self.listening.accept()
+    signal.signal(signal.SIGCHLD, signal.SIG_IGN)
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the jobs
+    while 0 not in select.select([0, listening], [], [])[0]:
+        connection, _ = listening.accept()
         head, streams, _, _ = socket.recv_fds(connection, 4, 3)
-        text = connection.makefile("rb").read(int.from_bytes(head, "big")) if head else b""
-        if not text or len(streams) < 3:
-            connection.close()
-            return
-        job = json.loads(text)
-        _import_what_is_imported_by(job["script"])
-        process = os.fork()
-        if not process:
-            connection.close()
-            self.listening.close()
-            _work(job, streams)
+        if text := connection.makefile("rb").read(int.from_bytes(head, "big")):
+            job = json.loads(text)
+            _import_what_is_imported_by(job["script"])
+            if not os.fork():
+                listening.close()
+                _work(job, streams, connection)
         for stream in streams:
             os.close(stream)
-        self.waiting[process] = connection
-        self.selector.register(connection, selectors.EVENT_READ, self.abandon)
-
-    def abandon(self, connection: Any) -> None:
-        """The script is gone (killed, or its run was stopped), so its job has to go too."""
-        import signal
-
-        self.selector.unregister(connection)
-        for process, line in self.waiting.items():
-            if line is connection:
-                os.kill(process, signal.SIGTERM)
-
-    def collect(self, _: Any) -> None:
-        """The jobs that have ended: their scripts are told how."""
-        from contextlib import suppress
-
-        with suppress(BlockingIOError):
-            os.read(self.ended, 4096)
-        while self.waiting:
-            process, status = os.waitpid(-1, os.WNOHANG)
-            if not process:
-                break
-            connection = self.waiting.pop(process)
-            with suppress(KeyError, ValueError):
-                self.selector.unregister(connection)
-            code = os.waitstatus_to_exitcode(status)
-            with suppress(OSError):
-                if code >= 0:
-                    connection.send(bytes([code]))
-            connection.close()
+        connection.close()
 
 
 def _import_what_is_imported_by(script: str) -> None:
@@ -208,24 +145,29 @@ def _use_xarray() -> None:
         xr.load_dataset(path, engine="netcdf4").min()
 
 
-def _work(job: dict[str, Any], streams: list[int]) -> NoReturn:
+def _work(job: dict[str, Any], streams: list[int], connection: Any) -> NoReturn:
     """The script run from its beginning; the process ends with it."""
     import runpy
     import signal
     import tempfile
+    import threading
     import traceback
+    from contextlib import suppress
+
+    def end_with_the_script() -> None:
+        connection.recv(1)  # nothing comes but the end: the script was killed, or its run was stopped
+        os.kill(os.getpid(), signal.SIGTERM)
 
     code = 1
     try:
-        signal.set_wakeup_fd(-1)
-        for number in (signal.SIGCHLD, signal.SIGINT):
-            signal.signal(number, signal.default_int_handler if number == signal.SIGINT else signal.SIG_DFL)
+        signal.signal(signal.SIGCHLD, signal.SIG_DFL)
+        signal.signal(signal.SIGINT, signal.default_int_handler)
+        threading.Thread(target=end_with_the_script, daemon=True).start()
         for stream, own in zip(streams, (0, 1, 2), strict=True):
             os.dup2(stream, own)
         os.chdir(job["folder"])
         os.environ.clear()
         os.environ.update(job["environment"])
-        del os.environ[ADDRESS]
         _forget_early()
         tempfile.tempdir = None
         sys.argv = [job["script"]]
@@ -240,12 +182,12 @@ def _work(job: dict[str, Any], streams: list[int]) -> NoReturn:
     finally:
         sys.stdout.flush()
         sys.stderr.flush()
+        with suppress(OSError):
+            connection.send(bytes([code & 255]))
         os._exit(code & 255)
 
 
 if __name__ == "__main__":
     import socket
 
-    _Server(socket.socket(fileno=int(sys.argv[1]))).run()
-elif hasattr(sys.modules["__main__"], "snakemake"):  # Snakemake puts it before a script
-    hand_over()
+    _serve(socket.socket(fileno=int(sys.argv[1])))

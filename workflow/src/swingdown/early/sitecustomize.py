@@ -7,14 +7,6 @@ import os
 import sys
 
 
-def _asks(script: str) -> bool:
-    """Whether it is a script of Snakemake's that would ask to be handed over itself, a little later."""
-    if os.path.join(".snakemake", "scripts", "") not in script:
-        return False
-    with open(script, "rb") as file:
-        return b"\nimport swingdown.prefork" in file.read()
-
-
 def _read_own() -> None:
     """The file of this name that Python would have read without this one, if there is any."""
     import importlib.util
@@ -27,7 +19,7 @@ def _read_own() -> None:
         sys.modules["sitecustomize"] = this  # Python looks for what it has just read
 
 
-if sys.argv and _asks(sys.argv[0]):
+if sys.argv and os.path.join(".snakemake", "scripts", "") in sys.argv[0]:
     from swingdown import prefork
 
     prefork.hand_over()
