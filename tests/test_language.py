@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 import yaml
 
-from swingdown.discovery.judge import _doubt
-from swingdown.discovery.losses import _SAID
-from swingdown.discovery.sentence import _described, _misspecified
+from swingdown.discovery.judge.findings import _doubt
+from swingdown.discovery.see.losses import _SAID
+from swingdown.discovery.tell.sentence import _described, _misspecified
 from swingdown.errors import InputError
 from swingdown.language import language, languages
 from swingdown.measurement.judge import Reading

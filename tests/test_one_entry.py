@@ -10,10 +10,10 @@ import pandas as pd
 import pytest
 import xarray as xr
 
-from swingdown.discovery import files
-from swingdown.discovery.campaign import Swing, campaign
+from swingdown.discovery.data.campaign import Swing, campaign
 from swingdown.discovery.search import discover
-from swingdown.discovery.verdict import verdict
+from swingdown.discovery.tell import files
+from swingdown.discovery.tell.verdict import verdict
 from swingdown.engine.trajectory import simulate
 from swingdown.errors import InputError
 from swingdown.fitting.least_squares import fit_trajectory

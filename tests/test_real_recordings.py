@@ -6,10 +6,10 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from swingdown.discovery.campaign import Swing, campaign
-from swingdown.discovery.files import summary
+from swingdown.discovery.data.campaign import Swing, campaign
 from swingdown.discovery.search import discover
-from swingdown.discovery.verdict import verdict
+from swingdown.discovery.tell.files import summary
+from swingdown.discovery.tell.verdict import verdict
 from swingdown.measurement.angle import to_angle
 from swingdown.measurement.recording import ingest
 from swingdown.measurement.sheet import read_sheet

@@ -143,7 +143,7 @@ def test_what_is_carried_to_a_storage_has_no_seal(tmp_path):
 
 # What reads text that is no result: settings, sheets, recordings, code, published values, captions, its own lines with sums.
 READS_OTHERS = {
-    "engine", "measurement", "src/swingdown_trials/certified", "capture", "pendulum/catalogue", "discovery/judge.py", "planning", "sweep/code.py", "sweep/chunks.py",
+    "engine", "measurement", "src/swingdown_trials/certified", "capture", "pendulum/catalogue", "discovery/judge/findings.py", "planning", "sweep/code.py", "sweep/chunks.py",
     "series/hand_table.py", "schema.py", "language.py", "sealed.py", "prefork.py", "manifest.py", "report/provenance.py", "report/page.py", "report/sweeps.py",
 }  # fmt: skip
 READERS = {"read_text", "read_bytes", "read_csv", "open_dataset", "load_dataset", "safe_load", "loads"}

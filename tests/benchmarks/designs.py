@@ -19,10 +19,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from swingdown.discovery.campaign import Swing, campaign
-from swingdown.discovery.files import summary
+from swingdown.discovery.data.campaign import Swing, campaign
 from swingdown.discovery.search import discover
-from swingdown.discovery.verdict import verdict
+from swingdown.discovery.tell.files import summary
+from swingdown.discovery.tell.verdict import verdict
 from swingdown.errors import InputError
 from swingdown.pendulum.catalogue import SHIPPED
 from swingdown.pendulum.model import Model

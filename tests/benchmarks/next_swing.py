@@ -19,11 +19,12 @@ from collections import Counter
 import numpy as np
 from scipy.signal import lfilter
 
-from swingdown.discovery.campaign import Noise, Swing, campaign
-from swingdown.discovery.duel import misfit
-from swingdown.discovery.evidence import TIE, evidence
-from swingdown.discovery.experiments import Held
-from swingdown.discovery.next_swing import APART, next_swing
+from swingdown.discovery.data.campaign import Swing, campaign
+from swingdown.discovery.data.noise import Noise
+from swingdown.discovery.move.evidence import TIE, evidence
+from swingdown.discovery.next.duel import misfit
+from swingdown.discovery.next.experiments import Held
+from swingdown.discovery.next.proposal import APART, next_swing
 from swingdown.engine.trajectory import TrajectoryError
 from swingdown.fitting.least_squares import fit_jointly
 from swingdown.pendulum.model import Model

@@ -16,30 +16,30 @@ import warnings
 from functools import partial
 from pathlib import Path
 
-from swingdown.discovery.campaign import Swing, campaign
-from swingdown.discovery.files import summary
+from swingdown.discovery.data.campaign import Swing, campaign
 from swingdown.discovery.search import discover
-from swingdown.discovery.verdict import verdict
+from swingdown.discovery.tell.files import summary
+from swingdown.discovery.tell.verdict import verdict
 from swingdown.pendulum.model import BASES, Model
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "discovery"))
 from test_frozen import CAMPAIGNS, swings
 
 SETTINGS = {
-    "judge": ("PROBABLE", "SHARE", "HELD_OUT", "TIES", "POSSIBLE", "CLEAR"),
-    "structures": ("POSSIBLE", "_COUNTS"),
-    "friction": ("_ANGLES", "_EACH"),
-    "discrepancy": ("_BINS", "_SEEN", "_NOISE_KNOWN"),
-    "kinds": ("_ANGLES", "_SPEEDS", "_TIMES", "SMOOTH", "_KEPT", "_FINE"),
-    "restricted": ("_ANY",),
+    "judge.findings": ("PROBABLE", "SHARE", "HELD_OUT", "TIES", "POSSIBLE", "CLEAR"),
+    "judge.structures": ("POSSIBLE", "_COUNTS"),
+    "see.friction": ("_ANGLES", "_EACH"),
+    "see.discrepancy": ("_BINS", "_SEEN", "_NOISE_KNOWN"),
+    "see.kinds": ("_ANGLES", "_SPEEDS", "_TIMES", "SMOOTH", "_KEPT", "_FINE"),
+    "see.restricted": ("_ANY",),
     "search": ("_LOUDER", "_AGAIN"),
-    "admissible": ("CLEAR", "_VAGUE", "_HOPELESS"),
-    "ranking": ("_PROMISING", "_HOPEFUL", "_FIRST", "_WIDE", "_FEW", "_FAR", "_FELL_SHORT", "_NUDGED", "_SHARES", "_SHAPES"),
-    "evidence": ("TIE",),
-    "candidates": ("WIDEST", "_FIRST"),
-    "mimics": ("_ALIKE",),
-    "own_frequency": ("_SUBSTANTIAL", "_FEWEST"),
-    "refit": ("_BETTER",),
+    "move.admissible": ("CLEAR", "_VAGUE", "_HOPELESS"),
+    "move.ranking": ("_PROMISING", "_HOPEFUL", "_FIRST", "_WIDE", "_FEW", "_FAR", "_FELL_SHORT", "_NUDGED", "_SHARES", "_SHAPES"),
+    "move.evidence": ("TIE",),
+    "move.candidates": ("WIDEST", "_FIRST"),
+    "move.mimics": ("_ALIKE",),
+    "move.own_frequency": ("_SUBSTANTIAL", "_FEWEST"),
+    "move.refit": ("_BETTER",),
 }  # fmt: skip
 SHARES = {"PROBABLE", "_ALIKE"}  # below 1: what they leave of 1 is halved and doubled
 RATIOS = {"_FELL_SHORT", "_LOUDER"}  # above 1: what they have beyond 1 is

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from swingdown.discovery import files
-from swingdown.discovery.campaign import Swing, campaign
+from swingdown.discovery.data.campaign import Swing, campaign
 from swingdown.discovery.search import discover
-from swingdown.discovery.verdict import verdict
+from swingdown.discovery.tell import files
+from swingdown.discovery.tell.verdict import verdict
 from swingdown.engine.trajectory import simulate
 from swingdown.pendulum.model import Model
 from swingdown.pendulum.slack import reading_slack

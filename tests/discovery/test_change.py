@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from swingdown.discovery.campaign import Swing, campaign
 from swingdown.discovery.change import Difference, difference
-from swingdown.discovery.sentence import follows
+from swingdown.discovery.data.campaign import Swing, campaign
+from swingdown.discovery.tell.sentence import follows
 from swingdown.pendulum.model import Model
 from swingdown_trials.second_pendulum import trajectory
 

@@ -6,13 +6,15 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from swingdown.discovery import friction, judge
-from swingdown.discovery.admissible import at_its_bound
-from swingdown.discovery.campaign import Noise, Swing, campaign
-from swingdown.discovery.confirm import predict
-from swingdown.discovery.judge import Finding, judged, told_of
-from swingdown.discovery.linear import frame
-from swingdown.discovery.structures import Pool
+from swingdown.discovery.data.campaign import Swing, campaign
+from swingdown.discovery.data.noise import Noise
+from swingdown.discovery.judge import findings
+from swingdown.discovery.judge.confirm import predict
+from swingdown.discovery.judge.findings import Finding, judged, told_of
+from swingdown.discovery.judge.structures import Pool
+from swingdown.discovery.move.admissible import at_its_bound
+from swingdown.discovery.see import friction
+from swingdown.discovery.see.linear import frame
 from swingdown.fitting.least_squares import fit_jointly
 from swingdown.pendulum.model import Model
 from swingdown_trials.second_pendulum import trajectory
@@ -227,12 +229,12 @@ def test_no_friction_is_told_of_an_unnamed_drag():
 
 def test_a_drag_is_asked_of_what_only_a_drag_could_do_where_held_out_swings_lack_something_else(monkeypatch):
     """Most of what is missing goes with it, of held-out swings too little: what these lack beside it tells nothing of a drag."""
-    monkeypatch.setattr(judge, "_whole", lambda *_: (0.1, 0.7, 5.0))
-    monkeypatch.setattr(judge, "_of_friction", lambda *_: (0.15, 0.15))
+    monkeypatch.setattr(findings, "_whole", lambda *_: (0.1, 0.7, 5.0))
+    monkeypatch.setattr(findings, "_of_friction", lambda *_: (0.15, 0.15))
     there = SimpleNamespace(left=lambda _: 1.0, fit=SimpleNamespace(model=Model("viscous")), loses_more=False)
     pool = SimpleNamespace(lacking=lambda *_: [there], noise=None)
-    assert judge._asked(pool, there, "quadratic_drag", ["quadratic_drag"], judge.Finding(1.0)).sure
-    assert judge._asked(pool, there, "cubic_stiffness", ["cubic_stiffness"], judge.Finding(1.0)).doubt
+    assert findings._asked(pool, there, "quadratic_drag", ["quadratic_drag"], findings.Finding(1.0)).sure
+    assert findings._asked(pool, there, "cubic_stiffness", ["cubic_stiffness"], findings.Finding(1.0)).doubt
 
 
 def _judged(*wanted):
@@ -264,7 +266,7 @@ def test_what_held_out_swings_speak_against_is_not_in_the_model_that_is_told(mon
         lacking=lambda here, names: [structures[here.key - set(names)]],
     )
     given = {"magnet": (0.05, 0.1), "detent": (share, held)}
-    monkeypatch.setattr(judge, "judged", _judged((both, given), (one, {"magnet": (0.1, 0.2)})))
+    monkeypatch.setattr(findings, "judged", _judged((both, given), (one, {"magnet": (0.1, 0.2)})))
     last, found = told_of(pool, structures[both])
     assert last.key == told and set(found) == told
 
@@ -276,9 +278,9 @@ def test_what_an_effect_is_nearly_in_the_most_probable_structure_it_is_in_a_smal
         for names in (["cubic_stiffness"], ["cubic_stiffness", "detent"])
     )
     nearly = {here.key: [], most.key: ["finite_amplitude", "detent"]}
-    monkeypatch.setattr(judge, "_nearly_in", lambda structure, name: nearly[structure.key])
-    assert judge._nearly([here], "cubic_stiffness") == []
-    assert judge._nearly([here, most], "cubic_stiffness") == ["finite_amplitude"]
+    monkeypatch.setattr(findings, "_nearly_in", lambda structure, name: nearly[structure.key])
+    assert findings._nearly([here], "cubic_stiffness") == []
+    assert findings._nearly([here, most], "cubic_stiffness") == ["finite_amplitude"]
 
 
 @pytest.mark.parametrize(("of_four", "law_open"), [(0.9, True), (0.995, False)])
@@ -289,7 +291,7 @@ def test_a_drag_of_which_more_laws_are_possible_than_a_tie_has_is_told_as_one(mo
         first=SimpleNamespace(fit=SimpleNamespace(model=Model("constant_coulomb"))),
         sees_friction=lambda: 0.0,
     )
-    monkeypatch.setattr(judge, "_nearly", lambda *_: [])
-    monkeypatch.setattr(judge, "_asked", lambda pool, best, name, names, one, seen: one)
-    found = judge._as_one(pool, None, "viscous", ["viscous"], kind, ())
+    monkeypatch.setattr(findings, "_nearly", lambda *_: [])
+    monkeypatch.setattr(findings, "_asked", lambda pool, best, name, names, one, seen: one)
+    found = findings._as_one(pool, None, "viscous", ["viscous"], kind, ())
     assert found.probability == 0.997 and len(found.ties) == 3 and found.law_open is law_open

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from swingdown.discovery.losses import half_swings
+from swingdown.discovery.see.losses import half_swings
 from swingdown.engine.trajectory import simulate
 from swingdown.pendulum.model import Model
 

@@ -5,15 +5,16 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from swingdown.discovery.budget import Budget
-from swingdown.discovery.campaign import Noise, Swing, campaign
-from swingdown.discovery.candidates import starts_to_add
-from swingdown.discovery.evidence import Candidate, evidence
-from swingdown.discovery.files import summary
-from swingdown.discovery.linear import frame
-from swingdown.discovery.ranking import _from_the_best, in_place_of
+from swingdown.discovery.data.campaign import Swing, campaign
+from swingdown.discovery.data.noise import Noise
+from swingdown.discovery.move.candidates import starts_to_add
+from swingdown.discovery.move.evidence import Candidate, evidence
+from swingdown.discovery.move.ranking import _from_the_best, in_place_of
 from swingdown.discovery.rounds import first_fit
 from swingdown.discovery.search import discover
-from swingdown.discovery.verdict import verdict
+from swingdown.discovery.see.linear import frame
+from swingdown.discovery.tell.files import summary
+from swingdown.discovery.tell.verdict import verdict
 from swingdown.engine.trajectory import simulate
 from swingdown.fitting.least_squares import fit_jointly
 from swingdown.pendulum.model import Model

@@ -6,13 +6,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from swingdown.discovery.campaign import Noise, Swing, campaign
-from swingdown.discovery.duel import Duel, misfit
-from swingdown.discovery.experiments import PROTRACTOR, Held, LetGo, menu
-from swingdown.discovery.files import summary
-from swingdown.discovery.next_swing import APART, next_swing
+from swingdown.discovery.data.campaign import Swing, campaign
+from swingdown.discovery.data.noise import Noise
+from swingdown.discovery.next.duel import Duel, misfit
+from swingdown.discovery.next.experiments import PROTRACTOR, Held, LetGo, menu
+from swingdown.discovery.next.proposal import APART, next_swing
 from swingdown.discovery.search import discover
-from swingdown.discovery.verdict import verdict
+from swingdown.discovery.tell.files import summary
+from swingdown.discovery.tell.verdict import verdict
 from swingdown.engine.trajectory import simulate
 from swingdown.fitting.least_squares import fit_jointly
 from swingdown.pendulum.model import Model

@@ -4,13 +4,14 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
-from swingdown.discovery.campaign import Noise, Swing, at_most, campaign, coarse_noise, measure_noise
-from swingdown.discovery.files import summary
-from swingdown.discovery.linear import frame
-from swingdown.discovery.locate import line
+from swingdown.discovery.data.campaign import Swing, campaign
+from swingdown.discovery.data.noise import Noise, at_most, coarse_noise, measure_noise
 from swingdown.discovery.rounds import first_fit
 from swingdown.discovery.search import discover
-from swingdown.discovery.verdict import verdict
+from swingdown.discovery.see.linear import frame
+from swingdown.discovery.see.locate import line
+from swingdown.discovery.tell.files import summary
+from swingdown.discovery.tell.verdict import verdict
 from swingdown.pendulum.model import Model
 from swingdown_trials.second_pendulum import trajectory
 

@@ -4,10 +4,11 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from swingdown.discovery.campaign import Noise, Swing
-from swingdown.discovery.green import motion, response
-from swingdown.discovery.linear import frame
-from swingdown.discovery.remainder import _smooth, remainder
+from swingdown.discovery.data.campaign import Swing
+from swingdown.discovery.data.noise import Noise
+from swingdown.discovery.see.green import motion, response
+from swingdown.discovery.see.linear import frame
+from swingdown.discovery.see.remainder import _smooth, remainder
 from swingdown.engine.trajectory import sensitivities, simulate
 from swingdown.fitting.least_squares import fit_jointly
 from swingdown.pendulum.model import Model

@@ -4,12 +4,13 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from swingdown.discovery.campaign import Swing, campaign, measure_noise
-from swingdown.discovery.candidates import starts_to_add
-from swingdown.discovery.files import summary
-from swingdown.discovery.linear import columns_of, frame
-from swingdown.discovery.refit import with_effect
+from swingdown.discovery.data.campaign import Swing, campaign
+from swingdown.discovery.data.noise import measure_noise
+from swingdown.discovery.move.candidates import starts_to_add
+from swingdown.discovery.move.refit import with_effect
 from swingdown.discovery.search import discover
+from swingdown.discovery.see.linear import columns_of, frame
+from swingdown.discovery.tell.files import summary
 from swingdown.engine.trajectory import TrajectoryError, simulate
 from swingdown.fitting.least_squares import fit_jointly
 from swingdown.pendulum.model import Model

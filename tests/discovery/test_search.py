@@ -6,18 +6,19 @@ from itertools import count, pairwise
 import numpy as np
 import pytest
 
-from swingdown.discovery import refit as guarded
-from swingdown.discovery.admissible import inadmissible
-from swingdown.discovery.campaign import Noise, Swing, campaign, coarse_noise
-from swingdown.discovery.candidates import without
-from swingdown.discovery.conclusion import concluded
-from swingdown.discovery.files import summary, write_rounds
-from swingdown.discovery.linear import frame
-from swingdown.discovery.pairs import starts_of_pairs
-from swingdown.discovery.refit import refit
+from swingdown.discovery.data.campaign import Swing, campaign
+from swingdown.discovery.data.noise import Noise, coarse_noise
+from swingdown.discovery.move import refit as guarded
+from swingdown.discovery.move.admissible import inadmissible
+from swingdown.discovery.move.candidates import without
+from swingdown.discovery.move.pairs import starts_of_pairs
+from swingdown.discovery.move.refit import refit
 from swingdown.discovery.rounds import first_fit
 from swingdown.discovery.search import discover
-from swingdown.discovery.verdict import verdict
+from swingdown.discovery.see.linear import frame
+from swingdown.discovery.tell.conclusion import concluded
+from swingdown.discovery.tell.files import summary, write_rounds
+from swingdown.discovery.tell.verdict import verdict
 from swingdown.engine.trajectory import TrajectoryError, simulate
 from swingdown.errors import InputError
 from swingdown.pendulum.model import Model
@@ -189,7 +190,7 @@ def test_a_search_that_breaks_off_ends_as_unknown_with_its_reason(two, monkeypat
 
 
 def test_a_model_that_cannot_follow_the_held_out_swings_is_no_better_than_the_base(two, monkeypatch):
-    from swingdown.discovery import confirm, structures
+    from swingdown.discovery.judge import confirm, structures
 
     def follows(fit, swings):
         if fit.model.names != ("viscous",):

@@ -5,15 +5,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from swingdown.discovery.campaign import Noise, Swing, campaign
-from swingdown.discovery.discrepancy import Unnamed
-from swingdown.discovery.files import summary
-from swingdown.discovery.judge import judged
-from swingdown.discovery.linear import frame, orthonormal
-from swingdown.discovery.restricted import Likelihood
+from swingdown.discovery.data.campaign import Swing, campaign
+from swingdown.discovery.data.noise import Noise
+from swingdown.discovery.judge.findings import judged
+from swingdown.discovery.judge.structures import Pool
 from swingdown.discovery.search import discover
-from swingdown.discovery.structures import Pool
-from swingdown.discovery.verdict import verdict
+from swingdown.discovery.see.discrepancy import Unnamed
+from swingdown.discovery.see.linear import frame, orthonormal
+from swingdown.discovery.see.restricted import Likelihood
+from swingdown.discovery.tell.files import summary
+from swingdown.discovery.tell.verdict import verdict
 from swingdown.fitting.least_squares import fit_jointly
 from swingdown.pendulum.model import Model
 from swingdown_trials.second_pendulum import trajectory

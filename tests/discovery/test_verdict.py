@@ -2,7 +2,7 @@
 
 import pytest
 
-from swingdown.discovery.verdict import verdict
+from swingdown.discovery.tell.verdict import verdict
 from swingdown.language import language
 
 UNIT = {"constant_torque": "rad/s^2", "natural_frequency": "rad/s"}

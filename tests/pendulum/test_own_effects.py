@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from swingdown.discovery.campaign import Swing, campaign
+from swingdown.discovery.data.campaign import Swing, campaign
 from swingdown.discovery.search import discover
 from swingdown.errors import InputError
 from swingdown.pendulum.catalogue import SHIPPED, catalogue

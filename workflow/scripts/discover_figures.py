@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from swingdown import console, dataset
-from swingdown.discovery.verdict import noise_rms
+from swingdown.discovery.tell.verdict import noise_rms
 from swingdown.language import language
 from swingdown.plots import discovery, save, style
 from swingdown.plots.answer import shown_in, swings_with_fit

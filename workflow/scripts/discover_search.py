@@ -3,11 +3,11 @@
 from pathlib import Path
 
 from swingdown import console, dataset
-from swingdown.discovery import files
 from swingdown.discovery.budget import Budget
 from swingdown.discovery.change import difference
-from swingdown.discovery.conclusion import concluded
 from swingdown.discovery.search import discover
+from swingdown.discovery.tell import files
+from swingdown.discovery.tell.conclusion import concluded
 from swingdown.errors import InputError
 from swingdown.measurement.refused import doubt_in, left_out, none_left, row_on, taking_part
 from swingdown.measurement.sharing import sharing

@@ -1,7 +1,7 @@
 """The verdict on a campaign, from the rounds of its search."""
 
 from swingdown import console
-from swingdown.discovery.verdict import no_verdict, verdict
+from swingdown.discovery.tell.verdict import no_verdict, verdict
 from swingdown.pendulum.catalogue import catalogue
 from swingdown.sealed import read_json, write_json
 

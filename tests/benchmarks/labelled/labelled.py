@@ -24,10 +24,10 @@ from pathlib import Path
 
 from swingdown import read
 from swingdown.answer import searchable
-from swingdown.discovery.campaign import campaign
-from swingdown.discovery.files import summary
+from swingdown.discovery.data.campaign import campaign
 from swingdown.discovery.search import discover
-from swingdown.discovery.verdict import verdict
+from swingdown.discovery.tell.files import summary
+from swingdown.discovery.tell.verdict import verdict
 from swingdown.errors import InputError
 from swingdown.pendulum.model import Model
 

@@ -7,11 +7,11 @@ from pathlib import Path
 from typing import Any
 
 from swingdown import dataset
-from swingdown.discovery.campaign import Swing, campaign
-from swingdown.discovery.conclusion import concluded
-from swingdown.discovery.files import summary
+from swingdown.discovery.data.campaign import Swing, campaign
 from swingdown.discovery.search import discover
-from swingdown.discovery.verdict import verdict
+from swingdown.discovery.tell.conclusion import concluded
+from swingdown.discovery.tell.files import summary
+from swingdown.discovery.tell.verdict import verdict
 from swingdown.errors import InputError
 from swingdown.measurement.angle import to_angle
 from swingdown.measurement.recording import ingest

@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 from scipy.stats import binomtest
 
-from swingdown.discovery.campaign import Noise
+from swingdown.discovery.data.noise import Noise
 from swingdown.discovery.guard import GUARD
 from swingdown.pendulum.catalogue import SHIPPED, Catalogue
 from swingdown.sealed import read_csv

@@ -14,12 +14,12 @@ from numpy.typing import ArrayLike
 
 from ..arrays import Shown
 from ..dataset import series_of
-from ..discovery.campaign import Campaign, campaign
-from ..discovery.conclusion import concluded
-from ..discovery.files import summary, swing_of
+from ..discovery.data.campaign import Campaign, campaign
 from ..discovery.search import discover
 from ..discovery.state import Round
-from ..discovery.verdict import verdict
+from ..discovery.tell.conclusion import concluded
+from ..discovery.tell.files import summary, swing_of
+from ..discovery.tell.verdict import verdict
 from ..engine.trajectory import TrajectoryWarning, engine
 from ..errors import InputError, told_to
 from ..measurement.driven import driven

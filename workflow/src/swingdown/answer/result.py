@@ -17,7 +17,7 @@ from ..curves.dataset import curves as curves_of
 from ..curves.laws import Laws, exponential_words, laws
 from ..curves.laws import envelopes as envelopes_of
 from ..curves.resonance import resonance
-from ..discovery.verdict import noise_rms
+from ..discovery.tell.verdict import noise_rms
 from ..errors import InputError
 from ..extras import has, needed
 from ..measurement.driven import CURVES, LAWS, check_free

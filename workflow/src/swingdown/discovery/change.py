@@ -27,13 +27,14 @@ from ..pendulum.effect import NATURAL_FREQUENCY, Effect
 from ..pendulum.model import Model
 from ..studies.power_laws import PowerLaw, power_law
 from .budget import Budget
-from .campaign import Campaign, Noise, Swing
-from .candidates import additions, starts_to_add
-from .discrepancy import Unnamed
+from .data.campaign import Campaign, Swing
+from .data.noise import Noise
 from .guard import POSSIBLE, PROBABLE, SHARE, TIES
-from .linear import Frame, columns_of, explained, frame
-from .refit import FAILURES, opened, refit
+from .move.candidates import additions, starts_to_add
+from .move.refit import FAILURES, opened, refit
 from .rounds import first_fit, noise_of
+from .see.discrepancy import Unnamed
+from .see.linear import Frame, columns_of, explained, frame
 
 _FITTED = 8  # effects that are fitted, of those that promise most
 _FEWEST = 2  # values of what was changed

@@ -12,17 +12,18 @@ from ..own_unit import OF_AN_ANGLE
 from ..pendulum.effect import NATURAL_FREQUENCY
 from ..pendulum.model import Model
 from ..pendulum.slack import Slack
-from .campaign import Campaign, Noise, coarse_noise, measure_noise
-from .confirm import predict
-from .evidence import Candidate, evidence
-from .free_form import COLUMNS, missing
+from .data.campaign import Campaign
+from .data.noise import Noise, coarse_noise, measure_noise
 from .guard import POSSIBLE
-from .locate import groups
-from .losses import COLUMNS as HALF_SWINGS
-from .losses import beside
-from .refit import nudged
+from .judge.confirm import predict
+from .judge.structures import Pool, Structure
+from .move.evidence import Candidate, evidence
+from .move.refit import nudged
+from .see.free_form import COLUMNS, missing
+from .see.locate import groups
+from .see.losses import COLUMNS as HALF_SWINGS
+from .see.losses import beside
 from .state import Round
-from .structures import Pool, Structure
 
 _TIED = np.log(100.0)  # of the evidence, below which the data do not tell two moves apart
 

@@ -24,19 +24,19 @@ from ..pendulum.catalogue import READINGS
 from ..pendulum.model import Model, as_model
 from ..studies.scale import scale_of
 from .budget import Budget
-from .campaign import Campaign
-from .candidates import without
-from .evidence import Candidate
+from .data.campaign import Campaign
 from .guard import POSSIBLE
-from .judge import told_of
-from .laws import damping, with_each_law
-from .next_swing import NextSwing, next_swing
-from .own_frequency import with_own_frequencies
-from .ranking import beside_the_best, drops, in_pairs, in_place_of, ranking
-from .refit import FAILURES, opened, refit, with_effect
+from .judge.findings import told_of
+from .judge.structures import Key, Structure
+from .move.candidates import without
+from .move.evidence import Candidate
+from .move.laws import damping, with_each_law
+from .move.own_frequency import with_own_frequencies
+from .move.ranking import beside_the_best, drops, in_pairs, in_place_of, ranking
+from .move.refit import FAILURES, opened, refit, with_effect
+from .next.proposal import NextSwing, next_swing
 from .rounds import first_fit, pool_of, round_of, unseen
 from .state import Round
-from .structures import Key, Structure
 
 _LOUDER = 1.03  # times what a structure leaves: less of a difference is the noise's own uncertainty
 _AGAIN = 2  # times that what else would do may turn out to be more probable

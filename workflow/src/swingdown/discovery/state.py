@@ -9,11 +9,11 @@ import pandas as pd
 
 from ..fitting.result import Fit
 from ..pendulum.model import Model
-from .campaign import Noise
-from .evidence import Candidate, evidence
-from .judge import Finding
-from .locate import Group
-from .next_swing import NextSwing
+from .data.noise import Noise
+from .judge.findings import Finding
+from .move.evidence import Candidate, evidence
+from .next.proposal import NextSwing
+from .see.locate import Group
 
 
 @dataclass(frozen=True)

@@ -6,9 +6,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..discovery import search
-from ..discovery.campaign import Swing, campaign
-from ..discovery.files import summary
-from ..discovery.verdict import verdict
+from ..discovery.data.campaign import Swing, campaign
+from ..discovery.tell.files import summary
+from ..discovery.tell.verdict import verdict
 from ..engine.trajectory import simulate
 from ..fitting.least_squares import fit_jointly
 from ..pendulum.catalogue import SHIPPED, catalogue

@@ -5,7 +5,7 @@ from typing import Any
 
 from markupsafe import Markup
 
-from ...discovery.sentence import rivals
+from ...discovery.tell.sentence import rivals
 from ...pendulum.model import model_words
 from .. import numbers
 from ..material import Material

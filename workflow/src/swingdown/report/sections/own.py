@@ -9,7 +9,7 @@ from typing import Any
 import pandas as pd
 from markupsafe import Markup
 
-from ...discovery.verdict import noise_rms
+from ...discovery.tell.verdict import noise_rms
 from ...language import capital
 from ...own_unit import small
 from ...pendulum.catalogue import catalogue

@@ -1,0 +1,286 @@
+"""What is said of an effect, by the numbers of ``guard``.
+
+The probability is that it is there, or one of its tie, among all structures that were looked at, an unnamed torque beside the base among
+them. Of an effect that takes energy the shares are asked of what only such an effect could do (``friction``): a spring that the model lacks
+as well, or a natural frequency that drifts, says nothing of friction.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ...engine.trajectory import TrajectoryError
+from ...pendulum.effect import NATURAL_FREQUENCY, VARIABLES, Contained
+from ...pendulum.formula import evaluate
+from ..data.noise import Noise
+from ..guard import CLEAR, HELD_OUT, POSSIBLE, PROBABLE, SHARE, TIES
+from ..see import friction
+from .confirm import gap
+from .structures import Key, Pool, Structure
+
+_ANGLES = 101  # at which two torques are compared
+
+
+@dataclass(frozen=True)
+class Finding:
+    """What is to be said of an effect that the most probable structure has: the ``probability`` that it or one of its ``ties`` is there,
+    the ``share`` of the discrepancy that is left with it, that of the ``held_out`` swings' excess over the noise, what they leave
+    ``without`` it (in units of the noise), NaN where that cannot be computed, the ``doubt``, why it is not told, or empty, and
+    ``law_open``, True of a damping whose law may be one that the catalogue has not."""
+
+    probability: float
+    ties: tuple[str, ...] = ()
+    share: float = np.nan
+    held_out: float = np.nan
+    without: float = np.nan
+    doubt: str = ""
+    law_open: bool = False
+
+    @property
+    def sure(self) -> bool:
+        """True where the effect, or one of those it ties with, is told."""
+        return not self.doubt
+
+    @property
+    def idle(self) -> bool:
+        """True of an effect without which nothing is missing, however probable it is."""
+        return bool(np.isinf(self.share))
+
+
+def judged(pool: Pool, best: Structure, most: Structure | None = None) -> dict[str, Finding]:
+    """The ``Finding`` of each effect that a structure has beside the base; of its frictions in one, and of its drags, where they are not
+    sure each. What an effect is nearly is seen in the ``most`` probable structure, too (default: the same)."""
+    alike = (best,) if most is None else (best, most)
+    found = {name: _finding(pool, best, name, alike) for name in pool.added(best.key)}
+    for kind in (pool.frictions, pool.drags):
+        names = [name for name in kind(best.key) if name in found]
+        if all(found[name].sure for name in names) or kind(pool.base):
+            continue
+        first = max(names, key=lambda name: pool.of([name]))
+        as_one = _as_one(pool, best, first, names, kind(), alike)
+        if as_one.sure:
+            found = {
+                name: as_one if name == first else one
+                for name, one in found.items()
+                if name == first or name not in names
+            }
+    return found
+
+
+def told_of(pool: Pool, best: Structure) -> tuple[Structure, dict[str, Finding]]:
+    """(the structure that is told, the ``Finding`` of each effect that it adds): the best one without the effects that take away too
+    little of what is missing, of fitted swings or of held-out ones, if some effect is told then; else the best one. A friction that is
+    sure without being named has the most probable structure that names one."""
+    if not pool.frictions(best.key) and pool.of_friction() >= PROBABLE:
+        rubbing = [one for one in pool.known.values() if pool.frictions(one.key)]
+        best = max(rubbing, key=lambda one: one.evidence, default=best)
+    whole = found = judged(pool, best)
+    here = best
+    while little := {
+        name: over
+        for name, one in found.items()
+        if (over := _over_bounds((one.share, one.held_out))) > 1 and not one.sure
+    }:
+        fewer = pool.lacking(here, [max(little, key=lambda name: little[name])])
+        if not fewer or not pool.added(fewer[0].key):
+            return best, whole
+        here, found = fewer[0], judged(pool, fewer[0], best)
+    return (here, found) if any(one.sure for one in found.values()) else (best, whole)
+
+
+def _finding(pool: Pool, best: Structure, name: str, alike: Sequence[Structure]) -> Finding:
+    simpler = _nearly(alike, name)
+    same = {name, *simpler, *_at_its_values(pool, best, name)}
+    # what the structure has beside it is there with or without it: no rival
+    others = {one for key in pool.known for one in pool.added(key)} - same - best.key
+    ties = simpler
+    chance = pool.of(same)
+    while chance < PROBABLE and len(ties) + 1 < TIES and others:
+        nearest = max(sorted(others), key=lambda one: pool.of([*same, *ties, one]))
+        if pool.of([*same, *ties, nearest]) - chance < POSSIBLE / TIES:
+            break
+        ties.append(nearest)
+        others.discard(nearest)
+        chance = pool.of([*same, *ties])
+    return _asked(pool, best, name, [name], Finding(chance, tuple(ties)))
+
+
+def _as_one(
+    pool: Pool,
+    best: Structure,
+    name: str,
+    names: Sequence[str],
+    kind: Sequence[str],
+    alike: Sequence[Structure],
+) -> Finding:
+    """That of all effects of one kind of damping that a structure has, told by the name of one: the data may not tell their law. It may be
+    one that the tie has no place for, and of friction, which is left as the speed goes to nothing, none of the catalogue's: an unnamed
+    torque may hold that as well."""
+    others = sorted(
+        (one for one in kind if one in names or pool.of([one]) >= POSSIBLE), key=lambda one: -pool.of([one])
+    )
+    ties = tuple(one for one in dict.fromkeys([*_nearly(alike, name), *others]) if one != name)[: TIES - 1]
+    rubs, open_ = pool.first.fit.model.catalogue.rubs(name), pool.of([name, *ties]) < PROBABLE
+    one = Finding(pool.of_friction() if rubs else pool.of(kind), ties, law_open=open_)
+    return _asked(pool, best, name, names, one, seen=rubs and pool.sees_friction() >= PROBABLE)
+
+
+def _asked(
+    pool: Pool, best: Structure, name: str, names: Sequence[str], one: Finding, seen: bool = False
+) -> Finding:
+    """The finding with the shares that are left with these effects, and what speaks against it. What is ``seen`` without a name is there,
+    however little its named law explains."""
+    near = pool.lacking(best, names)
+    if not near:
+        return replace(one, doubt="no model without it can be fitted")
+    # what the base has may be improbable beside a discrepancy, and does more of the work than it does
+    without = min(near, key=lambda other: other.left(pool.noise))
+    share, held, rms = _whole(pool, best, without)
+    damps = best.fit.model.catalogue.damps(name)
+    if _over_bounds((share, held)) > 1 and damps:
+        share, held = min((share, held), _of_friction(pool, best, without), key=_over_bounds)
+    doubt = _doubt(one.probability, share, held)
+    law_open = one.law_open or (not doubt and damps and best.loses_more)
+    if seen and doubt:
+        doubt, law_open = "", True
+    return replace(one, share=share, held_out=held, without=rms, doubt=doubt, law_open=law_open)
+
+
+def _over_bounds(shares: tuple[float, float]) -> float:
+    """What the larger of (share, the same of held-out swings) is, each of the most that may be left: above one an effect leaves too much to
+    be the thing that is missing."""
+    return max(shares[0] / SHARE, shares[1] / HELD_OUT)
+
+
+def _doubt(probability: float, share: float, held_out: float) -> str:
+    """Why an effect is not told, or empty."""
+    if probability < PROBABLE:
+        return f"its probability is only {probability:.2f}"
+    if np.isinf(share):
+        return "without it nothing is missing"
+    if share > SHARE:
+        return f"{min(share, 9.99):.0%} of what is missing remains with it"
+    if np.isinf(held_out):
+        return "swings that were held out leave too little without it to confirm it"
+    if held_out > HELD_OUT:
+        return "swings that were held out do not confirm it"
+    return ""
+
+
+def _at_its_values(pool: Pool, best: Structure, name: str) -> set[str]:
+    """The richer effects that in its place are this one at the values that they are fitted with: a drag in the power 2.0 of the speed."""
+    found = set()
+    for richer in best.fit.model.catalogue:
+        there = pool.known.get(_with(best.key, name, richer.name))
+        simpler = next((one for one in richer.contains if one.name == name), None)
+        if simpler is None or there is None:
+            continue
+        values, errors = there.fit.model.values, there.fit.model.standard_errors
+        if _as_likely(simpler, values, errors):
+            found.add(richer.name)
+    return found
+
+
+def _nearly(structures: Sequence[Structure], name: str) -> list[str]:
+    """The simpler effects, in none of these structures, that this one is nearly in one of them."""
+    found = [one for structure in structures if name in structure.key for one in _nearly_in(structure, name)]
+    return [one for one in dict.fromkeys(found) if not any(one in structure.key for structure in structures)]
+
+
+def _nearly_in(best: Structure, name: str) -> list[str]:
+    """The simpler effects that this one is at values that are as likely as those it is fitted with: presliding over no angle."""
+    values, errors = best.fit.model.values, best.fit.model.standard_errors
+    errors = {one: error * best.widened.get(one, 1.0) for one, error in errors.items()}
+    found = [
+        simpler.name
+        for simpler in best.fit.model.catalogue[name].contains
+        if simpler.at and _as_likely(simpler, values, errors)
+    ]
+    return [*found, *_of_no_size(best, name, values, errors)]
+
+
+def _of_no_size(
+    best: Structure, name: str, values: Mapping[str, float], errors: Mapping[str, float]
+) -> list[str]:
+    """The effects that have no size, and whose torque over the angles of the swings is that of this one at a size as likely as its own: what
+    a weight does under a linear restoring torque, and a cubic spring."""
+    model, effect = best.fit.model, best.fit.model.catalogue[name]
+    if effect.size is None or effect.parameters != (effect.size,) or effect.acts_on != "torque":
+        return []
+    angles = np.linspace(-1, 1, _ANGLES) * max(float(np.max(np.abs(one.angle))) for one in best.fit.swings)
+    own = {"theta": angles, "duration": 1.0, "omega_n": values[NATURAL_FREQUENCY.name]}
+    at = dict.fromkeys(VARIABLES, 0.0) | own
+    unit = evaluate(effect.term, **at, **{effect.size.symbol: 1.0}) * np.ones(_ANGLES)
+    if not np.any(unit):
+        return []
+    alike = (
+        Contained(other.name, {effect.size.name: float(evaluate(other.term, **at) @ unit / (unit @ unit))})
+        for other in model.catalogue
+        if not other.parameters and other.beside in ("", model.restoring)
+    )
+    return [one.name for one in alike if _as_likely(one, values, errors)]
+
+
+def _as_likely(simpler: Contained, values: Mapping[str, float], errors: Mapping[str, float]) -> bool:
+    """True where the values that make an effect a simpler one are as likely as its own; beyond all bounds by the inverse: a width of which
+    no more is known than that it is not small."""
+    return all(
+        abs(values[p] - (0.0 if np.isinf(wanted) else wanted)) <= CLEAR * errors.get(p, 0.0)
+        for p, wanted in simpler.at.items()
+    )
+
+
+def _with(key: Key, old: str, new: str) -> Key:
+    return (key - {old}) | {new}
+
+
+def _whole(pool: Pool, best: Structure, without: Structure) -> tuple[float, float, float]:
+    """(share that is left with an effect of what is missing without it; the same of held-out swings, beyond what the noise allows; what
+    these leave without it, in units of the noise); infinite where nothing is left, or cannot be computed."""
+    before = without.left(pool.noise)
+    share = best.left(pool.noise) / before if before > 0 else np.inf
+    try:
+        now, then = (pool.held_out(one.fit) for one in (best, without))
+    except TrajectoryError:
+        return float(share), np.inf, np.nan
+    held = _share(pool.noise, now.n, now.rms**2, then.rms**2)
+    if np.isinf(held) and without.fit.model.slack.names:
+        held = (
+            0.0  # nothing to confirm, and it may be what the calibration says that speaks against the model
+        )
+    return float(share), held, gap(then, pool.noise)
+
+
+def _of_friction(pool: Pool, best: Structure, without: Structure) -> tuple[float, float]:
+    """The same two shares of what only friction or drag could do; infinite where that is less than the noise without it."""
+    variance, swings = pool.noise.slow_variance, pool.campaign.holdout
+    now, then = friction.fitted(best.frame), friction.fitted(without.frame)
+    if now is None or then is None or then.mean_square < variance * (1 + then.share):
+        return np.inf, np.inf
+    left, lacked = (max(one.mean_square - variance * one.share, 0.0) for one in (now, then))
+    share = np.sqrt(left / lacked) * (1 - best.whole)
+    try:
+        now, then = (friction.held_out(pool.held_out(one.fit), swings) for one in (best, without))
+    except TrajectoryError:
+        return float(share), np.inf
+    if now is None or then is None:
+        return np.inf, np.inf
+    directions = now.share * sum(one.times.size for one in swings)
+    known = np.hypot(np.sqrt(2 / directions), pool.noise.known)
+    return float(share), _left(now.mean_square, then.mean_square, variance * now.share, known)
+
+
+def _share(noise: Noise, samples: int, now: float, then: float) -> float:
+    """What is left of a mean square beyond what the noise allows, as a share in size of what was left then."""
+    known = np.hypot(np.sqrt(2 / noise.effective(samples)), noise.known)
+    return _left(now, then, noise.deviation**2, known)
+
+
+def _left(now: float, then: float, variance: float, known: float) -> float:
+    """What is left of a mean square beyond a noise of this variance, which is known to such a share, as a share in size of what was
+    left then beyond the noise; infinite where that was nothing."""
+    allowed = variance * (1 + CLEAR * known)
+    if then <= allowed:
+        return np.inf
+    return float(np.sqrt(max(now - allowed, 0.0) / (then - variance)))

@@ -1,0 +1,1 @@
+"""What could be added, exchanged or left out, and its fit."""

@@ -1,0 +1,1 @@
+"""The swing that would tell what this one leaves open."""

@@ -1,0 +1,1 @@
+"""Values, verdict, sentence and files."""
