@@ -138,6 +138,19 @@ def test_what_is_emulated_says_so_in_the_picture():
     assert "emulated" in found.plot().get_supxlabel()
 
 
+@pytest.mark.parametrize("unit", ["V", None])
+def test_of_volts_period_and_decay_are_told_and_how_to_make_them_angles(unit):
+    volts = 2.5 + 4 * ANGLE
+    given = (TIMES, volts) if unit else (pd.Series(volts, index=TIMES, name="u (V)"),)
+    found = swingdown.fit(*given, unit=unit, **FEW)
+    known = swingdown.fit(TIMES, ANGLE, **FEW)
+    assert found["decay_time"].value == pytest.approx(known["decay_time"].value, rel=0.02)
+    assert "PERIOD AND DECAY ALONE" in str(found) and "unit='deg', the readings multiplied" in str(found)
+    assert "sheet" not in str(found)
+    with pytest.raises(InputError, match="no scale"):
+        swingdown.explain(*given, unit=unit)
+
+
 @pytest.mark.parametrize(
     ("times", "angles", "told"),
     [

@@ -81,6 +81,10 @@ def test_the_encoders_limit_depends_on_the_voltage(read):
         (put("encoder", "limits", SHEET["encoder"]["limits"][::-1]), ["encoder.limits", "rise"]),
         (put("encoder", "limits", []), ["encoder.limits"]),
         (put("encoder", "limits", 0, "limit", 9.0), ["encoder.limits", "9 V, larger than the readings"]),
+        (
+            put("encoder", "limits", 1, "limit", 5e-324),
+            ["encoder.limits", "less than the last digit of 10 V"],
+        ),
         (put("lengths", "arm", "limit", 3.0), ["lengths.arm", "3 m, larger than the readings"]),
         (put("points", 1, "limit", 0.5), ["points[2]", "0.5 m, larger than the readings"]),
         (put("campaigns", []), ["campaigns"]),

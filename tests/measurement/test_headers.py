@@ -115,3 +115,25 @@ def test_rotations_beside_positions_under_the_same_letters_are_asked_about(take)
     )
     with pytest.raises(InputError, match="no unit is stated: are they positions"):
         take(text + rows(*columns))
+
+
+@pytest.mark.parametrize(
+    ("header", "kind", "unit", "written"),
+    [
+        ("Winkelgeschwindigkeit in Grad pro Sekunde", "an angular rate", "deg/s", "deg/s"),
+        ("velocidad angular en grados por segundo", "an angular rate", "deg/s", "deg/s"),
+        ("vitesse angulaire (radians par seconde)", "an angular rate", "rad/s", "rad/s"),
+        ("Gyro [Grad / Sekunde]", "an angular rate", "deg/s", "deg/s"),
+        ("degrees per second", "an angular rate", "deg/s", "deg/s"),
+        ("omega rad/s", "an angular rate", "rad/s", "rad/s"),
+        ("velocity_rad/s", "an angular rate", "rad/s", "rad/s"),
+        ("v (Meter pro Sekunde)", "a speed", "", "m/s"),
+        ("a (metros por segundo al cuadrado)", "something else", "", "m/s^2"),
+        ("x en metros", "a length", "", "m"),
+        ("samples per second", "", "", ""),
+        ("Zeit in Sekunden", "a time", "s", "Sekunden"),
+    ],
+)
+def test_a_unit_may_be_written_in_words(header, kind, unit, written):
+    found = meaning(header)
+    assert (found.kind, found.unit, found.written) == (kind, unit, written)

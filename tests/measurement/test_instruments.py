@@ -112,3 +112,22 @@ def test_names_stand_above_their_symbols(tmp_path):
 def test_a_setting_above_the_names_is_none_of_them(tmp_path):
     text = "Mass,60\nAngle,60\nt,θ\n" + each("{t:.3f},{v:.4f}")
     assert taken(tmp_path, text).attrs["taken"].startswith("took `θ`")
+
+
+@pytest.mark.parametrize("names", ["Tiempo;Canal A;Canal B", "Time (s);Channel A (V);Channel B (mV)", "t (s);ang vel;ang pos"])  # fmt: skip
+@pytest.mark.parametrize("of", [slice(None), slice(None, None, 2)])
+def test_a_channel_of_noise_is_no_swing_beside_one_that_swings(tmp_path, names, of):
+    noise = 0.65 + 0.02 * np.random.default_rng(2).standard_normal(TIMES.size)
+    rows = "".join(f"{t:.4f};{n:.5f};{100 * v:.4f}\n" for t, n, v in zip(TIMES[of], noise[of], VOLTS[of], strict=True))  # fmt: skip
+    found = taken(tmp_path, f"{names}\n{rows}", scale="relative")
+    _, first, second = names.split(";")
+    assert f"took `{second}`" in found.attrs["taken"]
+    assert f"`{first}` holds noise alone: left out" in found.attrs["remarks"]
+    assert f"took `{first}`" in taken(tmp_path, f"{names}\n{rows}", scale="relative", signal_column=first).attrs["taken"]  # fmt: skip
+
+
+def test_a_short_swing_is_not_left_out_for_a_column_that_swings_more_often(tmp_path):
+    short = np.cos(2 * np.pi * TIMES / 9)  # five half-swings
+    rows = each("{t:.4f};{1:.5f};{v:.4f}", short)
+    found = taken(tmp_path, f"Tiempo;Canal A;Canal B\n{rows}", scale="relative")
+    assert "took `Canal A`" in found.attrs["taken"] and "noise" not in found.attrs["remarks"]

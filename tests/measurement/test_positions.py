@@ -94,3 +94,34 @@ def test_a_length_in_the_coordinates_unit(length, unit, factor):
 def test_a_length_beside_a_coordinate_without_a_unit_asks_for_that():
     with pytest.raises(InputError, match="write the coordinate's unit into its name"):
         metres("58cm", "", "here")
+
+
+@pytest.mark.parametrize(
+    ("columns", "taken"),
+    [("x y z", "`x (mm)` and `y (mm)`"), ("x z", "`x (mm)` and `z (mm)`"), ("y z", "`y (mm)` and `z (mm)`")],
+)
+def test_of_three_coordinates_the_swing_is_in_the_plane_in_which_it_moves(take, columns, taken):
+    swing = 0.5 * np.exp(-0.05 * TIME) * np.cos(6 * TIME)
+    depth = 80 + np.random.default_rng(1).normal(0, 0.05, TIME.size)
+    where = {"x": 500 + 900 * np.sin(swing), "z": 1200 - 900 * np.cos(swing), "y": depth}
+    if "x" not in columns:
+        where["y"] = where["x"]
+    made = take(
+        ",".join(["t (s)", *(f"{one} (mm)" for one in columns.split())]) + "\n"
+        + "".join(f"{t:.3f}," + ",".join(f"{where[one][k]:.5f}" for one in columns.split()) + "\n" for k, t in enumerate(TIME))
+    )  # fmt: skip
+    assert taken in made.attrs["taken"] and made.attrs["pivot_radius"] == pytest.approx(900, rel=0.01)
+    assert np.ptp(made["signal"].values) == pytest.approx(np.ptp(swing), rel=0.01)
+
+
+def test_motion_capture_is_in_millimetres_by_its_markers(take):
+    swing = 0.5 * np.exp(-0.05 * TIME) * np.cos(6 * TIME)
+    head = f"NO_OF_FRAMES\t{TIME.size}\nFREQUENCY\t{1 / (TIME[1] - TIME[0]):.6g}\nDATA_INCLUDED\t3D\nMARKER_NAMES\tbob\n"
+    depth = 80 + np.random.default_rng(1).normal(0, 0.05, TIME.size)
+    rows = "".join(
+        f"{500 + 900 * np.sin(a):.3f}\t{b:.3f}\t{1200 - 900 * np.cos(a):.3f}\n"
+        for a, b in zip(swing, depth, strict=True)
+    )
+    for names in ("", "X\tY\tZ\n"):
+        made = take(head + names + rows)
+        assert made.attrs["pivot_radius"] == pytest.approx(900, rel=0.01) and "mm" in made.attrs["remarks"]

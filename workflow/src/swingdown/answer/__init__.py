@@ -57,7 +57,7 @@ Swings: TypeAlias = (
     ArrayLike | pd.Series | pd.DataFrame | xr.DataArray | xr.Dataset | Recording | PathLike[str]
 )
 """What holds times, angles, or both: arrays (masked ones too, and quantities of pint), tables and labelled arrays; a recording; a path."""
-Unit = Literal["rad", "deg", "rad/s", "deg/s"]
+Unit = Literal["rad", "deg", "rad/s", "deg/s", "V"]
 Kind = Literal["", "swing", "turning_points", "half_swings", "passages", "periods"]
 BASE = BASES["sine"]
 
@@ -86,7 +86,8 @@ def fit(  # noqa: PLR0913
     angles
         The angle at each time, of the same shape as ``times``; of passages the speeds, where they are known.
     unit
-        Unit of the angles (``rad``, ``deg``) or angular rates (``rad/s``, ``deg/s``). Default: that of a header, of the attribute
+        Unit of the angles (``rad``, ``deg``) or angular rates (``rad/s``, ``deg/s``), or ``V``, of which period and decay
+        alone are told. Default: that of a header, of the attribute
         ``units`` or of a quantity of pint, else rad.
     fitted
         Labels of the models to fit, such as ``viscous+load_coulomb``. Default: the laws of damping of ``pendulum.model.everyday``.

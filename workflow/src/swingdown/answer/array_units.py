@@ -11,7 +11,7 @@ from ..errors import InputError
 from ..measurement.files.columns import TIME, UNITS, meaning
 from ..measurement.gyroscope import TO_RAD_PER_S
 
-ANGLES = ("rad", "deg", *TO_RAD_PER_S)
+ANGLES = ("rad", "deg", *TO_RAD_PER_S, "V")  # of volts without a scale period and decay are told
 _SECONDS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9, "min": 60.0, "minutes": 60.0, "h": 3600.0, "hours": 3600.0}  # fmt: skip
 
 

@@ -333,8 +333,9 @@ def _swings_in(name: str, given: Series, unit: str | None, kind: str, restoring:
         )
     remarks = [f"{missing.sum()} of {missing.size} samples hold no number: missing"] if missing.any() else []
     taken = unit or stated or "rad"
-    own = UNNAMED if restoring == "linear" and taken not in TO_RAD_PER_S else ""
-    reading = Reading(taken, bool(unit or stated), in_rad(taken), restoring, own=own)
+    own = {"V": "V"}.get(taken, UNNAMED) if restoring == "linear" and taken not in TO_RAD_PER_S else ""
+    scale = np.nan if taken == "V" else in_rad(taken)
+    reading = Reading(taken, bool(unit or stated), scale, restoring, own=own)
     pieces = parts(times)
     if len(pieces) > 1:
         found = [(times[piece], values[piece], f"{name}, part {k}") for k, piece in enumerate(pieces, 1)]
@@ -366,7 +367,7 @@ def _swings_in(name: str, given: Series, unit: str | None, kind: str, restoring:
             **_attributes(name, about), "unit_told": judged.reading.told, **kept,
             **({"zero_rad": judged.zero} if judged.zero else {}),
             **with_rate(_tolerances(about, taken), ordered.rate),
-            **({"rad_per_unit": judged.reading.scale} | judged.reading.unscaled if judged.reading.unit == NO_SCALE else {}),
+            **({"rad_per_unit": judged.reading.scale} | judged.reading.unscaled if judged.reading.unit in (NO_SCALE, "V") else {}),
         },
     )  # fmt: skip
     return [to_angle(recording).assign_attrs(remarks=as_told("; ".join(remarks)))]
@@ -384,7 +385,7 @@ def _points(
     name: str, times: Floats, values: Floats, unit: str, about: dict[str, Any], kind: str
 ) -> list[xr.Dataset]:
     """The dataset of a series of turning points; none where it is one of samples."""
-    if kind == SWING or unit in TO_RAD_PER_S or not (np.isfinite(times) & np.isfinite(values)).all():
+    if kind == SWING or unit in ("V", *TO_RAD_PER_S) or not (np.isfinite(times) & np.isfinite(values)).all():
         return []
     unit, told = unit_of(values, unit)
     points = points_in(times, values, name, kind, in_rad=in_rad(unit))

@@ -43,5 +43,8 @@ _ALIKE = ("time_unit", "time_column", "counts_per_revolution", "scale", "length"
 TO_THE_COMMAND = Audience(CELLS | {"restoring": "--restoring"})
 TO_READ = Audience(_OF_A_CALL | {name: f"{name}=" for name in _ALIKE}, pair="{}{}", quoted=True)
 TO_FIT = Audience(
-    {name: _OF_A_CALL[name] for name in ("signal_unit", "signal_kind", "restoring")}, pair="{}{}", quoted=True
+    {name: _OF_A_CALL[name] for name in ("signal_unit", "signal_kind", "restoring")}
+    | {"scale": "unit='deg', the readings multiplied by them"},
+    pair="{}{}",
+    quoted=True,
 )

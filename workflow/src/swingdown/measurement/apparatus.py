@@ -126,6 +126,13 @@ def read_apparatus(path: str | Path, check_files: bool = True) -> Apparatus:
                 f"a limit of error in {unit}, far below {size:g} {unit}",
                 "correct the limit",
             )
+        if not limit >= np.finfo(float).eps * size:
+            raise InputError(
+                f"{path}, key {place}",
+                f"a limit of error of {limit:g} {unit}, less than the last digit of {size:g} {unit}",
+                f"a limit of error in {unit}",
+                "correct the limit",
+            )
     bounds = [entry["up_to"] for entry in apparatus["encoder"]["limits"]]
     if bounds != sorted(set(bounds)):
         raise InputError(

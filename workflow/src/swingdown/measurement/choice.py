@@ -29,8 +29,13 @@ from .files.table import Table, first_rows, numbers
 from .gyroscope import ASKEW, TO_RAD_PER_S
 from .plausibility import ENOUGH, in_a_row
 from .swings.clock import RISES, counts_rows, goes_on
+from .swings.half_swings import half_swings
 
 SHORTEST = 10  # samples; fewer tell nothing about a swing
+LOOKED_FOR_NOISE = 20_000  # rows of which each column is looked at before it is called noise
+OFTEN = (
+    3  # times the half-swings that tell a swing: what passes its middle so often and never in step is noise
+)
 LOOKED_AT = 200_000  # rows of which each column is looked at before the swing is chosen
 
 
@@ -86,13 +91,19 @@ def may_be_it(table: Table, row: Mapping[str, Any]) -> list[str]:
     except InputError:
         return []
     others = [meaning(name, table.units.get(name, "")) for name in table.names]
-    alike = [one.name for one in others if (one.kind, one.written) == (found[0].kind, found[0].written) and not (one.axis or drives(one.name))]  # fmt: skip
+    alike = [
+        one.name
+        for one in others
+        if one.kind == found[0].kind
+        and (one.kind == VOLTAGE or one.written == found[0].written)
+        and not (one.axis or drives(one.name))
+    ]
     return alike if len(found) == 1 and found[0].name in alike and len(alike) > 1 else []
 
 
 def without_still(table: Table, row: Mapping[str, Any]) -> tuple[Table, list[str]]:
-    """The table without the columns that hold one value throughout, next to no numbers, or beside a time the number of the row, and remarks
-    on them, where others move: they are no swing.
+    """The table without the columns that hold one value throughout, next to no numbers, beside a time the number of the row, or noise
+    alone where a column that is called alike swings, and remarks on them, where others move: they are no swing.
 
     A long file is taken as it is, and so is a column that the sheet names, and one that is alone beside the time.
     """
@@ -116,20 +127,50 @@ def without_still(table: Table, row: Mapping[str, Any]) -> tuple[Table, list[str
         name for name, one in values.items() if times and name not in named | times and counts_rows(one)
     ]
     bare = [name for name, one in values.items() if name not in named and np.isfinite(one).sum() < SHORTEST]
-    moving = tuple(name for name in table.names if name not in still + counting + bare)
-    if not still + counting + bare or len(moving) < 2:
+    moving = {name: values[name] for name in table.names if name not in still + counting + bare}
+    noisy = _noise(kept._replace(names=tuple(moving)), row, moving)
+    moving = {name: one for name, one in moving.items() if name not in noisy}
+    if not still + counting + bare + noisy or len(moving) < 2:
         return kept, []
-    plain = {name for name in still + counting + bare if not name.startswith(UNNAMED)}
+    plain = {name for name in still + counting + bare + noisy if not name.startswith(UNNAMED)}
     told = [
         f"{', '.join(f'`{name}`' for name in left if name in plain)} {words if len(left) == 1 else more}: left out"
         for left, words, more in (
             (still, "holds one value throughout", "hold one value throughout"),
             (counting, "counts the rows", "count the rows"),
             (bare, "holds next to no numbers", "hold next to no numbers"),
+            (noisy, "holds noise alone", "hold noise alone"),
         )
         if plain.intersection(left)
     ]
-    return kept._replace(names=moving, pieces=[piece[list(moving)] for piece in held]), told
+    return kept._replace(names=tuple(moving), pieces=[piece[list(moving)] for piece in held]), told
+
+
+def _noise(table: Table, row: Mapping[str, Any], values: Mapping[str, Floats]) -> list[str]:
+    """Those of several columns that the header tells alike, as the channels of an oscilloscope, which pass their middle often and never in step,
+    where a single other one swings and one of them would be taken for the swing."""
+    if "no header" in table.layout or row["signal_column"] or len(values) < 3:  # a time and two more
+        return []
+    try:
+        _, found = choose(table.names, row["time_column"], "", "", ("", row["signal_unit"]), table.units)
+    except InputError:
+        return []
+    first, *more = found
+    if more or first.kind not in (UNTOLD, VOLTAGE) or first.axis:
+        return []
+    known = [meaning(name, table.units.get(name, "")) for name in values]
+    alike = [one.name for one in known if one.kind == first.kind and not one.axis]
+    looked = {name: values[name][:LOOKED_FOR_NOISE] for name in alike}
+    times = {name: np.arange(one.size, dtype=float) for name, one in looked.items()}
+    noisy = [
+        name
+        for name, one in looked.items()
+        if np.isfinite(one).sum() >= SHORTEST
+        and in_a_row(times[name][np.isfinite(one)], one[np.isfinite(one)]) < ENOUGH
+        and len(half_swings(one[np.isfinite(one)]).starts) > OFTEN * ENOUGH
+    ]
+    swinging = _swinging(times, {name: one for name, one in looked.items() if not goes_on(one)})
+    return noisy if first.name in noisy and len(swinging) == 1 else []
 
 
 def with_running_time(table: Table, row: Mapping[str, Any]) -> tuple[Table, Mapping[str, Any], list[str]]:
@@ -260,7 +301,7 @@ def widest(times: Floats, angles: Mapping[str, Floats], place: str) -> tuple[int
 
     An angle that wanders, or holds noise alone, swings nowhere.
     """
-    sizes = {name: float(np.std(angles[name])) for name in _swinging(times, angles)}
+    sizes = {name: float(np.std(angles[name])) for name in _swinging(dict.fromkeys(angles, times), angles)}
     most = max(sizes, key=lambda name: sizes[name], default=next(iter(angles)))
     ask_which(
         times, {name: angles[name] for name, size in sizes.items() if size > ASKEW * sizes[most]}, place
@@ -269,18 +310,18 @@ def widest(times: Floats, angles: Mapping[str, Floats], place: str) -> tuple[int
     return list(angles).index(most), [told]
 
 
-def _swinging(times: Floats, swings: Mapping[str, Floats]) -> list[str]:
-    """Those that swing, by their names."""
+def _swinging(times: Mapping[str, Floats], swings: Mapping[str, Floats]) -> list[str]:
+    """Those that swing, by their names; ``times`` are of each its own."""
     return [
         name
         for name, own in swings.items()
-        if in_a_row(times[np.isfinite(own)], own[np.isfinite(own)]) >= ENOUGH
+        if in_a_row(times[name][np.isfinite(own)], own[np.isfinite(own)]) >= ENOUGH
     ]
 
 
 def ask_which(times: Floats, swings: Mapping[str, Floats], place: str) -> None:
     """None where at most one of several columns swings; SeveralSwings for more, none of which says what it holds."""
-    swinging = _swinging(times, swings)
+    swinging = _swinging(dict.fromkeys(swings, times), swings)
     if len(swinging) > 1:
         raise SeveralSwings(
             place,

@@ -24,6 +24,7 @@ from .choice import (
 )
 from .files.columns import LENGTH, SPEED, axes_beside, meaning, place_of
 from .files.columns import drives as moves_it
+from .files.columns import third as third_of
 from .files.runs import clock_part, several_runs
 from .files.series import series
 from .files.table import Table, apart
@@ -68,7 +69,10 @@ def interpret(table: Table, row: Mapping[str, Any], place: str, restoring: str) 
         table._replace(names=tuple(one for one in table.names if one not in drives)), row, place, restoring
     )
     names, beside, alike = [one.name for one in columns.found], [], []
-    if len(names) == 1 and not row["signal_column"]:
+    if len(names) == 2:
+        others = [meaning(one, table.units.get(one, "")) for one in table.names if one not in names]
+        names += [one.name for one in (third_of(others, columns.found[0]),) if one]
+    elif not row["signal_column"]:
         names = axes_beside(table.names, columns.found[0], table.units) or names
     if not row["signal_column"] and not drives and len(columns.found) == 1:
         beside = unnamed(table, names)[:1]

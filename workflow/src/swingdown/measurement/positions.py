@@ -1,5 +1,6 @@
 """Positions of a bob, as a video or a ranger gives them, to the angle: about a fitted pivot, or by a length."""
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -97,6 +98,14 @@ def along_a_line(x: Floats, y: Floats) -> Floats | None:
     if abs(bend) * 2 * float(np.ptp(along[kept])) > LEAST_ARC:
         return None
     return along
+
+
+def in_their_plane(positions: Sequence[Floats]) -> tuple[Floats, Floats]:
+    """How far positions of three coordinates lie along the two axes on which they move most."""
+    all_ = np.stack([one - np.median(one) for one in positions])
+    size = np.sqrt((all_**2).sum(axis=0))
+    _, axes = np.linalg.eigh(np.cov(all_[:, size <= FAR * max(float(np.median(size)), 1e-300)]))
+    return axes[:, 2] @ all_, axes[:, 1] @ all_
 
 
 def along_most(times: Floats, x: Floats, y: Floats) -> Floats | None:

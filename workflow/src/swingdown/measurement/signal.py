@@ -21,6 +21,7 @@ from .positions import (
     along_most,
     by_length,
     fit_circle,
+    in_their_plane,
     lost,
     metres,
     to_angles,
@@ -93,22 +94,28 @@ def signal_of(
                 "write the unit of positions in the header, as `x (m)`; of a gyroscope name the axis that it swings about ⟨in signal_column⟩, "
                 f"and rad/s ⟨in signal_unit⟩; of an acceleration {OF_ACCELERATIONS}",
             )
-        if (line := along_a_line(values[0], values[1])) is not None:
-            made = _coordinate(row, both, columns, times, line, restoring)
+        line, plane = along_a_line(values[0], values[1]), list[str]()
+        if line is not None and len(values) > 2 and along_a_line(*(made := in_their_plane(values))) is None:
+            line, values = None, list(made)
+            plane = [f"they lie on a line, and with `{names[2]}` on an arc: taken in the plane of all three"]
+        if line is not None:
             on_a_line = "the positions lie on a line, which tells no pivot: how far along it is taken for one coordinate"
-            return _computed(made, on_a_line)
+            return _computed(_coordinate(row, both, columns, times, line, restoring), on_a_line)
         try:
             circle = fit_circle(values[0], values[1], both)
         except InputError:
             if (line := along_most(times, values[0], values[1])) is None:
                 raise
-            made = _coordinate(row, both, columns, times, line, restoring)
             no_circle = "THE POSITIONS LIE ON NO CIRCLE: how far along the axis on which they move most is taken for one coordinate"
-            return _computed(made, no_circle)
+            return _computed(_coordinate(row, both, columns, times, line, restoring), no_circle)
         away = lost(values[0], values[1], circle)
         signal = to_angles(values[0], values[1], circle)
         about = {f"pivot_{key}": value for key, value in circle._asdict().items()}
-        remarks = [_pivot(circle, first.written), *_told_lost(away, circle, signal, first.written, both)]
+        remarks = [
+            *plane,
+            _pivot(circle, first.written),
+            *_told_lost(away, circle, signal, first.written, both),
+        ]
         return Interpreted(
             times[~away],
             signal[~away],

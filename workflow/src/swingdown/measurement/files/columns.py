@@ -13,9 +13,10 @@ TIME, ANGLE, VOLTAGE, COUNTS, LENGTH, SPEED, RATE, OTHER, UNTOLD = (
     "a time", "an angle", "a voltage", "counts", "a length", "a speed", "an angular rate", "something else", "",
 )  # fmt: skip
 
+_METRES = ("meter", "metre", "meters", "metres", "metro", "metros", "metri", "mètre", "mètres")
 # Units as programs write them: what is measured, and the unit by the sample sheet's name where it has one.
 _WRITTEN = {
-    (TIME, "s"): ("s", "sec", "secs", "second", "seconds", "sekunden", "secondes", "segundos", "secondi", "с", "сек", "秒"),
+    (TIME, "s"): ("s", "sec", "secs", "second", "seconds", "sekunde", "sekunden", "seconde", "secondes", "segundo", "segundos", "secondo", "secondi", "с", "сек", "秒"),
     (TIME, "ms"): ("ms", "msec", "millis", "millisecond", "milliseconds", "millisekunden", "millisecondes", "milisegundos", "milissegundos", "millisecondi", "мс", "毫秒"),
     (TIME, "us"): ("us", "µs", "μs", "usec", "micros", "microsecond", "microseconds"),
     (TIME, "ns"): ("ns", "nsec", "nanos", "nanosecond", "nanoseconds"),
@@ -26,7 +27,7 @@ _WRITTEN = {
     (VOLTAGE, "V"): ("v", "volt", "volts"),
     (VOLTAGE, ""): ("mv", "µv", "μv"),
     (COUNTS, "counts"): ("count", "counts", "ticks"),
-    (LENGTH, ""): ("m", "dm", "cm", "mm", "km", "in", "inch", "ft", "px", "pixel", "pixels", "meter", "metre", "meters", "metres"),
+    (LENGTH, ""): ("m", "dm", "cm", "mm", "km", "in", "inch", "ft", "px", "pixel", "pixels", *_METRES),
     (SPEED, ""): ("m/s", "dm/s", "cm/s", "mm/s", "px/s"),
     (RATE, "rad/s"): ("rad/s", "rad/sec", "rad·s⁻¹", "rad s^-1", "rad*s^-1", "rad s⁻¹", "rad s-1", "radians/s", "rads/s", "рад/с", "рад/сек"),
     (RATE, "deg/s"): ("deg/s", "deg/sec", "degrees/s", "degrés/s", "grados/s", "gradi/s", "graus/s", "°/s", "º/s", "˚/s", "dps", "°/sec", "deg s⁻¹", "град/с", "град/сек"),
@@ -40,7 +41,7 @@ _WRITTEN = {
 _ALONE = {"counts", "volt", "volts"} | {
     written
     for (kind, unit), all_ in _WRITTEN.items()
-    if unit and kind in (TIME, ANGLE)
+    if unit and kind in (TIME, ANGLE, RATE)
     for written in all_
     if len(written) > 1
 }
@@ -51,6 +52,10 @@ UNNAMED = "Unnamed: "  # before the number of a column without a name, where oth
 SIGNAL_RATES = ("rad/s", "deg/s")
 _ACCELERATIONS = ("m/s^2", "m/s²", "m/s2", "g", "mg")
 UNITS = {written: meaning for meaning, all_ in _WRITTEN.items() for written in all_}
+# a rate, a speed or an acceleration in words: `Grad pro Sekunde`, `metros por segundo al cuadrado`
+_PER = re.compile(
+    r"(?i)(?<!\w)([^\W\d_]+)(?: (?:per|pro|por|par|al) | ?/ ?)(\w{3,})( (?:squared|quadrat|hoch 2|al cuadrado|au carré|al quadrato|ao quadrado))?"
+)
 
 _TIMES = re.compile(
     r"(?i)\b(t|time|zeit|temps|tiempo|tempo|tijd|czas|čas|tid|zaman|время|час|时间|時間|시간|timestamp|stamp|elapsed|millis|micros)\b"
@@ -78,8 +83,11 @@ _NUMBERS = re.compile(
     r"(?i)(frame|frames|frame ?(no|nr|number|index|id)|bild|bildnummer|fotograma|image|sample|samples|sample ?(no|nr|number|id|index)|index|idx|n|no|nr)\.?"
 )
 _QUATERNION = re.compile(r"(?i)(q|quat|quaternion|orientation)[ _.]?[wxyz0-3]")
-_COORDINATE = re.compile(
-    r"(?i)^(?:.*[ _/-])?(?:position[ _-]?|pos|c|center|centre|centroid)?([xy])(?:[ _-]?(?:position|pos|c|center|centre))?$"
+_COORDINATE, _THIRD = (
+    re.compile(
+        rf"(?i)^(?:.*[ _/-])?(?:position[ _-]?|pos|c|center|centre|centroid)?([{axes}])(?:[ _-]?(?:position|pos|c|center|centre))?$"
+    )
+    for axes in ("xy", "z")
 )
 OF_ACCELERATIONS = (
     "record the gyroscope in the same way: an accelerometer that rides on the bob tells no angle; for a weight on a spring, whose "
@@ -112,7 +120,7 @@ def meaning(name: str, beside: str = "") -> Meaning:
     """
     mended = re.sub("Â(?=[°µ])", "", name)  # UTF-8 that a program took for Latin-1
     bare = re.sub(r"(?i)^latest:|\brun #?\d+\b|\bset \d+\b", " ", mended).strip(" :,")
-    label, written = _unit_in(bare)
+    label, written = _unit_in(_PER.sub(_in_symbols, bare))
     attribute = beside.lower().partition(" since ")[0].strip()
     if known := beside in UNITS or attribute in UNITS:
         written = beside if beside in UNITS else attribute
@@ -130,8 +138,18 @@ def meaning(name: str, beside: str = "") -> Meaning:
             kind = RATE
     if kind == UNTOLD and _QUATERNION.fullmatch(label):
         kind, written = OTHER, "part of a quaternion"
+    written = "m" if written.lower() in _METRES else written
     coordinate = _COORDINATE.match(label) if kind in (LENGTH, UNTOLD) else None
     return Meaning(name, kind, unit, written, coordinate[1].lower() if coordinate else "", known)
+
+
+def _in_symbols(words: re.Match[str]) -> str:
+    """A unit in words by its symbols, ``deg/s``; the words as they stand where these are no angle or length, or no second."""
+    kind, unit = (ANGLE, "deg") if words[1].lower() == "grad" else UNITS.get(words[1].lower(), (UNTOLD, ""))
+    unit = "m" if words[1].lower() in _METRES else unit or words[1]
+    if kind not in (ANGLE, LENGTH) or UNITS.get(words[2].lower()) != (TIME, "s"):
+        return words[0]
+    return f"{unit}/s{'^2' if words[3] else ''}"
 
 
 def _unit_in(name: str) -> tuple[str, str]:
@@ -148,6 +166,7 @@ def _unit_in(name: str) -> tuple[str, str]:
         return found[1], "degrees" + (found[2] or "")
     for pattern in (
         rf"(.+) {_IN} (\S+)",  # before a stroke, which may be the unit's own
+        r"(.+)[ _](\S+/\S+)",
         r"(.+?)[,;:]\s*(\S+)",
         r"(.+?)\s*/\s*(.+)",
         r"(.+)_([^_]+)",
@@ -164,8 +183,10 @@ def _is_unit(inside: str) -> bool:
 
 
 def _states(label: str, unit: str) -> bool:
-    """True where a last word of one letter is a unit and not a name: ``theta_t`` is no tesla."""
+    """True where a last word of one letter is a unit and not a name: ``theta_t`` is no tesla, and what is counted per second no time."""
     kind, _ = UNITS[unit.lower()]
+    if "/" in unit or re.search(r"(?i) (per|pro|por|par|al)$", label):
+        return "/" in unit
     return kind not in (OTHER, SPEED) and not (kind == LENGTH and unit == "in")
 
 
@@ -309,10 +330,20 @@ def _plain(one: Meaning) -> bool:
 
 
 def _pair(columns: list[Meaning]) -> list[Meaning]:
-    """The first x and the first y of one unit, or nothing."""
+    """The first x and the first y of one unit, or nothing; a z in a unit of length stands for either where it is missing."""
     x = next((one for one in columns if one.axis == "x"), None)
-    y = next((one for one in columns if x and one.axis == "y" and one.written == x.written), None)
-    return [x, y] if x and y else []
+    y = next((one for one in columns if one.axis == "y" and (not x or one.written == x.written)), None)
+    both = [one for one in (x, y) if one]
+    z = third(columns, both[0]) if len(both) == 1 else None
+    return [*both, z] if z else both if len(both) == 2 else []
+
+
+def third(columns: Sequence[Meaning], beside: Meaning) -> Meaning | None:
+    """The z of a position in a unit of length that is that of the coordinate ``beside`` it; None without one."""
+    for one in columns if beside.kind == LENGTH else ():
+        if one.kind == LENGTH and one.written == beside.written and _THIRD.match(_unit_in(one.name)[0]):
+            return one
+    return None
 
 
 def _accelerates(one: Meaning) -> bool:

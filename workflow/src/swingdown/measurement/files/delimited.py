@@ -4,6 +4,7 @@ import io
 import itertools
 import re
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from typing import Any, BinaryIO
 
 import numpy as np
@@ -26,6 +27,7 @@ _MOSTLY = 0.9  # of the rows; notes stand above and below
 # as oscilloscopes and LabVIEW state above or beside the rows what they measured
 _VOLTS = re.compile(r"(?i)^\s*(?:vertical[ _]units?|y[ _]unit[ _]label)[,;:\t ]+(?:ch\d:)?v(?:olts?)?\b")
 _SETTINGS = 40  # lines in which that stands
+_MARKERS = re.compile(r"MARKER_NAMES\t(.*\S)")
 _INTERVAL = re.compile(r"(?i)^\W*(delta[ _]x|sample[ _]interval|sampling[ _]interval|increment|t[ _]?inc)\b")
 
 
@@ -78,11 +80,17 @@ def _table(
 ) -> tuple[Table, Layout]:
     """A block's Table and Layout; ``told``: it is the file that states the rate."""
     laid = layout_of(block, how, coded, name)
+    markers = next((found[1].split("\t") for line in block.above if (found := _MARKERS.match(line))), [])
+    axes = tuple(f"{marker.strip()} {axis}" for marker in markers for axis in "XYZ")
+    if not laid.named and len(laid.names) == len(axes):
+        laid = replace(laid, names=axes, headers=axes, named=True)
     how_laid, names = str(laid), laid.names
     if rate > 0:
         _check_untimed(laid, name, told)
         how_laid, names = f"{how_laid} at {rate:g} Hz", (CLOCKED, *names)
     units = {laid.names[k]: "s" for k in laid.stamps if laid.names[k] != ARRIVED}
+    if axes:  # motion capture (QTM) writes millimetres
+        units |= {one: "mm" for one in names if re.search(r"(?i)(^|\s)[xyz]$", one)}
     if any(meaning(one).kind == TIME and one not in units for one in names):
         # a device's own time goes before a computer's
         names = (*(one for one in names if one not in units), *units)
