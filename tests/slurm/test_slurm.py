@@ -20,7 +20,7 @@ pytestmark = pytest.mark.slow("a cluster")
 LIMIT = (
     420  # seconds for both runs of the sweep; they took 150 to 200 on two cores with other programs running
 )
-CHUNKS = 9
+CHUNKS = 7
 SWEEP = """\
 recordings: null
 simulation: {simulated: []}
@@ -31,7 +31,7 @@ sweeps:
       simulation.simulated: [viscous, quadratic_drag, load_coulomb]
       simulation.snr: [20, 50]
     realizations: 100
-    chunk: 67
+    chunk: 86
 """
 FOLDER = "results/sweeps/identification"
 DATA_TARGET = f"{FOLDER}/sweep.nc"
@@ -53,7 +53,7 @@ def slurm(tmp_path_factory):
 def local(snakemake, tmp_path_factory):
     """The combined dataset of the same sweep, computed on this machine alone."""
     folder = tmp_path_factory.mktemp("local")
-    (folder / "sweep.yaml").write_text(SWEEP.replace("chunk: 67", "chunk: 600"))
+    (folder / "sweep.yaml").write_text(SWEEP.replace("chunk: 86", "chunk: 600"))
     snakemake(f"{FOLDER}/sweep.nc", "--configfile", folder / "sweep.yaml", directory=folder)
     return xr.load_dataset(folder / FOLDER / "sweep.nc")
 
