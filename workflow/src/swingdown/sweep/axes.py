@@ -4,8 +4,6 @@ import numpy as np
 
 from ..errors import InputError
 
-_RANGE = ("from", "to", "steps", "spacing")
-
 
 def keys(written):
     """The keys of an axis: one, or several with commas between them."""

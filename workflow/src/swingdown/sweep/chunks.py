@@ -13,7 +13,7 @@ from pathlib import Path
 
 from ..errors import InputError
 from ..paths import written_whole
-from .draws import cell_keys
+from .draws import cell_key
 
 MOST_JOBS = 2000  # beyond that the workflow's own time and the file system are what one waits for
 
@@ -58,9 +58,9 @@ class Chunk:
 
     def cells(self):
         """(settings, key, first draw, number of draws) of each part."""
-        key_of = cell_keys(self.computes, self.settings, self.keys)
         for values, first, count in self.parts:
-            yield self.settings | dict(zip(self.keys, values, strict=True)), key_of(values), first, count
+            settings = self.settings | dict(zip(self.keys, values, strict=True))
+            yield settings, cell_key(self.computes, settings), first, count
 
 
 @dataclass(frozen=True)
@@ -160,8 +160,7 @@ def _held(sweep, book, there):
     """
     if not Path(book).exists():
         return {}, [(list(values), 0, sweep.realizations) for values in sweep]
-    key_of = cell_keys(sweep.computes, sweep.settings, sweep.keys)
-    wanted = {key_of(values): values for values in sweep}
+    wanted = {cell_key(sweep.computes, sweep.cell(values)): values for values in sweep}
     held, chunks = {}, {}
     for chunk in sorted(read_book(book), key=lambda chunk: chunk.name not in there):
         parts = [(key, first, first + count) for _, key, first, count in chunk.cells()]
@@ -178,12 +177,12 @@ def _held(sweep, book, there):
     open_parts = [
         (list(values), first, last - first)
         for key, values in wanted.items()
-        for first, last in gaps(held.get(key, ()), sweep.realizations)
+        for first, last in uncovered(held.get(key, ()), sweep.realizations)
     ]
     return chunks, open_parts
 
 
-def gaps(ranges, end):
+def uncovered(ranges, end):
     """The (first, last) ranges below ``end`` that none of the given ones covers."""
     reached = 0
     for first, last in sorted(ranges):

@@ -13,8 +13,8 @@ from ..errors import InputError
 from ..paths import written_whole
 from ..sealed import seal_behind
 from . import code, parts, store, summary
-from .chunks import gaps
-from .draws import cell_keys, noise_key
+from .chunks import uncovered
+from .draws import cell_key, noise_key
 
 SEEDING = (
     "draw k of a cell is numpy.random.SeedSequence(seed, spawn_key=(the cell's noise_key as four 32-bit words, most significant "
@@ -46,8 +46,8 @@ def combine(sweep, paths, output):
         With the cell whose draw is missing or there twice.
     """
     output = Path(output)
-    key_of = cell_keys(sweep.computes, sweep.settings, sweep.keys)
-    where = {key_of(values): index for index, values in zip(np.ndindex(sweep.shape), sweep, strict=True)}
+    keys = (cell_key(sweep.computes, sweep.cell(values)) for values in sweep)
+    where = dict(zip(keys, np.ndindex(sweep.shape), strict=True))
     netCDF4.set_chunk_cache(_CACHE)  # of each variable; by default it is 64 MB
     found = [parts.about(path) for path in paths]
     listed = _listed(found)
@@ -175,7 +175,7 @@ def _create(file, name, kind, own, told, dims, listed):
 
 
 def _check(sweep, taken):
-    lost = {index: list(gaps(ranges, sweep.realizations)) for index, ranges in taken.items()}
+    lost = {index: list(uncovered(ranges, sweep.realizations)) for index, ranges in taken.items()}
     if count := sum(last - first for one in lost.values() for first, last in one):
         index, ((draw, _), *_) = next((index, one) for index, one in lost.items() if one)
         raise InputError(f"sweep {sweep.name}", f"{count} of {sweep.cells * sweep.realizations} draws are in no chunk, first draw {draw} of {_named(sweep, index)}",

@@ -16,31 +16,6 @@ def cell_key(computes, settings):
     return _digest([computes, dict(sorted(_told(settings)))])
 
 
-def cell_keys(computes, settings, keys):
-    """A function of the values of ``keys`` that returns the ``cell_key`` of ``settings`` with them: for many cells, sooner."""
-    names = sorted({*settings, *keys})
-    fixed = {name: f"{json.dumps(name)}:{_json(settings[name])}" for name, _ in _told(settings)}
-    place, known = {key: k for k, key in enumerate(keys)}, {}
-    head = f"[{json.dumps(computes)},{{"
-
-    def key_of(values):
-        told = []
-        for name in names:
-            if name in place:
-                value = values[place[name]]
-                if name in LATER and value == LATER[name]:
-                    continue
-                at = (name, repr(value))
-                if at not in known:
-                    known[at] = f"{json.dumps(name)}:{_json(value)}"
-                told.append(known[at])
-            elif name in fixed:
-                told.append(fixed[name])
-        return hashlib.sha256(f"{head}{','.join(told)}}}]".encode()).hexdigest()[:32]
-
-    return key_of
-
-
 def noise_key(settings):
     """32 hexadecimal digits that stand for a swing: the settings less the seed and what is fitted to it."""
     return _digest({key: value for key, value in sorted(_told(settings)) if key not in _OF_THE_FIT})

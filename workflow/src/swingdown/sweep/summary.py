@@ -13,7 +13,6 @@ from .parts import values as plain
 REACHED = 0.05  # share of the size asked for within which what a hidden effect leaves counts as that size
 LEVEL = 0.95  # of every interval that is told
 TEN = 10  # runs whose mean norm the paper compares
-CLAIM = 0.68  # "the correct model may be determined with a high level of confidence despite the confidence level actually being 68%"
 _SINGLE = ("viscous", "quadratic_drag", "load_coulomb")
 _BLOCK = 32760  # draws read at a time, whole sets of ten
 
