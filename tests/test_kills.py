@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from swingdown.manifest import checksum
+from swingdown.paths import checksum
 from swingdown.sealed import remove_orphans
 
 KILLS = int(os.environ.get("SWINGDOWN_KILLS", 2))  # more at one's wish

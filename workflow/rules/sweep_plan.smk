@@ -40,11 +40,7 @@ def open_chunks(kind):
     done = []
     if workflow.is_main_process and not STORED:
         for name in names:
-            kept = (
-                set(os.listdir(f"results/sweeps/{name}/jobs"))
-                if os.path.isdir(f"results/sweeps/{name}/jobs")
-                else set()
-            )
+            kept = {path.name for path in Path(f"results/sweeps/{name}/jobs").glob("*.json")}
             there = dealt.made(f"results/sweeps/{name}/chunks")
             stems = [dealt.stem(chunk, version) for chunk, all in there.items() for version in all]
             done += [f"{name}/jobs/{stem}" for stem in stems if f"{stem}.json" in kept]

@@ -1,12 +1,11 @@
 """Which files a study left, and their checksums: written at the end of a run, held against the folder at any time after."""
 
-import hashlib
 import json
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 
 from .errors import MAKE_ANEW, InputError
-from .paths import write_json
+from .paths import checksum, write_json
 from .sealed import agrees, is_seal, is_whole, seal_of
 
 NAME = "manifest.json"
@@ -60,12 +59,6 @@ def write_manifest(
     ]
     write_json(output, {"files": entries})
     return len(entries)
-
-
-def checksum(path: Path) -> str:
-    """The SHA-256 of a file, in hexadecimal."""
-    with path.open("rb") as file:
-        return hashlib.file_digest(file, "sha256").hexdigest()
 
 
 def verify(results: str | Path) -> tuple[dict[str, list[str]], int]:

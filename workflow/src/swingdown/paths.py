@@ -159,6 +159,12 @@ _MENDS = dict.fromkeys(_IN_WORDS, "make room and run again") | dict.fromkeys(
 )
 
 
+def checksum(path: Path) -> str:
+    """The SHA-256 of a file, in hexadecimal."""
+    with path.open("rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()
+
+
 def write_text(path: str | Path, text: str) -> Path:
     """The path written, whole, in UTF-8."""
     path = Path(path)

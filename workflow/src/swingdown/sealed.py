@@ -10,12 +10,12 @@ import json
 import os
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
-from hashlib import file_digest, sha256
+from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
 from .errors import MAKE_ANEW, InputError
-from .paths import for_spreadsheets, from_spreadsheets, written_whole
+from .paths import checksum, for_spreadsheets, from_spreadsheets, written_whole
 
 ENDING = ".sha256"
 _BEHIND = b"\nswingdown sha256 "
@@ -57,8 +57,7 @@ def writing(path: str | Path) -> Iterator[Path]:
         return
     with written_whole(path) as partial:
         yield partial
-        with partial.open("rb") as file:
-            digest = file_digest(file, "sha256").hexdigest()
+        digest = checksum(partial)
         seal.unlink(missing_ok=True)
     with written_whole(seal) as partial:
         partial.write_bytes(_seal(path, digest))
@@ -134,9 +133,8 @@ def seal_behind(path: Path) -> None:
     A damaged book of the format can make its library crash rather than complain, so damage must show before that is asked.
     A file that is carried or copied takes this seal along. A program that changes the file cuts it off.
     """
-    with path.open("r+b") as file:
-        digest = file_digest(file, "sha256").hexdigest()
-        file.seek(0, os.SEEK_END)
+    digest = checksum(path)
+    with path.open("ab") as file:
         file.write(_BEHIND + digest.encode())
 
 

@@ -13,6 +13,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 from ..errors import EngineError
+from ..paths import checksum
 
 
 def folder() -> Path:
@@ -82,7 +83,7 @@ def _check_owner(path: Path) -> None:
 def is_whole(path: Path) -> bool:
     """Whether a file is there and matches the checksum beside it."""
     try:
-        return _checksum_file(path).read_text() == _checksum(path)
+        return _checksum_file(path).read_text() == checksum(path)
     except OSError:
         return False
 
@@ -93,7 +94,7 @@ def put(path: Path, make: Callable[[Path], object]) -> None:
         draft = Path(work) / path.name
         make(draft)
         draft.chmod(draft.stat().st_mode & ~0o022)
-        _checksum_file(draft).write_text(_checksum(draft))
+        _checksum_file(draft).write_text(checksum(draft))
         # between the two the file does not match: whoever looks then makes it again, to the same content
         os.replace(draft, path)
         os.replace(_checksum_file(draft), _checksum_file(path))
@@ -101,7 +102,3 @@ def put(path: Path, make: Callable[[Path], object]) -> None:
 
 def _checksum_file(path):
     return path.with_name(path.name + ".sha256")
-
-
-def _checksum(path):
-    return hashlib.sha256(path.read_bytes()).hexdigest()

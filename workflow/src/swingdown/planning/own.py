@@ -337,39 +337,28 @@ def write(
         If somebody changed the sheet or the config since they were written here, or the folder cannot be written.
     """
     try:
-        return _written(folder, kept, left_out, searched, restoring, lang)
+        _check_untouched(folder)
+        columns = [name for name in COLUMNS if any(name in row for row in kept)]
+        write_csv(pd.DataFrame(kept).reindex(columns=columns), folder / SHEET)
+        settings: dict[str, Any] = {
+            "recordings": SHEET,
+            "simulation": {"simulated": []},
+            "experiment": {"fitted": list(everyday(restoring))},
+        }
+        settings |= {"lang": lang} if lang != ENGLISH else {}
+        settings |= {"model": {"restoring": restoring}} if restoring == "linear" else {}
+        if left_out:
+            write_csv(pd.DataFrame(left_out), folder / LEFT_OUT)
+            settings["left_out"] = LEFT_OUT
+        campaigns = dict.fromkeys(row["campaign"] for row in kept)
+        if [name for name in campaigns if name not in searched]:
+            settings["discovery"] = {"campaigns": list(searched)}
+        body = yaml.safe_dump(settings, sort_keys=False, allow_unicode=True)
+        opening = _OPENING.format(sheet=SHEET, config=folder / CONFIG, folder=folder)
+        digest = _digest((folder / SHEET).read_bytes(), body)
+        return write_text(folder / CONFIG, f"{opening}{_WRITTEN}{digest}\n{body}")
     except OSError as error:
         raise InputError(folder, f"it cannot be written ({error.strerror})", "a folder of your own", "name another with --into") from error  # fmt: skip
-
-
-def _written(
-    folder: Path,
-    kept: Sequence[Mapping[str, Any]],
-    left_out: Sequence[Refused],
-    searched: Sequence[str],
-    restoring: str,
-    lang: str,
-) -> Path:
-    _check_untouched(folder)
-    columns = [name for name in COLUMNS if any(name in row for row in kept)]
-    write_csv(pd.DataFrame(kept).reindex(columns=columns), folder / SHEET)
-    settings: dict[str, Any] = {
-        "recordings": SHEET,
-        "simulation": {"simulated": []},
-        "experiment": {"fitted": list(everyday(restoring))},
-    }
-    settings |= {"lang": lang} if lang != ENGLISH else {}
-    settings |= {"model": {"restoring": restoring}} if restoring == "linear" else {}
-    if left_out:
-        write_csv(pd.DataFrame(left_out), folder / LEFT_OUT)
-        settings["left_out"] = LEFT_OUT
-    campaigns = dict.fromkeys(row["campaign"] for row in kept)
-    if [name for name in campaigns if name not in searched]:
-        settings["discovery"] = {"campaigns": list(searched)}
-    body = yaml.safe_dump(settings, sort_keys=False, allow_unicode=True)
-    opening = _OPENING.format(sheet=SHEET, config=folder / CONFIG, folder=folder)
-    digest = _digest((folder / SHEET).read_bytes(), body)
-    return write_text(folder / CONFIG, f"{opening}{_WRITTEN}{digest}\n{body}")
 
 
 def _digest(sheet: bytes, body: str) -> str:

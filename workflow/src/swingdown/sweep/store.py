@@ -12,7 +12,7 @@ import xarray as xr
 
 from .. import dataset, sealed
 from ..errors import InputError
-from ..manifest import checksum
+from ..paths import checksum
 
 STORE, SUMS = "draws.zarr", "draws.sha256"
 _BLOCK = 1 << 15  # draws that lie together in a file, and in the memory
