@@ -21,7 +21,7 @@ def begun_with(slack: Slack) -> Slack | None:
     return slack.weighed(0.0) if slack.names == (ZERO,) else None
 
 
-def allowing(fit: Fit, swings: Swings, slack: Slack, *, start: str = "free", bounded: bool = False) -> Fit:
+def allowing(fit: Fit, swings: Swings, slack: Slack, *, start: str = "free") -> Fit:
     """The fit of the same swings once more, with the nuisance values of the measurement free within what is known of them.
 
     What is known is weighed against the fit's own residuals as they are at the pendulum's frequencies: beside a model that
@@ -35,7 +35,7 @@ def allowing(fit: Fit, swings: Swings, slack: Slack, *, start: str = "free", bou
         Those of the fit.
     slack
         What the measurement leaves open.
-    start, bounded
+    start
         As of the fit: how swings begin, and whether parameters keep their bounds.
     """
     begun = fit.model.slack.names == slack.names
@@ -46,7 +46,7 @@ def allowing(fit: Fit, swings: Swings, slack: Slack, *, start: str = "free", bou
         weighed = slack.weighed(max(uncertainty(fit, swings).noise, least)) if slack.names else slack
         model = fit.model.with_slack(weighed)
         begin = Begin(model, fit.begin.swings)
-        fit = fit_jointly(model, swings, start=start, guess=begin, bounded=bounded, seen=False, grown=False)
+        fit = fit_jointly(model, swings, start=start, guess=begin, seen=False, grown=False)
     return fit
 
 

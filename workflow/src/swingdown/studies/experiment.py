@@ -44,9 +44,7 @@ from .unscaled import of_first_swings, pace_of, without_scale
 _ENOUGH = 3  # half-swings: two give a frequency, a decay needs the next
 
 
-def fit_recording(
-    angle: xr.Dataset, fitted: Sequence[Model | str], start: str = "free", bounded: bool = False
-) -> xr.Dataset:
+def fit_recording(angle: xr.Dataset, fitted: Sequence[Model | str], start: str = "free") -> xr.Dataset:
     """A Dataset (fitted, parameter, parameter_2, time) of models fitted to one swing by trajectory least squares.
 
     What the calibration leaves open of the reading is fitted with the model: ``nuisance_value``, ``nuisance_standard_error``, and
@@ -63,8 +61,6 @@ def fit_recording(
         Labels or models. A larger model starts from the optima of those inside it, too.
     start
         ``free`` (release angle and velocity fitted) or ``rest``.
-    bounded
-        Whether parameters keep within the catalogue's bounds.
 
     Raises
     ------
@@ -72,7 +68,7 @@ def fit_recording(
         For a swing too short to fit.
     """
     if are_points(angle):
-        return _of_points(angle, [as_model(one) for one in fitted], start, bounded)
+        return _of_points(angle, [as_model(one) for one in fitted], start)
     name, times, series = _swing(angle)
     reading = read_alike(name, [angle])
     models = [as_model(one).of(reading) for one in fitted]
@@ -80,7 +76,7 @@ def fit_recording(
     pairs = [swing_under(drive, times, series)]
 
     slack = of_angles([angle])
-    fits = _fits(models, pairs, slack, start, bounded)
+    fits = _fits(models, pairs, slack, start)
     coords = model_coords(models)
     names = coords["parameter"][1]
 
@@ -110,11 +106,11 @@ def fit_recording(
     variables |= {key: (("fitted",), [value] * len(fits)) for key, value in paces.items()}
     variables |= prior_of(slack)
     coords |= slack_of(any_of(fits)) | coords_of(angle, names)
-    attrs = options_of(models, start, bounded) | {"emulated": coords["emulated"][1]}
+    attrs = options_of(models, start) | {"emulated": coords["emulated"][1]}
     return in_units(labelled(xr.Dataset(variables, coords, attrs)), models[0].reading)
 
 
-def _of_points(angle: xr.Dataset, models: Sequence[Model], start: str, bounded: bool) -> xr.Dataset:
+def _of_points(angle: xr.Dataset, models: Sequence[Model], start: str) -> xr.Dataset:
     """The Dataset of ``fit_recording`` of turning points alone, with how their times scatter as well."""
     coords = model_coords(models)
     names = coords["parameter"][1]
@@ -128,12 +124,12 @@ def _of_points(angle: xr.Dataset, models: Sequence[Model], start: str, bounded: 
     }
     variables |= prior_of(Slack())
     coords |= open_coords((), (), ("clock",)) | coords_of(angle, names)
-    attrs = options_of(models, start, bounded) | {"emulated": coords["emulated"][1]}
+    attrs = options_of(models, start) | {"emulated": coords["emulated"][1]}
     return labelled(xr.Dataset(variables, coords, attrs))
 
 
 def fit_campaign(
-    angles: Sequence[xr.Dataset], fitted: Sequence[Model | str], start: str = "free", bounded: bool = False
+    angles: Sequence[xr.Dataset], fitted: Sequence[Model | str], start: str = "free"
 ) -> xr.Dataset:
     """A Dataset (fitted, recording, parameter, parameter_2) of models fitted to all swings of a campaign together.
 
@@ -143,7 +139,7 @@ def fit_campaign(
     ----------
     angles
         Datasets as ``fit_recording`` takes them.
-    fitted, start, bounded
+    fitted, start
         As in ``fit_recording``.
 
     Raises
@@ -165,7 +161,7 @@ def fit_campaign(
     reading = read_alike(str(angles[0].attrs.get("campaign", "")), angles)
     models = [as_model(one).of(reading) for one in fitted]
     slack = of_angles(angles)
-    fits = _fits(models, series, slack, start, bounded)
+    fits = _fits(models, series, slack, start)
     coords = model_coords(models)
     names = coords["parameter"][1]
     by_swing = ("rms", "norm", "largest_angle", "release_angle", "release_velocity")
@@ -189,7 +185,7 @@ def fit_campaign(
         },
     }
     emulated = "yes" if "yes" in coords["emulated"][1] else "no"
-    attrs = options_of(models, start, bounded) | {"emulated": emulated, "campaign": coords["campaign"][1][0]}
+    attrs = options_of(models, start) | {"emulated": emulated, "campaign": coords["campaign"][1][0]}
     return in_units(labelled(xr.Dataset(variables, coords, attrs)), models[0].reading)
 
 
@@ -207,9 +203,7 @@ def with_drive(models: Sequence[Model], angles: Sequence[xr.Dataset]) -> list[Mo
     return [model.under(drive) for model in models]
 
 
-def _fits(
-    models: Sequence[Model], swings: Sequence[Swing], slack: Slack, start: str, bounded: bool
-) -> list[Fit | None]:
+def _fits(models: Sequence[Model], swings: Sequence[Swing], slack: Slack, start: str) -> list[Fit | None]:
     """The fits of these models to swings of one pendulum, with what the measurement leaves open; None of a model that cannot be fitted.
 
     TrajectoryError where none can.
@@ -219,9 +213,7 @@ def _fits(
     def fit_one(model: Model, guess: list[Any]) -> Fit | None:
         known = not (unseen(model) and guess)
         try:
-            return fit_jointly(
-                model, swings, guess=guess, start=start, bounded=bounded, seen=known, grown=known
-            )
+            return fit_jointly(model, swings, guess=guess, start=start, seen=known, grown=known)
         except TrajectoryError as problem:
             failed.append(problem)
             return None
@@ -239,7 +231,7 @@ def _fits(
         if fit is None or not slack.names:  # the clock is in the fit already
             return fit
         try:
-            return allowing(fit, swings, slack, start=start, bounded=bounded)
+            return allowing(fit, swings, slack, start=start)
         except TrajectoryError as problem:
             failed.append(problem)
             return None

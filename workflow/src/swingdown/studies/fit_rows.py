@@ -131,10 +131,10 @@ def any_of(fits: Sequence[Fit | None]) -> Fit:
     return next(fit for fit in fits if fit is not None)
 
 
-def options_of(models: Sequence[Model], start: str, bounded: bool) -> dict[str, Any]:
+def options_of(models: Sequence[Model], start: str) -> dict[str, Any]:
     """What a dataset says of how its models were fitted."""
     options = {"restoring": models[0].restoring, "form": models[0].form}
-    return {"start": start, **options, "bounded": int(bounded)}
+    return {"start": start, **options, "bounded": 0}
 
 
 def facts_of(angle: xr.Dataset) -> dict[str, tuple[str, str]]:
