@@ -117,6 +117,19 @@ def test_of_a_model_that_lacks_much_the_period_is_that_of_the_passages():
         row = swingdown.fit(times, size * np.cos(np.cumsum(pace) * 0.02), unit="rad").row
     assert row["period_s"] == pytest.approx(0.9 * (1 + 1.2**2 / 16), abs=1e-3)
     assert "by passages of the middle" in row["note"] and row["period_of"] == "passages"
+    small, u = (row[f"natural_frequency_rad_per_s{end}"] for end in ("", "_u"))
+    assert abs(small - 2 * np.pi / 0.9) < 2 * u < 1.0  # the model's amplitude is 6 % too large
+
+
+def test_of_small_swings_that_a_model_follows_badly_the_frequency_is_that_of_the_passages():
+    """A model's own would be as uncertain as it is wrong, and a series would take it for the period."""
+    times = np.arange(0, 20, 0.02)
+    size = np.where(times < 6, 0.14, 0.14 * np.exp(-(times - 6) / 5))
+    with pytest.warns(DoubtfulFit, match="leaves 14 % of swing"):
+        row = swingdown.fit(times, size * np.cos(2 * np.pi / 0.9 * times), unit="rad").row
+    small, u = (row[f"natural_frequency_rad_per_s{end}"] for end in ("", "_u"))
+    assert row["period_of"] == "passages" and u < 1e-3 * small
+    assert small == pytest.approx(2 * np.pi / 0.9 * (1 + 0.14**2 / 16), abs=2 * u)
 
 
 def test_of_swings_too_few_to_count_a_model_that_lacks_much_tells_no_period():

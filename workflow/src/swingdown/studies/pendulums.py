@@ -18,6 +18,8 @@ from ..measurement.points.points_recording import PASSED
 from ..measurement.refused import NOT_LOOKED_AT
 from ..paths import printable
 from ..pendulum.catalogue import ANGLE, RATE, READINGS, SHIPPED, Catalogue
+from ..pendulum.effect import NATURAL_FREQUENCY
+from ..pendulum.ideal import lengthening
 from ..pendulum.slack import ZERO, is_open
 from ..rounding import value_with_uncertainty
 from .described import described, described_by, over_laws, reading_of, rivals, weights
@@ -189,7 +191,7 @@ def _row(
         "model": label,
         "model_of": DAMPING,
     }
-    unscaled = UNSCALED in own["uncertainty"].values
+    unscaled, linear = UNSCALED in own["uncertainty"].values, fitted.attrs.get("restoring") == "linear"
     if unscaled:
         period, more = at_first_swing(own.isel(recording=0))
         if period is None:
@@ -200,7 +202,7 @@ def _row(
     elif name != TOGETHER and not points and (left > MUCH or not meets(own, derived.get("period"))):
         period, more = as_seen(own.isel(recording=0))
         if period:
-            derived = derived | {"period": period}
+            derived = _with_period(derived, period, 1.0 if linear else float(lengthening(amplitude)), left)
             row |= more
     for key, quantity in (derived | ({} if unscaled else _zero_of(fitted, label))).items():
         row |= cells_of(key, quantity)
@@ -216,6 +218,22 @@ def _row(
     keeps_on |= "narrowing" in own and float(own["narrowing"].min()) >= KEPT and _foretold(row) < KEPT**2
     dies = "narrowing" in own and bool((own["narrowing"] < KEPT).any())
     return _of_what_is_seen(row, keeps_on, dies)
+
+
+def _with_period(
+    derived: Mapping[str, Quantity], period: Quantity, longer: float, left: float
+) -> dict[str, Quantity]:
+    """The quantities with the period that the first swings show in place of a model's; the frequency of small swings follows.
+
+    ``longer``: how much longer the first swings of an ideal pendulum take than small ones, as the square of an amplitude; that may be off by the
+    share ``left`` of the swing that the model does not follow.
+    """
+    found = dict(derived) | {"period": period}
+    if NATURAL_FREQUENCY.name in derived:
+        frequency = 2 * np.pi * longer / period.value
+        share = float(np.hypot(period.uncertainty / period.value, 2 * left * (longer - 1) / longer))
+        found[NATURAL_FREQUENCY.name] = Quantity(frequency, frequency * share, NATURAL_FREQUENCY.unit)
+    return found
 
 
 def _of_what_is_seen(row: dict[str, Any], keeps_on: bool = False, dies: bool = False) -> dict[str, Any]:
