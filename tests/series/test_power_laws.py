@@ -116,6 +116,26 @@ def test_the_uncertainty_of_g_is_that_of_a_straight_line():
     assert found.u_g == pytest.approx(9.81**2 / (4 * np.pi**2) * 1e-3 / np.sqrt(away @ away), rel=1e-6)
 
 
+def test_lengths_that_are_all_off_by_one_amount_hold_theorys_exponent():
+    """To a centimetre or two, as by measuring to the wrong place: the power of the lengths as stated is then off, that beside it is not."""
+    draw, away = np.random.default_rng(8), []
+    for _ in range(100):
+        lengths = np.linspace(0.15, draw.uniform(0.5, 1.0), draw.integers(5, 12))
+        scatter = draw.choice([1e-3, 3e-3, 1e-2]) * draw.standard_normal(lengths.size)
+        periods = 2 * np.pi * np.sqrt((lengths + draw.uniform(-0.02, 0.03)) / 9.81) * np.exp(scatter)
+        found = gravity_of_lengths(lengths, periods, 1e-6, 1e-3 * periods)
+        away.append(
+            [
+                abs(found.exponent - 0.5) / found.u_exponent,
+                power_law(lengths, periods, 1e-6, 1e-3 * periods, 0.5).away,
+            ]
+        )
+    beside, alone = np.mean(np.array(away) <= 2, axis=0)
+    assert 0.9 <= beside <= 0.98 and alone < 0.7
+    three = gravity_of_lengths([0.2, 0.4, 0.8], [0.9, 1.27, 1.8], 1e-3, 1e-3)
+    assert np.isnan(three.exponent) and three.to_dict()["exponent_of_lengths_so_off"] is None
+
+
 def test_above_an_offset_an_error_along_the_line_counts_by_its_slope():
     y = 0.5 + 2 * LENGTHS
     along, across = (power_law(LENGTHS, y, *u, offset=True) for u in ((0.003, 1e-6), (0.0, 0.006)))

@@ -92,19 +92,17 @@ class Series:
             if self.shared_error:
                 verdict = "which does not agree without an error that all lengths share"
             told += f"; theory says {law.theory:g}, {verdict} ({law.away:.1f} standard uncertainties away)"
+            if self.gravity and self.shared_error:
+                told += f"; with one the power is {value_with_uncertainty(self.gravity.exponent, self.gravity.u_exponent)}"
         parts = [told, law.scatter.sentence, self.gravity.sentence if self.gravity else "", self._unstated()]
         return "; ".join(one for one in parts if one)
 
     @property
     def shared_error(self) -> bool:
-        """Whether theory's exponent agrees where all lengths may be off by one amount, and else does not.
-
-        Its line of T² over the length is then at most two standard uncertainties less likely than the power law, of as many values.
-        """
-        if not (self.law and self.gravity and self.law.away > _AGREES):
+        """Whether theory's exponent agrees where all lengths may be off by one amount, and else does not."""
+        if not (self.law and self.gravity and self.law.away > _AGREES and self.gravity.off):
             return False
-        law, line = self.law.scatter, self.gravity.scatter
-        return self.gravity.off and line.chi2 - law.chi2 <= (_AGREES * max(1.0, law.birge)) ** 2
+        return abs(self.gravity.exponent - self.law.theory) <= _AGREES * self.gravity.u_exponent
 
     def _unstated(self) -> str:
         return f"the uncertainty of {self.by} was not given" if not (self.table["u_x"] > 0).any() else ""

@@ -157,10 +157,7 @@ class PowerLaw:
             for name in ("exponent", "u_exponent", "factor", "u_factor", "at", "offset", "u_offset", "theory")
         }
         found |= {"chi2": self.scatter.chi2, "dof": self.scatter.dof, "p": self.scatter.p, "birge_ratio": self.scatter.birge, "widened_by": self.scatter.widening}  # fmt: skip
-        return {
-            key: (None if isinstance(one, float) and not np.isfinite(one) else one)
-            for key, one in found.items()
-        }
+        return {key: _known(one) if isinstance(one, float) else one for key, one in found.items()}
 
 
 def power_law(
@@ -252,6 +249,8 @@ class LengthsAndPeriods:
         In m/s², with its standard uncertainty.
     short, u_short
         By how much all lengths are too short, in m.
+    exponent, u_exponent
+        The power by which T goes with lengths that are all off by one amount, whatever that is; NaN for fewer than four points.
     line
         The line of T² over the length.
     scatter
@@ -262,6 +261,8 @@ class LengthsAndPeriods:
     u_g: float
     short: float
     u_short: float
+    exponent: float
+    u_exponent: float
     line: Line = field(repr=False)
     scatter: Scatter = field(repr=False)
 
@@ -285,7 +286,7 @@ class LengthsAndPeriods:
 
     def to_dict(self) -> dict[str, Any]:
         """A dict of plain numbers."""
-        return {"g_m_per_s2": self.g, "u_g_m_per_s2": self.u_g, "lengths_too_short_by_m": self.short, "u_lengths_too_short_by_m": self.u_short, "birge_ratio": self.scatter.birge}  # fmt: skip
+        return {"g_m_per_s2": self.g, "u_g_m_per_s2": self.u_g, "lengths_too_short_by_m": self.short, "u_lengths_too_short_by_m": self.u_short, "exponent_of_lengths_so_off": _known(self.exponent), "u_exponent_of_lengths_so_off": _known(self.u_exponent), "birge_ratio": self.scatter.birge}  # fmt: skip
 
 
 def gravity_of_lengths(
@@ -314,6 +315,46 @@ def gravity_of_lengths(
     slope, short = line.slope, line.intercept / line.slope
     slopes = np.array([1 / slope, -short / slope])
     g = 4 * np.pi**2 / slope
+    exponent = _exponent_beside(lengths, periods, u_x, np.asarray(u_periods, dtype=float), short)
     return LengthsAndPeriods(
-        g, float(g / slope * np.sqrt(covariance[1, 1])), short, float(np.sqrt(slopes @ covariance @ slopes)), line, scatter
+        g, float(g / slope * np.sqrt(covariance[1, 1])), short, float(np.sqrt(slopes @ covariance @ slopes)), *exponent, line, scatter
     )  # fmt: skip
+
+
+def _exponent_beside(x: Floats, y: Floats, u_x: Floats, u_y: Floats, short: float) -> tuple[float, float]:
+    """The exponent of y = factor (x + short)^exponent, all three free, with its standard uncertainty; NaN for fewer than four points.
+
+    Points that scatter farther than they state get a further error, as in ``settled``.
+    """
+    dof = x.size - 3
+    if dof < 1:
+        return float("nan"), float("nan")
+    at, log_y = float(np.mean(x)), np.log(y)
+    least = np.array([-np.inf, -np.inf, 1e-3 * x.min() - x.min()])
+    start = np.array([float(np.mean(log_y)), 0.5, max(short, least[2] / 2)])
+
+    def fit(extra: float) -> Any:
+        def left(values: Floats) -> Floats:
+            longer = x + values[2]
+            error = np.sqrt((u_y / y) ** 2 + (values[1] * u_x / longer) ** 2 + extra**2)
+            return (log_y - values[0] - values[1] * np.log(longer / at)) / error
+
+        return least_squares(left, start, x_scale=[1.0, 0.1, at / 10], bounds=(least, np.inf))
+
+    def uncertainty(found: Any) -> float:
+        return float(np.sqrt(np.linalg.pinv(found.jac.T @ found.jac)[1, 1]))
+
+    found = fit(0.0)
+    scatter = Scatter(float(2 * found.cost), dof)
+    alike = uncertainty(found) * scatter.widening
+    if not scatter.widening > 1:
+        return float(found.x[1]), alike
+    top = float(np.std(log_y))
+    while 2 * fit(top).cost > dof:
+        top *= 2
+    found = fit(brentq(lambda extra: 2 * fit(extra).cost - dof, 0.0, top, rtol=1e-4))
+    return float(found.x[1]), max(uncertainty(found) * _student(dof), alike)
+
+
+def _known(value: float) -> float | None:
+    return value if np.isfinite(value) else None
