@@ -64,6 +64,13 @@ def test_an_unknown_language_is_refused_with_a_hint(capsys):
     assert stopped.value.code == 2 and "did you mean de?" in capsys.readouterr().err
 
 
+def test_a_caption_keeps_its_nouns_as_german_writes_them(answer):
+    emulated = hand_in.Studied({**answer.row, "emulated": "yes"}, None, answer.sentence, [])
+    assert "Emuliert: berechnet, nicht an einem wirklichen Pendel gemessen." in hand_in.latex(
+        {"anna": emulated}, language("de")
+    )
+
+
 def test_the_table_for_latex_has_every_quantity_with_its_unit(answer):
     text = hand_in.latex({"anna": answer}, language("de"))
     lines = text.splitlines()

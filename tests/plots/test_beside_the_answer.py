@@ -3,6 +3,7 @@
 import numpy as np
 import pandas as pd
 import pytest
+from matplotlib.collections import LineCollection
 from written import boxes, in_the_way
 
 import swingdown
@@ -11,6 +12,7 @@ from swingdown.language import language, languages
 from swingdown.measurement.stated import Stated
 from swingdown.plots import save
 from swingdown.plots.curves import backbone, envelopes, resonances
+from swingdown.plots.discovery import missing_torque
 from swingdown.plots.series import groups_side_by_side, over_what_was_varied
 from swingdown.plots.style import in_language
 from swingdown.series import series_of
@@ -96,10 +98,34 @@ def test_nothing_is_cut_in_any_language(tmp_path):
             resonances(driven),
             over_what_was_varied(varied()),
             groups_side_by_side(between()),
+            missing_torque(*lacking()),
         ):
             spoken = in_language(figure, language(code))
             save(spoken, tmp_path / f"{code}.png")
             assert not in_the_way(spoken), code
+
+
+def test_single_swings_that_tell_nothing_are_left_out():
+    """A slow roll's periods, whose bars would cross the panel."""
+    swing = swingdown.simulate(
+        "viscous", np.arange(1801) / 10, 0.2, noise=1e-3, seed=1, restoring="linear", natural_frequency=0.62, viscous_ratio=0.012
+    )  # fmt: skip
+    frequency, loss = backbone(swingdown.fit(swing, fitted=["viscous"], restoring="linear").curves()).axes[:2]
+    bars = [one.get_segments() for one in frequency.collections if isinstance(one, LineCollection)]
+    low, high = frequency.get_xlim()
+    assert all(bar[1][0] - bar[0][0] < 2 * (high - low) for part in bars for bar in part)
+    assert loss.containers and len(loss.containers[0][0].get_xdata()) > 5
+
+
+def lacking():
+    """The tables and rounds of ``missing_torque``."""
+    x = np.linspace(-1, 1, 20)
+    first = pd.concat(
+        pd.DataFrame({"over": over, "part": "drag", "x": x, "torque": x**2, "band": 0.1})
+        for over in ("position", "velocity", "time")
+    )
+    groups = [{"name": name, "share": 0.123} for name in ("position", "velocity", "time")]
+    return first, first, [{"groups": groups, "missing": True}] * 2
 
 
 def table(**columns):

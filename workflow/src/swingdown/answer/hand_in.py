@@ -15,7 +15,7 @@ import pandas as pd
 
 from ..errors import InputError
 from ..extras import has, lacking
-from ..language import Language
+from ..language import Language, capital
 from ..paths import for_spreadsheets, write_text, written_whole
 from ..pendulum.catalogue import catalogue
 from ..sealed import read_csv, read_json
@@ -135,7 +135,7 @@ def latex(answers: Mapping[str, Told], spoken: Language) -> str:
         head, rows = _side_by_side(answers, spoken)
         caption = spoken.text(_CAPTION)
     if any(one.row["emulated"] == "yes" for one in answers.values()):
-        caption = f"{caption.rstrip('.')}. {spoken.text(EMULATED).capitalize()}."
+        caption = f"{caption.rstrip('.')}. {capital(spoken.text(EMULATED))}."
     body = [" & ".join(map(_escaped, row)) + r" \\" for row in rows]
     lines = [
         r"% \usepackage{booktabs}",

@@ -134,7 +134,10 @@ def _curve(axes: Axes, at: Floats, data: xr.Dataset, name: str, scale: float, up
 
 
 def _swings(axes: Axes, size: Floats, value: Floats, error: Floats, upright: bool = False) -> None:
-    """Single swings as dots, or means of neighbours in amplitude with two standard errors where there are many."""
+    """Single swings as dots, or means of neighbours in amplitude with two standard errors where there are many.
+
+    Those whose bars would fill the panel, as its curves have it, tell nothing and are left out.
+    """
     good = np.isfinite(value) & np.isfinite(size)
     size, value, error = size[good], value[good], error[good]
     words = "single swings"
@@ -145,6 +148,9 @@ def _swings(axes: Axes, size: Floats, value: Floats, error: Floats, upright: boo
         ]
         size, value, error = np.array(means).T
         words = "means of single swings"
+    low, high = axes.get_xlim() if upright else axes.get_ylim()
+    told = 2 * error < high - low
+    size, value, error = size[told], value[told], error[told]
     if not size.size:
         return
     options: dict[str, Any] = {

@@ -4,6 +4,7 @@ import io
 from collections.abc import Callable, Mapping, Sequence
 from functools import wraps
 from pathlib import Path
+from textwrap import wrap
 from typing import Any, ParamSpec, TypeVar
 
 import matplotlib
@@ -32,6 +33,7 @@ _F = TypeVar("_F", bound=Figure)
 WIDTH_CM = 16.0
 DPI = 200
 _SCREEN_DPI = 110
+_ALONG = 118  # letters along a figure's lower edge
 _MANY = 10_000  # points of one line or band
 TIME = "time $t$ since the first sample (s)"
 EMULATED = "emulated bench: computed, not measured on a real apparatus"
@@ -158,11 +160,27 @@ def in_language(figure: _F, spoken: Language) -> _F:
             lines = [joint.join(map(spoken.text, line.split(joint))) for line in text.get_text().split("\n")]
             text.set_text("\n".join(lines))
     footnote(figure, *_remarks(figure))  # words of another language are longer
+    _wrap_labels(figure)
     for legend in figure.findobj(Legend):
         while _too_wide(legend, figure):
             for text in legend.get_texts():
                 text.set_fontsize(0.92 * float(text.get_fontsize()))
     return figure
+
+
+def _wrap_labels(figure: Figure) -> None:
+    """Breaks before its unit each label of an axis that would reach beyond the figure, or into other words."""
+    labels = [axis.label for axes in figure.axes for axis in (axes.xaxis, axes.yaxis)]
+    for _ in range(2):  # one that is broken may leave its neighbours less room
+        figure.draw_without_rendering()
+        boxes = {one: one.get_window_extent() for one in (*labels, *figure.texts) if one.get_text()}
+        for label in labels:
+            if not (box := boxes.pop(label, None)):
+                continue
+            inside = box.x0 >= 0 <= box.y0 and box.x1 <= figure.bbox.width and box.y1 <= figure.bbox.height
+            if not inside or any(map(box.overlaps, boxes.values())):
+                label.set_text(label.get_text().replace(" (", "\n(", 1))
+            boxes[label] = box
 
 
 def _too_wide(legend: Legend, figure: Figure) -> bool:
@@ -292,7 +310,8 @@ def footnote(figure: _F, *parts: str) -> _F:
     lines = [""]
     for part in filter(None, parts):
         joined = f"{lines[-1]} · {part}" if lines[-1] else part
-        lines[-1:] = [joined] if len(joined) <= 118 or not lines[-1] else [lines[-1], part]
+        fits = len(joined) <= _ALONG or not lines[-1]
+        lines[-1:] = wrap(joined, _ALONG) if fits else [lines[-1], *wrap(part, _ALONG)]
     if lines[0]:
         figure.supxlabel("\n".join(lines), x=0.012, ha="left", fontsize=8, color=GREY, linespacing=1.25)
     return figure

@@ -25,8 +25,11 @@ for (const figure of document.querySelectorAll("figure[data-trace]")) {
     const [ink, line, soft] = [colour("--ink"), colour("--line"), colour("--soft")];
     const [fitted, heldOut] = dark.matches ? ["#5cb0e6", "#3ccf9f"] : ["#0072B2", "#009E73"];
     const rows = columns(given.recordings[shown]), anyHeld = rows[3].some(value => value !== null);
-    const axis = label => ({ stroke: ink, grid: { stroke: line, width: 1 }, ticks: { stroke: line }, label: say(label), labelSize: 18, size: 52, labelFont: "13px sans-serif" });
-    const number = digits => (plot, value) => value == null ? "–" : value.toFixed(digits).replace("-", "−").replace(".", given.decimal);
+    const written = text => text.replace("-", "−").replace(".", given.decimal);
+    // as many digits as the step between two marks has
+    const marks = (plot, places, axis, room, step) => places.map(place => written(place.toFixed((String(step).split(".")[1] ?? "").length)));
+    const axis = label => ({ values: marks, stroke: ink, grid: { stroke: line, width: 1 }, ticks: { stroke: line }, label: say(label), labelSize: 18, size: 52, labelFont: "13px sans-serif" });
+    const number = digits => (plot, value) => value == null ? "–" : written(value.toFixed(digits));
     const time = { label: say("time (s)"), value: number(3) };
     const series = (label, stroke, more) => ({ label: say(label), stroke, width: 1, points: { show: false }, value: number(3), ...more });
     let busy = false;
