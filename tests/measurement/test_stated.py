@@ -20,7 +20,12 @@ def test_a_length_is_read_with_its_standard_uncertainty(text):
     )
 
 
-@pytest.mark.parametrize(("text", "kind", "value"), [("500 g", "kg", 0.5), ("7.8 g/cm3", "kg/m^3", 7800), ("40cm2", "m^2", 0.004), ("400mA", "A", 0.4)])  # fmt: skip
+@pytest.mark.parametrize(
+    ("text", "kind", "value"),
+    [("2 m", "m", 2), ("5 dm", "m", 0.5), ("40 mm", "m", 0.04), ("10 in", "m", 0.254), ("2 ft", "m", 0.6096), ("2 kg", "kg", 2), ("500 g", "kg", 0.5),
+     ("500 mg", "kg", 5e-4), ("2 m²", "m^2", 2), ("40cm2", "m^2", 0.004), ("40 mm^2", "m^2", 4e-5), ("2 A", "A", 2), ("400mA", "A", 0.4), ("5 V", "V", 5),
+     ("300 mV", "V", 0.3), ("2 rad", "rad", 2), ("90°", "rad", np.pi / 2), ("1.2 kg/m³", "kg/m^3", 1.2), ("7.8 g/cm3", "kg/m^3", 7800)],
+)  # fmt: skip
 def test_units_become_those_of_the_si_and_nobody_invents_an_uncertainty(text, kind, value):
     found = read(text).of(kind)
     assert found.value == pytest.approx(value) and np.isnan(found.uncertainty)

@@ -147,12 +147,31 @@ class Catalogue:
         return self._of_rates
 
     def without(self, *names: str) -> "Catalogue":
-        """The catalogue that lacks these effects."""
+        """The catalogue that lacks these effects.
+
+        Parameters
+        ----------
+        names
+            Of effects; one that is not there is passed over.
+        """
         kept = tuple(effect for effect in self if effect.name not in names)
         return Catalogue(kept, whole=self.whole if self.reading == RATE else None)
 
     def with_effects(self, *effects: Effect, where: str = "catalogue") -> "Catalogue":
-        """The catalogue that has these effects too, after its own."""
+        """The catalogue that has these effects too, after its own.
+
+        Parameters
+        ----------
+        effects
+            With names that are not taken.
+        where
+            What errors call them.
+
+        Raises
+        ------
+        InputError
+            If the name of an effect or of a parameter is taken.
+        """
         if self.reading == RATE:
             return self.whole.with_effects(*effects, where=where).of(RATE)
         return Catalogue((*self, *effects), where)
