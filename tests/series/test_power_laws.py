@@ -165,6 +165,7 @@ def test_groups_that_agree_and_one_that_does_not():
     assert "the 4 groups agree" in calm.sentence and calm.apart == ()
     odd = compare(list("abcd"), [1.0, 1.01, 0.99, 1.1], [0.01] * 4)
     assert odd.apart == ("d",) and "d does not agree with the others" in odd.sentence
+    assert "chi² 4221 for 3" in compare(list("abcd"), [1.0, 1.01, 0.99, 1.75], [0.01] * 4).sentence
     assert odd.table["pull"].iloc[3] == pytest.approx(0.1 / 0.01 / np.sqrt(1 + 1 / 3))
 
 

@@ -50,7 +50,8 @@ class Comparison:
         return f"p = {self.p:.2g}" if self.p > _LEAST else "p below 1e-9"
 
     def _said(self) -> str:
-        chance = f"chi² {self.chi2:.3g} for {self.dof}, {self.chance}"
+        shown = f"{self.chi2:.0f}" if self.chi2 >= 1000 else f"{self.chi2:.3g}"
+        chance = f"chi² {shown} for {self.dof}, {self.chance}"
         names = [str(one) for one in self.table["group"]]
         if self.p >= BEYOND:
             return (
