@@ -125,3 +125,26 @@ def test_motion_capture_is_in_millimetres_by_its_markers(take):
     for names in ("", "X\tY\tZ\n"):
         made = take(head + names + rows)
         assert made.attrs["pivot_radius"] == pytest.approx(900, rel=0.01) and "mm" in made.attrs["remarks"]
+
+
+@pytest.mark.parametrize("unit", ["cm", ""])
+def test_of_a_wide_swing_by_one_coordinate_the_length_is_asked(take, unit):
+    """By RK4: a bob on a string of 55.6 cm from 1.2 rad, and a mass on a spring that goes as far."""
+    step, far, speed, swing = 0.002, 1.2, 0.0, []
+    for _ in range(15_000):
+        swing.append(far)
+        for share in (0.5, 0.5):  # symplectic
+            speed -= share * step * (4.2**2 * np.sin(far) + 2 / 40 * speed)
+            far += share * step * speed
+    times, angle = step * np.arange(15_000)[::15], np.array(swing)[::15]
+    header = f"t (s),x{f' ({unit})' if unit else ''}\n"
+    for x, asked in ((55.6 * np.sin(angle), True), (46 * np.exp(-times / 40) * np.cos(4.2 * times), False)):
+        text = header + rows(times, x + np.random.default_rng(1).normal(0, 0.05, times.size))
+        if asked:
+            with pytest.raises(InputError, match="arcsine over its length"):
+                take(text)
+        else:
+            assert "one coordinate" in take(text).attrs["remarks"]
+    length = {"cm": "56.5 cm", "": "56.5"}[unit]
+    found = take(header + rows(times, 55.6 * np.sin(angle)), length=length)["signal"].values
+    assert found == pytest.approx(np.arcsin(55.6 / 56.5 * np.sin(angle)), abs=2e-3)

@@ -342,3 +342,11 @@ def test_a_period_of_no_room_is_told_where_nobody_states_the_unit_of_the_time(ta
     text = "time,angle (rad)\n" + rows(factor * TIME, SWING)
     assert ("NO UNIT OF THE TIME" in take(text).attrs.get("remarks", "")) == warned
     assert "NO UNIT OF THE TIME" not in take(text.replace("time", "time (s)")).attrs.get("remarks", "")
+
+
+@pytest.mark.parametrize("rate", [47.3, 30.0, 61.7])
+def test_stamps_of_a_clock_that_no_digit_divides_lose_no_sample_by_their_rounding(take, rate):
+    times = np.arange(0, 40, 1 / rate)
+    made = take("t_s,angle_rad\n" + rows(np.round(times, 2), 0.5 * np.exp(-times / 40) * np.cos(4.2 * times)))
+    assert "rounded to 10 ms" in made.attrs["remarks"] and "samples" not in made.attrs["remarks"]
+    assert np.std(made["time"].values - times) < 1e-4

@@ -250,13 +250,18 @@ def without_length(times: Floats, x: Floats, in_metres: float, place: str) -> tu
         raise InputError(
             place, "its swing is too short to give a period", "three half-swings or more", "record longer"
         )
-    length = GRAVITY * (period / (2 * np.pi)) ** 2 / in_metres
+    length = on_a_string(times, x) / in_metres
     away = x - _middle(x)
     if float(np.percentile(np.abs(away), 99.5)) / length > SMALL:
         return None
     return away / length, [
         f"one coordinate and no length: the angle is its share of {length * in_metres:.3g} m, the length of a bob on a string of this period"
     ]
+
+
+def on_a_string(times: Floats, x: Floats) -> float:
+    """The length (m) that a bob on a string has whose swings take as long as those of ``x``."""
+    return GRAVITY * (half_swings(x).period(times) / (2 * np.pi)) ** 2
 
 
 def _middle(x: Floats) -> float:

@@ -10,6 +10,7 @@ import numpy as np
 from ..arrays import Floats
 from ..errors import InputError
 from ..own_unit import UNNAMED
+from .apparent_scale import apparent_scale
 from .choice import Chosen, widest
 from .files.columns import LENGTH, OF_ACCELERATIONS, OTHER, RATE, SPEED, UNTOLD, Meaning, place_of
 from .gyroscope import TO_RAD_PER_S, rate_unit, turning_most
@@ -24,6 +25,7 @@ from .positions import (
     in_their_plane,
     lost,
     metres,
+    on_a_string,
     to_angles,
     without_length,
 )
@@ -33,6 +35,7 @@ UNIT_WORDS = {
     "V": "volts", "rad": "rad", "deg": "degrees", "counts": "counts", "rad/s": "rad/s, an angular rate",
     "deg/s": "degrees a second, an angular rate", NO_SCALE: "readings of unknown scale",
 }  # fmt: skip
+WIDE = 0.4  # rad; beyond it the sine of an angle dies away a twentieth more slowly than the angle does
 MOST_LOST = 0.2  # of the positions: a tracker that loses more follows no bob
 _NAMES = {"V": "V", "counts": "counts"}
 RELATIVE = "relative"  # in the cell scale: nobody knows it
@@ -222,6 +225,8 @@ def _coordinate(
     each = metres(f"1 {unit}", "m", where, quiet=True) if unit and first.kind != SPEED else 0.0
     if scale is None and each and not height and (small := without_length(times, x, each, where)):
         return Interpreted(times, small[0], reading, small[1], {}, first.name)
+    if scale is None and restoring == "sine" and first.kind != SPEED and not height:
+        _ask_length(times, x, each, where)
     told = [
         "the speed of a bob: taken as it swings"
         if first.kind == SPEED
@@ -233,6 +238,19 @@ def _coordinate(
     own = (unit or UNNAMED) if restoring == "linear" and first.kind != SPEED else ""
     reading = Reading(NO_SCALE, True, known, restoring, own=own)
     return Interpreted(times, x, reading, told if scale is None else [], {}, first.name)
+
+
+def _ask_length(times: Floats, x: Floats, each: float, where: str) -> None:
+    """InputError where the period of one coordinate, ``each`` m a unit (0.0: not known), falls with its swings as that of a pendulum whose sine
+    is not its angle, and as a bob's on a string does that swings so far: no spring's does."""
+    wide = float(np.ptp(x)) / 2
+    if apparent_scale(times, x) * wide > WIDE and not 0 < wide * each < WIDE * on_a_string(times, x):
+        raise InputError(
+            where,
+            "its period falls as its swings shrink, as a pendulum's does: they are wide, and the angle of one coordinate is an arcsine over its length",
+            "the length, from the pivot to the point that was followed",
+            "state ⟨length⟩, in its unit; for the period alone write ⟨scale=relative⟩",
+        )
 
 
 def _told_lost(away: np.ndarray, circle: Circle, angle: Floats, unit: str, place: str) -> list[str]:

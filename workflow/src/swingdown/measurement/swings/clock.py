@@ -188,7 +188,7 @@ def _even_clock(times: Floats, signal: Floats) -> tuple[Floats | None, list[str]
     clocks = [_line(times, slots) for slots in _countings(times, usual)]
     digit = _digit(times)
     coarse = digit > SEEN * usual
-    for even in clocks:
+    for even in sorted(clocks, key=lambda one: float(np.std(times - one))):  # rounding scatters the least
         away = np.abs(times - even).max()
         if away < EXACT * digit:
             return None, []
