@@ -172,8 +172,11 @@ def test_a_rate_that_changes_is_told_and_the_times_are_those_of_the_bob(record, 
     values = np.round(500 + 300 * np.cos(6 * true)).astype(int)
     pauses = np.diff(true, prepend=0)
     pieces = [(pauses[k], frame(k, int(values[k]))) for k in range(len(true))]
+    told = (
+        r"1\d\d.* until 2|most 1[01]\d.* at \d.*, least (8|9)\d.* at"  # a busy host's clock sees more courses
+    )
     with pytest.raises(
-        InputError, match="marked partial: the board's rate changes, by the host's clock: 1.* until 2"
+        InputError, match=f"marked partial: the board's rate changes, by the host's clock: ({told})"
     ):
         record(pieces, duration_s=6)
     data = dataset.read(NC)
