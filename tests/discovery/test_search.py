@@ -204,6 +204,20 @@ def test_a_model_that_cannot_follow_the_held_out_swings_is_no_better_than_the_ba
     assert [state.fit.model.names for state in states] == [("viscous",)]
 
 
+def test_where_the_best_model_cannot_follow_the_held_out_swings_the_next_is_told(two, monkeypatch):
+    from swingdown.discovery.judge import confirm, structures
+
+    def follows(fit, swings):
+        if "quadratic_stiffness" in fit.model.names:
+            raise TrajectoryError("no start gives a trajectory")
+        return confirm.predict(fit, swings)
+
+    monkeypatch.setattr(structures, "predict", follows)
+    states = discover(two, "viscous", rounds=2)
+    assert "quadratic_drag" in states[-1].found and "quadratic_stiffness" not in states[-1].found
+    assert not states[-1].failed
+
+
 def test_a_search_that_cannot_begin_ends_so_too(two, monkeypatch, tmp_path):
     def breaks(*arguments, **options):
         raise np.linalg.LinAlgError("Singular matrix")

@@ -120,7 +120,7 @@ class _Search:
 
     def told(self, way: list[Structure]) -> list[Round]:
         """The rounds of the way, the last with what is judged."""
-        pool = self.pool
+        pool, way = self.pool, self._followed(way)
         last, found = told_of(pool, way[-1])
         way = way if last.key == way[-1].key else [way[0], *way[1:-1], last]
         sure = any(one.sure for one in found.values())
@@ -146,6 +146,15 @@ class _Search:
                 next_swing=self._next(state),
             )
         return [*states[:-1], replace(state, counting=tuple(self._counting(last)))]
+
+    def _followed(self, way: list[Structure]) -> list[Structure]:
+        """The way to the most probable structure that can follow the held-out swings: one that cannot is none."""
+        while way[1:] and not self.pool.follows(way[-1].fit):
+            self.pool.known.pop(way[-1].key)
+            best = self.pool.best
+            before = [one for one in way[1:-1] if one.key != best.key]
+            way = way[:1] if best.key == way[0].key else [way[0], *before, best]
+        return way
 
     def _rounds(self, way: list[Structure]) -> list[Round]:
         """The rounds of the way; TrajectoryError where held-out swings cannot be followed."""

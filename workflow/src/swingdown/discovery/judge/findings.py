@@ -73,7 +73,7 @@ def told_of(pool: Pool, best: Structure) -> tuple[Structure, dict[str, Finding]]
     little of what is missing, of fitted swings or of held-out ones, if some effect is told then; else the best one. A friction that is
     sure without being named has the most probable structure that names one."""
     if not pool.frictions(best.key) and pool.of_friction() >= PROBABLE:
-        rubbing = [one for one in pool.known.values() if pool.frictions(one.key)]
+        rubbing = [one for one in pool.known.values() if pool.frictions(one.key) and pool.follows(one.fit)]
         best = max(rubbing, key=lambda one: one.evidence, default=best)
     whole = found = judged(pool, best)
     here = best

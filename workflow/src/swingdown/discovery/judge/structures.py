@@ -140,6 +140,14 @@ class Pool:
             self._held_out[id(fit)] = fit, predict(fit, self.campaign.holdout)
         return self._held_out[id(fit)][1]
 
+    def follows(self, fit: Fit) -> bool:
+        """Whether a fit can follow the held-out swings."""
+        try:
+            self.held_out(fit)
+        except TrajectoryError:
+            return False
+        return True
+
     def lacking(self, one: Structure, names: Collection[str]) -> list[Structure]:
         """The structure without these of its effects, fitted where it is not known, and those with effects of the base again which they may
         have taken the place of, the most probable first; where that has one at a bound, those that lack more; empty where there is none."""
