@@ -127,8 +127,10 @@ class _Search:
         try:
             states = self._rounds(way)
         except TrajectoryError:  # of held-out swings that a model on the way cannot follow
-            states = self._rounds([way[0], last]) if sure else []
-        if not (sure or states and states[-1].holdout.rms <= states[0].holdout.rms):
+            states = []
+            if sure and pool.follows(last.fit):
+                states = self._rounds([way[0], last])
+        if not (states and (sure or states[-1].holdout.rms <= states[0].holdout.rms)):
             # where nothing is told, what held-out swings speak against is no better model
             last, found, states = way[0], {}, self._rounds(way[:1])
         state = replace(
