@@ -333,7 +333,7 @@ def _swings_in(name: str, given: Series, unit: str | None, kind: str, restoring:
         )
     remarks = [f"{missing.sum()} of {missing.size} samples hold no number: missing"] if missing.any() else []
     taken = unit or stated or "rad"
-    own = {"V": "V"}.get(taken, UNNAMED) if restoring == "linear" and taken not in TO_RAD_PER_S else ""
+    own = ("V" if taken == "V" else UNNAMED) if restoring == "linear" and taken not in TO_RAD_PER_S else ""
     scale = np.nan if taken == "V" else in_rad(taken)
     reading = Reading(taken, bool(unit or stated), scale, restoring, own=own)
     pieces = parts(times)

@@ -36,7 +36,7 @@ def allowing(fit: Fit, swings: Swings, slack: Slack, *, start: str = "free") -> 
     slack
         What the measurement leaves open.
     start
-        As of the fit: how swings begin, and whether parameters keep their bounds.
+        As of the fit: how swings begin.
     """
     begun = fit.model.slack.names == slack.names
     if begun and slack.names == (ZERO,) and _told_by_data(fit, slack):

@@ -33,9 +33,8 @@ from .swings.half_swings import half_swings
 
 SHORTEST = 10  # samples; fewer tell nothing about a swing
 LOOKED_FOR_NOISE = 20_000  # rows of which each column is looked at before it is called noise
-OFTEN = (
-    3  # times the half-swings that tell a swing: what passes its middle so often and never in step is noise
-)
+# times the half-swings that tell a swing: what passes its middle so often and never in step is noise
+OFTEN = 3
 LOOKED_AT = 200_000  # rows of which each column is looked at before the swing is chosen
 
 
