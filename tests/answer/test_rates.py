@@ -128,3 +128,22 @@ def test_angles_and_rates_are_no_one_pendulum(tmp_path):
     (given,) = swingdown.fit(TIMES, angle + 1e-4 * rates()[:, 0]).swings
     with pytest.raises(InputError, match="make two campaigns"):
         swingdown.answer.of_swings([rate, given])
+
+
+@pytest.mark.parametrize("noise", [1e-3, 5e-3])
+def test_rates_that_somebody_derived_from_noisy_angles_tell_the_swing(noise):
+    """Their noise goes through zero many times a swing, and is at most as wide as it: period, decay and course are the swing's."""
+    swung = trajectory(
+        ["viscous"], {k: v for k, v in TRUTH.items() if k != "load_friction"}, TIMES, 0.45
+    ).reading
+    truth = 2 * np.pi / TRUTH["natural_frequency"]
+    angle = swung + np.random.default_rng(3).normal(0, noise, TIMES.size)
+    found = swingdown.fit(TIMES, np.gradient(angle, TIMES), unit="rad/s")
+    row = found.to_dict()
+    for name, true in (("natural_frequency", TRUTH["natural_frequency"]), ("quality", 125.0)):
+        one = row["quantities"][name]
+        assert abs(one["value"] - true) < 2 * one["standard_uncertainty"] < 0.3 * true
+    assert "goes from" not in str(found)
+    (timed,) = row["timed"]
+    for one in (timed["first"], timed["last"], timed["first_swing"]):
+        assert one["period_s"] == pytest.approx(truth, rel=0.015)

@@ -11,6 +11,8 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from .arrays import Floats
+from .calmed import calmed
 from .errors import MAKE_ANEW, InputError, Unwritten
 from .extras import needed
 from .paths import written_whole
@@ -111,6 +113,12 @@ def series_of(data: xr.Dataset, part: str = "") -> xr.DataArray:
     """
     name = "rate" if "rate" in data else "angle"
     return data[f"{name}_{part}" if part else name]
+
+
+def quiet_of(data: xr.Dataset) -> Floats:
+    """What a sensor read, for whoever counts its swings: as it is, or of a rate ``calmed``, whose noise may hide them."""
+    series = series_of(data)
+    return calmed(data["time"].values, series.values, False) if series.name == "rate" else series.values
 
 
 def read(path: str | Path) -> xr.Dataset:

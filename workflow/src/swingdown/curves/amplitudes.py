@@ -6,6 +6,7 @@ import numpy as np
 import xarray as xr
 
 from ..arrays import Floats
+from ..calmed import calmed
 from ..dataset import series_of
 from ..errors import InputError
 from ..fitting.guess import first_guess, middle_crossings
@@ -71,7 +72,9 @@ def half_swings_of(data: xr.Dataset, restoring: str = "sine") -> HalfSwings:
     return of_samples(name, times, values, scaled)
 
 
-def of_samples(name: str, times: Floats, angle: Floats, scaled: bool = True) -> HalfSwings:
+def of_samples(
+    name: str, times: Floats, angle: Floats, scaled: bool = True, quiet: Floats | None = None
+) -> HalfSwings:
     """The half-swings of a sampled swing.
 
     Parameters
@@ -82,15 +85,18 @@ def of_samples(name: str, times: Floats, angle: Floats, scaled: bool = True) -> 
         In s and rad, both of shape (sample,).
     scaled
         Whether the angle's scale is known.
+    quiet
+        The same swing without its noise, by which its passages and sides are told; None where it has little.
 
     Raises
     ------
     InputError
         If there are fewer than four half-swings, or too few samples in each.
     """
-    rough = _passages(times, angle)
-    centre = _centre(times, angle, rough) if rough.size >= 4 else 0.0
-    rough = _passages(times, angle - centre) if rough.size >= 4 else rough
+    quiet = angle if quiet is None else quiet
+    rough = _passages(times, quiet)
+    centre = _centre(times, quiet, rough) if rough.size >= 4 else 0.0
+    rough = _passages(times, quiet - centre) if rough.size >= 4 else rough
     if rough.size < 4:
         raise InputError(
             f"recording {name}",
@@ -117,7 +123,7 @@ def of_samples(name: str, times: Floats, angle: Floats, scaled: bool = True) -> 
     number = np.concatenate([[0], np.cumsum(_steps(half))])
     place, size, u_size = turns.vertex(noise)
     at, u_at, slope = passes.root(noise)
-    ordered = np.sign(np.interp((rough[1:] + rough[:-1]) / 2, times, angle) - centre)
+    ordered = np.sign(np.interp((rough[1:] + rough[:-1]) / 2, times, quiet) - centre)
     single = np.diff(number) == 1
     loud = (
         np.isfinite(size)
@@ -142,7 +148,7 @@ def of_samples(name: str, times: Floats, angle: Floats, scaled: bool = True) -> 
 def _of_rate(name: str, times: Floats, rate: Floats, restoring: str, scaled: bool) -> HalfSwings:
     """The ``HalfSwings`` of angular rates: each half-swing's angle follows from its largest rate by the energy, its ends are where the rate
     is zero."""
-    found = of_samples(name, times, rate, scaled)
+    found = of_samples(name, times, rate, scaled, calmed(times, rate, ends_quiet=False))
     frequency = first_guess(times, rate, restoring, RATE).natural_frequency
     share = np.abs(found.angle) / frequency
     if restoring == "sine":

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from ..arrays import Floats
+from ..calmed import calmed
 from ..errors import InputError
 from ..pendulum.catalogue import ANGLE, RATE
 from ..pendulum.formula import evaluate
@@ -162,6 +163,7 @@ def _guess_from_rate(times: Floats, rate: Floats, restoring: str) -> Guess:
 
     A gyroscope's zero is taken from the mean over whole periods, at whose ends the pendulum is where it was.
     """
+    rate = calmed(times, rate, ends_quiet=False)
     crossings, speeds = middle_crossings(times, rate - np.mean(rate))
     if crossings.size >= 3:
         last = crossings[crossings.size - (1 if crossings.size % 2 else 2)]

@@ -5,12 +5,12 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from ..arrays import Floats
+from ..calmed import calmed
 from ..errors import InputError
 from .apparent_scale import RELATIVE, apparent_scale
 from .gyroscope import TO_RAD_PER_S, check_rate
 from .plausibility import check_shrinks, drift, hanging
 from .swings.beats import check_one_motion
-from .swings.calmed import calmed
 from .swings.continuity import check_alive, check_continuous
 from .swings.even import evenly
 from .swings.gaps import check_countable, uncounted

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from ..dataset import series_of
+from ..dataset import quiet_of, series_of
 from .angle import UNSCALED
 from .apparent_scale import apparent_scale
 from .driven import drive_of
@@ -43,14 +43,14 @@ def readings(angle: xr.Dataset, in_rad: bool = False) -> Iterator[xr.Dataset]:
     if not may_be_read_once_more(angle):
         return
     used, told = angle, ""
-    if part := free_part(angle["time"].values, series_of(angle).values):
+    if part := free_part(angle["time"].values, quiet_of(angle)):
         first, last = (round(at, 6) for at in part)
         times = angle["time"].values
         told = f"USED FROM {first:.3f} TO {last:.3f} s ALONE: beside that its swings are out of step or grow"
         used = angle.isel(time=(times >= first) & (times <= last))
         used = used.assign_attrs({OPEN: "no", TOLD: told, "again_start_s": first, "again_stop_s": last})
     # what a motor drives does not die: its period would be told
-    if not in_step_and_dying(used["time"].values, series_of(used).values):
+    if not in_step_and_dying(used["time"].values, quiet_of(used)):
         return
     if used is not angle:
         yield used

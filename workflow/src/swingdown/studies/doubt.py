@@ -9,7 +9,7 @@ import pandas as pd
 import xarray as xr
 
 from ..arrays import Swing
-from ..dataset import series_of
+from ..dataset import quiet_of, series_of
 from ..errors import InputError
 from ..measurement.driven import drive_of
 from ..measurement.plausibility import (
@@ -300,7 +300,7 @@ def check_free(fits: xr.Dataset, given: xr.Dataset, label: str, catalogue: Catal
             "a pendulum that swings by itself, or the drive that was measured",
             "name the column of the drive ⟨in input_column⟩, or leave out what it drives (⟨start_s⟩ and ⟨stop_s⟩)",
         )
-    late = 0.0 if "half_swings" in given else late_stamps(given["time"].values, series_of(given).values)
+    late = 0.0 if "half_swings" in given else late_stamps(given["time"].values, quiet_of(given))
     if late and not left <= LEFT:
         raise NotFree(
             f"recording {name}",
@@ -322,7 +322,7 @@ def check_free(fits: xr.Dataset, given: xr.Dataset, label: str, catalogue: Catal
         size: [float(own[key].sel(parameter=size)) for key in ("value", "standard_error")] for size in sizes
     }
     if left > MUCH:
-        if "half_swings" not in given and in_step_and_steady(given["time"].values, series_of(given).values):
+        if "half_swings" not in given and in_step_and_steady(given["time"].values, quiet_of(given)):
             warnings.warn(doubt(left, name), DoubtfulFit, stacklevel=2)
             return  # even swings of one size tell their period, and no loss or gain is one of this model
         _check_dies(given, left, losses.values())
@@ -365,7 +365,7 @@ def ask_counted(table: pd.DataFrame, angles: Sequence[xr.Dataset]) -> dict[str, 
                 f"swings that give the period to {100 * UNSURE:.0f} %",
                 mend_of(one, "; record longer; or name the column of the swing ⟨in signal_column⟩"),
             )
-        passed = of_first_swings(one["time"].values, series_of(one).values)
+        passed = of_first_swings(one["time"].values, quiet_of(one))
         counted, spread = passed["period_first"], passed["period_first_u"]
         if np.isfinite(rows.iloc[0].get("share_left", np.nan)) and not np.isfinite(counted):
             raise NotFree(
@@ -381,7 +381,7 @@ def ask_counted(table: pd.DataFrame, angles: Sequence[xr.Dataset]) -> dict[str, 
                 "a swing whose model and passages agree",
                 mend_of(one),
             )
-        last, unsure = of_last_swings(one["time"].values, series_of(one).values)
+        last, unsure = of_last_swings(one["time"].values, quiet_of(one))
         known = np.isfinite(rows.iloc[0].get("last_period_s", np.nan))
         if abs(last - told) > max(SURE * unsure, SHOWN * told) and not known:
             ends = value_with_uncertainty(told, u), value_with_uncertainty(last, unsure)
@@ -391,7 +391,7 @@ def ask_counted(table: pd.DataFrame, angles: Sequence[xr.Dataset]) -> dict[str, 
 
 def _where(given: xr.Dataset) -> str:
     """From when to when the most swings could be a pendulum's, as words that follow a refusal; empty where there is none."""
-    part = None if "half_swings" in given else free_part(given["time"].values, series_of(given).values)
+    part = None if "half_swings" in given else free_part(given["time"].values, quiet_of(given))
     if part:
         return f"; from {part[0]:.3f} to {part[1]:.3f} s alone its swings are in step and do not grow"
     return ""
@@ -401,7 +401,7 @@ def _check_even(given: xr.Dataset) -> None:
     """NotFree where no period is seen: the passages through the middle that a model follows badly are at uneven distances."""
     if "half_swings" in given:
         return
-    first, error, _ = of_first_swings(given["time"].values, series_of(given).values).values()
+    first, error, _ = of_first_swings(given["time"].values, quiet_of(given)).values()
     if error > UNEVEN * first:
         raise NotFree(
             f"recording {given.attrs['recording']}",
@@ -414,7 +414,7 @@ def _check_even(given: xr.Dataset) -> None:
 def _check_dies(given: xr.Dataset, left: float, losses: Iterable[Sequence[float]]) -> None:
     """NotFree where a swing keeps its size, and the model that leaves so large a share (``left``) of it has no loss that is seen."""
     seen = [abs(value) > SURE * error for value, error in losses if np.isfinite(error)]
-    times, values = given["time"].values, series_of(given).values
+    times, values = given["time"].values, quiet_of(given)
     if any(seen) or not seen or not narrowing(values) >= KEPT or in_step_and_dying(times, values):
         return
     raise Moved(

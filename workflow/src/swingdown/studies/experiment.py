@@ -90,19 +90,19 @@ def fit_recording(angle: xr.Dataset, fitted: Sequence[Model | str], start: str =
 
     rows = rows_of(fits, row_of)
     variables = over_fits(rows)
-    bound = known_part(angle, "bound")
+    bound, seen = known_part(angle, "bound"), dataset.quiet_of(angle)
     variables["error_bound_norm"] = ((), np.nan if bound is None else np.degrees(np.sqrt(np.mean(bound**2))))
     variables |= {"samples": ((), times.size), "record_s": ((), float(times[-1] - times[0]))}
-    variables["narrowing"] = ((), narrowing(series) if drive is None else np.nan)
+    variables["narrowing"] = ((), narrowing(seen) if drive is None else np.nan)
     badly = [one["share_left"] > MUCH for one in rows]
     if drive is not None:
         paces = {}
     elif without_scale(angle) and not all(badly):
-        paces = pace_of(angle, times, series)
+        paces = pace_of(angle, times, seen)
     else:
-        paces = of_first_swings(times, series)
+        paces = of_first_swings(times, seen)
     if any(badly) and paces:
-        paces |= {"steady": float(in_step_and_steady(times, series))}
+        paces |= {"steady": float(in_step_and_steady(times, seen))}
     variables |= {key: (("fitted",), [value] * len(fits)) for key, value in paces.items()}
     variables |= prior_of(slack)
     coords |= slack_of(any_of(fits)) | coords_of(angle, names)

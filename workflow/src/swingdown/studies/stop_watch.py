@@ -7,6 +7,7 @@ import numpy as np
 import pandas as pd
 
 from ..arrays import Floats, Shown, finite_or_none
+from ..calmed import calmed
 from ..measurement.swings.half_swings import half_swings, passages
 from .unscaled import HIDES, counted_passages, course_seen, of_first_swings
 
@@ -115,6 +116,8 @@ def by_stop_watch(shown: Sequence[Shown], table: pd.DataFrame) -> list[dict[str,
         times, series, fit = (
             np.concatenate([getattr(one, key) for one in parts]) for key in ("times", "angle", "fit")
         )
+        if parts[0].unit == "rad/s":
+            series = calmed(times, series, ends_quiet=False)
         found = timed(times, series, None if course_seen(row) else fit)
         if found:
             scaled = parts[0].unit == "rad" and np.isfinite(row["amplitude_rad"])
