@@ -32,6 +32,12 @@ from swingdown.measurement.files.columns import meaning
         ("gyro_deg_per_sec", "an angular rate", "deg/s"),
         ("v_m_s", "a speed", ""),
         ("t, s", "a time", "s"),
+        # what an angle makes in a second is no time
+        ("angle/second", "an angular rate", ""),
+        ("theta/s", "an angular rate", ""),
+        ("Winkel pro Sekunde", "an angular rate", ""),
+        ("angle (second)", "an angle", ""),
+        ("time of angle (s)", "a time", "s"),
         ("SampleTimeFine", "a time", ""),
         ("begTime=-406.21", "", ""),
         ("Euler_X", "an angle", ""),

@@ -131,3 +131,12 @@ def test_a_short_swing_is_not_left_out_for_a_column_that_swings_more_often(tmp_p
     rows = each("{t:.4f};{1:.5f};{v:.4f}", short)
     found = taken(tmp_path, f"Tiempo;Canal A;Canal B\n{rows}", scale="relative")
     assert "took `Canal A`" in found.attrs["taken"] and "noise" not in found.attrs["remarks"]
+
+
+def test_a_swing_that_dies_into_its_noise_is_not_left_out_as_noise(tmp_path):
+    """It passes its middle often and never in step, as noise does: most of it is noise."""
+    since = TIMES - TIMES[0]
+    dies = np.exp(-since / 2) * np.cos(2 * np.pi * since / 1.3) + 0.12 * np.random.default_rng(4).standard_normal(TIMES.size)  # fmt: skip
+    rows = each("{t:.4f};{1:.5f};{v:.4f}", dies)
+    found = taken(tmp_path, f"Tiempo;Canal A;Canal B\n{rows}", scale="relative")
+    assert "took `Canal A`" in found.attrs["taken"] and "noise" not in found.attrs["remarks"]

@@ -33,8 +33,10 @@ from .swings.half_swings import half_swings
 
 SHORTEST = 10  # samples; fewer tell nothing about a swing
 LOOKED_FOR_NOISE = 20_000  # rows of which each column is looked at before it is called noise
-# times the half-swings that tell a swing: what passes its middle so often and never in step is noise
-OFTEN = 3
+FORGETS = (
+    1 / 8
+)  # of the period of what swings beside it: so much later noise knows nothing of itself, a pendulum nearly all
+SURELY = 3.0  # standard errors of a correlation
 LOOKED_AT = 200_000  # rows of which each column is looked at before the swing is chosen
 
 
@@ -146,7 +148,7 @@ def without_still(table: Table, row: Mapping[str, Any]) -> tuple[Table, list[str
 
 
 def _noise(table: Table, row: Mapping[str, Any], values: Mapping[str, Floats]) -> list[str]:
-    """Those of several columns that the header tells alike, as the channels of an oscilloscope, which pass their middle often and never in step,
+    """Those of several columns that the header tells alike, as the channels of an oscilloscope, which forget themselves,
     where a single other one swings and one of them would be taken for the swing."""
     if "no header" in table.layout or row["signal_column"] or len(values) < 3:  # a time and two more
         return []
@@ -161,15 +163,23 @@ def _noise(table: Table, row: Mapping[str, Any], values: Mapping[str, Floats]) -
     alike = [one.name for one in known if one.kind == first.kind and not one.axis]
     looked = {name: values[name][:LOOKED_FOR_NOISE] for name in alike}
     times = {name: np.arange(one.size, dtype=float) for name, one in looked.items()}
-    noisy = [
-        name
-        for name, one in looked.items()
-        if np.isfinite(one).sum() >= SHORTEST
-        and in_a_row(times[name][np.isfinite(one)], one[np.isfinite(one)]) < ENOUGH
-        and len(half_swings(one[np.isfinite(one)]).starts) > OFTEN * ENOUGH
-    ]
     swinging = _swinging(times, {name: one for name, one in looked.items() if not goes_on(one)})
-    return noisy if first.name in noisy and len(swinging) == 1 else []
+    if len(swinging) != 1:
+        return []
+    lag = max(1, round(FORGETS * half_swings(looked[swinging[0]]).period(times[swinging[0]])))
+    noisy = [name for name, one in looked.items() if name not in swinging and _forgets(one, lag)]
+    return noisy if first.name in noisy else []
+
+
+def _forgets(signal: Floats, lag: int) -> bool:
+    """True for a column whose values say nothing of those ``lag`` samples later, nor half as many; what is not there is its mean."""
+    known = np.isfinite(signal)
+    if known.sum() < SHORTEST * lag:
+        return False
+    about = np.where(known, signal - signal[known].mean(), 0.0)
+    error = float(np.sqrt(lag / known.sum()))  # noise that lasts as long has so many values of its own
+    most = max(abs(float(about[k:] @ about[:-k])) for k in (lag, max(1, lag // 2)))
+    return most < SURELY * error * float(about @ about)
 
 
 def with_running_time(table: Table, row: Mapping[str, Any]) -> tuple[Table, Mapping[str, Any], list[str]]:

@@ -75,6 +75,7 @@ _ACCELERATES = re.compile(
     r"(?i)α|\b(acceleration|accelerations|accelerometer|accel|acc|beschleunigung|accélération|aceleración|aceleracion|aceleração|accelerazione)[ .]?[xyz]?\b"
     r"|\b(a|g ?f)[ .]?[xyzt]\b"
 )
+_TURNS = re.compile(r"(?i)\b(velocity|rate|gyro\w*|omega|w[xyz])\b|ω")
 _FIELD = re.compile(r"(?i)\b(compass|magnetometer|mag)\b")  # its x and y are no positions
 _HUMP = re.compile("(?<=[a-z])(?=[A-Z][a-z])")  # of `SampleTime`
 _POINT = re.compile(r"(?i)([xy])[ _]?(\d)")
@@ -130,12 +131,10 @@ def meaning(name: str, beside: str = "") -> Meaning:
     if kind == ANGLE and _TEMPERATURE.search(label.replace("_", " ")):
         kind, unit = OTHER, ""
     words = (label if "=" in label else _HUMP.sub(" ", label)).replace("_", " ")  # a setting is no name
+    if kind == TIME and _named(words) == ANGLE:  # what an angle makes in a second is no time: `angle/s`
+        kind, unit, written = RATE if "/" in bare else ANGLE, "", ""
     if kind == UNTOLD:
-        kind = TIME if _TIMES.search(words) else ANGLE if _ANGLES.search(words) else UNTOLD
-        if _ACCELERATES.search(words) or _FIELD.search(words):
-            kind = OTHER
-        elif re.search(r"(?i)\b(velocity|rate|gyro\w*|omega|w[xyz])\b|ω", words):
-            kind = RATE
+        kind = _named(words)
     if kind == UNTOLD and _QUATERNION.fullmatch(label):
         kind, written = OTHER, "part of a quaternion"
     written = "m" if written.lower() in _METRES else written
@@ -143,11 +142,23 @@ def meaning(name: str, beside: str = "") -> Meaning:
     return Meaning(name, kind, unit, written, coordinate[1].lower() if coordinate else "", known)
 
 
+def _named(words: str) -> str:
+    """What the words of a header say that a column holds, without its unit; UNTOLD where they do not."""
+    if _ACCELERATES.search(words) or _FIELD.search(words):
+        return OTHER
+    if _TURNS.search(words):
+        return RATE
+    return TIME if _TIMES.search(words) else ANGLE if _ANGLES.search(words) else UNTOLD
+
+
 def _in_symbols(words: re.Match[str]) -> str:
     """A unit in words by its symbols, ``deg/s``; the words as they stand where these are no angle or length, or no second."""
     kind, unit = (ANGLE, "deg") if words[1].lower() == "grad" else UNITS.get(words[1].lower(), (UNTOLD, ""))
     unit = "m" if words[1].lower() in _METRES else unit or words[1]
-    if kind not in (ANGLE, LENGTH) or UNITS.get(words[2].lower()) != (TIME, "s"):
+    a_second = UNITS.get(words[2].lower()) == (TIME, "s")
+    if a_second and not words[3] and _named(words[1]) == ANGLE:  # a rate in no unit
+        return f"{words[1]} rate"
+    if kind not in (ANGLE, LENGTH) or not a_second:
         return words[0]
     return f"{unit}/s{'^2' if words[3] else ''}"
 
