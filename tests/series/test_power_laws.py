@@ -126,14 +126,14 @@ def test_lengths_that_are_all_off_by_one_amount_hold_theorys_exponent():
         found = gravity_of_lengths(lengths, periods, 1e-6, 1e-3 * periods)
         away.append(
             [
-                abs(found.exponent - 0.5) / found.u_exponent,
+                abs(found.shifted.exponent - 0.5) / found.shifted.u_exponent,
                 power_law(lengths, periods, 1e-6, 1e-3 * periods, 0.5).away,
             ]
         )
     beside, alone = np.mean(np.array(away) <= 2, axis=0)
     assert 0.9 <= beside <= 0.98 and alone < 0.7
     three = gravity_of_lengths([0.2, 0.4, 0.8], [0.9, 1.27, 1.8], 1e-3, 1e-3)
-    assert np.isnan(three.exponent) and three.to_dict()["exponent_of_lengths_so_off"] is None
+    assert np.isnan(three.shifted.exponent) and three.to_dict()["exponent_of_lengths_so_off"] is None
 
 
 def test_above_an_offset_an_error_along_the_line_counts_by_its_slope():

@@ -8,6 +8,7 @@ import pytest
 
 from swingdown.errors import InputError
 from swingdown.measurement.stated import Stated
+from swingdown.rounding import value_with_uncertainty
 from swingdown.series.groups import compare
 from swingdown.series.table import as_laws, as_table, series_of
 
@@ -63,12 +64,22 @@ def test_lengths_that_are_all_short_are_no_disagreement_with_theory(exponent, sh
     )
     table = pendulums(natural_frequency_rad_per_s=2 * pi / periods)
     period = series_of(table, varied("length", LENGTHS, uncertainty=1e-4))[0]
-    assert period.shared_error == period.to_dict()["theory_with_shared_error_of_lengths"] == shared
-    assert ("does not agree without an error that all lengths share" in period.sentence) == shared
-    assert (
-        "; with one the power is 0.4" in period.sentence or "; with one the power is 0.5" in period.sentence
-    ) == shared
-    assert ("which agrees" in period.sentence) == (exponent == 0.5 and not short)
+    found = period.to_dict()
+    assert period.shared_error == found["theory_with_shared_error_of_lengths"] == shared
+    told, alone = period.sentence.split("; without one the power is ")
+    assert told.startswith(f"T goes as the power {value_with_uncertainty(found['exponent'], found['u_exponent'])} of length, beside an error that all lengths share")  # fmt: skip
+    assert ("which agrees" in told) == (exponent == 0.5) and abs(found["exponent"] - exponent) < 3 * found[
+        "u_exponent"
+    ]
+    assert alone.startswith(value_with_uncertainty(found["exponent_of_exact_lengths"], found["u_exponent_of_exact_lengths"]))  # fmt: skip
+    assert found["exponent_of_exact_lengths"] == found["power_law"]["exponent"]
+    assert (abs(found["exponent_of_exact_lengths"] - exponent) <= 2 * found["u_exponent_of_exact_lengths"]) == (not short)  # fmt: skip
+
+
+def test_three_lengths_tell_no_error_that_they_share():
+    few = pendulums(LENGTHS[:3])
+    period = series_of(few, varied("length", LENGTHS[:3]))[0]
+    assert period.told is period.law and "share" not in period.sentence
 
 
 def test_what_is_drawn_depends_on_what_was_varied():

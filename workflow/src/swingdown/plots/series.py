@@ -27,18 +27,19 @@ def over_what_was_varied(series: Sequence[Any], emulated: str = "no") -> Figure:
         figure,
         "bars: ± 2 standard uncertainties",
         "in brackets those of the exponents, widened to the scatter of the points" if widened else "",
+        "all lengths may be off by one amount" if any(one.told is not one.law for one in series) else "",
         "T of small swings" if any(one.quantity == "period" for one in series) else "",
         style.emulated_note({"emulated": emulated}),
     )
 
 
 def _panel(upper: Axes, lower: Axes, one: Any) -> None:
-    points, law = one.table, one.law
+    points, law, theory = one.table, one.told, one.law.theory
     reach = points["x"].max() - points["x"].min()
     at = np.linspace(max(points["x"].min() - 0.04 * reach, 0.0), points["x"].max() + 0.04 * reach, 300)
-    at = at if np.isfinite(law.u_offset) or law.exponent > 0 else at[at > 0.5 * points["x"].min()]
-    if np.isfinite(law.theory):
-        upper.plot(at, law.by_theory(at), "--", color=THEORY, label="the law that theory says")
+    at = at if np.isfinite(one.law.u_offset) or law.exponent > 0 else at[at > 0.5 * points["x"].min()]
+    if np.isfinite(theory):
+        upper.plot(at, one.by_theory(at), "--", color=THEORY, label="the law that theory says")
     upper.plot(at, law(at), color=LAW, label="power law through the points")
     bars: dict[str, Any] = {"fmt": "o", "color": DATA, "ms": 4, "elinewidth": 1.0, "zorder": 3}
     across = 2 * points["u_x"] if (points["u_x"] > 0).any() else None
@@ -50,9 +51,9 @@ def _panel(upper: Axes, lower: Axes, one: Any) -> None:
     lower.errorbar(points["x"], left, spread, **bars)
     lower.axhline(0, color=LAW, lw=1.0)
     in_view = [left + spread, left - spread]
-    if np.isfinite(law.theory):
-        lower.plot(at, 100 * (law.by_theory(at) - law(at)) / law(at), "--", color=THEORY)
-        in_view.append(100 * (law.by_theory(points["x"]) - here) / here)
+    if np.isfinite(theory):
+        lower.plot(at, 100 * (one.by_theory(at) - law(at)) / law(at), "--", color=THEORY)
+        in_view.append(100 * (one.by_theory(points["x"]) - here) / here)
     style.symmetric(lower, np.concatenate(in_view))
     unit = f" ({one.unit.replace('^2', '²')})" if one.unit else ""
     lower.set_xlabel(f"{one.by.replace('_', ' ')}{unit}")
@@ -62,9 +63,9 @@ def _panel(upper: Axes, lower: Axes, one: Any) -> None:
         axes.grid(True, axis="y")
         axes.margins(x=0.04)
         axes.ticklabel_format(axis="y", useOffset=False)
-    theory = f"\ntheory {style.signed(f'{law.theory:g}')}" if np.isfinite(law.theory) else "\n"
+    below = f"\ntheory {style.signed(f'{theory:g}')}" if np.isfinite(theory) else "\n"
     exponent = style.signed(value_with_uncertainty(law.exponent, law.u_exponent))
-    upper.set_title(f"exponent {exponent}{theory}", fontsize=9)
+    upper.set_title(f"exponent {exponent}{below}", fontsize=9)
 
 
 @style.styled

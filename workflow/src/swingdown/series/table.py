@@ -7,11 +7,12 @@ from typing import Any, NamedTuple
 import numpy as np
 import pandas as pd
 
+from ..arrays import Floats
 from ..errors import InputError
 from ..measurement.stated import Stated
 from ..measurement.straight_line import FEWEST
 from ..rounding import value_with_uncertainty
-from ..studies.power_laws import LengthsAndPeriods, PowerLaw, gravity_of_lengths, power_law
+from ..studies.power_laws import LengthsAndPeriods, PowerLaw, ShiftedLaw, gravity_of_lengths, power_law
 from .groups import Comparison, compare
 from .values import from_rows
 
@@ -80,29 +81,53 @@ class Series:
             held = "".join(f", at equal {one}" for one in self.at_equal)
             all_told = [self.comparison.sentence, *(f"the recordings differ in {one}" for one in self.mixed)]
             return f"{kind.words} by {self.by}{held}: {'; '.join(all_told)}"
-        assert self.law
-        law = self.law
+        assert self.law and self.told
+        law, told = self.law, self.told
         less = ""
         if np.isfinite(law.u_offset):
             less = f" less {value_with_uncertainty(law.offset, law.u_offset)} {kind.unit}"
-        power = value_with_uncertainty(law.exponent, law.u_exponent)
-        told = f"{kind.symbol}{less} goes as the power {power} of {self.by}"
+        beside = "" if told is law else ", beside an error that all lengths share"
+        power = value_with_uncertainty(told.exponent, told.u_exponent)
+        parts = [f"{kind.symbol}{less} goes as the power {power} of {self.by}{beside}"]
         if np.isfinite(law.theory):
-            verdict = "which agrees" if law.away <= _AGREES else "which does not agree"
-            if self.shared_error:
-                verdict = "which does not agree without an error that all lengths share"
-            told += f"; theory says {law.theory:g}, {verdict} ({law.away:.1f} standard uncertainties away)"
-            if self.gravity and self.shared_error:
-                told += f"; with one the power is {value_with_uncertainty(self.gravity.exponent, self.gravity.u_exponent)}"
-        parts = [told, law.scatter.sentence, self.gravity.sentence if self.gravity else "", self._unstated()]
+            verdict = "which agrees" if self.away <= _AGREES else "which does not agree"
+            parts.append(
+                f"theory says {law.theory:g}, {verdict} ({self.away:.1f} standard uncertainties away)"
+            )
+        if told is not law:
+            parts.append(f"without one the power is {value_with_uncertainty(law.exponent, law.u_exponent)}")
+        parts += [law.scatter.sentence, self.gravity.sentence if self.gravity else "", self._unstated()]
         return "; ".join(one for one in parts if one)
+
+    @property
+    def told(self) -> PowerLaw | ShiftedLaw | None:
+        """The law whose exponent is told: of periods over four lengths or more that beside an error which all lengths share.
+
+        All are measured from one pivot to one place of the bob, and how far that is off no scatter shows.
+        """
+        shifted = self.gravity.shifted if self.gravity else None
+        return shifted if shifted and np.isfinite(shifted.u_exponent) else self.law
+
+    def by_theory(self, x: Floats) -> Floats:
+        """What theory says at x, through the same points, with the same error that all lengths share."""
+        assert self.law
+        return (
+            self.law.by_theory(x) if self.told is self.law or not self.gravity else self.gravity.by_theory(x)
+        )
+
+    @property
+    def away(self) -> float:
+        """The distance of the exponent that is told from theory's, in standard uncertainties; NaN without a theory."""
+        if not (self.law and self.told):
+            return float("nan")
+        return abs(self.told.exponent - self.law.theory) / self.told.u_exponent
 
     @property
     def shared_error(self) -> bool:
         """Whether theory's exponent agrees where all lengths may be off by one amount, and else does not."""
         if not (self.law and self.gravity and self.law.away > _AGREES and self.gravity.off):
             return False
-        return abs(self.gravity.exponent - self.law.theory) <= _AGREES * self.gravity.u_exponent
+        return self.told is not self.law and self.away <= _AGREES
 
     def _unstated(self) -> str:
         return f"the uncertainty of {self.by} was not given" if not (self.table["u_x"] > 0).any() else ""
@@ -111,6 +136,7 @@ class Series:
         """A dict of plain numbers and texts."""
         return {
             "by": self.by, "unit": self.unit, "quantity": self.quantity, "sentence": self.sentence,
+            **_exponents(self),
             "power_law": self.law.to_dict() if self.law else None,
             "gravity": self.gravity.to_dict() if self.gravity else None,
             "comparison": self.comparison.to_dict() if self.comparison else None,
@@ -207,10 +233,11 @@ def _against(measured: pd.DataFrame, values: Mapping[str, Stated], column: str) 
             continue
         points = own["x"], own["y"], own["u_x"], own["u_y"]
         law = power_law(*points, THEORY.get((column, quantity), np.nan))
-        own["residual"] = law.residuals
-        own["by_theory"] = law.by_theory(own["x"]) if np.isfinite(law.theory) else np.nan
         gravity = gravity_of_lengths(*points) if (column, quantity) == ("length", PERIOD) else None
-        found.append(Series(column, units.copy().pop(), quantity, own, law, gravity))
+        made = Series(column, units.copy().pop(), quantity, own, law, gravity)
+        own["residual"] = own["y"] - made.told(own["x"]) if made.told else np.nan
+        own["by_theory"] = made.by_theory(own["x"]) if np.isfinite(law.theory) else np.nan
+        found.append(made)
     return found
 
 
@@ -299,7 +326,15 @@ def as_table(found: Sequence[Series]) -> pd.DataFrame:
     return pd.concat(parts, ignore_index=True)
 
 
-_LAWS = ("exponent", "u_exponent", "theory", "chi2", "dof", "p", "birge_ratio", "widened_by")
+_EXPONENTS = ("exponent", "u_exponent", "exponent_of_exact_lengths", "u_exponent_of_exact_lengths")
+_LAWS = ("theory", "chi2", "dof", "p", "birge_ratio", "widened_by")
+
+
+def _exponents(one: Series) -> dict[str, float | None]:
+    """The exponent that is told with its uncertainty, and where it allows for an error that all lengths share, that of exact lengths."""
+    known = [one.told, one.law if one.told is not one.law else None]
+    cells = [value for law in known for value in ((law.exponent, law.u_exponent) if law else (None, None))]
+    return dict(zip(_EXPONENTS, cells, strict=True))
 
 
 def as_laws(found: Sequence[Series]) -> pd.DataFrame:
@@ -318,13 +353,14 @@ def as_laws(found: Sequence[Series]) -> pd.DataFrame:
     rows = []
     for one in found:
         row: dict[str, Any] = {"by": one.by, "quantity": one.quantity}
+        row |= _exponents(one)
         row |= {name: one.law.to_dict()[name] for name in _LAWS} if one.law else {}
         row |= one.gravity.to_dict() if one.gravity else {}
         if one.comparison:
             row |= {name: getattr(one.comparison, name) for name in ("chi2", "dof", "p")}
         rows.append(row | {"sentence": one.sentence})
     ends = ["g_m_per_s2", "u_g_m_per_s2", "lengths_too_short_by_m", "u_lengths_too_short_by_m", "sentence"]
-    return pd.DataFrame(rows, columns=["by", "quantity", *_LAWS, *ends])
+    return pd.DataFrame(rows, columns=["by", "quantity", *_EXPONENTS, *_LAWS, *ends])
 
 
 def of_sheet(table: pd.DataFrame, stated: Mapping[str, Mapping[str, Any]]) -> list[Series]:

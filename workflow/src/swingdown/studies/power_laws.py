@@ -1,7 +1,7 @@
 """How a quantity goes with another: power laws with errors in both, and g from periods over lengths."""
 
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -239,6 +239,27 @@ def _with_offset(x: Floats, y: Floats, u_x: Floats, u_y: Floats, theory: float, 
     return replace(law, residuals=y - law(x))
 
 
+class ShiftedLaw(NamedTuple):
+    """A power law of values that may all be off by one amount, y = factor ((x + short) / at)^exponent.
+
+    Attributes
+    ----------
+    exponent, u_exponent
+        With the standard uncertainty, widened where the points scatter; NaN for fewer than four points.
+    factor, at, short
+        The law's others, as the points say them.
+    """
+
+    exponent: float = float("nan")
+    u_exponent: float = float("nan")
+    factor: float = float("nan")
+    at: float = float("nan")
+    short: float = float("nan")
+
+    def __call__(self, x: ArrayLike) -> Floats:
+        return self.factor * (np.maximum(np.asarray(x, float) + self.short, 0.0) / self.at) ** self.exponent
+
+
 @dataclass(frozen=True)
 class LengthsAndPeriods:
     """g from lengths and periods.
@@ -249,8 +270,8 @@ class LengthsAndPeriods:
         In m/s², with its standard uncertainty.
     short, u_short
         By how much all lengths are too short, in m.
-    exponent, u_exponent
-        The power by which T goes with lengths that are all off by one amount, whatever that is; NaN for fewer than four points.
+    shifted
+        The power law by which T goes with lengths that are all off by one amount, whatever that is.
     line
         The line of T² over the length.
     scatter
@@ -261,10 +282,13 @@ class LengthsAndPeriods:
     u_g: float
     short: float
     u_short: float
-    exponent: float
-    u_exponent: float
+    shifted: ShiftedLaw
     line: Line = field(repr=False)
     scatter: Scatter = field(repr=False)
+
+    def by_theory(self, x: ArrayLike) -> Floats:
+        """The periods of these lengths, with what they are short of, at this g."""
+        return np.sqrt(np.maximum(self.line.intercept + self.line.slope * np.asarray(x, float), 0.0))
 
     @property
     def off(self) -> bool:
@@ -286,7 +310,7 @@ class LengthsAndPeriods:
 
     def to_dict(self) -> dict[str, Any]:
         """A dict of plain numbers."""
-        return {"g_m_per_s2": self.g, "u_g_m_per_s2": self.u_g, "lengths_too_short_by_m": self.short, "u_lengths_too_short_by_m": self.u_short, "exponent_of_lengths_so_off": _known(self.exponent), "u_exponent_of_lengths_so_off": _known(self.u_exponent), "birge_ratio": self.scatter.birge}  # fmt: skip
+        return {"g_m_per_s2": self.g, "u_g_m_per_s2": self.u_g, "lengths_too_short_by_m": self.short, "u_lengths_too_short_by_m": self.u_short, "exponent_of_lengths_so_off": _known(self.shifted.exponent), "u_exponent_of_lengths_so_off": _known(self.shifted.u_exponent), "birge_ratio": self.scatter.birge}  # fmt: skip
 
 
 def gravity_of_lengths(
@@ -315,20 +339,20 @@ def gravity_of_lengths(
     slope, short = line.slope, line.intercept / line.slope
     slopes = np.array([1 / slope, -short / slope])
     g = 4 * np.pi**2 / slope
-    exponent = _exponent_beside(lengths, periods, u_x, np.asarray(u_periods, dtype=float), short)
+    shifted = _shifted(lengths, periods, u_x, np.asarray(u_periods, dtype=float), short)
     return LengthsAndPeriods(
-        g, float(g / slope * np.sqrt(covariance[1, 1])), short, float(np.sqrt(slopes @ covariance @ slopes)), *exponent, line, scatter
+        g, float(g / slope * np.sqrt(covariance[1, 1])), short, float(np.sqrt(slopes @ covariance @ slopes)), shifted, line, scatter
     )  # fmt: skip
 
 
-def _exponent_beside(x: Floats, y: Floats, u_x: Floats, u_y: Floats, short: float) -> tuple[float, float]:
-    """The exponent of y = factor (x + short)^exponent, all three free, with its standard uncertainty; NaN for fewer than four points.
+def _shifted(x: Floats, y: Floats, u_x: Floats, u_y: Floats, short: float) -> ShiftedLaw:
+    """The ``ShiftedLaw`` through points, all its values free; NaN for fewer than four.
 
     Points that scatter farther than they state get a further error, as in ``settled``.
     """
     dof = x.size - 3
     if dof < 1:
-        return float("nan"), float("nan")
+        return ShiftedLaw()
     at, log_y = float(np.mean(x)), np.log(y)
     least = np.array([-np.inf, -np.inf, 1e-3 * x.min() - x.min()])
     start = np.array([float(np.mean(log_y)), 0.5, max(short, least[2] / 2)])
@@ -344,16 +368,20 @@ def _exponent_beside(x: Floats, y: Floats, u_x: Floats, u_y: Floats, short: floa
     def uncertainty(found: Any) -> float:
         return float(np.sqrt(np.linalg.pinv(found.jac.T @ found.jac)[1, 1]))
 
+    def law(found: Any, u: float) -> ShiftedLaw:
+        log_factor, exponent, off = map(float, found.x)
+        return ShiftedLaw(exponent, u, float(np.exp(log_factor)), at, off)
+
     found = fit(0.0)
     scatter = Scatter(float(2 * found.cost), dof)
     alike = uncertainty(found) * scatter.widening
     if not scatter.widening > 1:
-        return float(found.x[1]), alike
+        return law(found, alike)
     top = float(np.std(log_y))
     while 2 * fit(top).cost > dof:
         top *= 2
     found = fit(brentq(lambda extra: 2 * fit(extra).cost - dof, 0.0, top, rtol=1e-4))
-    return float(found.x[1]), max(uncertainty(found) * _student(dof), alike)
+    return law(found, max(uncertainty(found) * _student(dof), alike))
 
 
 def _known(value: float) -> float | None:

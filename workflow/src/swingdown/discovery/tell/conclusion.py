@@ -126,9 +126,12 @@ class _Told:
         own = {name: errors[self.fit.free.index(name)] for name in self.fit.free}
 
         def error(name: str) -> float:
-            searched, wider = state.model.standard_errors.get(name, np.nan), state.widened.get(name, 1.0)
+            here, wider = own.get(name, np.nan), state.widened.get(name, 1.0)
+            searched = state.model.standard_errors.get(name, np.nan)
+            if not np.isfinite(searched):  # a bound held it in the search's own part of the swings
+                searched = here * wider
             lacks = searched * np.sqrt(1 - 1 / wider**2) if wider > 1 else 0.0
-            return float(np.hypot(own.get(name, np.nan), lacks))
+            return float(np.hypot(here, lacks))
 
         kept = [p for p in model.definitions if p.name not in model.slack.parameters and not p.each]
         return {p.name: Quantity(model.values[p.name], error(p.name), p.unit) for p in kept}
