@@ -3,8 +3,10 @@
 import json
 import math
 import os
+import re
 import shutil
 from dataclasses import replace
+from pathlib import Path
 
 import openpyxl
 import pandas as pd
@@ -132,12 +134,21 @@ def test_without_a_browser_it_is_told_how_to_print(tmp_path, monkeypatch):
     assert "open" in told and "print" in told and "\n" not in told and not (tmp_path / "report.pdf").exists()
 
 
-def test_a_browser_prints_the_report(tmp_path):
+def test_a_browser_prints_the_report_with_its_headings_as_bookmarks_and_none_at_the_foot_of_a_page(tmp_path):
     if not CHROMIUM:
         pytest.skip("NOT TESTED: no browser (tools/install-test-tools, or set SWINGDOWN_CHROMIUM)")
-    (tmp_path / "report.html").write_text("<p>here</p>")
+    style = (Path(hand_in.__file__).parents[1] / "report/page.css").read_text(encoding="utf-8")
+    part = "<details open><summary><h2>Here</h2></summary><figure style='height: 15cm'></figure></details>"
+    (tmp_path / "report.html").write_text(
+        f"<style>{style}</style><main><h1>First</h1><div style='height: 17cm'></div>{part}</main>"
+    )
     hand_in.printed(tmp_path / "report.html", tmp_path / "report.pdf")
-    assert (tmp_path / "report.pdf").read_bytes().startswith(b"%PDF")
+    pdf = (tmp_path / "report.pdf").read_bytes()
+    found = re.findall(rb"/Title \((\w+)\)\n/Dest \[(\d+) 0 R /XYZ \S+ (\S+) ", pdf)
+    at = {name: (page, float(points)) for name, page, points in found}
+    assert (
+        at[b"Here"][0] != at[b"First"][0] and at[b"Here"][1] > 700
+    )  # the head of the second page, of 792 points
 
 
 def test_a_browser_that_prints_nothing_leaves_no_file(tmp_path, monkeypatch):

@@ -111,7 +111,7 @@ def printed(report: Path, pdf: Path) -> str:
         root = ["--no-sandbox"] if hasattr(os, "geteuid") and os.geteuid() == 0 else []
         command = [
             browser, "--headless", *root, "--disable-gpu", "--no-first-run", "--disable-background-networking", "--virtual-time-budget=5000",
-            f"--user-data-dir={profile}", "--no-pdf-header-footer", f"--print-to-pdf={made}", report.resolve().as_uri(),
+            f"--user-data-dir={profile}", "--no-pdf-header-footer", "--generate-pdf-document-outline", f"--print-to-pdf={made}", report.resolve().as_uri(),
         ]  # fmt: skip
         try:
             subprocess.run(command, capture_output=True, timeout=_WAIT, check=True)
