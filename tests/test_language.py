@@ -132,7 +132,7 @@ def test_every_text_that_is_translated_is_one_that_the_program_says(catalogues):
         (
             "de",
             "Air drag (viscous) and bearing friction stop it: T = 0.87147(30) s, Q = 58.0(3.5). Nothing else is needed.",
-            "Luftwiderstand (viskos) und Lagerreibung bremsen das Pendel: T = 0,87147(30) s und Q = 58,0(3,5). Mehr ist nicht nötig.",
+            "Luftwiderstand (viskos) und Lagerreibung bremsen die Schwingung: T = 0,87147(30) s und Q = 58,0(3,5). Mehr ist nicht nötig.",
         ),
         (
             "de",
@@ -149,16 +149,16 @@ def test_every_text_that_is_translated_is_one_that_the_program_says(catalogues):
         (
             "fr",
             "Bearing friction stops it: T = 1.5(1) s.",
-            "Le frottement du palier amortit le pendule\u00a0: T = 1,5(1) s.",
+            "Le frottement du palier amortit l'oscillation\u00a0: T = 1,5(1) s.",
         ),
         (
             "es",
             "What stops it is not established; air drag (viscous), bearing friction and dry friction come nearest: Q = 3.1(2).",
-            "No está establecido qué amortigua el péndulo; la resistencia del aire (viscosa), el rozamiento del cojinete y el rozamiento seco "
+            "No está establecido qué amortigua la oscilación; la resistencia del aire (viscosa), el rozamiento del cojinete y el rozamiento seco "
             "son lo que más se acerca: Q = 3,1(2).",
         ),
-        ("it", "What stops it cannot be told: it does not die away. T = 1.03 s.", "Non si può dire che cosa smorzi il pendolo: non si estingue. T = 1,03 s."),
-        ("pt", "Dry friction stops it.", "O atrito seco amortece o pêndulo."),
+        ("it", "What stops it cannot be told: it does not die away. T = 1.03 s.", "Non si può dire che cosa smorzi l'oscillazione: non si estingue. T = 1,03 s."),
+        ("pt", "Dry friction stops it.", "O atrito seco amortece a oscilação."),
         (
             "de",
             "Presliding (angle 6.1 ± 0.2 mrad), or backlash, which the data do not distinguish, is missing (P > 0.999): without it 1.55 times the noise "
@@ -167,6 +167,16 @@ def test_every_text_that_is_translated_is_one_that_the_program_says(catalogues):
             "bleibt das 1,55-fache des Rauschens, damit das 1,06-fache.",
         ),
         ("de", "at 20.1°", "bei 20,1°"),
+        (
+            "fr",
+            "length as the names say: l=0.20 m → 0.2 m, 25.5cm → 0.255 m, 30cm → 0.3 m …",
+            "longueur d'après les noms : l=0.20 m → 0,2 m, 25.5cm → 0,255 m, 30cm → 0,3 m …",
+        ),
+        (
+            "de",
+            "T goes as the power 0.47(11) of length, beside an error that all lengths share; without one the power is 0.396(11)",
+            "T geht mit der Potenz 0,47(11) der Größe Länge, neben einem Fehler, den alle Längen gemeinsam haben; ohne ihn ist die Potenz 0,396(11)",
+        ),
     ],
 )  # fmt: skip
 def test_sentences_are_whole(code, english, told):

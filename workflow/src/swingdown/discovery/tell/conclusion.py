@@ -62,7 +62,7 @@ def conclusion(state: Round, campaign: Campaign) -> dict[str, Any]:
     ]
     means = over_models([(share, one.derived) for share, one in others if one is not None], UNITS)
     values = about(
-        last.values(state), [(share, one.values(state)) for share, one in others if one is not None]
+        last.values(state), [(share, one.telling(state)) for share, one in others if one is not None]
     )
     told = last.derived | means | {name: values[name] for name in last.reported}
     return {
@@ -135,6 +135,14 @@ class _Told:
 
         kept = [p for p in model.definitions if p.name not in model.slack.parameters and not p.each]
         return {p.name: Quantity(model.values[p.name], error(p.name), p.unit) for p in kept}
+
+    def telling(self, state: Round) -> dict[str, Quantity]:
+        """The values that say something of those of another model: none of an effect whose work another one does here as well, as a power of
+        the speed does that of a viscous drag. How two share it is no value of either."""
+        effects = [one for one in self.fit.model.effects if not isinstance(one, FreeForm)]
+        done = {inner.name for one in effects for inner in one.contains}
+        shared = {p.name for one in effects if one.name in done for p in one.parameters}
+        return {name: one for name, one in self.values(state).items() if name not in shared}
 
     @property
     def reported(self) -> list[str]:
