@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from itertools import count, pairwise
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -16,11 +17,12 @@ from swingdown.discovery.move.refit import refit
 from swingdown.discovery.rounds import first_fit
 from swingdown.discovery.search import discover
 from swingdown.discovery.see.linear import frame
-from swingdown.discovery.tell.conclusion import concluded
+from swingdown.discovery.tell.conclusion import _Told, concluded
 from swingdown.discovery.tell.files import summary, write_rounds
 from swingdown.discovery.tell.verdict import verdict
 from swingdown.engine.trajectory import TrajectoryError, simulate
 from swingdown.errors import InputError
+from swingdown.fitting.least_squares import fit_jointly
 from swingdown.pendulum.model import Model
 from swingdown.sealed import read_json
 
@@ -253,3 +255,15 @@ def test_a_value_that_a_model_cannot_have_is_an_input_to_mend_and_no_trajectory(
     for kind in (InputError, TrajectoryError):
         with pytest.raises(kind, match="magnet_width: -16.9 rad"):
             simulate(model, TIMES, 0.3)
+
+
+def test_a_value_that_a_bound_held_in_the_search_has_its_uncertainty_from_the_whole():
+    (swing,) = swings("viscous", releases=(0.3,), viscous_ratio=0.004)
+    found = _Told(fit_jointly("viscous", [swing.pair]), [swing])
+
+    def told(searched, wider):
+        held = SimpleNamespace(model=SimpleNamespace(standard_errors={"viscous_ratio": searched}), widened={"viscous_ratio": wider})  # fmt: skip
+        return found.values(held)["viscous_ratio"].uncertainty
+
+    own = told(np.nan, 1.0)
+    assert 0 < own == told(own, 1.0) and told(np.nan, 2.0) == pytest.approx(2 * own)
