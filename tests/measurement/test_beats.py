@@ -62,3 +62,10 @@ def test_what_is_left_out_of_a_release_is_told(tmp_path):
     assert "OUT OF STEP" in other.recording.attrs["remarks"]
     assert "OUT OF STEP" not in first.recording.attrs.get("remarks", "")
     assert 31 < other.recording["time"].values[-1] < 33.6
+
+
+def test_the_pendulum_that_was_at_rest_beside_another_beats_as_well():
+    """It grows at first, and shrinks where the record ends: no hand lifts it, and it is none that swings by itself."""
+    part = TIMES < 18  # from one node to the next
+    with pytest.raises(InputError, match="two motions .* of 1.3. s and 1.5.? s: from 0 s on its swings grow"):
+        judge(TIMES[part], (motion(1.5) - motion(1.37) + NOISE)[part], RAD, "here")

@@ -140,3 +140,16 @@ def test_a_swing_that_dies_into_its_noise_is_not_left_out_as_noise(tmp_path):
     rows = each("{t:.4f};{1:.5f};{v:.4f}", dies)
     found = taken(tmp_path, f"Tiempo;Canal A;Canal B\n{rows}", scale="relative")
     assert "took `Canal A`" in found.attrs["taken"] and "noise" not in found.attrs["remarks"]
+
+
+def test_units_that_a_program_alone_knows_stand_below_the_names(tmp_path):
+    """As a class's boards write them: two pendulums, each with its own times, and a gate, under remarks."""
+    rows = "".join(f"{t:.3f}\t{500 + 100 * v:.0f}\t{t + 0.01:.3f}\t{480 + 90 * v:.0f}\n" for t, v in zip(TIMES + 12, VOLTS, strict=True))  # fmt: skip
+    text = f"#Creator: board\n#Time A\tPos A\tTime B\tPos B\n#[s]\t[au]\t[s]\t[au]\n{rows}"
+    with pytest.raises(InputError, match="run A"):
+        taken(tmp_path, text)
+    found = taken(tmp_path, text, run="run B", scale="")
+    assert "took `Pos B [au]` as readings of unknown scale" in found.attrs["taken"]
+    edges = "".join(f"{2 * k}\t0\t{k + 0.1 * (k % 2):.6f}\n{2 * k + 1}\t1\t{k + 0.1 * (k % 2) + 0.05:.6f}\n" for k in range(40))  # fmt: skip
+    gate = taken(tmp_path, f"#Creator: board\n#Id\tEdge\tTime\n#[]\t[b]\t[s]\n{edges}", scale="")
+    assert "`Edge [b]` as a light gate's" in gate.attrs["taken"]

@@ -361,7 +361,9 @@ def _filled(cells: list[str], size: int) -> list[str]:
 
 
 def _are_units(cells: list[str], above: list[str], size: int) -> bool:
-    """True for a line of units below one of names."""
+    """True for a line of units below one of names: known ones, or each in brackets, `[au]`, below names without."""
+    if all(map(_is_boxed, cells)) and len(cells) == size == len(above) and not any(map(_is_boxed, above)):
+        return True
     bare = [cell.strip("()[] ").lower() for cell in cells]
     known = [UNITS[cell][0] for cell in bare if cell in UNITS]
     told = any(kind in (TIME, ANGLE, LENGTH, VOLTAGE, RATE) for kind in known)
@@ -372,6 +374,10 @@ def _are_units(cells: list[str], above: list[str], size: int) -> bool:
     )
 
 
+def _is_boxed(cell: str) -> bool:
+    return bool(re.fullmatch(r"\[.*\]|\(.*\)", cell))
+
+
 def _with_units(names: list[str], units: list[str], place: str) -> list[str]:
     """The names, each with the unit that stands below it; InputError where it states another one itself."""
     told = []
@@ -380,6 +386,8 @@ def _with_units(names: list[str], units: list[str], place: str) -> list[str]:
         own = meaning(name)
         if not unit or unit in ("-", "1"):
             told.append(name)
+        elif unit not in UNITS and unit.lower() not in UNITS:  # one of the program's own
+            told.append(f"{name} [{unit}]")
         elif not own.written:
             told.append(f"{name} ({unit})")
         elif UNITS.get(own.written.lower()) == UNITS[unit.lower()]:

@@ -18,7 +18,9 @@ _MARKS = (
     re.compile(r"(?i)^(?P<label>.*?)[ ,]*(?P<run>\brun\s*#?\s*\d+)\s*(?P<rest>[^:]*)$"),
     re.compile(r"^\s*(?P<run>[^:()\[\]]*[^:()\[\]\s])\s*:\s*(?P<label>\S.*)$"),
 )
-_NUMBERED = re.compile(r"^(?P<label>.*?[^\W\d_])[ _#-]?(?P<run>\d+)(?P<rest>\s*[(\[].*)?$")
+_NUMBERED = re.compile(
+    r"^(?P<label>.*?[^\W\d_])(?:[ _#-]?(?=\d)|[ _](?=[A-Z]))(?P<run>\d+|[A-Z])(?P<rest>\s*[(\[].*)?$"
+)
 
 
 class SeveralRuns(InputError):
@@ -93,7 +95,7 @@ def _called(titles: Sequence[str], starts: Sequence[int], size: int) -> list[str
 
 
 def _numbered(names: Sequence[str], titles: Sequence[str]) -> list[str]:
-    """A run for each number that headers end in, where every number has the same headers and a time or positions are among them."""
+    """A run for each number or capital letter that headers end in, where each has the same headers and a time or positions are among them."""
     found = [_NUMBERED.match(name) for name in names]
     groups: dict[str, list[str]] = {}
     for one in filter(None, found):

@@ -19,7 +19,7 @@ def check_one_motion(times: Floats, signal: Floats, place: str) -> None:
     """None for one swing; InputError for two of like strength that beat.
 
     What swings by itself never grows. The sum of two motions that differ in frequency shrinks to the difference of their sizes and grows to
-    the sum of them.
+    the sum of them; of the other of two pendulums, which was at rest, it grows at first.
 
     Parameters
     ----------
@@ -31,14 +31,12 @@ def check_one_motion(times: Floats, signal: Floats, place: str) -> None:
     begins, sizes = _envelope(times, signal)
     if len(sizes) < FEWEST:
         return
-    wide = np.where(sizes > SECOND * sizes.max(), sizes, 0.0)
-    before = np.maximum.accumulate(wide)
-    after = np.maximum.accumulate(wide[::-1])[::-1]
+    after = np.maximum.accumulate(np.where(sizes > SECOND * sizes.max(), sizes, 0.0)[::-1])[::-1]
     # a hand, or a second release, makes it grow at once
     steps = np.maximum.accumulate(np.append(np.diff(sizes), 0.0)[::-1])[::-1]
     slowly = steps < (after - sizes) / 2
     zeros = np.zeros_like(sizes)
-    grows = np.divide(np.minimum(before, after), sizes, out=zeros, where=slowly & (sizes > 0))
+    grows = np.divide(after, sizes, out=zeros, where=slowly & (sizes > 0))
     node = int(np.argmax(grows))
     if grows[node] < (1 + SECOND) / (1 - SECOND):
         return
