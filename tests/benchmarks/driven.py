@@ -210,7 +210,8 @@ WORTH = 10.0  # of BIC, less is a tie
 
 
 def _columns(times, angle):
-    """What each term's bump-weighed sums are, and those of the acceleration: a linear least squares problem in the sizes."""
+    """What each term's bump-weighed sums are, those of the acceleration, and how far each of these is off where the noise is in proportion
+    to the value: a linear least squares problem in the sizes."""
     even = np.linspace(times[0], times[-1], times.size)
     x = np.interp(even, times, angle)
     width = 24
@@ -236,7 +237,7 @@ def _columns(times, angle):
     }
     found = {name: -weighed(values) for name, values in plain.items()} | {"1": weighed(np.ones_like(x))}
     found |= {name: weighed(values, 1) for name, values in integrals.items()}
-    return found, weighed(x, 2)
+    return found, weighed(x, 2), np.sqrt(np.convolve(x**2, kernels[2] ** 2, "valid")[::4])
 
 
 def _release(times, angle):
@@ -247,8 +248,9 @@ def _release(times, angle):
 def _law(swings, most):
     """The structures that were fitted with their BIC, best first; the sizes by term of each."""
     seen = [_columns(*swing) for swing in swings]
-    matrix = {name: np.concatenate([columns[name] for columns, _ in seen]) for name in TERMS}
-    wanted = np.concatenate([right for _, right in seen])
+    off = np.concatenate([error for *_, error in seen])
+    matrix = {name: np.concatenate([columns[name] for columns, *_ in seen]) / off for name in TERMS}
+    wanted = np.concatenate([right for _, right, _ in seen]) / off
     ranked = []
     for size in range(1, most + 1):
         for chosen in combinations(TERMS, size):
