@@ -256,7 +256,8 @@ def _of_points(angle: xr.Dataset, restoring: str, catalogue: Catalogue) -> Laws:
             "amplitudes or samples of the motion",
             "record the motion itself",
         )
-    fits = fits_of(angle, [_model(label, restoring, catalogue) for label in labels(restoring)])
+    models = [_model(label, restoring, catalogue) for label in labels(restoring)]
+    fits = [fit for fit in fits_of(angle, models) if fit is not None]
     found = [
         Law(
             fit.model.label,

@@ -97,6 +97,10 @@ class TurnsFit:
         return float(sum(parts) + len(self.free) * np.log(n * len(parts)))
 
 
+class Unmet(InputError):
+    """Turning points that no swing of a model meets: another model's may."""
+
+
 class _Course(NamedTuple):
     """What a model makes of turning points: times after the first (s) and angles (rad), and their slopes (value, point)."""
 
@@ -125,7 +129,7 @@ def fit_turns(
     Raises
     ------
     InputError
-        For too few turning points, and where no start can be computed.
+        For too few turning points; ``Unmet`` where no swing of the model meets them.
     """
     fewest = len(model.parameters) + 2  # a first angle, and two more to tell their scatter
     if turns.angles.size < fewest:
@@ -144,7 +148,7 @@ def fit_turns(
     best = min(tried, key=lambda one: one.cost)
     evaluations = sum(one.nfev for one in tried)
     if not best.cost < _LOST**2 / 4:
-        raise InputError(
+        raise Unmet(
             "turning points",
             f"no swing of the model {model.label} meets them",
             "those of a pendulum",

@@ -1,7 +1,7 @@
 """What a dataset of fits keeps of each: a row of values with their uncertainties, and the coordinates beside it."""
 
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 import xarray as xr
@@ -17,6 +17,8 @@ from ..pendulum.catalogue import ANGLE
 from ..pendulum.model import Model
 from ..pendulum.slack import ZERO, Slack
 from .norms import Variable, spread
+
+One = TypeVar("One")
 
 DIMS: dict[str, tuple[str, ...]] = {
     "fit": ("fitted", "time"),
@@ -107,7 +109,7 @@ def largest_angles(fit: Fit, swings: Sequence[Swing], courses: Courses | None = 
     return [angle * float(np.exp(more)) for angle, more in zip(found, begins, strict=True)]
 
 
-def rows_of(fits: Sequence[Fit | None], row_of: Callable[[Fit], dict[str, Any]]) -> list[dict[str, Any]]:
+def rows_of(fits: Sequence[One | None], row_of: Callable[[One], dict[str, Any]]) -> list[dict[str, Any]]:
     """The row of each fit; of a model that cannot be fitted one of NaN, and not converged."""
     rows = [None if fit is None else row_of(fit) for fit in fits]
     one = next(row for row in rows if row is not None)

@@ -9,13 +9,14 @@ import xarray as xr
 from ..errors import InputError
 from ..fitting.nested import fit_nested, stand_ins
 from ..fitting.passages import Pace, both_ways, pace
-from ..fitting.turning_points import Turns, TurnsFit, fit_turns
+from ..fitting.turning_points import Turns, TurnsFit, Unmet, fit_turns
 from ..measurement.points.points_recording import COUNTED, NOT_IN_IT, PASSED, READ
 from ..measurement.points.turning_points import BOTH_SIDES, PASSAGES, PERIODS
 from ..measurement.slack import of_angles
 from ..pendulum.ideal import lengthening
 from ..pendulum.model import Model, model_words
 from ..rounding import value_with_uncertainty
+from . import fit_rows
 from .fit_rows import over_names
 from .norms import spread
 
@@ -33,19 +34,30 @@ _DROPPED = {"time": ("period", "natural_frequency", "quadratic_coefficient", "co
             "angle": ("quadratic_coefficient", "constant_friction", "load_friction")}  # fmt: skip
 
 
-def fits_of(angle: xr.Dataset, models: Sequence[Model]) -> list[TurnsFit]:
-    """The ``TurnsFit`` of each model to a dataset of turning points (``measurement.points.turning_points``)."""
+def fits_of(angle: xr.Dataset, models: Sequence[Model]) -> list[TurnsFit | None]:
+    """The ``TurnsFit`` of each model to a dataset of turning points (``measurement.points.turning_points``); None of one that meets them nowhere.
+
+    InputError where none does.
+    """
     turns, clock = turns_of(angle), of_angles([angle]).clock
+    unmet: list[Unmet] = []
 
-    def fit_one(model: Model, guesses: Sequence[TurnsFit | Mapping[str, float]]) -> TurnsFit:
+    def fit_one(model: Model, guesses: Sequence[TurnsFit | Mapping[str, float]]) -> TurnsFit | None:
         values = [one.known if isinstance(one, TurnsFit) else one for one in guesses]
-        return fit_turns(model, turns, values, clock)
+        try:
+            return fit_turns(model, turns, values, clock)
+        except Unmet as problem:
+            unmet.append(problem)
+            return None
 
-    def in_place(model: Model, fit: TurnsFit) -> list[Mapping[str, float]]:
-        return [fit.known | values for values in stand_ins(model, fit.model)]
+    def in_place(model: Model, fit: TurnsFit | None) -> list[Mapping[str, float]]:
+        return [fit.known | values for values in stand_ins(model, fit.model)] if fit else []
 
     try:
-        return fit_nested(models, fit_one, in_place)
+        found = fit_nested(models, fit_one, in_place)
+        if not any(found):
+            raise unmet[0]
+        return found
     except InputError as problem:
         name = f"recording {angle.attrs.get('recording', '')}"
         raise InputError(name, problem.problem, problem.expected, problem.mend) from problem
@@ -76,7 +88,7 @@ def rows_of(angle: xr.Dataset, models: Sequence[Model], names: Sequence[str]) ->
         return [_passed(angle, names)] * len(models)
     found = _pace(angle) if angle.attrs["kind"] in (PASSAGES, PERIODS) else None
     more = {name: np.nan if found is None else getattr(found, field) for name, field in _OF_PACE.items()}
-    return [row_of(fit, names) | more for fit in fits_of(angle, models)]
+    return fit_rows.rows_of(fits_of(angle, models), lambda fit: row_of(fit, names) | more)
 
 
 def _pace(angle: xr.Dataset) -> Pace:
