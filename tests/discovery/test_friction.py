@@ -261,9 +261,7 @@ def test_what_held_out_swings_speak_against_is_not_in_the_model_that_is_told(mon
     both, one = frozenset(("magnet", "detent")), frozenset(("magnet",))
     structures = {key: SimpleNamespace(key=key) for key in (both, one)}
     pool = SimpleNamespace(
-        frictions=lambda _: ["any"],
-        added=sorted,
-        lacking=lambda here, names: [structures[here.key - set(names)]],
+        nothing=lambda: 1.0, added=sorted, lacking=lambda here, names: [structures[here.key - set(names)]]
     )
     given = {"magnet": (0.05, 0.1), "detent": (share, held)}
     monkeypatch.setattr(findings, "judged", _judged((both, given), (one, {"magnet": (0.1, 0.2)})))
@@ -293,5 +291,5 @@ def test_a_drag_of_which_more_laws_are_possible_than_a_tie_has_is_told_as_one(mo
     )
     monkeypatch.setattr(findings, "_nearly", lambda *_: [])
     monkeypatch.setattr(findings, "_asked", lambda pool, best, name, names, one, seen: one)
-    found = findings._as_one(pool, None, "viscous", ["viscous"], kind, ())
+    found = findings._as_one(pool, None, "viscous", ["viscous"], kind, (), None)
     assert found.probability == 0.997 and len(found.ties) == 3 and found.law_open is law_open

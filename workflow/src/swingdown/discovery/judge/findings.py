@@ -16,6 +16,7 @@ from ...pendulum.formula import evaluate
 from ..data.noise import Noise
 from ..guard import CLEAR, HELD_OUT, POSSIBLE, PROBABLE, SHARE, TIES
 from ..see import friction
+from ..see.envelope import Seen
 from .confirm import gap
 from .structures import Key, Pool, Structure
 
@@ -55,10 +56,13 @@ def judged(pool: Pool, best: Structure, most: Structure | None = None) -> dict[s
     found = {name: _finding(pool, best, name, alike) for name in pool.added(best.key)}
     for kind in (pool.frictions, pool.drags):
         names = [name for name in kind(best.key) if name in found]
-        if all(found[name].sure for name in names) or kind(pool.base):
+        shown, like = _shown(pool, kind())
+        if kind(pool.base):
+            names = [name for name in names if name in like] if shown else []
+        if all(found[name].sure for name in names):
             continue
         first = max(names, key=lambda name: pool.of([name]))
-        as_one = _as_one(pool, best, first, names, kind(), alike)
+        as_one = _as_one(pool, best, first, names, like, alike, shown)
         if as_one.sure:
             found = {
                 name: as_one if name == first else one
@@ -72,9 +76,7 @@ def told_of(pool: Pool, best: Structure) -> tuple[Structure, dict[str, Finding]]
     """(the structure that is told, the ``Finding`` of each effect that it adds): the best one without the effects that take away too
     little of what is missing, of fitted swings or of held-out ones, if some effect is told then; else the best one. A friction that is
     sure without being named has the most probable structure that names one."""
-    if not pool.frictions(best.key) and pool.of_friction() >= PROBABLE:
-        rubbing = [one for one in pool.known.values() if pool.frictions(one.key) and pool.follows(one.fit)]
-        best = max(rubbing, key=lambda one: one.evidence, default=best)
+    best = _naming(pool, best)
     whole = found = judged(pool, best)
     here = best
     while little := {
@@ -87,6 +89,33 @@ def told_of(pool: Pool, best: Structure) -> tuple[Structure, dict[str, Finding]]
             return best, whole
         here, found = fewer[0], judged(pool, fewer[0], best)
     return (here, found) if any(one.sure for one in found.values()) else (best, whole)
+
+
+def _naming(pool: Pool, best: Structure) -> Structure:
+    """The most probable structure that names each kind of damping which is sure without a name, where anything is missing."""
+    if pool.nothing() > POSSIBLE:
+        return best
+    shown = {kind: _shown(pool, kind()) for kind in (pool.frictions, pool.drags)}
+    wanted = [like for one, like in shown.values() if one]
+    if not pool.frictions(pool.base) and pool.of_friction() >= PROBABLE:
+        wanted.append(pool.frictions())
+
+    def named(one: Structure) -> bool:
+        return all(one.key & set(like) for like in wanted)
+
+    if named(best):
+        return best
+    others = [one for one in pool.known.values() if named(one) and pool.follows(one.fit)]
+    return max(others, key=lambda one: one.evidence, default=best)
+
+
+def _shown(pool: Pool, kind: Sequence[str]) -> tuple[Seen | None, list[str]]:
+    """(what the envelope shows of this kind of damping, where that is sure and its everyday laws leave little of it; its effects that the
+    base has none like)."""
+    laws, like = pool.unlike_the_base(kind)
+    one = pool.envelope(laws)
+    sure = one.chance >= PROBABLE and _over_bounds((one.share, one.held_out)) <= 1
+    return one if sure else None, like
 
 
 def _finding(pool: Pool, best: Structure, name: str, alike: Sequence[Structure]) -> Finding:
@@ -113,6 +142,7 @@ def _as_one(
     names: Sequence[str],
     kind: Sequence[str],
     alike: Sequence[Structure],
+    shown: Seen | None,
 ) -> Finding:
     """That of all effects of one kind of damping that a structure has, told by the name of one: the data may not tell their law. It may be
     one that the tie has no place for, and of friction, which is left as the speed goes to nothing, none of the catalogue's: an unnamed
@@ -122,8 +152,10 @@ def _as_one(
     )
     ties = tuple(one for one in dict.fromkeys([*_nearly(alike, name), *others]) if one != name)[: TIES - 1]
     rubs, open_ = pool.first.fit.model.catalogue.rubs(name), pool.of([name, *ties]) < PROBABLE
-    one = Finding(pool.of_friction() if rubs else pool.of(kind), ties, law_open=open_)
-    return _asked(pool, best, name, names, one, seen=rubs and pool.sees_friction() >= PROBABLE)
+    chance = max(pool.of_friction() if rubs else pool.of(kind), shown.chance if shown else 0.0)
+    seen = shown is not None or (rubs and pool.sees_friction() >= PROBABLE)
+    one = _asked(pool, best, name, names, Finding(chance, ties, law_open=open_), seen)
+    return replace(one, share=shown.share, held_out=shown.held_out) if shown else one
 
 
 def _asked(

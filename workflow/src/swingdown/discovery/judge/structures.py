@@ -8,6 +8,7 @@ effect of the base that it lacks: what something unnamed may do in its place was
 from collections.abc import Collection, Iterable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from scipy.special import erf
@@ -22,6 +23,7 @@ from ..move.admissible import at_its_bound
 from ..move.candidates import without
 from ..move.refit import FAILURES, refit
 from ..see.discrepancy import Discrepancy, Unnamed
+from ..see.envelope import NOT_SEEN, Amplitudes, Seen, amplitudes, seen
 from ..see.kinds import DISSIPATIVE
 from ..see.linear import Frame, frame
 from .confirm import predict
@@ -105,6 +107,7 @@ class Pool:
         period = 2 * np.pi / base.model.values[NATURAL_FREQUENCY.name]
         self._unnamed = unnamed or Unnamed(self.near, campaign.fit, period, noise)
         self._each = float(np.log(len(base.model.catalogue)))
+        self._envelopes: dict[frozenset[int], Seen] = {}
         self._held_out: dict[int, tuple[Fit, Fit]] = {}  # by the identity of a fit: itself, and what it says
         self.known: dict[Key, Structure] = {}
         self.first = self._seen(base, frame(base, campaign.fit))
@@ -261,7 +264,40 @@ class Pool:
         unnamed = [one for key, one in self.known.items() if not key & rubbing]
         logs = np.array([one.evidence for one in unnamed])
         shares = np.exp(logs - np.logaddexp.reduce(logs))
-        return sum(float(share) * one.rubs for share, one in zip(shares, unnamed, strict=True))
+        seen = sum(float(share) * one.rubs for share, one in zip(shares, unnamed, strict=True))
+        shown = self.envelope(self.unlike_the_base(self.frictions())[0])
+        return 0.0 if shown.chance < POSSIBLE else seen
+
+    def envelope(self, laws: frozenset[int]) -> Seen:
+        """What the envelope shows of losses of these ``laws`` (``powers_lost``); its ``gain`` is that of a name."""
+        if laws not in self._envelopes:
+            of = self._amplitudes
+            found = seen(of, laws) if laws else NOT_SEEN
+            self._envelopes[laws] = found._replace(gain=found.gain - self._each)
+        return self._envelopes[laws]
+
+    @cached_property
+    def _amplitudes(self) -> Amplitudes:
+        base = self.first.fit.model
+        return amplitudes(self.campaign, base.values[NATURAL_FREQUENCY.name], base.restoring)
+
+    def unlike_the_base(self, kind: Collection[str]) -> tuple[frozenset[int], list[str]]:
+        """(the laws of loss that effects of this kind of damping have and the base has not; the effects that have one of them).
+
+        Friction takes the same from every swing, drag more from a larger one.
+        """
+        catalogue = self.first.fit.model.catalogue
+        powers, of_base = (
+            catalogue.powers_lost,
+            {p for name in self.base for p in catalogue.powers_lost(name)},
+        )
+        laws = frozenset(
+            power
+            for name in kind
+            for power in powers(name)
+            if power not in of_base and (power == 0) == catalogue.rubs(name)
+        )
+        return laws, [name for name in kind if powers(name) & laws and name not in self.base]
 
     def frictions(self, key: Key | None = None) -> list[str]:
         """The frictions among the effects of a structure (default: of the catalogue)."""

@@ -5,6 +5,7 @@ of its own; a ``Model`` knows the catalogue that it is built from.
 """
 
 import json
+import math
 from collections.abc import Iterator, Mapping
 from functools import lru_cache
 from types import MappingProxyType
@@ -12,6 +13,7 @@ from typing import Any
 
 from ...errors import InputError
 from ..effect import NATURAL_FREQUENCY, Effect, Parameter
+from ..formula import evaluate
 from ..free_form import FREE_FORMS, FreeForm
 from ..own import own_effects
 from .clock import CLOCK
@@ -188,6 +190,14 @@ class Catalogue:
         """True for a friction: its torque is left as the speed goes to nothing, or it becomes such an effect where its memory is short."""
         effect = self[name]
         return effect.rubs or (bool(effect.states) and any(self[one].rubs for one in self.contained_in(name)))
+
+    def powers_lost(self, name: str) -> frozenset[int]:
+        """The powers of the amplitude as which an effect takes from it: of viscous drag 1; of one that becomes others, theirs as well."""
+        formulas = (self[one].damping for one in (name, *self.contained_in(name)))
+        sizes = [
+            [evaluate(one, loss=1.0, amplitude=a, omega_n=1.0) for a in (1.0, 2.0)] for one in formulas if one
+        ]
+        return frozenset(round(math.log2(small / large)) for small, large in sizes)
 
     def measurement(self, one: str, other: str) -> str | None:
         """The measurement that tells two effects apart, as a sentence, or None where none is known.

@@ -1,0 +1,121 @@
+"""What the amplitudes from swing to swing show of friction and drag, whatever else a model lacks."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from swingdown.discovery.data.campaign import Swing, campaign
+from swingdown.discovery.data.noise import Noise
+from swingdown.discovery.judge.findings import told_of
+from swingdown.discovery.judge.structures import Pool
+from swingdown.discovery.see.envelope import amplitudes, seen
+from swingdown.engine.trajectory import simulate
+from swingdown.fitting.least_squares import fit_jointly
+from swingdown.pendulum.catalogue import SHIPPED
+from swingdown.pendulum.model import Model
+
+TIMES = np.arange(0, 24, 0.04)  # s
+NOISE = Noise(1e-3)  # rad
+VALUES = {
+    "natural_frequency": 7.0, "viscous_ratio": 0.004, "constant_friction": 0.05, "quadratic_coefficient": 0.02,
+    "quadratic_stiffness": 4.0, "cubic_stiffness": 5.0, "sensor_gain": 0.05, "damping_drift": 0.003,
+}  # fmt: skip
+FRICTION, SQUARE = frozenset({0}), frozenset({2})
+
+
+def swings(*hidden, angles=(0.9, -0.7, 0.5, 0.3), times=TIMES):
+    """A campaign of a pendulum with viscous drag and what is hidden, each recording with a zero of its own."""
+    rng = np.random.default_rng(3)
+    bare = Model(("viscous", *hidden))
+    model = bare.with_values({name: VALUES[name] for name in bare.parameters})
+    made = []
+    for k, angle in enumerate(angles):
+        reading = simulate(model, times, angle, 0.0)
+        noise = NOISE.deviation * rng.standard_normal(times.size)
+        made.append(Swing(f"{angle}", times, reading + 0.01 * k + noise))
+    return campaign("losses", made)
+
+
+def shown(one, laws):
+    return seen(amplitudes(one, 7.0, "sine"), laws)
+
+
+@pytest.mark.parametrize(
+    ("hidden", "laws", "others"),
+    [("constant_coulomb", FRICTION, SQUARE), ("quadratic_drag", SQUARE, FRICTION)],
+)
+@pytest.mark.parametrize("beside", [(), ("quadratic_stiffness", "cubic_stiffness", "sensor_gain")])
+def test_a_loss_is_seen_whatever_spring_or_sensor_error_is_there_too(hidden, laws, others, beside):
+    one = swings(hidden, *beside)
+    there, other = shown(one, laws), shown(one, others)
+    assert there.chance > 0.999
+    assert there.share < 0.2
+    assert there.held_out < 0.5
+    assert not (other.chance > 0.95 and other.share < 0.2 and other.held_out < 0.5)
+
+
+@pytest.mark.parametrize("hidden", [(), ("quadratic_stiffness",), ("damping_drift",)])
+def test_no_loss_is_seen_where_only_viscous_drag_takes_energy(hidden):
+    for angles in ((0.9, -0.7, 0.5, 0.3), (0.9,)):
+        one = swings(*hidden, angles=angles)
+        for laws in (FRICTION, SQUARE):
+            found = shown(one, laws)
+            assert not (found.chance > 0.95 and found.share < 0.2 and found.held_out < 0.5)
+
+
+def test_of_a_few_swings_no_loss_is_told():
+    assert np.isnan(shown(swings("constant_coulomb", times=TIMES[:60]), FRICTION).chance)
+
+
+def test_of_driven_swings_no_loss_is_told():
+    one = swings("constant_coulomb")
+    driven = [replace(swing, drive=object()) for swing in one.whole]
+    assert np.isnan(shown(campaign("driven", driven), FRICTION).chance)
+
+
+def test_the_unit_of_a_spring_is_any():
+    """What hangs on a spring is as sure in millimetres as in metres."""
+    one = swings("constant_coulomb")
+    found = [
+        seen(amplitudes(campaign("spring", [replace(each, angle=each.angle * step) for each in one.whole]), 7.0, "linear"), FRICTION)
+        for step in (1.0, 1000.0)
+    ]  # fmt: skip
+    assert found[0] == pytest.approx(found[1], rel=1e-6)
+
+
+def test_a_hole_in_a_recording_is_no_loss():
+    whole = swings("constant_coulomb")
+    gone = (TIMES > 8) & (TIMES < 11)
+    holed = campaign("holes", [Swing(one.name, one.times[~gone], one.angle[~gone]) for one in whole.whole])
+    a, b = (shown(one, FRICTION) for one in (whole, holed))
+    assert b.chance > 0.999
+    assert b.share == pytest.approx(a.share, abs=0.1)
+
+
+def test_friction_is_told_though_springs_are_more_probable():
+    """The search knows the friction beside a wrong spring, and a spring without it that does better."""
+    one = swings("constant_coulomb", "quadratic_stiffness", "cubic_stiffness")
+    pairs = [swing.pair for swing in one.fit]
+    base = fit_jointly(Model("viscous"), pairs, bounded=True)
+    pool = Pool(one, NOISE, base)
+    for label in ("viscous+constant_coulomb", "viscous+quadratic_stiffness+cubic_stiffness"):
+        pool.look(fit_jointly(Model(label), pairs, bounded=True))
+    best = pool.known[frozenset(("viscous", "quadratic_stiffness", "cubic_stiffness"))]
+    assert pool.best is best
+    last, found = told_of(pool, best)
+    friction = found["constant_coulomb"]
+    assert "constant_coulomb" in last.key
+    assert friction.sure
+    assert friction.law_open
+    assert friction.share < 0.2
+    assert friction.probability > 0.95
+
+
+def test_the_laws_of_loss_are_those_of_the_catalogue():
+    powers = {name: set(SHIPPED.powers_lost(name)) for name in SHIPPED.names if SHIPPED.damps(name)}
+    assert powers["viscous"] == powers["structural_damping"] == {1}
+    assert powers["constant_coulomb"] == powers["load_coulomb"] == powers["presliding"] == {0}
+    assert powers["quadratic_drag"] == {2}
+    assert {1, 2} <= powers["power_law_drag"]
+    assert not SHIPPED.powers_lost("cubic_stiffness")
