@@ -106,6 +106,22 @@ def test_what_is_sure_is_asserted_although_something_remains(ties):
     assert "The rest, 1.01 times the noise (1.01 mrad), mostly restoring, has no name" in found["sentence"]
 
 
+@pytest.mark.parametrize("doubt", ["", "its probability is only 0.87"])
+def test_of_what_the_fitted_swings_alone_lack_it_is_said_that_it_is_theirs(doubt):
+    first = state(0, missing=True, chosen="constant_torque", holdout=5.0)
+    last = state(1, missing=True, found=["constant_torque"], parameters=TORQUE, holdout=0.98,
+                 judged={"constant_torque": finding(doubt)})  # fmt: skip
+    last["gap"] = {"fit": 2.3, "holdout": 0.98}
+    told = verdict([first, last])["sentence"]
+    what = "What remains" if doubt else "The rest"
+    assert (
+        f"{what} of the fitted swings, 2.3 times the noise (2.3 mrad), mostly restoring, has no name" in told
+    )
+    assert "0.98 times the noise (" not in told
+    for code in ("de", "fr", "es", "it", "pt"):
+        assert "has no name" not in language(code).text(told)
+
+
 @pytest.mark.parametrize("missing", [True, False])
 def test_what_is_not_sure_enough_is_told_as_that_with_its_reason(missing):
     found = named(missing=missing, doubt="swings that were held out do not confirm it")

@@ -130,8 +130,12 @@ def _remains(found: Mapping[str, Any], catalogue: Catalogue) -> str:
     if not remaining:
         return f"{may_be} Nothing more is missing." if not found["effects"] else may_be
     left = found["gap"]["left"]
-    size = small(left.get("rad", left.get("rad_per_s")), found.get("unit", "rad"))
-    rest = f"{'The rest' if found['effects'] else 'What remains'}, {left['noise']:.3g} times the noise ({size}){kind} has no name in the catalogue."
+    times, size, of = left["noise"], left.get("rad", left.get("rad_per_s")), ""
+    if times <= 1:  # held-out swings lack nothing: what remains is in the fitted ones
+        size *= found["gap"]["fit"][-1] / times
+        times, of = found["gap"]["fit"][-1], " of the fitted swings"
+    amount = f"{times:.3g} times the noise ({small(size, found.get('unit', 'rad'))})"
+    rest = f"{'The rest' if found['effects'] else 'What remains'}{of}, {amount}{kind} has no name in the catalogue."
     return " ".join(filter(None, (rest, may_be)))
 
 
