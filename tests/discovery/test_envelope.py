@@ -112,6 +112,17 @@ def test_friction_is_told_though_springs_are_more_probable():
     assert friction.probability > 0.95
 
 
+def test_recordings_that_do_not_lose_alike_show_nothing():
+    one = swings("constant_coulomb")
+    pairs = [swing.pair for swing in one.fit]
+    for own in ((), ("viscous_ratio",)):
+        base = fit_jointly(replace(Model("viscous"), own=own, own_frequency=True), pairs, bounded=True)
+        pool = Pool(one, NOISE, base)
+        laws, like = pool.unlike_the_base(pool.frictions())
+        assert (laws, "constant_coulomb" in like) == (FRICTION, True)
+        assert np.isnan(pool.envelope(laws).chance) == bool(own)
+
+
 def test_the_laws_of_loss_are_those_of_the_catalogue():
     powers = {name: set(SHIPPED.powers_lost(name)) for name in SHIPPED.names if SHIPPED.damps(name)}
     assert powers["viscous"] == powers["structural_damping"] == {1}

@@ -122,7 +122,8 @@ def missing_torque(
         shares = {row["name"]: row["share"] for row in rounds[0]["groups"]}
         heading = f"time: {chosen}" if over == "time" else over
         # each as if it alone were missing, so that shares overlap; of an excess that is none there are none
-        share = f"explains {100 * shares[over]:.0f} % alone" if rounds[0]["missing"] else "nothing is missing"
+        share = f"explains {100 * shares[over]:.0f} % alone" if over in shares else "not seen"
+        share = share if rounds[0]["missing"] else "nothing is missing"
         axes.set(xlabel=label, title=f"{heading}\n{share}")
         axes.axhline(0, color=style.GREY, lw=0.6)
         axes.grid(True, axis="y")
@@ -137,9 +138,9 @@ def missing_torque(
 
 
 def _largest(part: pd.DataFrame) -> str:
-    """The part (drag, stiffness, push) that differs most from nothing, in units of its own band."""
+    """The part (drag, stiffness, push) that differs most from nothing, in units of its own band; of a search that broke off none."""
     size = (part["torque"].abs() / part["band"].clip(lower=1e-12)).groupby(part["part"]).max()
-    return size.idxmax()
+    return str(size.idxmax()) if len(size) else ""
 
 
 @style.styled

@@ -269,10 +269,11 @@ class Pool:
         return 0.0 if shown.chance < POSSIBLE else seen
 
     def envelope(self, laws: frozenset[int]) -> Seen:
-        """What the envelope shows of losses of these ``laws`` (``powers_lost``); its ``gain`` is that of a name."""
+        """What the envelope shows of losses of these ``laws`` (``powers_lost``); its ``gain`` is that of a name. Nothing where an effect has a
+        size of its own in each recording: they do not lose alike."""
         if laws not in self._envelopes:
             of = self._amplitudes
-            found = seen(of, laws) if laws else NOT_SEEN
+            found = seen(of, laws) if laws and not self.first.fit.model.own else NOT_SEEN
             self._envelopes[laws] = found._replace(gain=found.gain - self._each)
         return self._envelopes[laws]
 
@@ -286,11 +287,9 @@ class Pool:
 
         Friction takes the same from every swing, drag more from a larger one.
         """
-        catalogue = self.first.fit.model.catalogue
-        powers, of_base = (
-            catalogue.powers_lost,
-            {p for name in self.base for p in catalogue.powers_lost(name)},
-        )
+        base = self.first.fit.model
+        catalogue, powers = base.catalogue, base.catalogue.powers_lost
+        of_base = {power for name in base.names for power in powers(name)}
         laws = frozenset(
             power
             for name in kind
