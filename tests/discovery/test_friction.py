@@ -14,6 +14,7 @@ from swingdown.discovery.judge.findings import Finding, judged, told_of
 from swingdown.discovery.judge.structures import Pool
 from swingdown.discovery.move.admissible import at_its_bound
 from swingdown.discovery.see import friction
+from swingdown.discovery.see.envelope import NOT_SEEN
 from swingdown.discovery.see.linear import frame
 from swingdown.fitting.least_squares import fit_jointly
 from swingdown.pendulum.model import Model
@@ -188,8 +189,10 @@ def test_a_friction_is_told_though_its_law_has_no_name():
 
 @pytest.mark.slow("many trajectories")
 @pytest.mark.parametrize(("patch", "sure"), [((-0.1, 0.0), True), ((0.15, 0.3), False)])
-def test_a_friction_that_an_unnamed_torque_shows_is_told_whatever_its_law_leaves(patch, sure):
-    """Friction beside the middle only: a constant one does part of its work, and that something rubs there is seen without it."""
+def test_a_friction_that_an_unnamed_torque_shows_is_told_whatever_its_law_leaves(monkeypatch, patch, sure):
+    """Friction beside the middle only: a constant one does part of its work, and that something rubs there is seen without it, where no
+    envelope shows it."""
+    monkeypatch.setattr(Pool, "envelope", lambda *_: NOT_SEEN)
     hidden = dict(zip(("patch_from", "patch_to"), patch, strict=True))
     one = swings(("friction_patch",), patch_friction=0.4, **hidden)
     finding, pool = asked(one, "constant_coulomb")
