@@ -76,8 +76,13 @@ def told_of(pool: Pool, best: Structure) -> tuple[Structure, dict[str, Finding]]
     """(the structure that is told, the ``Finding`` of each effect that it adds): the best one without the effects that take away too
     little of what is missing, of fitted swings or of held-out ones, if some effect is told then; else the best one. A friction that is
     sure without being named has the most probable structure that names one."""
-    best = _naming(pool, best)
+    most, best = best, _naming(pool, best)
     whole = found = judged(pool, best)
+    if most is not best:  # beside a damping that is sure without a name, nothing is surer than it was
+        before = judged(pool, most)
+        whole = found = {
+            name: before[name] if one.sure and name in before else one for name, one in found.items()
+        }
     here = best
     while little := {
         name: over
