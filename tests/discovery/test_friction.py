@@ -296,3 +296,27 @@ def test_a_drag_of_which_more_laws_are_possible_than_a_tie_has_is_told_as_one(mo
     monkeypatch.setattr(findings, "_asked", lambda pool, best, name, names, one, seen: one)
     found = findings._as_one(pool, None, "viscous", ["viscous"], kind, (), None)
     assert found.probability == 0.997 and len(found.ties) == 3 and found.law_open is law_open
+
+
+@pytest.mark.parametrize(
+    ("before", "told"), [("too little", {"constant_coulomb"}), ("", {"constant_coulomb", "magnet"})]
+)
+def test_beside_a_damping_that_is_sure_without_a_name_nothing_is_surer_than_it_was(monkeypatch, before, told):
+    """The model that names the friction is less probable than the one that does not: it makes no other effect surer."""
+    most, named = (
+        SimpleNamespace(key=frozenset(names)) for names in (["magnet"], ["magnet", "constant_coulomb"])
+    )
+    found = {
+        most.key: {"magnet": Finding(1.0, share=0.1, held_out=0.1, doubt=before)},
+        named.key: {name: Finding(1.0, share=0.1, held_out=0.1) for name in ("magnet", "constant_coulomb")},
+    }
+    monkeypatch.setattr(findings, "_naming", lambda *_: named)
+    monkeypatch.setattr(findings, "judged", lambda pool, best, most=None: found[best.key])
+    last, said = told_of(None, most)
+    assert last is named
+    assert {name for name, one in said.items() if one.sure} == told
+
+
+def test_where_nothing_is_missing_no_friction_is_looked_for():
+    best = SimpleNamespace(key=frozenset(["viscous"]))
+    assert findings._naming(SimpleNamespace(nothing=lambda: 0.5), best) is best

@@ -17,6 +17,8 @@ def calmed(times: Floats, rate: Floats, ends_quiet: bool = True) -> Floats:
     period are left as they are. With ``ends_quiet`` the swing goes on beyond its ends as half a period away, on the other side; without, the
     polynomials nearest to the ends tell them, which keeps their size and more of their noise.
     """
+    from scipy.signal import savgol_filter  # takes long to import, and few recordings are rates
+
     steps = round((times[-1] - times[0]) / float(np.median(np.diff(times))))
     grid = np.linspace(times[0], times[-1], steps + 1)
     even = np.interp(grid, times, rate)
@@ -28,16 +30,7 @@ def calmed(times: Floats, rate: Floats, ends_quiet: bool = True) -> Floats:
         return rate
     side = half // 2
     if not ends_quiet:
-        return np.asarray(middle + np.interp(times, grid, _smooth(about, side)))
+        return np.asarray(middle + np.interp(times, grid, savgol_filter(about, 2 * side + 1, DEGREE)))
     longer = np.concatenate([-about[half - side : half], about, -about[-half:][:side]])
-    smooth = _smooth(longer, side)[side : longer.size - side]
+    smooth = savgol_filter(longer, 2 * side + 1, DEGREE)[side : longer.size - side]
     return np.asarray(middle + np.interp(times, grid, smooth))
-
-
-def _smooth(values: Floats, side: int) -> Floats:
-    """The values by the polynomials through ``side`` samples before and after, at the ends by the last whole ones (Savitzky and Golay, Anal.
-    Chem. 36, 1627 (1964); scipy.signal has it and takes half a second to load)."""
-    powers = np.vander(np.linspace(-1, 1, 2 * side + 1), DEGREE + 1)
-    inverse = np.linalg.pinv(powers)
-    first, last = (powers @ inverse @ part for part in (values[: 2 * side + 1], values[-2 * side - 1 :]))
-    return np.concatenate([first[:side], np.convolve(values, inverse[-1], "valid"), last[-side:]])

@@ -33,9 +33,8 @@ from .swings.half_swings import half_swings
 
 SHORTEST = 10  # samples; fewer tell nothing about a swing
 LOOKED_FOR_NOISE = 20_000  # rows of which each column is looked at before it is called noise
-FORGETS = (
-    1 / 8
-)  # of the period of what swings beside it: so much later noise knows nothing of itself, a pendulum nearly all
+# of the period of what swings beside it: so much later noise knows nothing of itself, a pendulum nearly all
+FORGETS = 1 / 8
 SURELY = 3.0  # standard errors of a correlation
 LOOKED_AT = 200_000  # rows of which each column is looked at before the swing is chosen
 

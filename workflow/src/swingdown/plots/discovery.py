@@ -122,8 +122,10 @@ def missing_torque(
         shares = {row["name"]: row["share"] for row in rounds[0]["groups"]}
         heading = f"time: {chosen}" if over == "time" else over
         # each as if it alone were missing, so that shares overlap; of an excess that is none there are none
-        share = f"explains {100 * shares[over]:.0f} % alone" if over in shares else "not seen"
-        share = share if rounds[0]["missing"] else "nothing is missing"
+        if not rounds[0]["missing"]:
+            share = "nothing is missing"
+        else:
+            share = f"explains {100 * shares[over]:.0f} % alone" if over in shares else "not seen"
         axes.set(xlabel=label, title=f"{heading}\n{share}")
         axes.axhline(0, color=style.GREY, lw=0.6)
         axes.grid(True, axis="y")

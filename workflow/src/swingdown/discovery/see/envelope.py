@@ -20,9 +20,9 @@ from ...arrays import Floats
 from ..data.campaign import Campaign, Swing
 from .losses import half_swings
 
-_LAWS = _, _VISCOUS, _ = range(
-    3
-)  # powers of the amplitude that are lost: by friction, viscous and quadratic drag
+# powers of the amplitude that are lost: by friction, viscous and quadratic drag
+_LAWS = (0, 1, 2)
+_VISCOUS = 1
 _DRIFT = 3  # the loss by a viscous drag that grows in time
 _LEAST = 4  # amplitudes of a swing that is looked at
 _BROKEN = 1.5  # half-swings between two: what is longer begins anew
