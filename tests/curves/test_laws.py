@@ -10,7 +10,9 @@ from swingdown.__main__ import main
 from swingdown.curves.laws import COLUMNS, envelopes, exponential, exponential_words, labels, laws, table
 from swingdown.engine.trajectory import simulate
 from swingdown.errors import InputError
+from swingdown.fitting.turning_points import Unmet
 from swingdown.pendulum.model import Model
+from swingdown.studies import turning_points
 
 TIMES = np.arange(0, 30, 0.02)
 NOISE = 1e-3
@@ -97,6 +99,20 @@ def test_turning_points_alone_tell_the_laws_apart():
     found = swingdown.fit(times[turns], size, kind="half_swings").laws()
     assert exponential(found)[0] == "no" and "coulomb" in found[0].best.label
     assert np.isnan(table(found, "mine")["held_out_mrad"]).all()
+
+
+def test_a_law_that_no_turning_point_meets_leaves_the_others(monkeypatch):
+    times = np.arange(0.0, 20.0)
+    marks = swingdown.fit(times, 0.5 * np.exp(-0.05 * times), kind="half_swings")
+
+    def unmet(model, *more, fit=turning_points.fit_turns):
+        if "quadratic_drag" in model.names:
+            raise Unmet("turning points", "no swing", "a pendulum's", "check")
+        return fit(model, *more)
+
+    monkeypatch.setattr(turning_points, "fit_turns", unmet)
+    known = {law.label for law in marks.laws()[0].laws}
+    assert known == {label for label in labels("sine") if "quadratic_drag" not in label}
 
 
 def test_envelopes_follow_the_turning_points():

@@ -1,6 +1,7 @@
 """What the amplitudes from swing to swing show of friction and drag, whatever else a model lacks."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -9,7 +10,7 @@ from swingdown.discovery.data.campaign import Swing, campaign
 from swingdown.discovery.data.noise import Noise
 from swingdown.discovery.judge.findings import told_of
 from swingdown.discovery.judge.structures import Pool
-from swingdown.discovery.see.envelope import amplitudes, seen
+from swingdown.discovery.see.envelope import Seen, amplitudes, seen
 from swingdown.engine.trajectory import simulate
 from swingdown.fitting.least_squares import fit_jointly
 from swingdown.pendulum.catalogue import SHIPPED
@@ -121,6 +122,17 @@ def test_recordings_that_do_not_lose_alike_show_nothing():
         laws, like = pool.unlike_the_base(pool.frictions())
         assert (laws, "constant_coulomb" in like) == (FRICTION, True)
         assert np.isnan(pool.envelope(laws).chance) == bool(own)
+
+
+@pytest.mark.parametrize(("gain", "sure"), [(-5.0, 0.0), (0.0, 0.999), (np.nan, 0.999)])
+def test_a_friction_that_the_envelope_makes_improbable_is_not_seen(gain, sure):
+    pool = SimpleNamespace(
+        frictions=lambda: ["constant_coulomb"],
+        known={frozenset(["viscous"]): SimpleNamespace(evidence=0.0, rubs=0.999)},
+        unlike_the_base=lambda kind: (FRICTION, kind),
+        envelope=lambda laws: Seen(gain, 1.0, 1.0),
+    )
+    assert Pool.sees_friction(pool) == pytest.approx(sure)
 
 
 def test_the_laws_of_loss_are_those_of_the_catalogue():
