@@ -295,15 +295,6 @@ def test_loading_takes_no_part_of_the_workflow_the_bench_or_the_figures():
         assert done.stdout.strip() == "[]"
 
 
-def test_a_rate_is_taken_without_the_half_second_that_a_library_of_filters_needs(tmp_path):
-    rates = 2.5 * np.exp(-0.05 * TIMES) * np.sin(7.25 * TIMES)
-    path = tmp_path / "rate.csv"
-    pd.DataFrame({"t (s)": TIMES, "rate (rad/s)": rates}).to_csv(path, index=False)
-    code = f"import sys, swingdown; swingdown.read({str(path)!r}); print('scipy.signal' in sys.modules)"
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert done.stdout.strip() == "False"
-
-
 def test_what_a_notebook_shows_is_a_short_table():
     """Recording, answer, model and laws of damping: each a table, and what swings its picture."""
     recording = swingdown.read(EXAMPLE)

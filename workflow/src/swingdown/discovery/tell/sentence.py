@@ -130,12 +130,14 @@ def _remains(found: Mapping[str, Any], catalogue: Catalogue) -> str:
     if not remaining:
         return f"{may_be} Nothing more is missing." if not found["effects"] else may_be
     left = found["gap"]["left"]
-    times, size, of = left["noise"], left.get("rad", left.get("rad_per_s")), ""
+    times, size = left["noise"], left.get("rad", left.get("rad_per_s"))
+    rest = "The rest" if found["effects"] else "What remains"
     if times <= 1:  # held-out swings lack nothing: what remains is in the fitted ones
         size *= found["gap"]["fit"][-1] / times
-        times, of = found["gap"]["fit"][-1], " of the fitted swings"
+        times = found["gap"]["fit"][-1]
+        rest = "The rest of the fitted swings" if found["effects"] else "What remains of the fitted swings"
     amount = f"{times:.3g} times the noise ({small(size, found.get('unit', 'rad'))})"
-    rest = f"{'The rest' if found['effects'] else 'What remains'}{of}, {amount}{kind} has no name in the catalogue."
+    rest = f"{rest}, {amount}{kind} has no name in the catalogue."
     return " ".join(filter(None, (rest, may_be)))
 
 
