@@ -84,3 +84,9 @@ def test_a_shape_that_the_fit_could_imitate_altogether_tells_nothing():
     columns, near = np.diag([1.0, 2.0]), np.eye(2)
     told = _smooth((1e-9 * columns, columns), np.ones(2), near, 1e-4, 2.0, 100)
     assert not told.value.any() and not told.known.any() and told.left == 2.0
+
+
+def test_what_is_no_swing_has_a_course_in_time_too():
+    swings = [Swing("s0", TIMES, np.random.default_rng(2).standard_normal(TIMES.size))]
+    fit = fit_jointly(Model("viscous"), [one.pair for one in swings], fixed={"natural_frequency": 0.01})
+    assert np.isfinite(remainder(frame(fit, swings), Noise(0.1)).torque)

@@ -173,7 +173,8 @@ class _Chain(NamedTuple):
 def _chain(one: Motion, residual: Floats, natural_frequency: float) -> _Chain:
     samples = one.times[one.at]
     period = 2 * np.pi / natural_frequency
-    each = max(1, int(period / _COURSE_POINTS * (samples.size - 1) / (samples[-1] - samples[0])))
+    own = int(period / _COURSE_POINTS * (samples.size - 1) / (samples[-1] - samples[0]))
+    each = min(max(1, own), samples.size)  # a model may swing more slowly than a record is long
     whole = samples.size // each * each
 
     def mean(series: Floats) -> Floats:
