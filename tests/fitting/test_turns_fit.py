@@ -88,3 +88,13 @@ def test_too_few_are_refused_in_words():
         fit_turns(
             Model("viscous"), Turns(np.arange(3.0), np.arange(3), np.array([0.3, -0.29, 0.28]), True, True)
         )
+
+
+def test_a_fit_takes_few_evaluations():
+    values = {"natural_frequency": 5.0, "viscous_ratio": 0.002, "quadratic_coefficient": 0.004}
+    times, angles = turning_points(values, 0.5, 200)
+    turns = read(times, angles, np.random.default_rng(5), (1e-3, 1e-3), True)
+    small = fit_turns(Model("viscous"), turns)
+    large = fit_turns(model_of(values), turns, [small.known])
+    assert large.known["viscous_ratio"] == pytest.approx(0.002, rel=0.1)
+    assert large.evaluations < 30  # each takes some trajectories of all its swings

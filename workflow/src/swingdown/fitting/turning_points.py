@@ -28,6 +28,7 @@ from .nested import unseen
 _SAMPLES = 24  # a period, between which turning points are looked for
 _ROUNDS = 8  # of fits, each with the scatter that the one before left
 _HALVED = 6  # times that a start's damping is halved
+_ROUGHLY, _WELL = 1e-5, 1e-10  # tolerances: of the fits that tell which start is best, and of those after it
 _SETTLED = 1e-3  # change of a scatter, as a share, that ends them
 _LOST = 1e6  # standard deviations: what a motion that cannot be computed is off
 _UNITS = {"release_angle": "rad", "first": "s", "zero": "rad"}
@@ -144,7 +145,7 @@ def fit_turns(
     starts = [np.array([one.get(name, 0.0) for name in free]) for one in guesses]
     if not (unseen(model) and guesses):
         starts = [_start(model, turns, free), *starts]
-    tried = [_least(model, turns, free, start, scatter) for start in starts]
+    tried = [_least(model, turns, free, start, scatter, _ROUGHLY) for start in starts]
     best = min(tried, key=lambda one: one.cost)
     evaluations = sum(one.nfev for one in tried)
     if not best.cost < _LOST**2 / 4:
@@ -223,8 +224,8 @@ def _first_scatter(turns: Turns) -> tuple[float, float]:
 
 
 def _least(
-    model: Model, turns: Turns, free: Sequence[str], start: Floats, scatter: tuple[float, float]
-) -> Any:
+    model: Model, turns: Turns, free: Sequence[str], start: Floats, scatter: tuple[float, float], tolerance: float = _WELL
+) -> Any:  # fmt: skip
     kept: dict[bytes, tuple[Floats, Floats]] = {}
 
     def both(x: Floats) -> tuple[Floats, Floats]:
@@ -240,9 +241,9 @@ def _least(
         lambda x: both(x)[1],
         method="trf",
         x_scale="jac",
-        xtol=1e-12,
-        ftol=1e-12,
-        gtol=1e-12,
+        xtol=tolerance,
+        ftol=tolerance,
+        gtol=tolerance,
         max_nfev=200,
     )
 
@@ -283,8 +284,9 @@ def _course(model: Model, turns: Turns, free: Sequence[str], x: Floats) -> _Cour
         if times is None:
             return None
         whole = np.concatenate([[0.0], times[turns.halves[1:] - 1]])
+        pull = _pull(one, simulate(one, whole, release)[1:])
         for _ in range(2):  # Newton's steps
-            whole[1:] -= simulate(turning, whole, release)[1:] / _pull(one, simulate(one, whole, release)[1:])
+            whole[1:] -= simulate(turning, whole, release)[1:] / pull
         angle, slopes[1][rows] = sensitivities(one, whole, release, free=chosen)
         speed_slopes = sensitivities(turning, whole, release, free=chosen)[1]
     except (TrajectoryError, InputError):
