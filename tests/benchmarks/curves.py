@@ -14,13 +14,13 @@ from collections import defaultdict
 import numpy as np
 
 import swingdown
-from swingdown.curves.amplitudes import of_samples
 from swingdown.curves.free import free
 from swingdown.curves.modelled import course
 from swingdown.engine.trajectory import simulate
 from swingdown.errors import InputError
 from swingdown.measurement.slack import CLOCK_TOLERANCE
 from swingdown.pendulum.model import Model
+from swingdown.studies.half_swings import of_samples
 
 SPEED_ALONE = {"viscous", "quadratic_drag", "constant_coulomb", "stribeck", "power_law_drag"}
 LAWS = {

@@ -56,6 +56,16 @@ def test_a_loss_is_seen_whatever_spring_or_sensor_error_is_there_too(hidden, law
     assert not (other.chance > 0.95 and other.share < 0.2 and other.held_out < 0.5)
 
 
+def test_amplitudes_that_come_and_go_hide_no_loss():
+    """A bob that swings round as well: its ellipse turns, and what a camera sees of it grows and falls again, which no loss does."""
+    plain = swings("constant_coulomb")
+    beat = [replace(each, angle=each.angle * (1 + 0.02 * np.sin(1.1 * each.times))) for each in plain.whole]
+    found = shown(campaign("beating", beat), FRICTION)
+    assert found.chance > 0.99
+    assert found.share < 0.2
+    assert found.held_out < 0.5
+
+
 @pytest.mark.parametrize("hidden", [(), ("quadratic_stiffness",), ("damping_drift",)])
 def test_no_loss_is_seen_where_only_viscous_drag_takes_energy(hidden):
     for angles in ((0.9, -0.7, 0.5, 0.3), (0.9,)):

@@ -272,6 +272,21 @@ def test_what_held_out_swings_speak_against_is_not_in_the_model_that_is_told(mon
     assert last.key == told and set(found) == told
 
 
+def test_an_effect_that_cannot_be_left_out_keeps_no_other_one():
+    """Without the clock's drift nothing can be fitted: the detent goes all the same."""
+    three, two = (
+        frozenset(("constant_coulomb", "clock_drift", "detent")),
+        frozenset(("constant_coulomb", "clock_drift")),
+    )
+    structures = {two: [SimpleNamespace(key=two)]}
+    pool = SimpleNamespace(
+        nothing=lambda: 1.0,
+        added=sorted,
+        lacking=lambda here, names: structures.get(here.key - set(names), []),
+    )
+    assert findings._fewer(pool, SimpleNamespace(key=three), ["clock_drift", "detent"]).key == two
+
+
 def test_what_an_effect_is_nearly_in_the_most_probable_structure_it_is_in_a_smaller_one(monkeypatch):
     """Without its neighbours a size is known too well to be that of the simpler effect."""
     here, most = (
@@ -293,7 +308,7 @@ def test_a_drag_of_which_more_laws_are_possible_than_a_tie_has_is_told_as_one(mo
         sees_friction=lambda: 0.0,
     )
     monkeypatch.setattr(findings, "_nearly", lambda *_: [])
-    monkeypatch.setattr(findings, "_asked", lambda pool, best, name, names, one, seen: one)
+    monkeypatch.setattr(findings, "_asked", lambda pool, best, name, names, one: one)
     found = findings._as_one(pool, None, "viscous", ["viscous"], kind, (), None)
     assert found.probability == 0.997 and len(found.ties) == 3 and found.law_open is law_open
 

@@ -38,3 +38,13 @@ def test_turning_points_beyond_the_top_are_no_half_swings_of_a_pendulum():
     assert 0 < len(table) < len(half_swings(TIMES, wheel, FREQUENCY, "linear"))
     assert table["amplitude_rad"].max() < np.pi
     assert np.isfinite(table.to_numpy()).all()
+
+
+def test_a_turning_point_that_is_missing_makes_no_small_half_swing():
+    swing = swung(0.5, "sine")
+    table = half_swings(TIMES, swing, FREQUENCY)
+    turn = table["time_s"].iloc[20] + np.pi / FREQUENCY / 2
+    seen = np.abs(TIMES - turn) > 0.3
+    holed = half_swings(TIMES[seen], swing[seen], FREQUENCY)
+    assert len(holed) == len(table) - 2
+    assert holed["amplitude_rad"].to_numpy() == pytest.approx(np.interp(holed["time_s"], table["time_s"], table["amplitude_rad"]), rel=1e-3)  # fmt: skip

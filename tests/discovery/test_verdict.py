@@ -32,9 +32,9 @@ def state(
     }  # fmt: skip
 
 
-def finding(doubt="", ties=(), probability=0.9999, without=3.0, law_open=False, idle=False):
+def finding(doubt="", ties=(), probability=0.9999, without=3.0, law_open=False, idle=False, **more):
     """What round.json holds of what is judged of an effect."""
-    return {"probability": probability, "ties": list(ties), "share": 0.01, "held_out": 0.0, "without": without, "doubt": doubt, "law_open": law_open, "idle": idle}  # fmt: skip
+    return {"probability": probability, "ties": list(ties), "share": 0.01, "held_out": 0.0, "without": without, "doubt": doubt, "law_open": law_open, "idle": idle, "of_amplitudes": False} | more  # fmt: skip
 
 
 def test_nothing_missing_is_consistent():
@@ -276,6 +276,19 @@ def test_a_damping_whose_law_is_open_is_told_as_a_tie_with_another(name, kind, g
     assert found["status"] == "ambiguous" and found["effects"][0]["damping"] == kind
     assert f"or {kind} of another law, which the data do not distinguish" in found["sentence"]
     assert f"{german} nach einem anderen Gesetz" in language("de").text(found["sentence"])
+
+
+@pytest.mark.parametrize(("share", "said"), [(0.034, "3.4 %"), (0.0, "1 %")])
+def test_a_damping_that_amplitudes_show_is_told_by_what_they_show(share, said):
+    """What held-out swings leave without it may be a spring's, and says nothing of it."""
+    first = state(0, missing=True, chosen="quadratic_drag", holdout=9.8)
+    judged = {"quadratic_drag": finding(law_open=True, without=None, share=share, of_amplitudes=True)}
+    found = verdict([first, state(1, missing=True, found=["quadratic_drag"], effects=("viscous", "quadratic_drag"), holdout=9.7, judged=judged)])  # fmt: skip
+    assert found["effects"][0]["of_amplitudes"]
+    assert f"without it the amplitudes would decay otherwise, with it {said} of that difference remains. Held-out residual 9.8 → 9.7" in found["sentence"]  # fmt: skip
+    assert f"damit bleiben {said.replace('.', ',')} dieses Unterschieds" in language("de").text(
+        found["sentence"]
+    )
 
 
 def test_a_size_that_a_discrepancy_may_do_as_well_is_asserted_by_its_probability_and_not_told():

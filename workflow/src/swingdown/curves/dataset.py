@@ -14,7 +14,7 @@ from ..fitting.uncertainty import half_widths
 from ..measurement.slack import of_angles
 from ..pendulum.model import Model
 from ..pendulum.slack import Slack
-from .amplitudes import HalfSwings, half_swings_of
+from ..studies.half_swings import HalfSwings, half_swings_of
 from .discrepancy import with_discrepancy
 from .free import Free, free
 

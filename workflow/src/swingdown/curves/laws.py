@@ -21,8 +21,8 @@ from ..pendulum.catalogue import RATE, SHIPPED, Catalogue
 from ..pendulum.model import Model, model_words
 from ..rounding import value_with_uncertainty
 from ..studies.comparison import WORTH
+from ..studies.half_swings import of_samples
 from ..studies.turning_points import fits_of
-from .amplitudes import of_samples
 
 _SINGLE = ("viscous", "quadratic_drag", "load_coulomb", "constant_coulomb")
 _EXPONENTIAL = ("viscous", "structural_damping")  # they take the same share of every swing

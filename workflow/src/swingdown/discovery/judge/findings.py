@@ -28,7 +28,8 @@ class Finding:
     """What is to be said of an effect that the most probable structure has: the ``probability`` that it or one of its ``ties`` is there,
     the ``share`` of the discrepancy that is left with it, that of the ``held_out`` swings' excess over the noise, what they leave
     ``without`` it (in units of the noise), NaN where that cannot be computed, the ``doubt``, why it is not told, or empty, and
-    ``law_open``, True of a damping whose law may be one that the catalogue has not."""
+    ``law_open``, True of a damping whose law may be one that the catalogue has not, and ``of_amplitudes``, True where the shares are those
+    of what amplitudes lose from swing to swing."""
 
     probability: float
     ties: tuple[str, ...] = ()
@@ -37,6 +38,7 @@ class Finding:
     without: float = np.nan
     doubt: str = ""
     law_open: bool = False
+    of_amplitudes: bool = False
 
     @property
     def sure(self) -> bool:
@@ -89,11 +91,17 @@ def told_of(pool: Pool, best: Structure) -> tuple[Structure, dict[str, Finding]]
         for name, one in found.items()
         if (over := _over_bounds((one.share, one.held_out))) > 1 and not one.sure
     }:
-        fewer = pool.lacking(here, [max(little, key=lambda name: little[name])])
-        if not fewer or not pool.added(fewer[0].key):
+        fewer = _fewer(pool, here, sorted(little, key=lambda name: -little[name]))
+        if fewer is None:
             return best, whole
-        here, found = fewer[0], judged(pool, fewer[0], best)
+        here, found = fewer, judged(pool, fewer, best)
     return (here, found) if any(one.sure for one in found.values()) else (best, whole)
+
+
+def _fewer(pool: Pool, here: Structure, names: Sequence[str]) -> Structure | None:
+    """The most probable structure without the first of these effects that can be left out; None where none can, or nothing is added then."""
+    without = (one for name in names for one in pool.lacking(here, [name])[:1])
+    return next((one for one in without if pool.added(one.key)), None)
 
 
 def _naming(pool: Pool, best: Structure) -> Structure:
@@ -159,15 +167,18 @@ def _as_one(
     rubs, open_ = pool.first.fit.model.catalogue.rubs(name), pool.of([name, *ties]) < PROBABLE
     chance = max(pool.of_friction() if rubs else pool.of(kind), shown.chance if shown else 0.0)
     seen = shown is not None or (rubs and pool.sees_friction() >= PROBABLE)
-    one = _asked(pool, best, name, names, Finding(chance, ties, law_open=open_), seen)
-    return replace(one, share=shown.share, held_out=shown.held_out) if shown else one
+    one = _asked(pool, best, name, names, Finding(chance, ties, law_open=open_))
+    if not (seen and one.doubt):
+        return one
+    # what is seen without a name is there, however little its named law explains
+    one = replace(one, doubt="", law_open=True)
+    if shown is None:
+        return one
+    return replace(one, share=shown.share, held_out=shown.held_out, without=np.nan, of_amplitudes=True)
 
 
-def _asked(
-    pool: Pool, best: Structure, name: str, names: Sequence[str], one: Finding, seen: bool = False
-) -> Finding:
-    """The finding with the shares that are left with these effects, and what speaks against it. What is ``seen`` without a name is there,
-    however little its named law explains."""
+def _asked(pool: Pool, best: Structure, name: str, names: Sequence[str], one: Finding) -> Finding:
+    """The finding with the shares that are left with these effects, and what speaks against it."""
     near = pool.lacking(best, names)
     if not near:
         return replace(one, doubt="no model without it can be fitted")
@@ -179,8 +190,6 @@ def _asked(
         share, held = min((share, held), _of_friction(pool, best, without), key=_over_bounds)
     doubt = _doubt(one.probability, share, held)
     law_open = one.law_open or (not doubt and damps and best.loses_more)
-    if seen and doubt:
-        doubt, law_open = "", True
     return replace(one, share=share, held_out=held, without=rms, doubt=doubt, law_open=law_open)
 
 

@@ -26,6 +26,7 @@ _VISCOUS = 1
 _DRIFT = 3  # the loss by a viscous drag that grows in time
 _LEAST = 4  # amplitudes of a swing that is looked at
 _BROKEN = 1.5  # half-swings between two: what is longer begins anew
+_NODES = 6  # amplitudes between which a loss of any law goes straight
 _TURNS = 181  # at which an orbit is computed
 
 
@@ -97,22 +98,51 @@ def seen(of: Amplitudes, laws: Collection[int]) -> Seen:
     counts = (count - free) * (1 - memory) / (1 + memory)
     gain = 0.5 * counts * np.log(np.sum(lacked**2) / np.sum(left**2)) - 0.5 * len(laws) * np.log(count)
     held = [np.concatenate([_released(one, each) for one in of.held_out]) for each in (losses, without)]
-    return Seen(float(gain), _ratio(left, lacked), _ratio(*held))
+    return Seen(float(gain), _ratio(of.fitted, left, lacked), _ratio(of.held_out, *held))
 
 
-def _ratio(now: Floats, then: Floats) -> float:
-    """The RMS that is left of amplitudes now over that of then, both beyond what comes and goes from one half-swing to the next."""
-    noise = float(np.mean(np.diff(now, 2) ** 2) / 6)
-    left, lacked = (max(float(np.mean(one**2)) - noise, 0.0) for one in (now, then))
+def _ratio(of: Sequence[Stretch], now: Floats, then: Floats) -> float:
+    """The RMS that is left of amplitudes now over that of then, of both what a loss of any law could be: what comes and goes where the
+    amplitude is the same is none."""
+    any_law = np.hstack([_firsts(of), _of_any_law(of)])
+    space, sizes, _ = np.linalg.svd(
+        any_law / np.linalg.norm(any_law, axis=0).clip(1e-300), full_matrices=False
+    )
+    space = space[:, sizes > 1e-6 * sizes[0]]
+    free = now.size - space.shape[1]
+    if free < 1:
+        return np.inf
+
+    def lost(one: Floats) -> float:
+        within = space.T @ one
+        return max(float(within @ within - space.shape[1] * (one @ one - within @ within) / free), 0.0)
+
+    left, lacked = lost(now), lost(then)
     return float(np.sqrt(left / lacked)) if lacked > 0 else np.inf
+
+
+def _firsts(of: Sequence[Stretch]) -> Floats:
+    """A one for the amplitudes of each stretch (amplitude, stretch)."""
+    return np.asarray(block_diag(*(np.ones((one.sizes.size, 1)) for one in of)))
+
+
+def _of_any_law(of: Sequence[Stretch]) -> Floats:
+    """What has been lost by each law, and by what takes energy near each of some amplitudes alone (amplitude, law)."""
+    sizes = np.concatenate([one.sizes for one in of])
+    nodes = np.quantile(sizes, np.linspace(0, 1, _NODES))
+    hats = []
+    for one in of:
+        middle = (one.sizes[1:] + one.sizes[:-1]) / 2
+        each = np.array([np.interp(middle, nodes, row) for row in np.eye(_NODES)])
+        hats.append(np.concatenate([np.zeros((1, _NODES)), np.cumsum(each, axis=1).T]))
+    return np.hstack([np.concatenate([one.lost for one in of]), np.concatenate(hats)])
 
 
 def _followed(stretches: Sequence[Stretch], but: Collection[int] = ()) -> tuple[Floats, Floats]:
     """(the size of each law ``but`` these, by least squares; what is left of the amplitudes, rad)."""
     sizes, lost = (np.concatenate([one[k] for one in stretches]) for k in range(2))
-    first = block_diag(*(np.ones((one.sizes.size, 1)) for one in stretches))
     laws = [law for law in range(lost.shape[1]) if law not in but]
-    columns = np.hstack([-lost[:, laws], first])
+    columns = np.hstack([-lost[:, laws], _firsts(stretches)])
     scale = np.linalg.norm(columns, axis=0)
     low = np.full(columns.shape[1], -np.inf)
     low[[k for k, law in enumerate(laws) if law in _LAWS]] = 0.0

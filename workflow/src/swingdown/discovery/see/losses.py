@@ -6,36 +6,16 @@ import numpy as np
 import pandas as pd
 
 from ...arrays import Floats, Swing
+from ...calmed import calmed
+from ...errors import InputError
+from ...measurement.swings.half_swings import middles
 from ...own_unit import Own
 from ...pendulum.catalogue import ANGLE, RATE
 from ...pendulum.ideal import lengthening, reached
+from ...studies.half_swings import of_samples
 
 COLUMNS = ["time_s", "amplitude_rad", "energy_loss", "period_ratio", "midpoint_rad"]
 _QUANTITIES = ("energy_loss", "period_ratio", "midpoint_rad")
-_ABOVE_NOISE = 8.0  # standard deviations that a turning point must be from the middle
-_NEAR = 0.12  # of a half-swing on each side of a turning point, where the angle is a parabola to the noise
-
-
-def turning_points(times: Floats, angle: Floats) -> tuple[Floats, Floats]:
-    """Times (s) and angles (rad) of the turning points, each from a parabola through the samples around it."""
-    middle = angle - np.median(angle)
-    side = np.where(middle > 0.15 * np.std(angle), 1, np.where(middle < -0.15 * np.std(angle), -1, 0))
-    marks = np.flatnonzero(side)
-    changes = marks[np.flatnonzero(np.diff(side[marks]))]
-    found = []
-    for a, b in zip(changes, changes[1:], strict=False):
-        k = a + int(np.argmax(np.abs(middle[a:b])))
-        reach = max(3, int(_NEAR * (b - a)))
-        rows = slice(max(0, k - reach), min(times.size, k + reach + 1))
-        if rows.stop - rows.start < 5:
-            continue
-        local = times[rows] - times[k]
-        c2, c1, c0 = np.polyfit(local, angle[rows], 2)
-        if c2 == 0 or abs(c1 / (2 * c2)) > np.ptp(local):
-            continue
-        found.append((times[k] - c1 / (2 * c2), c0 - c1**2 / (4 * c2)))
-    when, where = np.array(found).reshape(-1, 2).T
-    return when, where
 
 
 def half_swings(
@@ -62,26 +42,28 @@ def half_swings(
         amplitude (ratio), and the mid-point (rad, from three turning points, so that decay leaves it alone). Half-swings that the noise
         could have made are left out.
     """
-    when, where = turning_points(times, angle)
-    noise = np.std(np.diff(angle, 2)) / np.sqrt(6) if angle.size > 3 else 0.0
-    plain = np.abs(where - np.median(angle)) > _ABOVE_NOISE * noise
-    last = int(np.argmin(plain)) if not plain.all() else plain.size
-    when, where = when[:last], where[:last]
+    quiet = calmed(times, angle, ends_quiet=False) if reading == RATE else None
+    try:
+        found = of_samples("", times, angle, quiet=quiet)
+    except InputError:  # too few half-swings, or too few samples in each
+        return pd.DataFrame(columns=COLUMNS, dtype=float)
+    when, where, number = found.times, found.angle + found.centre, found.number
     if restoring == "sine" and reading == ANGLE:  # what falls down is at rest beyond the top no more
         first = int(np.max(np.flatnonzero(np.abs(where) >= np.pi), initial=-1)) + 1
-        when, where = when[first:], where[first:]
-    if when.size < 4:
+        when, where, number = when[first:], where[first:], number[first:]
+    if when.size < 3:
         return pd.DataFrame(columns=COLUMNS, dtype=float)
     if reading == RATE:
-        where = where - np.median((where[:-2] + 2 * where[1:-1] + where[2:]) / 4)  # a gyroscope's zero
+        where = where - np.median(middles(where))  # a gyroscope's zero
         where = reached(where / natural_frequency, restoring)
     amplitude = np.abs(np.diff(where)) / 2
     if restoring == "sine":
         height, mean = 1 - np.cos(where), 1 / lengthening(amplitude)
     else:
         height, mean = where**2 / 2, np.ones_like(amplitude)
-    middle = (where[:-2] + 2 * where[1:-1] + where[2:]) / 4 * (np.nan if reading == RATE else 1.0)
-    return pd.DataFrame(
+    in_a_row = np.diff(number, 2) == 0
+    middle = np.where(in_a_row, middles(where), np.nan) * (np.nan if reading == RATE else 1.0)
+    table = pd.DataFrame(
         {
             "time_s": (when[1:] + when[:-1]) / 2,
             "amplitude_rad": amplitude,
@@ -90,6 +72,7 @@ def half_swings(
             "midpoint_rad": [*middle, middle[-1]],
         }
     )
+    return table[np.diff(number) == 1]
 
 
 def beside(
@@ -139,6 +122,7 @@ def differences(table: pd.DataFrame) -> pd.DataFrame:
             if inside[quantity].isna().all():
                 continue
             difference = (inside[quantity] - inside[f"{quantity}_model"]).to_numpy()
+            difference = difference[np.isfinite(difference)]
             middle = np.median(difference)
             spread = 1.4826 * np.median(np.abs(difference - middle)) / np.sqrt(max(1, difference.size - 1))
             rows.append(

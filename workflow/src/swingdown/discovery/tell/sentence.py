@@ -104,6 +104,9 @@ def _without(found: Mapping[str, Any]) -> str:
     with_it = f"{found['gap']['holdout'][-1]:.3g}"
     if len(found["effects"]) == 1:
         (one,) = found["effects"]
+        if one.get("of_amplitudes"):
+            left = f"{max(100 * one['share_left'], 1):.2g} %"
+            return f" (P {_sure(one)}): without it the amplitudes would decay otherwise, with it {left} of that difference remains"
         if one.get("gap_without") is None:
             return f" (P {_sure(one)})"
         return f" (P {_sure(one)}): without it {one['gap_without']:.3g} times the noise remains, with it {with_it}"

@@ -244,6 +244,7 @@ def _effect(
         "probability": judged["probability"],
         "share_left": judged["share"],
         "held_out_left": judged["held_out"],
+        "of_amplitudes": judged["of_amplitudes"],
         "gap_without": judged["without"],
         "delta_bic": state["chosen"]["gain_bic"],
         "tied_with": judged["ties"],

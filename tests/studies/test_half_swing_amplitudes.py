@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 
 from swingdown.answer.given import swings
-from swingdown.curves.amplitudes import half_swings_of, of_samples
 from swingdown.engine.trajectory import simulate
 from swingdown.errors import InputError
 from swingdown.pendulum.catalogue import RATE
 from swingdown.pendulum.ideal import reached
 from swingdown.pendulum.model import Model
+from swingdown.studies.half_swings import half_swings_of, of_samples
 
 FREQUENCY, RATIO, SIZE = 5.0, 0.01, 0.4  # rad/s, damping ratio, rad
 OWN = FREQUENCY * np.sqrt(1 - RATIO**2)

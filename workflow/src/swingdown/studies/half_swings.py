@@ -14,7 +14,7 @@ from ..measurement.angle import UNSCALED
 from ..measurement.points.points_recording import COUNTED, PASSED, are_points
 from ..measurement.swings.half_swings import middles
 from ..pendulum.catalogue import RATE
-from ..studies.turning_points import turns_of
+from .turning_points import turns_of
 
 # of a half-swing on each side: a polynomial of degree 4 finds a turn to 4e-6 of it, of degree 3 a passage
 _TURN, _PASS = 0.22, 0.25
@@ -31,6 +31,7 @@ class HalfSwings(NamedTuple):
     uncertainty ``u_angle``. Marks of time: ``mark`` (s), ``u_mark``, their place ``at`` among the half-swings, and ``slope``, the signed speed
     (rad/s) with which a passage goes through the middle, infinite for turning points. ``times`` (s) of the turning points where they are
     timed. ``passages`` tells whether the marks are passages through the middle. ``scaled`` is False where the angles are in no unit of angles.
+    ``centre`` is what angles of samples are told from.
     """
 
     recording: str
@@ -45,6 +46,7 @@ class HalfSwings(NamedTuple):
     passages: bool
     both: bool
     scaled: bool = True
+    centre: float = 0.0
 
 
 def half_swings_of(data: xr.Dataset, restoring: str = "sine") -> HalfSwings:
@@ -141,7 +143,7 @@ def of_samples(
     both = bool(min(above, np.count_nonzero(loud) - above) >= 2)
     return HalfSwings(
         name, number[:-1][loud], (size - centre)[loud], u_size[loud], place[loud], number[passed] - 0.5, at[passed], u_at[passed],
-        slope[passed], True, both, scaled,
+        slope[passed], True, both, scaled, centre,
     )  # fmt: skip
 
 
