@@ -75,6 +75,33 @@ def test_a_law_that_does_as_well_is_not_told_as_better(monkeypatch):
         assert exponential_words(found).endswith(told)
 
 
+@pytest.mark.parametrize(
+    ("label", "values", "release"),
+    [
+        ("viscous+presliding", {"viscous_ratio": 0.004, "presliding_friction": 0.12, "presliding_angle": 0.006}, 0.35),
+        ("constant_coulomb", {"constant_friction": 0.06}, 1.3),
+        ("power_law_drag", {"power_law_coefficient": 0.05, "power_law_exponent": 0.5}, 0.5),
+    ],
+)  # fmt: skip
+def test_the_sentence_names_the_law_that_the_answer_names(label, values, release):
+    """Also where constant friction, which no first answer is chosen from beside a sine, describes the decay better."""
+    found = swing(label, values, release=release)
+    answer, fall, named = exponential(found.laws())
+    assert (answer, named) == ("no", found.label) and fall > 6
+
+
+def test_each_law_is_compared_with_the_zero_that_it_was_fitted_with():
+    times = np.arange(0, 20, 0.02)
+    angle = swingdown.simulate("quadratic_drag", times, 0.5, noise=NOISE, seed=1, natural_frequency=5.0, quadratic_coefficient=0.03)  # fmt: skip
+    found = swingdown.fit(times, angle.values + 0.02)
+    (own,) = found.laws()
+    left = table([own], "mine").set_index("law")["residual_mrad"]
+    asked = np.radians(found.fits["norm"].sel(recording="swing").to_series())
+    assert left["quadratic_drag"] == pytest.approx(1e3 * asked["quadratic_drag"], rel=1e-4)
+    drawn = envelopes(own)
+    assert float(abs(drawn["amplitude"] - drawn["fitted"].sel(law="quadratic_drag")).max()) < 3e-3
+
+
 def test_a_wheel_on_a_spring_has_no_friction_that_grows_with_the_load():
     found = swing("constant_coulomb", {"constant_friction": 0.05}, "linear").laws()
     assert all("load_coulomb" not in one.label for one in found[0].laws)

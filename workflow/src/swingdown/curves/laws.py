@@ -1,6 +1,6 @@
 """What each law of damping leaves of a recording: residual, what it makes of a part held out, and its evidence; is the decay exponential?"""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from ..arrays import Floats
+from ..arrays import Floats, Swing
 from ..dataset import series_of, variable
 from ..engine.trajectory import TrajectoryError, simulate
 from ..errors import InputError
@@ -18,13 +18,16 @@ from ..fitting.result import Begin, Fit, SwingStart
 from ..fitting.uncertainty import uncertainty
 from ..measurement.points.points_recording import PASSED, are_points
 from ..pendulum.catalogue import RATE, SHIPPED, Catalogue
-from ..pendulum.model import Model, model_words
+from ..pendulum.model import Model, everyday, model_words
 from ..rounding import value_with_uncertainty
 from ..studies.comparison import WORTH
+from ..studies.described import simplest
 from ..studies.half_swings import of_samples
+from ..studies.norms import as_text
 from ..studies.turning_points import fits_of
 
 _SINGLE = ("viscous", "quadratic_drag", "load_coulomb", "constant_coulomb")
+_CONSTANT = ("constant_coulomb", *(f"{one}+constant_coulomb" for one in _SINGLE[:-1]))
 _EXPONENTIAL = ("viscous", "structural_damping")  # they take the same share of every swing
 _HELD_OUT = 1 / 3  # of a recording, at its end
 _FEWEST = 24  # samples of a part
@@ -35,7 +38,7 @@ COLUMNS = [
 
 
 def labels(restoring: str = "sine") -> list[str]:
-    """The laws that are compared: each alone, pairs, and structural damping.
+    """The laws that are compared: those that a first answer is chosen from, and constant friction alone and beside another.
 
     Parameters
     ----------
@@ -47,9 +50,7 @@ def labels(restoring: str = "sine") -> list[str]:
     list of str
         Labels of models, such as ``viscous+quadratic_drag``.
     """
-    single = [one for one in _SINGLE if restoring == "sine" or one != "load_coulomb"]
-    pairs = [f"{a}+{b}" for k, a in enumerate(single) for b in single[k + 1 :]]
-    return [*single, "structural_damping", *pairs]
+    return [*everyday(restoring), *(_CONSTANT if restoring == "sine" else ())]
 
 
 class Law(NamedTuple):
@@ -66,7 +67,8 @@ class Law(NamedTuple):
 
 @dataclass(frozen=True, repr=False)
 class Laws:
-    """The laws of damping on one recording: each ``Law``, and the ``noise`` (rad or rad/s) of its readings, nan where it is not known."""
+    """The laws of damping on one recording: each ``Law``, the ``noise`` (rad or rad/s) of its readings, nan where it is not known, and the labels of
+    the laws that the answer is chosen from."""
 
     recording: str
     laws: tuple[Law, ...]
@@ -75,6 +77,7 @@ class Laws:
     series: Floats = field(repr=False)
     points: bool = False
     unit: str = "rad"
+    chosen_from: tuple[str, ...] = ()
 
     def __repr__(self) -> str:
         shown = self.to_dataframe()[["residual_mrad", "held_out_mrad", "delta_bic", "weight"]]
@@ -119,17 +122,20 @@ def exponential(found: Sequence[Laws]) -> tuple[str, float, str]:
     answer
         ``yes``, ``no`` or ``open``.
     fall
-        By how much BIC falls from the best exponential law to the best of all.
+        By how much BIC falls from the best exponential law to that law.
     label
-        The label of the best law.
+        The label of the best of the laws that a first answer is chosen from; where the decay is not exponential, of the one that it names.
     """
-    bic = {one.label: 0.0 for one in found[0].laws}
-    for each in found:
-        for one in each.laws:
-            bic[one.label] += one.bic
+    asked = {*found[0].chosen_from, *_EXPONENTIAL}
+    each = [{one.label: one for one in own.laws if one.label in asked} for own in found]
+    everywhere = [label for label in each[0] if all(label in own for own in each)]
+    bic = {label: sum(own[label].bic for own in each) for label in everywhere}
     best = min(bic, key=lambda label: bic[label])
-    excess = min(bic[label] for label in _EXPONENTIAL) - bic[best]
-    return ("yes" if excess == 0 else "open" if excess <= WORTH else "no"), excess, best
+    alike = min((label for label in _EXPONENTIAL if label in bic), key=lambda label: bic[label])
+    if bic[alike] - bic[best] > WORTH:
+        named = simplest([(label, one, each[0][label].parameters) for label, one in bic.items()])
+        return "no", bic[alike] - bic[named], named
+    return ("yes" if alike == best else "open"), bic[alike] - bic[best], best
 
 
 def laws(
@@ -156,21 +162,28 @@ def laws(
     InputError
         For passages without speeds, and for a swing too short to fit.
     """
+    chosen_from = everyday(restoring) if known is None else tuple(as_text(known["fitted"]))
+    compared = [
+        _model(label, restoring, catalogue) for label in dict.fromkeys([*chosen_from, *labels(restoring)])
+    ]
     if are_points(angle):
-        return _of_points(angle, restoring, catalogue)
+        return _of_points(angle, compared, chosen_from)
     name, series = str(angle.attrs["recording"]), series_of(angle)
-    times, values = angle["time"].values, series.values - _zero(known)
-    models = [_model(label, restoring, catalogue).of(str(series.name)) for label in labels(restoring)]
-    fits = _fits(models, times, values, known)
-    inflation = max(1.0, uncertainty(min(fits, key=lambda fit: fit.bic), [(times, values)]).inflation)
+    times, zeros = angle["time"].values, _zeros(known, compared)
+    swings = {label: (times, series.values - zero) for label, zero in zeros.items()}
+    fits = _fits([one.of(str(series.name)) for one in compared], swings, known)
+    best = min(fits, key=lambda fit: fit.bic)
+    inflation = max(1.0, uncertainty(best, [swings[best.model.label]]).inflation)
     independent = max(times.size / inflation, 2.0) if np.isfinite(inflation) else times.size
     found = []
     for fit in fits:
         bic = independent * np.log(fit.rss / fit.n) + len(fit.free) * np.log(independent)
-        held_out = _held_out(fit, times, values)
-        found.append(Law(fit.model.label, len(fit.free), fit.rms, held_out, bic, fit.angle))
+        held_out = _held_out(fit, *swings[label := fit.model.label])
+        fitted = fit.angle + zeros[label] - zeros[best.model.label]
+        found.append(Law(label, len(fit.free), fit.rms, held_out, bic, fitted))
     noise = _noise(angle)
-    return Laws(name, tuple(found), noise, times, values, unit=str(series.attrs["units"]))
+    unit = str(series.attrs["units"])
+    return Laws(name, tuple(found), noise, *swings[best.model.label], unit=unit, chosen_from=chosen_from)
 
 
 def _model(label: str, restoring: str, catalogue: Catalogue) -> Model:
@@ -186,21 +199,21 @@ def _noise(angle: xr.Dataset) -> float:
     return noise if noise > 0 else float("nan")
 
 
-def _zero(known: xr.Dataset | None) -> float:
-    """The zero of the sensor as it was fitted, where it was left open."""
-    if known is None or "nuisance" not in known.coords:
-        return 0.0
-    zeros = [str(one) for one in known["nuisance"].values if str(one).startswith("sensor_zero")]
-    best = int(known["norm"].argmin("fitted"))
-    return float(known["nuisance_value"].isel(fitted=best).sel(nuisance=zeros[0])) if zeros else 0.0
+def _zeros(known: xr.Dataset | None, compared: Sequence[Model]) -> dict[str, float]:
+    """The zero of the sensor by law, as it was fitted with each where it was left open; a law that was not fitted has that of the best."""
+    if known is None or "zero" not in known:
+        return dict.fromkeys((one.label for one in compared), 0.0)
+    best = float(known["zero"][int(known["norm"].argmin("fitted"))])
+    fitted = zip(as_text(known["fitted"]), map(float, known["zero"].values), strict=True)
+    return dict.fromkeys((one.label for one in compared), best) | dict(fitted)
 
 
-def _fits(models: Sequence[Model], times: Floats, values: Floats, known: xr.Dataset | None) -> list[Fit]:
+def _fits(models: Sequence[Model], swings: Mapping[str, Swing], known: xr.Dataset | None) -> list[Fit]:
     """The fits of these models: those that are known are where they begin, the others begin where the laws they contain ended."""
-    swing = [(times, values)]
     begun = {} if known is None else _begun(known[["value", "release_angle", "release_velocity"]])
 
     def fit(model: Model, inside: list[Fit]) -> Fit:
+        swing = [swings[model.label]]
         if (row := begun.get(model.label)) is None:
             return fit_jointly(
                 model, swing, guess=inside or None, seen=not inside, grown=not inside, bounded=True
@@ -247,7 +260,7 @@ def _motion(fit: Fit, times: Floats) -> tuple[float, float]:
     return float(simulate(model, times, *release)[-1]), float(simulate(model.of(RATE), times, *release)[-1])
 
 
-def _of_points(angle: xr.Dataset, restoring: str, catalogue: Catalogue) -> Laws:
+def _of_points(angle: xr.Dataset, models: Sequence[Model], chosen_from: tuple[str, ...]) -> Laws:
     name = str(angle.attrs["recording"])
     if angle.attrs["points"] == PASSED:
         raise InputError(
@@ -256,7 +269,6 @@ def _of_points(angle: xr.Dataset, restoring: str, catalogue: Catalogue) -> Laws:
             "amplitudes or samples of the motion",
             "record the motion itself",
         )
-    models = [_model(label, restoring, catalogue) for label in labels(restoring)]
     fits = [fit for fit in fits_of(angle, models) if fit is not None]
     found = [
         Law(
@@ -270,7 +282,8 @@ def _of_points(angle: xr.Dataset, restoring: str, catalogue: Catalogue) -> Laws:
         for fit in fits
     ]
     scatter = min(fits, key=lambda fit: fit.bic).scatter[1]
-    return Laws(name, tuple(found), scatter, angle["time"].values, angle["angle"].values, True)
+    series = angle["time"].values, angle["angle"].values
+    return Laws(name, tuple(found), scatter, *series, points=True, chosen_from=chosen_from)
 
 
 def table(found: Sequence[Laws], campaign: str) -> pd.DataFrame:
@@ -383,11 +396,7 @@ def envelopes(found: Laws, said: str = "", emulated: str = "no") -> xr.Dataset:
         If there are too few turning points.
     """
     best = found.best.label
-    shown = [
-        one
-        for one in found.laws
-        if "+" not in one.label and one.label != "structural_damping" or one.label == best
-    ]
+    shown = [one for one in found.laws if one.label in (*_SINGLE, best)]
     if found.points:
         when, size = found.times, np.abs(found.series)
         fitted = [np.abs(one.fitted) for one in shown]

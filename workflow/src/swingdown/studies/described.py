@@ -1,6 +1,6 @@
 """Which model of damping describes a pendulum, by its evidence, and the values that all of them tell."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from itertools import compress
 
 import numpy as np
@@ -13,7 +13,7 @@ from ..pendulum.effect import NATURAL_FREQUENCY, Effect
 from ..pendulum.model import Model
 from .comparison import WORTH, aic_effective, bic_effective, terms_of
 from .norms import as_text, over
-from .quantities import UNITS, Beside, Quantity, about, over_models, quantities
+from .quantities import UNITS, Beside, Quantity, over_models, quantities
 
 _COUNTS = 0.01  # share of a model in a value, below which it is left out
 _EVIDENCE = ["norm", "variance_inflation", "samples", "value", "standard_error"]  # what evidence is told by
@@ -37,16 +37,21 @@ def described_by(norms: xr.Dataset, catalogue: Catalogue = SHIPPED) -> str:
         left out where there is another.
     """
     labels, evidence, usable = _evidence(norms, catalogue)
-    lowest, terms = min(evidence[k] for k in usable), terms_of(norms).sum(axis=1)
-    near = [
-        k for k in usable if evidence[k] - lowest <= WORTH
-    ] or usable  # of passages without speeds there is no evidence
+    terms = terms_of(norms).sum(axis=1)
+    return simplest([(labels[k], float(evidence[k]), int(terms[k])) for k in usable], catalogue)
+
+
+def simplest(models: Sequence[tuple[str, float, int]], catalogue: Catalogue = SHIPPED) -> str:
+    """The label of the smallest of these models, each with its BIC and the number of its terms, whose further terms are not worth it."""
+    lowest = min(bic for _, bic, _ in models)
+    # of passages without speeds there is no evidence
+    near = [one for one in models if one[1] - lowest <= WORTH] or models
 
     def seldom(label: str) -> int:
         """How many of its effects have no letter of their own: of laws that are as good, the usual one is named first."""
         return sum(name not in catalogue or not catalogue[name].symbol for name in label.split("+"))
 
-    return labels[min(near, key=lambda k: (terms[k], seldom(labels[k]), evidence[k]))]
+    return min(near, key=lambda one: (one[2], seldom(one[0]), one[1]))[0]
 
 
 def describes(fits: xr.Dataset, catalogue: Catalogue = SHIPPED) -> str:
@@ -100,6 +105,14 @@ def _ran_away(k: int, unsure: Iterable[str], labels: list[str], evidence: Floats
     return any(one in labels and evidence[labels.index(one)] - evidence[k] > WORTH for one in simpler)
 
 
+def probability(norms: xr.Dataset, label: str, catalogue: Catalogue = SHIPPED) -> float:
+    """The probability of the model ``label`` if one of those that can be a pendulum's is right and all are as likely before: its BIC weight; NaN
+    where there is no evidence."""
+    labels, evidence, usable = _evidence(norms, catalogue)
+    shares = np.exp(-(evidence[usable] - evidence[usable].min()) / 2)
+    return float(shares[usable.index(labels.index(label))] / shares.sum())
+
+
 def rivals(norms: xr.Dataset, label: str, catalogue: Catalogue = SHIPPED) -> list[str]:
     """The labels of the models that do not include the model ``label`` and whose evidence is as good as its within what is worth a word, those
     that include none of the others."""
@@ -143,7 +156,7 @@ def over_laws(
     catalogue: Catalogue = SHIPPED,
     known: Mapping[str, Mapping[str, Quantity]] | None = None,
 ) -> dict[str, Quantity]:
-    """Natural frequency, period, quality and decay time by name, whichever law of damping holds, and the parameters of the ``known`` models.
+    """Natural frequency, period, quality and decay time by name, whichever law of damping holds.
 
     Parameters
     ----------
@@ -161,15 +174,14 @@ def over_laws(
     Returns
     -------
     dict
-        The means over the laws; an uncertainty holds that of each law, and how far they are apart. A parameter keeps the value of its model.
+        The means over the laws; an uncertainty holds that of each law, and how far they are apart.
     """
     known = known or {}
-    told = {name: one for own in known.values() for name, one in own.items() if name not in UNITS}
     each = [
         (share, known.get(label) or described(norms, label, catalogue, amplitude)[1])
         for label, share in weight.items()
     ]
-    return about(told, each) | over_models(each, UNITS)
+    return over_models(each, UNITS)
 
 
 def described(
