@@ -167,6 +167,8 @@ def test_every_text_that_is_translated_is_one_that_the_program_says(catalogues):
             "bleibt das 1,55-fache des Rauschens, damit das 1,06-fache.",
         ),
         ("de", "at 20.1°", "bei 20,1°"),
+        ("es", "quality by group: left and right do not agree (chi² 3.5 for 1, p = 0.006)", "factor de calidad por grupo: left y right no concuerdan (χ² 3,5 con 1, p = 0,006)"),
+        ("de", "if it is viscous and load Coulomb (P 0.823)", "falls die Dämpfung so ist: viskos und Coulomb (lastabhängig) (P 0,823)"),
         (
             "fr",
             "length as the names say: l=0.20 m → 0.2 m, 25.5cm → 0.255 m, 30cm → 0.3 m …",

@@ -307,7 +307,7 @@ def test_what_a_notebook_shows_is_a_short_table():
     assert f"<td>{str(period).removesuffix(' s')}</td><td>s</td>" in answer._repr_html_()
     model = answer.model
     assert all(name.replace("_", " ") in model._repr_html_() for name in model.parameters)
-    assert "<th>viscous</th>" in laws._repr_html_() and len(repr(laws).splitlines()) < 15
+    assert "<th>viscous</th>" in laws._repr_html_() and len(repr(laws).splitlines()) < 18
     assert list(laws.to_dataframe()["delta_bic"]) == sorted(laws.to_dataframe()["delta_bic"])
 
 

@@ -1,11 +1,12 @@
 """How often the stated uncertainties of period, quality and decay time hold the truth where nobody knows the law of damping.
 
-    .venv/bin/python tests/benchmarks/everyday.py [COUNT] [--seed SEED] [--truth NAME …] [--verdict]
+    .venv/bin/python tests/benchmarks/everyday.py [COUNT] [--seed SEED] [--truth NAME …] [--verdict | --parameters]
 
 Prints a table in Markdown. Each recording is one swing of its own pendulum: sizes of damping, frequency, release, length of the record
 (10 to 60 s), rate (30 to 100 a second), noise, clock and zero are drawn; ``--verdict`` asks ``explain``, not the first answer. A value is inside where
 the truth is within 1.96 stated standard uncertainties; ``wide`` is the median of the stated uncertainty over the value, and ``pull`` the
-RMS of what is off, in stated uncertainties.
+RMS of what is off, in stated uncertainties. ``--parameters`` prints how often two standard uncertainties of a law's own parameters hold the truth, by
+whether the law that is named is right, and how often it is where its probability is told as so much.
 """
 
 import argparse
@@ -137,6 +138,34 @@ def pulls(truth, count, draws, verdict):
     return off / u, u / value, silent
 
 
+def of_parameters(truth, count, draws):
+    """Prints what first answers say of the parameters of the law that they name, and how often that law is right."""
+    chances, held = [], {True: [], False: []}
+    for _ in range(count):
+        model, times, release, noise = drawn(draws, (TRUTHS | FOREIGN)[truth])
+        angle = simulate(model, times, release) + noise * draws.standard_normal(times.size)
+        try:
+            answer = swingdown.fit(times, angle, unit="rad")
+        except (InputError, TrajectoryError):
+            continue
+        chance = float(answer.row.get("model_probability", np.nan))
+        if not np.isfinite(chance):
+            continue
+        right = answer.label == model.label
+        chances.append((chance, right))
+        for name in set(answer.model.parameters[1:]) & set(answer.quantities):
+            value, u, _ = answer.quantities[name]
+            held[right].append(abs(value - model.values.get(name, 0.0)) <= 2 * u)
+    for right, inside in held.items():
+        print(f"{truth}, law {'right' if right else 'wrong'}: {100 * np.mean(inside):.1f} % of {len(inside)}")
+    told, right = np.array(chances).T
+    for low, high in ((0.0, 0.5), (0.5, 0.8), (0.8, 0.95), (0.95, 1.1)):
+        of = (told >= low) & (told < high)
+        print(
+            f"P {low} to {min(high, 1.0)}: told {told[of].mean():.2f}, right {right[of].mean():.2f} of {of.sum()}"
+        )
+
+
 def main(argv=None):
     """The table printed."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
@@ -145,7 +174,12 @@ def main(argv=None):
     parser.add_argument("--truth", nargs="*", default=list(TRUTHS), choices=[*TRUTHS, *FOREIGN])
     parser.add_argument("--foreign", action="store_true", help="the kinds that no law of the list has")
     parser.add_argument("--verdict", action="store_true")
+    parser.add_argument("--parameters", action="store_true")
     given = parser.parse_args(argv)
+    if given.parameters:
+        for k, truth in enumerate(given.truth):
+            of_parameters(truth, given.count, np.random.default_rng([given.seed, k]))
+        return
     print(
         "| damping | answered | "
         + " | ".join(f"{name.replace('_', ' ')}: inside, wide, pull" for name in ASKED)

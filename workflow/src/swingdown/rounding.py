@@ -7,6 +7,7 @@ from decimal import ROUND_HALF_EVEN, Decimal
 from math import isfinite, nan
 
 RULES = ("two", "one", "limit")
+SURE = 0.999  # probability above which one says no more
 _SMALLEST = -4  # power of ten of the larger of the two below which, and ...
 _COARSEST = 2  # ... of the last digit shown above which a power of ten reads better
 
@@ -60,6 +61,11 @@ def plus_minus(value: float, uncertainty: float, rule: str = "two") -> str:
     number, error, last, power = parts
     text = f"{number:.{max(-last, 0)}f} ± {error:.{max(-last, 0)}f}"
     return f"({text}){_power(power)}" if power else text
+
+
+def probability(chance: float) -> str:
+    """A probability as one says it: ``0.953``, and ``> 0.999`` above that."""
+    return "> 0.999" if chance > SURE else f"{chance:.3f}"
 
 
 def _cut(

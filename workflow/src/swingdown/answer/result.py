@@ -401,6 +401,7 @@ class Answer:
                     "standard_uncertainty": finite_or_none(one.uncertainty),
                     "unit": one.unit,
                     "text": one.number,
+                    "holds": one.condition,
                 }
                 for one in quantity_rows(row, self.verdict)
             },

@@ -22,7 +22,7 @@ from ..pendulum.effect import NATURAL_FREQUENCY
 from ..pendulum.ideal import lengthening
 from ..pendulum.slack import ZERO, is_open
 from ..rounding import value_with_uncertainty
-from .described import described, described_by, over_laws, reading_of, rivals, weights
+from .described import described, described_by, over_laws, probability, reading_of, rivals, weights
 from .left_over import MUCH, doubt
 from .norms import as_text
 from .quantities import UNITS, Quantity, loss_seen
@@ -144,6 +144,7 @@ NO_MODEL = (NOT_DAMPED, NOT_DYING)
 _TAIL = {
     "model": True,
     "or_model": False,
+    "model_probability": False,
     "share_left": False,
     "model_of": True,
     "period_of": False,
@@ -183,6 +184,7 @@ def _row(
     row: dict[str, Any] = {
         **({"share_left": left} if left > MUCH else {}),
         "or_model": "; ".join(rivals(own, label, catalogue)),
+        "model_probability": probability(own, label, catalogue),
         "record_s": float(own["record_s"].max()) if "record_s" in own else np.nan,
         "campaign": campaign,
         "recording": name,
@@ -248,7 +250,7 @@ def _of_what_is_seen(row: dict[str, Any], keeps_on: bool = False, dies: bool = F
         for column in cells_of(name, Quantity(1.0, 1.0, UNITS[name]))
     }
     lost = {column + end for column in row if f"{column}_u" in row for end in ("", "_u", "_text")} - kept
-    lost.add("or_model")
+    lost |= {"or_model", "model_probability"}
     return {key: value for key, value in row.items() if key not in lost} | {"model": NOT_DYING}
 
 
@@ -309,6 +311,7 @@ def by_verdict(row: Mapping[str, Any], verdict: Mapping[str, Any]) -> dict[str, 
     )
     old = {
         "or_model",
+        "model_probability",
         "share_left",
         "period_of",
         *(f"{key}{end}" for key in row if f"{key}_u" in row for end in ends),

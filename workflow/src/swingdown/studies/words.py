@@ -10,7 +10,7 @@ from ..pendulum.catalogue import SHIPPED, Catalogue
 from ..pendulum.effect import Effect
 from ..pendulum.model import model_words
 from ..pendulum.slack import ZERO
-from ..rounding import value_with_uncertainty
+from ..rounding import SURE, probability, value_with_uncertainty
 from .pendulums import NOT_DYING, SEARCH, by_verdict, doubted, quantities_of, residual_of
 from .quantities import Quantity, in_its_middle
 from .turning_points import NOT_DAMPED
@@ -84,7 +84,7 @@ def quantity_rows(row: Mapping[str, Any], verdict: Mapping[str, Any] | None = No
         "g": str(row.get("g_of", "")),
         ZERO: "at rest, as fitted",
     }
-    only = f"if it is {model_words(str(row['model']))}" if or_models(row) else ""
+    only = _only(row)
     order = [name for name in _WORDS if name in found] + [name for name in found if name not in _WORDS]
     told = [
         QuantityRow(
@@ -102,6 +102,15 @@ def quantity_rows(row: Mapping[str, Any], verdict: Mapping[str, Any] | None = No
         place = 1 + next((k for k, one in enumerate(told) if one.name == "natural_frequency"), -1)
         told.insert(place, QuantityRow("natural_frequency_with_effects", _WITH, known["value"], error, known["unit"], "with the effects named"))  # fmt: skip
     return told
+
+
+def _only(row: Mapping[str, Any]) -> str:
+    """Words for values that mean something beside one law alone: which, and how probable it is among the others; none where that is sure."""
+    chance = nan if doubted(row) else float(row.get("model_probability", nan))
+    if chance > SURE or row.get("model_of") == SEARCH:
+        return ""
+    sure = f" (P {probability(chance)})" if isfinite(chance) else ""
+    return f"if it is {model_words(str(row['model']))}{sure}"
 
 
 def _beyond(row: Mapping[str, Any]) -> str:

@@ -11,12 +11,11 @@ from ...pendulum.catalogue import SHIPPED, Catalogue
 from ...pendulum.effect import Effect
 from ...pendulum.model import in_words
 from ...pendulum.slack import ZERO, is_open
-from ...rounding import plus_minus
+from ...rounding import plus_minus, probability
 
 _OF_ANOTHER_LAW = {"friction": "friction of another law", "drag": "drag of another law"}
 _SMALLER = {"rad": (1e-3, "mrad"), "rad/s": (1e-3, "mrad/s"), "s": (1e-3, "ms")}
 _WHOLE = ("consistent", "named", "ambiguous")  # the status of a verdict beside which nothing is missing
-_PLAIN = 0.999  # probability above which one says no more
 _SMALL = 0.1  # of a unit that has a smaller one beside it
 
 
@@ -54,7 +53,7 @@ def sentence(found: Mapping[str, Any], catalogue: Catalogue = SHIPPED) -> str:
         )
         return text + dropped + end
     if not found.get("dies_away", True):
-        return "What stops it cannot be told: it does not die away, and what a motor does is no effect of a pendulum."
+        return "What stops it cannot be told: it does not die away, and what a motor does is no effect of the catalogue."
     if doubt := found.get("unit_doubt"):
         return f"{capital(doubt)}. No effect is named: another unit would explain the swings as well."
     said = [f"{capital(where['seen'])}."] if where["seen"] else []
@@ -118,9 +117,7 @@ def _without(found: Mapping[str, Any]) -> str:
 def _sure(one: Mapping[str, Any]) -> str:
     """A probability as one says it."""
     chance = one.get("probability")
-    if chance is None:
-        return "unknown"
-    return "> 0.999" if chance > _PLAIN else f"{chance:.3f}"
+    return "unknown" if chance is None else probability(chance)
 
 
 def _remains(found: Mapping[str, Any], catalogue: Catalogue) -> str:
@@ -186,7 +183,7 @@ def _misspecified(found: Mapping[str, Any]) -> str:
     names = _listed(found["misspecified"])
     if not names or found["status"] in _WHOLE:
         return ""
-    return f" {capital(names)} would be negative if it could: the model does not fit this pendulum."
+    return f" {capital(names)} would be negative if it could: the model does not fit these swings."
 
 
 def _listed(names: Iterable[str]) -> str:
