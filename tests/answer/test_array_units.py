@@ -7,6 +7,7 @@ import pandas as pd
 import pytest
 import xarray as xr
 
+import swingdown
 from swingdown.answer.array_units import angles, numbers, times, value
 from swingdown.errors import InputError
 
@@ -122,3 +123,10 @@ def test_one_value_may_bring_its_unit():
     for given in (Quantity(1.0, "deg"), "much", None):
         with pytest.raises(InputError, match="delay"):
             value(given, "s", "delay")
+
+
+def test_milliseconds_that_nobody_states_are_asked_about():
+    swing = swingdown.simulate("viscous", np.arange(0, 12, 0.01), 0.35, noise=0.002, seed=1, natural_frequency=7.25, viscous_ratio=0.01)  # fmt: skip
+    for clock, told in ((swing["time"] * 1e3, True), (swing["time"], False)):
+        answer = swingdown.fit(clock.values, swing.values, fitted=["viscous"])
+        assert any("is the unit of the time right?" in one for one in answer.remarks) == told

@@ -26,7 +26,7 @@ def state(
     return {
         "round": number, "campaign": "rig", "split": "held out by amplitude: c", "effects": list(effects), "found": list(found),
         "parameters": parameters or {}, "systematic_rad": 2e-3, "largest_angle_rad": 0.5, "noise_rms_rad": noise, "noise_correlation": 0.0, "gap": {"fit": holdout, "holdout": holdout},
-        "missing": missing, "kind": "position" if missing else None, "seen": "the pendulum runs early" if missing else "",
+        "missing": missing, "kind": "position" if missing else None, "seen": "the swing runs early" if missing else "",
         "groups": groups, "ranking": [], "reason": "", "findings": {name: finding() for name in found} | (judged or {}), "spent": spent,
         "chosen": chosen and {"move": f"add {chosen}", "added": chosen, "dropped": None, "gain_bic": 500.0},
     }  # fmt: skip

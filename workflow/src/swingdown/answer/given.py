@@ -27,7 +27,7 @@ from ..measurement.swings.even import evenly
 from ..measurement.swings.gaps import missing_samples
 from ..measurement.swings.release import within
 from ..measurement.swings.spikes import as_variable
-from ..measurement.units import NO_SCALE, in_rad
+from ..measurement.units import NO_SCALE, in_rad, time_factor
 from ..own_unit import UNNAMED
 from ..pendulum.drive import Drive, drive
 from .array_units import ANGLES, numbers
@@ -360,6 +360,7 @@ def _swings_in(name: str, given: Series, unit: str | None, kind: str, restoring:
     even = evenly(times, values)  # the same samples, seen as holes of the clock
     again = missing_samples(even, times) if even.missing.sum() == missing.sum() else []
     remarks += [one for one in ordered.remarks + judged.remarks + told if one not in again]
+    remarks += time_factor(times, judged.signal, True, name)[1]  # a call's times are in s
     recording = xr.Dataset(
         {"signal": ("time", judged.signal, {"units": judged.reading.unit}), **as_variable(judged.spikes.where)},
         {"time": ("time", times, {"units": "s", "long_name": "time as given"})},

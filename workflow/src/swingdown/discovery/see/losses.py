@@ -140,10 +140,10 @@ def differences(table: pd.DataFrame) -> pd.DataFrame:
 _OF_KIND = {"velocity": "energy_loss", "position": "period_ratio", "constant": "midpoint_rad"}
 _SAID = {
     "energy_loss": (
-        "the pendulum loses more energy than the model",
-        "the pendulum loses less energy than the model",
+        "the swing loses more energy than the model",
+        "the swing loses less energy than the model",
     ),
-    "period_ratio": ("the pendulum runs late", "the pendulum runs early"),
+    "period_ratio": ("the swing runs late", "the swing runs early"),
     "midpoint_rad": (
         "the middle of the swing lies to the positive side",
         "the middle of the swing lies to the negative side",

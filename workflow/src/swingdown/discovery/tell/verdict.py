@@ -306,6 +306,4 @@ def _next_measurement(
         return str(swing["text"])
     if tied:
         return "Release from angles spread as far as the apparatus allows, and from both sides."
-    return (
-        "Record swings from several release angles, from both sides, and the pendulum at rest for a minute."
-    )
+    return "Record swings from several release angles, from both sides, and a minute at rest."
