@@ -2,19 +2,17 @@
 
 import re
 
-import numpy as np
-
 
 def test_the_notebooks_lines_run_and_find_the_truth(root):
     blocks = re.findall(
         r"^```python\n(.*?)^```$", (root / "docs/notebook.md").read_text(), re.DOTALL | re.MULTILINE
     )
-    (code,) = [block for block in blocks if "fit_trajectory" in block]
+    (code,) = [block for block in blocks if "load_friction" in block]
     names = {}
     exec(compile(code, "notebook.md", "exec"), names)
-    fit, truth = names["fit"], names["truth"]
-    errors = fit.standard_errors[: len(truth.parameters)]
-    assert np.all(np.abs(fit.values[: errors.size] - truth.vector()) < 4 * errors)
+    found = names["swingdown"].fit(names["swing"], fitted=["viscous+load_coulomb"])
+    truth = {"natural_frequency": 7.25, "viscous_ratio": 0.01, "load_friction": 0.003}
+    assert all(abs(found[name].value - value) < 4 * found[name].u for name, value in truth.items())
 
 
 def test_readme_shows_what_the_tutorial_is_held_to(root):
