@@ -337,3 +337,12 @@ def test_an_angle_turns_further_than_half_round_in_a_hole_alone():
     with pytest.raises(InputError, match=r"swing, 0\.3 s: the angle changes by 0\.637 turns"):
         check_steps(np.array([0.0, 0.1, 0.2, 0.3, 0.4]), angle, "swing")
     check_steps(np.array([0.0, 0.1, 0.2, 0.4, 0.5]), angle, "swing")  # a sample is missing
+
+
+@pytest.mark.parametrize(("turn", "told"), [(2**14, False), (2**14, True), (2400, True)])
+def test_a_counter_that_begins_anew_runs_on(turn, told):
+    counts = np.round(swing(amplitude=0.6) / (2 * np.pi) * turn) % turn
+    scale = 2 * np.pi / turn if told else np.nan
+    found = judge(TIME, counts, Reading("counts", True, scale), "here")
+    assert "jumps by a whole turn" in found.remarks[0]
+    assert np.ptp(found.signal) == pytest.approx(1.2 / (2 * np.pi) * turn, rel=0.02)

@@ -19,7 +19,7 @@ from .swings.quality import check_signal
 from .swings.release import Window, find_windows, within
 from .swings.slips import longest_between, out_of_step
 from .swings.spikes import Spikes, find_spikes
-from .units import NO_SCALE, TURNS, angle_unit, check_steps, in_rad, turns_counted, unwrapped
+from .units import COUNTED, NO_SCALE, TURNS, angle_unit, check_steps, in_rad, turns_counted, unwrapped
 
 UNSCALED = (
     "no scale is stated: PERIOD AND DECAY ALONE ARE REPORTED. For angles state the degrees that one unit is worth "
@@ -87,8 +87,9 @@ def judge(times: Floats, signal: Floats, reading: Reading, place: str) -> Judged
     """
     unit = reading.unit if reading.stated else ""
     remarks: list[str] = []
-    if reading.unit in TURNS:
-        signal, remarks = unwrapped(signal, unit)
+    if reading.unit in (*TURNS, *COUNTED):
+        steps = 2 * np.pi / reading.scale if reading.unit in COUNTED and reading.scale else np.nan
+        signal, remarks = unwrapped(signal, unit, steps)
     check_signal(times, signal, place, computed=reading.computed)
     spikes = find_spikes(times, signal)
     if reading.unit in TURNS:

@@ -23,6 +23,7 @@ _EXACT = 2.0**53  # below it a number holds each count
 WRAPPED = 0.1  # of a turn: a jump that is so nearly a whole one is that of a sensor that begins anew
 TURNS = {"rad": 2 * pi, "deg": 360.0}
 NO_SCALE = "1"  # the unit of a reading whose scale nobody states
+COUNTED = ("counts", NO_SCALE)  # units of readings that may come from a counter
 
 
 def time_factor(
@@ -109,14 +110,16 @@ def _ms_or_s(period: float, ticks: str, place: str) -> tuple[float, list[str]]:
     )
 
 
-def unwrapped(signal: Floats, unit: str) -> tuple[Floats, list[str]]:
+def unwrapped(signal: Floats, unit: str, steps: float = np.nan) -> tuple[Floats, list[str]]:
     """The signal that runs on where the sensor began a turn anew, and a remark on it.
 
-    ``unit`` is rad or deg, or "" where nobody states it: then a jump of 360 tells degrees, and one of a power of two a counter of so many bits.
+    ``unit`` is rad or deg, "" where nobody states it, or of readings, of which a turn has so many ``steps`` (NaN where nobody says).
+    Without a unit a jump of 360 tells degrees; without steps one of a power of two tells a counter of so many bits.
     """
     jumps = np.abs(np.diff(signal))
-    counter = [] if unit else _counter(signal)
-    for turn in [TURNS[unit]] if unit else [*TURNS.values(), *counter]:
+    stated = TURNS.get(unit, steps)
+    counter = [] if np.isfinite(stated) else _counter(signal)
+    for turn in [stated] if np.isfinite(stated) else counter if unit else [*TURNS.values(), *counter]:
         wraps = np.count_nonzero(np.abs(jumps - turn) < WRAPPED * turn)
         if not (wraps and np.ptp(signal) < (1 + WRAPPED) * turn):
             continue
