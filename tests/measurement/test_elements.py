@@ -32,8 +32,8 @@ def test_a_file_has_one_root_and_an_archive_one_for_each_file_of_the_ending():
 @pytest.mark.parametrize(
     ("content", "said"),
     [
-        (b"<run>", "cannot be read"),
-        (b"", "cannot be read"),
+        (b"<run>", "no XML, or not whole"),
+        (b"", "no XML, or not whole"),
         (b"PK\x03\x04 and no archive", "cannot be read"),
         (b'<!DOCTYPE run [<!ENTITY a "b">]><run>&a;</run>', "declares a document type"),
         (b'<?xml version="1.0" encoding="none-such"?><run/>', "cannot be read"),

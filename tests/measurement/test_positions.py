@@ -68,6 +68,12 @@ def test_positions_without_names_are_asked_about(take):
         take(text, signal_column="column 3")
 
 
+@pytest.mark.parametrize("header", ["px", "Pixels"])
+def test_a_column_that_is_called_after_its_unit_is_a_coordinate(take, header):
+    made = take(f"t (s),{header}\n" + rows(TIME, 215 * SWING / np.abs(SWING).max()))
+    assert f"`{header}` as one coordinate" in made.attrs["taken"]
+
+
 def test_pictures_count_y_downwards(take):
     x, y = video()
     made = take("frame,t,x (px),y (px)\n" + rows(np.arange(600), TIME, 500 * x, 900 - 500 * y))

@@ -156,8 +156,8 @@ def test_a_zipped_project_is_the_same_as_the_project():
     ("content", "name", "words"),
     [
         (project({"bob": {}}), "a.trk", "no point mass.*Mend: track the bob"),
-        (project({"bob": marks(FRAMES, FRAMES * 0.02)})[:5000], "a.trk", "cannot be read.*save it again in Tracker"),
-        (b"\x00\x01", "a.trk", "cannot be read"),
+        (project({"bob": marks(FRAMES, FRAMES * 0.02)})[:5000], "a.trk", "no XML, or not whole.*save it again in Tracker"),
+        (b"\x00\x01", "a.trk", "no XML, or not whole"),
         (zipped({"readme.txt": b"x"}), "a.trz", "no file that ends in .trk"),
         (project({"bob": {1: (1, 2)}}).replace(b"delta_t", b"delta_q"), "a.trk", "no time between frames"),
         (b'<!DOCTYPE a [<!ENTITY b "b"><!ENTITY c "&b;&b;">]><a>&c;</a>', "a.labx", "document type"),

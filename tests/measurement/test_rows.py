@@ -383,6 +383,16 @@ def test_with_a_rate_what_counts_the_rows_is_no_swing(take, header):
     assert "counts the rows: left out" in recording.attrs["remarks"]
 
 
+@pytest.mark.parametrize("header", ["ID,Value,Timestamp", "ID,Value,TM"])
+def test_rows_with_the_last_one_first_have_their_own_time(take, header):
+    """Their number falls as well, by more than one where a row was lost."""
+    kept = np.delete(np.arange(len(SWING)), [50, 120, 121])
+    rows = [f"{k},{SWING[k]:.4f},{1_492_543_854_411 + 50 * k}\n" for k in kept[::-1]]
+    recording = take(f"{header}\n" + "".join(rows))
+    assert "`Value`" in recording.attrs["taken"] and header.rpartition(",")[2] in recording.attrs["taken"]
+    assert np.ptp(recording["time"].values) == pytest.approx(0.05 * (len(SWING) - 1))
+
+
 def test_a_sentence_between_rows_names_no_columns(take):
     """Of ten swings at a time by hand, first two pendulums side by side and then one below the other."""
     text = "T1\tT2\n9.94\t9.4\n9.34\t9.57\n9.26\t9.38\n\nIn step\n" + "".join(

@@ -53,3 +53,10 @@ def test_without_two_columns_of_numbers_there_is_no_recording(sets):
     with pytest.raises(InputError, match="no data set with two columns of numbers"):
         read(*sets)
     assert list(read(*sets, data_set(TIME, ANGLE))) == ["Run 1"]
+
+
+@pytest.mark.parametrize("content", [b"0.1,0.2\n", b"<Document><DataSet>", b"<Document><a/></Document>"])
+def test_what_logger_pro_did_not_save_is_told_the_way_in_its_menu(content):
+    with pytest.raises(InputError, match=r"with File > Export As > CSV") as refused:
+        data_sets(io.BytesIO(content), "swing.cmbl")
+    assert "syntax" not in str(refused.value)

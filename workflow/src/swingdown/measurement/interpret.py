@@ -31,7 +31,7 @@ from .files.table import Table, apart
 from .positions import check_no_positions
 from .refused import WHICH_COLUMN
 from .signal import Interpreted, signal_of
-from .swings.clock import counts_ticks, in_order, parts
+from .swings.clock import counts_rows, counts_ticks, in_order, parts
 from .swings.half_swings import half_swings
 from .units import A_DAY, time_factor
 
@@ -163,7 +163,7 @@ def _part(times: Floats, row: Mapping[str, Any], where: str) -> tuple[slice, lis
 
 def _check_no_count(times: Floats, place: str) -> None:
     """InputError where what stands for the time, in no stated unit, counts the rows: how many a second were taken nobody says."""
-    if np.array_equal(times, np.round(times)) and np.median(np.diff(times)) == 1:
+    if counts_rows(times):
         raise InputError(
             place,
             "it counts the rows, and no unit says that it is a time",

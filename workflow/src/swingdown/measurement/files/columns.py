@@ -14,6 +14,7 @@ TIME, ANGLE, VOLTAGE, COUNTS, LENGTH, SPEED, RATE, OTHER, UNTOLD = (
 )  # fmt: skip
 
 _METRES = ("meter", "metre", "meters", "metres", "metro", "metros", "metri", "mètre", "mètres")
+_PIXELS = ("px", "pixel", "pixels")
 # Units as programs write them: what is measured, and the unit by the sample sheet's name where it has one.
 _WRITTEN = {
     (TIME, "s"): ("s", "sec", "secs", "second", "seconds", "sekunde", "sekunden", "seconde", "secondes", "segundo", "segundos", "secondo", "secondi", "с", "сек", "秒"),
@@ -27,7 +28,7 @@ _WRITTEN = {
     (VOLTAGE, "V"): ("v", "volt", "volts"),
     (VOLTAGE, ""): ("mv", "µv", "μv"),
     (COUNTS, "counts"): ("count", "counts", "ticks"),
-    (LENGTH, ""): ("m", "dm", "cm", "mm", "km", "in", "inch", "ft", "px", "pixel", "pixels", *_METRES),
+    (LENGTH, ""): ("m", "dm", "cm", "mm", "km", "in", "inch", "ft", *_PIXELS, *_METRES),
     (SPEED, ""): ("m/s", "dm/s", "cm/s", "mm/s", "px/s"),
     (RATE, "rad/s"): ("rad/s", "rad/sec", "rad·s⁻¹", "rad s^-1", "rad*s^-1", "rad s⁻¹", "rad s-1", "radians/s", "rads/s", "рад/с", "рад/сек"),
     (RATE, "deg/s"): ("deg/s", "deg/sec", "degrees/s", "degrés/s", "grados/s", "gradi/s", "graus/s", "°/s", "º/s", "˚/s", "dps", "°/sec", "deg s⁻¹", "град/с", "град/сек"),
@@ -38,7 +39,7 @@ _WRITTEN = {
     ),
 }  # fmt: skip
 # units that are a column's whole name: those of one letter are as well a symbol
-_ALONE = {"counts", "volt", "volts"} | {
+_ALONE = {"counts", "volt", "volts", *_PIXELS} | {
     written
     for (kind, unit), all_ in _WRITTEN.items()
     if unit and kind in (TIME, ANGLE, RATE)

@@ -41,13 +41,14 @@ class _Plain(ElementTree.TreeBuilder):
     """Elements of a document that defines no entities: those that these programs write never do, and entities can fill the memory."""
 
     def doctype(self, name: str, pubid: str, system: str) -> None:
-        raise ElementTree.ParseError("it declares a document type, which these programs never do")
+        raise ValueError("it declares a document type, which these programs never do")
 
 
-def roots(source: BinaryIO, name: str, program: str, ending: str) -> Iterator[Element]:
+def roots(source: BinaryIO, name: str, program: str, ending: str, way: str = "as CSV") -> Iterator[Element]:
     """The root element of an open XML file, or of each that ends in ``ending`` inside a zip archive.
 
-    InputError for what is no XML, declares entities, or has more than ``LARGEST`` bytes; ``program`` is who writes such files.
+    InputError for what is no XML, declares entities, or has more than ``LARGEST`` bytes; ``program`` is who writes such files,
+    and ``way`` how its table is exported there.
     """
     head = source.read(4)
     source.seek(0)
@@ -78,11 +79,16 @@ def roots(source: BinaryIO, name: str, program: str, ending: str) -> Iterator[El
     ) as error:
         if isinstance(error, InputError):
             raise
+        what = (
+            "it is no XML, or not whole"
+            if isinstance(error, ElementTree.ParseError)
+            else f"it cannot be read ({error})"
+        )
         raise InputError(
             name,
-            f"it cannot be read ({error})",
+            what,
             f"a file as {program} saves it",
-            f"save it again in {program}, or export its table as CSV",
+            f"save it again in {program}, or export its table {way}",
         ) from error
 
 

@@ -8,13 +8,13 @@ import pandas as pd
 from ...errors import InputError
 from .elements import Columns, distinct, number, roots, text_in
 
-PROGRAM = "Logger Pro"
+PROGRAM, WAY = "Logger Pro", "with File > Export As > CSV"
 
 
 def data_sets(source: BinaryIO, name: str) -> dict[str, Columns]:
     """The Columns of each data set by its name. InputError where none has two columns of numbers."""
     found: list[tuple[str, Columns]] = []
-    for root in roots(source, name, PROGRAM, ".cmbl"):
+    for root in roots(source, name, PROGRAM, ".cmbl", WAY):
         for one in root.iter("DataSet"):
             columns = [(column, cells) for column in one.findall("DataColumn") if (cells := _cells(column))]
             if len(columns) > 1:
@@ -24,7 +24,7 @@ def data_sets(source: BinaryIO, name: str) -> dict[str, Columns]:
             name,
             "it holds no data set with two columns of numbers",
             "a column of time and one of the signal",
-            "collect the data in Logger Pro, or export them with File > Export As > CSV",
+            f"collect the data in {PROGRAM}, or export them {WAY}",
         )
     names = distinct([key or "data set" for key, _ in found], [""] * len(found))
     return {key: columns for key, (_, columns) in zip(names, found, strict=True)}

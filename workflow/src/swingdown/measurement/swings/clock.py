@@ -90,9 +90,11 @@ def goes_on(times: Floats) -> bool:
 
 
 def counts_rows(values: Floats) -> bool:
-    """True for numbers that go up by one from row to row, as those of frames or samples do."""
+    """True for whole numbers that go up, or down, mostly by one from row to row, as those of frames or samples do: a row may be lost."""
     known = values[np.isfinite(values)]
-    return bool(known.size > 1 and np.all(np.diff(known) == 1))
+    steps = np.diff(known)
+    one_way = bool(steps.size) and (np.all(steps > 0) or np.all(steps < 0))
+    return bool(one_way and abs(np.median(steps)) == 1 and np.array_equal(known, np.round(known)))
 
 
 def counts_ticks(times: Floats) -> bool:
