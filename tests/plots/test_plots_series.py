@@ -1,10 +1,12 @@
 """A series as it is drawn: what its bars are, and which figure a kind asks for."""
 
+from dataclasses import replace
+
 import numpy as np
 import pandas as pd
 import pytest
 
-from swingdown.plots.series import drawn
+from swingdown.plots.series import drawn, groups_side_by_side
 from swingdown.series import of_sheet
 
 LENGTHS = np.array([0.2, 0.4, 0.8])
@@ -38,3 +40,11 @@ def test_a_kind_has_its_figure(made, kind, there):
     assert (LEFT in [axes.get_ylabel() for axes in figure.axes]) is there
     groups = [label.get_text() for label in figure.axes[0].get_yticklabels()]
     assert (groups == ["left", "right"]) is not there
+
+
+def test_a_legend_names_groups_that_stand_apart_where_some_do(made):
+    (calm,) = (one for one in made if one.comparison)
+    apart = replace(calm, comparison=replace(calm.comparison, apart=("left",)))
+    for one, told in ((calm, False), (apart, True)):
+        (legend,) = groups_side_by_side([one]).legends
+        assert ("stands apart" in [text.get_text() for text in legend.texts]) is told

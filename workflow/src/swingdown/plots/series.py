@@ -103,9 +103,11 @@ def groups_side_by_side(series: Sequence[Any], emulated: str = "no") -> Figure:
         axes.locator_params(axis="x", nbins=4)
     grid[0].set_yticks(range(len(names)), names)
     grid[0].set_ylim(len(names) - 0.5, -0.6)
-    handles = [style.mark("o", LAW, "mean of a group"), style.mark("D", THEORY, "stands apart")]
+    handles = [style.mark("o", LAW, "mean of a group")]
     if any(one.table["group"].duplicated().any() for one in series):
-        handles.insert(1, style.mark(".", style.GREY, "its recordings"))
+        handles.append(style.mark(".", style.GREY, "its recordings"))
+    if any(one.comparison.apart for one in series):
+        handles.append(style.mark("D", THEORY, "stands apart"))
     figure.legend(handles=handles, loc="outside upper left", ncols=3)
     return style.footnote(
         figure,
