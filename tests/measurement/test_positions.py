@@ -154,3 +154,9 @@ def test_of_a_wide_swing_by_one_coordinate_the_length_is_asked(take, unit):
     length = {"cm": "56.5 cm", "": "56.5"}[unit]
     found = take(header + rows(times, 55.6 * np.sin(angle)), length=length)["signal"].values
     assert found == pytest.approx(np.arcsin(55.6 / 56.5 * np.sin(angle)), abs=2e-3)
+
+
+@pytest.mark.parametrize(("columns", "swing"), [((TIME, SWING), "y"), ((SWING, TIME), "x")])
+def test_beside_a_time_that_is_called_x_or_y_the_other_is_an_axis_of_a_graph(take, columns, swing):
+    taken = take("x,y\n" + rows(*columns)).attrs["taken"]
+    assert f"`{swing}` as rad" in taken and "coordinate" not in taken

@@ -127,7 +127,7 @@ def signal_of(
             about,
             first.name,
         )
-    if not columns.unit and (first.kind in (LENGTH, SPEED) or (first.axis and columns.clock.axis != "x")):
+    if not columns.unit and (first.kind in (LENGTH, SPEED) or (first.axis and not columns.clock.axis)):
         return _coordinate(row, where, columns, times, values[0], restoring)
     taken, told = _most(first, times, read, f"{file} ({place})")
     about = {"counts_per_revolution": row["counts_per_revolution"]} if columns.unit == "counts" else {}
