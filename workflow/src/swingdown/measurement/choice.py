@@ -28,7 +28,7 @@ from .files.columns import (
 from .files.table import Table, first_rows, numbers
 from .gyroscope import ASKEW, TO_RAD_PER_S
 from .plausibility import ENOUGH, in_a_row
-from .swings.clock import counts_rows, goes_on
+from .swings.clock import RISES, counts_rows, goes_on
 from .swings.half_swings import half_swings
 
 SHORTEST = 10  # samples; fewer tell nothing about a swing
@@ -241,9 +241,11 @@ def with_rising_time(table: Table, row: Mapping[str, Any]) -> tuple[Table, Mappi
     if len(first) < 2:  # of one row nothing rises
         return table, row, []
     values = {key: numbers(first[key], table.decimal) for key in table.names}
-    falls = goes_on(values[table.names[0]][::-1])  # the last row may be the first
-    rising = [key for key, own in values.items() if goes_on(own[::-1] if falls else own)]
-    if not rising and len(table.names) > 1 and len(first) >= SHORTEST:
+    one = values[table.names[0]]
+    backwards = goes_on(one[::-1])  # the last row is the first
+    rising = [key for key, own in values.items() if goes_on(own[::-1] if backwards else own)]
+    falls = np.mean(np.diff(one) <= 0) > RISES  # in groups, as lengths in a table of times by hand
+    if not rising and not falls and len(table.names) > 1 and len(first) >= SHORTEST:
         raise InputError(
             f"{row['file']}, {place_of(table.names[0])}",
             "no column says that it is the time, and none rises from row to row",
@@ -254,9 +256,8 @@ def with_rising_time(table: Table, row: Mapping[str, Any]) -> tuple[Table, Mappi
     if table.names[0] in clocks or len(clocks) != 1:
         return table, row, []
     told = f"no column says that it is the time, and `{clocks[0]}` alone rises from row to row: taken for it"
-    names = tuple(
-        key for key in table.names if key in clocks or key not in rising
-    )  # a number of the row is no swing
+    numbering = set(rising).difference(clocks)  # no swing
+    names = tuple(key for key in table.names if key not in numbering)
     return table._replace(names=names), {**row, "time_column": clocks[0]}, [told]
 
 
