@@ -1,6 +1,7 @@
 """What each law of damping leaves, and whether a decay is exponential."""
 
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -88,6 +89,26 @@ def test_the_sentence_names_the_law_that_the_answer_names(label, values, release
     found = swing(label, values, release=release)
     answer, fall, named = exponential(found.laws())
     assert (answer, named) == ("no", found.label) and fall > 6
+
+
+def test_a_law_with_a_size_that_none_has_is_not_named_in_the_sentence():
+    """Friction that would give energy leaves an answer no choice of its law, and so the line on the decay none."""
+    found = swing("power_law_drag", {"power_law_coefficient": 0.05, "power_law_exponent": 2.5})
+    own = found.fits["value"].sel(recording="swing", parameter=["viscous_ratio", "load_friction"])
+    gives = [str(label) for label in own["fitted"].values if (own.sel(fitted=label) < 0).any()]
+    (each,) = found.laws()
+    assert gives and not set(gives) & set(each.chosen_from)
+    lowest = tuple(one._replace(bic=one.bic - 1e4) if one.label == gives[0] else one for one in each.laws)
+    assert exponential([replace(each, laws=lowest)])[2] == found.label
+
+
+def test_a_tie_of_an_exponential_law_with_one_that_is_named_is_not_decided():
+    found = swing("viscous", {"viscous_ratio": 0.01}).laws()[0]
+    bic = {"structural_damping": 0.0, "load_coulomb": 2.0, "viscous": 90.0}
+    kept = tuple(one._replace(bic=bic[one.label]) for one in found.laws if one.label in bic)
+    tie = [replace(found, laws=kept)]
+    assert exponential(tie) == ("open", 0.0, "load_coulomb")
+    assert exponential_words(tie) == "Exponential: not decided, load Coulomb describes the decay as well."
 
 
 def test_each_law_is_compared_with_the_zero_that_it_was_fitted_with():

@@ -21,7 +21,7 @@ from ..pendulum.catalogue import RATE, SHIPPED, Catalogue
 from ..pendulum.model import Model, everyday, model_words
 from ..rounding import value_with_uncertainty
 from ..studies.comparison import WORTH
-from ..studies.described import simplest
+from ..studies.described import simplest, usable
 from ..studies.half_swings import of_samples
 from ..studies.norms import as_text
 from ..studies.turning_points import fits_of
@@ -126,15 +126,19 @@ def exponential(found: Sequence[Laws]) -> tuple[str, float, str]:
     label
         The label of the best of the laws that a first answer is chosen from; where the decay is not exponential, of the one that it names.
     """
-    asked = {*found[0].chosen_from, *_EXPONENTIAL}
-    each = [{one.label: one for one in own.laws if one.label in asked} for own in found]
+    each = [
+        {one.label: one for one in own.laws if one.label in (*own.chosen_from, *_EXPONENTIAL)}
+        for own in found
+    ]
     everywhere = [label for label in each[0] if all(label in own for own in each)]
     bic = {label: sum(own[label].bic for own in each) for label in everywhere}
     best = min(bic, key=lambda label: bic[label])
     alike = min((label for label in _EXPONENTIAL if label in bic), key=lambda label: bic[label])
+    named = simplest([(label, one, each[0][label].parameters) for label, one in bic.items()])
     if bic[alike] - bic[best] > WORTH:
-        named = simplest([(label, one, each[0][label].parameters) for label, one in bic.items()])
         return "no", bic[alike] - bic[named], named
+    if named not in _EXPONENTIAL:
+        return "open", max(bic[alike] - bic[named], 0.0), named
     return ("yes" if alike == best else "open"), bic[alike] - bic[best], best
 
 
@@ -162,10 +166,9 @@ def laws(
     InputError
         For passages without speeds, and for a swing too short to fit.
     """
-    chosen_from = everyday(restoring) if known is None else tuple(as_text(known["fitted"]))
-    compared = [
-        _model(label, restoring, catalogue) for label in dict.fromkeys([*chosen_from, *labels(restoring)])
-    ]
+    asked = everyday(restoring) if known is None else as_text(known["fitted"])
+    chosen_from = tuple(asked) if known is None else usable(known, catalogue)
+    compared = [_model(label, restoring, catalogue) for label in dict.fromkeys([*asked, *labels(restoring)])]
     if are_points(angle):
         return _of_points(angle, compared, chosen_from)
     name, series = str(angle.attrs["recording"]), series_of(angle)
@@ -173,7 +176,10 @@ def laws(
     swings = {label: (times, series.values - zero) for label, zero in zeros.items()}
     fits = _fits([one.of(str(series.name)) for one in compared], swings, known)
     best = min(fits, key=lambda fit: fit.bic)
-    inflation = max(1.0, uncertainty(best, [swings[best.model.label]]).inflation)
+    if known is None:
+        inflation = max(1.0, uncertainty(best, [swings[best.model.label]]).inflation)
+    else:  # as many samples count as independent as where the answer was chosen
+        inflation = float(known["variance_inflation"][int(known["norm"].argmin("fitted"))])
     independent = max(times.size / inflation, 2.0) if np.isfinite(inflation) else times.size
     found = []
     for fit in fits:

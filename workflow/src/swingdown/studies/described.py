@@ -54,6 +54,12 @@ def simplest(models: Sequence[tuple[str, float, int]], catalogue: Catalogue = SH
     return min(near, key=lambda one: (one[2], seldom(one[0]), one[1]))[0]
 
 
+def usable(fits: xr.Dataset, catalogue: Catalogue = SHIPPED) -> tuple[str, ...]:
+    """The labels of the models that ``described_by`` chooses from, of one recording, by its ``fits`` of ``experiment.fit_recording``."""
+    labels, _, kept = _evidence(fits[_EVIDENCE].expand_dims("recording"), catalogue)
+    return tuple(labels[k] for k in kept)
+
+
 def describes(fits: xr.Dataset, catalogue: Catalogue = SHIPPED) -> str:
     """The label of ``described_by`` of one recording, by its ``fits`` of ``experiment.fit_recording``."""
     return described_by(fits[_EVIDENCE].expand_dims("recording"), catalogue)
