@@ -238,10 +238,17 @@ def _nearly_in(best: Structure, name: str) -> list[str]:
     """The simpler effects that this one is at values that are as likely as those it is fitted with: presliding over no angle."""
     values, errors = best.fit.model.values, best.fit.model.standard_errors
     errors = {one: error * best.widened.get(one, 1.0) for one, error in errors.items()}
+    effect = best.fit.model.catalogue[name]
+    # a shape that ends at its bound may be anything beyond
+    lowest = {one.name: one.lower for one in effect.parameters if values[one.name] <= one.lower * (1 + 1e-9)}
     found = [
         simpler.name
-        for simpler in best.fit.model.catalogue[name].contains
-        if simpler.at and _as_likely(simpler, values, errors)
+        for simpler in effect.contains
+        if simpler.at
+        and (
+            _as_likely(simpler, values, errors)
+            or all(lowest.get(one, -np.inf) >= wanted for one, wanted in simpler.at.items())
+        )
     ]
     return [*found, *_of_no_size(best, name, values, errors)]
 
