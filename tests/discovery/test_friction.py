@@ -299,6 +299,32 @@ def test_what_an_effect_is_nearly_in_the_most_probable_structure_it_is_in_a_smal
     assert findings._nearly([here, most], "cubic_stiffness") == ["finite_amplitude"]
 
 
+@pytest.mark.parametrize(
+    ("exponent", "nearly"), [(0.2, ["constant_coulomb"]), (0.3, []), (0.99, ["viscous"])]
+)
+def test_a_shape_at_its_bound_may_be_the_simpler_effect_beyond_it(exponent, nearly):
+    """A drag in the least power of the speed that is fitted may be one in none, which is friction."""
+    values = {"power_law_coefficient": 0.4, "power_law_exponent": exponent}
+    model = Model("power_law_drag").with_values(values | {"natural_frequency": 7.0})
+    model = replace(model, standard_errors={"power_law_exponent": 0.01})
+    there = SimpleNamespace(key=frozenset(["power_law_drag"]), fit=SimpleNamespace(model=model), widened={})
+    assert findings._nearly([there], "power_law_drag") == nearly
+
+
+@pytest.mark.parametrize(
+    ("share", "held", "ties"),
+    [(0.1, 0.3, []), (0.8, 0.3, ["constant_coulomb"]), (0.1, np.inf, ["constant_coulomb"])],
+)
+def test_an_effect_is_told_from_a_simpler_one_as_it_is_from_nothing(monkeypatch, share, held, ties):
+    """With the simpler one in its place as little is missing: the data know no more than that one of both is there."""
+    monkeypatch.setattr(findings, "_whole", lambda *_: (share, held, 3.0))
+    model = Model("viscous+presliding")
+    best = SimpleNamespace(key=frozenset(model.names), fit=SimpleNamespace(model=model))
+    known = {best.key: best, frozenset(("viscous", "constant_coulomb")): best}
+    pool = SimpleNamespace(known=known, base=frozenset(["viscous"]))
+    assert findings._simpler(pool, best, "presliding", ()) == ties
+
+
 @pytest.mark.parametrize(("of_four", "law_open"), [(0.9, True), (0.995, False)])
 def test_a_drag_of_which_more_laws_are_possible_than_a_tie_has_is_told_as_one(monkeypatch, of_four, law_open):
     kind = ["viscous", "quadratic_drag", "power_law_drag", "eddy_brake", "structural_damping"]
@@ -307,7 +333,7 @@ def test_a_drag_of_which_more_laws_are_possible_than_a_tie_has_is_told_as_one(mo
         first=SimpleNamespace(fit=SimpleNamespace(model=Model("constant_coulomb"))),
         sees_friction=lambda: 0.0,
     )
-    monkeypatch.setattr(findings, "_nearly", lambda *_: [])
+    monkeypatch.setattr(findings, "_simpler", lambda *_: [])
     monkeypatch.setattr(findings, "_asked", lambda pool, best, name, names, one: one)
     found = findings._as_one(pool, None, "viscous", ["viscous"], kind, (), None)
     assert found.probability == 0.997 and len(found.ties) == 3 and found.law_open is law_open

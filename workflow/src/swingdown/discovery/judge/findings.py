@@ -132,7 +132,7 @@ def _shown(pool: Pool, kind: Sequence[str]) -> tuple[Seen | None, list[str]]:
 
 
 def _finding(pool: Pool, best: Structure, name: str, alike: Sequence[Structure]) -> Finding:
-    simpler = _nearly(alike, name)
+    simpler = _simpler(pool, best, name, alike)
     same = {name, *simpler, *_at_its_values(pool, best, name)}
     # what the structure has beside it is there with or without it: no rival
     others = {one for key in pool.known for one in pool.added(key)} - same - best.key
@@ -163,7 +163,9 @@ def _as_one(
     others = sorted(
         (one for one in kind if one in names or pool.of([one]) >= POSSIBLE), key=lambda one: -pool.of([one])
     )
-    ties = tuple(one for one in dict.fromkeys([*_nearly(alike, name), *others]) if one != name)[: TIES - 1]
+    ties = tuple(one for one in dict.fromkeys([*_simpler(pool, best, name, alike), *others]) if one != name)[
+        : TIES - 1
+    ]
     rubs, open_ = pool.first.fit.model.catalogue.rubs(name), pool.of([name, *ties]) < PROBABLE
     chance = max(pool.of_friction() if rubs else pool.of(kind), shown.chance if shown else 0.0)
     seen = shown is not None or (rubs and pool.sees_friction() >= PROBABLE)
@@ -226,6 +228,21 @@ def _at_its_values(pool: Pool, best: Structure, name: str) -> set[str]:
         if _as_likely(simpler, values, errors):
             found.add(richer.name)
     return found
+
+
+def _simpler(pool: Pool, best: Structure, name: str, alike: Sequence[Structure]) -> list[str]:
+    """The simpler effects that this one is not told from: it is nearly that, or takes away too little of what is missing with that in its
+    place, as an effect is asked that is told from none."""
+    inside = [
+        one.name for one in best.fit.model.catalogue[name].contains if one.name not in best.key | pool.base
+    ]
+    known = [
+        (one, pool.known[_with(best.key, name, one)])
+        for one in inside
+        if _with(best.key, name, one) in pool.known
+    ]
+    found = [one for one, there in known if _over_bounds(_whole(pool, best, there)[:2]) > 1]
+    return list(dict.fromkeys([*_nearly(alike, name), *found]))
 
 
 def _nearly(structures: Sequence[Structure], name: str) -> list[str]:
