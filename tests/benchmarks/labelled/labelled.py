@@ -5,8 +5,8 @@
 
 campaigns.csv has a row for each recording. Those of one ``campaign`` are one; ``base`` and ``restoring`` are what the search begins
 with, ``label`` is what is known to be there and not in the base (``|`` between those that a person cannot tell apart), ``source`` says
-whence. Half of the apparatuses or more are kept ``apart``: those whose name has the smallest SHA-256, but for four that were known
-before. They are for one run, at the end.
+whence. ``split`` is ``learn`` where the search was made beside it, and ``apart`` where it was searched once, when that was done: other
+apparatuses, taken by what they are before any was searched.
 
 FOLDER is filled as corpus/fetch.py fills its own. Recordings without a commit were prepared by others and lie in the folder that
 ``--data`` names. ``--pickles`` writes the campaigns, and searches nothing. ``--out`` puts the rows in the place of those that the table has of
@@ -35,11 +35,10 @@ sys.path.insert(0, str(Path(__file__).parents[1] / "corpus"))
 from fetch import fetched, place
 
 LIST = Path(__file__).with_name("campaigns.csv")
-KNOWN_BEFORE = {"pohl-kit", "dynamicslab-arm", "jensen-link", "khasawneh-arm"}
 # columns that are arguments of swingdown.read
 TOLD = ("column", "run", "unit", "rate", "scale", "start", "stop")
 COLUMNS = ("campaign", "half", "base", "known", "asserted", "status", "told", "held out, times the noise", "CPU (s)")  # fmt: skip
-HALVES = {"learn": "open", "apart": "kept apart"}
+HALVES = {"learn": "open", "apart": "searched once"}
 
 
 def listed(split=None):
