@@ -211,7 +211,9 @@ def _zeros(known: xr.Dataset | None, compared: Sequence[Model]) -> dict[str, flo
         return dict.fromkeys((one.label for one in compared), 0.0)
     best = float(known["zero"][int(known["norm"].argmin("fitted"))])
     fitted = zip(as_text(known["fitted"]), map(float, known["zero"].values), strict=True)
-    return dict.fromkeys((one.label for one in compared), best) | dict(fitted)
+    # a law that could not be fitted has none
+    own = {label: zero for label, zero in fitted if np.isfinite(zero)}
+    return dict.fromkeys((one.label for one in compared), best) | own
 
 
 def _fits(models: Sequence[Model], swings: Mapping[str, Swing], known: xr.Dataset | None) -> list[Fit]:
