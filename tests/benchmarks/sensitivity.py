@@ -29,6 +29,7 @@ SETTINGS = {
     "judge.findings": ("PROBABLE", "SHARE", "HELD_OUT", "TIES", "POSSIBLE", "CLEAR"),
     "judge.structures": ("POSSIBLE", "_COUNTS"),
     "see.friction": ("_ANGLES", "_EACH"),
+    "see.envelope": ("_NODES",),
     "see.discrepancy": ("_BINS", "_SEEN", "_NOISE_KNOWN"),
     "see.kinds": ("_ANGLES", "_SPEEDS", "_TIMES", "SMOOTH", "_KEPT", "_FINE"),
     "see.restricted": ("_ANY",),

@@ -119,6 +119,8 @@ def test_friction_is_told_though_springs_are_more_probable():
     assert "constant_coulomb" in last.key
     assert friction.sure
     assert friction.law_open
+    assert friction.of_amplitudes
+    assert np.isnan(friction.without)  # what a spring makes of held-out swings is not told of a friction
     assert friction.share < 0.2
     assert friction.probability > 0.95
 

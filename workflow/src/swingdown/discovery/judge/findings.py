@@ -257,7 +257,11 @@ def _nearly_in(best: Structure, name: str) -> list[str]:
     errors = {one: error * best.widened.get(one, 1.0) for one, error in errors.items()}
     effect = best.fit.model.catalogue[name]
     # a shape that ends at its bound may be anything beyond
-    lowest = {one.name: one.lower for one in effect.parameters if values[one.name] <= one.lower * (1 + 1e-9)}
+    lowest = {
+        one.name: one.lower
+        for one in effect.parameters
+        if values[one.name] <= one.lower + 1e-9 * abs(one.lower)
+    }
     found = [
         simpler.name
         for simpler in effect.contains

@@ -18,6 +18,7 @@ from scipy.special import expit
 
 from ...arrays import Floats
 from ..data.campaign import Campaign, Swing
+from .linear import orthonormal
 from .losses import half_swings
 
 # powers of the amplitude that are lost: by friction, viscous and quadratic drag
@@ -104,11 +105,7 @@ def seen(of: Amplitudes, laws: Collection[int]) -> Seen:
 def _ratio(of: Sequence[Stretch], now: Floats, then: Floats) -> float:
     """The RMS that is left of amplitudes now over that of then, of both what a loss of any law could be: what comes and goes where the
     amplitude is the same is none."""
-    any_law = np.hstack([_firsts(of), _of_any_law(of)])
-    space, sizes, _ = np.linalg.svd(
-        any_law / np.linalg.norm(any_law, axis=0).clip(1e-300), full_matrices=False
-    )
-    space = space[:, sizes > 1e-6 * sizes[0]]
+    space = orthonormal(np.hstack([_firsts(of), _of_any_law(of)]))
     free = now.size - space.shape[1]
     if free < 1:
         return np.inf

@@ -119,10 +119,9 @@ def differences(table: pd.DataFrame) -> pd.DataFrame:
     for low, high in zip(edges, edges[1:], strict=False):
         inside = joined[(joined["amplitude_rad"] >= low) & (joined["amplitude_rad"] <= high)]
         for quantity in _QUANTITIES:
-            if inside[quantity].isna().all():
+            difference = (inside[quantity] - inside[f"{quantity}_model"]).dropna().to_numpy()
+            if not difference.size:
                 continue
-            difference = (inside[quantity] - inside[f"{quantity}_model"]).to_numpy()
-            difference = difference[np.isfinite(difference)]
             middle = np.median(difference)
             spread = 1.4826 * np.median(np.abs(difference - middle)) / np.sqrt(max(1, difference.size - 1))
             rows.append(
