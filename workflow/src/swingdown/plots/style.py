@@ -162,31 +162,29 @@ def in_language(figure: _F, spoken: Language) -> _F:
     footnote(figure, *_remarks(figure))  # words of another language are longer
     _wrap_labels(figure)
     for legend in figure.findobj(Legend):
-        while _too_wide(legend, figure):
+        while legend.get_window_extent().width > figure.bbox.width:
             for text in legend.get_texts():
                 text.set_fontsize(0.92 * float(text.get_fontsize()))
+            figure.draw_without_rendering()
     return figure
 
 
 def _wrap_labels(figure: Figure) -> None:
     """Breaks before its unit each label of an axis that would reach beyond the figure, or into other words."""
     labels = [axis.label for axes in figure.axes for axis in (axes.xaxis, axes.yaxis)]
-    for _ in range(2):  # one that is broken may leave its neighbours less room
+    broken = True
+    while broken:  # one that is broken may leave its neighbours less room
         figure.draw_without_rendering()
         boxes = {one: one.get_window_extent() for one in (*labels, *figure.texts) if one.get_text()}
+        broken = False
         for label in labels:
             if not (box := boxes.pop(label, None)):
                 continue
             inside = box.x0 >= 0 <= box.y0 and box.x1 <= figure.bbox.width and box.y1 <= figure.bbox.height
-            if not inside or any(map(box.overlaps, boxes.values())):
+            if " (" in label.get_text() and (not inside or any(map(box.overlaps, boxes.values()))):
                 label.set_text(label.get_text().replace(" (", "\n(", 1))
+                broken = True
             boxes[label] = box
-
-
-def _too_wide(legend: Legend, figure: Figure) -> bool:
-    """Whether a legend is wider than the figure that it stands in."""
-    figure.draw_without_rendering()
-    return bool(legend.get_window_extent().width > figure.bbox.width)
 
 
 def new_figure(height_cm: float) -> Drawn:
@@ -333,7 +331,13 @@ def emulated_note(data: xr.Dataset | Mapping[str, Any]) -> str:
 
 @styled
 def absent(message: str) -> Figure:
-    """A figure that says why there is nothing to see, for a study that leaves a model out."""
+    """A figure that says why there is nothing to see, for a study that leaves a model out.
+
+    Parameters
+    ----------
+    message
+        The words.
+    """
     figure = new_figure(4)
     figure.text(0.5, 0.5, message, ha="center", va="center", color=GREY)
     return figure
