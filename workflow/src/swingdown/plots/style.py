@@ -355,12 +355,20 @@ def _points(artist: Line2D | PolyCollection) -> int:
 
 @styled
 def save(figure: Figure, path: str | Path, note: str = "") -> list[Path]:
-    """The paths written: ``path`` as SVG or PNG by its suffix, or both if it has neither, whole or not at all.
+    """The paths written, whole or not at all.
 
-    ``note`` (such as ``emulated_note`` gives) stands along the lower edge, where the figure's own remarks do not say it.
     A series of more samples than the page has room for is stored as pixels in an SVG, which would else be many megabytes.
     The same figure gives the same bytes each time. The layout is settled at the first call, so that all files of a
     figure show the same picture.
+
+    Parameters
+    ----------
+    figure
+        The figure.
+    path
+        Its suffix says whether it is an SVG or a PNG; without one of these both are written.
+    note
+        Stands along the lower edge, where the figure's own remarks do not say it (as ``emulated_note`` gives it).
     """
     path = Path(path)
     if note and note not in figure.get_supxlabel():

@@ -32,10 +32,30 @@ READINGS = {ANGLE: "rad", RATE: "rad/s"}
 class Catalogue:
     """The effects a pendulum may have, by name and in the order in which models list them; it never changes.
 
-    Iterating gives the effects that a search may name; ``free_forms`` are the torques without a name and ``inputs`` those of a measured
-    drive, which models may have too. ``names`` are the names of the former. ``reading`` is what a sensor reads, a key of ``READINGS``: it decides what a sensor
-    may have wrong. ``whole`` is the catalogue of angles that this one is part of. InputError for two effects or two parameters
-    of one name.
+    Iterating gives the effects that a search may name.
+
+    Parameters
+    ----------
+    entries
+        These effects.
+    where
+        What to call the catalogue where an effect cannot be in it.
+    whole
+        The catalogue of angles that one of angular rates is part of.
+
+    Attributes
+    ----------
+    names
+        Of the effects that a search may name.
+    free_forms, inputs
+        Torques without a name, and those of a measured drive, which models may have too.
+    reading
+        What a sensor reads, a key of ``READINGS``: it decides what a sensor may have wrong.
+
+    Raises
+    ------
+    InputError
+        For two effects or two parameters of one name.
     """
 
     def __init__(
