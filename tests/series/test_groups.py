@@ -96,7 +96,7 @@ def sides(lengths, apart=0.0, seed=1, scatter=1):
     )
     values = {name: {"length": Stated(at, 0.0, "m")} for name, (_, at) in zip(names, rows, strict=True)}
     groups = {name: {"group": side} for name, (side, _) in zip(names, rows, strict=True)}
-    return next(one for one in series_of(table, values, groups) if one.comparison)
+    return series_of(table, values, groups, by="group")[0]
 
 
 MIXED = [0.2, 0.4, 0.6, 0.9]

@@ -109,7 +109,13 @@ class Series:
         return shifted if shifted and np.isfinite(shifted.u_exponent) else self.law
 
     def by_theory(self, x: Floats) -> Floats:
-        """What theory says at x, through the same points, with the same error that all lengths share."""
+        """What theory says, through the same points, with the same error that all lengths share.
+
+        Parameters
+        ----------
+        x
+            What was varied, in ``unit``.
+        """
         assert self.law
         return (
             self.law.by_theory(x) if self.told is self.law or not self.gravity else self.gravity.by_theory(x)

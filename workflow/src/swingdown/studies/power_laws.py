@@ -1,6 +1,7 @@
 """How a quantity goes with another: power laws with errors in both, and g from periods over lengths."""
 
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -142,7 +143,13 @@ class PowerLaw:
         return self.offset + self.factor * (np.asarray(x, float) / self.at) ** self.exponent
 
     def by_theory(self, x: ArrayLike) -> Floats:
-        """The law with theory's exponent at x."""
+        """The law with theory's exponent, of the shape of ``x``.
+
+        Parameters
+        ----------
+        x
+            In the unit of the points.
+        """
         return self.theory_offset + self.theory_factor * (np.asarray(x, float) / self.at) ** self.theory
 
     @property
@@ -270,8 +277,8 @@ class LengthsAndPeriods:
         In m/s², with its standard uncertainty.
     short, u_short
         By how much all lengths are too short, in m.
-    shifted
-        The power law by which T goes with lengths that are all off by one amount, whatever that is.
+    points
+        The lengths and periods with their standard uncertainties.
     line
         The line of T² over the length.
     scatter
@@ -282,12 +289,23 @@ class LengthsAndPeriods:
     u_g: float
     short: float
     u_short: float
-    shifted: ShiftedLaw
+    points: tuple[Floats, Floats, Floats, Floats] = field(repr=False)
     line: Line = field(repr=False)
     scatter: Scatter = field(repr=False)
 
+    @cached_property
+    def shifted(self) -> ShiftedLaw:
+        """The power law by which T goes with lengths that are all off by one amount, whatever that is."""
+        return _shifted(*self.points, self.short)
+
     def by_theory(self, x: ArrayLike) -> Floats:
-        """The periods of these lengths, with what they are short of, at this g."""
+        """The periods at this g, in s, of lengths with what they are short of.
+
+        Parameters
+        ----------
+        x
+            The lengths, in m.
+        """
         return np.sqrt(np.maximum(self.line.intercept + self.line.slope * np.asarray(x, float), 0.0))
 
     @property
@@ -334,15 +352,15 @@ def gravity_of_lengths(
     """
     lengths, periods = np.asarray(lengths, dtype=float), np.asarray(periods, dtype=float)
     u_x = np.broadcast_to(np.asarray(u_lengths, dtype=float), lengths.shape)
-    u_y = 2 * periods * np.asarray(u_periods, dtype=float)
-    line, covariance, scatter, _ = settled(lengths, periods**2, u_x, u_y, periods**2)
+    u_y = np.asarray(u_periods, dtype=float)
+    line, covariance, scatter, _ = settled(lengths, periods**2, u_x, 2 * periods * u_y, periods**2)
     slope, short = line.slope, line.intercept / line.slope
     slopes = np.array([1 / slope, -short / slope])
     g = 4 * np.pi**2 / slope
-    shifted = _shifted(lengths, periods, u_x, np.asarray(u_periods, dtype=float), short)
+    u_g, u_short = g / slope * np.sqrt(covariance[1, 1]), np.sqrt(slopes @ covariance @ slopes)
     return LengthsAndPeriods(
-        g, float(g / slope * np.sqrt(covariance[1, 1])), short, float(np.sqrt(slopes @ covariance @ slopes)), shifted, line, scatter
-    )  # fmt: skip
+        g, float(u_g), short, float(u_short), (lengths, periods, u_x, u_y), line, scatter
+    )
 
 
 def _shifted(x: Floats, y: Floats, u_x: Floats, u_y: Floats, short: float) -> ShiftedLaw:
