@@ -5,7 +5,7 @@ import pytest
 from exports import SWING, TIME, rows
 
 from swingdown.errors import InputError
-from swingdown.measurement.files.columns import meaning
+from swingdown.measurement.files.columns import choose, meaning
 
 
 @pytest.mark.parametrize(
@@ -143,3 +143,18 @@ def test_rotations_beside_positions_under_the_same_letters_are_asked_about(take)
 def test_a_unit_may_be_written_in_words(header, kind, unit, written):
     found = meaning(header)
     assert (found.kind, found.unit, found.written) == (kind, unit, written)
+
+
+LIKELIER = ("v (m/s)", "s (cm)", "Gyroscope z (rad/s)", "Potential (V)", "signal", "theta", "phi (deg)")
+
+
+@pytest.mark.parametrize("count", range(1, len(LIKELIER) + 1))
+def test_the_likeliest_column_is_the_swing(count):
+    _, (swing,) = choose(["t (s)", *LIKELIER[:count]], "", "", "")
+    assert swing.name == LIKELIER[count - 1]
+
+
+@pytest.mark.parametrize(("stated", "name"), [("rad/s", "Gyroscope z (rad/s)"), ("deg", "signal")])
+def test_a_rate_is_taken_where_a_unit_of_rates_is_stated(stated, name):
+    _, (swing,) = choose(["t (s)", "signal", "Gyroscope z (rad/s)"], "", "", "", ("", stated))
+    assert swing.name == name

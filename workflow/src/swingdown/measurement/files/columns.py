@@ -1,7 +1,7 @@
 """What a column's header says: a quantity and its unit, and so which columns hold the time and the swing."""
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from types import MappingProxyType
@@ -264,12 +264,9 @@ def _swing(
         if not stated and chosen in pair:
             return pair
         return [_checked(chosen, others, place, stated)]
-    # what drives a pendulum is none, while there is another column
-    others = [one for one in others if not drives(one.name)] or others
-    # nor is a number of the sample
-    others = [one for one in others if not numbers_rows(one.name)] or others
-    # what stands beside a table without a name is no part of it, while there is another column
-    others = [one for one in others if not one.name.startswith(UNNAMED)] or others
+    # what drives a pendulum, the number of the sample, and what stands beside a table without a name are none, while there is another
+    for is_none in (drives, numbers_rows, lambda name: name.startswith(UNNAMED)):
+        others = [one for one in others if not is_none(one.name)] or others
     if not others:
         raise InputError(
             place, "the file has 1 column(s)", "a column of time and one of the signal", "export both"
@@ -285,7 +282,7 @@ def _swing(
         return pair
     if clock.axis == "x" and (drawn := next((one for one in others if one.axis == "y"), None)):
         return [_checked(drawn, others, place, "")]  # a graph's: y over x, its errors may follow
-    for wanted in (_names_angle, _plain, _has_signal_unit, _is_rate, _is_coordinate, _is_speed):
+    for wanted in _LIKELIEST:
         if found := next((one for one in others if wanted(one)), None):
             return [found]
     first = next((one for one in others if not _accelerates(one)), first)  # a gyroscope beside tells more
@@ -295,14 +292,6 @@ def _swing(
 def drives(name: str) -> bool:
     """True for the name of a column of what drives a pendulum, which is no swing."""
     return bool(_DRIVES.search(name.replace("_", " ")))
-
-
-def _has_signal_unit(one: Meaning) -> bool:
-    return bool(one.unit) and one.kind in (VOLTAGE, COUNTS)
-
-
-def _is_rate(one: Meaning) -> bool:
-    return one.kind == RATE and bool(one.unit) and not _SIZE_ALONE.search(one.name)
 
 
 def axes_beside(names: Sequence[str], chosen: Meaning, beside: Mapping[str, str]) -> list[str]:
@@ -325,20 +314,19 @@ def _of_attitude(one: Meaning) -> bool:
     return one.kind == ANGLE and bool(_ATTITUDE.search(one.name.replace("_", " ")))
 
 
-def _is_coordinate(one: Meaning) -> bool:
-    return one.kind == LENGTH
-
-
 def _is_speed(one: Meaning) -> bool:
     return one.kind == SPEED and not _SIZE_ALONE.search(one.name)
 
 
-def _names_angle(one: Meaning) -> bool:
-    return one.kind == ANGLE and not one.written
-
-
-def _plain(one: Meaning) -> bool:
-    return one.kind == UNTOLD and not one.axis
+# What the swing may be where no column is an angle in a unit, the likeliest first.
+_LIKELIEST: tuple[Callable[[Meaning], bool], ...] = (
+    lambda one: one.kind == ANGLE and not one.written,
+    lambda one: one.kind == UNTOLD and not one.axis,
+    lambda one: bool(one.unit) and one.kind in (VOLTAGE, COUNTS),
+    lambda one: bool(one.unit) and one.kind == RATE and not _SIZE_ALONE.search(one.name),
+    lambda one: one.kind == LENGTH,
+    _is_speed,
+)
 
 
 def _pair(columns: list[Meaning]) -> list[Meaning]:
