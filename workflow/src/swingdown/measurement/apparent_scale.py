@@ -1,9 +1,9 @@
 """What readings without a scale are worth, as far as their own period tells: the wider weight lets a pendulum swing, the slower it is."""
 
 import numpy as np
-from scipy.special import ellipk
 
 from ..arrays import Floats
+from ..pendulum.ideal import LARGEST, lengthening
 from .plausibility import ENOUGH, STEADY
 from .swings.half_swings import half_swings, passages
 
@@ -11,7 +11,6 @@ from .swings.half_swings import half_swings, passages
 RELATIVE = 0.01
 # rad: of what a spring pulls back, about as wide as the searched shapes of torques are
 ON_A_SPRING = 0.1
-_WIDEST = 3.0  # rad
 _WORTH = 10.0  # of BIC, by which the period has to be better told with the size of the swings than without
 _ROUNDS = 8  # until the square of the swings is what it makes of the period
 
@@ -51,7 +50,7 @@ def apparent_scale(times: Floats, signal: Floats, restoring: str = "sine") -> fl
     # as BIC has it beside one period for all swings
     scale, evident = small, np.sqrt(_WORTH + np.log(periods.size))
     for _ in range(_ROUNDS):
-        slower = 2 / np.pi * ellipk(np.sin(scale * sizes / 2) ** 2) - 1
+        slower = lengthening(scale * sizes) - 1
         from_mean = slower - weight @ slower
         spread = weight @ from_mean**2
         slope = weight @ (from_mean * late) / spread
@@ -60,5 +59,5 @@ def apparent_scale(times: Floats, signal: Floats, restoring: str = "sine") -> fl
         if not slope > evident * error:
             return small
         period = weight @ periods - slope * (weight @ slower)
-        scale = min(scale * float(np.sqrt(slope / period)), _WIDEST / float(sizes.max()))
+        scale = min(scale * float(np.sqrt(slope / period)), LARGEST / float(sizes.max()))
     return scale
