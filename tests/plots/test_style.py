@@ -109,3 +109,21 @@ def test_an_axis_of_values_that_are_not_known_is_one_around_zero():
     axes = style.new_figure(4).subplots()
     assert style.symmetric(axes, [np.nan, np.nan]).get_ylim() == (-1, 1)
     assert style.symmetric(axes, [np.nan, -2.0, np.inf]).get_ylim() == (-2.24, 2.24)
+
+
+def test_a_logarithmic_axis_is_marked_at_one_two_and_five():
+    axes = style.new_figure(4).add_subplot()
+    axes.set_xlim(0.09, 6)
+    axes.set_xscale("log")
+    style.decimal_log(axes.xaxis)
+    axes.figure.draw_without_rendering()
+    marked = [one.get_text() for one in axes.get_xticklabels() if 0.09 <= one.get_position()[0] <= 6]
+    assert marked == ["0.1", "0.2", "0.5", "1", "2", "5"]
+
+
+def test_the_dots_of_one_model_lie_apart_beside_its_place():
+    axes = style.new_figure(4).add_subplot()
+    style.runs(axes, 1.0, [3.0, 1.0, 2.0, np.nan], "black", "o")
+    across, along = axes.lines[0].get_data()
+    assert list(along) == [1, 2, 3] and np.abs(across - 1.09).max() < 0.026
+    assert np.abs(np.diff(across)).min() > 0.01

@@ -61,7 +61,6 @@ RC: dict[str, Any] = {
     "font.family": "STIXGeneral",
     "mathtext.fontset": "stix",
     "font.size": 10,
-    "axes.labelsize": 10,
     "axes.titlesize": 10,
     "axes.titlelocation": "left",
     "xtick.labelsize": 9,
