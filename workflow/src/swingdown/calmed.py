@@ -17,8 +17,6 @@ def calmed(times: Floats, rate: Floats, ends_quiet: bool = True) -> Floats:
     period are left as they are. With ``ends_quiet`` the swing goes on beyond its ends as half a period away, on the other side; without, the
     polynomials nearest to the ends tell them, which keeps their size and more of their noise.
     """
-    from scipy.signal import savgol_filter  # takes long to import, and few recordings are rates
-
     steps = round((times[-1] - times[0]) / float(np.median(np.diff(times))))
     grid = np.linspace(times[0], times[-1], steps + 1)
     even = np.interp(grid, times, rate)
@@ -29,8 +27,14 @@ def calmed(times: Floats, rate: Floats, ends_quiet: bool = True) -> Floats:
     if half < FEWEST:
         return rate
     side = half // 2
-    if not ends_quiet:
-        return np.asarray(middle + np.interp(times, grid, savgol_filter(about, 2 * side + 1, DEGREE)))
-    longer = np.concatenate([-about[half - side : half], about, -about[-half:][:side]])
-    smooth = savgol_filter(longer, 2 * side + 1, DEGREE)[side : longer.size - side]
+    width = 2 * side + 1
+    # an orthonormal basis of the polynomials (scipy.signal has such a filter and takes a second to load)
+    basis = np.linalg.qr(np.vander(np.linspace(-1, 1, width), DEGREE + 1))[0]
+    if ends_quiet:
+        longer = np.concatenate([-about[half - side : half], about, -about[-half:][:side]])
+        smooth = np.correlate(longer, basis @ basis[side], "valid")
+    else:
+        inner = np.correlate(about, basis @ basis[side], "valid")
+        ends = basis[:side] @ (about[:width] @ basis), basis[-side:] @ (about[-width:] @ basis)
+        smooth = np.concatenate([ends[0], inner, ends[1]])
     return np.asarray(middle + np.interp(times, grid, smooth))

@@ -372,7 +372,8 @@ def save(figure: Figure, path: str | Path, note: str = "") -> list[Path]:
     path = Path(path)
     if note and note not in figure.get_supxlabel():
         footnote(figure, *_remarks(figure), note)
-    figure.draw_without_rendering()
+    if figure.axes and (layout := figure.get_layout_engine()):
+        layout.execute(figure)
     figure.set_layout_engine("none")
     for artist in figure.findobj():
         if isinstance(artist, Line2D | PolyCollection) and _points(artist) > _MANY:
