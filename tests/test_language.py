@@ -170,6 +170,11 @@ def test_every_text_that_is_translated_is_one_that_the_program_says(catalogues):
         ("es", "quality by group: left and right do not agree (chi² 3.5 for 1, p = 0.006)", "factor de calidad por grupo: left y right no concuerdan (χ² 3,5 con 1, p = 0,006)"),
         ("de", "if it is viscous and load Coulomb (P 0.823)", "falls die Dämpfung so ist: viskos und Coulomb (lastabhängig) (P 0,823)"),
         (
+            "pt",
+            "it begins in a hand and was released at about 0.36 s: the swing is used from 0.555 s on (--start says otherwise)",
+            "começa numa mão, que o larga por volta de 0,36 s: usa-se a oscilação a partir de 0,555 s (--start diz outra coisa)",
+        ),
+        (
             "fr",
             "length as the names say: l=0.20 m → 0.2 m, 25.5cm → 0.255 m, 30cm → 0.3 m …",
             "longueur d'après les noms : l=0.20 m → 0,2 m, 25.5cm → 0,255 m, 30cm → 0,3 m …",

@@ -1,6 +1,7 @@
 """What each law of damping leaves, and whether a decay is exponential."""
 
 import re
+import warnings
 from dataclasses import replace
 
 import numpy as np
@@ -119,7 +120,7 @@ def test_each_law_is_compared_with_the_zero_that_it_was_fitted_with():
     left = table([own], "mine").set_index("law")["residual_mrad"]
     asked = np.radians(found.fits["norm"].sel(recording="swing").to_series())
     assert left["quadratic_drag"] == pytest.approx(1e3 * asked["quadratic_drag"], rel=1e-4)
-    drawn = envelopes(own)
+    drawn = envelopes([own])
     assert float(abs(drawn["amplitude"] - drawn["fitted"].sel(law="quadratic_drag")).max()) < 3e-3
 
 
@@ -127,6 +128,16 @@ def test_a_wheel_on_a_spring_has_no_friction_that_grows_with_the_load():
     found = swing("constant_coulomb", {"constant_friction": 0.05}, "linear").laws()
     assert all("load_coulomb" not in one.label for one in found[0].laws)
     assert found[0].best.label == "constant_coulomb"
+
+
+def test_what_is_wrong_with_a_law_that_is_only_compared_is_not_said():
+    """Beyond 90° friction that grows with the load would push."""
+    times = np.arange(0, 5, 0.002)
+    wide = swingdown.simulate("viscous", times, 1.75, noise=NOISE, seed=1, natural_frequency=11.0, viscous_ratio=0.02)  # fmt: skip
+    found = swingdown.fit(wide)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert len(found.laws()[0].laws) == len(labels())
 
 
 def test_no_law_gives_energy():
@@ -165,10 +176,19 @@ def test_a_law_that_no_turning_point_meets_leaves_the_others(monkeypatch):
 
 def test_envelopes_follow_the_turning_points():
     found = swing("quadratic_drag", {"quadratic_coefficient": 0.03}).laws()[0]
-    drawn = envelopes(found)
+    drawn = envelopes([found])
     assert drawn.attrs["best"] == found.best.label
     away = (drawn["amplitude"] - drawn["fitted"]).std("time")
     assert float(away.sel(law="quadratic_drag")) < 2e-3 < float(away.sel(law="viscous"))
+
+
+@pytest.mark.parametrize("stop", [1407, 1470])
+def test_an_envelope_reaches_the_last_turning_point(stop):
+    """It is measured somewhat later than the law's in the first case, and earlier in the second."""
+    found = swing("quadratic_drag", {"quadratic_coefficient": 0.03}).laws()[0]
+    parts = tuple(one._replace(fitted=one.fitted[:stop]) for one in found.laws)
+    cut = replace(found, laws=parts, times=found.times[:stop], series=found.series[:stop])
+    assert not envelopes([cut])["fitted"].sel(law="quadratic_drag").isnull().any()
 
 
 def test_the_quick_answer_writes_tables_and_pictures_and_says_whether_it_is_exponential(tmp_path, capsys):

@@ -55,8 +55,7 @@ def test_a_spring_s_torque_is_named_where_it_is_seen_beside_the_pendulum_s(tmp_p
 
 
 def test_the_laws_of_damping_are_named_in_full_and_none_is_cut(answer):
-    (found,) = answer.laws()
-    figure = envelopes(of_laws(found))
+    figure = envelopes(of_laws(answer.laws()))
     lower = figure.axes[1]
     drawn = np.concatenate([line.get_ydata() for line in lower.lines])
     assert np.nanmax(np.abs(drawn)) <= lower.get_ylim()[1]

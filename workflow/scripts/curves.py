@@ -1,6 +1,5 @@
 """What a pendulum shows against the amplitude, and what each law of damping leaves: a table and a picture of each."""
 
-import numpy as np
 import pandas as pd
 
 from swingdown import console
@@ -87,8 +86,7 @@ def made(files, campaign, params, outputs):
     try:
         given = Given(files, campaign, params)
         found = compared(given)
-        largest = max(found, key=lambda one: float(np.ptp(one.series)))
-        drawn = laws.envelopes(largest, laws.exponential_words(found, curves), given.emulated)
+        drawn = laws.envelopes(found, curves, given.emulated)
         written(outputs.laws, laws.table(found, given.campaign), envelopes(drawn), spoken)
     except InputError as problem:
         none = absent(f"no laws of damping: {problem.problem}")

@@ -99,7 +99,5 @@ def _pictures(curves: xr.Dataset | None, found: list[laws.Laws], one: Answer) ->
     if curves is not None:
         yield CURVES, backbone(curves)
     if found:
-        largest = max(found, key=lambda each: float(np.ptp(each.series)))
         with suppress(InputError):
-            drawn = laws.envelopes(largest, laws.exponential_words(found, curves), str(one.row["emulated"]))
-            yield LAWS, envelopes(drawn)
+            yield LAWS, envelopes(laws.envelopes(found, curves, str(one.row["emulated"])))

@@ -14,7 +14,7 @@ from .. import markup
 from ..arrays import Shown, finite_or_none
 from ..curves.chosen import Fitted, of_verdict
 from ..curves.dataset import curves as curves_of
-from ..curves.laws import Laws, exponential_words, laws
+from ..curves.laws import Laws, laws
 from ..curves.laws import envelopes as envelopes_of
 from ..curves.resonance import resonance
 from ..discovery.tell.verdict import noise_rms
@@ -374,13 +374,11 @@ class Answer:
 
     def _envelopes(self) -> xr.Dataset:
         """The turning points of the largest swing with the laws of damping over them, and whether the decay is exponential."""
-        found = self.laws()
-        largest = max(found, key=lambda each: float(np.ptp(each.series)))
         try:
             curves = self.curves()
         except InputError:  # too few half-swings for curves are enough for a sentence
             curves = None
-        return envelopes_of(largest, exponential_words(found, curves), str(self.row["emulated"]))
+        return envelopes_of(self.laws(), curves, str(self.row["emulated"]))
 
     def to_dict(self) -> dict[str, Any]:
         """The answer in plain numbers, texts and lists.

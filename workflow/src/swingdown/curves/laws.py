@@ -1,5 +1,6 @@
 """What each law of damping leaves of a recording: residual, what it makes of a part held out, and its evidence; is the decay exponential?"""
 
+import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import NamedTuple
@@ -10,7 +11,7 @@ import xarray as xr
 
 from ..arrays import Floats, Swing
 from ..dataset import series_of, variable
-from ..engine.trajectory import TrajectoryError, simulate
+from ..engine.trajectory import TrajectoryError, TrajectoryWarning, simulate
 from ..errors import InputError
 from ..fitting.least_squares import fit_jointly
 from ..fitting.nested import fit_nested
@@ -174,7 +175,10 @@ def laws(
     name, series = str(angle.attrs["recording"]), series_of(angle)
     times, zeros = angle["time"].values, _zeros(known, compared)
     swings = {label: (times, series.values - zero) for label, zero in zeros.items()}
-    fits = _fits([one.of(str(series.name)) for one in compared], swings, known)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", TrajectoryWarning)  # of laws that are only compared
+        fits = _fits([one.of(str(series.name)) for one in compared], swings, known)
+        held_out = [_held_out(fit, *swings[fit.model.label]) for fit in fits]
     best = min(fits, key=lambda fit: fit.bic)
     if known is None:
         inflation = max(1.0, uncertainty(best, [swings[best.model.label]]).inflation)
@@ -182,11 +186,10 @@ def laws(
         inflation = float(known["variance_inflation"][int(known["norm"].argmin("fitted"))])
     independent = max(times.size / inflation, 2.0) if np.isfinite(inflation) else times.size
     found = []
-    for fit in fits:
+    for fit, held in zip(fits, held_out, strict=True):
         bic = independent * np.log(fit.rss / fit.n) + len(fit.free) * np.log(independent)
-        held_out = _held_out(fit, *swings[label := fit.model.label])
-        fitted = fit.angle + zeros[label] - zeros[best.model.label]
-        found.append(Law(label, len(fit.free), fit.rms, held_out, bic, fitted))
+        fitted = fit.angle + zeros[label := fit.model.label] - zeros[best.model.label]
+        found.append(Law(label, len(fit.free), fit.rms, held, bic, fitted))
     noise = _noise(angle)
     unit = str(series.attrs["units"])
     return Laws(name, tuple(found), noise, *swings[best.model.label], unit=unit, chosen_from=chosen_from)
@@ -380,45 +383,44 @@ def _change(curves: xr.Dataset | None) -> str:
     return f"; the damping ratio is {ends[0]} and {ends[1]}"
 
 
-def envelopes(found: Laws, said: str = "", emulated: str = "no") -> xr.Dataset:
-    """The amplitudes of a recording's turning points, and what the laws make of them.
+def envelopes(found: Sequence[Laws], curves: xr.Dataset | None = None, emulated: str = "no") -> xr.Dataset:
+    """The amplitudes of the turning points of a pendulum's largest swing, what the laws make of them, and whether the decay is exponential.
 
     Parameters
     ----------
-    found
-        As ``laws`` returns it.
-    said
-        A sentence for the figure.
+    found, curves
+        As of ``exponential_words``.
     emulated
         ``yes`` or ``no``.
 
     Returns
     -------
     xarray.Dataset
-        Amplitudes (rad; of an angular rate rad/s) over ``time`` (s), and over ``law`` and ``time`` those of each single law and of the law with
-        the most evidence.
+        Amplitudes (rad; of an angular rate rad/s) over ``time`` (s), and over ``law`` and ``time`` those of each single law and of that which
+        the sentence names (``best``).
 
     Raises
     ------
     InputError
         If there are too few turning points.
     """
-    best = found.best.label
-    shown = [one for one in found.laws if one.label in (*_SINGLE, best)]
-    if found.points:
-        when, size = found.times, np.abs(found.series)
+    best, own = exponential(found)[2], max(found, key=lambda one: float(np.ptp(one.series)))
+    shown = [one for one in own.laws if one.label in (*_SINGLE, best)]
+    if own.points:
+        when, size = own.times, np.abs(own.series)
         fitted = [np.abs(one.fitted) for one in shown]
     else:
-        measured = of_samples(found.recording, found.times, found.series)
+        measured = of_samples(own.recording, own.times, own.series)
         when, size = measured.times, np.abs(measured.angle)
-        fitted = [_envelope(found, one, when) for one in shown]
+        fitted = [_envelope(own, one, when) for one in shown]
+    about = {"best": best, "said": exponential_words(found, curves), "emulated": emulated, "recording": own.recording}  # fmt: skip
     return xr.Dataset(
         {
-            "amplitude": variable("time", size, "measured amplitude", found.unit),
-            "fitted": variable(("law", "time"), np.array(fitted), "amplitude of a law", found.unit),
+            "amplitude": variable("time", size, "measured amplitude", own.unit),
+            "fitted": variable(("law", "time"), np.array(fitted), "amplitude of a law", own.unit),
         },
         {"law": ("law", [one.label for one in shown]), "time": variable("time", when, "time", "s")},
-        {"best": best, "said": said, "emulated": emulated, "recording": found.recording},
+        about,
     )
 
 
@@ -430,4 +432,6 @@ def _envelope(found: Laws, law: Law, when: Floats) -> Floats:
         return np.full(when.size, np.nan)
     if turns.times.size < 2:
         return np.full(when.size, np.nan)
-    return np.exp(np.interp(when, turns.times, np.log(np.abs(turns.angle)), right=np.nan))
+    size = np.exp(np.interp(when, turns.times, np.log(np.abs(turns.angle))))
+    # its last turning point is the measured one, if somewhat earlier
+    return np.where(when < turns.times[-1] + np.diff(turns.times[-2:]) / 2, size, np.nan)

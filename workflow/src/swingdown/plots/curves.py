@@ -215,9 +215,7 @@ def envelopes(data: xr.Dataset) -> style.Drawn:
     for k, label in enumerate(data["law"].values):
         fitted = scale * data["fitted"].sel(law=label).values
         bold = {"lw": 1.3, "zorder": 6} if label == best else {"lw": 1.0, "ls": (0, (5, 1 + k % 3))}
-        words = " + ".join(map(in_words, str(label).split("+"))) + (
-            " (most evidence)" if label == best else ""
-        )
+        words = " + ".join(map(in_words, str(label).split("+")))
         upper.plot(time, fitted, color=_COLOURS.get(str(label), style.INK), label=words, **bold)
         lower.plot(time, measured - fitted, color=_COLOURS.get(str(label), style.INK), **bold)
         left.append(measured - fitted)
