@@ -62,6 +62,7 @@ def test_a_rod_about_two_pivots(here, capsys):
         (("--length", "58kg"), "--length"),
         (("--bob-density", "heavy"), "--bob-density"),
         (("--kater", "0.2", "0.5"), "--kater"),
+        (("--bob-diameter", "-3cm"), "'-3cm' is no bob diameter"),
     ],
 )
 def test_what_is_typed_wrongly_is_refused_before_anything_is_read(here, typed, where, capsys):

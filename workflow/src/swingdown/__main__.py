@@ -93,6 +93,9 @@ def _parser() -> argparse.ArgumentParser:
         description="From recordings of a swinging pendulum to its period, its damping, and what a model of it still lacks. "
         "A config file is run as a study; `verify` compares a study's files with its manifest.",
     )
+    parser._negative_number_matcher = re.compile(
+        r"-\.?\d"
+    )  # a length that is refused, as -20cm, is no option
     add = parser.add_argument
 
     def flag(name: str, told: str) -> None:
