@@ -13,7 +13,7 @@ from ..pendulum.effect import NATURAL_FREQUENCY, Effect
 from ..pendulum.model import Model
 from .comparison import WORTH, aic_effective, bic_effective, terms_of
 from .norms import as_text, over
-from .quantities import UNITS, Beside, Quantity, over_models, quantities
+from .quantities import UNITS, Beside, Quantity, about, over_models, quantities
 
 _COUNTS = 0.01  # share of a model in a value, below which it is left out
 _EVIDENCE = ["norm", "variance_inflation", "samples", "value", "standard_error"]  # what evidence is told by
@@ -162,7 +162,7 @@ def over_laws(
     catalogue: Catalogue = SHIPPED,
     known: Mapping[str, Mapping[str, Quantity]] | None = None,
 ) -> dict[str, Quantity]:
-    """Natural frequency, period, quality and decay time by name, whichever law of damping holds.
+    """Natural frequency, period, quality and decay time by name, whichever law of damping holds, and the parameters of the ``known`` models.
 
     Parameters
     ----------
@@ -180,14 +180,15 @@ def over_laws(
     Returns
     -------
     dict
-        The means over the laws; an uncertainty holds that of each law, and how far they are apart.
+        The means over the laws; an uncertainty holds that of each law, and how far they are apart. A parameter keeps the value of its model.
     """
     known = known or {}
+    told = {name: one for own in known.values() for name, one in own.items() if name not in UNITS}
     each = [
         (share, known.get(label) or described(norms, label, catalogue, amplitude)[1])
         for label, share in weight.items()
     ]
-    return over_models(each, UNITS)
+    return about(told, each) | over_models(each, UNITS)
 
 
 def described(
