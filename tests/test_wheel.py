@@ -180,13 +180,19 @@ def carrying(root, tmp_path_factory):
     return made
 
 
+@pytest.fixture(scope="module")
+def whole(carrying, tmp_path_factory):
+    """The Python of an environment with that wheel and all that the present one has."""
+    return installed(carrying, tmp_path_factory.mktemp("whole") / "environment")[0]
+
+
 @pytest.mark.slow("a wheel is built")
-def test_a_wheel_that_carries_the_engine_needs_no_compiler(carrying, tmp_path):
+def test_a_wheel_that_carries_the_engine_needs_no_compiler(carrying, whole, tmp_path):
     system = sysconfig.get_platform().replace("-", "_").replace(".", "_")
     assert carrying.name.endswith(f"-py3-none-{system}.whl")
-    (python, _), clean = installed(carrying, tmp_path / "environment"), without_python(tmp_path)
-    clean = {key: value for key, value in clean.items() if key != "CC"} | {"PATH": str(tmp_path)}
-    done = subprocess.run([python, "-c", FIT], cwd=tmp_path, env=clean, text=True, capture_output=True)
+    clean = {key: value for key, value in without_python(tmp_path).items() if key != "CC"}
+    clean["PATH"] = str(tmp_path)
+    done = subprocess.run([whole, "-c", FIT], cwd=tmp_path, env=clean, text=True, capture_output=True)
     assert done.returncode == 0, done.stdout + done.stderr
     here = subprocess.run([sys.executable, "-c", FIT], text=True, capture_output=True)
     assert done.stdout == here.stdout and done.stdout.endswith("fitted True\n")
@@ -209,9 +215,10 @@ def test_an_installation_brings_few_packages():
     assert len(brought()) <= 12, sorted(brought())
 
 
-def bare(wheel, environment):
-    """The Python of a new environment that holds the wheel and what it brings, and nothing else."""
-    python, site = installed(wheel, environment)
+@pytest.fixture(scope="module")
+def bare(carrying, tmp_path_factory):
+    """The Python of an environment that holds that wheel and what it brings, and nothing else."""
+    python, site = installed(carrying, tmp_path_factory.mktemp("bare") / "environment")
     (site / "dependencies.pth").unlink()
     for one in brought().values():
         for name in {path.parts[0] for path in one.files or () if not path.parts[0].startswith("..")}:
@@ -221,13 +228,10 @@ def bare(wheel, environment):
 
 
 @pytest.mark.slow("a search, by two ways")
-def test_a_file_goes_to_its_report_with_and_without_the_workflow(root, carrying, tmp_path):
+def test_a_file_goes_to_its_report_with_and_without_the_workflow(root, bare, whole, tmp_path):
     clean = without_python(tmp_path)
     verdicts = {}
-    for way, python in (
-        ("bare", bare(carrying, tmp_path / "bare")),
-        ("workflow", installed(carrying, tmp_path / "whole")[0]),
-    ):
+    for way, python in (("bare", bare), ("workflow", whole)):
         folder = tmp_path / f"at-{way}"
         folder.mkdir()
         shutil.copy(root / "resources/example/anna.csv", folder)
@@ -263,8 +267,8 @@ for act in (made.plot, lambda: swingdown.fit("a.xlsx"), lambda: swingdown.fit("a
 
 
 @pytest.mark.slow("a wheel is built")
-def test_without_an_extra_it_is_named(root, carrying, tmp_path):
-    python, clean = bare(carrying, tmp_path / "bare"), without_python(tmp_path)
+def test_without_an_extra_it_is_named(root, bare, tmp_path):
+    python, clean = bare, without_python(tmp_path)
     shutil.copy(root / "resources/example/anna.csv", tmp_path)
     with zipfile.ZipFile(tmp_path / "a.xlsx", "w") as book:
         book.writestr("xl/workbook.xml", "<workbook/>")
