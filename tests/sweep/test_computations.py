@@ -46,6 +46,12 @@ def test_the_curvature_at_a_models_closest_fit_is_that_of_its_sum_of_squares():
     )
 
 
+def test_where_fits_start_at_rest_each_begins_at_rest():
+    _, truth, begins = noise_free.noise_free(cell("identification", **{"simulation.start": "rest"}))
+    found = {(begin.release_angle, begin.release_velocity) for begin in begins.values()}
+    assert found == {(truth[0], 0.0)} and not all(begin.exact for begin in begins.values())
+
+
 def test_where_friction_stops_the_pendulum_no_larger_model_leaves_more_and_nearly_all_fits_are_stationary():
     hard = cell(
         "identification",
