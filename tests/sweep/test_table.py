@@ -42,6 +42,20 @@ def test_the_shipped_sweeps_are_over_what_the_paper_leaves_open(root):
     assert full["identification"].cells * full["identification"].realizations * 7 > 1e7
 
 
+@pytest.mark.parametrize(
+    ("key", "words", "unit"),
+    [
+        ("duration_s", "duration", "s"),
+        ("sampling_rate_hz", "sampling rate", "Hz"),
+        ("snr", "signal to noise ratio", "1"),
+    ],
+)
+def test_an_axis_has_its_words_and_its_unit(key, words, unit):
+    axes = {"simulation.simulated": ["viscous"], f"simulation.{key}": [20, 50]}
+    axis = made(computes="identification", axes=axes).axes[1]
+    assert (axis.long_name, axis.units) == (words, unit)
+
+
 VALUES = {
     "seed": [1, 2], "simulation.noise": ["additive", "quantisation"], "simulation.start": ["rest", "free"], "model.restoring": ["sine", "linear"],
     "model.form": ["consistent", "printed"], "simulation.simulated": ["viscous", "load_coulomb"], "simulation.fitted": ["viscous", "load_coulomb"],

@@ -192,7 +192,7 @@ def test_kill_9_and_the_resume_command_of_the_docs_computes_only_what_is_missing
     for folder in (whole, killed):
         folder.mkdir()
         write(folder, realizations=120, chunk=40)
-    snakemake("sweep", "--configfile", whole / "sweep.yaml", directory=whole)
+    snakemake(DATA, "--configfile", whole / "sweep.yaml", directory=whole)
     base = ["--configfile", killed / "sweep.yaml", "--directory", killed]
     command = [sys.executable, "-m", "snakemake", "-c2", "sweep", *base]
     running = subprocess.Popen(
