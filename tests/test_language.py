@@ -12,7 +12,7 @@ from swingdown.discovery.judge.findings import _doubt
 from swingdown.discovery.see.losses import _SAID
 from swingdown.discovery.tell.sentence import _described, _misspecified
 from swingdown.errors import InputError
-from swingdown.language import language, languages
+from swingdown.language import language, languages, listed
 from swingdown.measurement.judge import Reading
 from swingdown.measurement.signal import Interpreted
 from swingdown.measurement.units import NO_SCALE, angle_unit, time_factor
@@ -229,3 +229,8 @@ def test_what_a_file_without_units_was_taken_for_is_told(code):
     assert len(told) == 6
     for english in told:
         assert not {"took", "unit", "of", "brackets,", "samples"} & set(language(code).text(english).split())
+
+
+@pytest.mark.parametrize(("words", "told"), [([], ""), (["a"], "a"), (["a", "b"], "a and b"), (["a", "b", "c"], "a, b and c")])  # fmt: skip
+def test_words_stand_one_after_the_other(words, told):
+    assert listed(words) == told

@@ -5,7 +5,7 @@ English text, with its values as ``{value}``, that of the language. A sentence i
 """
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import cache, cached_property
 from pathlib import Path
@@ -155,3 +155,8 @@ def capital(text: str) -> str:
 
 def _capital(text: str | None) -> str | None:
     return None if text is None else capital(text)
+
+
+def listed(words: Sequence[str]) -> str:
+    """The words one after the other: ``a``, ``a and b``, ``a, b and c``."""
+    return " and ".join(filter(None, [", ".join(words[:-1]), *words[-1:]]))

@@ -9,6 +9,7 @@ from typing import Any
 
 from .. import markup
 from ..errors import InputError
+from ..language import listed
 from ..rounding import value_with_uncertainty
 from .catalogue import ANGLE, SHIPPED, Catalogue, catalogue
 from .catalogue.restoring import GRAVITY
@@ -353,4 +354,4 @@ def model_words(label: str) -> str:
     """A model's effects in words: ``viscous and load Coulomb``; a measured drive is none of its own."""
     drives = {effect.name for effect in SHIPPED.inputs}
     names = [in_words(name) for name in label.split("+") if name not in drives]
-    return " and ".join([", ".join(names[:-1]), names[-1]] if len(names) > 1 else names)
+    return listed(names)

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from math import degrees, isfinite, nan
 from typing import Any, NamedTuple
 
-from ..language import ENGLISH, IN_ENGLISH, Language, capital
+from ..language import ENGLISH, IN_ENGLISH, Language, capital, listed
 from ..own_unit import small
 from ..pendulum.catalogue import SHIPPED, Catalogue
 from ..pendulum.effect import Effect
@@ -135,7 +135,7 @@ def headline(
     if model in _UNTOLD:
         return f"{_UNTOLD[model]} {numbers}."
     each = [words for one in (model, *or_models(row)) if (words := _stops(one, catalogue, restoring))]
-    joined = " or ".join(dict.fromkeys(map(_listed, each)))
+    joined = " or ".join(dict.fromkeys(map(listed, each)))
     status = verdict["status"] if verdict else ""
     alone, ending = bool(each) and len(each[-1]) == 1, ""
     if not joined:
@@ -183,10 +183,6 @@ def _stops(model: str, catalogue: Catalogue, restoring: str) -> list[str]:
     """What a sentence calls the effects of a model that stop a pendulum."""
     effects = [catalogue[name] for name in model.split("+") if name in catalogue]
     return list(filter(None, (_takes_energy(one, restoring) for one in effects)))
-
-
-def _listed(words: list[str]) -> str:
-    return " and ".join([*filter(None, [", ".join(words[:-1])]), words[-1]])
 
 
 def or_models(row: Mapping[str, Any]) -> list[str]:

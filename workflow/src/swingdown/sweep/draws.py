@@ -41,8 +41,4 @@ def _told(settings):
 
 
 def _digest(content):
-    return hashlib.sha256(_json(content).encode()).hexdigest()[:32]
-
-
-def _json(content):
-    return json.dumps(content, separators=(",", ":"))
+    return hashlib.sha256(json.dumps(content, separators=(",", ":")).encode()).hexdigest()[:32]

@@ -102,7 +102,7 @@ def results(settings, first, count):
         block = range(start, min(start + _BLOCK, count))
         noisy = np.array([cell.noisy(first + k) for k in block])
         fitted = {}
-        for label in sorted(labels, key=_size):
+        for label in sorted(labels, key=lambda label: label.count("+")):
             fitted[label] = _fitted(cell, label, noisy, fitted)
         for column, label in enumerate(labels):
             for name, values in _told(cell, *fitted[label]).items():
@@ -193,7 +193,3 @@ def _told(cell, values, rss, off, converged):
         ],
         "converged": converged,
     }
-
-
-def _size(label):
-    return label.count("+")

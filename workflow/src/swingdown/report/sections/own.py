@@ -177,10 +177,6 @@ def _of_model(row: Mapping[str, Any]) -> str:
     return f"The model of damping with {words} describes the recording best; it leaves {left}."
 
 
-def _symbol(model: str) -> Cell:
-    return model if model in NO_MODEL else model_symbol(model)
-
-
 def _recordings(rows: pd.DataFrame, material: Material, campaign: str) -> Table:
     """What each recording of one pendulum gives, and all of them together."""
     caption = f"Each recording of {campaign}, and all of them fitted together."
@@ -239,7 +235,9 @@ def _table(
             for column in ("period_s", "quality", "decay_time_s", "natural_frequency_rad_per_s")
         )
         first: list[Cell] = [_linked(name, row), _why(row)] if searched else [name]
-        rows.append([*first, period, quality, decay, amplitude, frequency, _symbol(str(row["model"]))])
+        model = str(row["model"])
+        symbol = model if model in NO_MODEL else model_symbol(model)
+        rows.append([*first, period, quality, decay, amplitude, frequency, symbol])
     return Table(
         label,
         caption,
