@@ -30,3 +30,9 @@ def test_a_level_before_the_swing_is_no_top():
     level = np.full(80, -5.0)
     assert saturated_runs(-seen(np.concatenate([level, swing]))) == []
     assert saturated_runs(-seen(np.concatenate([swing, level]))) == []
+
+
+def test_a_swing_of_fewer_than_36_steps_is_too_coarse_to_tell_a_rail_from_a_step():
+    for lowest, told in ((29, True), (28, False)):
+        signal = np.round(np.minimum(lowest * np.cos(6 * TIMES), 7))
+        assert bool(saturated_runs(signal)) is told, lowest
