@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 Floats = NDArray[np.floating[Any]]
+Bools = NDArray[np.bool_]
 Numbers = float | Floats  # one, or one a point or draw
 Swing = tuple[Floats, Floats]  # times (s) and angles (rad), one as long as the other
 

@@ -122,7 +122,7 @@ def of_samples(
             "at least ten",
             "record with more samples a second",
         )
-    number = np.concatenate([[0], np.cumsum(_steps(half))])
+    number = np.concatenate([[0], np.cumsum(steps_between(half))])
     place, size, u_size = turns.vertex(noise)
     at, u_at, slope = passes.root(noise)
     ordered = np.sign(np.interp((rough[1:] + rough[:-1]) / 2, times, quiet) - centre)
@@ -197,7 +197,7 @@ def _centre(times: Floats, angle: Floats, rough: Floats) -> float:
     return float(np.median(middles(turns))) if turns.size > 2 else float(middle)
 
 
-def _steps(half: Floats) -> Floats:
+def steps_between(half: Floats) -> Floats:
     """How many half-swings lie between passages ``half`` (s) apart: 1, but where some are missing."""
     usual = np.array([np.median(half[max(0, k - 3) : k + 4]) for k in range(half.size)])
     return np.where(half > _SKIPPED * usual, np.round(half / usual), 1.0)

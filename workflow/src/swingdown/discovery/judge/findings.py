@@ -15,6 +15,7 @@ from ...pendulum.effect import NATURAL_FREQUENCY, VARIABLES, Contained
 from ...pendulum.formula import evaluate
 from ..data.noise import Noise
 from ..guard import CLEAR, HELD_OUT, POSSIBLE, PROBABLE, SHARE, TIES
+from ..move.laws import damping
 from ..see import friction
 from ..see.envelope import Seen
 from .confirm import gap
@@ -157,16 +158,25 @@ def _as_one(
     alike: Sequence[Structure],
     shown: Seen | None,
 ) -> Finding:
-    """That of all effects of one kind of damping that a structure has, told by the name of one: the data may not tell their law. It may be
-    one that the tie has no place for, and of friction, which is left as the speed goes to nothing, none of the catalogue's: an unnamed
-    torque may hold that as well."""
+    """That of all effects of one kind of damping that a structure has, told by the name of one: the data may not tell their law, and
+    amplitudes do not tell everyday laws apart that lose alike. It may be one that the tie has no place for, and of friction, which is
+    left as the speed goes to nothing, none of the catalogue's: an unnamed torque may hold that as well."""
+    model = best.fit.model
+    lost, everyday = shown.laws if shown else frozenset(), damping(model)
     others = sorted(
-        (one for one in kind if one in names or pool.of([one]) >= POSSIBLE), key=lambda one: -pool.of([one])
+        (
+            one
+            for one in kind
+            if one in names
+            or pool.of([one]) >= POSSIBLE
+            or (one in everyday and model.catalogue.powers_lost(one) <= lost)
+        ),
+        key=lambda one: -pool.of([one]),
     )
     ties = tuple(one for one in dict.fromkeys([*_simpler(pool, best, name, alike), *others]) if one != name)[
         : TIES - 1
     ]
-    rubs, open_ = pool.first.fit.model.catalogue.rubs(name), pool.of([name, *ties]) < PROBABLE
+    rubs, open_ = model.catalogue.rubs(name), pool.of([name, *ties]) < PROBABLE
     chance = max(pool.of_friction() if rubs else pool.of(kind), shown.chance if shown else 0.0)
     seen = shown is not None or (rubs and pool.sees_friction() >= PROBABLE)
     one = _asked(pool, best, name, names, Finding(chance, ties, law_open=open_))

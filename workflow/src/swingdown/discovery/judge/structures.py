@@ -23,7 +23,7 @@ from ..move.admissible import at_its_bound
 from ..move.candidates import without
 from ..move.refit import FAILURES, refit
 from ..see.discrepancy import Discrepancy, Unnamed
-from ..see.envelope import NOT_SEEN, Amplitudes, Seen, amplitudes, seen
+from ..see.envelope import NOT_SEEN, Seen, Stretch, amplitudes, seen
 from ..see.kinds import DISSIPATIVE
 from ..see.linear import Frame, frame
 from .confirm import predict
@@ -278,7 +278,7 @@ class Pool:
         return self._envelopes[laws]
 
     @cached_property
-    def _amplitudes(self) -> Amplitudes:
+    def _amplitudes(self) -> tuple[Stretch, ...]:
         base = self.first.fit.model
         return amplitudes(self.campaign, base.values[NATURAL_FREQUENCY.name], base.restoring)
 

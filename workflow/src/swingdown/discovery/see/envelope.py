@@ -8,16 +8,18 @@ followed with it and without, beside a drag that changes in time, which on one r
 
 from collections.abc import Collection, Sequence
 from functools import cache
-from itertools import pairwise
+from itertools import combinations, pairwise
 from typing import NamedTuple
 
 import numpy as np
 from scipy.linalg import block_diag
 from scipy.optimize import lsq_linear
-from scipy.special import expit
+from scipy.special import expit, softmax
 
-from ...arrays import Floats
+from ...arrays import Bools, Floats
+from ...studies.half_swings import steps_between
 from ..data.campaign import Campaign, Swing
+from ..guard import POSSIBLE
 from .linear import orthonormal
 from .losses import half_swings
 
@@ -25,34 +27,31 @@ from .losses import half_swings
 _LAWS = (0, 1, 2)
 _VISCOUS = 1
 _DRIFT = 3  # the loss by a viscous drag that grows in time
-_LEAST = 4  # amplitudes of a swing that is looked at
-_BROKEN = 1.5  # half-swings between two: what is longer begins anew
+_LEAST = 3  # amplitudes of a stretch that is looked at
+_BROKEN = 4  # half-swings between two: what is longer begins anew
 _NODES = 6  # amplitudes between which a loss of any law goes straight
 _TURNS = 181  # at which an orbit is computed
 
 
 class Stretch(NamedTuple):
-    """Amplitudes (rad) of successive half-swings without a break, and what has been lost of each by each law of size one (amplitude, law), the
-    last law a drag that grows in time."""
+    """Amplitudes (rad) of successive half-swings, what has been lost of each by each law of size one (amplitude, law), the last law a drag
+    that grows in time; how many half-swings there are from each to the next, and which are ``fitted``."""
 
     sizes: Floats
     lost: Floats
-
-
-class Amplitudes(NamedTuple):
-    """The amplitudes of a campaign's swings."""
-
-    fitted: tuple[Stretch, ...]
-    held_out: tuple[Stretch, ...]
+    steps: Floats
+    fitted: Bools
 
 
 class Seen(NamedTuple):
-    """What losses of some laws do for the envelope: the ``gain`` of the log-evidence with them (BIC), NaN where nothing can be told, and the
-    ``share`` of the RMS that is left with them of what is left without, of fitted and of ``held_out`` swings."""
+    """What losses of some laws do for the envelope: the ``gain`` of the log-evidence with them (BIC), NaN where nothing can be told, the
+    ``share`` of the RMS that is left with them of what is left without, of fitted and of ``held_out`` amplitudes, and those of the
+    ``laws`` that may be the one that is there."""
 
     gain: float
     share: float
     held_out: float
+    laws: frozenset[int] = frozenset()
 
     @property
     def chance(self) -> float:
@@ -63,56 +62,86 @@ class Seen(NamedTuple):
 NOT_SEEN = Seen(np.nan, np.inf, np.inf)
 
 
-def amplitudes(campaign: Campaign, natural_frequency: float, restoring: str) -> Amplitudes:
-    """The ``Amplitudes`` of a campaign's swings; none where a drive acts on them: what it gives is no loss."""
+def amplitudes(campaign: Campaign, natural_frequency: float, restoring: str) -> tuple[Stretch, ...]:
+    """The amplitudes of a campaign's swings, which in one recording go on from part to part; none where a drive acts on them: what it
+    gives is no loss."""
     swings = (*campaign.fit, *campaign.holdout)
     if any(one.drive is not None for one in swings):
-        return Amplitudes((), ())
-    # the parts of one recording go on in its time
-    begin = min(one.times[0] for one in swings) if len(campaign.whole) == 1 else None
-    longest = max(one.times[-1] - (one.times[0] if begin is None else begin) for one in swings)
+        return ()
 
-    def of(one: Swing) -> list[Stretch]:
+    def of(one: Swing) -> Floats:
         table = half_swings(one.times, one.angle, natural_frequency, restoring, campaign.reading)
-        when, sizes = table["time_s"].to_numpy(), table["amplitude_rad"].to_numpy()
-        if when.size < _LEAST:
-            return []
-        apart = np.diff(when)
-        edges = [0, *(np.flatnonzero(apart > _BROKEN * np.median(apart)) + 1), when.size]
-        when = (when - (one.times[0] if begin is None else begin)) / longest
-        return [_stretch(when[a:b], sizes[a:b], restoring) for a, b in pairwise(edges) if b - a >= _LEAST]
+        return table[["time_s", "amplitude_rad"]].to_numpy()
 
-    fitted, held_out = (
-        tuple(stretch for one in part for stretch in of(one)) for part in (campaign.fit, campaign.holdout)
+    found = [(of(one), one.times[0]) for one in swings]
+    fitted = [np.full(len(rows), k < len(campaign.fit)) for k, (rows, _) in enumerate(found)]
+    if len(campaign.whole) == 1:
+        whole = campaign.whole[0]
+        rows = _with_those_between([rows for rows, _ in found], of(whole))
+        found = [(rows, whole.times[0])]
+        fitted = [_within(rows[:, 0], campaign.fit)]
+    longest = max(one.times[-1] - one.times[0] for one in campaign.whole or swings)
+    return tuple(
+        _stretch((rows[a:b, 0] - begin) / longest, rows[a:b, 1], steps[a : b - 1], of_fit[a:b], restoring)
+        for (rows, begin), of_fit in zip(found, fitted, strict=True)
+        for steps in [steps_between(np.diff(rows[:, 0]))]
+        for a, b in pairwise([0, *(np.flatnonzero(steps > _BROKEN) + 1), len(rows)])
+        if b - a >= _LEAST
     )
-    return Amplitudes(fitted, held_out)
 
 
-def seen(of: Amplitudes, laws: Collection[int]) -> Seen:
+def _with_those_between(parts: Sequence[Floats], whole: Floats) -> Floats:
+    """The half-swings (half-swing, time and amplitude) of a recording's parts, each to where its own noise hides them, and those of the
+    ``whole`` across the cuts."""
+    rows = np.concatenate(parts)
+    if len(whole) > 1:
+        near = 0.5 * np.median(np.diff(whole[:, 0]))
+        apart = np.abs(whole[:, :1] - rows[:, 0]).min(axis=1, initial=np.inf)
+        rows = np.concatenate([rows, whole[apart > near]])
+    return rows[np.argsort(rows[:, 0])]
+
+
+def _within(times: Floats, swings: Sequence[Swing]) -> Bools:
+    """Which times are within one of these swings."""
+    return np.any([(one.times[0] <= times) & (times <= one.times[-1]) for one in swings], axis=0)
+
+
+def seen(of: Sequence[Stretch], laws: Collection[int]) -> Seen:
     """What losses as these powers of the amplitude do for the envelope, beside losses as the others."""
-    count, free = sum(one.sizes.size for one in of.fitted), len(of.fitted) + len(_LAWS) + 1
-    if count < 2 * free or not of.held_out:
+    fitted = np.concatenate([one.fitted for one in of]) if of else np.zeros(0, bool)
+    free = sum(bool(one.fitted.any()) for one in of) + len(_LAWS) + 1
+    count = int(np.count_nonzero(fitted))
+    if count <= free or fitted.all():
         return NOT_SEEN
-    losses, left = _followed(of.fitted)
-    without, lacked = _followed(of.fitted, {*laws, *([_DRIFT] if _VISCOUS in laws else [])})
-    memory = max(float(np.sum(left[1:] * left[:-1]) / np.sum(left**2)), 0.0)
+    left, lacked = _left(of, ()), _left(of, laws)
+    now = left[fitted]
+    memory = max(float(np.sum(now[1:] * now[:-1]) / np.sum(now**2)), 0.0)
     counts = (count - free) * (1 - memory) / (1 + memory)
-    gain = 0.5 * counts * np.log(np.sum(lacked**2) / np.sum(left**2)) - 0.5 * len(laws) * np.log(count)
-    held = [np.concatenate([_released(one, each) for one in of.held_out]) for each in (losses, without)]
-    return Seen(float(gain), _ratio(of.fitted, left, lacked), _ratio(of.held_out, *held))
+
+    def evidence(without: Collection[int]) -> float:
+        """The logarithm of that of all laws but these, against all."""
+        more = np.sum(_left(of, without)[fitted] ** 2) / np.sum(now**2)
+        return float(0.5 * len(without) * np.log(count) - 0.5 * counts * np.log(more))
+
+    some = [gone for k in range(len(laws)) for gone in combinations(sorted(laws), k)]
+    chances = softmax([evidence(gone) for gone in some])
+    there = {law: sum(p for p, gone in zip(chances, some, strict=True) if law not in gone) for law in laws}
+    possible = frozenset(law for law, chance in there.items() if chance >= POSSIBLE)
+    of_loss = np.hstack([_firsts(of), _of_any_law(of)])
+    share, held_out = (_ratio(of_loss[which], left[which], lacked[which]) for which in (fitted, ~fitted))
+    return Seen(-evidence(laws), share, held_out, possible)
 
 
-def _ratio(of: Sequence[Stretch], now: Floats, then: Floats) -> float:
-    """The RMS that is left of amplitudes now over that of then, of both what a loss of any law could be: what comes and goes where the
-    amplitude is the same is none."""
-    space = orthonormal(np.hstack([_firsts(of), _of_any_law(of)]))
+def _ratio(of_loss: Floats, now: Floats, then: Floats) -> float:
+    """The RMS that is left of amplitudes now over that of then, of both what a loss could be (amplitude, loss): what comes and goes where
+    the amplitude is the same is none."""
+    space = orthonormal(of_loss)
     free = now.size - space.shape[1]
-    if free < 1:
-        return np.inf
 
     def lost(one: Floats) -> float:
         within = space.T @ one
-        return max(float(within @ within - space.shape[1] * (one @ one - within @ within) / free), 0.0)
+        noise = (one @ one - within @ within) / free if free else 0.0
+        return max(float(within @ within - space.shape[1] * noise), 0.0)
 
     left, lacked = lost(now), lost(then)
     return float(np.sqrt(left / lacked)) if lacked > 0 else np.inf
@@ -130,36 +159,39 @@ def _of_any_law(of: Sequence[Stretch]) -> Floats:
     hats = []
     for one in of:
         middle = (one.sizes[1:] + one.sizes[:-1]) / 2
-        each = np.array([np.interp(middle, nodes, row) for row in np.eye(_NODES)])
+        each = one.steps * np.array([np.interp(middle, nodes, row) for row in np.eye(_NODES)])
         hats.append(np.concatenate([np.zeros((1, _NODES)), np.cumsum(each, axis=1).T]))
     return np.hstack([np.concatenate([one.lost for one in of]), np.concatenate(hats)])
 
 
-def _followed(stretches: Sequence[Stretch], but: Collection[int] = ()) -> tuple[Floats, Floats]:
-    """(the size of each law ``but`` these, by least squares; what is left of the amplitudes, rad)."""
-    sizes, lost = (np.concatenate([one[k] for one in stretches]) for k in range(2))
-    laws = [law for law in range(lost.shape[1]) if law not in but]
-    columns = np.hstack([-lost[:, laws], _firsts(stretches)])
-    scale = np.linalg.norm(columns, axis=0)
+def _left(of: Sequence[Stretch], but: Collection[int]) -> Floats:
+    """What all laws ``but`` these leave of the amplitudes (rad), their sizes fitted by least squares; of a stretch that is held out only
+    the mean is. Without viscous drag none grows in time."""
+    sizes, lost = np.concatenate([one.sizes for one in of]), np.concatenate([one.lost for one in of])
+    fitted = np.concatenate([one.fitted for one in of])
+    gone = {*but, *([_DRIFT] if _VISCOUS in but else [])}
+    laws = [law for law in range(lost.shape[1]) if law not in gone]
+    known = [bool(one.fitted.any()) for one in of]
+    columns = np.hstack([-lost[:, laws], _firsts(of)[:, known]])
+    scale = np.linalg.norm(columns[fitted], axis=0)
     low = np.full(columns.shape[1], -np.inf)
     low[[k for k, law in enumerate(laws) if law in _LAWS]] = 0.0
-    values = lsq_linear(columns / scale, sizes, (low, np.inf)).x / scale
-    found = np.zeros(lost.shape[1])
-    found[laws] = values[: len(laws)]
-    return found, columns @ values - sizes
+    values = lsq_linear(columns[fitted] / scale, sizes[fitted], (low, np.inf)).x / scale
+    left = columns @ values - sizes
+    edges = np.cumsum([0, *(one.sizes.size for one in of)])
+    for (a, b), with_fit in zip(pairwise(edges), known, strict=True):
+        if not with_fit:
+            left[a:b] -= left[a:b].mean()
+    return left
 
 
-def _released(one: Stretch, losses: Floats) -> Floats:
-    """What is left of the amplitudes of a stretch of which only the first is fitted."""
-    left = -one.lost @ losses - one.sizes
-    return left - left.mean()
-
-
-def _stretch(when: Floats, sizes: Floats, restoring: str) -> Stretch:
-    """The ``Stretch`` of amplitudes at these times, what is lost between two being that at their mean."""
+def _stretch(when: Floats, sizes: Floats, steps: Floats, fitted: Bools, restoring: str) -> Stretch:
+    """The ``Stretch`` of amplitudes at these times, what is lost in each half-swing between two being that at their mean."""
     each = _work((sizes[1:] + sizes[:-1]) / 2, restoring)
-    steps = np.array([*each, each[_VISCOUS] * (when[1:] + when[:-1]) / 2])
-    return Stretch(sizes, np.concatenate([np.zeros((1, len(steps))), np.cumsum(steps, axis=1).T]))
+    losses = steps * np.array([*each, each[_VISCOUS] * (when[1:] + when[:-1]) / 2])
+    return Stretch(
+        sizes, np.concatenate([np.zeros((1, len(losses))), np.cumsum(losses, axis=1).T]), steps, fitted
+    )
 
 
 def _work(at: Floats, restoring: str) -> Floats:
