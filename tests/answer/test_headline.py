@@ -237,3 +237,13 @@ def test_what_keeps_itself_going_is_not_said_to_be_stopped_by_half_an_explanatio
     assert answer.verdict["status"] in ("partial", "unknown")
     assert answer.sentence.startswith("What stops it cannot be told: it does not die away. T = 6.3")
     assert "quality" not in answer.quantities
+
+
+@pytest.mark.parametrize("seed", [1, 2])
+def test_a_motor_whose_swing_no_law_of_damping_makes_gains_no_energy(seed):
+    """A pure sine of 20°: a viscous drag that gives and a friction that takes would follow it a little better."""
+    times = np.arange(0, 30, 0.02)
+    angle = 20 * np.cos(6 * times) + 0.05 * np.random.default_rng(seed).standard_normal(times.size)
+    found = swingdown.fit(times, np.radians(angle), unit="rad")
+    assert "it does not die away" in found.sentence
+    assert found["period"].value == pytest.approx(np.pi / 3, rel=1e-5)
