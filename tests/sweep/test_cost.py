@@ -42,6 +42,10 @@ def test_a_trial_tells_the_time_of_a_cell_and_of_a_draw(monkeypatch, dimension):
     assert a_cell == pytest.approx(0.02, abs=0.0031 if dimension else 1e-9)
 
 
+def test_draws_that_take_no_time_take_none(monkeypatch):
+    assert cost.seconds(sweep(), Clocked(monkeypatch, 0.02, 0.0, None)) == pytest.approx((0.02, 0.0))
+
+
 def test_a_trial_of_slow_cells_ends_with_the_first(monkeypatch):
     slow = Clocked(monkeypatch, 0.5, 0.4, None)
     assert cost.seconds(sweep(), slow) == pytest.approx((0.0, 0.9))
@@ -102,9 +106,9 @@ def test_chunks_of_other_code_are_told_with_the_way_to_compute_them_again(tmp_pa
 
 
 def test_cells_that_cannot_be_made_are_told_with_their_reason_and_the_first_of_them(monkeypatch):
-    of = sweep()
+    of = sweep(axes={"simulation.simulated": ["viscous"], "simulation.snr": [20, 50]})
     (line,) = cost.foreseen(of, Clocked(monkeypatch, 0.0, 0.0, "fitted"))
-    assert line.startswith("  cannot be made: 2 of 4 cells tried (4 in all): no such swing (the first: ")
+    assert line.startswith("  cannot be made: 1 of 2 cells tried (2 in all): no such swing (the first: ")
     assert "simulation.snr 20.0" in line
 
 
