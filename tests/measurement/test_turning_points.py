@@ -27,6 +27,7 @@ def test_peaks_of_one_side_are_one_a_period(tmp_path):
     assert found.attrs["taken"].startswith("took `amplitude (rad)` as turning points, one a period, in rad")
     assert list(found["half_swings"].values) == list(range(0, 60, 2))
     assert "the period would be twice this" in found.attrs["remarks"]
+    assert "only one side was recorded" in found.attrs["remarks"]
 
 
 @pytest.mark.parametrize("sign", [1, -1])
@@ -34,6 +35,7 @@ def test_turning_points_by_turns_are_one_each_half_swing(tmp_path, sign):
     found = taken(tmp_path, "t (s),angle (rad)", T, sign * A)
     assert "each half-swing" in found.attrs["taken"]
     assert list(found["half_swings"].values) == list(range(60))
+    assert "only one side" not in found.attrs.get("remarks", "")
     sizes = np.abs(points_in(T, sign * A, "here", stated="").readings)
     np.testing.assert_array_equal(sizes, np.abs(A))
 
