@@ -1,9 +1,13 @@
 """A sensor effect is named only beyond what the calibration leaves open, and what it leaves open is no missing effect."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
 from swingdown.discovery.data.campaign import Swing, campaign
+from swingdown.discovery.data.noise import Noise
+from swingdown.discovery.judge import findings
 from swingdown.discovery.search import discover
 from swingdown.discovery.tell import files
 from swingdown.discovery.tell.verdict import verdict
@@ -63,3 +67,15 @@ def test_a_gain_far_beyond_the_slack_is_named(slack, tmp_path):
     assert [one["name"] for one in found["effects"]] == ["sensor_gain"]
     gain = found["effects"][0]["parameters"]["sensor_gain"]
     assert gain["value"] == pytest.approx(12 * DEVIATION, abs=3 * gain["standard_error"])
+
+
+@pytest.mark.parametrize(("with_it", "left"), [(0.9, 0.0), (3.8, np.inf)])
+def test_what_held_out_swings_need_not_confirm_they_may_refute(with_it, left):
+    """Without the effect they leave less than the noise."""
+
+    def structure(rms, share):
+        model = SimpleNamespace(slack=SimpleNamespace(names=("sensor_zero",)))
+        return SimpleNamespace(fit=SimpleNamespace(rms=rms, n=300, model=model), left=lambda noise: share)
+
+    pool = SimpleNamespace(noise=Noise(1.0), held_out=lambda fit: fit)
+    assert findings._whole(pool, structure(with_it, 0.1), structure(0.95, 1.0))[1] == left

@@ -329,10 +329,9 @@ def _whole(pool: Pool, best: Structure, without: Structure) -> tuple[float, floa
     except TrajectoryError:
         return float(share), np.inf, np.nan
     held = _share(pool.noise, now.n, now.rms**2, then.rms**2)
-    if np.isinf(held) and without.fit.model.slack.names:
-        held = (
-            0.0  # nothing to confirm, and it may be what the calibration says that speaks against the model
-        )
+    if np.isinf(held) and without.fit.model.slack.names and now.rms <= then.rms:
+        # nothing to confirm, and it may be what the calibration says that speaks against the model
+        held = 0.0
     return float(share), held, gap(then, pool.noise)
 
 
