@@ -13,7 +13,7 @@ from ..pendulum.effect import NATURAL_FREQUENCY, Effect
 from ..pendulum.model import Model
 from .comparison import WORTH, aic_effective, bic_effective, terms_of
 from .norms import as_text, over
-from .quantities import SEEN, UNITS, Beside, Quantity, about, over_models, quantities
+from .quantities import UNITS, Beside, Quantity, about, over_models, quantities
 
 _COUNTS = 0.01  # share of a model in a value, below which it is left out
 _EVIDENCE = ["norm", "variance_inflation", "samples", "value", "standard_error"]  # what evidence is told by
@@ -90,10 +90,11 @@ def _evidence(norms: xr.Dataset, catalogue: Catalogue) -> tuple[list[str], Float
     # without a standard error a parameter runs away, and tells nothing
     told = np.isfinite(over(norms, "standard_error", "fitted").reshape(len(labels), -1)).any(axis=1)
     sound &= told | ~told.any()
-    # of swings that keep their size one law gives what another takes: beside none that is sound goes a single one whose loss is not seen
-    single = [k for k, label in enumerate(labels) if "+" not in label]
-    unseen = [k for k in single if not (np.abs(sizes[k]) > SEEN * errors[k]).any()]
-    usable = np.flatnonzero(sound).tolist() or unseen or list(range(len(labels)))
+    # swings that keep their size have no sound law: a friction that winds up would follow their shape as a spring does
+    plain = [
+        k for k, label in enumerate(labels) if not any(catalogue[one].states for one in label.split("+"))
+    ]
+    usable = np.flatnonzero(sound).tolist() or plain or list(range(len(labels)))
     return labels, evidence, usable
 
 

@@ -21,7 +21,7 @@ _SAMPLES = (
     4000  # of a period: a parabola through three of them finds a turning point to 1e-8 of the amplitude
 )
 _AMPLITUDES = 6  # at which the loss is asked for, from the stated one to its e-th part
-SEEN = 3.0  # standard errors of a loss
+_SEEN = 3.0  # standard errors of a loss
 _STEP = 0.1  # of a standard error: the differences that uncertainties follow from
 _HALVED = 8  # times at most that a step is halved
 
@@ -312,7 +312,7 @@ def loss_seen(known: Mapping[str, Quantity]) -> bool:
     quality = known.get("quality")
     if quality is None:  # so much is lost that it does not come back, or nothing
         return "period" not in known
-    return not SEEN * quality.uncertainty > quality.value > 0
+    return not _SEEN * quality.uncertainty > quality.value > 0
 
 
 def _slopes(function: Callable[[Floats], Floats], values: Floats, here: Floats, errors: Floats) -> Floats:

@@ -161,7 +161,7 @@ def _as_one(
     """That of all effects of one kind of damping that a structure has, told by the name of one: the data may not tell their law, and
     amplitudes do not tell everyday laws apart that lose alike. It may be one that the tie has no place for, and of friction, which is
     left as the speed goes to nothing, none of the catalogue's: an unnamed torque may hold that as well."""
-    model = best.fit.model
+    model = pool.first.fit.model
     lost, everyday = shown.laws if shown else frozenset(), damping(model)
     others = sorted(
         (
