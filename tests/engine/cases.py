@@ -1,5 +1,6 @@
 """Random pendulums for the engine's tests: drawn by seed and index, so that every one can be drawn again alone. And one with friction."""
 
+import os
 from dataclasses import dataclass
 from zlib import crc32
 
@@ -8,6 +9,8 @@ import numpy as np
 from swingdown.pendulum.catalogue import SHIPPED
 from swingdown.pendulum.model import PAPER_MODELS, Model
 
+# Pendulums of each model and effect. Where the C is changed: SWINGDOWN_DRAWS=50, as docs/engine.md says.
+DRAWS = int(os.environ.get("SWINGDOWN_DRAWS", "12"))
 # Wider than any bench: from a hundredth of the typical size to strong; the paper's terms up to where swings end at once.
 RANGES = {
     "viscous_ratio": (1e-4, 0.5),

@@ -80,8 +80,8 @@ def test_a_first_try_that_ends_in_no_number_is_shortened():
 @pytest.mark.parametrize("degrees", LIMITS)
 @pytest.mark.parametrize("label", LABELS)
 def test_random_pendulums(label, degrees, capsys):
-    """50 of every model and effect; the table of worst errors goes to the terminal."""
-    draws = ((k, cases.draw(label, k, np.radians(degrees))) for k in range(50))
+    """``DRAWS`` of every model and effect; the table of worst errors goes to the terminal."""
+    draws = ((k, cases.draw(label, k, np.radians(degrees))) for k in range(cases.DRAWS))
     worst, refused, stuck, wrong = sweep(draws, LIMITS[degrees])
     with capsys.disabled():
         print(
@@ -113,7 +113,7 @@ def together(index):
     "part",
     [
         pytest.param(range(30), id="few"),
-        pytest.param(range(30, 130), id="many", marks=pytest.mark.slow("many pendulums")),
+        pytest.param(range(30, 30 + 2 * cases.DRAWS), id="many", marks=pytest.mark.slow("many pendulums")),
     ],
 )
 def test_effects_together(part):
