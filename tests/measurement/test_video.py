@@ -80,7 +80,9 @@ def test_period_and_damping_are_those_of_the_pendulum(films, tmp_path, name):
     row = pd.read_csv(tmp_path / "study" / "first_answer.csv").iloc[0]
     for key, true in (("natural_frequency_rad_per_s", scene.omega), ("viscous_ratio", scene.damping)):
         assert abs(row[key] - true) < 3 * row[f"{key}_u"], key
-        assert row[f"{key}_u"] < 0.01 * true  # and that tells something
+    # and that tells something; the value of one law holds what other laws say of it, the quality is much the same by each
+    for key in ("natural_frequency_rad_per_s", "quality"):
+        assert row[f"{key}_u"] < 0.005 * row[key]
 
 
 def test_the_track_is_drawn_over_the_first_frame(films, tmp_path, capsys):
