@@ -58,3 +58,16 @@ def test_swings_too_small_to_tell_their_unit_say_so_where_nobody_does():
 def test_large_swings_in_rad_need_no_word():
     times, degrees = in_degrees(release=50)
     assert swingdown.fit(times, np.radians(degrees)).remarks == []
+
+
+def test_a_file_in_a_unit_that_is_no_angle_is_not_searched_and_says_why(tmp_path):
+    """Pixels of a spring's mass, which swing as no pendulum of so many degrees does."""
+    times = np.arange(0, 20, 1 / 30)
+    pixels = 100 * np.exp(-0.05 * times) * np.cos(6.3 * times)
+    pixels += np.random.default_rng(4).standard_normal(times.size)
+    file = tmp_path / "pixels.txt"
+    np.savetxt(file, np.column_stack((times, pixels)), fmt="%.4f")
+    assert "PERIOD AND DECAY ALONE" in swingdown.fit(file).table["remark"].item()
+    with pytest.raises(InputError, match="its readings have no scale: they allow no search") as caught:
+        swingdown.explain(file)
+    assert "restoring='linear'" in caught.value.mend

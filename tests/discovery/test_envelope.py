@@ -8,7 +8,7 @@ import pytest
 
 from swingdown.discovery.data.campaign import Swing, campaign
 from swingdown.discovery.data.noise import Noise
-from swingdown.discovery.judge.findings import told_of
+from swingdown.discovery.judge.findings import judged, told_of
 from swingdown.discovery.judge.structures import Pool
 from swingdown.discovery.see.envelope import Seen, amplitudes, seen
 from swingdown.engine.trajectory import simulate
@@ -152,6 +152,7 @@ def test_everyday_laws_that_lose_alike_are_tied():
         "structural_damping"
     ]
     assert found.of_amplitudes
+    assert found.any_unit
     assert "viscous" in found.ties
 
 
@@ -174,6 +175,9 @@ def test_friction_is_told_though_springs_are_more_probable():
     assert np.isnan(friction.without)  # what a spring makes of held-out swings is not told of a friction
     assert friction.share < 0.2
     assert friction.probability > 0.95
+    pool.look(fit_jointly(Model("viscous+constant_coulomb+cubic_stiffness"), pairs, bounded=True))
+    shown = {name: one.any_unit for name, one in judged(pool, pool.best).items()}
+    assert shown == {"constant_coulomb": True, "cubic_stiffness": False}
 
 
 def test_recordings_that_do_not_lose_alike_show_nothing():

@@ -34,7 +34,7 @@ def state(
 
 def finding(doubt="", ties=(), probability=0.9999, without=3.0, law_open=False, idle=False, **more):
     """What round.json holds of what is judged of an effect."""
-    return {"probability": probability, "ties": list(ties), "share": 0.01, "held_out": 0.0, "without": without, "doubt": doubt, "law_open": law_open, "idle": idle, "of_amplitudes": False} | more  # fmt: skip
+    return {"probability": probability, "ties": list(ties), "share": 0.01, "held_out": 0.0, "without": without, "doubt": doubt, "law_open": law_open, "idle": idle, "of_amplitudes": False, "any_unit": False} | more  # fmt: skip
 
 
 def test_nothing_missing_is_consistent():
@@ -343,6 +343,24 @@ def test_nothing_is_named_where_another_unit_would_do_its_work():
     found = verdict([first, last])
     assert found["status"] == "unknown" and not found["effects"]
     assert found["sentence"].startswith("The unit is in doubt (degrees taken for rad?)")
+
+
+def test_a_drag_that_amplitudes_show_is_there_in_any_unit_and_has_no_size():
+    drag = {"quadratic_coefficient": {"value": 0.01, "standard_error": 0.001, "unit": "1"}}
+    judged = {"quadratic_drag": finding(any_unit=True), "constant_torque": finding()}
+    first = state(0, missing=True, chosen="quadratic_drag", holdout=3.0)
+    second = state(1, missing=True, chosen="constant_torque", found=["quadratic_drag"], parameters=drag)
+    concluded = {"quantities": {}, "values": drag, "of_the_whole": True, "model": "quadratic_drag"}
+    last = state(2, missing=False, effects=("viscous", *judged), parameters=TORQUE | drag)
+    last |= {"findings": judged, "unit_doubt": "the unit is in doubt", "conclusion": concluded}
+    found = verdict([first, second, last])
+    (told,) = found["effects"]
+    assert found["status"] == "partial" and told["name"] == "quadratic_drag"
+    assert told["parameters"]["quadratic_coefficient"]["value"] is None and found["conclusion"] is None
+    sentence = "The unit is in doubt. Quadratic drag is missing (P > 0.999). No other effect is named: another unit would explain the swings as well."
+    assert found["sentence"] == sentence
+    spoken = [language(code).text(sentence) for code in ("de", "fr", "es", "it", "pt")]
+    assert all("another unit" not in text and "missing" not in text for text in spoken)
 
 
 @pytest.mark.parametrize(

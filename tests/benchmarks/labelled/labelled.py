@@ -23,7 +23,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from swingdown import read
-from swingdown.answer import searchable
+from swingdown.answer import before_search, searchable
 from swingdown.discovery.data.campaign import campaign
 from swingdown.discovery.search import discover
 from swingdown.discovery.tell.files import summary
@@ -57,6 +57,8 @@ def swings(number, row, folder, data):
     told = {name: row[name] for name in TOLD if row[name]}
     told |= {name: float(told[name]) for name in ("rate", "start", "stop") if name in told}
     found = read(path, restoring=row["restoring"], **told).swings
+    if len(found) == 1:  # as the command reads it
+        found = before_search(found, restoring=row["restoring"]).swings
     return [one.assign_attrs(recording=f"{number} {one.attrs['recording']}") for one in found]
 
 

@@ -23,7 +23,7 @@ from ..discovery.tell.verdict import verdict
 from ..engine.trajectory import TrajectoryWarning, engine
 from ..errors import InputError, told_to
 from ..measurement.driven import driven
-from ..measurement.second_reading import readings
+from ..measurement.second_reading import may_be_read_once_more, readings
 from ..measurement.sharing import sharing
 from ..measurement.slack import of_angles
 from ..own_unit import own_of
@@ -299,7 +299,8 @@ def explain(  # noqa: PLR0913
     Raises
     ------
     InputError
-        As in ``fit``; a motion that no damping follows only if the search names nothing.
+        As in ``fit``; a motion that no damping follows only if the search names nothing, or nothing is stated of a recording, which may
+        be in another unit then.
     EngineError
         If there is no compiled engine and no C compiler.
     """
@@ -328,7 +329,7 @@ def explained(
         As in ``explain``, and so are the errors.
     """
     engine(catalogue(effects))  # without a compiled one even the fits before the search take minutes
-    first = of_swings(given, fitted, effects, restoring, checked=False)
+    first = before_search(given, fitted, effects, restoring)
     whole = searchable("pendulum", first.swings)
     begun = BASES[restoring] if base is BASE else base
     (start,) = with_drive(models(["+".join(begun)], effects, restoring), given)
@@ -373,6 +374,24 @@ def _of_none_compared() -> Iterator[None]:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", TrajectoryWarning)
         yield
+
+
+def before_search(
+    given: Sequence[xr.Dataset],
+    fitted: Sequence[str] | None = None,
+    effects: Mapping[str, Any] | None = None,
+    restoring: str = "sine",
+) -> Answer:
+    """The ``Answer`` of ``of_swings`` whose swings are to be searched; damping need not follow them yet, but for a single recording of which
+    nothing is stated: its unit and its stretch are guesses until it does.
+
+    Raises
+    ------
+    NotFree
+        As in ``of_swings``, of a recording of which nothing is stated.
+    """
+    guessed = len(given) == 1 and may_be_read_once_more(given[0])
+    return of_swings(given, fitted, effects, restoring, checked=guessed)
 
 
 def searchable(name: str, given: Sequence[xr.Dataset]) -> Campaign:

@@ -29,8 +29,8 @@ class Finding:
     """What is to be said of an effect that the most probable structure has: the ``probability`` that it or one of its ``ties`` is there,
     the ``share`` of the discrepancy that is left with it, that of the ``held_out`` swings' excess over the noise, what they leave
     ``without`` it (in units of the noise), NaN where that cannot be computed, the ``doubt``, why it is not told, or empty, and
-    ``law_open``, True of a damping whose law may be one that the catalogue has not, and ``of_amplitudes``, True where the shares are those
-    of what amplitudes lose from swing to swing."""
+    ``law_open``, True of a damping whose law may be one that the catalogue has not, ``of_amplitudes``, True where the shares are those of what
+    amplitudes lose from swing to swing, and ``any_unit``, True of a damping that amplitudes show: they lose alike in any unit."""
 
     probability: float
     ties: tuple[str, ...] = ()
@@ -40,6 +40,7 @@ class Finding:
     doubt: str = ""
     law_open: bool = False
     of_amplitudes: bool = False
+    any_unit: bool = False
 
     @property
     def sure(self) -> bool:
@@ -62,16 +63,17 @@ def judged(pool: Pool, best: Structure, most: Structure | None = None) -> dict[s
         shown, like = _shown(pool, kind())
         if kind(pool.base):
             names = [name for name in names if name in like] if shown else []
-        if all(found[name].sure for name in names):
-            continue
-        first = max(names, key=lambda name: pool.of([name]))
-        as_one = _as_one(pool, best, first, names, like, alike, shown)
-        if as_one.sure:
-            found = {
-                name: as_one if name == first else one
-                for name, one in found.items()
-                if name == first or name not in names
-            }
+        if not all(found[name].sure for name in names):
+            first = max(names, key=lambda name: pool.of([name]))
+            as_one = _as_one(pool, best, first, names, like, alike, shown)
+            if as_one.sure:
+                found = {
+                    name: as_one if name == first else one
+                    for name, one in found.items()
+                    if name == first or name not in names
+                }
+        if shown:
+            found |= {name: replace(found[name], any_unit=True) for name in found.keys() & set(like)}
     return found
 
 

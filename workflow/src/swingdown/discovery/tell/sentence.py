@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from ...language import capital
+from ...language import capital, listed
 from ...own_unit import small
 from ...pendulum.catalogue import SHIPPED, Catalogue
 from ...pendulum.effect import Effect
@@ -55,7 +55,12 @@ def sentence(found: Mapping[str, Any], catalogue: Catalogue = SHIPPED) -> str:
     if not found.get("dies_away", True):
         return "What stops it cannot be told: it does not die away, and what a motor does is no effect of the catalogue."
     if doubt := found.get("unit_doubt"):
-        return f"{capital(doubt)}. No effect is named: another unit would explain the swings as well."
+        known = [f"{capital(_described(one, catalogue[one['name']]))} is missing (P {_sure(one)})."
+                 for one in found["effects"]]  # fmt: skip
+        no_other = "No effect is named" if not known else "No other effect is named"
+        return " ".join(
+            [f"{capital(doubt)}.", *known, f"{no_other}: another unit would explain the swings as well."]
+        )
     said = [f"{capital(where['seen'])}."] if where["seen"] else []
     if found["effects"]:
         joined = capital(" and ".join(_described(one, catalogue[one["name"]]) for one in found["effects"]))
@@ -147,7 +152,7 @@ def _may_be(stand_ins: Sequence[Mapping[str, Any]], catalogue: Catalogue) -> tup
         (one,) = stand_ins
         return _described(one, catalogue[one["name"]]).rstrip(","), f" ({one['doubt']})"
     names = [in_words(one["name"]) for one in stand_ins]
-    return " and ".join(filter(None, [", ".join(names[:-1]), *names[-1:]])), ""
+    return listed(names), ""
 
 
 def _slack(nuisance: Mapping[str, Any]) -> str:

@@ -48,13 +48,14 @@ def verdict(
     first, last = rounds[0], rounds[-1]
     reading, own = last.get("reading", ANGLE), last.get("own")
     asserted, stand_ins = [], []
-    values = last["parameters"] | ((last.get("conclusion") or {}).get("values") or {})
     dies_away = bool(last.get("driven")) or _dies_away(last.get("conclusion"))
     unit_doubt = last.get("unit_doubt", "") if dies_away else ""
+    conclusion = None if unit_doubt else last.get("conclusion")  # in another unit it has other values
+    values = last["parameters"] | ((conclusion or {}).get("values") or {})
     for name in last["findings"]:
-        one = _effect(name, catalogue, rounds, values)
+        one = _effect(name, catalogue, rounds, {} if unit_doubt else values)
         doubt = last["findings"][name]["doubt"]
-        if unit_doubt:  # whatever was found does the work of another unit
+        if unit_doubt and not last["findings"][name]["any_unit"]:  # it does the work of another unit
             doubt = "another unit would explain it as well"
         if not dies_away:  # and here perhaps that of a motor
             doubt = "it does not die away"
@@ -109,7 +110,7 @@ def verdict(
         "moves": [state["chosen"]["move"] for state in rounds if state["chosen"]],
         "model": values,
         "own_frequency": last.get("own_frequency", {}),
-        "conclusion": last.get("conclusion"),
+        "conclusion": conclusion,
         "nuisance": last.get("nuisance", {}),
         "misspecified": _at_their_bounds([catalogue[name] for name in last["effects"]], values),
         "next_measurement": _next_measurement(
