@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from ..arrays import Floats
+from ..arrays import Bools, Floats
 from ..measurement.slack import CLOCK_TOLERANCE
 from . import brokenline
 from .brokenline import Breaks, BrokenLine, sure
@@ -100,7 +100,7 @@ class _Pieces(NamedTuple):
 
     times: Floats
     late: Floats
-    fresh: npt.NDArray[np.bool_]  # False where it waited already while the piece before was read
+    fresh: Bools  # False where it waited already while the piece before was read
     interval: float
     bursts: bool  # True if pieces hold several samples as a rule
 

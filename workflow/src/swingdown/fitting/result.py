@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..arrays import Floats
+from ..arrays import Bools, Floats
 from ..pendulum.model import Model
 
 
@@ -178,7 +178,7 @@ class BatchFit:
     free: tuple[str, ...]
     values: Floats
     rss: Floats
-    converged: NDArray[np.bool_]
+    converged: Bools
     evaluations: NDArray[np.int32]
-    alone: NDArray[np.bool_]
+    alone: Bools
     off: Floats | None = None

@@ -4,10 +4,9 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
-from ..arrays import Floats
+from ..arrays import Bools, Floats
 from ..errors import InputError
 from .plausibility import ENOUGH, in_a_row
 from .stated import UNITS, read
@@ -128,7 +127,7 @@ def _usual_swing(signal: Floats) -> float:
     return float(np.median(np.abs(np.diff(half_swings(signal).turns))))
 
 
-def lost(x: Floats, y: Floats, circle: Circle) -> NDArray[np.bool_]:
+def lost(x: Floats, y: Floats, circle: Circle) -> Bools:
     """Which points lie so far beside a circle, by the scatter of the others, that they are none of the bob."""
     away = np.abs(np.hypot(x - circle.x, y - circle.y) - circle.radius)
     return away > FAR * max(circle.residual, 1e-9 * circle.radius)

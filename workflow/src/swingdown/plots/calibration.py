@@ -5,9 +5,9 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from ..arrays import Floats
+from ..arrays import Bools, Floats
 from . import style
 
 LINE, EXTREME, FLAG = style.COLOURS["viscous"], style.COLOURS["load_coulomb"], style.COLOURS["quadratic_drag"]
@@ -100,9 +100,7 @@ def _lines(axes: Axes, span: Floats, best: Floats, extreme: Floats, about: Float
     axes.plot(span, _at(best - about, span), color=LINE, lw=1.3)
 
 
-def _points(
-    axes: Axes, voltage: Floats, angle: Floats, boxes: tuple[Floats, Floats], flagged: NDArray[np.bool_]
-) -> None:
+def _points(axes: Axes, voltage: Floats, angle: Floats, boxes: tuple[Floats, Floats], flagged: Bools) -> None:
     for x, y, wide, high, flag in zip(voltage, angle, *boxes, flagged, strict=True):
         colour = FLAG if flag else style.INK
         if np.isfinite(wide + high):

@@ -5,9 +5,8 @@ from itertools import compress
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
-from ..arrays import Floats
+from ..arrays import Bools, Floats
 from ..pendulum.catalogue import ANGLE, SHIPPED, Catalogue
 from ..pendulum.effect import NATURAL_FREQUENCY, Effect
 from ..pendulum.model import Model
@@ -98,7 +97,7 @@ def _evidence(norms: xr.Dataset, catalogue: Catalogue) -> tuple[list[str], Float
     return labels, evidence, usable
 
 
-def _beyond_bounds(norms: xr.Dataset, effects: Iterable[Effect]) -> NDArray[np.bool_]:
+def _beyond_bounds(norms: xr.Dataset, effects: Iterable[Effect]) -> Bools:
     """Of each model, whether one of its effects has a shape that it cannot have."""
     known, values = as_text(norms["parameter"]), over(norms, "value", "fitted", "parameter")
     found = np.zeros(len(values), dtype=bool)

@@ -7,7 +7,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from ...arrays import Floats
+from ...arrays import Bools, Floats
 from ...errors import InputError
 from ..sheet import TIME_UNITS
 from .columns import place_of
@@ -78,7 +78,7 @@ class _Spoilt:
     def __init__(self) -> None:
         self.line, self.cell, self.count, self.odd, self.rows = 0, "", 0, 0, 0
 
-    def note(self, cells: pd.Series, values: Floats, lines: NDArray[np.integer]) -> NDArray[np.bool_]:
+    def note(self, cells: pd.Series, values: Floats, lines: NDArray[np.integer]) -> Bools:
         """True for the cells that are numbers."""
         sound = np.isfinite(values)
         self.rows += sound.size

@@ -17,10 +17,9 @@ from typing import Any, BinaryIO, NamedTuple
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
-from ...arrays import Floats
+from ...arrays import Bools, Floats
 from ...errors import InputError
 from ...extras import needed
 from ..files.elements import Columns
@@ -153,7 +152,7 @@ def _places(found: Sequence[Blob], look: Look, factor: int, name: str) -> Floats
     return xy
 
 
-def _of_usual_area(xy: Floats, areas: Floats) -> NDArray[np.bool_]:
+def _of_usual_area(xy: Floats, areas: Floats) -> Bools:
     """Which areas are within ``AREA`` of what is usual at their places, or within three times how far most are from it.
 
     Light and perspective change the area from side to side; a bob that shines or is not round changes it as it turns.
@@ -258,7 +257,7 @@ def _chosen(cv2: Any, path: str, name: str, total: int) -> tuple[list[int], dict
     }
 
 
-def _on_circle(xy: Floats, size: float, name: str) -> NDArray[np.bool_]:
+def _on_circle(xy: Floats, size: float, name: str) -> Bools:
     """Which places lie on the circle that holds most of them: others are not the bob's. InputError where these are not most.
 
     Places nearer to each other than the bob's ``size`` count once: what stands still in many frames proposes no circle.
@@ -281,7 +280,7 @@ def _on_circle(xy: Floats, size: float, name: str) -> NDArray[np.bool_]:
     return best
 
 
-def _near_circle(xy: Floats, size: float, a: Floats, b: Floats, c: Floats) -> NDArray[np.bool_]:
+def _near_circle(xy: Floats, size: float, a: Floats, b: Floats, c: Floats) -> Bools:
     """Which points are near to the circle through three points, by no more than the bob's ``size``: else a circle so large that it is nearly
     a line holds all. None where the three lie on a line.
     """

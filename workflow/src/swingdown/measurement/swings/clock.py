@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ...arrays import Floats
+from ...arrays import Bools, Floats
 from ...errors import InputError
 from ...rounding import moment
 from .half_swings import half_swings
@@ -140,7 +140,7 @@ def parts(times: Floats) -> list[slice]:
     return [slice(a, b) for a, b in zip(edges, [*edges[1:], len(times)], strict=True)]
 
 
-def _cut(times: Floats) -> NDArray[np.bool_]:
+def _cut(times: Floats) -> Bools:
     """True for a row whose time alone jumps back far, to where there is a sample: the row after it goes on from the one before."""
     back = np.flatnonzero(np.diff(times) < 0)
     back = back[back + 2 < times.size]

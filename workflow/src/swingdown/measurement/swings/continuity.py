@@ -1,9 +1,8 @@
 """Whether a recording runs on: spikes, jumps as of lost samples, a clock that stumbles, a sensor that died."""
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ...arrays import Floats
+from ...arrays import Bools, Floats
 from ...errors import InputError
 from ...quantisation import quantisation_step
 from ...rounding import moment
@@ -83,7 +82,7 @@ def _told(what: str, times: Floats) -> str:
     return f"{what} at {moment(times[0])} s{more}"
 
 
-def _places(signal: Floats, weights: Floats, period: float, unknown: NDArray[np.bool_]) -> list[int]:
+def _places(signal: Floats, weights: Floats, period: float, unknown: Bools) -> list[int]:
     """Where the height that the kernel tells stands out of those nearby: the largest of each cluster. ``period`` in samples; of
     places that are ``unknown`` nothing is told."""
     clusters = [

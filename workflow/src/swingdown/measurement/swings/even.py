@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ...arrays import Floats, runs
+from ...arrays import Bools, Floats, runs
 from .clock import UNEVEN
 
 FOLLOWED = 0.25  # of a period: across a longer hole no polynomial follows a swing
@@ -22,7 +22,7 @@ class Even:
     times: Floats
     signal: Floats
     place: NDArray[np.integer] | slice
-    missing: NDArray[np.bool_]
+    missing: Bools
     kept: bool
 
     @property

@@ -6,7 +6,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from ...arrays import Floats, runs
+from ...arrays import Bools, Floats, runs
 from ...quantisation import quantisation_step
 from .even import Even, evenly
 from .half_swings import half_swings
@@ -31,7 +31,7 @@ _PASSES = 3  # a large spike hides a small one beside it
 class Spikes(NamedTuple):
     """Which samples are spikes, and the signal with what the swing about them says in their place."""
 
-    where: NDArray[np.bool_]
+    where: Bools
     healed: Floats
 
     def within(self, part: slice) -> "Spikes":
@@ -79,7 +79,7 @@ def find_spikes(times: Floats, signal: Floats) -> Spikes:
     return Spikes(own, grid[even.place]) if 0 < np.count_nonzero(own) <= MOST * own.size else none
 
 
-def beside_holes(even: Even, period: float) -> NDArray[np.bool_]:
+def beside_holes(even: Even, period: float) -> Bools:
     """Which places lie in, or a few samples beside, a hole too long for the swing across it to be known, of a ``period`` (s)."""
     unknown = np.zeros(even.times.size, dtype=bool)
     for start, stop in even.deep(period):
@@ -88,7 +88,7 @@ def beside_holes(even: Even, period: float) -> NDArray[np.bool_]:
     return unknown
 
 
-def heal(signal: Floats, where: NDArray[np.bool_]) -> Floats:
+def heal(signal: Floats, where: Bools) -> Floats:
     """The signal with what a quintic through a dozen samples on each side says in place of those that are marked."""
     healed, good = signal.copy(), np.flatnonzero(~where)
     marked = np.flatnonzero(where)
@@ -111,7 +111,7 @@ def without(recording: xr.Dataset) -> tuple[xr.Dataset, Even]:
     return recording.isel(time=~where), evenly(times, heal(signal, where))
 
 
-def as_variable(where: NDArray[np.bool_]) -> dict[str, Any]:
+def as_variable(where: Bools) -> dict[str, Any]:
     """The variable ``spike`` that marks them in a recording, by name; nothing where there is none."""
     words = {"long_name": "whether the sample is a spike, which is left out as missing"}
     flags = {"flag_values": np.array([0, 1], dtype=np.int8), "flag_meanings": "measured spike"}
@@ -131,7 +131,7 @@ def _joined(clusters: list[Cluster]) -> list[tuple[int, int, float]]:
 
 
 def _beside(
-    signal: Floats, open_: NDArray[np.bool_], first: int, last: int, scale: float, period: float, least: float
+    signal: Floats, open_: Bools, first: int, last: int, scale: float, period: float, least: float
 ) -> NDArray[np.integer]:
     """The samples about ``first`` to ``last`` that are spikes; of those that are ``open_`` elsewhere nothing is known yet."""
     none = np.empty(0, dtype=int)
