@@ -60,14 +60,17 @@ def test_large_swings_in_rad_need_no_word():
     assert swingdown.fit(times, np.radians(degrees)).remarks == []
 
 
-def test_a_file_in_a_unit_that_is_no_angle_is_not_searched_and_says_why(tmp_path):
-    """Pixels of a spring's mass, which swing as no pendulum of so many degrees does."""
+def test_of_a_file_in_no_unit_of_an_angle_only_what_amplitudes_tell_is_asserted(tmp_path):
+    """Pixels of a bob, which swing as no pendulum of so many degrees does, and die as in air."""
     times = np.arange(0, 20, 1 / 30)
-    pixels = 100 * np.exp(-0.05 * times) * np.cos(6.3 * times)
-    pixels += np.random.default_rng(4).standard_normal(times.size)
+    pixels = 60 * np.exp(-0.05 * times) * np.cos(6.3 * times)
+    pixels += 0.3 * np.random.default_rng(4).standard_normal(times.size)
     file = tmp_path / "pixels.txt"
     np.savetxt(file, np.column_stack((times, pixels)), fmt="%.4f")
-    assert "PERIOD AND DECAY ALONE" in swingdown.fit(file).table["remark"].item()
-    with pytest.raises(InputError, match="its readings have no scale: they allow no search") as caught:
-        swingdown.explain(file)
-    assert "restoring='linear'" in caught.value.mend
+    found = swingdown.explain(file, base=("load_coulomb",))
+    assert "PERIOD AND DECAY ALONE" in found.table["remark"].item()
+    (told,) = found.verdict["effects"]
+    assert told["name"] == "viscous" and told["parameters"]["viscous_ratio"]["value"] is None
+    doubt = "No unit is stated, and as angles these are not a pendulum's. Viscous is missing"
+    assert found.verdict["sentence"].startswith(doubt)
+    assert [one["doubt"] for one in found.verdict["stand_ins"]] == ["another unit would explain it as well"]

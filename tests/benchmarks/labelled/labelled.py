@@ -23,7 +23,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from swingdown import read
-from swingdown.answer import before_search, searchable
+from swingdown.answer import before_search, searchable, unit_doubt
 from swingdown.discovery.data.campaign import campaign
 from swingdown.discovery.search import discover
 from swingdown.discovery.tell.files import summary
@@ -52,22 +52,25 @@ def listed(split=None):
 
 
 def swings(number, row, folder, data):
-    """Return the angle datasets of one row, as the package reads its file; their names begin with this number."""
+    """Return the angle datasets of one row, as the package reads its file, and the doubt of their unit; their names begin with this number."""
     path = place(folder, row) if row["commit"] else Path(data) / row["path"]
     told = {name: row[name] for name in TOLD if row[name]}
     told |= {name: float(told[name]) for name in ("rate", "start", "stop") if name in told}
     found = read(path, restoring=row["restoring"], **told).swings
-    if len(found) == 1:  # as the command reads it
-        found = before_search(found, restoring=row["restoring"]).swings
-    return [one.assign_attrs(recording=f"{number} {one.attrs['recording']}") for one in found]
+    first = before_search(found, restoring=row["restoring"])
+    doubt = unit_doubt(found, first)
+    found = found if doubt else first.swings
+    return [one.assign_attrs(recording=f"{number} {one.attrs['recording']}") for one in found], doubt
 
 
 def built(rows, folder, data):
     """Return the ``Campaign`` of its rows."""
-    parts = {"fit": [], "holdout": []}
+    parts, doubts = {"fit": [], "holdout": []}, []
     for number, row in enumerate(rows, 1):
-        parts[row["role"] or "fit"] += swings(number, row, folder, data)
-    one = searchable(rows[0]["campaign"], parts["fit"] + parts["holdout"])
+        given, doubt = swings(number, row, folder, data)
+        parts[row["role"] or "fit"] += given
+        doubts += [doubt] if doubt else []
+    one = searchable(rows[0]["campaign"], parts["fit"] + parts["holdout"], next(iter(doubts), ""))
     if not parts["holdout"]:
         return one
     held = {str(swing.attrs["recording"]) for swing in parts["holdout"]}

@@ -60,6 +60,7 @@ Swings: TypeAlias = (
 Unit = Literal["rad", "deg", "rad/s", "deg/s", "V"]
 Kind = Literal["", "swing", "turning_points", "half_swings", "passages", "periods"]
 BASE = BASES["sine"]
+NO_UNIT = "no unit is stated, and as angles these are not a pendulum's"
 
 
 @told_to(TO_FIT)
@@ -299,8 +300,8 @@ def explain(  # noqa: PLR0913
     Raises
     ------
     InputError
-        As in ``fit``; a motion that no damping follows only if the search names nothing, or nothing is stated of a recording, which may
-        be in another unit then.
+        As in ``fit``; a motion that no damping follows only if the search names nothing, or if nothing is stated of a recording and it
+        does not swing freely in any unit.
     EngineError
         If there is no compiled engine and no C compiler.
     """
@@ -330,7 +331,8 @@ def explained(
     """
     engine(catalogue(effects))  # without a compiled one even the fits before the search take minutes
     first = before_search(given, fitted, effects, restoring)
-    whole = searchable("pendulum", first.swings)
+    doubt = unit_doubt(given, first)
+    whole = searchable("pendulum", given if doubt else first.swings, doubt)
     begun = BASES[restoring] if base is BASE else base
     (start,) = with_drive(models(["+".join(begun)], effects, restoring), given)
     with _of_none_compared():
@@ -390,12 +392,18 @@ def before_search(
     NotFree
         As in ``of_swings``, of a recording of which nothing is stated.
     """
-    guessed = len(given) == 1 and may_be_read_once_more(given[0])
-    return of_swings(given, fitted, effects, restoring, checked=guessed)
+    guessed = given[0].attrs.get("unit_stated") == "no" and may_be_read_once_more(given[0])
+    return of_swings(given, fitted, effects, restoring, checked=guessed and len(given) == 1)
 
 
-def searchable(name: str, given: Sequence[xr.Dataset]) -> Campaign:
-    """The ``Campaign`` of angle datasets, with some swings held out.
+def unit_doubt(given: Sequence[xr.Dataset], first: Answer) -> str:
+    """Why the unit of recordings is not to be believed: nobody stated it, and their ``first`` answer read them without one; else empty."""
+    read = any(map(without_scale, first.swings)) and not any(map(without_scale, given))
+    return NO_UNIT if read else ""
+
+
+def searchable(name: str, given: Sequence[xr.Dataset], unit_doubt: str = "") -> Campaign:
+    """The ``Campaign`` of angle datasets, with some swings held out, and why their unit is not to be believed.
 
     Raises
     ------
@@ -410,6 +418,7 @@ def searchable(name: str, given: Sequence[xr.Dataset]) -> Campaign:
         slack=of_angles(given),
         reading=read_alike(name, given),
         own=own_of(given[0].attrs),
+        unit_doubt=unit_doubt,
     )
 
 

@@ -145,7 +145,8 @@ class _Search:
             scale = scale_of(pairs, state.fit.model.restoring, self.campaign.reading)
             state = replace(
                 state,
-                unit_doubt="" if self.campaign.own else scale.doubt(READINGS[self.campaign.reading]),
+                unit_doubt=self.campaign.unit_doubt
+                or ("" if self.campaign.own else scale.doubt(READINGS[self.campaign.reading])),
                 next_swing=self._next(state),
             )
         return [*states[:-1], replace(state, counting=tuple(self._counting(last)))]

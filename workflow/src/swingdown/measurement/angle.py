@@ -31,6 +31,7 @@ _CARRIED = (
     "drive_beside",
     "label",
     "unit_told",
+    "unit_stated",
     "scale",
     "own_unit",
     "own_step",

@@ -154,6 +154,7 @@ def _dataset(
         "expected_samples": len(found.times),
         "taken": found.taken(reading),
         "unit_told": reading.told,
+        "unit_stated": "yes" if reading.stated else "no",
         **with_rate(
             tolerances(_with_usual(row, table), unit, upright=not ("pivot_x" in found.about or turned)),
             found.rate,

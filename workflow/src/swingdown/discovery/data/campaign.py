@@ -45,7 +45,7 @@ class Campaign:
     ``systematic`` is the largest standard uncertainty (rad) that all samples share; ``slack`` what calibration and clock leave
     open of the readings, which every fit leaves open too. ``reading`` is what the sensor reads: where it is a rate, angles of
     swings and of fits stand for angular velocities (rad/s). ``whole`` are all swings, of a recording that is cut the whole of it. ``own`` is
-    the unit of readings that are no angle, and what of it stands for 1 rad.
+    the unit of readings that are no angle, and what of it stands for 1 rad. ``unit_doubt`` says why its unit is not to be believed, or nothing.
     """
 
     name: str
@@ -58,6 +58,7 @@ class Campaign:
     reading: str = ANGLE
     whole: tuple[Swing, ...] = field(default=(), compare=False)
     own: Own | None = None
+    unit_doubt: str = ""
 
     @property
     def unit(self) -> str:
