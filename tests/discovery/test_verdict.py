@@ -343,6 +343,7 @@ def test_nothing_is_named_where_another_unit_would_do_its_work():
     found = verdict([first, last])
     assert found["status"] == "unknown" and not found["effects"]
     assert found["sentence"].startswith("The unit is in doubt (degrees taken for rad?)")
+    assert found["next_measurement"] == "Compare a reading with the angle there: its unit is in doubt."
 
 
 def test_a_drag_that_amplitudes_show_is_there_in_any_unit_and_has_no_size():

@@ -64,6 +64,11 @@ def test_a_sentence_claims_no_more_than_is_known(more, status, told):
     assert headline(ROW | more, {"status": status} if status else None) == told
 
 
+def test_in_a_unit_in_doubt_nothing_is_said_to_remain():
+    assert headline(ROW, {"status": "partial"}).endswith("Something remains that has no name here.")
+    assert headline(ROW, {"status": "partial", "unit_doubt": "the unit is in doubt"}).endswith(f"{NUMBERS}.")
+
+
 def test_the_verdicts_sentence_is_the_last_line_and_is_not_said_twice():
     alone, searched = lines(ROW), lines(ROW, VERDICT)
     assert len(searched) == len(alone) + 1 and searched[-1] == "Nothing is missing. All fits."

@@ -137,13 +137,14 @@ def headline(
     each = [words for one in (model, *or_models(row)) if (words := _stops(one, catalogue, restoring))]
     joined = " or ".join(dict.fromkeys(map(listed, each)))
     status = verdict["status"] if verdict else ""
+    remains = "" if verdict and verdict.get("unit_doubt") else _ENDINGS.get(status, "")
     alone, ending = bool(each) and len(each[-1]) == 1, ""
     if not joined:
         told = _NOT_ESTABLISHED
     elif doubted(row) or status == "unknown":
         told = _NEAREST if alone else _NEAREST_TOGETHER
     else:
-        told, ending = _STOPS if alone else _STOP_TOGETHER, _ENDINGS.get(status, "")
+        told, ending = _STOPS if alone else _STOP_TOGETHER, remains
     if not numbers:
         told = told.replace(": {numbers}", "")
     told = told.format(what=joined, What=capital(joined), numbers=numbers)

@@ -18,6 +18,7 @@ from ..see.locate import KINDS
 from .sentence import follows, sentence
 
 _LET_GO = "Switch off what drives it, or record until its swings are smaller."
+_CHECK = "Compare a reading with the angle there: its unit is in doubt."
 _TOLD = 0.001  # probability of an effect, below which it is not listed
 
 
@@ -73,6 +74,7 @@ def verdict(
         status = "consistent"
     else:
         status = "ambiguous" if any(one["tied_with"] or one["law_open"] for one in asserted) else "named"
+    first_of_all = _LET_GO if not dies_away else _CHECK if unit_doubt else ""
     found = {
         "campaign": last["campaign"],
         "reading": reading,
@@ -113,12 +115,9 @@ def verdict(
         "conclusion": conclusion,
         "nuisance": last.get("nuisance", {}),
         "misspecified": _at_their_bounds([catalogue[name] for name in last["effects"]], values),
-        "next_measurement": _next_measurement(
-            asserted, status, catalogue, last.get("next_swing"), own is not None
-        )
-        if dies_away
-        else _LET_GO,
-        "next_swing": last.get("next_swing") if dies_away else None,
+        "next_measurement": first_of_all
+        or _next_measurement(asserted, status, catalogue, last.get("next_swing"), own is not None),
+        "next_swing": None if first_of_all else last.get("next_swing"),
         "stopped": bool(last["spent"]),
         "unit_doubt": unit_doubt,
         "driven": bool(last.get("driven")),
