@@ -21,6 +21,7 @@ NOISE = Noise(1e-3)  # rad
 VALUES = {
     "natural_frequency": 7.0, "viscous_ratio": 0.004, "constant_friction": 0.05, "quadratic_coefficient": 0.02,
     "quadratic_stiffness": 4.0, "cubic_stiffness": 5.0, "sensor_gain": 0.05, "damping_drift": 0.003,
+    "load_friction": 0.01,
 }  # fmt: skip
 FRICTION, SQUARE = frozenset({0}), frozenset({2})
 
@@ -73,6 +74,15 @@ def test_no_loss_is_seen_where_only_viscous_drag_takes_energy(hidden):
         for laws in (FRICTION, SQUARE):
             found = shown(one, laws)
             assert not (found.chance > 0.95 and found.share < 0.2 and found.held_out < 0.5)
+
+
+@pytest.mark.parametrize("hidden", [(), ("cubic_stiffness",)])
+def test_friction_that_goes_with_the_load_takes_more_of_larger_swings_and_is_no_drag(hidden):
+    one = swings("load_coulomb", *hidden, angles=(1.0, -0.8, 0.6, 0.4))
+    base = fit_jointly(Model("viscous+load_coulomb"), [swing.pair for swing in one.fit], bounded=True)
+    pool = Pool(one, NOISE, base)
+    assert pool.envelope(pool.unlike_the_base(pool.drags())[0]).chance < 0.5
+    assert shown(one, SQUARE).chance > 0.95  # as it would be if its friction were constant
 
 
 def test_of_a_few_swings_no_loss_is_told():

@@ -2,12 +2,12 @@
 
 A torque over the angle takes nothing round a whole swing, and a zero, a gain or a bend of the sensor is the same at every turn: the amplitude
 that is lost from swing to swing is the work of friction and drag alone. The everyday laws lose it as the amplitude's power 0, 1 and 2
-(at large angles as they do round the ideal pendulum's orbit). Whether one of them is there is asked by how well the amplitudes are
+(at large angles as they do round the ideal pendulum's orbit, where friction that goes with the load takes more of a larger swing). Whether one of them is there is asked by how well the amplitudes are
 followed with it and without, beside a drag that changes in time, which on one recording looks like any of them.
 """
 
-from collections.abc import Collection, Sequence
-from functools import cache
+from collections.abc import Callable, Collection, Sequence
+from functools import cache, partial
 from itertools import combinations, pairwise
 from typing import NamedTuple
 
@@ -62,9 +62,11 @@ class Seen(NamedTuple):
 NOT_SEEN = Seen(np.nan, np.inf, np.inf)
 
 
-def amplitudes(campaign: Campaign, natural_frequency: float, restoring: str) -> tuple[Stretch, ...]:
+def amplitudes(
+    campaign: Campaign, natural_frequency: float, restoring: str, loaded: bool = False
+) -> tuple[Stretch, ...]:
     """The amplitudes of a campaign's swings, which in one recording go on from part to part; none where a drive acts on them: what it
-    gives is no loss."""
+    gives is no loss. ``loaded``: friction goes with the load."""
     swings = (*campaign.fit, *campaign.holdout)
     if any(one.drive is not None for one in swings):
         return ()
@@ -80,9 +82,10 @@ def amplitudes(campaign: Campaign, natural_frequency: float, restoring: str) -> 
         rows = _with_those_between([rows for rows, _ in found], of(whole))
         found = [(rows, whole.times[0])]
         fitted = [_within(rows[:, 0], campaign.fit)]
+    work = partial(_work, restoring=restoring, loaded=loaded)
     longest = max(one.times[-1] - one.times[0] for one in campaign.whole or swings)
     return tuple(
-        _stretch((rows[a:b, 0] - begin) / longest, rows[a:b, 1], steps[a : b - 1], of_fit[a:b], restoring)
+        _stretch((rows[a:b, 0] - begin) / longest, rows[a:b, 1], steps[a : b - 1], of_fit[a:b], work)
         for (rows, begin), of_fit in zip(found, fitted, strict=True)
         for steps in [steps_between(np.diff(rows[:, 0]))]
         for a, b in pairwise([0, *(np.flatnonzero(steps > _BROKEN) + 1), len(rows)])
@@ -185,30 +188,35 @@ def _left(of: Sequence[Stretch], but: Collection[int]) -> Floats:
     return left
 
 
-def _stretch(when: Floats, sizes: Floats, steps: Floats, fitted: Bools, restoring: str) -> Stretch:
-    """The ``Stretch`` of amplitudes at these times, what is lost in each half-swing between two being that at their mean."""
-    each = _work((sizes[1:] + sizes[:-1]) / 2, restoring)
+def _stretch(
+    when: Floats, sizes: Floats, steps: Floats, fitted: Bools, work: Callable[[Floats], Floats]
+) -> Stretch:
+    """The ``Stretch`` of amplitudes at these times, what is lost in each half-swing between two being the ``work`` at their mean."""
+    each = work((sizes[1:] + sizes[:-1]) / 2)
     losses = steps * np.array([*each, each[_VISCOUS] * (when[1:] + when[:-1]) / 2])
     return Stretch(
         sizes, np.concatenate([np.zeros((1, len(losses))), np.cumsum(losses, axis=1).T]), steps, fitted
     )
 
 
-def _work(at: Floats, restoring: str) -> Floats:
+def _work(at: Floats, restoring: str, loaded: bool) -> Floats:
     """What each law of size one loses of these amplitudes (rad) in half a swing (law, amplitude)."""
     if restoring == "linear":
         return np.array([2 * np.ones_like(at), 0.5 * np.pi * at, 4 / 3 * at**2])
-    known, lost = _round_the_orbit()
+    known, lost = _round_the_orbit(loaded)
     return np.array([np.interp(at, known, law) for law in lost])
 
 
 @cache
-def _round_the_orbit() -> tuple[Floats, Floats]:
+def _round_the_orbit(loaded: bool) -> tuple[Floats, Floats]:
     """Amplitudes (rad) of a weight, and what each law loses of each."""
     at = np.linspace(1e-3, np.pi - 1e-3, 1000)
     # theta = A sin u takes the root's ends away
     u = np.linspace(-np.pi / 2, np.pi / 2, _TURNS)
     theta = at[:, None] * np.sin(u)
     speed = np.sqrt(np.maximum(2 * (np.cos(theta) - np.cos(at)[:, None]), 0.0))
-    work = np.array([np.trapezoid(speed**power * at[:, None] * np.cos(u), u, axis=1) for power in _LAWS])
+    torques = [speed**power for power in _LAWS]
+    if loaded:
+        torques[0] = np.cos(theta) + speed**2
+    work = np.array([np.trapezoid(torque * at[:, None] * np.cos(u), u, axis=1) for torque in torques])
     return at, work / np.sin(at)
