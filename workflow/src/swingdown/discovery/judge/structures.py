@@ -280,8 +280,7 @@ class Pool:
     @cached_property
     def _amplitudes(self) -> tuple[Stretch, ...]:
         base = self.first.fit.model
-        frequency, loaded = base.values[NATURAL_FREQUENCY.name], "load_coulomb" in base.names
-        return amplitudes(self.campaign, frequency, base.restoring, loaded)
+        return amplitudes(self.campaign, base.values[NATURAL_FREQUENCY.name], base.restoring)
 
     def unlike_the_base(self, kind: Collection[str]) -> tuple[frozenset[int], list[str]]:
         """(the laws of loss that effects of this kind of damping have and the base has not; the effects that have one of them).

@@ -2,12 +2,13 @@
 
 A torque over the angle takes nothing round a whole swing, and a zero, a gain or a bend of the sensor is the same at every turn: the amplitude
 that is lost from swing to swing is the work of friction and drag alone. The everyday laws lose it as the amplitude's power 0, 1 and 2
-(at large angles as they do round the ideal pendulum's orbit, where friction that goes with the load takes more of a larger swing). Whether one of them is there is asked by how well the amplitudes are
-followed with it and without, beside a drag that changes in time, which on one recording looks like any of them.
+(at large angles as they do round the ideal pendulum's orbit). Whether one of them is there is asked by how well the amplitudes are
+followed with it and without, beside what may look like it: a drag that changes in time, as any of them on one recording, and under a
+weight a friction that goes with the load, which takes more of a larger swing.
 """
 
-from collections.abc import Callable, Collection, Sequence
-from functools import cache, partial
+from collections.abc import Collection, Sequence
+from functools import cache
 from itertools import combinations, pairwise
 from typing import NamedTuple
 
@@ -25,8 +26,9 @@ from .losses import half_swings
 
 # powers of the amplitude that are lost: by friction, viscous and quadratic drag
 _LAWS = (0, 1, 2)
-_VISCOUS = 1
-_DRIFT = 3  # the loss by a viscous drag that grows in time
+_FRICTION, _VISCOUS = 0, 1
+# the losses by a viscous drag that grows in time, and by a friction that goes with the load: there are none without these laws
+_DRIFT, _LOAD = 3, 4
 _LEAST = 3  # amplitudes of a stretch that is looked at
 _BROKEN = 4  # half-swings between two: what is longer begins anew
 _NODES = 6  # amplitudes between which a loss of any law goes straight
@@ -34,8 +36,9 @@ _TURNS = 181  # at which an orbit is computed
 
 
 class Stretch(NamedTuple):
-    """Amplitudes (rad) of successive half-swings, what has been lost of each by each law of size one (amplitude, law), the last law a drag
-    that grows in time; how many half-swings there are from each to the next, and which are ``fitted``."""
+    """Amplitudes (rad) of successive half-swings, what has been lost of each by each law of size one (amplitude, law), the last laws a drag
+    that grows in time and a friction that goes with the load; how many half-swings there are from each to the next, and which are
+    ``fitted``."""
 
     sizes: Floats
     lost: Floats
@@ -62,11 +65,9 @@ class Seen(NamedTuple):
 NOT_SEEN = Seen(np.nan, np.inf, np.inf)
 
 
-def amplitudes(
-    campaign: Campaign, natural_frequency: float, restoring: str, loaded: bool = False
-) -> tuple[Stretch, ...]:
+def amplitudes(campaign: Campaign, natural_frequency: float, restoring: str) -> tuple[Stretch, ...]:
     """The amplitudes of a campaign's swings, which in one recording go on from part to part; none where a drive acts on them: what it
-    gives is no loss. ``loaded``: friction goes with the load."""
+    gives is no loss."""
     swings = (*campaign.fit, *campaign.holdout)
     if any(one.drive is not None for one in swings):
         return ()
@@ -82,10 +83,9 @@ def amplitudes(
         rows = _with_those_between([rows for rows, _ in found], of(whole))
         found = [(rows, whole.times[0])]
         fitted = [_within(rows[:, 0], campaign.fit)]
-    work = partial(_work, restoring=restoring, loaded=loaded)
     longest = max(one.times[-1] - one.times[0] for one in campaign.whole or swings)
     return tuple(
-        _stretch((rows[a:b, 0] - begin) / longest, rows[a:b, 1], steps[a : b - 1], of_fit[a:b], work)
+        _stretch((rows[a:b, 0] - begin) / longest, rows[a:b, 1], steps[a : b - 1], of_fit[a:b], restoring)
         for (rows, begin), of_fit in zip(found, fitted, strict=True)
         for steps in [steps_between(np.diff(rows[:, 0]))]
         for a, b in pairwise([0, *(np.flatnonzero(steps > _BROKEN) + 1), len(rows)])
@@ -112,7 +112,7 @@ def _within(times: Floats, swings: Sequence[Swing]) -> Bools:
 def seen(of: Sequence[Stretch], laws: Collection[int]) -> Seen:
     """What losses as these powers of the amplitude do for the envelope, beside losses as the others."""
     fitted = np.concatenate([one.fitted for one in of]) if of else np.zeros(0, bool)
-    free = sum(bool(one.fitted.any()) for one in of) + len(_LAWS) + 1
+    free = sum(bool(one.fitted.any()) for one in of) + (of[0].lost.shape[1] if of else 0)
     count = int(np.count_nonzero(fitted))
     if count <= free or fitted.all():
         return NOT_SEEN
@@ -169,16 +169,16 @@ def _of_any_law(of: Sequence[Stretch]) -> Floats:
 
 def _left(of: Sequence[Stretch], but: Collection[int]) -> Floats:
     """What all laws ``but`` these leave of the amplitudes (rad), their sizes fitted by least squares; of a stretch that is held out only
-    the mean is. Without viscous drag none grows in time."""
+    the mean is. Without viscous drag none grows in time, without friction none goes with the load."""
     sizes, lost = np.concatenate([one.sizes for one in of]), np.concatenate([one.lost for one in of])
     fitted = np.concatenate([one.fitted for one in of])
-    gone = {*but, *([_DRIFT] if _VISCOUS in but else [])}
+    gone = {*but, *([_DRIFT] if _VISCOUS in but else []), *([_LOAD] if _FRICTION in but else [])}
     laws = [law for law in range(lost.shape[1]) if law not in gone]
     known = [bool(one.fitted.any()) for one in of]
     columns = np.hstack([-lost[:, laws], _firsts(of)[:, known]])
     scale = np.linalg.norm(columns[fitted], axis=0)
     low = np.full(columns.shape[1], -np.inf)
-    low[[k for k, law in enumerate(laws) if law in _LAWS]] = 0.0
+    low[[k for k, law in enumerate(laws) if law != _DRIFT]] = 0.0
     values = lsq_linear(columns[fitted] / scale, sizes[fitted], (low, np.inf)).x / scale
     left = columns @ values - sizes
     edges = np.cumsum([0, *(one.sizes.size for one in of)])
@@ -188,35 +188,32 @@ def _left(of: Sequence[Stretch], but: Collection[int]) -> Floats:
     return left
 
 
-def _stretch(
-    when: Floats, sizes: Floats, steps: Floats, fitted: Bools, work: Callable[[Floats], Floats]
-) -> Stretch:
-    """The ``Stretch`` of amplitudes at these times, what is lost in each half-swing between two being the ``work`` at their mean."""
-    each = work((sizes[1:] + sizes[:-1]) / 2)
-    losses = steps * np.array([*each, each[_VISCOUS] * (when[1:] + when[:-1]) / 2])
+def _stretch(when: Floats, sizes: Floats, steps: Floats, fitted: Bools, restoring: str) -> Stretch:
+    """The ``Stretch`` of amplitudes at these times, what is lost in each half-swing between two being that at their mean."""
+    each = _work((sizes[1:] + sizes[:-1]) / 2, restoring)
+    drift = each[_VISCOUS] * (when[1:] + when[:-1]) / 2
+    losses = steps * np.insert(each, _DRIFT, drift, axis=0)
     return Stretch(
         sizes, np.concatenate([np.zeros((1, len(losses))), np.cumsum(losses, axis=1).T]), steps, fitted
     )
 
 
-def _work(at: Floats, restoring: str, loaded: bool) -> Floats:
-    """What each law of size one loses of these amplitudes (rad) in half a swing (law, amplitude)."""
+def _work(at: Floats, restoring: str) -> Floats:
+    """What each law of size one, but the drift, loses of these amplitudes (rad) in half a swing (law, amplitude)."""
     if restoring == "linear":
         return np.array([2 * np.ones_like(at), 0.5 * np.pi * at, 4 / 3 * at**2])
-    known, lost = _round_the_orbit(loaded)
+    known, lost = _round_the_orbit()
     return np.array([np.interp(at, known, law) for law in lost])
 
 
 @cache
-def _round_the_orbit(loaded: bool) -> tuple[Floats, Floats]:
+def _round_the_orbit() -> tuple[Floats, Floats]:
     """Amplitudes (rad) of a weight, and what each law loses of each."""
     at = np.linspace(1e-3, np.pi - 1e-3, 1000)
     # theta = A sin u takes the root's ends away
     u = np.linspace(-np.pi / 2, np.pi / 2, _TURNS)
     theta = at[:, None] * np.sin(u)
     speed = np.sqrt(np.maximum(2 * (np.cos(theta) - np.cos(at)[:, None]), 0.0))
-    torques = [speed**power for power in _LAWS]
-    if loaded:
-        torques[0] = np.cos(theta) + speed**2
+    torques = [*(speed**power for power in _LAWS), np.cos(theta) + speed**2]
     work = np.array([np.trapezoid(torque * at[:, None] * np.cos(u), u, axis=1) for torque in torques])
     return at, work / np.sin(at)
