@@ -60,17 +60,25 @@ def test_large_swings_in_rad_need_no_word():
     assert swingdown.fit(times, np.radians(degrees)).remarks == []
 
 
-def test_of_a_file_in_no_unit_of_an_angle_only_what_amplitudes_tell_is_asserted(tmp_path):
+@pytest.mark.parametrize(
+    ("header", "doubt"),
+    [
+        ("", "No unit is stated, and as angles these are not a pendulum's."),
+        ("t (s)\tangle (deg)", "The unit is in doubt ("),
+    ],
+)
+def test_of_a_file_in_no_unit_of_an_angle_only_what_amplitudes_tell_is_asserted(tmp_path, header, doubt):
     """Pixels of a bob, which swing as no pendulum of so many degrees does, and die as in air."""
     times = np.arange(0, 20, 1 / 30)
     pixels = 60 * np.exp(-0.05 * times) * np.cos(6.3 * times)
     pixels += 0.3 * np.random.default_rng(4).standard_normal(times.size)
     file = tmp_path / "pixels.txt"
-    np.savetxt(file, np.column_stack((times, pixels)), fmt="%.4f")
+    columns = np.column_stack((times, pixels))
+    np.savetxt(file, columns, fmt="%.4f", delimiter="\t", header=header, comments="")
     found = swingdown.explain(file, base=("load_coulomb",))
-    assert "PERIOD AND DECAY ALONE" in found.table["remark"].item()
+    assert ("PERIOD AND DECAY ALONE" in found.table["remark"].item()) == (not header)
     (told,) = found.verdict["effects"]
     assert told["name"] == "viscous" and told["parameters"]["viscous_ratio"]["value"] is None
-    doubt = "No unit is stated, and as angles these are not a pendulum's. Viscous is missing"
     assert found.verdict["sentence"].startswith(doubt)
+    assert ". Viscous is missing (P " in found.verdict["sentence"]
     assert [one["doubt"] for one in found.verdict["stand_ins"]] == ["another unit would explain it as well"]

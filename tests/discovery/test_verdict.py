@@ -338,12 +338,14 @@ def test_nothing_is_named_where_another_unit_would_do_its_work():
     first = state(0, missing=True, chosen="constant_torque", holdout=3.0)
     doubt = "the unit is in doubt (degrees taken for rad?): damping leaves 30 mrad"
     last = state(1, missing=False, found=["constant_torque"], effects=("viscous", "constant_torque")) | {
-        "unit_doubt": doubt
+        "unit_doubt": doubt,
+        "next_swing": {"separation": 50.0, "text": "Release from 85°."},
     }
     found = verdict([first, last])
     assert found["status"] == "unknown" and not found["effects"]
     assert found["sentence"].startswith("The unit is in doubt (degrees taken for rad?)")
     assert found["next_measurement"] == "Compare a reading with the angle there: its unit is in doubt."
+    assert found["next_swing"] is None
 
 
 def test_a_drag_that_amplitudes_show_is_there_in_any_unit_and_has_no_size():

@@ -69,8 +69,8 @@ def built(rows, folder, data):
     for number, row in enumerate(rows, 1):
         given, doubt = swings(number, row, folder, data)
         parts[row["role"] or "fit"] += given
-        doubts += [doubt] if doubt else []
-    one = searchable(rows[0]["campaign"], parts["fit"] + parts["holdout"], next(iter(doubts), ""))
+        doubts.append(doubt)
+    one = searchable(rows[0]["campaign"], parts["fit"] + parts["holdout"], max(doubts))
     if not parts["holdout"]:
         return one
     held = {str(swing.attrs["recording"]) for swing in parts["holdout"]}

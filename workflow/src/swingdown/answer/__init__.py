@@ -402,8 +402,8 @@ def unit_doubt(given: Sequence[xr.Dataset], first: Answer) -> str:
     return NO_UNIT if read else ""
 
 
-def searchable(name: str, given: Sequence[xr.Dataset], unit_doubt: str = "") -> Campaign:
-    """The ``Campaign`` of angle datasets, with some swings held out, and why their unit is not to be believed.
+def searchable(name: str, given: Sequence[xr.Dataset], doubt: str = "") -> Campaign:
+    """The ``Campaign`` of angle datasets, with some swings held out; ``doubt``: why their unit is not to be believed.
 
     Raises
     ------
@@ -418,7 +418,7 @@ def searchable(name: str, given: Sequence[xr.Dataset], unit_doubt: str = "") -> 
         slack=of_angles(given),
         reading=read_alike(name, given),
         own=own_of(given[0].attrs),
-        unit_doubt=unit_doubt,
+        unit_doubt=doubt,
     )
 
 
