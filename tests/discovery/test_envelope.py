@@ -8,7 +8,7 @@ import pytest
 
 from swingdown.discovery.data.campaign import Swing, campaign
 from swingdown.discovery.data.noise import Noise
-from swingdown.discovery.judge.findings import judged, told_of
+from swingdown.discovery.judge.findings import _shown, judged, told_of
 from swingdown.discovery.judge.structures import Pool
 from swingdown.discovery.see.envelope import Seen, amplitudes, seen
 from swingdown.engine.trajectory import simulate
@@ -208,6 +208,20 @@ def test_a_friction_that_the_envelope_makes_improbable_is_not_seen(gain, sure):
         envelope=lambda laws: Seen(gain, 1.0, 1.0),
     )
     assert Pool.sees_friction(pool) == pytest.approx(sure)
+
+
+@pytest.mark.parametrize(
+    ("gain", "of_swings", "share", "told"),
+    [(4.0, 0.0, 0.15, True), (-0.8, 0.99, 0.15, True), (-0.8, 0.5, 0.15, False), (-5.0, 0.99, 0.15, False),
+     (-0.8, 0.99, 0.3, False), (np.nan, 0.99, 0.15, False)],
+)  # fmt: skip
+def test_a_drag_is_sure_by_swings_or_amplitudes_unless_these_speak_against_it(gain, of_swings, share, told):
+    pool = SimpleNamespace(
+        unlike_the_base=lambda kind: (SQUARE, kind),
+        envelope=lambda laws: Seen(gain, share, 0.3),
+        of=lambda names: of_swings,
+    )
+    assert (_shown(pool, ["quadratic_drag"])[0] is not None) == told
 
 
 def test_the_laws_of_loss_are_those_of_the_catalogue():

@@ -126,11 +126,13 @@ def _naming(pool: Pool, best: Structure) -> Structure:
 
 
 def _shown(pool: Pool, kind: Sequence[str]) -> tuple[Seen | None, list[str]]:
-    """(what the envelope shows of this kind of damping, where that is sure and its everyday laws leave little of it; its effects that the
-    base has none like)."""
+    """(what the envelope shows of this kind of damping, where that is sure and its everyday laws leave little of what amplitudes lose; its
+    effects that the base has none like)."""
     laws, like = pool.unlike_the_base(kind)
     one = pool.envelope(laws)
-    sure = one.chance >= PROBABLE and _over_bounds((one.share, one.held_out)) <= 1
+    # by the swings or by the envelope, unless the latter makes it improbable
+    sure = one.chance >= POSSIBLE and max(one.chance, pool.of(like)) >= PROBABLE
+    sure = sure and _over_bounds((one.share, one.held_out)) <= 1
     return one if sure else None, like
 
 
