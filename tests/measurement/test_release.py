@@ -3,12 +3,14 @@
 import numpy as np
 import pytest
 
+from swingdown.engine.trajectory import simulate
 from swingdown.errors import InputError
 from swingdown.measurement.angle import to_angle
 from swingdown.measurement.recording import ingest
 from swingdown.measurement.sheet import read_sheet
 from swingdown.measurement.swings.half_swings import half_swings
 from swingdown.measurement.swings.release import find_windows
+from swingdown.pendulum.model import Model
 
 
 def swing(time, phase=0.0, noise=0.002, seed=1):
@@ -42,6 +44,18 @@ def test_a_bob_that_is_held_first(rate, seconds):
         assert pushed == []
         assert found.released == pytest.approx(seconds, abs=0.08)
         assert seconds + 0.15 < found.begins < seconds + 0.35
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_a_bob_that_is_held_for_a_moment_in_a_film_of_few_images(seed):
+    time = np.arange(0, 20, 1 / 12)
+    noise = 0.01 * np.random.default_rng(seed).standard_normal(time.size)
+    model = Model("viscous", {"natural_frequency": 6.85, "viscous_ratio": 0.001})
+    signal = simulate(model, np.append(0, time[time > 0.25] - 0.25), 0.7)
+    (free,), _ = find_windows(time, simulate(model, time, 0.7) + noise, 1.0)
+    assert np.isnan(free.begins)
+    (found,), _ = find_windows(time, np.append([0.7] * (time.size - signal.size), signal) + noise, 1.0)
+    assert 0.08 <= found.released <= 0.34 and 0.4 < found.begins < 0.6
 
 
 def test_a_bob_that_is_lifted_first():

@@ -65,6 +65,7 @@ def _fitted(times: Floats, angle: Floats, halves: int) -> tuple[Floats, Floats, 
         lambda values: _motion(values, times)[0] - angle,
         [pi * halves / times[-1] / mean, 0.01, 0.0, angle[0], (angle[start] - angle[0]) / times[start]],
         jac=lambda values: _motion(values, times)[1].T,
+        bounds=([0.0, 0.0, 0.0, -np.inf, -np.inf], np.inf),  # a drag that pushes may run away
         x_scale="jac",
         max_nfev=40,
     )
