@@ -5,12 +5,13 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from scipy.signal import lfilter
 
 from swingdown.discovery.data.campaign import Swing, campaign
 from swingdown.discovery.data.noise import Noise
 from swingdown.discovery.judge.findings import _shown, judged, told_of
 from swingdown.discovery.judge.structures import Pool
-from swingdown.discovery.see.envelope import Seen, amplitudes, seen
+from swingdown.discovery.see.envelope import Seen, _stretch, amplitudes, seen
 from swingdown.engine.trajectory import simulate
 from swingdown.fitting.least_squares import fit_jointly
 from swingdown.pendulum.catalogue import SHIPPED
@@ -148,6 +149,24 @@ def test_half_swings_that_are_missing_have_lost_too():
     )
     assert holed.sizes.size < whole.sizes.size
     assert holed.lost[-1, :3] == pytest.approx(whole.lost[-1, :3], rel=0.02)
+
+
+def test_what_noise_of_a_memory_does_to_amplitudes_speaks_against_no_drag():
+    count, half_swings = 60, np.arange(120)
+    fitted = np.repeat([True, False, True, False, True], 24)
+
+    def told(sizes):
+        rng, found = np.random.default_rng(1), 0
+        for _ in range(count):
+            noise = lfilter([0.8], [1, -0.6], 5e-4 * rng.standard_normal(170))[50:]
+            steps = np.ones(half_swings.size - 1)
+            one = _stretch(half_swings / half_swings.size, sizes + noise, steps, fitted, "linear")
+            of = seen((one,), {1, 2})
+            found += of.gain > 6 and of.share <= 0.2 and of.held_out <= 0.5
+        return found
+
+    assert told(0.1 * np.exp(-half_swings / 250)) >= 25
+    assert told(0.1 - 3.2e-4 * half_swings) == 0  # friction
 
 
 def test_everyday_laws_that_lose_alike_are_tied():

@@ -119,7 +119,8 @@ def seen(of: Sequence[Stretch], laws: Collection[int]) -> Seen:
     left, lacked = _left(of, ()), _left(of, laws)
     now = left[fitted]
     memory = max(float(np.sum(now[1:] * now[:-1]) / np.sum(now**2)), 0.0)
-    counts = (count - free) * (1 - memory) / (1 + memory)
+    alike = (1 + memory) / (1 - memory)  # amplitudes that err as one, and so much more of their noise is slow
+    counts = (count - free) / alike
 
     def evidence(without: Collection[int]) -> float:
         """The logarithm of that of all laws but these, against all."""
@@ -131,19 +132,21 @@ def seen(of: Sequence[Stretch], laws: Collection[int]) -> Seen:
     there = {law: sum(p for p, gone in zip(chances, some, strict=True) if law not in gone) for law in laws}
     possible = frozenset(law for law, chance in there.items() if chance >= POSSIBLE)
     of_loss = np.hstack([_firsts(of), _of_any_law(of)])
-    share, held_out = (_ratio(of_loss[which], left[which], lacked[which]) for which in (fitted, ~fitted))
+    share, held_out = (
+        _ratio(of_loss[which], left[which], lacked[which], alike) for which in (fitted, ~fitted)
+    )
     return Seen(-evidence(laws), share, held_out, possible)
 
 
-def _ratio(of_loss: Floats, now: Floats, then: Floats) -> float:
+def _ratio(of_loss: Floats, now: Floats, then: Floats, alike: float) -> float:
     """The RMS that is left of amplitudes now over that of then, of both what a loss could be (amplitude, loss): what comes and goes where
-    the amplitude is the same is none."""
+    the amplitude is the same is none, nor what noise of which so many err ``alike`` does."""
     space = orthonormal(of_loss)
     free = now.size - space.shape[1]
 
     def lost(one: Floats) -> float:
         within = space.T @ one
-        noise = (one @ one - within @ within) / free if free else 0.0
+        noise = alike * (one @ one - within @ within) / free if free else 0.0
         return max(float(within @ within - space.shape[1] * noise), 0.0)
 
     left, lacked = lost(now), lost(then)
