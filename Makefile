@@ -124,8 +124,8 @@ docs: $(READY)
 	@test -e $(DOCS)/ready || { echo "Setting up Sphinx ($(DOCS), once) ..." && $(PYTHON) -m venv --clear $(DOCS) \
 	  && $(BIN)/uv pip sync -q --system-certs --require-hashes --python $(DOCS)/bin/python requirements-docs.lock \
 	  && touch $(DOCS)/ready; }
-	@PYTHONPATH=workflow/src $(DOCS)/bin/python docs/generate.py docs/generated
-	@$(DOCS)/bin/python -m sphinx -q -W --keep-going -c docs . site
+	@unset PYTHONDONTWRITEBYTECODE; PYTHONPATH=workflow/src $(DOCS)/bin/python docs/generate.py docs/generated
+	@unset PYTHONDONTWRITEBYTECODE; $(DOCS)/bin/python -m sphinx -q -W --keep-going -c docs . site
 	@echo "site/index.html"
 
 wheel: $(READY)

@@ -2,14 +2,18 @@
 
 import ctypes
 import fcntl
+import json
 import os
 import shutil
 import signal
+import socket
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
+
+from swingdown import prefork
 
 ROOT = Path(__file__).resolve().parents[1]
 
@@ -92,33 +96,80 @@ def ends_with_its_parent():
 _PR_SET_PDEATHSIG = 1  # of <sys/prctl.h>
 
 
+RUN = """\
+import atexit
+import os
+import sys
+
+from snakemake.cli import main
+
+os.environ.update({environment!r})
+sys.argv[1:] = {arguments!r}
+try:
+    main()
+finally:
+    atexit._run_exitfuncs()
+"""
+
+
 @pytest.fixture(scope="session")
-def snakemake():
-    """A function that runs snakemake in the project's folder on other files; returns what it printed and its code."""
+def forked(tmp_path_factory):
+    """A function that runs snakemake in a fork of a process which has imported it, as it has what the jobs import (``swingdown.prefork``).
+
+    To import all that takes as long as most of the runs, and a run of its own imports it twice. Returns what was printed and the code.
+    """
+    before = dict(os.environ)
+    prefork.start()
+    added = {name: value for name, value in os.environ.items() if before.get(name) != value}
+    for name in added:
+        del os.environ[name]
+    os.environ.update(before)
+    script = tmp_path_factory.mktemp("forked") / "run.py"
+
+    def run(arguments):
+        script.write_text(RUN.format(environment=added, arguments=arguments))
+        job = json.dumps({"script": str(script), "folder": str(ROOT), "environment": dict(os.environ)})
+        reads, writes = os.pipe()
+        with socket.socket(socket.AF_UNIX) as connection, open(reads, encoding="utf-8") as printed:
+            connection.connect(added[prefork.ADDRESS])
+            with open(writes, "wb") as told, open(os.devnull) as nothing:
+                size = len(job.encode()).to_bytes(4, "big")
+                socket.send_fds(connection, [size], [nothing.fileno(), told.fileno(), told.fileno()])
+            connection.sendall(job.encode())
+            connection.settimeout(900)
+            text = printed.read()
+            return text, connection.recv(1)[0]
+
+    return run
+
+
+@pytest.fixture(scope="session")
+def snakemake(forked):
+    """A function that runs snakemake in the project's folder on other files; returns what it printed and its code.
+
+    With an ``environment`` of its own it is a process of its own.
+    """
 
     def run(*arguments, directory, cores=2, check=True, environment=None):
-        command = [
-            sys.executable,
-            "-m",
-            "snakemake",
-            f"-c{cores}",
-            "--nolock",
-            "--directory",
-            directory,
-            *arguments,
-        ]
-        done = subprocess.run(
-            list(map(str, command)),
-            cwd=ROOT,
-            text=True,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.STDOUT,
-            timeout=900,
-            preexec_fn=ends_with_its_parent,
-            env=os.environ | (environment or {}),
-        )
+        arguments = [f"-c{cores}", "--nolock", "--directory", directory, *arguments]
+        arguments = list(map(str, arguments))
+        command = [sys.executable, "-m", "snakemake", *arguments]
+        if environment is None:
+            printed, code = forked(arguments)
+            done = subprocess.CompletedProcess(command, code, printed)
+        else:
+            done = subprocess.run(
+                command,
+                cwd=ROOT,
+                text=True,
+                stdout=subprocess.PIPE,
+                stderr=subprocess.STDOUT,
+                timeout=900,
+                preexec_fn=ends_with_its_parent,
+                env=os.environ | environment,
+            )
         if check and done.returncode:
-            pytest.fail(f"{' '.join(map(str, command))} ended with {done.returncode}:\n{done.stdout}")
+            pytest.fail(f"{' '.join(command)} ended with {done.returncode}:\n{done.stdout}")
         return done
 
     return run
