@@ -30,15 +30,20 @@ REAL_R = {
 
 @pytest.fixture(scope="module")
 def settings(root):
-    """The shipped study's simulation settings, as ``realizations`` takes them."""
+    """The shipped study's simulation settings."""
     config = yaml.safe_load((root / "config/config.yaml").read_text())
     chosen = {key: value for key, value in config["simulation"].items() if key not in ("fitted", "start")}
     return chosen | {"seed": config["seed"]} | config["model"]
 
 
+def realizations(settings):
+    chosen = dict(settings)
+    return simulation.realizations(chosen.pop("simulated"), chosen.pop("realizations"), chosen)
+
+
 @pytest.fixture(scope="module")
 def study(settings):
-    drawn = simulation.realizations(simulation.Settings(**settings))
+    drawn = realizations(settings)
     parts = [simulation.simulation_norms(drawn, label, PAPER_MODELS) for label in settings["simulated"]]
     return norms.combine_simulated(parts)
 
@@ -105,7 +110,7 @@ def assert_nested(norm):
 
 def test_first_noisy_samples_are_those_of_r(settings):
     """R: set.seed(150); rnorm(3) is -1.6323, -0.0630, -0.7054; the eleventh swing goes on where the tenth ended."""
-    drawn = simulation.realizations(simulation.Settings(**settings))
+    drawn = realizations(settings)
     draws = (drawn["noisy"] / drawn["truth"] - 1) * 50 * np.sign(drawn["truth"])
     assert draws.sel(simulated="viscous", realization=1).values[:3] == pytest.approx(
         [-1.63231, -0.0629963, -0.705447], abs=1e-5
@@ -121,17 +126,11 @@ def test_first_noisy_samples_are_those_of_r(settings):
 
 
 def test_numpy_stream_gives_each_realisation_by_its_index(settings):
-    few = simulation.realizations(
-        simulation.Settings(
-            **settings | {"stream": "numpy", "realizations": 2, "simulated": ["load_coulomb"]}
-        )
-    )
-    many = simulation.realizations(simulation.Settings(**settings | {"stream": "numpy", "realizations": 4}))
+    few = realizations(settings | {"stream": "numpy", "realizations": 2, "simulated": ["load_coulomb"]})
+    many = realizations(settings | {"stream": "numpy", "realizations": 4})
     same = many.sel(simulated=["load_coulomb"], realization=[1, 2])
     assert np.array_equal(few["noisy"], same["noisy"])
-    assert not np.array_equal(
-        few["noisy"], simulation.realizations(simulation.Settings(**settings))["noisy"].sel(same.coords)
-    )
+    assert not np.array_equal(few["noisy"], realizations(settings)["noisy"].sel(same.coords))
 
 
 def test_settings_are_kept_and_other_ones_are_told_in_the_table(settings, published, tmp_path):
@@ -142,9 +141,7 @@ def test_settings_are_kept_and_other_ones_are_told_in_the_table(settings, publis
         "stream": "numpy",
         "noise": "additive",
     }
-    drawn = dataset.read(
-        dataset.write(simulation.realizations(simulation.Settings(**changed)), tmp_path / "realizations.nc")
-    )
+    drawn = dataset.read(dataset.write(realizations(changed), tmp_path / "realizations.nc"))
     part = simulation.simulation_norms(drawn, "viscous", ["viscous"], start="free")
     kept = dataset.read(dataset.write(norms.combine_simulated([part]), tmp_path / "norms.nc"))
     table = tables.table2(kept, published)
@@ -160,11 +157,11 @@ def test_settings_are_kept_and_other_ones_are_told_in_the_table(settings, publis
 )
 def test_unusable_settings_are_refused_by_name(settings, key, value):
     with pytest.raises(InputError, match=f"simulation.{key}"):
-        simulation.realizations(simulation.Settings(**settings | {key: value}))
+        realizations(settings | {key: value})
 
 
 def test_parts_that_do_not_fit_together_are_refused(settings):
-    drawn = simulation.realizations(simulation.Settings(**settings | {"realizations": 1}))
+    drawn = realizations(settings | {"realizations": 1})
     with pytest.raises(InputError, match="not simulated"):
         simulation.simulation_norms(drawn, "constant_coulomb", ["viscous"])
     parts = [

@@ -104,8 +104,8 @@ def plan(settings: dict[str, Any]) -> Plan:
             raise InputError(where, "every recording is static", "at least one swing to fit", "add a swing")
     for name in searched:
         result.changed(name)
-    if result.apparatus and result.in_volts:
-        _check_apparatus(result, result.apparatus)
+    if result.in_volts:
+        _check_apparatus(result)
     return result
 
 
@@ -120,10 +120,10 @@ def _chosen(settings: dict[str, Any], part: str, known: Sequence[str]) -> tuple[
     return chosen
 
 
-def _check_apparatus(plan: Plan, apparatus: str) -> None:
-    covered = read_apparatus(apparatus)["campaigns"]
+def _check_apparatus(plan: Plan) -> None:
+    covered = read_apparatus(str(plan.apparatus))["campaigns"]
     for name in plan.in_volts:
         if (campaign := plan.rows[name]["campaign"]) not in covered:
-            where = f"{apparatus}, key campaigns"
+            where = f"{plan.apparatus}, key campaigns"
             problem = f"the campaign {campaign!r} of recording {name!r} (in volts) is not listed"
             raise InputError(where, problem, "every campaign that is recorded in volts", f"add {campaign!r}")

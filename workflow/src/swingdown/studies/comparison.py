@@ -31,11 +31,6 @@ def comparison(norms: xr.Dataset) -> pd.DataFrame:
     delta_bic_effective, n, unit, verdict. ``mean_difference`` (degrees) is the mean of norm a minus norm b over recordings, with
     Student's t and p; ``p_holm`` is corrected for the number of pairs. ``delta_bic_effective`` counts n / variance_inflation
     samples. For nested models the verdict asks whether that BIC falls by more than 6. One recording gives NaN for t and p.
-
-    Parameters
-    ----------
-    norms
-        As ``norms.combine_recordings`` returns them.
     """
     each = norms.groupby("campaign", squeeze=False)
     tables = [_campaign(str(name), _of_angles(chosen)) for name, chosen in each]
@@ -91,19 +86,9 @@ def _pair(a: _Model, b: _Model, samples: Floats) -> dict[str, Any]:
 
 
 def bic_effective(norms: xr.Dataset) -> Floats:
-    """BIC by model, summed over recordings, for as many samples as count as independent.
+    """BIC by model (fitted,), summed over the recordings of ``norms``, for as many samples as count as independent.
 
     The residual of the model with the lowest norm of a recording decides how many those are, for all models alike.
-
-    Parameters
-    ----------
-    norms
-        The dataset ``results/experiment/norms.nc``, or a campaign's part.
-
-    Returns
-    -------
-    array
-        Of shape (fitted,).
     """
     norm, inflation = (over(norms, name, *_EACH) for name in ("norm", "variance_inflation"))
     misfit, independent = _misfit(norm, inflation, norms["samples"].values)
@@ -147,13 +132,7 @@ def _effective(first: Mapping[str, Floats], second: Mapping[str, Floats], sample
 
 
 def holm(p: Floats) -> Floats:
-    """The p-values corrected for their number by Holm's step-down method (Scand. J. Stat. 6, 65 (1979)); NaN stays.
-
-    Parameters
-    ----------
-    p
-        Of shape (comparison,).
-    """
+    """The p-values (comparison,) corrected for their number by Holm's step-down method (Scand. J. Stat. 6, 65 (1979)); NaN stays."""
     corrected = np.full(p.shape, np.nan)
     known = np.flatnonzero(np.isfinite(p))
     order = known[np.argsort(p[known])]

@@ -19,21 +19,12 @@ _EVIDENCE = ["norm", "variance_inflation", "samples", "value", "standard_error"]
 
 
 def described_by(norms: xr.Dataset, catalogue: Catalogue = SHIPPED) -> str:
-    """The label of the model of damping that describes these recordings: the smallest whose further terms are not worth it.
+    """The label of the model of damping that describes recordings (``norms.combine_recordings``): the smallest whose further terms are not
+    worth it.
 
-    Parameters
-    ----------
-    norms
-        Over fitted, recording and parameter, as ``norms.combine_recordings`` gives them.
-    catalogue
-        The one that the models are of.
-
-    Returns
-    -------
-    str
-        By BIC, for as many samples as count as independent. A model whose effect has a size or a shape that it cannot have (a damper that
-        gives energy, a drag by the 25th power), or one whose values ran away (no standard error, one above the frequency, or ``_ran_away``), is
-        left out where there is another.
+    By BIC, for as many samples as count as independent. A model whose effect has a size or a shape that it cannot have (a damper that
+    gives energy, a drag by the 25th power), or one whose values ran away (no standard error, one above the frequency, or ``_ran_away``), is
+    left out where there is another.
     """
     labels, evidence, usable = _evidence(norms, catalogue)
     terms = terms_of(norms).sum(axis=1)
@@ -70,24 +61,20 @@ def _evidence(norms: xr.Dataset, catalogue: Catalogue) -> tuple[list[str], Float
     effects = [catalogue[name] for name in dict.fromkeys("+".join(labels).split("+"))]
     size_of = {one.name: one.size.name for one in effects if one.size and one.one_sided}
     known, sized = as_text(norms["parameter"]), list(size_of)
-    at = [known.index(name) for name in size_of.values()]
-    sizes, errors = (
-        over(norms, key, "fitted", "parameter")[:, at].reshape(len(labels), len(at), -1)
+    at, pace = [known.index(name) for name in size_of.values()], known.index(NATURAL_FREQUENCY.name)
+    values, errors = (
+        over(norms, key, "fitted", "parameter").reshape(len(labels), len(known), -1)
         for key in ("value", "standard_error")
     )
-    sound = ~((sizes < 0).any(axis=(1, 2)) | _beyond_bounds(norms, effects)) & np.isfinite(evidence)
-    unsure = np.all(np.abs(sizes) < errors, axis=2)
+    sound = ~((values[:, at] < 0).any(axis=(1, 2)) | _beyond_bounds(values, known, effects)) & np.isfinite(
+        evidence
+    )
+    unsure = np.all(np.abs(values[:, at]) < errors[:, at], axis=2)
     sound &= [not _ran_away(k, compress(sized, unsure[k]), labels, evidence) for k in range(len(labels))]
     # of a frequency within its standard error of none no pendulum is seen, but a friction that winds up as a spring does
-    pace, error = (
-        over(norms, key, "fitted", "parameter")[:, known.index(NATURAL_FREQUENCY.name)].reshape(
-            len(labels), -1
-        )
-        for key in ("value", "standard_error")
-    )
-    sound &= ~(error > pace).any(axis=1)
+    sound &= ~(errors[:, pace] > values[:, pace]).any(axis=1)
     # without a standard error a parameter runs away, and tells nothing
-    told = np.isfinite(over(norms, "standard_error", "fitted").reshape(len(labels), -1)).any(axis=1)
+    told = np.isfinite(errors).any(axis=(1, 2))
     sound &= told | ~told.any()
     # swings that keep their size have no sound law: a friction that winds up would follow their shape as a spring does
     plain = [
@@ -97,12 +84,11 @@ def _evidence(norms: xr.Dataset, catalogue: Catalogue) -> tuple[list[str], Float
     return labels, evidence, usable
 
 
-def _beyond_bounds(norms: xr.Dataset, effects: Iterable[Effect]) -> Bools:
-    """Of each model, whether one of its effects has a shape that it cannot have."""
-    known, values = as_text(norms["parameter"]), over(norms, "value", "fitted", "parameter")
+def _beyond_bounds(values: Floats, known: Sequence[str], effects: Iterable[Effect]) -> Bools:
+    """Of each model, by its values (model, parameter, recording), whether one of its effects has a shape that it cannot have."""
     found = np.zeros(len(values), dtype=bool)
     for shape in (one for effect in effects for one in effect.with_role("shape")):
-        own = values[:, known.index(shape.name)].reshape(len(values), -1)
+        own = values[:, known.index(shape.name)]
         found |= ((own < shape.lower) | (own > shape.upper)).any(axis=1)
     return found
 
@@ -167,23 +153,8 @@ def over_laws(
 ) -> dict[str, Quantity]:
     """Natural frequency, period, quality and decay time by name, whichever law of damping holds, and the parameters of the ``known`` models.
 
-    Parameters
-    ----------
-    norms
-        Over fitted, parameter and parameter_2, of one recording.
-    weight
-        How much each law counts, by label (``weights``).
-    amplitude
-        The angle at which they hold, rad.
-    catalogue
-        The one that the models are of.
-    known
-        The quantities of models by label, where they are known already.
-
-    Returns
-    -------
-    dict
-        The means over the laws; an uncertainty holds that of each law, and how far they are apart. A parameter keeps the value of its model.
+    They are the means over the laws, each of which counts by its ``weight`` (``weights``), at the ``amplitude`` (rad); an uncertainty holds
+    that of each law, and how far they are apart. A parameter keeps the value of its model. ``known`` are quantities of models, by label.
     """
     known = known or {}
     told = {name: one for own in known.values() for name, one in own.items() if name not in UNITS}
@@ -197,18 +168,9 @@ def over_laws(
 def described(
     norms: xr.Dataset, label: str, catalogue: Catalogue = SHIPPED, amplitude: float | None = None
 ) -> tuple[float, dict[str, Quantity]]:
-    """The amplitude (rad) at which the quantities of one recording hold, and these by name.
+    """The amplitude (rad; by default the largest fitted angle) at which the quantities of one recording hold, and these by name.
 
-    Parameters
-    ----------
-    norms
-        Over fitted, parameter and parameter_2: of one recording, or of several fitted together.
-    label
-        Of the model.
-    catalogue
-        The effects that the model is made of.
-    amplitude
-        In rad. Default: the largest fitted angle.
+    ``norms`` are over fitted, parameter and parameter_2: of one recording, or of several fitted together; ``label`` is the model's.
     """
     model, covariance = values_of(norms, label, catalogue)
     if amplitude is None:
@@ -231,13 +193,7 @@ def _beside(norms: xr.Dataset, label: str, model: Model) -> Beside | None:
 
 
 def values_of(norms: xr.Dataset, label: str, catalogue: Catalogue = SHIPPED) -> tuple[Model, Floats]:
-    """The fitted model, and the covariance of its parameters in the order of ``Model.parameters``.
-
-    Parameters
-    ----------
-    norms, label, catalogue
-        As of ``described``.
-    """
+    """The fitted model ``label``, and the covariance of its parameters in the order of ``Model.parameters``; ``norms`` as of ``described``."""
     options = {key: str(norms.attrs[key]) for key in ("restoring", "form") if key in norms.attrs}
     model = Model(tuple(label.split("+")), catalogue=catalogue, **options).of(reading_of(norms))  # type: ignore[arg-type]
     # by position: a selection by name of a whole dataset takes longer than a fit

@@ -53,9 +53,12 @@ class Moved(NotFree):
     """It does not die away, or gains energy: something drives it, and no part of it is a free swing for sure."""
 
 
-def mend_of(angle: xr.Dataset, more: str = "") -> str:
-    """What to do about a swing that no pendulum makes by itself, and ``more``; of several columns that mean the same, their names too."""
-    return MEND + (more or other_columns(angle))
+def _not_free(
+    angle: xr.Dataset, problem: str, expected: str, more: str = "", kind: type[NotFree] = NotFree
+) -> NotFree:
+    """The refusal of a swing that no pendulum makes by itself; its mend ends in ``more``, or names the columns that mean the same."""
+    where, mend = f"recording {angle.attrs['recording']}", MEND + (more or other_columns(angle))
+    return kind(where, problem, expected, mend)
 
 
 def other_columns(angle: xr.Dataset) -> str:
@@ -65,26 +68,9 @@ def other_columns(angle: xr.Dataset) -> str:
 
 
 def fit_free(angle: xr.Dataset, fitted: Sequence[Model]) -> xr.Dataset:
-    """The fits of a swing that a pendulum makes by itself, or under a measured drive.
+    """The fits of ``fit_any``, of a swing that a pendulum makes by itself or under a measured drive.
 
-    Parameters
-    ----------
-    angle
-        As ``measurement.angle.to_angle`` returns it.
-    fitted
-        The models to fit, each with a release of its own.
-
-    Returns
-    -------
-    xarray.Dataset
-        As ``experiment.fit_recording``.
-
-    Raises
-    ------
-    NotFree
-        If no model of damping follows the swing, or only with friction that gives energy.
-    InputError
-        As of ``fit_any``.
+    NotFree where no model of damping follows it, or only with friction that gives energy.
     """
     fits = fit_any(angle, fitted)
     ask(fits, angle, fitted)
@@ -131,19 +117,9 @@ def ask_pull(fits: xr.Dataset, angle: xr.Dataset, label: str) -> None:
 
 
 def unit_in_doubt(angles: Sequence[xr.Dataset], restoring: str = "sine") -> str:
-    """What is to be said of the unit that a pendulum's swings are taken for; empty where nothing is. A stated unit is never overruled.
+    """What is to be said of the unit that a pendulum's swings (``measurement.angle.to_angle``) are taken for; empty where nothing is.
 
-    Parameters
-    ----------
-    angles
-        The swings, as ``measurement.angle.to_angle`` returns them.
-    restoring
-        ``sine`` or ``linear``.
-
-    Raises
-    ------
-    InputError
-        If nobody stated the unit, and the swings are a pendulum's in another unit (``scale``).
+    A stated unit is never overruled. InputError where nobody stated it, and the swings are a pendulum's in another unit (``scale``).
     """
     kinds = {str(series_of(one).name) for one in angles}
     if len(kinds) > 1 or any(map(without_scale, angles)):
@@ -177,23 +153,8 @@ def _lacking(found: Scale, swings: Sequence[Swing]) -> Scale:
 
 
 def fit_any(angle: xr.Dataset, fitted: Sequence[Model], start: str = "free") -> xr.Dataset:
-    """The fits of a swing, whatever moves it.
-
-    Parameters
-    ----------
-    angle, fitted, start
-        As of ``fit_free``.
-
-    Returns
-    -------
-    xarray.Dataset
-        As ``experiment.fit_recording``.
-
-    Raises
-    ------
-    InputError
-        If the swing is too short, or the fit breaks off, as on what no pendulum does.
-    """
+    """The fits (``experiment.fit_recording``) of a swing, whatever moves it; InputError also where they break off, as on what no pendulum
+    does."""
     try:
         return fit_recording(angle, fitted, start=start)
     except (ArithmeticError, np.linalg.LinAlgError) as problem:
@@ -206,23 +167,10 @@ def followed(
     fit_one: Callable[..., xr.Dataset] = fit_free,
     alone: bool = False,
 ) -> tuple[xr.Dataset, xr.Dataset]:
-    """The angles of a recording with their fits: of one that no model follows, those of its longest free stretch.
+    """The angles of a recording with their fits of the ``known`` models: of one that no model follows, those of its longest free stretch.
 
-    Parameters
-    ----------
-    angle
-        As ``measurement.angle.to_angle`` returns it.
-    known
-        The models to fit.
-    fit_one
-        ``fit_free`` or ``fit_any``.
-    alone
-        Whether it has no others beside it, and is read once more by who asks.
-
-    Raises
-    ------
-    InputError
-        As of ``fit_one``, where no stretch is followed either.
+    One that is ``alone`` is read once more by who asks. Errors as of ``fit_one`` (``fit_free`` or ``fit_any``), where no stretch is
+    followed either.
     """
     try:
         return angle, fit_one(angle, known)
@@ -310,11 +258,10 @@ def check_free(fits: xr.Dataset, given: xr.Dataset, label: str, catalogue: Catal
             "let the board that reads the sensor count the time, or film it",
         )
     if not left <= LEFT:
-        raise NotFree(
-            f"recording {name}",
+        raise _not_free(
+            given,
             f"it does not move as a pendulum that swings by itself: the best model of damping leaves {100 * left:.3g} % of it{_where(given)}",
             f"at most {100 * LEFT:.0f} %",
-            mend_of(given),
         )
     effects = [catalogue[one] for one in label.split("+")]
     sizes = [one.size.name for one in effects if one.size and one.one_sided]
@@ -330,11 +277,11 @@ def check_free(fits: xr.Dataset, given: xr.Dataset, label: str, catalogue: Catal
         warnings.warn(doubt(left, name), DoubtfulFit, stacklevel=2)
     for size, (value, error) in losses.items():
         if value < -SURE * error:
-            raise Moved(
-                f"recording {name}",
+            raise _not_free(
+                given,
                 f"it gains energy: a fit needs {size.replace('_', ' ')} below 0, {value:.3g} ± {error:.2g}",
                 "a pendulum that dies away by itself",
-                mend_of(given),
+                kind=Moved,
             )
 
 
@@ -346,46 +293,47 @@ def ask_counted(table: pd.DataFrame, angles: Sequence[xr.Dataset]) -> dict[str, 
     than there are, no number is told.
     """
     courses = {}
+    longer = "; record longer; or name the column of the swing ⟨in signal_column⟩"
+    rows = {row["recording"]: row for row in table.to_dict("records")}
     for one in angles:
-        rows = table[table["recording"] == str(one.attrs["recording"])]
-        if not len(rows) or "half_swings" in one or drive_of(one) is not None:
+        row = rows.get(name := str(one.attrs["recording"]))
+        if row is None or "half_swings" in one or drive_of(one) is not None:
             continue
-        told, u = (float(rows.iloc[0].get(key, np.nan)) for key in ("period_s", "period_s_u"))
+        told, u, left, last_told = (
+            float(row.get(key, np.nan)) for key in ("period_s", "period_s_u", "share_left", "last_period_s")
+        )
         if not np.isfinite(told):
-            raise NotFree(
-                f"recording {one.attrs['recording']}",
+            raise _not_free(
+                one,
                 "the model that comes nearest does not swing back and forth: it has no period",
                 "a pendulum that swings by itself about where it hangs",
-                mend_of(one),
             )
         if u > UNSURE * told:
-            raise NotFree(
-                f"recording {one.attrs['recording']}",
+            raise _not_free(
+                one,
                 f"its few swings give a period of {value_with_uncertainty(told, u)} s, and no better: is it a free swing?",
                 f"swings that give the period to {100 * UNSURE:.0f} %",
-                mend_of(one, "; record longer; or name the column of the swing ⟨in signal_column⟩"),
+                longer,
             )
         passed = of_first_swings(one["time"].values, quiet_of(one))
         counted, spread = passed["period_first"], passed["period_first_u"]
-        if np.isfinite(rows.iloc[0].get("share_left", np.nan)) and not np.isfinite(counted):
-            raise NotFree(
-                f"recording {one.attrs['recording']}",
-                f"the best model of damping leaves {100 * rows.iloc[0]['share_left']:.2g} % of it, and its swings are too few to count a period without a model",
+        if np.isfinite(left) and not np.isfinite(counted):
+            raise _not_free(
+                one,
+                f"the best model of damping leaves {100 * left:.2g} % of it, and its swings are too few to count a period without a model",
                 "three whole swings or more, or a model that follows them",
-                mend_of(one, "; record longer; or name the column of the swing ⟨in signal_column⟩"),
+                longer,
             )
         if abs(told - counted) > UNSURE * counted + SURE * spread:
-            raise NotFree(
-                f"recording {one.attrs['recording']}",
+            raise _not_free(
+                one,
                 f"a model of it has a period of {told:.4g} s, and its first swings pass the middle every {value_with_uncertainty(counted, spread)} s",
                 "a swing whose model and passages agree",
-                mend_of(one),
             )
         last, unsure = of_last_swings(one["time"].values, quiet_of(one))
-        known = np.isfinite(rows.iloc[0].get("last_period_s", np.nan))
-        if abs(last - told) > max(SURE * unsure, SHOWN * told) and not known:
+        if abs(last - told) > max(SURE * unsure, SHOWN * told) and not np.isfinite(last_told):
             ends = value_with_uncertainty(told, u), value_with_uncertainty(last, unsure)
-            courses[str(one.attrs["recording"])] = last, COURSE.format(*ends)
+            courses[name] = last, COURSE.format(*ends)
     return courses
 
 
@@ -403,11 +351,10 @@ def _check_even(given: xr.Dataset) -> None:
         return
     first, error, _ = of_first_swings(given["time"].values, quiet_of(given)).values()
     if error > UNEVEN * first:
-        raise NotFree(
-            f"recording {given.attrs['recording']}",
+        raise _not_free(
+            given,
             f"it passes its middle unevenly, each {value_with_uncertainty(first, error)} s of its first swings, and no model of damping follows it",
             "swings of one period",
-            mend_of(given),
         )
 
 
@@ -417,9 +364,9 @@ def _check_dies(given: xr.Dataset, left: float, losses: Iterable[Sequence[float]
     times, values = given["time"].values, quiet_of(given)
     if any(seen) or not seen or not narrowing(values) >= KEPT or in_step_and_dying(times, values):
         return
-    raise Moved(
-        f"recording {given.attrs['recording']}",
+    raise _not_free(
+        given,
         f"its swings do not shrink, and the best model of damping leaves {100 * left:.3g} % of them, as where a motor drives it",
         "a pendulum that dies away by itself",
-        mend_of(given),
+        kind=Moved,
     )

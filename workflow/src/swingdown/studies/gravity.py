@@ -219,21 +219,8 @@ def with_gravity(
 ) -> tuple[pd.DataFrame, dict[str, Gravity]]:
     """A table of ``pendulums`` with g where a length is stated, and the ``Gravity`` of each by recording.
 
-    Nothing is added for a spring, for a length in pixels, and where the period at no amplitude is known.
-
-    Parameters
-    ----------
-    table
-        A table of ``studies.pendulums``.
-    stated
-        The cells of the sample sheet, by recording.
-    restoring
-        ``sine`` or ``linear``.
-
-    Raises
-    ------
-    InputError
-        For a cell that is no length.
+    Nothing is added for a spring, for a length in pixels, and where the period at no amplitude is known. ``stated`` are the cells of the
+    sample sheet, by recording; InputError for one that is no length.
     """
     rows, found = [], {}
     for row in table.to_dict("records"):

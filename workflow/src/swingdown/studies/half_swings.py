@@ -50,20 +50,7 @@ class HalfSwings(NamedTuple):
 
 
 def half_swings_of(data: xr.Dataset, restoring: str = "sine") -> HalfSwings:
-    """The half-swings of an angle dataset, sampled or of turning points.
-
-    Parameters
-    ----------
-    data
-        With ``angle`` (rad) or ``rate`` (rad/s) over ``time`` (s).
-    restoring
-        ``sine`` or ``linear``.
-
-    Raises
-    ------
-    InputError
-        If it has too few half-swings, or holds no angle.
-    """
+    """The half-swings of an angle dataset, sampled or of turning points; InputError where it has too few, or holds no angle."""
     name = str(data.attrs.get("recording", "recording"))
     if are_points(data):
         return _of_points(data, name)
@@ -77,23 +64,10 @@ def half_swings_of(data: xr.Dataset, restoring: str = "sine") -> HalfSwings:
 def of_samples(
     name: str, times: Floats, angle: Floats, scaled: bool = True, quiet: Floats | None = None
 ) -> HalfSwings:
-    """The half-swings of a sampled swing.
+    """The half-swings of a sampled swing: times (s) and angles (rad, where ``scaled``), of shape (sample,).
 
-    Parameters
-    ----------
-    name
-        The recording, which an error names.
-    times, angle
-        In s and rad, both of shape (sample,).
-    scaled
-        Whether the angle's scale is known.
-    quiet
-        The same swing without its noise, by which its passages and sides are told; None where it has little.
-
-    Raises
-    ------
-    InputError
-        If there are fewer than four half-swings, or too few samples in each.
+    ``quiet`` is the same swing without its noise, by which its passages and sides are told; None where it has little. InputError, with the
+    recording's ``name``, for fewer than four half-swings, and for too few samples in each.
     """
     quiet = angle if quiet is None else quiet
     rough = _passages(times, quiet)

@@ -31,34 +31,17 @@ def left_out(
     recording that holds no angle, or whose campaign could not be searched. ``lost`` are rows of ``measurement.refused.left_out``; ``verdicts`` the contents of
     verdict.json; ``before`` a table of what was left out before the study began, of which some are ``members`` of the study all the same.
     """
-    rows = [] if before is None else before.astype(object).where(before.notna(), "").to_dict("records")
-    found = [
-        {
-            "campaign": row["recording"],
-            "left_out_of": OF_SEARCH if str(row["recording"]) in members else OF_ALL,
-        }
-        | row
-        for row in rows
-    ]
+    found = []
+    for row in [] if before is None else before.astype(object).where(before.notna(), "").to_dict("records"):
+        part = OF_SEARCH if str(row["recording"]) in members else OF_ALL
+        found.append({"campaign": row["recording"], "left_out_of": part} | row)
     found += [{"left_out_of": OF_ALL} | dict(row) for row in lost]
     for verdict in verdicts:
-        found += [
-            {"left_out_of": OF_SEARCH, "campaign": verdict["campaign"], "label": row["recording"], **row}
-            for row in verdict["left_out"]
-        ]
+        where = {"left_out_of": OF_SEARCH, "campaign": verdict["campaign"], "file": ""}
+        found += [where | {"label": row["recording"]} | row for row in verdict["left_out"]]
         if verdict["status"] == NO_VERDICT:
             why = {key: verdict["no_verdict"][key] for key in ("problem", "expected", "mend")}
-            found += [
-                {
-                    "left_out_of": OF_SEARCH,
-                    "campaign": verdict["campaign"],
-                    "recording": name,
-                    "label": name,
-                    "file": "",
-                    **why,
-                }
-                for name in verdict["recordings"]
-            ]
+            found += [where | why | {"recording": name, "label": name} for name in verdict["recordings"]]
     table = pd.DataFrame(found, columns=[*COLUMNS, "left_out_of"])
     return table.drop_duplicates("recording", ignore_index=True)
 

@@ -138,43 +138,18 @@ def spread(model_values: Mapping[str, float], names: Sequence[str]) -> Floats:
 
 
 def combine_simulated(datasets: Iterable[xr.Dataset]) -> xr.Dataset:
-    """The fits of the simulation study in one dataset.
+    """The fits of ``simulation.simulation_norms`` in one dataset, over simulated, fitted, realization and parameter.
 
-    Parameters
-    ----------
-    datasets
-        As ``simulation.simulation_norms`` returns them.
-
-    Returns
-    -------
-    xarray.Dataset
-        Over simulated, fitted, realization and parameter.
-
-    Raises
-    ------
-    InputError
-        If there are none, or they were not fitted with the same models.
+    InputError where there are none, or they were not fitted with the same models.
     """
     return _combined(list(datasets), "simulated", "simulation/norms")
 
 
 def combine_recordings(datasets: Iterable[xr.Dataset]) -> xr.Dataset:
-    """The fits of several recordings in one dataset, without the series.
+    """The fits of ``experiment.fit_recording`` in one dataset, without the series.
 
-    Parameters
-    ----------
-    datasets
-        As ``experiment.fit_recording`` returns them.
-
-    Returns
-    -------
-    xarray.Dataset
-        Over fitted, recording and parameter, with the coordinates ``campaign``, ``emulated`` and ``uncertainty`` (what it is from).
-
-    Raises
-    ------
-    InputError
-        If there are none, a name occurs twice, or they were not fitted with the same models.
+    It is over fitted, recording and parameter, with the coordinates ``campaign``, ``emulated`` and ``uncertainty`` (what it is from).
+    InputError where there are none, a name occurs twice, or they were not fitted with the same models.
     """
     of_one = ("time", "source", "nuisance")  # what recordings of different pendulums do not share
     datasets = [dataset.drop_dims(of_one, errors="ignore") for dataset in datasets]

@@ -13,7 +13,7 @@ import xarray as xr
 from ..arrays import Floats
 from ..measurement.angle import UNSCALED
 from .comparison import bic_effective
-from .norms import as_text
+from .norms import as_text, over
 
 PAPER = {"snr": 50, "noise": "proportional", "stream": "R", "seed": 150, "natural_frequency": 7.25, "viscous_ratio": 0.03,
          "quadratic_coefficient": 0.05, "load_friction": 0.012, "release_angle_deg": 20, "sampling_rate_hz": 100,
@@ -102,35 +102,25 @@ def table3(norms: xr.Dataset, published: pd.DataFrame) -> pd.DataFrame:
             f"uncertainty of the angle: {', '.join(sorted(set(as_text(chosen['uncertainty']))))}",
             OTHER_APPARATUS,
         ]
-        by_model = {
-            key: chosen[key].transpose("fitted", "recording").values
+        norm, chi2, bics, inflation = (
+            over(chosen, key, "fitted", "recording")
             for key in ("norm", "reduced_chi2", "bic", "variance_inflation")
-        }
-        bic = by_model["bic"].sum(axis=1)
-        bound = dict(
-            zip(
-                ("mean", "std", "n"),
-                statistics(np.where(unscaled, np.nan, chosen["error_bound_norm"].values)),
-                strict=True,
-            )
         )
-        rows.append({"campaign": campaign, "fitted": "error_bounds", **bound, "note": "; ".join(about)})
-        effective = bic_effective(chosen)
-        values = chosen["value"].transpose("fitted", "parameter", "recording").values
-        parameter = as_text(chosen["parameter"])
+        bic, effective = bics.sum(axis=1), bic_effective(chosen)
+        mean, std, n = statistics(np.where(unscaled, np.nan, chosen["error_bound_norm"].values))
+        rows.append({"campaign": campaign, "fitted": "error_bounds", "mean": mean, "std": std, "n": n, "note": "; ".join(about)})  # fmt: skip
+        values, parameter = over(chosen, "value", "fitted", "parameter"), as_text(chosen["parameter"])
         for k, label in enumerate(as_text(chosen["fitted"])):
-            one = {key: all[k] for key, all in by_model.items()}
-            mean, std, n = statistics(np.where(unscaled, np.nan, one["norm"]))
+            mean, std, n = statistics(np.where(unscaled, np.nan, norm[k]))
             rows.append({
                 "campaign": campaign, "fitted": label, "mean": mean, "std": std, "n": n,
-                "reduced_chi2": float(one["reduced_chi2"].mean()), "bic": float(bic[k]), "delta_bic": float(bic[k] - bic.min()),
-                "delta_bic_effective": float(effective[k] - effective.min()),
-                "variance_inflation": float(np.nanmean(one["variance_inflation"])),
+                "reduced_chi2": float(chi2[k].mean()), "bic": float(bic[k]), "delta_bic": float(bic[k] - bic.min()),
+                "delta_bic_effective": float(effective[k] - effective.min()), "variance_inflation": float(np.nanmean(inflation[k])),
                 "note": "; ".join([*_negative(parameter, values[k]), *about]),
             })  # fmt: skip
     table = pd.DataFrame(rows)
-    table["published_mean"] = [printed["mean_degrees"].get(label, np.nan) for label in table["fitted"]]
-    table["published_std"] = [printed["std_degrees"].get(label, np.nan) for label in table["fitted"]]
+    for column in ("mean", "std"):
+        table[f"published_{column}"] = table["fitted"].map(printed[f"{column}_degrees"])
     table["unit"] = "degrees"
     order = ("campaign", "fitted", "mean", "std", "n", "reduced_chi2", "bic", "delta_bic", "delta_bic_effective", "variance_inflation",
              "published_mean", "published_std", "unit", "note")  # fmt: skip
@@ -139,9 +129,9 @@ def table3(norms: xr.Dataset, published: pd.DataFrame) -> pd.DataFrame:
 
 def _negative(parameters: Sequence[str], values: Floats) -> Iterator[str]:
     """A remark for each damping coefficient that came out negative: no such damper exists, it stands in for another."""
-    for name, over in zip(parameters, values, strict=True):
-        if name != "natural_frequency" and (count := int(np.sum(over < 0))):
-            yield f"{name} below 0 in {count} of {over.size}: it stands in for something the model lacks"
+    for name, found in zip(parameters, values, strict=True):
+        if name != "natural_frequency" and (count := int(np.sum(found < 0))):
+            yield f"{name} below 0 in {count} of {found.size}: it stands in for something the model lacks"
 
 
 def statistics(values: Floats) -> tuple[float, float, int]:

@@ -1,5 +1,6 @@
 """How a quantity goes with another: power laws with errors in both, and g from periods over lengths."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any, NamedTuple
@@ -79,13 +80,6 @@ def settled(
     Where points scatter farther than they state, each y gets a further error in proportion to ``share`` so that chi² is its
     expectation (Paule and Mandel 1982): what differs between recordings, the best known has as well as the others. The points
     do not tell whether their errors are all too small alike instead (Birge): the covariance is the larger one.
-
-    Parameters
-    ----------
-    x, y, u_x, u_y
-        Points and their standard errors, of shape (point,).
-    share
-        Of each y, the unit of the further error, of shape (point,).
     """
     line = fit_line(x, y, u_x, u_y)
     scatter = Scatter(line.chi2, line.dof)
@@ -96,13 +90,18 @@ def settled(
         return fit_line(x, y, u_x, np.hypot(u_y, extra * share))
 
     top = float(np.max(np.abs(line.residuals) / share))
-    while more(top).chi2 > scatter.dof:
-        top *= 2
-    extra = brentq(lambda at: more(at).chi2 - scatter.dof, 0.0, top, rtol=1e-6)
+    extra = _further(lambda at: more(at).chi2, scatter.dof, top, 1e-6)
     alike, line = line.covariance * scatter.widening**2, more(extra)
     covariance = line.covariance * _student(scatter.dof) ** 2
     larger = max(1.0, *(np.diag(alike) / np.diag(covariance)))
-    return line, covariance * larger, scatter, float(extra)
+    return line, covariance * larger, scatter, extra
+
+
+def _further(chi2: Callable[[float], float], dof: int, begin: float, share: float) -> float:
+    """The further error with which chi² is its expectation, to this share of it; sought up to ``begin``, or as much farther as it takes."""
+    while chi2(begin) > dof:
+        begin *= 2
+    return float(brentq(lambda extra: chi2(extra) - dof, 0.0, begin, rtol=share))
 
 
 @dataclass(frozen=True)
@@ -395,10 +394,7 @@ def _shifted(x: Floats, y: Floats, u_x: Floats, u_y: Floats, short: float) -> Sh
     alike = uncertainty(found) * scatter.widening
     if not scatter.widening > 1:
         return law(found, alike)
-    top = float(np.std(log_y))
-    while 2 * fit(top).cost > dof:
-        top *= 2
-    found = fit(brentq(lambda extra: 2 * fit(extra).cost - dof, 0.0, top, rtol=1e-4))
+    found = fit(_further(lambda extra: 2 * fit(extra).cost, dof, float(np.std(log_y)), 1e-4))
     return law(found, max(uncertainty(found) * _student(dof), alike))
 
 

@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ..arrays import Floats, standard_errors
 from ..engine.trajectory import simulate_each
@@ -75,43 +76,32 @@ class Quantity(NamedTuple):
 def over_models(
     each: Sequence[tuple[float, Mapping[str, Quantity]]], names: Iterable[str]
 ) -> dict[str, Quantity]:
-    """By name the means of quantities over models, whose uncertainty holds that of each model and their spread.
+    """By name the means of these quantities over models, whose uncertainty holds that of each model and their spread.
 
-    Parameters
-    ----------
-    each
-        The weight of each model, and its quantities.
-    names
-        The quantities to take. One that no model has with an uncertainty is left out.
+    ``each`` is the weight of a model and its quantities. A quantity that no model has with an uncertainty is left out.
     """
     told = {}
     for name in names:
-        known = [(share, found[name]) for share, found in each if name in found]
-        known = [one for one in known if np.isfinite([one[1].value, one[1].uncertainty]).all()]
-        if not known:
-            continue
-        shares = np.array([share for share, _ in known]) / sum(share for share, _ in known)
-        values, errors = (
-            np.array([getattr(one, key) for _, one in known]) for key in ("value", "uncertainty")
-        )
-        mean = float(shares @ values)
-        spread = float(np.sqrt(shares @ (errors**2 + (values - mean) ** 2)))
-        told[name] = Quantity(mean, spread, known[0][1].unit)
+        known = [(share, *found[name]) for share, found in each if name in found]
+        known = [one for one in known if np.isfinite(one[1:3]).all()]
+        if known:
+            shares, values, errors = np.array([one[:3] for one in known]).T
+            told[name] = Quantity(*mixed(shares / sum(shares), values, errors), known[0][3])
     return told
+
+
+def mixed(shares: ArrayLike, values: ArrayLike, errors: ArrayLike) -> tuple[float, float]:
+    """The mean of values by these shares, and its standard uncertainty: with their own and with how far they are apart."""
+    shares, values, errors = (np.asarray(one, dtype=float) for one in (shares, values, errors))
+    mean = float(shares @ values)
+    return mean, float(np.sqrt(shares @ (errors**2 + (values - mean) ** 2)))
 
 
 def about(
     told: Mapping[str, Quantity], each: Sequence[tuple[float, Mapping[str, Quantity]]]
 ) -> dict[str, Quantity]:
-    """The quantities with their values as they are, and uncertainties that hold what they are off in other models.
-
-    Parameters
-    ----------
-    told
-        By name the quantities of the model that is reported.
-    each
-        The weight of each model, and its quantities. One in which a quantity is missing says nothing of it.
-    """
+    """The quantities ``told`` of the model that is reported, and uncertainties that hold what they are off in other models (``each`` as of
+    ``over_models``)."""
     found = dict(told)
     for name, mean in over_models(each, told).items():
         one = told[name]
@@ -134,13 +124,6 @@ def cycle(model: Model, amplitude: float) -> Cycle:
 
     The decrement is twice the logarithm of one turning point's distance over the next one's, from side to side: where the
     swing's middle lies does not matter.
-
-    Parameters
-    ----------
-    model
-        With values.
-    amplitude
-        In rad.
     """
     return _cycle(left_alone(model.motion), amplitude)  # what sensor and drive do is none of the pendulum's
 

@@ -5,7 +5,6 @@ shows that one consistent reading exists and confirms nothing independently; ``I
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -39,85 +38,46 @@ INFERRED_NOTE = (
 )
 
 
-@dataclass(frozen=True, kw_only=True)
-class Settings:
-    """The settings of a simulation study.
-
-    Attributes
-    ----------
-    simulated
-        Labels of the models to simulate.
-    natural_frequency, viscous_ratio, quadratic_coefficient, load_friction
-        Their values, in the catalogue's units (rad/s, 1, s, 1).
-    release_angle_deg
-        Release from rest, in degrees.
-    sampling_rate_hz, duration_s
-        Sampling, in Hz and s, both ends included.
-    snr, noise
-        As of ``noise.add_noise``.
-    stream
-        ``R``: drawn through all realisations as in one R session. ``numpy``: each depends on seed, model and index alone.
-    realizations, seed
-        Noisy copies of each swing, and their seed.
-    restoring, form
-        As of ``Model``.
-    """
-
-    simulated: Sequence[str]
-    natural_frequency: float
-    viscous_ratio: float
-    quadratic_coefficient: float
-    load_friction: float
-    release_angle_deg: float
-    sampling_rate_hz: float
-    duration_s: float
-    snr: float
-    noise: str
-    stream: str
-    realizations: int
-    seed: int
-    restoring: str = "sine"
-    form: str = "consistent"
-
-    def attributes(self) -> dict[str, Any]:
-        """The settings that no dimension of a dataset tells."""
-        return {
-            name: value for name, value in vars(self).items() if name not in ("simulated", "realizations")
-        }
-
-
-def realizations(chosen: Settings) -> xr.Dataset:
+def realizations(simulated: Sequence[str], copies: int, settings: Mapping[str, Any]) -> xr.Dataset:
     """A Dataset with ``truth`` (simulated, time) and ``noisy`` (simulated, realization, time), both in rad; the settings are its attributes.
 
-    InputError for a setting that cannot be used.
+    Parameters
+    ----------
+    simulated, copies
+        Labels of the models to simulate, and the number of noisy copies of each swing.
+    settings
+        The models' values by parameter, ``restoring`` and ``form``; the release from rest ``release_angle_deg``; ``sampling_rate_hz`` and
+        ``duration_s``, both ends included; ``snr`` and ``noise`` (``noise.add_noise``), the ``seed``, and the ``stream``: ``R``, drawn
+        through all realisations as in one R session, or ``numpy``, in which each depends on seed, model and index alone.
+
+    Raises
+    ------
+    InputError
+        For a setting that cannot be used.
     """
-    settings = chosen.attributes()
-    if chosen.realizations < 1:
-        raise InputError("simulation.realizations", f"{chosen.realizations}", "1 or more")
-    times = np.arange(round(chosen.duration_s * chosen.sampling_rate_hz) + 1) / chosen.sampling_rate_hz
-    draws = _draws(chosen.stream, chosen.seed, times.size)
+    if copies < 1:
+        raise InputError("simulation.realizations", f"{copies}", "1 or more")
+    rate, release = settings["sampling_rate_hz"], np.radians(settings["release_angle_deg"])
+    times = np.arange(round(settings["duration_s"] * rate) + 1) / rate
+    draws = _draws(settings["stream"], settings["seed"], times.size)
+    noise, snr = settings["noise"], settings["snr"]
     truth, noisy = [], []
-    for label in chosen.simulated:
-        model = Model(tuple(label.split("+")), restoring=chosen.restoring, form=chosen.form)
+    for label in simulated:
+        model = Model(tuple(label.split("+")), restoring=settings["restoring"], form=settings["form"])
         known = {name: settings[name] for name in model.parameters if name in settings}
-        truth.append(simulate(model.with_values(known), times, np.radians(chosen.release_angle_deg)))
-        noisy.append(
-            [
-                add_noise(chosen.noise, truth[-1], chosen.snr, draws(label, k))
-                for k in range(chosen.realizations)
-            ]
-        )
+        truth.append(simulate(model.with_values(known), times, release))
+        noisy.append([add_noise(noise, truth[-1], snr, draws(label, k)) for k in range(copies)])
     data = xr.Dataset(
         {
             "truth": (("simulated", "time"), np.array(truth)),
             "noisy": (("simulated", "realization", "time"), np.array(noisy)),
         },
         {
-            "simulated": variable("simulated", list(chosen.simulated), "simulated model"),
-            "realization": variable("realization", np.arange(1, chosen.realizations + 1), "noisy copy"),
+            "simulated": variable("simulated", list(simulated), "simulated model"),
+            "realization": variable("realization", np.arange(1, copies + 1), "noisy copy"),
             "time": ("time", times),
         },
-        settings | {"source": "simulated", "emulated": "no", "inferred": INFERRED_NOTE},
+        dict(settings) | {"source": "simulated", "emulated": "no", "inferred": INFERRED_NOTE},
     )
     return labelled(data)
 

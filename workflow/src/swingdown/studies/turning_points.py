@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from ..arrays import Floats
 from ..errors import InputError
 from ..fitting.nested import fit_nested, stand_ins
 from ..fitting.passages import Pace, both_ways, pace
@@ -65,15 +66,21 @@ def fits_of(angle: xr.Dataset, models: Sequence[Model]) -> list[TurnsFit | None]
 
 def turns_of(angle: xr.Dataset) -> Turns:
     """The ``Turns`` of an angle dataset of turning points."""
-    about, halves = angle.attrs, angle["half_swings"].values.astype(int)
-    timed = about["points"] == READ
-    times = angle["time"].values
-    if about["kind"] == PASSAGES:
-        times = both_ways(times, halves)
+    about, halves, timed = angle.attrs, _halves(angle), angle.attrs["points"] == READ
     return Turns(
-        times if timed else halves / 2, halves, angle["angle"].values, timed, about["kind"] == BOTH_SIDES,
+        _times(angle) if timed else halves / 2, halves, angle["angle"].values, timed, about["kind"] == BOTH_SIDES,
         about["u_times"], about["u_angles"], about["time_step"], about["angle_step"],
     )  # fmt: skip
+
+
+def _halves(angle: xr.Dataset) -> np.ndarray:
+    return angle["half_swings"].values.astype(int)
+
+
+def _times(angle: xr.Dataset) -> Floats:
+    """The times (s) of a dataset of points; of passages without what every second one is late."""
+    times = angle["time"].values
+    return both_ways(times, _halves(angle)) if angle.attrs["kind"] == PASSAGES else times
 
 
 def record_of(angle: xr.Dataset) -> float:
@@ -92,13 +99,7 @@ def rows_of(angle: xr.Dataset, models: Sequence[Model], names: Sequence[str]) ->
 
 
 def _pace(angle: xr.Dataset) -> Pace:
-    turns, clock = turns_of(angle), of_angles([angle]).clock
-    times = (
-        both_ways(angle["time"].values, turns.halves)
-        if angle.attrs["kind"] == PASSAGES
-        else angle["time"].values
-    )
-    return pace(times, turns.halves, clock, turns.time_step)
+    return pace(_times(angle), _halves(angle), of_angles([angle]).clock, angle.attrs["time_step"])
 
 
 def _passed(angle: xr.Dataset, names: Sequence[str]) -> dict[str, Any]:

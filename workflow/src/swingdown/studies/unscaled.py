@@ -14,7 +14,7 @@ from ..measurement.plausibility import KEPT
 from ..measurement.slack import of_angles
 from ..measurement.swings.half_swings import half_swings, passages
 from ..rounding import value_with_uncertainty
-from .quantities import Quantity
+from .quantities import Quantity, mixed
 
 _STRAIGHT = 0.25  # of a half-swing about the middle: there a swing is a line to a hundredth of a half-swing
 HIDES = 0.5  # of a half-swing: a hole that is longer may hide a passage
@@ -65,16 +65,10 @@ def pace_of(angle: xr.Dataset, times: Floats, series: Floats) -> dict[str, float
     # weighed by AIC, as the laws are: a course on which the period changes, and one on which it does not
     seen = (told.change / told.u_change) ** 2 if told.u_change > 0 else np.inf
     steady = 1 / (1 + np.exp(min(seen / 2 - 1, 700.0)))
-    first, u_first = _mixed(steady, (told.period, told.u_period), (told.first, told.u_first))
-    change, u_change = _mixed(steady, (0.0, 0.0), (told.change, told.u_change))
-    return dict(zip(names, (first, u_first, change, u_change), strict=True))
-
-
-def _mixed(share: float, one: tuple[float, float], other: tuple[float, float]) -> tuple[float, float]:
-    """The mean of two values with their standard uncertainties, of which the first has this share, and its standard uncertainty."""
-    parts = (share, *one), (1 - share, *other)
-    mean = sum(weight * value for weight, value, _ in parts)
-    return mean, float(np.sqrt(sum(weight * (u**2 + (value - mean) ** 2) for weight, value, u in parts)))
+    shares = steady, 1 - steady
+    first = mixed(shares, (told.period, told.first), (told.u_period, told.u_first))
+    change = mixed(shares, (0.0, told.change), (0.0, told.u_change))
+    return dict(zip(names, (*first, *change), strict=True))
 
 
 def of_first_swings(times: Floats, series: Floats) -> dict[str, float]:
