@@ -69,6 +69,11 @@ def _wheel(tmp_path, times_as_large, head, seed=4, name="wheel"):
     return path
 
 
+def test_the_period_of_a_wheel_needs_no_scale(tmp_path):
+    note = read(_wheel(tmp_path, 20.0, "U (V)"), restoring="linear").fit().row["note"]
+    assert "the period goes from" in note and "needs the scale" not in note
+
+
 @pytest.mark.slow("a search")
 def test_a_wheel_in_volts_is_searched_in_volts(tmp_path):
     found = read(_wheel(tmp_path, 20.0, "U (V)"), restoring="linear")

@@ -29,6 +29,15 @@ class Quantity:
     def to(self, unit):
         return Quantity(np.asarray(self.magnitude) * self.FACTORS[(self.units, unit)], unit)
 
+    @classmethod
+    def from_list(cls, given):
+        return cls([one.magnitude for one in given], given[0].units)
+
+
+@pytest.mark.parametrize("given", [[0.002], [Quantity(2.0, "ms")]])
+def test_a_list_of_one_is_as_one_of_many(given):
+    assert times(given) == pytest.approx([0.002])
+
 
 @pytest.mark.parametrize(
     ("given", "unit"),

@@ -7,7 +7,7 @@ from scipy.special import ellipk, ndtr
 import swingdown
 from swingdown.answer.given import swings
 from swingdown.curves.dataset import curves, table
-from swingdown.curves.modelled import course
+from swingdown.curves.modelled import course_of
 from swingdown.curves.regression import Posterior
 from swingdown.engine.trajectory import simulate
 from swingdown.errors import InputError
@@ -35,7 +35,7 @@ def inside(found, name, truth, source="free"):
 
 def ratio(model, found):
     """The damping ratio of a model at the amplitudes of a dataset of curves."""
-    loss, _ = course(model, *found["amplitude"].values[[0, -1]]).at(found["amplitude"].values)
+    loss, _ = course_of(model, *found["amplitude"].values[[0, -1]]).at(found["amplitude"].values)
     return loss / np.hypot(np.pi, loss)
 
 
@@ -125,7 +125,7 @@ def test_bands_hold_the_truth_where_the_model_is_wrong():
         angles, model = recorded("viscous+eddy_brake", values, 0.6, seed=seed, noise=5e-4)
         wrong = Model("viscous", {"natural_frequency": FREQUENCY, "viscous_ratio": 0.005})
         found = curves(angles, wrong, np.diag([1e-4, 1e-6]) ** 2)
-        loss, period = course(model, *found["amplitude"].values[[0, -1]]).at(found["amplitude"].values)
+        loss, period = course_of(model, *found["amplitude"].values[[0, -1]]).at(found["amplitude"].values)
         held += [inside(found, "loss", -np.expm1(-2 * loss)), inside(found, "period", period)]
         model_held.append(inside(found, "loss", -np.expm1(-2 * loss), "model"))
         own, alone = (found.sel(source=source) for source in ("model", "alone"))
@@ -145,7 +145,7 @@ def test_a_wrong_restoring_torque_is_beside_the_model_too():
     answer = swingdown.fit(angles[0]["time"].values, angles[0]["angle"].values)
     assert answer.label == "viscous"
     found = answer.curves()
-    _, period = course(model, *found["amplitude"].values[[0, -1]]).at(found["amplitude"].values)
+    _, period = course_of(model, *found["amplitude"].values[[0, -1]]).at(found["amplitude"].values)
     torque = FREQUENCY**2 * np.sin(found["angle"].values) + 5.0 * found["angle"].values
     assert inside(found, "period", period, "model") > 0.9
     assert inside(found, "restoring", torque, "model") > 0.9
@@ -231,7 +231,7 @@ def test_a_narrow_brake_has_its_own_loss_between_the_releases_too():
         "eddy_width": 0.2,
     }
     model = Model("viscous+eddy_brake", values)
-    found = course(model, 0.04, 1.1)
+    found = course_of(model, 0.04, 1.1)
     times = np.arange(0, 1, 1e-4)
     for release in (0.85, 0.93, 1.02):
         angle = simulate(model, times, release)

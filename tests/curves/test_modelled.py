@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.special import ellipk
 
-from swingdown.curves.modelled import course, drag, effects_on, static
+from swingdown.curves.modelled import course_of, drag, effects_on, static
 from swingdown.engine.trajectory import simulate
 from swingdown.pendulum.model import Model
 
@@ -27,7 +27,7 @@ def turns(of, release, duration=4.0, step=1e-4):
 @pytest.mark.parametrize("passages", [True, False])
 def test_an_exponential_decay_on_a_spring_has_one_loss_and_one_period(passages):
     ratio = 0.02
-    found = course(model("viscous", "linear", viscous_ratio=ratio), 0.1, 0.8, passages)
+    found = course_of(model("viscous", "linear", viscous_ratio=ratio), 0.1, 0.8, passages)
     own = np.sqrt(1 - ratio**2)
     loss, period = found.at(np.array([0.1, 0.3, 0.8]))
     assert loss == pytest.approx(np.pi * ratio / own, rel=1e-6)
@@ -37,7 +37,7 @@ def test_an_exponential_decay_on_a_spring_has_one_loss_and_one_period(passages):
 
 @pytest.mark.parametrize("passages", [True, False])
 def test_a_pendulum_s_period_is_that_of_the_elliptic_integral(passages):
-    found = course(model("viscous", viscous_ratio=1e-5), 0.1, 2.5, passages)
+    found = course_of(model("viscous", viscous_ratio=1e-5), 0.1, 2.5, passages)
     at = np.array([0.1, 1.0, 2.4])
     assert found.at(at)[1] == pytest.approx(4 * ellipk(np.sin(at / 2) ** 2) / FREQUENCY, rel=1e-6)
 
@@ -47,11 +47,11 @@ def test_a_constant_torque_moves_the_middle_and_takes_nothing(torque):
     """Both sides are measured from where it hangs: on a spring the decay is the same as without."""
     ratio = 0.01
     at = np.array([0.2, 0.6])
-    tilted = course(model("viscous+constant_torque", "linear", viscous_ratio=ratio, constant_torque=torque), 0.2, 0.6)  # fmt: skip
-    plain = course(model("viscous", "linear", viscous_ratio=ratio), 0.2, 0.6)
+    tilted = course_of(model("viscous+constant_torque", "linear", viscous_ratio=ratio, constant_torque=torque), 0.2, 0.6)  # fmt: skip
+    plain = course_of(model("viscous", "linear", viscous_ratio=ratio), 0.2, 0.6)
     assert np.array(tilted.at(at)) == pytest.approx(np.array(plain.at(at)), rel=1e-6)
     # a pendulum hangs where weight and torque are equal, and swings slower about it than about the vertical
-    hung = course(
+    hung = course_of(
         model("viscous+constant_torque", viscous_ratio=ratio, constant_torque=torque * 5), 0.02, 0.05
     )
     slower = np.sqrt(np.sqrt(1 - (torque * 5 / FREQUENCY**2) ** 2))
@@ -60,7 +60,7 @@ def test_a_constant_torque_moves_the_middle_and_takes_nothing(torque):
 
 def test_dry_friction_takes_the_same_from_each_swing_and_ends_what_it_holds():
     friction = 0.4
-    found = course(model("constant_coulomb", "linear", constant_friction=friction), 0.02, 0.8)
+    found = course_of(model("constant_coulomb", "linear", constant_friction=friction), 0.02, 0.8)
     lost = 2 * friction / FREQUENCY**2
     begun = found.amplitude * np.exp(found.loss / 2)
     assert begun * (1 - np.exp(-found.loss)) == pytest.approx(lost, rel=1e-5)
@@ -73,12 +73,12 @@ def test_a_torque_that_winds_up_is_that_of_a_swing_that_goes_on():
     _, angle = turns(wound, 0.7)
     first, second = np.log(0.7 / -angle[0]), np.log(-angle[0] / angle[1])
     assert first != pytest.approx(second, rel=0.05)
-    told = course(wound, 0.3, 0.8).at(np.sqrt(np.array([-angle[0] * angle[1]])))[0]
+    told = course_of(wound, 0.3, 0.8).at(np.sqrt(np.array([-angle[0] * angle[1]])))[0]
     assert told == pytest.approx(second, rel=1e-3)
 
 
 def test_a_model_that_never_comes_back_has_no_curve():
-    found = course(model("viscous", "linear", viscous_ratio=1.5), 0.1, 0.5)
+    found = course_of(model("viscous", "linear", viscous_ratio=1.5), 0.1, 0.5)
     assert found.amplitude.size == 0 and np.isnan(found.at(np.array([0.2, 0.3]))).all()
 
 

@@ -43,6 +43,13 @@ def test_the_truth_lies_within_the_intervals_of_most_calibrations(amplitudes):
     assert np.mean(without, axis=0)[0] < 0.5  # the frequency of a fit that takes the calibration for exact
 
 
+@pytest.mark.parametrize(("known", "done"), [(1.0, True), (3e-3, False)])
+def test_a_zero_is_fitted_once_more_unless_the_data_make_nothing_of_what_was_known(known, done):
+    own, slack = swings(0, (0.5,)), reading_slack({"sensor_zero": {"where it hangs": known}})
+    begun = fit_jointly(TRUTH.with_slack(slack.weighed(0.0)), own, guess=TRUTH)
+    assert (allowing(begun, own, slack) is begun) == done
+
+
 def test_swings_of_several_amplitudes_tell_the_gain_that_the_calibration_left_open():
     own = swings(0, (0.3, 0.6))
     fit = allowing(fit_jointly(TRUTH, own, guess=TRUTH), own, SLACK)

@@ -29,6 +29,14 @@ def test_ten_swings_take_as_long_as_a_stop_watch_shows():
     assert 0.8 < first.amplitude < 0.98 and last.amplitude < first.amplitude
 
 
+@pytest.mark.parametrize(("begin", "first"), [(0.0, 2.0), (0.4, (2.0 + 2.0 - 0.4 / 21) / 2)])
+def test_the_first_swing_begins_at_the_widest_turning_point(begin, first):
+    """Of one that is cut before its first passage that is the turning point after it."""
+    swing, _ = chirp(TIMES)
+    kept = (begin <= TIMES) & (TIMES < 39.0)
+    assert of_first_swings(TIMES[kept], swing[kept])["period_first"] == pytest.approx(first, abs=3e-3)
+
+
 def test_passages_that_run_away_from_the_curve_tell_the_mean():
     noise = 0.02 * np.random.default_rng(5).standard_normal(TIMES.size)
     swing, curve = np.cos(np.pi * TIMES) + noise, np.cos(np.pi * TIMES / 1.01)

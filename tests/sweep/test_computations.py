@@ -3,9 +3,10 @@
 import numpy as np
 import pytest
 
-from swingdown.engine.trajectory import sensitivities
+from swingdown.engine.trajectory import sensitivities, simulate
 from swingdown.fitting.batch import Search, fit_batch
 from swingdown.fitting.problem import RELEASE
+from swingdown.pendulum.model import Model
 from swingdown.planning.settings import complete
 from swingdown.sweep import detection, identification, noise_free
 from swingdown.sweep.cost import seconds
@@ -44,6 +45,14 @@ def test_the_curvature_at_a_models_closest_fit_is_that_of_its_sum_of_squares():
     assert begin.curvature == pytest.approx(
         whole - each @ each.T, rel=1e-2, abs=1e-3 * np.abs(begin.curvature).max()
     )
+
+
+@pytest.mark.parametrize(("share", "least"), [(0.5, True), (0.42, False), (-1.0, False)])
+def test_a_curvature_that_is_no_least_one_is_not_used(share, least):
+    """Of a swing so many times as large the model's own is the farther from a least sum of squares the less it is like it."""
+    model, times = Model("viscous", {"natural_frequency": 7.25, "viscous_ratio": 0.03}), np.arange(500) / 100
+    truth, free = share * simulate(model, times, 0.35), [*model.parameters, *RELEASE]
+    assert (noise_free._curvature(model, times, truth, [0.35, 0.0], free) is not None) == least
 
 
 def test_where_fits_start_at_rest_each_begins_at_rest():

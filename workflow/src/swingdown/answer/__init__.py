@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 
 from ..arrays import Shown
 from ..dataset import series_of
-from ..discovery.data.campaign import Campaign, campaign
+from ..discovery.data.campaign import Campaign, Swing, campaign
 from ..discovery.search import discover
 from ..discovery.state import Round
 from ..discovery.tell.conclusion import concluded
@@ -22,6 +22,7 @@ from ..discovery.tell.files import summary, swing_of
 from ..discovery.tell.verdict import verdict
 from ..engine.trajectory import TrajectoryWarning, engine
 from ..errors import InputError, told_to
+from ..fitting.result import SwingFit
 from ..measurement.driven import driven
 from ..measurement.second_reading import may_be_read_once_more, readings
 from ..measurement.sharing import sharing
@@ -149,21 +150,9 @@ def of_swings(
     restoring: str = "sine",
     checked: bool = True,
 ) -> Answer:
-    """The ``Answer`` of ``fit`` on angle datasets of one pendulum.
+    """The ``Answer`` of ``fit`` on angle datasets (``measurement.angle.to_angle``) of one pendulum, one a recording.
 
-    Parameters
-    ----------
-    given
-        Angle datasets (``measurement.angle.to_angle``), one a recording.
-    fitted, effects, restoring
-        As in ``fit``.
-    checked
-        Whether a motion that no model follows is refused; false before a search.
-
-    Raises
-    ------
-    NotFree
-        If ``checked`` and no model of damping follows the motion.
+    NotFree where no model of damping follows the motion and that is ``checked``, as it is not before a search.
     """
     try:
         return _of_swings(given, fitted, effects, restoring, checked)
@@ -320,15 +309,7 @@ def explained(
     effects: Mapping[str, Any] | None = None,
     restoring: str = "sine",
 ) -> Answer:
-    """The ``Answer`` of ``explain`` on angle datasets (``measurement.angle.to_angle``) of one pendulum.
-
-    Parameters
-    ----------
-    given
-        Angle datasets, one a recording.
-    base, rounds, fitted, effects, restoring
-        As in ``explain``, and so are the errors.
-    """
+    """The ``Answer`` of ``explain`` on angle datasets (``measurement.angle.to_angle``) of one pendulum, one a recording; errors as there."""
     engine(catalogue(effects))  # without a compiled one even the fits before the search take minutes
     first = before_search(given, fitted, effects, restoring)
     doubt = unit_doubt(given, first)
@@ -357,17 +338,20 @@ def _ended(
         values[name] = told[name]["value"]
         if told[name]["standard_uncertainty"] is not None:
             errors[name] = told[name]["standard_uncertainty"]
-    parts = [
+    begun = {(Shown.named(part.name)[0], float(part.times[0])): one for part, one in _with_fits(state, whole)}
+    begins = {}
+    for name, begin in first.items():
+        one = begun[name, begin.time]
+        begins[name] = begin._replace(angle=one.release_angle, velocity=one.release_velocity)
+    return {"fitted_model": model.with_values(values, errors), "begins": begins}
+
+
+def _with_fits(state: Round, whole: Campaign) -> list[tuple[Swing, SwingFit]]:
+    """The swings of a search, those held out too, each with its part in the last model's fit."""
+    return [
         *zip(whole.fit, state.fit.swings, strict=True),
         *zip(whole.holdout, state.holdout.swings, strict=True),
     ]
-    begins = {}
-    for name, begin in first.items():
-        one = next(
-            one for part, one in parts if Shown.named(part.name)[0] == name and part.times[0] == begin.time
-        )
-        begins[name] = begin._replace(angle=one.release_angle, velocity=one.release_velocity)
-    return {"fitted_model": model.with_values(values, errors), "begins": begins}
 
 
 @contextmanager
@@ -385,12 +369,7 @@ def before_search(
     restoring: str = "sine",
 ) -> Answer:
     """The ``Answer`` of ``of_swings`` whose swings are to be searched; damping need not follow them yet, but for a single recording of which
-    nothing is stated: its unit and its stretch are guesses until it does.
-
-    Raises
-    ------
-    NotFree
-        As in ``of_swings``, of a recording of which nothing is stated.
+    nothing is stated: its unit and its stretch are guesses until it does, and NotFree is raised where it does not.
     """
     guessed = given[0].attrs.get("unit_stated") == "no" and may_be_read_once_more(given[0])
     return of_swings(given, fitted, effects, restoring, checked=guessed and len(given) == 1)
@@ -405,10 +384,7 @@ def unit_doubt(given: Sequence[xr.Dataset], first: Answer) -> str:
 def searchable(name: str, given: Sequence[xr.Dataset], doubt: str = "") -> Campaign:
     """The ``Campaign`` of angle datasets, with some swings held out; ``doubt``: why their unit is not to be believed.
 
-    Raises
-    ------
-    InputError
-        If the swings are too few or too short to hold any out, or one holds no angle.
+    InputError where the swings are too few or too short to hold any out, or one holds no angle.
     """
     for why in sharing(given)[1].values():
         raise why
@@ -424,10 +400,6 @@ def searchable(name: str, given: Sequence[xr.Dataset], doubt: str = "") -> Campa
 
 def _shown(state: Round, whole: Campaign) -> tuple[Shown, ...]:
     """The swings beside what the last model of a search makes of them, in the order of their times."""
-    pairs = [
-        *zip(whole.fit, state.fit.swings, strict=True),
-        *zip(whole.holdout, state.holdout.swings, strict=True),
-    ]
     times = whole.own.step if whole.own else 1.0
     found = [
         Shown(
@@ -438,6 +410,6 @@ def _shown(state: Round, whole: Campaign) -> tuple[Shown, ...]:
             swing in whole.holdout,
             whole.unit,
         )
-        for swing, one in pairs
+        for swing, one in _with_fits(state, whole)
     ]
     return tuple(sorted(found, key=lambda one: (one.recording, float(one.times[0]))))

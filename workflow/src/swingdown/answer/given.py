@@ -86,24 +86,11 @@ def swings(
     restoring: str = "sine",
     said: Mapping[str, Any] | None = None,
 ) -> list[xr.Dataset]:
-    """Datasets of the angle in rad over the time in s, as ``measurement.angle.to_angle`` gives them.
+    """Datasets of the angle in rad over the time in s (``measurement.angle.to_angle``): one a swing, and of a series with several releases
+    one a release.
 
-    Parameters
-    ----------
-    times, angles, unit, names, kind, restoring
-        As of ``answer.fit``.
-    said
-        What else is said of them (``Said``); of swings by themselves nothing of an input.
-
-    Returns
-    -------
-    list of xarray.Dataset
-        One a swing, and of a series with several releases one a release.
-
-    Raises
-    ------
-    InputError
-        It names the swing and what is wrong with it.
+    ``said`` is what else is said of them (``Said``), the other arguments are those of ``answer.fit``. InputError with the swing and what is
+    wrong with it.
     """
     if unit not in (None, *ANGLES):
         raise InputError(
@@ -198,8 +185,7 @@ def _driven(
     """The dataset of a swing under a measured drive."""
     said = stated(driven, name)
     times, values = given.times, given.values
-    if times.ndim != 1 or values.shape != times.shape:
-        raise InputError(name, f"{values.size} angles for {times.size} times", "one angle for each time")
+    _check_alike(name, times, values)
     clock, force = _clocked(drive, times)
     there = np.isfinite(times) & np.isfinite(values)
     if there.sum() < SHORTEST:
@@ -207,17 +193,29 @@ def _driven(
     taken = unit or given.stated or "rad"
     reading = Reading(taken, bool(unit or given.stated), in_rad(taken), restoring)
     judged = judge_driven(times[there], values[there], reading, name)
+    attributes, forced = _attributes(name, given.about), as_variables(clock, force, said, name)
+    return _as_angle(times[there], judged, forced, attributes, judged.remarks)
+
+
+def _check_alike(name: str, times: Floats, values: Floats) -> None:
+    if times.ndim != 1 or values.shape != times.shape:
+        raise InputError(name, f"{values.size} angles for {times.size} times", "one angle for each time")
+
+
+def _as_angle(
+    times: Floats,
+    judged: Judged,
+    beside: Mapping[str, Any],
+    attributes: Mapping[str, Any],
+    remarks: Sequence[str],
+) -> xr.Dataset:
+    """The dataset of a swing that was judged, with the variables ``beside`` its signal."""
     recording = xr.Dataset(
-        {
-            "signal": ("time", judged.signal, {"units": judged.reading.unit}),
-            **as_variables(clock, force, said, name),
-        },
-        {"time": ("time", times[there], {"units": "s", "long_name": "time as given"})},
-        _attributes(name, given.about)
-        | {"unit_told": judged.reading.told}
-        | ({"zero_rad": judged.zero} if judged.zero else {}),
+        {"signal": ("time", judged.signal, {"units": judged.reading.unit}), **beside},
+        {"time": ("time", times, {"units": "s", "long_name": "time as given"})},
+        {**attributes, "unit_told": judged.reading.told} | ({"zero_rad": judged.zero} if judged.zero else {}),
     )
-    return to_angle(recording).assign_attrs(remarks=as_told("; ".join(judged.remarks)))
+    return to_angle(recording).assign_attrs(remarks=as_told("; ".join(remarks)))
 
 
 def _passages(times: Any, speeds: Any, names: Sequence[str] | None, kind: str) -> xr.Dataset:
@@ -314,8 +312,7 @@ def _of_columns(table: pd.DataFrame) -> Series:
 
 def _swings_in(name: str, given: Series, unit: str | None, kind: str, restoring: str) -> list[xr.Dataset]:
     times, values, stated, about = given
-    if times.ndim != 1 or values.shape != times.shape:
-        raise InputError(name, f"{values.size} angles for {times.size} times", "one angle for each time")
+    _check_alike(name, times, values)
     if points := _points(name, times, values, unit or stated, about, kind):
         return points
     missing = ~(np.isfinite(times) & np.isfinite(values))
@@ -361,17 +358,10 @@ def _swings_in(name: str, given: Series, unit: str | None, kind: str, restoring:
     again = missing_samples(even, times) if even.missing.sum() == missing.sum() else []
     remarks += [one for one in ordered.remarks + judged.remarks + told if one not in again]
     remarks += time_factor(times, judged.signal, True, name)[1]  # a call's times are in s
-    recording = xr.Dataset(
-        {"signal": ("time", judged.signal, {"units": judged.reading.unit}), **as_variable(judged.spikes.where)},
-        {"time": ("time", times, {"units": "s", "long_name": "time as given"})},
-        {
-            **_attributes(name, about), "unit_told": judged.reading.told, **kept,
-            **({"zero_rad": judged.zero} if judged.zero else {}),
-            **with_rate(_tolerances(about, taken), ordered.rate),
-            **({"rad_per_unit": judged.reading.scale} | judged.reading.unscaled if judged.reading.unit in (NO_SCALE, "V") else {}),
-        },
-    )  # fmt: skip
-    return [to_angle(recording).assign_attrs(remarks=as_told("; ".join(remarks)))]
+    attributes = _attributes(name, about) | kept | with_rate(_tolerances(about, taken), ordered.rate)
+    if judged.reading.unit in (NO_SCALE, "V"):
+        attributes |= {"rad_per_unit": judged.reading.scale} | judged.reading.unscaled
+    return [_as_angle(times, judged, as_variable(judged.spikes.where), attributes, remarks)]
 
 
 def _releases(name: str, times: Floats, values: Floats, judged: Judged) -> list[tuple[Floats, Floats, str]]:
@@ -404,7 +394,7 @@ def _tolerances(about: Mapping[str, Any], unit: str) -> dict[str, float]:
     return tolerances(stated | zero_unstated(stated, unit), unit)
 
 
-def _attributes(name: str, about: dict[str, Any]) -> dict[str, str]:
+def _attributes(name: str, about: dict[str, Any]) -> dict[str, Any]:
     return {
         "recording": name, "campaign": "pendulum", "role": "fit", "file": "", "sha256": "", "source": "given as arrays",
         "emulated": str(about.get("emulated", "no")),

@@ -9,7 +9,7 @@ import tempfile
 from collections.abc import Mapping, Sequence
 from math import degrees
 from pathlib import Path
-from typing import Any, NamedTuple, Protocol
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
 import pandas as pd
 
@@ -22,6 +22,9 @@ from ..sealed import read_csv, read_json
 from ..studies.pendulums import REFUSED, quantities_of
 from ..studies.words import EMULATED, damping_words, headline, quantity_rows
 
+if TYPE_CHECKING:
+    from .result import Answer
+
 PDF, TABLE = "report.pdf", "answer"
 KINDS = ("pdf", "latex", "xlsx")
 _BROWSERS = (
@@ -33,26 +36,17 @@ _WAIT = 120  # s, for a page
 _CLASS = ("period", "quality", "decay_time", "natural_frequency", "g")  # of many pendulums, a column each
 
 
-class Told(Protocol):
-    """What is handed in of a pendulum: its row of ``studies.pendulums``, the verdict, the sentence, and what is to be known of it."""
-
-    @property
-    def row(self) -> Mapping[str, Any]: ...
-    @property
-    def verdict(self) -> Mapping[str, Any] | None: ...
-    @property
-    def sentence(self) -> str: ...
-    @property
-    def remarks(self) -> list[str]: ...
-
-
 class Studied(NamedTuple):
-    """What a study's tables tell of a pendulum, as ``Told``."""
+    """What a study's tables tell of a pendulum, as an ``Answer`` does: its row of ``studies.pendulums``, the verdict, the sentence, and what
+    is to be known of it."""
 
     row: Mapping[str, Any]
     verdict: Mapping[str, Any] | None
     sentence: str
     remarks: list[str]
+
+
+Told: TypeAlias = "Answer | Studied"  # what is handed in of a pendulum
 
 
 def studied(results: Path, settings: Mapping[str, Any]) -> dict[str, Studied]:

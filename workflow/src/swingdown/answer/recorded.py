@@ -279,15 +279,7 @@ def shown_with(swing: xr.Dataset, fit: Floats) -> Shown:
 
 
 def samples_of(swings: Sequence[xr.Dataset], **more: np.ndarray) -> xr.Dataset:
-    """A Dataset of the samples of swings, one after the other, over ``sample``.
-
-    Parameters
-    ----------
-    swings
-        Angle datasets.
-    **more
-        Further series, of shape (sample,).
-    """
+    """A Dataset of the samples of swings, one after the other, over ``sample``; ``more`` are further series of them."""
     series = [series_of(one) for one in swings]
     about = {"units": str(series[0].attrs["units"])}
     name = "angle" if about["units"] == "rad" else "rate"

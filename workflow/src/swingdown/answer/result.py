@@ -277,15 +277,12 @@ class Answer:
         pandas.DataFrame
             Columns ``value``, ``u`` (standard uncertainty), ``unit``, ``text`` and ``holds`` (at which amplitude), over ``quantity``.
         """
-        rows = quantity_rows(self.row, self.verdict)
-        columns = {
-            "value": [one.value for one in rows],
-            "u": [one.uncertainty for one in rows],
-            "unit": [one.unit for one in rows],
-            "text": [one.number for one in rows],
-            "holds": [one.condition for one in rows],
-        }
-        return pd.DataFrame(columns, index=pd.Index([one.name for one in rows], name="quantity"))
+        rows = [
+            (one.name, one.value, one.uncertainty, one.unit, one.number, one.condition)
+            for one in quantity_rows(self.row, self.verdict)
+        ]
+        columns = ["quantity", "value", "u", "unit", "text", "holds"]
+        return pd.DataFrame(rows, columns=columns).set_index("quantity")
 
     def to_xarray(self) -> xr.Dataset:
         """A Dataset of the samples with fit and residual, and of the quantities.

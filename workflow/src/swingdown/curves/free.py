@@ -104,19 +104,9 @@ def _unknown(argument: Floats) -> Banded:
 
 
 def free(swings: Sequence[HalfSwings], restoring: str = "sine") -> Free:
-    """What the half-swings of one pendulum's recordings show free of a model.
+    """What the half-swings (``half_swings_of``) of one pendulum's recordings show free of a model.
 
-    Parameters
-    ----------
-    swings
-        As ``half_swings_of`` returns them, one a recording.
-    restoring
-        ``sine`` or ``linear``.
-
-    Raises
-    ------
-    InputError
-        If there are fewer than eight half-swings, or they do not shrink.
+    InputError where there are fewer than eight, or they do not shrink.
     """
     swings = [one for one in swings if one.angle.size >= _LEAST] or swings[:1]
     if sum(one.angle.size for one in swings) < FEWEST:

@@ -39,18 +39,7 @@ COLUMNS = [
 
 
 def labels(restoring: str = "sine") -> list[str]:
-    """The laws that are compared: those that a first answer is chosen from, and constant friction alone and beside another.
-
-    Parameters
-    ----------
-    restoring
-        ``sine`` or ``linear``.
-
-    Returns
-    -------
-    list of str
-        Labels of models, such as ``viscous+quadratic_drag``.
-    """
+    """The labels of the laws that are compared: those that a first answer is chosen from, and constant friction alone and beside another."""
     return [*everyday(restoring), *(_CONSTANT if restoring == "sine" else ())]
 
 
@@ -111,21 +100,10 @@ class Laws:
 
 
 def exponential(found: Sequence[Laws]) -> tuple[str, float, str]:
-    """Whether the decay of a pendulum's recordings is exponential.
+    """Whether the decay of a pendulum's recordings is exponential (``yes``, ``no`` or ``open``), a law, and before it by how much BIC falls to
+    that law from the best exponential one.
 
-    Parameters
-    ----------
-    found
-        As ``laws`` returns them, one a recording.
-
-    Returns
-    -------
-    answer
-        ``yes``, ``no`` or ``open``.
-    fall
-        By how much BIC falls from the best exponential law to that law.
-    label
-        The label of the best of the laws that a first answer is chosen from; where the decay is not exponential, of the one that it names.
+    It is the best of the laws that a first answer is chosen from; where the decay is not exponential, the one that it names.
     """
     each = [
         {one.label: one for one in own.laws if one.label in (*own.chosen_from, *_EXPONENTIAL)}
@@ -151,21 +129,8 @@ def laws(
 ) -> Laws:
     """The ``Laws`` of an angle dataset, sampled or of turning points.
 
-    Parameters
-    ----------
-    angle
-        The angle dataset.
-    known
-        Fits of ``studies.experiment.fit_recording`` to it (fitted, parameter), from which these start.
-    restoring
-        ``sine`` or ``linear``.
-    catalogue
-        The effects.
-
-    Raises
-    ------
-    InputError
-        For passages without speeds, and for a swing too short to fit.
+    They start from the ``known`` fits of ``studies.experiment.fit_recording`` to it. InputError for passages without speeds, and for a
+    swing too short to fit.
     """
     asked = everyday(restoring) if known is None else as_text(known["fitted"])
     chosen_from = tuple(asked) if known is None else usable(known, catalogue)
@@ -332,15 +297,8 @@ def table(found: Sequence[Laws], campaign: str) -> pd.DataFrame:
 
 
 def exponential_words(found: Sequence[Laws], curves: xr.Dataset | None = None) -> str:
-    """A sentence: whether the decay is exponential.
-
-    Parameters
-    ----------
-    found
-        As ``laws`` returns them, one a recording.
-    curves
-        As ``curves.dataset.curves`` returns them; the damping ratio of the largest and the smallest swing then stands in the sentence.
-    """
+    """A sentence: whether the decay of a pendulum's recordings is exponential; with its ``curves`` (``curves.dataset.curves``) the damping
+    ratio of the largest and the smallest swing stands in it."""
     answer, excess, label = exponential(found)
     best, together = model_words(label), "+" in label
     if answer == "yes":
@@ -384,25 +342,11 @@ def _change(curves: xr.Dataset | None) -> str:
 
 
 def envelopes(found: Sequence[Laws], curves: xr.Dataset | None = None, emulated: str = "no") -> xr.Dataset:
-    """The amplitudes of the turning points of a pendulum's largest swing, what the laws make of them, and whether the decay is exponential.
+    """The amplitudes of the turning points of a pendulum's largest swing, what the laws make of them, and whether the decay is exponential
+    (``exponential_words``).
 
-    Parameters
-    ----------
-    found, curves
-        As of ``exponential_words``.
-    emulated
-        ``yes`` or ``no``.
-
-    Returns
-    -------
-    xarray.Dataset
-        Amplitudes (rad; of an angular rate rad/s) over ``time`` (s), and over ``law`` and ``time`` those of each single law and of that which
-        the sentence names (``best``).
-
-    Raises
-    ------
-    InputError
-        If there are too few turning points.
+    Amplitudes (rad; of an angular rate rad/s) are over ``time`` (s), and over ``law`` and ``time`` those of each single law and of that which
+    the sentence names (``best``). InputError where there are too few turning points.
     """
     best, own = exponential(found)[2], max(found, key=lambda one: float(np.ptp(one.series)))
     shown = [one for one in own.laws if one.label in (*_SINGLE, best)]

@@ -12,7 +12,6 @@ from ..pendulum.catalogue import RATE
 from ..pendulum.effect import NATURAL_FREQUENCY
 from ..pendulum.formula import evaluate, names_in
 from ..pendulum.model import Model
-from ..studies.quantities import steady
 from .torques import Ideal
 
 _SAMPLES = 400  # of a half-swing: a turning point lies between two, and Newton's step from them ends within 1e-9 of it
@@ -98,25 +97,11 @@ class Course(NamedTuple):
         return np.exp(loss(np.log(amplitude))), period(amplitude) * longer(amplitude)
 
 
-def course(model: Model, low: float, high: float, passages: bool = True) -> Course:
-    """What a model shows against the amplitude, without what its sensor does and what changes with time.
-
-    Parameters
-    ----------
-    model
-        With values.
-    low, high
-        The amplitudes between which it is followed, in rad.
-    passages
-        Whether the passages of the middle are wanted, too.
-    """
-    return course_of(steady(model.motion), low, high, passages)
-
-
 def course_of(
     bare: Model, low: float, high: float, passages: bool = True, releases: int = _RELEASES
 ) -> Course:
-    """The ``Course`` of a model that has nothing but its motion, by as many ``releases``."""
+    """The ``Course`` of a model that has nothing but its motion, between two amplitudes (rad), by as many ``releases``; its period is that
+    between ``passages`` through the middle, or between turning points."""
     middle = resting(bare)
     begun = np.geomspace(0.97 * low, 1.03 * high, releases) * _ahead(bare, high, middle, releases)
     # where the middle is moved, a swing goes further and takes longer on one side of it than on the other
@@ -201,21 +186,9 @@ def _zeros(times: Floats, values: Floats) -> Floats:
 
 
 def effects_on(derived: Callable[[Model], Floats], model: Model, covariance: Floats) -> Floats:
-    """What independent errors of a model's parameters, each of its standard uncertainty, do to what is derived from it (JCGM 100, 5.2).
+    """What independent errors of a model's parameters, each of its standard uncertainty, do to what is ``derived`` from it (JCGM 100, 5.2).
 
-    Parameters
-    ----------
-    derived
-        From a model to an array of shape (quantity,).
-    model
-        With values.
-    covariance
-        Of its parameters, of shape (parameter, parameter); nan counts as known.
-
-    Returns
-    -------
-    numpy.ndarray
-        Of shape (quantity, error): times its transpose it is the covariance of the quantities.
+    Of shape (quantity, error): times its transpose it is the covariance of the quantities. Of the parameters' covariance nan counts as known.
     """
     values = np.array(model.vector())
     known = np.where(np.isfinite(covariance), covariance, 0.0)

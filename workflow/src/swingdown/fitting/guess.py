@@ -48,20 +48,8 @@ def _amplitude_factor(amplitude: float) -> float:
 
 
 def middle_crossings(times: Floats, angle: Floats) -> tuple[Floats, Floats]:
-    """Where a swing crosses its middle; a tenth of the spread is hysteresis against noise.
-
-    Parameters
-    ----------
-    times, angle
-        In s and rad, both of shape (sample,).
-
-    Returns
-    -------
-    times
-        Of the crossings, in s.
-    extremes
-        Between each two crossings, in rad.
-    """
+    """When (s) a swing crosses its middle, and the extremes (rad) between each two crossings; a tenth of the spread is hysteresis against
+    noise."""
     band = 0.1 * np.sqrt(angle @ angle / angle.size)
     above = angle > band
     marks = (above | (angle < -band)).nonzero()[0]
@@ -140,15 +128,7 @@ def _without_hole(times: Floats, steps: Floats, crossings: Floats) -> np.ndarray
 
 
 def at_first(times: Floats, series: Floats, half: float) -> tuple[float, float]:
-    """Value and slope (a second) at the first sample, of a parabola through an eighth of a half-swing.
-
-    Parameters
-    ----------
-    times, series
-        In s and any unit, both of shape (sample,).
-    half
-        How long a half-swing takes, in s.
-    """
+    """Value and slope (a second) at the first sample, of a parabola through an eighth of a half-swing, which takes ``half`` (s)."""
     few = max(4, min(times.size, int(times.searchsorted(times[0] + half / 8))))
     span = times[few - 1] - times[0]
     early = (times[:few] - times[0]) / span

@@ -16,14 +16,7 @@ _GAIN = 1e-8  # of the sum of squares; a simplex that gains less is stationary
 
 
 def fit_nelder_mead(
-    model: Model | str,
-    times: Any,
-    angle: Any,
-    *,
-    start: str = "free",
-    guess: Any = None,
-    bounded: bool = False,
-    restarts: int = 20,
+    model: Model | str, times: Any, angle: Any, *, start: str = "free", guess: Any = None, restarts: int = 20
 ) -> Fit:
     """The ``Fit`` of a model to one swing by the Nelder-Mead simplex, as in the paper, restarted until stationary.
 
@@ -31,14 +24,14 @@ def fit_nelder_mead(
 
     Parameters
     ----------
-    model, times, angle, start, guess, bounded
+    model, times, angle, start, guess
         As in ``fit_trajectory``, and so are the errors.
     restarts
         The most restarts; ``message`` says how many it took.
     """
     from scipy.optimize import minimize  # here, because it takes longer to import than most fits to run
 
-    problem = Problem(as_model(model), [(times, angle)], start, bounded)
+    problem = Problem(as_model(model), [(times, angle)], start, bounded=False)
     (times, angle) = problem.swings[0]
     model = problem.model
 

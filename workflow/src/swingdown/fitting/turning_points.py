@@ -178,13 +178,6 @@ def frequency_of(turns: Turns, restoring: str) -> float:
     """The natural frequency (rad/s) from a straight line through the times over the half-swings.
 
     Each half-swing counts for as much as weight makes it longer at its amplitude.
-
-    Parameters
-    ----------
-    turns
-        Times (s) and angles (rad) of the turning points.
-    restoring
-        ``sine`` or ``linear``.
     """
     size = np.abs(turns.angles)
     longer = lengthening((size[1:] + size[:-1]) / 2) if restoring == "sine" else 1.0
@@ -386,11 +379,10 @@ def _found(
         named[NATURAL_FREQUENCY.name] = _COUNTED
     errors = dict(zip(free, np.sqrt(np.diag(random) + systematic**2), strict=True))
     whole = model.with_values(named, {name: float(errors[name]) for name in named if name in errors})
-    time_left = turns.times - at.get("first", 0.0) - course.times
-    angle_left = turns.angles - course.angles - at.get("zero", 0.0)
+    times, angles = course.times + at.get("first", 0.0), course.angles + at.get("zero", 0.0)
+    rss = float(np.sum((turns.times - times) ** 2)), float(np.sum((turns.angles - angles) ** 2))
     return TurnsFit(
-        whole, turns, free, best.x, random, systematic, stdtrit(np.maximum(freedom, 1.0), 0.975), course.angles + at.get("zero", 0.0),
-        course.times + at.get("first", 0.0), scatter, inflation, (float(time_left @ time_left), float(angle_left @ angle_left)),
+        whole, turns, free, best.x, random, systematic, stdtrit(freedom, 0.975), angles, times, scatter, inflation, rss,
         bool(best.status > 0), evaluations,
     )  # fmt: skip
 
@@ -398,16 +390,15 @@ def _found(
 def middle(slopes: Floats, residuals: Floats, step: float, place: Floats) -> tuple[Floats, float]:
     """The covariance of slopes times residuals, both over the scatter, with the residuals' colour and what rounding to ``step`` adds; and
     the variance of slow errors over that of independent ones, at least 1."""
-    power = float(residuals @ residuals) / residuals.size
+    power, independent = float(residuals @ residuals) / residuals.size, slopes.T @ slopes
     if not power > 0:
-        return slopes.T @ slopes, 1.0
+        return independent, 1.0
+    before = np.sqrt(max(0.0, 1 - step**2 / 12))  # the scatter without the rounding
+    rounded = rounding(slopes.T, place, step, before) if step else 0.0
     if step**2 / 12 > 0.5:  # most of the error is the rounding's own, of which all is known
-        return slopes.T @ slopes + rounding(slopes.T, place, step, np.sqrt(max(0.0, 1 - step**2 / 12))), 1.0
+        return independent + rounded, 1.0
     colour = autoregression([residuals])
     slow = float(colour.spectrum(2 * residuals.size)[0]) / power
     if slow <= 1:  # a fit takes slow errors out of its residuals: fewer of these than of others say nothing
-        return slopes.T @ slopes, 1.0
-    middle = weighted(slopes.T, colour) / power
-    if step:
-        middle = middle + rounding(slopes.T, place, step, float(np.sqrt(max(0.0, 1 - step**2 / 12))))
-    return middle, slow
+        return independent, 1.0
+    return weighted(slopes.T, colour) / power + rounded, slow

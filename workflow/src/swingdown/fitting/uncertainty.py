@@ -92,13 +92,7 @@ class Uncertainty:
 
 
 def half_widths(limited: Floats) -> Floats:
-    """The k of an interval of 95 % for the sum of a normal error and one within limits, by value.
-
-    Parameters
-    ----------
-    limited
-        The share of the standard deviation that is of the error within limits.
-    """
+    """The k of an interval of 95 % for the sum of a normal error and one within limits, which has this share of the standard deviation."""
     share = np.minimum(limited, 1.0)
     limit, normal = np.sqrt(3) * share, np.sqrt(1 - share**2)
     found = np.where(limit < _LEAST_LIMIT, _NORMAL, _LEVEL * limit)
@@ -293,20 +287,8 @@ def _pieces(slots: NDArray[np.integer], each: int) -> tuple[int, NDArray[np.inte
 
 
 def in_steps(times: Floats) -> tuple[float, Floats]:
-    """The times of a recorder that kept its rate, in whole steps.
-
-    Parameters
-    ----------
-    times
-        Rising, in s, of shape (sample,).
-
-    Returns
-    -------
-    interval
-        The usual interval, in s.
-    steps
-        Intervals since the first sample, of shape (sample,): whole numbers, those of missing samples left out.
-    """
+    """The usual interval (s) of a recorder that kept its rate, and how many of them each of its rising times (s) is after the first: whole
+    numbers, those of missing samples left out."""
     steps = np.diff(times)
     # the lower quartile, as where every third sample is lost half of the steps are two intervals
     whole = np.maximum(1.0, np.round(steps / np.quantile(steps, 0.25)))
@@ -322,15 +304,11 @@ def _timing(slopes: Floats, times: Floats, fitted: Floats, residual: Floats) -> 
     and Pagan, Econometrica 47, 1287 (1979)), where that is more than two standard errors.
     """
     fast = np.gradient(fitted, times) ** 2
-    fast /= np.mean(fast)
-    square = residual**2
-    away = fast - 1
-    slope = float(away @ square / (away @ away))
-    left = square - np.mean(square) - slope * away
-    error = float(np.sqrt(left @ left / max(times.size - 2, 1) / (away @ away)))
-    if slope < _SEEN * error:
+    away, square = fast / np.mean(fast) - 1, residual**2
+    (slope, rest), covariance = np.polyfit(away, square, 1, cov=True)
+    if slope < _SEEN * np.sqrt(covariance[0, 0]):
         return np.zeros((len(slopes), len(slopes)))
-    slope = min(slope, float(np.mean(square)))  # at rest the variance is 0 and no less
+    slope = min(slope, rest)  # at rest the variance is 0 and no less
     more, white = (slopes * (slope * away)) @ slopes.T, np.sqrt(np.sum(slopes**2, axis=1))
     size = np.where(white > 0, white, 1.0)
     # where it would be less than by white noise, the noise's colour may have taken that already
@@ -364,6 +342,7 @@ def _within(parts: Sequence[_Part]) -> float:
         np.concatenate([getattr(part, name) for part in parts]) for name in ("counts", "residual")
     )
     squares, pairs = sum(part.squares for part in parts), float(counts @ (counts - 1))
-    if not (pairs and squares):
-        return 0.0
-    return min(1.0, max(0.0, (float(sums @ sums) - squares) / pairs / (squares / float(counts.sum()))))
+    alone = (
+        pairs * squares / float(counts.sum())
+    )  # nothing where each piece has one sample: then there is no pair
+    return float(np.clip((float(sums @ sums) - squares) / (alone or np.inf), 0.0, 1.0))

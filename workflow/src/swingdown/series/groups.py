@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 from numpy.typing import ArrayLike
-from scipy.special import chdtrc, ndtr
+from scipy.special import ndtr
 
 from ..arrays import Floats
 from ..errors import InputError
@@ -107,37 +107,31 @@ def compare(groups: Sequence[str], values: ArrayLike, uncertainties: ArrayLike, 
     table = pd.DataFrame(rows, columns=["group", "recordings", "value", "standard_uncertainty"])
     table["standard_uncertainty"] *= pooled.widening
     means, errors = table["value"].to_numpy(), table["standard_uncertainty"].to_numpy()
-    chi2 = _chi2(means, errors)
-    table["pull"] = [_pull(means, errors, k) for k in range(len(names))]
-    apart: list[int] = []
+    whole = _mean(means, errors)[2]
+    table["pull"] = _pulls(means, errors)
     left = np.arange(len(names))
-    while len(left) > 2 and chdtrc(len(left) - 1, _chi2(means[left], errors[left])) < BEYOND:
-        pulls = [abs(_pull(means[left], errors[left], k)) for k in range(len(left))]
+    while len(left) > 2 and _mean(means[left], errors[left])[2].refuted:
+        pulls = np.abs(_pulls(means[left], errors[left]))
         worst = int(np.argmax(pulls))
         if 2 * ndtr(-pulls[worst]) * len(left) >= BEYOND:  # the worst of so many
             break
-        apart.append(int(left[worst]))
         left = np.delete(left, worst)
-    agree = chdtrc(len(left) - 1, _chi2(means[left], errors[left])) >= BEYOND
-    told = tuple(names[k] for k in sorted(apart)) if agree else ()
-    dof = len(names) - 1
-    return Comparison(chi2, dof, float(chdtrc(dof, chi2)), told, table)
+    agree = not _mean(means[left], errors[left])[2].refuted
+    told = tuple(name for k, name in enumerate(names) if agree and k not in left)
+    return Comparison(whole.chi2, whole.dof, whole.p, told, table)
 
 
 def _mean(values: Floats, errors: Floats) -> tuple[float, float, Scatter]:
+    """The weighted mean, its standard uncertainty, and how the values scatter about it."""
     weight = errors**-2
     mean = float(np.average(values, weights=weight))
     return mean, float(weight.sum() ** -0.5), Scatter(float(weight @ (values - mean) ** 2), values.size - 1)
 
 
-def _chi2(means: Floats, errors: Floats) -> float:
-    weight = errors**-2
-    return float(weight @ (means - np.average(means, weights=weight)) ** 2)
-
-
-def _pull(means: Floats, errors: Floats, k: int) -> float:
-    others = np.arange(means.size) != k
-    weight = errors[others] ** -2
-    return float(
-        (means[k] - np.average(means[others], weights=weight)) / np.hypot(errors[k], weight.sum() ** -0.5)
-    )
+def _pulls(means: Floats, errors: Floats) -> list[float]:
+    """How far each is from the mean of the others, in standard uncertainties."""
+    others = [_mean(np.delete(means, k), np.delete(errors, k)) for k in range(means.size)]
+    return [
+        float((mean - other) / np.hypot(error, u))
+        for mean, error, (other, u, _) in zip(means, errors, others, strict=True)
+    ]

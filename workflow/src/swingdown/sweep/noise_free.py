@@ -121,13 +121,11 @@ def _curvature(model, times, truth, release, free):
                 gradient(each[:split], *each[split:])[2] for each in (point + step, point - step)
             )
             whole[k] = (ahead - behind) / (2 * step[k])
-        scale = 1 / np.sqrt(normal.diagonal())
-        relative = scale[:, np.newaxis] * (whole + whole.T) / 2 * scale
-        gauss = scale[:, np.newaxis] * normal * scale
-        if np.linalg.eigvalsh(relative)[0] < 0.1 * np.linalg.eigvalsh(gauss)[0]:
+        whole, size = (whole + whole.T) / 2, np.sqrt(np.outer(normal.diagonal(), normal.diagonal()))
+        if np.linalg.eigvalsh(whole / size)[0] < 0.1 * np.linalg.eigvalsh(normal / size)[0]:
             return None
-        return (whole + whole.T) / 2 - normal
-    except (*IMPOSSIBLE, np.linalg.LinAlgError):
+        return whole - normal
+    except IMPOSSIBLE:
         return None
 
 
