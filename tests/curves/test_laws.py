@@ -140,6 +140,14 @@ def test_what_is_wrong_with_a_law_that_is_only_compared_is_not_said():
         assert len(found.laws()[0].laws) == len(labels())
 
 
+def test_a_law_that_gives_no_trajectory_where_it_begins_leaves_the_others():
+    found = swing("viscous", {"viscous_ratio": 0.01})
+    known = found.fits.sel(recording="swing")
+    astray = known["release_velocity"].where(known["fitted"] != "quadratic_drag", 1e9)
+    told = laws(found.swings[0], known.assign(release_velocity=astray))
+    assert told.best.label == "viscous" and "quadratic_drag" in [one.label for one in told.laws]
+
+
 def test_no_law_gives_energy():
     rows = table(swing("quadratic_drag", {"quadratic_coefficient": 0.03}).laws(), "mine").set_index("law")
     assert (

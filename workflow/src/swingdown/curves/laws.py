@@ -2,6 +2,7 @@
 
 import warnings
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
@@ -185,20 +186,25 @@ def _zeros(known: xr.Dataset | None, compared: Sequence[Model]) -> dict[str, flo
 
 
 def _fits(models: Sequence[Model], swings: Mapping[str, Swing], known: xr.Dataset | None) -> list[Fit]:
-    """The fits of these models: those that are known are where they begin, the others begin where the laws they contain ended."""
+    """The fits of these models: those that are known are where they begin, the others begin where the laws they contain ended. One that gives
+    no trajectory from there either is left out."""
     begun = {} if known is None else _begun(known[["value", "release_angle", "release_velocity"]])
 
-    def fit(model: Model, inside: list[Fit]) -> Fit:
-        swing = [swings[model.label]]
-        if (row := begun.get(model.label)) is None:
-            return fit_jointly(
-                model, swing, guess=inside or None, seen=not inside, grown=not inside, bounded=True
-            )
-        at = {name: row[name] for name in model.parameters}
-        start = SwingStart(at, row["release_angle"], row["release_velocity"])
-        return fit_jointly(model, swing, guess=Begin(model, (start,)), seen=False, grown=False, bounded=True)
+    def fit(model: Model, inside: list[Fit]) -> Fit | None:
+        guesses: list[Begin | list[Fit] | None] = [inside or None]
+        if (row := begun.get(model.label)) is not None:
+            at = {name: row[name] for name in model.parameters}
+            start = SwingStart(at, row["release_angle"], row["release_velocity"])
+            guesses.insert(0, Begin(model, (start,)))
+        for guess in guesses:  # within its bounds a law may have no trajectory where it ended without
+            new = guess is None
+            with suppress(TrajectoryError):
+                return fit_jointly(
+                    model, [swings[model.label]], guess=guess, seen=new, grown=new, bounded=True
+                )
+        return None
 
-    return fit_nested(models, fit)
+    return [one for one in fit_nested(models, fit) if one is not None]
 
 
 def _begun(known: xr.Dataset) -> dict[str, dict[str, float]]:
