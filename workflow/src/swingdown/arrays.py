@@ -35,6 +35,13 @@ def runs(marked: NDArray[Any]) -> list[tuple[int, int]]:
     return [(int(a), int(b)) for a, b in zip(edges, edges[1:], strict=False) if marked[a]]
 
 
+def longest(joined: Bools) -> slice:
+    """The longest stretch of places that are each ``joined`` to the next one, of which there is one more than there are joints."""
+    edges = np.flatnonzero(np.concatenate([[True], ~joined, [True]]))
+    k = int(np.argmax(np.diff(edges)))
+    return slice(int(edges[k]), int(edges[k + 1]))
+
+
 def extremes(values: Floats, columns: int) -> NDArray[np.intp]:
     """The indices of the least and the greatest value in each of so many columns of equal width: what a picture shows of a series."""
     parts = np.array_split(np.arange(values.size), columns)

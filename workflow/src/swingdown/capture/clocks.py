@@ -113,15 +113,7 @@ class _Edge(NamedTuple):
 
 
 def compare(times: npt.ArrayLike, arrivals: npt.ArrayLike) -> Comparison | None:
-    """The device's clock beside the computer's, or None where there are too few samples to compare.
-
-    Parameters
-    ----------
-    times
-        The device's, in s, of shape (sample,).
-    arrivals
-        The computer's, in s, of shape (sample,).
-    """
+    """The device's clock (``times``, s) beside the computer's (``arrivals``, s), or None where there are too few samples to compare."""
     pieces = _pieces(np.asarray(times, float), np.asarray(arrivals, float))
     if pieces is None:
         return None
@@ -138,21 +130,10 @@ def compare(times: npt.ArrayLike, arrivals: npt.ArrayLike) -> Comparison | None:
 
 
 def jump(positions: npt.ArrayLike, times: npt.ArrayLike) -> tuple[float, int]:
-    """The largest jump of the device's clock between samples whose numbers say otherwise.
+    """The largest jump of the device's clock between samples whose numbers say otherwise: the seconds too many, and the index of the sample after it.
 
-    Parameters
-    ----------
-    positions
-        The samples' numbers, of shape (sample,).
-    times
-        The device's, in s, of shape (sample,).
-
-    Returns
-    -------
-    seconds
-        Too many; 0 where all intervals agree with the usual interval within half of it and 50 ms.
-    index
-        Of the sample after the jump; 0 where there is none.
+    Both are 0 where all intervals agree with the usual one within half of it and 50 ms. ``positions`` are the samples' numbers, ``times``
+    the device's (s).
     """
     positions, times = np.asarray(positions), np.asarray(times, float)
     if len(times) < 4:

@@ -228,18 +228,7 @@ FORMATS = {"frames": Frames, "csv": Lines, "readings": Readings, "timed": Timed}
 
 
 def parser(settings):
-    """A new parser of a wire format.
-
-    Parameters
-    ----------
-    settings
-        The config's ``capture``, whose ``format`` names it.
-
-    Raises
-    ------
-    InputError
-        If there is no such format.
-    """
+    """A new parser of the wire format that the config's ``capture`` names; InputError if there is no such format."""
     name = settings["format"]
     if name not in FORMATS:
         raise InputError(

@@ -35,19 +35,10 @@ class Job:
 
 
 def job(config: dict, again: bool = False) -> Job:
-    """What is asked for of a capture, checked before anything is recorded.
+    """What a ``config`` (``settings.complete``) asks for of a capture, checked before anything is recorded.
 
-    Parameters
-    ----------
-    config
-        Complete settings (``settings.complete``).
-    again
-        Whether its recording may be there already.
-
-    Raises
-    ------
-    InputError
-        If the recording could not be kept: a name that is taken, a sheet that cannot take the row, settings that contradict each other.
+    InputError if the recording could not be kept: a name that is taken, unless it is made ``again``, a sheet that cannot take the row,
+    settings that contradict each other.
     """
     name, settings, height = config["recording"], dict(config["capture"]), config.get("height")
     still = height is not None or config.get("role") == "static"
@@ -156,22 +147,7 @@ def _point(job, digest):
 
 
 def check_room(seconds: float | None = 0.0, rate: float = 0.0, folder: str | Path = FOLDER) -> None:
-    """None where the disk has room for a recording.
-
-    Parameters
-    ----------
-    seconds
-        How long it lasts; None: an open end.
-    rate
-        Samples a second.
-    folder
-        Where it is kept.
-
-    Raises
-    ------
-    Unwritten
-        If the disk has no room.
-    """
+    """None where there is room in ``folder`` for a recording of so many ``seconds`` (None: an open end), ``rate`` samples in each; else Unwritten."""
     seconds = _LONG if seconds is None else seconds
     needed = seconds * rate * _ROOM + 1e6
     free = shutil.disk_usage(folder).free

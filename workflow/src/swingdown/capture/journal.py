@@ -55,24 +55,9 @@ class Journal:
 
 
 def read_journal(path):
-    """The settings and bytes of a capture that was killed.
+    """The settings of a capture that was killed, and its pieces: (arrival in s since 1970, bytes), of one that is cut off as far as it goes.
 
-    Parameters
-    ----------
-    path
-        The journal.
-
-    Returns
-    -------
-    settings
-        What the capture was asked for.
-    pieces
-        (arrival in s since 1970, bytes) of each; a last piece that is cut off is given as far as it goes.
-
-    Raises
-    ------
-    InputError
-        If it is not there, is no journal, or is still being written.
+    InputError where no journal is at ``path``, what is there is none, or it is still being written.
     """
     path = Path(path)
     try:

@@ -119,21 +119,9 @@ def angle_of(settings):
 
 
 def watch(settings, show, stop):
-    """A last line on the signal, when it is told to stop.
+    """A last line on the signal, when ``stop`` is set; ``show`` is called with a list of lines a few times a second.
 
-    Parameters
-    ----------
-    settings
-        The config's ``capture``.
-    show
-        Called with a list of lines a few times a second.
-    stop
-        The event that ends it.
-
-    Raises
-    ------
-    InputError
-        If the source cannot be used, or goes away.
+    InputError if the source that the config's ``capture`` names cannot be used, or goes away.
     """
     settings = source.completed(settings)
     opened = source.connect(settings)

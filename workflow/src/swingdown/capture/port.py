@@ -33,17 +33,9 @@ def listed():
 
 
 def find(name):
-    """The path or URL to open for a port.
+    """The path or URL to open for a port, named by a path, a URL, or ``VID:PID[:serial]``; of no name the one USB port that there is.
 
-    Parameters
-    ----------
-    name
-        A path, a URL, or ``VID:PID[:serial]``. Empty: the one USB port that there is.
-
-    Raises
-    ------
-    InputError
-        If there is no such port, or several and no name.
+    InputError if there is no such port, or several and no name.
     """
     if not name:
         boards = [port.device for port in list_ports.comports() if port.vid]
@@ -82,20 +74,7 @@ def find(name):
 
 
 def connect(name, baud):
-    """The open ``Port`` that a name means.
-
-    Parameters
-    ----------
-    name
-        As of ``find``.
-    baud
-        Bits a second of the line.
-
-    Raises
-    ------
-    InputError
-        If it cannot be opened.
-    """
+    """The open ``Port`` that a ``name`` means (``find``), at so many ``baud``; InputError if it cannot be opened."""
     url = find(name)
     try:
         return Port(url, serial.serial_for_url(url, baudrate=baud, timeout=_WAIT, exclusive=True))

@@ -16,22 +16,10 @@ _MANY = 100  # pieces that wait; with more there is no time for pictures
 
 
 def capture(job: Job, views=(), stop: threading.Event | None = None) -> str:
-    """A sentence on the recording that was made: at ``job.path``, with its row in the sheet.
+    """A sentence on the recording that was made of a ``job``: at ``job.path``, with its row in the sheet.
 
-    Parameters
-    ----------
-    job
-        What is asked for, as ``job.job`` returns it.
-    views
-        Have ``show(recorder)`` and ``close()``.
-    stop
-        The event that ends the recording.
-
-    Raises
-    ------
-    InputError
-        If the port cannot be used, or no recording came of it. Also if it is partial for another reason than ``stop``: it is then kept all
-        the same.
+    ``views`` have ``show(recorder)`` and ``close()``; ``stop`` is the event that ends the recording. InputError if the port cannot be used,
+    or no recording came of it; also if it is partial for another reason than ``stop``: it is then kept all the same.
     """
     take.check_absent(job.path)
     check_room(job.settings["duration_s"], job.settings["rate_hz"])
@@ -46,17 +34,7 @@ def capture(job: Job, views=(), stop: threading.Event | None = None) -> str:
 
 
 def record(job, opened, listener, views=(), stop=None):
-    """A sentence on the recording that was made, as ``capture`` does, from a source that is open already and stays open.
-
-    Parameters
-    ----------
-    job, views, stop
-        As of ``capture``, and so are the errors.
-    opened
-        The source, as ``source.connect`` returns it.
-    listener
-        Reads it.
-    """
+    """The same of a source that is ``opened`` already (``source.connect``), which ``listener`` reads, and which stays open."""
     take.check_absent(job.path)
     check_room(job.settings["duration_s"], job.settings["rate_hz"])
     began = listener.now()
@@ -95,17 +73,9 @@ def told_source(settings, name):
 
 
 def recover(job: Job) -> str:
-    """A sentence on the recording made from the journal of a capture that was killed.
+    """A sentence on the recording made from the journal of a capture that was killed; InputError if there is none, or no recording comes of it.
 
-    Parameters
-    ----------
-    job
-        Its name counts. What the journal holds of the job (settings, height of a tower, the sheet) goes before what the command says.
-
-    Raises
-    ------
-    InputError
-        If there is no journal, or no recording can be made of it.
+    Of the ``job`` the name counts: what the journal holds (settings, height of a tower, the sheet) goes before what the command says.
     """
     kept, pieces = read_journal(job.journal)
     if "sheet" in kept:  # one that is older does not tell

@@ -25,18 +25,7 @@ def completed(settings: dict) -> dict:
 
 
 def connect(settings):
-    """The source that the settings name, open.
-
-    Parameters
-    ----------
-    settings
-        The config's ``capture``, as ``completed`` returns it.
-
-    Raises
-    ------
-    InputError
-        If it cannot be used.
-    """
+    """The source that the settings (``completed``) name, open; InputError if it cannot be used."""
     if kind := _kind(settings):
         return kind.connect(settings)
     return port.connect(settings.get("port"), settings["baud"])

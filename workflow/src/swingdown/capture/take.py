@@ -21,21 +21,11 @@ SIGNALS = {  # unit: variable, what it is
 
 
 def to_dataset(recorder, about):
-    """The dataset of a recording that has ended.
+    """The dataset of a recording that has ended with at least one sample; ``about`` are texts by name, which join the attributes.
 
-    Parameters
-    ----------
-    recorder
-        Has at least one sample.
-    about
-        Texts by name, which join the attributes.
-
-    Returns
-    -------
-    xarray.Dataset
-        Along ``time`` (s; 0 is the release, or the first sample): the value as sent, the signal in its unit, the device's sequence number
-        (unwrapped) and the host's arrival time (s since 1970, UTC). Along ``gap``: the sequence numbers that are missing, and whether they
-        came damaged.
+    Along ``time`` (s; 0 is the release, or the first sample): the value as sent, the signal in its unit, the device's sequence number
+    (unwrapped) and the host's arrival time (s since 1970, UTC). Along ``gap``: the sequence numbers that are missing, and whether they came
+    damaged.
     """
     settings, rows = recorder.settings, recorder.rows
     unit = settings["signal_unit"]
@@ -113,20 +103,7 @@ def _times(recorder):
 
 
 def write_new(data, path):
-    """The path written.
-
-    Parameters
-    ----------
-    data
-        As ``to_dataset`` returns it.
-    path
-        Where no file is yet.
-
-    Raises
-    ------
-    InputError
-        If there is a file of that name, which is left as it is.
-    """
+    """The path at which the dataset was written; InputError if there is a file of that name, which is left as it is."""
     check_absent(path)
     try:
         return dataset.write(data, path, replace=False)

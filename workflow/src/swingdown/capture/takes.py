@@ -10,23 +10,10 @@ _PLAN = "capture: {takes: [{recording: tower-1, height: 0.024}, {recording: rest
 
 
 def takes(config: dict) -> list[dict]:
-    """The recordings asked for, in their order.
+    """The recordings that a ``config`` asks for, in their order, each with ``recording`` and, where they hold, ``height`` (m) and ``role``.
 
-    Parameters
-    ----------
-    config
-        Its ``recording`` is a name, several between commas, or a list; with ``count`` the one name becomes name-01, name-02, …; ``session``
-        takes those of ``capture.takes``.
-
-    Returns
-    -------
-    list of dict
-        With ``recording`` and, where they hold, ``height`` (m) and ``role``.
-
-    Raises
-    ------
-    InputError
-        If a name cannot name a file, or is there twice.
+    Its ``recording`` is a name, several between commas, or a list; with ``count`` the one name becomes name-01, name-02, …; ``session``
+    takes those of ``capture.takes``. InputError where a name cannot name a file, or is there twice.
     """
     if config.get("session"):
         if "recording" in config:

@@ -55,20 +55,9 @@ class Watch:
 def release(times: npt.ArrayLike, values: npt.ArrayLike, at: int, threshold: float, power: int = 2) -> float:
     """The time (s) of the first sample at which the bob was free, or the last before.
 
-    From rest a pendulum leaves its level with the square of the time, and its angular rate with the time. The moment is that from which
-    such a curve follows the values best.
-
-    Parameters
-    ----------
-    times, values
-        Of the rows around the release, in s and the signal's unit, both of shape (row,). Those in the first half of the time before ``at``
-        were taken while the bob was held.
-    at
-        Index at which the release was noticed.
-    threshold
-        How far from its level the signal was then, in its unit.
-    power
-        2 of an angle, 1 of an angular rate.
+    From rest a pendulum leaves its level with the square of the time (``power`` 2), and its angular rate with the time (1). The moment is
+    that from which such a curve follows the values best. ``times`` (s) and ``values`` are of the rows around the release, which was noticed
+    at index ``at``, ``threshold`` away from the level; in the first half of the time before it the bob was held.
     """
     times, values = np.asarray(times, float), np.asarray(values, float)
     held = values[: max(at // 2, 1)]
@@ -86,13 +75,7 @@ def release(times: npt.ArrayLike, values: npt.ArrayLike, at: int, threshold: flo
 
 
 def noise(values: npt.ArrayLike) -> float:
-    """The standard deviation of the noise, in the unit of the values, by their second differences.
-
-    Parameters
-    ----------
-    values
-        Of shape (sample,), with any slow motion beneath the noise.
-    """
+    """The standard deviation of the noise, in the unit of the values, by their second differences: slow motion beneath it drops out."""
     values = np.asarray(values, float)
     if len(values) < 8:
         return 0.0

@@ -21,11 +21,10 @@ from .files.columns import (
     drives,
     from_row_to_row,
     known_unit,
-    meaning,
     numbers_rows,
     place_of,
 )
-from .files.table import Table, first_rows, numbers
+from .files.table import Table, first_rows
 from .gyroscope import ASKEW, TO_RAD_PER_S
 from .plausibility import ENOUGH, in_a_row
 from .swings.clock import RISES, counts_rows, goes_on
@@ -71,7 +70,7 @@ def input_of(table: Table, row: Mapping[str, Any], place: str) -> list[str]:
 
 def says_nothing(table: Table) -> bool:
     """True of three columns or more of which none says that it holds the swing."""
-    told = [meaning(name, table.units.get(name, "")) for name in table.names]
+    told = table.meanings
     return len(told) > 2 and all(one.kind in (TIME, UNTOLD) and not one.axis for one in told)
 
 
@@ -90,7 +89,7 @@ def may_be_it(table: Table, row: Mapping[str, Any]) -> list[str]:
         _, found = choose(table.names, row["time_column"], "", "", ("", row["signal_unit"]), table.units)
     except InputError:
         return []
-    others = [meaning(name, table.units.get(name, "")) for name in table.names]
+    others = table.meanings
     alike = [
         one.name
         for one in others
@@ -111,18 +110,16 @@ def without_still(table: Table, row: Mapping[str, Any]) -> tuple[Table, list[str
     if row["role"] == "static" or not SHORTEST <= sum(map(len, held)) <= LOOKED_AT:
         return kept, []
     named = {row["signal_column"], row["time_column"], row.get("input_column", "")}
-    values = {
-        name: np.concatenate([numbers(piece[name], table.decimal) for piece in held]) for name in table.names
-    }
+    values = {name: np.concatenate([table.numbers(piece, name) for piece in held]) for name in table.names}
     still = [
         name
         for name, one in values.items()
         if name not in named
-        and not meaning(name, table.units.get(name, "")).axis
+        and not table.meaning(name).axis
         and np.isfinite(one).sum() >= SHORTEST
         and np.nanmax(one) == np.nanmin(one)
     ]
-    times = {name for name in table.names if meaning(name, table.units.get(name, "")).kind == TIME}
+    times = {name for name in table.names if table.meaning(name).kind == TIME}
     counting = [
         name for name, one in values.items() if times and name not in named | times and counts_rows(one)
     ]
@@ -158,7 +155,7 @@ def _noise(table: Table, row: Mapping[str, Any], values: Mapping[str, Floats]) -
     first, *more = found
     if more or first.kind not in (UNTOLD, VOLTAGE) or first.axis:
         return []
-    known = [meaning(name, table.units.get(name, "")) for name in values]
+    known = [table.meaning(name) for name in values]
     alike = [one.name for one in known if one.kind == first.kind and not one.axis]
     looked = {name: values[name][:LOOKED_FOR_NOISE] for name in alike}
     times = {name: np.arange(one.size, dtype=float) for name, one in looked.items()}
@@ -186,7 +183,7 @@ def with_running_time(table: Table, row: Mapping[str, Any]) -> tuple[Table, Mapp
 
     Such a column rises and falls from row to row. Where another one is a time it is left out, and else its running sum is the time.
     """
-    known = [meaning(name, table.units.get(name, "")) for name in table.names]
+    known = table.meanings
     named = [one.name for one in known if from_row_to_row(one)]
     if not named or len(known) < 2:
         return table, row, []
@@ -194,7 +191,7 @@ def with_running_time(table: Table, row: Mapping[str, Any]) -> tuple[Table, Mapp
     if not held:
         return table, row, []
     first = held[-1]
-    steps = [name for name in named if not goes_on(numbers(first[name], table.decimal))]
+    steps = [name for name in named if not goes_on(table.numbers(first, name))]
     if not steps or len(first) < 2:
         return table, row, []
     others = [one.name for one in known if one.kind == TIME and one.name not in steps]
@@ -207,7 +204,7 @@ def with_running_time(table: Table, row: Mapping[str, Any]) -> tuple[Table, Mapp
 
     def summed(rows: pd.DataFrame) -> pd.DataFrame:
         nonlocal passed
-        own = numbers(rows[clock], table.decimal)
+        own = table.numbers(rows, clock)
         if rows.index[0] == first.index[0]:
             own = np.concatenate([[0.0], own[1:]])  # before the first row there is none
         times = passed + np.cumsum(own)
@@ -224,7 +221,7 @@ def with_running_time(table: Table, row: Mapping[str, Any]) -> tuple[Table, Mapp
 
 def with_rising_time(table: Table, row: Mapping[str, Any]) -> tuple[Table, Mapping[str, Any], list[str]]:
     """The table and the row with the column of the time, and a remark, where none says that it is one and another than the first rises."""
-    kinds = [meaning(name, table.units.get(name, "")).kind for name in table.names]
+    kinds = [table.meaning(name).kind for name in table.names]
     if row["time_column"] or TIME in kinds or kinds[0] != UNTOLD:
         return table, row, []
     if numbers_rows(table.names[0]) and not row["time_unit"]:
@@ -240,7 +237,7 @@ def with_rising_time(table: Table, row: Mapping[str, Any]) -> tuple[Table, Mappi
     first = held[-1]
     if len(first) < 2:  # of one row nothing rises
         return table, row, []
-    values = {key: numbers(first[key], table.decimal) for key in table.names}
+    values = {key: table.numbers(first, key) for key in table.names}
     one = values[table.names[0]]
     backwards = goes_on(one[::-1])  # the last row is the first
     rising = [key for key, own in values.items() if goes_on(own[::-1] if backwards else own)]
@@ -294,7 +291,7 @@ def alike_in(table: Table, chosen: Chosen) -> list[str]:
 
     The order of a table speaks for the first column beside the time alone: one that was passed over may be it, too.
     """
-    others = [meaning(name, table.units.get(name, "")) for name in table.names]
+    others = table.meanings
     swing = chosen.found[0]
     if swing.kind != UNTOLD or len(chosen.found) > 1:
         return []

@@ -22,7 +22,7 @@ from .choice import (
     with_running_time,
     without_still,
 )
-from .files.columns import LENGTH, SPEED, axes_beside, meaning, place_of
+from .files.columns import LENGTH, SPEED, axes_beside, place_of
 from .files.columns import drives as moves_it
 from .files.columns import third as third_of
 from .files.runs import clock_part, several_runs
@@ -41,21 +41,8 @@ TWICE = 0.2  # by which the ratio of two periods may be off 2
 def interpret(table: Table, row: Mapping[str, Any], place: str, restoring: str) -> Interpreted:
     """What the columns of a table are: the time, and the angle, rate or position.
 
-    Parameters
-    ----------
-    table
-        As ``source.table_of`` returns it.
-    row
-        Of the sample sheet; its cells go first.
-    place
-        What an error names as its place.
-    restoring
-        ``sine`` or ``linear``.
-
-    Raises
-    ------
-    InputError
-        If the columns can be no swing, or leave open what they are; it names the option that answers.
+    The cells of the sheet's ``row`` go first; ``restoring`` is ``sine`` or ``linear``. InputError if the columns can be no swing, or leave
+    open what they are; it names the option that answers.
     """
     table = apart(table)
     if (paired := f"{row['signal_column']} x") in table.names:
@@ -70,7 +57,7 @@ def interpret(table: Table, row: Mapping[str, Any], place: str, restoring: str) 
     )
     names, beside, alike = [one.name for one in columns.found], [], []
     if len(names) == 2:
-        others = [meaning(one, table.units.get(one, "")) for one in table.names if one not in names]
+        others = [table.meaning(one) for one in table.names if one not in names]
         names += [one.name for one in (third_of(others, columns.found[0]),) if one]
     elif not row["signal_column"]:
         names = axes_beside(table.names, columns.found[0], table.units) or names
@@ -142,7 +129,7 @@ def interpret(table: Table, row: Mapping[str, Any], place: str, restoring: str) 
 
 def _written(table: Table, column: str) -> str:
     """The unit that a column's header states, as the sheet writes it; "" for none."""
-    found = meaning(column, table.units.get(column, ""))
+    found = table.meaning(column)
     return (found.unit or found.written).replace("²", "^2").replace("s2", "s^2")
 
 

@@ -63,7 +63,10 @@ def _longest(times: Floats, signal: Floats) -> tuple[int, int]:
 
 def narrowing(signal: Floats) -> float:
     """How wide the last third of the swings is over the first third; nan of too few. Below ``KEPT`` it dies away, whatever its model."""
-    sizes = np.abs(np.diff(half_swings(signal).turns[1:-1]))
+    return _narrowing(np.abs(np.diff(half_swings(signal).turns[1:-1])))
+
+
+def _narrowing(sizes: Floats) -> float:
     part = len(sizes) // 3
     return float(np.median(sizes[-part:]) / np.median(sizes[:part])) if part else float("nan")
 
@@ -72,10 +75,9 @@ def in_step_and_dying(times: Floats, signal: Floats) -> bool:
     """True for a swing of ENOUGH half-swings or more whose passages of the middle are even and whose size falls: whatever its model, they
     tell its period. That may change from swing to swing, as a ball's in a bowl that is no circle."""
     sizes = _sizes_in_step(times, signal, step=2)
-    part = len(sizes) // 3
-    if not part:
+    if not sizes.size:
         return False
-    fall = float(np.median(sizes[-part:]) / np.median(sizes[:part]))
+    fall = _narrowing(sizes)
     (slope, _), covariance = np.polyfit(np.arange(len(sizes)), sizes, 1, cov=True)
     # what a motor drives unsteadily may end with smaller swings by chance
     surely = -slope > SURELY * float(np.sqrt(covariance[0, 0]))
@@ -86,11 +88,7 @@ def in_step_and_steady(times: Floats, signal: Floats) -> bool:
     """True for a swing of ENOUGH half-swings or more whose passages of the middle are even and whose sizes are all alike: they tell its period,
     and nothing of what stops it."""
     sizes = _sizes_in_step(times, signal)
-    part = len(sizes) // 3
-    if not part:
-        return False
-    falls = np.median(sizes[-part:]) < DYING * np.median(sizes[:part])
-    return bool(not falls and np.quantile(sizes, 0.95) < GROWS * np.quantile(sizes, 0.05))
+    return bool(_narrowing(sizes) >= DYING and np.quantile(sizes, 0.95) < GROWS * np.quantile(sizes, 0.05))
 
 
 def late_stamps(times: Floats, signal: Floats) -> float:

@@ -83,12 +83,18 @@ def fit_circle(x: Floats, y: Floats, place: str = "positions") -> Circle:
     return circle
 
 
+def _scatter(positions: Sequence[Floats]) -> tuple[Floats, Bools, Floats, Floats]:
+    """Positions about their medians (axis, point), which of them are not far off, and the variances of these along their own axes, rising,
+    with the axes."""
+    about = np.stack([one - np.median(one) for one in positions])
+    size = np.sqrt((about**2).sum(axis=0))
+    kept = size <= FAR * max(float(np.median(size)), 1e-300)
+    return about, kept, *np.linalg.eigh(np.cov(about[:, kept]))
+
+
 def along_a_line(x: Floats, y: Floats) -> Floats | None:
     """How far along the line through them the points lie, where that is all that they tell: an arc too short for a pivot; else None."""
-    both = np.stack([x - np.median(x), y - np.median(y)])
-    size = np.hypot(*both)
-    kept = size <= FAR * max(float(np.median(size)), 1e-300)
-    values, axes = np.linalg.eigh(np.cov(both[:, kept]))
+    both, kept, values, axes = _scatter([x, y])
     if not values[1] > 0 or values[0] > LINE**2 * values[1]:
         return None
     along, beside = axes[:, 1] @ both, axes[:, 0] @ both
@@ -101,9 +107,7 @@ def along_a_line(x: Floats, y: Floats) -> Floats | None:
 
 def in_their_plane(positions: Sequence[Floats]) -> tuple[Floats, Floats]:
     """How far positions of three coordinates lie along the two axes on which they move most."""
-    all_ = np.stack([one - np.median(one) for one in positions])
-    size = np.sqrt((all_**2).sum(axis=0))
-    _, axes = np.linalg.eigh(np.cov(all_[:, size <= FAR * max(float(np.median(size)), 1e-300)]))
+    all_, _, _, axes = _scatter(positions)
     return axes[:, 2] @ all_, axes[:, 1] @ all_
 
 
@@ -113,10 +117,7 @@ def along_most(times: Floats, x: Floats, y: Floats) -> Floats | None:
     Of positions on no circle, as of a marker on a platform that turns about no fixed point, or before a camera that drifts, it is one
     coordinate. Where no axis stands out, it is that of x, y and the axes of their scatter which swings widest of those in step.
     """
-    both = np.stack([x - np.median(x), y - np.median(y)])
-    size = np.hypot(*both)
-    kept = size <= FAR * max(float(np.median(size)), 1e-300)
-    values, axes = np.linalg.eigh(np.cov(both[:, kept]))
+    both, _, values, axes = _scatter([x, y])
     if values[1] > MOST**2 * values[0]:
         return np.asarray(axes[:, 1] @ both)
     swinging = [one for one in (*both, *(axes.T @ both)) if in_a_row(times, one) >= ENOUGH]

@@ -3,10 +3,11 @@
 import codecs
 import csv
 import io
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pandas as pd
 
 from ..errors import InputError
@@ -124,6 +125,20 @@ def _check_names(path: object, rows: list[dict[str, Any]]) -> None:
             "names that differ in more than capitals, accents and signs",
             "rename one of them",
         )
+
+
+def rows_of_parts(row: Mapping[str, Any], parts: Sequence[Mapping[str, str]]) -> str:
+    """The lines of a sheet, header first, that make a recording of each of several ``parts`` of a row's file: its cells, then the part's."""
+    kept = [key for key, cell in row.items() if key != "line" and isinstance(cell, str) and cell]
+    if np.isfinite(row.get("counts_per_revolution", np.nan)):
+        kept.append("counts_per_revolution")
+    text = io.StringIO()
+    lines = csv.writer(text, lineterminator="\n")
+    lines.writerow([*kept, *parts[0]])
+    for number, part in enumerate(parts, 1):
+        cells = [f"{row[key]}-{number}" if key == "recording" else row[key] for key in kept]
+        lines.writerow([*cells, *part.values()])
+    return text.getvalue().rstrip()
 
 
 def unit_of(column: str, known: Iterable[str]) -> str:

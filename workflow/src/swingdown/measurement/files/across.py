@@ -5,14 +5,14 @@ import re
 from collections.abc import Sequence
 from itertools import islice
 
-from .cells import split
+from .cells import EITHER, NUMBER, split, stripped
 from .layout import COMMENT, DIALECTS
 
 FEWEST = 10  # samples: fewer rows are none of a recording's, and fewer columns none of its samples
 _LIST = re.compile(
     r"(?:([^\W\d]\w*)\s*[=:]\s*)?(?:[\w.]+\()?[\[({]([^\[\](){}]*)[\])}]+[;,]?"
 )  # as a program prints it, with its name
-_NUMBER = re.compile(r"[+-]?(\d+[.,]?\d*|[.,]\d+)([eE][+-]?\d+)?")
+_NUMBER = NUMBER[EITHER]
 
 
 def upright(lines: Sequence[str]) -> io.BytesIO | None:
@@ -26,7 +26,7 @@ def upright(lines: Sequence[str]) -> io.BytesIO | None:
     if not 2 <= len(filled) < FEWEST:
         return None
     for separator in dict.fromkeys(one for one, _ in DIALECTS):
-        rows = [_without_end(split(line, separator)) for line in filled]
+        rows = [stripped(split(line, separator)) for line in filled]
         named = [not _NUMBER.fullmatch(row[0]) if row else True for row in rows]
         sizes = {len(row) for row in rows}
         if len(sizes) > 1 or min(sizes) - any(named) < FEWEST or any(named) != all(named):
@@ -46,13 +46,6 @@ def _bare(line: str) -> str:
         return line
     between = "," if "," in found[2] else " "
     return f"{found[1]}{between}{found[2].strip()}" if found[1] else found[2].strip()
-
-
-def _without_end(cells: list[str]) -> list[str]:
-    """The cells without empty ones at their end."""
-    while cells and not cells[-1]:
-        cells = cells[:-1]
-    return cells
 
 
 def _rises(cells: Sequence[str]) -> bool:

@@ -78,6 +78,13 @@ def split(line: str, separator: str) -> list[str]:
     ]
 
 
+def stripped(cells: list[str], least: int = 0) -> list[str]:
+    """The cells without empty ones at their end, ``least`` of them in any case."""
+    while len(cells) > least and not cells[-1]:
+        cells = cells[:-1]
+    return cells
+
+
 class Clock:
     """A column of a clock's stamps, piece by piece, as seconds since the first; a clock without a date goes on past midnight."""
 

@@ -18,7 +18,7 @@ from .columns import TIME, UNTOLD, meaning
 from .layout import ARRIVED, CLOCKED, STATES_RATE, Layout, dialect
 from .rows import Block, cut_short, find_blocks, layout_of, left_out, read
 from .runs import rows_of, side_by_side
-from .table import WHOLE, Table, numbers
+from .table import WHOLE, Table, prefixed
 from .text import HEAD, charset, encoding, pieces_of
 from .worded import reworded
 
@@ -35,18 +35,13 @@ def delimited(source: BinaryIO, name: str, rate: float = np.nan) -> dict[str, Ta
     """The Tables of a text file; of several below each other those of each, named by it."""
     coded = encoding(source, name)
     head = _head(source, coded, name)
-    if (text := _without_brackets(source, coded, name, head)) is not None:
-        found = delimited(text, name, rate)
-        return {run: one._replace(layout=f"rows in brackets, {one.layout}") for run, one in found.items()}
-    if (text := upright(head)) and not rate > 0:
-        found = delimited(text, name)
-        return {run: one._replace(layout=f"its rows as columns, {one.layout}") for run, one in found.items()}
+    if text := _without_brackets(source, coded, name, head):
+        return prefixed("rows in brackets", delimited(text, name, rate))
+    if not rate > 0 and (text := upright(head)):
+        return prefixed("its rows as columns", delimited(text, name))
     how = dialect(head, name, single=rate > 0)
     if (how is None or how.words) and (text := reworded(source, coded, name, surely=how is not None)):
-        found = delimited(text, name, rate)
-        return {
-            run: one._replace(layout=f"a word before each number, {one.layout}") for run, one in found.items()
-        }
+        return prefixed("a word before each number", delimited(text, name, rate))
     blocks, opening = find_blocks(source, coded, how, name) if how else ([], [])
     if not how or not blocks:
         raise InputError(
@@ -157,11 +152,11 @@ def stated_rate(above: Sequence[str]) -> float:
 def _in_volts(table: Table) -> Table:
     """The table with V as the unit of each column without one that neither is a time nor goes on as one."""
     first = next(iter(table.pieces))
-    own = {one: meaning(one, table.units.get(one, "")) for one in table.names}
+    own = {one: table.meaning(one) for one in table.names}
     plain = [
         one
         for one, told in own.items()
-        if told.kind == UNTOLD and not told.axis and not goes_on(numbers(first[one], table.decimal))
+        if told.kind == UNTOLD and not told.axis and not goes_on(table.numbers(first, one))
     ]
     return table._replace(units={**dict.fromkeys(plain, "V"), **table.units})
 
@@ -171,7 +166,7 @@ def _untimed(table: Table, laid: Layout) -> bool:
     if laid.stamps:
         return False
     first = next(iter(table.pieces))
-    values = {one: numbers(first[one], table.decimal) for one in table.names}
+    values = {one: table.numbers(first, one) for one in table.names}
     clocks = [one for one, own in values.items() if goes_on(own) and not counts_rows(own)]
     filled = [one for one, own in values.items() if np.isfinite(own).any()]
     return not clocks and not any(meaning(one).kind == TIME for one in filled)

@@ -6,8 +6,8 @@ from typing import Any
 
 import pandas as pd
 
-from .columns import TIME, meaning
-from .table import Table, numbers
+from .columns import TIME
+from .table import Table
 
 # "grad" is none of them: to some it is a degree, to others a 400th of a turn
 _WORTH = {
@@ -24,7 +24,7 @@ _FACTOR = {written: (unit, worth) for unit, all_ in _WORTH.items() for written, 
 
 def in_known_units(table: Table, row: Mapping[str, Any]) -> Table:
     """The table with the columns in such a unit in s, rad, V or rad/s, each with a remark; where the sheet's ``row`` states a unit, as it is."""
-    known = [meaning(name, table.units.get(name, "")) for name in table.names]
+    known = table.meanings
     found = {
         one.name: _FACTOR[one.written.lower()]
         for one in known
@@ -35,7 +35,7 @@ def in_known_units(table: Table, row: Mapping[str, Any]) -> Table:
 
     def converted(rows: pd.DataFrame) -> pd.DataFrame:
         return rows.assign(
-            **{name: factor * numbers(rows[name], table.decimal) for name, (_, factor) in found.items()}
+            **{name: factor * table.numbers(rows, name) for name, (_, factor) in found.items()}
         )
 
     told = tuple(

@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 
 from ...errors import InputError
-from .cells import ARRIVAL, EITHER, NUMBER, SPACES, THOUSANDS, Dialect, split
+from .cells import ARRIVAL, EITHER, NUMBER, SPACES, THOUSANDS, Dialect, split, stripped
 from .columns import ANGLE, LENGTH, RATE, TIME, UNITS, UNNAMED, UNTOLD, VOLTAGE, meaning
 from .table import MISSING, numbers
 
@@ -219,7 +219,7 @@ def _header_cells(line: str, how: Dialect) -> list[str]:
     if how.size == 1:
         return [bare.strip()] if not re.search(r"[,;\t]", bare) else split(bare, ",")
     whole = how.cells(bare)
-    cells = _stripped(whole)
+    cells = stripped(whole, 1)
     cells = _before_a_row(cells, how) or cells
     while len(cells) > how.size and how.is_number(cells[-1].rpartition("=")[2].strip()):
         cells = cells[:-1]  # what is said once beside the names, as the start and the step of a clock
@@ -229,9 +229,9 @@ def _header_cells(line: str, how: Dialect) -> list[str]:
         return cells
     for separator in dict.fromkeys((how.separator, ",", ";", "\t", SPACES, ".")):
         # one quoted cell over all columns; spaces above rows with tabs; a decimal comma set by machine: `t.a.b` above `0,1`
-        if separator == SPACES and how.separator != SPACES and len(_stripped(whole)) > 1:
+        if separator == SPACES and how.separator != SPACES and len(stripped(whole, 1)) > 1:
             continue  # what stands in its cells are words
-        inside = _stripped(split(bare.strip().strip('"'), separator))
+        inside = stripped(split(bare.strip().strip('"'), separator), 1)
         if separator == "." and not re.fullmatch(r"\S+", bare.strip()):
             continue  # sentences
         if len(inside) == how.size and any(map(tells, inside)):
@@ -249,12 +249,6 @@ def _before_a_row(cells: list[str], how: Dialect) -> list[str]:
     if not joined or not all(map(how.is_number, row)) or any(map(how.is_number, cells[:last])):
         return []
     return [*cells[:last], joined[1].strip()]
-
-
-def _stripped(cells: list[str]) -> list[str]:
-    while len(cells) > 1 and not cells[-1]:
-        cells = cells[:-1]
-    return cells
 
 
 def tells(name: str) -> bool:

@@ -11,7 +11,7 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from ...errors import InputError
-from .cells import SPACES, Clock, Dialect, stamps
+from .cells import SPACES, Clock, Dialect, stamps, stripped
 from .columns import TIME, meaning
 from .layout import CLOCKED, COMMENT, Layout, layout, tells
 from .table import MISSING, numbers
@@ -122,9 +122,7 @@ class _Finder:
 
     def _line(self, number: int, line: str) -> None:
         block = self.blocks[-1] if self.blocks else None
-        cells = self.how.cells(line)
-        while len(cells) > (block.size if block else self.how.size) and not cells[-1]:
-            cells = cells[:-1]
+        cells = stripped(self.how.cells(line), block.size if block else self.how.size)
         if not any(cells):
             self.empty = True
             return

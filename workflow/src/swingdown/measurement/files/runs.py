@@ -1,7 +1,5 @@
 """Several recordings in one file: which of its columns belong to which run, and the rows of each without the blanks beside longer runs."""
 
-import csv
-import io
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
@@ -10,6 +8,7 @@ import numpy as np
 import pandas as pd
 
 from ...errors import InputError
+from ..sheet import rows_of_parts
 from .columns import TIME, UNNAMED, meaning
 from .table import MISSING
 
@@ -180,17 +179,12 @@ def several_runs(
     names: tuple[str, ...], row: Mapping[str, Any], place: str, why: str = "the file holds {} runs"
 ) -> SeveralRuns:
     """The refusal of a file with several runs, ``why`` with their number. Its mend holds the rows of the sheet that make each of them a recording."""
-    kept = [key for key, cell in row.items() if key != "line" and isinstance(cell, str) and cell]
-    text = io.StringIO()
-    rows = csv.writer(text, lineterminator="\n")
-    rows.writerow([*kept, "run"])
-    for number, name in enumerate(names, 1):
-        rows.writerow([*(f"{row[key]}-{number}" if key == "recording" else row[key] for key in kept), name])
+    rows = rows_of_parts(row, [{"run": name} for name in names])
     refusal = SeveralRuns(
         f"{place} (column run)",
         f"{why.format(len(names))}: {', '.join(names)}",
         "one recording",
-        f"put these rows in place of this one:\n{text.getvalue()}".rstrip(),
+        f"put these rows in place of this one:\n{rows}",
     )
     refusal.names = names
     return refusal

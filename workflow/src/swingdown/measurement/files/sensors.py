@@ -10,9 +10,9 @@ import pandas as pd
 from ...arrays import Floats
 from ..choice import LOOKED_AT, SHORTEST
 from ..plausibility import ENOUGH, in_a_row
-from .columns import TIME, meaning
+from .columns import TIME
 from .runs import by_name, clock_part, several_runs
-from .table import Table, first_rows, numbers
+from .table import Table, first_rows
 
 _LABEL = re.compile(
     r"(?i)(pin|channel|chan|sensor|probe|port|kanal|canal)[ _.-]*(no|nr|num|number|id|index|nummer|#)\.?"
@@ -22,19 +22,13 @@ _LABEL = re.compile(
 def of_one_sensor(table: Table, row: Mapping[str, Any]) -> Table:
     """The table of one sensor, without the column that numbers them; as it is where none does.
 
-    Of several sensors the one that the sheet's cell ``run`` names, or else the only one that swings.
-
-    Raises
-    ------
-    SeveralRuns
-        If another number of them swings, and none is named.
-    InputError
-        If there is none of that name.
+    Of several sensors it is the one that the sheet's cell ``run`` names, or else the only one that swings: SeveralRuns where more or none
+    do, and InputError where there is none of that name.
     """
     labels = [name for name in table.names if _LABEL.fullmatch(name.strip())]
     asked = "" if clock_part(run := str(row.get("run", ""))) else run
     table, held = first_rows(table, LOOKED_AT) if len(labels) == 1 else (table, [])
-    each = [numbers(piece[labels[0]], table.decimal) for piece in held]
+    each = [table.numbers(piece, labels[0]) for piece in held]
     known = np.concatenate([*each, np.empty(0)])
     found = np.unique(known[np.isfinite(known)])
     if not found.size or np.any(found != np.round(found)):
@@ -55,7 +49,7 @@ def of_one_sensor(table: Table, row: Mapping[str, Any]) -> Table:
     told = (f"`{taken}` was taken of its sensors{why}; left out: {others}",) if others else ()
 
     def of_it(rows: pd.DataFrame) -> pd.DataFrame:
-        return rows[numbers(rows[label], table.decimal) == named[taken]].drop(columns=label)
+        return rows[table.numbers(rows, label) == named[taken]].drop(columns=label)
 
     names = tuple(name for name in table.names if name != label)
     return table._replace(names=names, pieces=map(of_it, table.pieces), remarks=(*table.remarks, *told))
@@ -64,9 +58,9 @@ def of_one_sensor(table: Table, row: Mapping[str, Any]) -> Table:
 def _swinging(table: Table, rows: pd.DataFrame, label: str, named: Mapping[str, float]) -> list[str]:
     """The sensors of which a column swings over the time."""
     others = [name for name in table.names if name != label]
-    clocks = [name for name in others if meaning(name, table.units.get(name, "")).kind == TIME]
-    values: dict[str, Floats] = {name: numbers(rows[name], table.decimal) for name in others}
-    of = numbers(rows[label], table.decimal)
+    clocks = [name for name in others if table.meaning(name).kind == TIME]
+    values: dict[str, Floats] = {name: table.numbers(rows, name) for name in others}
+    of = table.numbers(rows, label)
     times = values[clocks[0]] if clocks else np.arange(of.size, dtype=float)
     read = [values[name] for name in others if name not in clocks]
     able = []

@@ -12,7 +12,7 @@ from ...errors import InputError
 from ..sheet import TIME_UNITS
 from .columns import place_of
 from .source import Table
-from .table import MISSING, numbers
+from .table import MISSING
 
 MOST_EMPTY = 0.5  # of the rows of a window: a column with fewer numbers is another one
 MOST_SPOILT = 0.05  # of them, with something else in a cell: a file that is damaged
@@ -37,10 +37,10 @@ def series(
     for rows, last in _with_last(table.pieces):
         piece = rows.iloc[:-1] if table.cut and last else rows
         lines = piece.index.to_numpy()
-        times = numbers(piece[time_column], table.decimal) * TIME_UNITS[time_unit]
+        times = table.numbers(piece, time_column) * TIME_UNITS[time_unit]
         # NaN, of the times or of a limit, is neither
         inside = ~((times < row["start_s"]) | (times > row["stop_s"]))
-        values = [numbers(piece[key][inside], table.decimal) for key in (*columns, *beside)]
+        values = [table.numbers(piece[key], inside) for key in (*columns, *beside)]
         whole = np.ones(np.count_nonzero(inside), dtype=bool)
         for key, own in zip((time_column, *columns), (times[inside], *values), strict=False):
             whole &= spoilt[key].note(piece[key][inside], own, lines[inside])

@@ -28,7 +28,7 @@ from .layout import CLOCKED
 from .programs import saved_by_program
 from .runs import by_name, clock_part, several_runs
 from .sensors import of_one_sensor
-from .table import WHOLE, Table
+from .table import WHOLE, Table, prefixed
 
 LARGEST = 2_000_000_000  # bytes that the variables of a netCDF file may take: it is held whole
 MOST_BYTES = 5_000_000_000  # of a file: each is read twice, a minute for so many
@@ -38,13 +38,7 @@ NETCDF = (".nc", ".nc4", ".cdf", ".netcdf", ".h5", ".hdf5")
 
 
 def runs(source: BinaryIO, row: Mapping[str, Any]) -> list[str]:
-    """The names of the runs in an open file, in its order; none where it holds one recording.
-
-    Parameters
-    ----------
-    source, row
-        As of ``table_of``, and so are the errors.
-    """
+    """The names of the runs in an open file, in its order; none where it holds one recording. Errors are as of ``table_of``."""
     return [name for name in tables(source, row) if name]
 
 
@@ -82,18 +76,7 @@ def table_of(source: BinaryIO, row: Mapping[str, Any]) -> Table:
 
 
 def tables(source: BinaryIO, row: Mapping[str, Any]) -> dict[str, Table]:
-    """The tables of an open file by the names of its runs, and by "" that of the whole file.
-
-    Parameters
-    ----------
-    source, row
-        As of ``table_of``.
-
-    Raises
-    ------
-    InputError
-        If the file cannot be read, or the row asks for a sheet that it has not.
-    """
+    """The tables of an open file by the names of its runs, and by "" that of the whole file; errors as of ``table_of``."""
     name = row["file"]
     if name.lower().endswith(NETCDF):
         return {WHOLE: _netcdf(source, row)}
@@ -103,8 +86,7 @@ def tables(source: BinaryIO, row: Mapping[str, Any]) -> dict[str, Table]:
     if inside := unpacked(source, name, str(row.get("sheet", ""))):
         text, where, own = inside
         if own:  # what has a reader of its own is read as in a folder
-            found = tables(text, {**row, "file": f"{name}, {own}", "sheet": ""})
-            return {run: one._replace(layout=f"{where}, {one.layout}") for run, one in found.items()}
+            return prefixed(where, tables(text, {**row, "file": f"{name}, {own}", "sheet": ""}))
         about, paused = phyphox.told(source)
         return {
             run: table._replace(
@@ -147,17 +129,7 @@ def _of_program(columns: Columns, rate: float) -> Table:
 def opened(name: str, place: str) -> Iterator[BinaryIO]:
     """A file or URL, open for reading. A URL is kept on the disk meanwhile.
 
-    Parameters
-    ----------
-    name
-        A path, or an address.
-    place
-        What an error names as its place.
-
-    Raises
-    ------
-    InputError
-        If it cannot be had, is larger than any recording, or fails while it is read.
+    InputError if it cannot be had, is larger than any recording, or fails while it is read.
     """
     try:
         source = _copied(name) if is_url(name) else _local(name)
@@ -205,22 +177,7 @@ def _copied(address: str) -> BinaryIO:
 
 
 def check_sha256(source: BinaryIO, expected: str, name: str, place: str) -> str:
-    """The SHA-256 of a file.
-
-    Parameters
-    ----------
-    source
-        As ``opened`` gives it.
-    expected
-        What it has to be; empty: anything.
-    name, place
-        What an error names.
-
-    Raises
-    ------
-    InputError
-        If it is another one.
-    """
+    """The SHA-256 of a file as ``opened`` gives it; InputError if another one is ``expected`` ("": any will do)."""
     state = hashlib.sha256()
     while piece := source.read(_PIECE):
         state.update(piece)

@@ -2,13 +2,14 @@
 
 import itertools
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
 
 from ...arrays import Floats
+from .columns import Meaning, meaning
 
 WHOLE = ""  # the name of a table that is no run: all of the file
 STATES = {"blocked": 1, "unblocked": 0}  # of a light gate, as Capstone writes them
@@ -30,6 +31,24 @@ class Table(NamedTuple):
     remarks: tuple[str, ...] = ()  # to the user: on lines that are no rows, pauses, how a film was followed
     usual: dict[str, float] = {}  # cells of the sample sheet where it says nothing
     ordered: bool = True  # False of arrays by name: the first of them is the swing no more than another
+
+    def meaning(self, name: str) -> Meaning:
+        """What a column holds, by its header and by the unit that the file states apart from it."""
+        return meaning(name, self.units.get(name, ""))
+
+    @property
+    def meanings(self) -> list[Meaning]:
+        """The same of each column, in their order."""
+        return [self.meaning(name) for name in self.names]
+
+    def numbers(self, rows: pd.DataFrame, name: str) -> Floats:
+        """A column of some of its rows as floats, NaN for a cell that is no number."""
+        return numbers(rows[name], self.decimal)
+
+
+def prefixed(words: str, found: Mapping[str, Table]) -> dict[str, Table]:
+    """The tables, each with these words before what is told of its layout."""
+    return {run: one._replace(layout=f"{words}, {one.layout}") for run, one in found.items()}
 
 
 def first_rows(table: Table, most: int) -> tuple[Table, list[pd.DataFrame]]:

@@ -137,9 +137,10 @@ def _followed(cv2: Any, path: str, name: str, first: Pictures, looks: Sequence[L
     if not places:
         raise problems[0]
     height, width = first.shape[:2]
-    seconds = _increasing(times, _rate(cv2, path), name)
+    stated, rate = _stated(cv2, path)
+    seconds = _increasing(times, rate, name)
     drawn = _drawn(cv2, first.copy(), np.concatenate(places))
-    return Track(seconds, places[0], (width, height), drawn, _stated_in(cv2, path), tuple(places[1:]))
+    return Track(seconds, places[0], (width, height), drawn, stated, tuple(places[1:]))
 
 
 def _places(found: Sequence[Blob], look: Look, factor: int, name: str) -> Floats:
@@ -196,22 +197,11 @@ def _frames(
         )
 
 
-def _stated(cv2: Any, reader: Any) -> int:
-    return int(max(reader.get(cv2.CAP_PROP_FRAME_COUNT), 0))
-
-
-def _stated_in(cv2: Any, path: str) -> int:
+def _stated(cv2: Any, path: str) -> tuple[int, float]:
+    """How many frames the container states, and how many a second; 0 for neither."""
     reader = cv2.VideoCapture(path)
     try:
-        return _stated(cv2, reader)
-    finally:
-        reader.release()
-
-
-def _rate(cv2: Any, path: str) -> float:
-    reader = cv2.VideoCapture(path)
-    try:
-        return float(reader.get(cv2.CAP_PROP_FPS))
+        return int(max(reader.get(cv2.CAP_PROP_FRAME_COUNT), 0)), float(reader.get(cv2.CAP_PROP_FPS))
     finally:
         reader.release()
 
@@ -231,9 +221,7 @@ def _smaller(cv2: Any, frame: Pictures) -> Pictures:
 
 def _samples(cv2: Any, path: str, name: str) -> tuple[Pictures, list[list[Pictures]]]:
     """The first frame, and of each window of the film some smaller pictures, by twos that follow each other."""
-    reader = cv2.VideoCapture(path)
-    total = _stated(cv2, reader)
-    reader.release()
+    total, _ = _stated(cv2, path)
     if not total:  # such as a stream that was saved: it has to be counted
         total = sum(1 for _ in _frames(cv2, path, name))
     chosen, read = _chosen(cv2, path, name, total)

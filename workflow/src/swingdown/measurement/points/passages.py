@@ -12,12 +12,11 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from ...arrays import Floats
+from ...arrays import Floats, longest
 from ...errors import InputError
 from ...rounding import moment
-from ..files.columns import COUNTS, TIME, UNTOLD, VOLTAGE, Meaning, meaning, place_of
+from ..files.columns import COUNTS, TIME, UNTOLD, VOLTAGE, Meaning, place_of
 from ..files.source import Table
-from ..files.table import numbers
 from ..sheet import TIME_UNITS
 from ..swings.half_swings import half_swings
 from .points_recording import PASSED, about_file, as_recording
@@ -100,11 +99,9 @@ def ask_periods(table: Table, row: Mapping[str, Any], place: str) -> Table:
     rows, table = peeked(table)
     if rows is None or rows.empty:
         return table
-    columns = [meaning(name, table.units.get(name, "")) for name in table.names]
-    rest = [
-        one for one in columns if not is_number(one, _sound(numbers(rows[one.name], table.decimal)), table)
-    ]
-    each = [_sound(numbers(rows[one.name], table.decimal)) for one in rest]
+    columns = table.meanings
+    rest = [one for one in columns if not is_number(one, _sound(table.numbers(rows, one.name)), table)]
+    each = [_sound(table.numbers(rows, one.name)) for one in rest]
     if not rest or any(one.kind != UNTOLD for one in rest) or not all(map(_like_periods, each)):
         return table
     several = (
@@ -168,19 +165,13 @@ def _halves(times: Floats, kind: str, step: int, place: str) -> tuple[np.ndarray
     """
     gaps = np.diff(times)
     usual = float(np.median(gaps[1:] + gaps[:-1])) / 2  # of pairs: a gate may be beside the middle
-    edges = np.flatnonzero(np.concatenate([[True], gaps < usual / 2, [True]]))
-    longest = int(np.argmax(np.diff(edges)))
-    begin = int(edges[longest])
-    own = times[begin : int(edges[longest + 1])]
-    if (
-        kind == PASSAGES
-        and own.size >= FEWEST
-        and np.all(np.abs((own[2:] - own[:-2]) / 2 - usual) < _ALIKE * usual)
-    ):
-        return np.arange(own.size), slice(begin, begin + own.size)
-    found = counts(own, np.zeros(own.size)) if own.size >= FEWEST else None
-    if found is not None:
-        return step * found[0], slice(begin + found[1].start, begin + found[1].stop)
+    part = longest(gaps >= usual / 2)
+    own = times[part]
+    in_pairs = np.abs((own[2:] - own[:-2]) / 2 - usual) < _ALIKE * usual
+    if kind == PASSAGES and own.size >= FEWEST and in_pairs.all():
+        return np.arange(own.size), part
+    if own.size >= FEWEST and (found := counts(own, np.zeros(own.size))) is not None:
+        return step * found[0], slice(part.start + found[1].start, part.start + found[1].stop)
     raise InputError(
         place, "the swings between its passages cannot be counted: the times are not multiples of one interval",
         "passages of which some follow each other", "leave out what is no passage of the bob (⟨start_s⟩ and ⟨stop_s⟩)",
@@ -189,8 +180,8 @@ def _halves(times: Floats, kind: str, step: int, place: str) -> tuple[np.ndarray
 
 def _gate(rows: pd.DataFrame, table: Table, row: Mapping[str, Any]) -> Gate | None:
     """The ``Gate`` of a file's rows; None where they are something else."""
-    columns = [meaning(name, table.units.get(name, "")) for name in table.names]
-    values = {one.name: numbers(rows[one.name], table.decimal) for one in columns}
+    columns = table.meanings
+    values = {one.name: table.numbers(rows, one.name) for one in columns}
     filled = {one.name: np.count_nonzero(np.isfinite(values[one.name])) for one in columns}
     columns = [one for one in columns if filled[one.name] > _BARE * max(filled.values())]
     number = [one for one in columns if is_number(one, _sound(values[one.name]), table)]

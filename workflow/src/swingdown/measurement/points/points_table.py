@@ -12,7 +12,7 @@ import xarray as xr
 
 from ...arrays import Floats
 from ...errors import InputError
-from ..files.columns import ANGLE, LENGTH, TIME, UNNAMED, UNTOLD, Meaning, choose, meaning, place_of
+from ..files.columns import ANGLE, LENGTH, TIME, UNNAMED, UNTOLD, Meaning, choose, place_of
 from ..files.source import Table
 from ..files.table import numbers
 from ..sheet import TIME_UNITS
@@ -56,7 +56,7 @@ def turning_points(table: Table, row: Mapping[str, Any], place: str) -> tuple[Ta
     columns = _columns(table, row)
     if columns is None:
         return table, None
-    values = {one: numbers(first[one], table.decimal) for one in (columns.clock.name, columns.signal.name)}
+    values = {one: table.numbers(first, one) for one in (columns.clock.name, columns.signal.name)}
     clock, signal = values.values()
     scale = TIME_UNITS[row["time_unit"] or columns.clock.unit or "s"]
     sound = np.isfinite(clock) & np.isfinite(signal) & _inside(clock * scale, row)
@@ -91,7 +91,7 @@ def peeked(table: Table) -> tuple[pd.DataFrame | None, Table]:
     whole = table._replace(pieces=_again(seen, pieces, problem))
     if problem is not None or len(seen) > 2 or not 0 < sum(map(len, seen)) <= _MOST:
         return None, whole
-    told = [pd.DataFrame({name: numbers(one[name], table.decimal) for name in one}) for one in seen]
+    told = [pd.DataFrame({name: table.numbers(one, name) for name in one}) for one in seen]
     rows = pd.concat(told, ignore_index=True)  # as numbers: of a piece with words a column is of another type
     return rows.iloc[: -1 if table.cut else None], whole
 
@@ -107,7 +107,7 @@ def _again(
 
 def _columns(table: Table, row: Mapping[str, Any]) -> Columns | None:
     """The columns that may be turning points; None where the file has none, or positions."""
-    found = [meaning(name, table.units.get(name, "")) for name in table.names if not name.startswith(UNNAMED)]
+    found = [table.meaning(name) for name in table.names if not name.startswith(UNNAMED)]
     usable = [one for one in found if not _ERROR.search(one.name.replace("_", " "))]
     stated = row["time_unit"], row["signal_unit"]
     try:

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ...arrays import Floats
+from ...arrays import Floats, longest
 from ...pendulum.ideal import lengthening
 
 FEWEST = 6  # turning points: three terms of damping and a first angle, and two more to tell their scatter
@@ -23,9 +23,7 @@ def counts(times: Floats, sizes: Floats) -> tuple[np.ndarray, slice] | None:
     for gaps in (np.diff(times) / longer, np.diff(times)):  # without a unit the sizes may be no angles
         for unit in (float(np.median(gaps)), *(float(np.min(gaps)) / part for part in range(1, _PARTS + 1))):
             counts = _multiples(gaps, unit)
-            edges = np.flatnonzero(np.concatenate([[True], counts == 0, [True]]))
-            longest = int(np.argmax(np.diff(edges)))
-            used = slice(int(edges[longest]), int(edges[longest + 1]))
+            used = longest(counts != 0)
             if used.stop - used.start >= max(FEWEST, times.size / 2):
                 return np.concatenate([[0], np.cumsum(counts[used][: used.stop - used.start - 1])]), used
     return None

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import bdtr, stdtrit
 
-from ...arrays import Floats
+from ...arrays import Bools, Floats, longest
 from ...errors import InputError
 from ...rounding import moment
 from ..swings.half_swings import half_swings, middles
@@ -61,27 +61,10 @@ def points_in(
     name: str = "",
     in_rad: float = 0.0,
 ) -> Points | None:
-    """The ``Points`` of a series of times and readings; None where they are samples of a swing.
+    """The ``Points`` of a series of times (s; or ``counted`` swings) and readings, of shape (point,); None where they are samples of a swing.
 
-    Parameters
-    ----------
-    times
-        In s, or counts of swings (``counted``), of shape (point,).
-    readings
-        Of the same shape.
-    place
-        What an error names as its place.
-    stated
-        One of ``KINDS``, or "".
-    name
-        That of the readings' column.
-    in_rad
-        What the readings' unit is in rad; 0 for a unit that is none of angles.
-
-    Raises
-    ------
-    InputError
-        If their kind is not stated and cannot be decided.
+    ``stated`` is one of ``KINDS``, or ""; ``name`` that of the readings' column; ``in_rad`` what their unit is in rad, 0 for one that is
+    none of angles. InputError if their kind is not stated and cannot be decided.
     """
     if times.size < FEWEST:
         if stated and stated != SWING:
@@ -141,7 +124,9 @@ def _numbered(
     """Times and readings of the turning points that can be counted by their times, their numbers in half-swings, and remarks."""
     both, signed, _ = sides
     times, readings, told = _once(times, readings, signed)
-    count, used = _counts(times, np.abs(readings) * in_rad, place)
+    if (found := counts(times, np.abs(readings) * in_rad)) is None:
+        raise _no_count(place)
+    count, used = found
     halves = (1 if both else 2) * count
     if halves.size < min(times.size, 2 * FEWEST) and not stated:
         # that they are turning points is a guess: of a few points it has to suit all
@@ -240,29 +225,14 @@ def _once(times: Floats, readings: Floats, signed: bool) -> tuple[Floats, Floats
     return times[kept], readings[kept], told if lost else []
 
 
-def _counts(times: Floats, amplitudes: Floats, place: str) -> tuple[np.ndarray, slice]:
-    """How many swings (or half-swings) passed until each point, and which points are used; InputError where that cannot be told."""
-    found = counts(times, amplitudes)
-    if found is None:
-        raise _no_count(place)
-    return found
-
-
-def _by_turns(in_turn: np.ndarray, place: str) -> slice:
+def _by_turns(in_turn: Bools, place: str) -> slice:
     """The points used of those on both sides: all, or the longest part on alternate sides; InputError where that is less than half."""
     if np.mean(in_turn) >= 1 - _WRONG:
         return slice(None)
-    used = _longest(in_turn)
+    used = longest(in_turn[1:] == in_turn[:-1])
     if 2 * (used.stop - used.start) < in_turn.size:
         raise _no_count(place)
     return used
-
-
-def _longest(same: np.ndarray) -> slice:
-    """The longest part in which the values are the same."""
-    edges = np.flatnonzero(np.concatenate([[True], same[1:] != same[:-1], [True]]))
-    k = int(np.argmax(np.diff(edges)))
-    return slice(int(edges[k]), int(edges[k + 1]))
 
 
 def _no_sides(place: str) -> InputError:

@@ -1,7 +1,5 @@
 """Where a pendulum swings by itself: from the release out of a hand to the next one, or to where it rests."""
 
-import csv
-import io
 from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
@@ -11,6 +9,7 @@ import xarray as xr
 from ...arrays import Floats
 from ...errors import InputError
 from ...quantisation import quantisation_step
+from ..sheet import rows_of_parts
 from .half_swings import Swings, half_swings
 from .hand import held_still, stretches
 from .lift import lifted_until
@@ -54,24 +53,10 @@ def find_windows(
 ) -> tuple[list[Window], list[float]]:
     """The ``Window``s of a recording in order, and when (s) something pushed the pendulum within one of them.
 
-    Parameters
-    ----------
-    times
-        In s, evenly spaced, of shape (sample,).
-    signal
-        Of the same shape.
-    scale
-        Rad per unit of ``signal``, 0 where that is not known.
-    rate
-        Whether it is an angular rate.
-    hidden
-        From when to when (s) the signal is not known; of hands nothing is told beside it.
-
-    Returns
-    -------
-    tuple
-        A window for each release, and one of nan where nobody touched the pendulum or the recording is too short. A hand parts two of
-        them where it stays for a period, or where the pendulum swings higher after it.
+    There is one for each release, and one of nan where nobody touched the pendulum or the recording is too short. A hand parts two of them
+    where it stays for a period, or where the pendulum swings higher after it. ``times`` (s) are evenly spaced, ``scale`` is rad per unit of
+    ``signal``, 0 where that is not known, and ``rate`` True of an angular rate. Between the times (s) that are ``hidden`` the signal is not
+    known: of hands nothing is told beside it.
     """
     whole = Window(NAN, NAN, NAN, False)
     free, pushed = [_Free(NAN, NAN)], []
@@ -175,23 +160,13 @@ def by_itself(recording: xr.Dataset) -> xr.Dataset:
 
 def several_releases(windows: Sequence[Window], row: Mapping[str, Any], place: str) -> SeveralReleases:
     """The refusal of a recording with several releases. Its mend holds the rows of the sheet that make each of them a recording."""
-    kept = [key for key, cell in row.items() if key != "line" and isinstance(cell, str) and cell]
-    if not np.isnan(row["counts_per_revolution"]):
-        kept.append("counts_per_revolution")
-    text = io.StringIO()
-    rows = csv.writer(text, lineterminator="\n")
-    rows.writerow([*kept, "start_s", "stop_s"])
-    parts = []
-    for number, window in enumerate(windows, 1):
-        ends = {"start_s": window.begins, "stop_s": window.ends}
-        parts.append({key: "" if np.isnan(at) else f"{at:.3f}" for key, at in ends.items()})
-        cells = [f"{row[key]}-{number}" if key == "recording" else row[key] for key in kept]
-        rows.writerow([*cells, *parts[-1].values()])
+    ends = [{"start_s": window.begins, "stop_s": window.ends} for window in windows]
+    parts = [{key: "" if np.isnan(at) else f"{at:.3f}" for key, at in one.items()} for one in ends]
     refusal = SeveralReleases(
         place,
         f"the pendulum is released {len(windows)} times in it",
         "one swing in a recording",
-        f"put these rows in place of this one, or state ⟨start_s⟩ or ⟨stop_s⟩ to keep it whole:\n{text.getvalue()}".rstrip(),
+        f"put these rows in place of this one, or state ⟨start_s⟩ or ⟨stop_s⟩ to keep it whole:\n{rows_of_parts(row, parts)}",
     )
     refusal.why = tuple(one.why for one in windows)
     refusal.cells = tuple({key: cell for key, cell in part.items() if cell} for part in parts)
