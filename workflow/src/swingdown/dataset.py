@@ -37,16 +37,7 @@ def write(dataset: xr.Dataset, path: str | Path, replace: bool = True) -> Path:
     Every variable is compressed with zlib and carries the format's own checksum (Fletcher-32), which any reader of
     netCDF verifies. What lies between the variables (the index of their pieces, text of variable length) has none, so the
     file has a seal as well (``sealed.seal_behind``). What the CF Conventions ask of every file (title, history without a date,
-    source, a name for each variable) is added where the dataset does not say it itself.
-
-    Parameters
-    ----------
-    dataset
-        Each float variable has ``units`` and ``long_name``.
-    path
-        The netCDF file. A write that fails leaves nothing behind.
-    replace
-        Whether a file of that name may be replaced.
+    source, a name for each variable) is added where the dataset does not say it itself. A write that fails leaves nothing behind.
 
     Raises
     ------
@@ -97,20 +88,8 @@ def write(dataset: xr.Dataset, path: str | Path, replace: bool = True) -> Path:
 
 
 def series_of(data: xr.Dataset, part: str = "") -> xr.DataArray:
-    """What a sensor read, of a dataset of ``results/angles``.
-
-    Parameters
-    ----------
-    data
-        With the variable ``angle`` (rad) or ``rate`` (rad/s), over ``time`` (s).
-    part
-        A variable that goes with it, such as ``bound`` or ``random_uncertainty``. Default: the reading itself.
-
-    Raises
-    ------
-    KeyError
-        If there is no such part.
-    """
+    """What a sensor read, of a dataset of ``results/angles``: ``angle`` (rad) or ``rate`` (rad/s), over ``time`` (s); or a ``part`` that goes
+    with it, such as ``bound`` or ``random_uncertainty``, KeyError where there is none."""
     name = "rate" if "rate" in data else "angle"
     return data[f"{name}_{part}" if part else name]
 
@@ -122,18 +101,10 @@ def quiet_of(data: xr.Dataset) -> Floats:
 
 
 def read(path: str | Path) -> xr.Dataset:
-    """The dataset of a file written by ``write``, loaded whole.
+    """The dataset of a netCDF file written by ``write``, loaded whole.
 
-    Parameters
-    ----------
-    path
-        A netCDF file.
-
-    Raises
-    ------
-    InputError
-        If the file is missing, damaged, incomplete, changed since, or lost the unit of a float variable. Of a file that stands for a
-        recording that cannot be used it is that recording's.
+    InputError where the file is missing, damaged, incomplete, changed since, or lost the unit of a float variable. Of a file that stands for a
+    recording that cannot be used it is that recording's.
     """
     needed("netCDF4")
     with reading(path):

@@ -16,26 +16,11 @@ _MEND = "run the study again, which writes it"
 def write_manifest(
     results: str | Path, output: str | Path, parts: Sequence[str] = (".",), without: Sequence[str] = ()
 ) -> int:
-    """How many files the manifest lists.
+    """How many files the manifest lists that was written as ``output``: those of the ``parts`` of the folder ``results`` (files or folders
+    relative to it; what is not there has no files), ``without`` some of them.
 
     An entry is path (relative to ``results``), size in bytes and SHA-256, sorted by path. Manifests, seals, logs, benchmarks and
-    unfinished files are not listed.
-
-    Parameters
-    ----------
-    results
-        The folder.
-    output
-        The manifest to write.
-    parts
-        Files or folders relative to ``results``; what is not there has no files.
-    without
-        Parts that are left out.
-
-    Raises
-    ------
-    InputError
-        If a file is not what its seal was taken of; nothing is written then.
+    unfinished files are not listed. InputError where a file is not what its seal was taken of; nothing is written then.
     """
     results = Path(results)
     outside = [results / part for part in without]
@@ -62,27 +47,11 @@ def write_manifest(
 
 
 def verify(results: str | Path) -> tuple[dict[str, list[str]], int]:
-    """How a folder differs from its manifests, and how many files these list.
+    """How a folder differs from all manifests below it (the paths that are ``missing``, ``changed`` or ``unknown``), and how many files these
+    list.
 
     Each target writes its own manifest, so a file that two of them list is as it should be when either agrees. A seal that does not
-    belong to what is listed counts as changed.
-
-    Parameters
-    ----------
-    results
-        The folder; all manifests below it count.
-
-    Returns
-    -------
-    differences
-        The paths that are ``missing``, ``changed`` or ``unknown``.
-    count
-        Of files.
-
-    Raises
-    ------
-    InputError
-        If there is no manifest, or a manifest cannot be read.
+    belong to what is listed counts as changed. InputError where there is no manifest, or one that cannot be read.
     """
     results = Path(results)
     manifests = sorted(results.rglob(NAME)) if results.is_dir() else []

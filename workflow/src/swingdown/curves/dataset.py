@@ -270,18 +270,9 @@ def _measured(one: HalfSwings) -> Floats:
 
 
 def table(found: xr.Dataset) -> pd.DataFrame:
-    """The curves of a dataset as rows.
+    """A DataFrame of the ``curves`` of a dataset: campaign, quantity, source, against, at, at_unit, value, u, low, high (of the 95 % band), unit.
 
-    Parameters
-    ----------
-    found
-        As ``curves`` returns it.
-
-    Returns
-    -------
-    pandas.DataFrame
-        Columns campaign, quantity, source, against, at, at_unit, value, u, low, high (of the 95 % band), unit. Single swings are rows of the
-        source ``swing``, without a band. What is not known (nan) has no row.
+    Single swings are rows of the source ``swing``, without a band. What is not known (nan) has no row.
     """
     words: list[tuple[str, ...]] = []
     numbers: list[Floats] = []

@@ -269,22 +269,12 @@ def _of_points(angle: xr.Dataset, models: Sequence[Model], chosen_from: tuple[st
 
 
 def table(found: Sequence[Laws], campaign: str) -> pd.DataFrame:
-    """A row for each recording and law, the most probable first.
+    """A DataFrame with a row for each recording (``laws``) of a pendulum and law, the most probable first, and the columns ``COLUMNS``.
 
-    Parameters
-    ----------
-    found
-        As ``laws`` returns them, one a recording.
-    campaign
-        The name of their pendulum.
-
-    Returns
-    -------
-    pandas.DataFrame
-        The columns ``COLUMNS``. ``residual_mrad`` is the RMS that the law leaves (of angular rates in mrad/s), ``residual_noise`` that over the
-        noise; ``held_out_mrad`` and ``held_out_noise`` are those of the last third, by a fit to what is before it. ``delta_bic`` is the BIC
-        above that of the best law, for as many samples as count as independent, ``weight`` the probability that follows if one of the laws is
-        right. Turning points have no part held out; their noise is how they scatter about the best law.
+    ``residual_mrad`` is the RMS that the law leaves (of angular rates in mrad/s), ``residual_noise`` that over the
+    noise; ``held_out_mrad`` and ``held_out_noise`` are those of the last third, by a fit to what is before it. ``delta_bic`` is the BIC
+    above that of the best law, for as many samples as count as independent, ``weight`` the probability that follows if one of the laws is
+    right. Turning points have no part held out; their noise is how they scatter about the best law.
     """
     rows = []
     for one in found:

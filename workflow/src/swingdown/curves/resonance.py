@@ -209,18 +209,7 @@ class _Ring:
 
 
 def table(found: xr.Dataset) -> pd.DataFrame:
-    """A row for each point of the resonance curves.
-
-    Parameters
-    ----------
-    found
-        As ``resonance`` returns it.
-
-    Returns
-    -------
-    pandas.DataFrame
-        The columns ``COLUMNS``.
-    """
+    """A DataFrame with a row for each point of the curves of ``resonance`` and the columns ``COLUMNS``."""
     names = {
         "drive": "drive_rad_per_s2", "amplitude": "amplitude_rad", "frequency": "frequency_Hz",
         "frequency_low": "low_Hz", "frequency_high": "high_Hz", "phase": "phase_rad",
@@ -231,15 +220,7 @@ def table(found: xr.Dataset) -> pd.DataFrame:
 
 
 def words(found: xr.Dataset, source: str) -> Sequence[str]:
-    """A line on each drive: how wide it swings at most (°), and at which frequency (Hz).
-
-    Parameters
-    ----------
-    found
-        As ``resonance`` returns it.
-    source
-        ``free`` or ``model``.
-    """
+    """A line on each drive: how wide it swings at most (°), and at which frequency (Hz), by the ``source`` ``free`` or ``model``."""
     own, told = found.sel(source=source), []
     for k, drive in enumerate(found["drive"].values):
         one: Any = own.isel(drive=k)

@@ -38,18 +38,9 @@ class Line(NamedTuple):
 
 
 def lines_of(series: Floats, above: float, at: Floats | None = None) -> Iterator[Line]:
-    """The lines of a series, strongest first: white noise has none as strong in a thousand series.
+    """The lines of a series beyond a frequency (``above``, cycles a step), strongest first: white noise has none as strong in a thousand series.
 
-    Source: Fisher, Proc. R. Soc. A 125, 54 (1929).
-
-    Parameters
-    ----------
-    series
-        Of shape (sample,).
-    above
-        The frequency beyond which they are sought, in cycles a step.
-    at
-        The samples' times in steps. Default: a sample a step.
+    ``at`` are the samples' times in steps; by default a sample a step. Source: Fisher, Proc. R. Soc. A 125, 54 (1929).
     """
     at = np.arange(series.size, dtype=float) if at is None else at
     slots = np.round(at).astype(np.int64)
@@ -106,17 +97,10 @@ def weighted(slopes: Floats, colour: Colour) -> Floats:
 
 
 def autoregression(series: Sequence[Floats], highest: int = _HIGHEST) -> Colour:
-    """The colour that several series share: Burg's coefficients of the order that BIC prefers.
+    """The colour that several evenly spaced series share, nan where a value is missing: Burg's coefficients of the order that BIC prefers.
 
     Their means are not taken off: of a residual they are part of the error. An error of prediction counts where all that it is made of are
     there (de Waele and Broersen, IEEE Trans. Signal Process. 48, 2876 (2000)).
-
-    Parameters
-    ----------
-    series
-        Each evenly spaced, of shape (step,); nan where a value is missing.
-    highest
-        The highest order.
     """
     forward = [np.asarray(one, dtype=float) for one in series]
     backward = list(forward)

@@ -122,19 +122,8 @@ def fit_trajectory(model: Model | str, times: Any, angle: Any, **options: Any) -
 
 
 class Minimum(NamedTuple):
-    """Where a search ended.
-
-    Attributes
-    ----------
-    best
-        The free values, of shape (free,).
-    covariance
-        Their covariance, and its systematic part by source.
-    rss, converged, evaluations
-        The sum of squares (rad^2) there, whether it is stationary, and what it took.
-    angles
-        The fitted angles (rad) of each swing, where they are known.
-    """
+    """Where a search ended: the free values, their covariance with its systematic part by source, the sum of squares (rad^2) there, whether it
+    is stationary, and what it took; and the fitted angles (rad) of each swing, where they are known."""
 
     best: Floats
     covariance: tuple[Floats, Floats]

@@ -23,19 +23,10 @@ _PIXELS = 900
 def swings_with_fit(
     shown: Sequence[Shown], noise: float | None, data: xr.Dataset | Mapping[str, Any], told: str = ""
 ) -> style.Drawn:
-    """A figure of angle and fit over time, and below them the residual with the noise; a column each recording.
+    """A figure of angle and fit over time, and below them the residual with the noise (rad; None: not measured); a column each recording.
 
-    Parameters
-    ----------
-    shown
-        Those of one recording in the order of their times. Of more than three recordings those with the largest, the middle and the smallest
-        angle are drawn.
-    noise
-        In rad; None: not measured.
-    data
-        Its ``emulated`` says whether the recordings are.
-    told
-        What stands above, such as period and quality.
+    Swings of one recording are in the order of their times. Of more than three recordings those with the largest, the middle and the smallest
+    angle are drawn. ``emulated`` of the ``data`` says whether they are; ``told`` stands above, such as period and quality.
     """
     parts = Shown.by_recording(shown)
     order = sorted(parts, key=lambda name: -max(float(np.ptp(one.angle)) for one in parts[name]))
@@ -69,14 +60,7 @@ def swings_alone(shown: Sequence[Shown], data: xr.Dataset | Mapping[str, Any]) -
     figure = style.new_figure(1.0 + 5.0 * len(shown))
     grid = figure.subplots(len(shown), 1, squeeze=False)[:, 0]
     for axes, one in zip(grid, shown, strict=True):
-        axes.plot(
-            *thinned(one.times, told_in(one.angle, one.unit)[0]),
-            ".",
-            ms=2.6,
-            mew=0,
-            color=DATA,
-            rasterized=True,
-        )
+        style.dots(axes, *thinned(one.times, told_in(one.angle, one.unit)[0]), 2.6, DATA, rasterized=True)
         axes.set_ylabel(axis(one.unit))
         axes.grid(True, axis="y")
         if len(shown) > 1:
@@ -93,14 +77,11 @@ def _recording(upper: Axes, lower: Axes, parts: Sequence[Shown], noise: float | 
         what = "model, on a part held out of the fit" if one.held_out else "fit"
         angle, fit = (told_in(each, one.unit)[0] for each in (one.angle, one.fit))
         left = angle - fit
-        upper.plot(*thinned(time, angle), ".", ms=2.6, mew=0, color=DATA, rasterized=True)
+        style.dots(upper, *thinned(time, angle), 2.6, DATA, rasterized=True)
         upper.plot(*thinned(time, fit), lw=0.7, color=colour, label=what)
         lower.plot(*thinned(time, left), lw=0.6, color=colour)
     if noise:
-        band = 2 * float(told_in(noise, parts[0].unit)[0])
-        lower.axhspan(
-            -band, band, color=style.FAINT, alpha=0.7, lw=0, label="± 2 standard deviations of the noise"
-        )
+        style.noise_band(lower, float(told_in(noise, parts[0].unit)[0]))
     style.symmetric(lower, np.concatenate([told_in(one.angle - one.fit, one.unit)[0] for one in parts]))
     lower.set_xlim(0, float(parts[-1].times[-1]) - begin)
     for axes in (upper, lower):

@@ -63,14 +63,7 @@ def fig08(calibration: xr.Dataset) -> Figure:
         (near[0], middle - high), np.ptp(near), 2 * high, fill=False, edgecolor=style.GREY, lw=0.8
     )
     whole.add_patch(frame)
-    whole.annotate(
-        "(c)",
-        (voltage[lowest], middle),
-        xytext=(14, -3),
-        textcoords="offset points",
-        fontsize=9,
-        color=style.GREY,
-    )
+    style.noted(whole, "(c)", (voltage[lowest], middle), (14, -3), fontsize=9, color=style.GREY)
     handles = [
         whole.plot([], [], color=LINE, label="best line")[0],
         whole.plot([], [], color=EXTREME, ls=(0, (4, 2)), label="maximum-deviation lines")[0],

@@ -23,13 +23,8 @@ _SEEN = 0.01  # of the largest torque: nearer than this, one line hides the othe
 def backbone(data: xr.Dataset) -> style.Drawn:
     """A figure of frequency, loss and damping ratio against amplitude, restoring torque over angle and friction over speed.
 
-    Each is free of a model, of the model with what it lacks, and of the model alone. Single swings are drawn as dots, of many the means of
-    neighbours with two standard errors.
-
-    Parameters
-    ----------
-    data
-        As ``curves.dataset.curves`` returns it.
+    Each (``curves.dataset.curves``) is free of a model, of the model with what it lacks, and of the model alone. Single swings are drawn as
+    dots, of many the means of neighbours with two standard errors.
     """
     torques = bool(np.isfinite(data["friction"].sel(source="free")).any())
     timed = bool(np.isfinite(data["period"].sel(source="free")).any())
@@ -52,7 +47,7 @@ def backbone(data: xr.Dataset) -> style.Drawn:
             frequency = 1 / data["swing_period"].values
         _swings(first, size, frequency, data["swing_period_u"].values * frequency**2, upright=True)
     else:
-        first.text(0.5, 0.5, "no times", transform=first.transAxes, ha="center", color=style.GREY)
+        _untimed(first)
     first.set(xlabel="frequency (Hz)", ylabel=unit)
     first.ticklabel_format(axis="x", useOffset=False)
     low, high = first.get_xlim()
@@ -110,12 +105,9 @@ def _curve(axes: Axes, at: Floats, data: xr.Dataset, name: str, scale: float, up
         )
         if not np.isfinite(value).any():
             continue
-        if upright:
-            axes.fill_betweenx(at, low, high, color=colour, alpha=0.25, lw=0)
-            axes.plot(value, at, color=colour, ls=dashes, label=words)
-        else:
-            axes.fill_between(at, low, high, color=colour, alpha=0.25, lw=0)
-            axes.plot(at, value, color=colour, ls=dashes, label=words)
+        fill = axes.fill_betweenx if upright else axes.fill_between
+        fill(at, low, high, color=colour, alpha=0.25, lw=0)
+        axes.plot(*((value, at) if upright else (at, value)), color=colour, ls=dashes, label=words)
     free = data.sel(source="free")
     values = scale * free[name].values
     ends = []
@@ -153,26 +145,19 @@ def _swings(axes: Axes, size: Floats, value: Floats, error: Floats, upright: boo
     size, value, error = size[told], value[told], error[told]
     if not size.size:
         return
-    options: dict[str, Any] = {
-        "fmt": ".",
-        "ms": 4,
-        "mew": 0,
-        "color": style.GREY,
-        "elinewidth": 0.7,
-        "capsize": 0,
-        "zorder": 1,
-        "label": words,
-    }
-    if upright:
-        axes.errorbar(value, size, xerr=2 * error, **options)
-    else:
-        axes.errorbar(size, value, yerr=2 * error, **options)
+    x, y = (value, size) if upright else (size, value)
+    bars = (None, 2 * error) if upright else (2 * error, None)
+    axes.errorbar(x, y, bars[0], bars[1], ".", ms=4, mew=0, color=style.GREY, elinewidth=0.7, capsize=0, zorder=1, label=words)  # fmt: skip
+
+
+def _untimed(axes: Axes) -> None:
+    axes.text(0.5, 0.5, "no times", transform=axes.transAxes, ha="center", color=style.GREY)
 
 
 def _restoring(axes: Axes, data: xr.Dataset, timed: bool) -> None:
     angle = style.degrees(data["angle"])
     if not timed:
-        axes.text(0.5, 0.5, "no times", transform=axes.transAxes, ha="center", color=style.GREY)
+        _untimed(axes)
         return
     _curve(axes, angle, data, "restoring", 1.0)
     value = data["restoring"].sel(source="free").values
@@ -187,13 +172,7 @@ def _restoring(axes: Axes, data: xr.Dataset, timed: bool) -> None:
 
 @style.styled
 def envelopes(data: xr.Dataset) -> style.Drawn:
-    """A figure of a recording's amplitudes over time with what each law makes of them, and below what each leaves.
-
-    Parameters
-    ----------
-    data
-        As ``curves.laws.envelopes`` returns it.
-    """
+    """A figure of a recording's amplitudes over time with what each law makes of them (``curves.laws.envelopes``), and below what each leaves."""
     figure = style.new_figure(10.0)
     upper, lower = figure.subplots(2, sharex=True, height_ratios=[3, 2])
     angles = data["amplitude"].attrs["units"] == "rad"
@@ -243,12 +222,7 @@ _COLOURS = style.COLOURS | {
 def resonances(data: xr.Dataset) -> style.Drawn:
     """A figure of amplitude and phase of the steady swing against the frequency of a drive, with the backbone of the ring-down.
 
-    What is free of a model is drawn. Dashed, where there is such a part: no pendulum stays.
-
-    Parameters
-    ----------
-    data
-        As ``curves.resonance.resonance`` returns it.
+    What of it (``curves.resonance.resonance``) is free of a model is drawn. Dashed, where there is such a part: no pendulum stays.
     """
     figure = style.new_figure(11.0)
     upper, lower = figure.subplots(2, sharex=True, height_ratios=[3, 2])

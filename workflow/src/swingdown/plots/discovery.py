@@ -40,25 +40,13 @@ def residuals(first: xr.Dataset, last: xr.Dataset) -> Figure:
     read = series_of(last)
     key = "noise_rms_rad_per_s" if read.name == "rate" else "noise_rms_rad"
     noise, unit = shown_in(last.attrs[key], read.attrs["units"])
+    moved = "last model" if last.attrs["model"] != first.attrs["model"] else "(no move was made)"
     for axes, k in zip(grid, shown, strict=True):
         time, before = _residual(first, k)
         _, after = _residual(last, k)
-        axes.axhspan(
-            -2 * noise,
-            2 * noise,
-            color=style.FAINT,
-            alpha=0.7,
-            lw=0,
-            label="± 2 standard deviations of the noise",
-        )
+        style.noise_band(axes, float(noise))
         axes.plot(time, before, color=BEFORE, lw=0.8, label="base model")
-        axes.plot(
-            time,
-            after,
-            color=AFTER,
-            lw=0.8,
-            label="last model" if last.attrs["model"] != first.attrs["model"] else "(no move was made)",
-        )
+        axes.plot(time, after, color=AFTER, lw=0.8, label=moved)
         held = "held out" if bool(first["held_out"].values[k]) else "fitted"
         axes.set(
             xlim=(0, time[-1]), ylabel=f"data − fit ({unit})", title=f"{first['name'].values[k]} ({held})"
@@ -93,9 +81,7 @@ def missing_torque(
     """
     figure = style.new_figure(8.8)
     grid = figure.subplots(1, 3)
-    shown = [(first, BEFORE, "lacked by the base model")] + (
-        [(last, AFTER, "by the last model")] if len(rounds) > 1 else []
-    )
+    shown = [(first, BEFORE, "lacked by the base model"), (last, AFTER, "by the last model")][: len(rounds)]
     chosen = _largest(first[first["over"] == "time"])
     axis = {
         "position": (axis_of(unit), float(shown_in(1.0, unit)[0])),
@@ -109,16 +95,9 @@ def missing_torque(
                 part = part[part["part"] == chosen]
             if part.empty:
                 continue
-            x = scale * part["x"].to_numpy()
-            axes.fill_between(
-                x,
-                part["torque"] - 2 * part["band"],
-                part["torque"] + 2 * part["band"],
-                color=colour,
-                alpha=0.25,
-                lw=0,
-            )
-            axes.plot(x, part["torque"], color=colour, label=name)
+            x, torque, band = scale * part["x"].to_numpy(), part["torque"], 2 * part["band"]
+            axes.fill_between(x, torque - band, torque + band, color=colour, alpha=0.25, lw=0)
+            axes.plot(x, torque, color=colour, label=name)
         shares = {row["name"]: row["share"] for row in rounds[0]["groups"]}
         heading = f"time: {chosen}" if over == "time" else over
         # each as if it alone were missing, so that shares overlap; of an excess that is none there are none
@@ -173,22 +152,15 @@ def half_swings(first: pd.DataFrame, last: pd.DataFrame, unit: str = ANGLE) -> F
         axes.plot(at, values, ls="", color=style.GREY, label="measured", **look)
         for table, colour, name in ((first, BEFORE, "base model"), (last, AFTER, "last model")):
             modelled = table[table["of"] == "modelled"]
-            axes.plot(
-                shown_in(modelled["amplitude_rad"], unit)[0],
-                scale * modelled[column],
-                ".",
-                color=colour,
-                ms=3,
-                mew=0,
-                label=name,
-            )
+            at = shown_in(modelled["amplitude_rad"], unit)[0]
+            style.dots(axes, at, scale * modelled[column], 3, colour, label=name)
             amplitude, left = _left(table, column)
             at, left = shown_in(amplitude, unit)[0], scale * np.asarray(left, float)
             if len(at) > _MANY:
-                below.plot(at, left, ".", color=colour, ms=1.5, mew=0, alpha=0.5)
+                style.dots(below, at, left, 1.5, colour, alpha=0.5)
                 _means(below, at, left, colour)
             else:
-                below.plot(at, left, ".", color=colour, ms=4.5, mew=0)
+                style.dots(below, at, left, 4.5, colour)
             _reach(below, left)
         _reach(axes, scale * measured[column].to_numpy())
         below.axhline(0, color=style.GREY, lw=0.6)
@@ -217,27 +189,17 @@ def _means(axes: Axes, at: Floats, values: Floats, colour: str) -> None:
         x, y = at[known][part], values[known][part]
         if len(x) > 1:
             error = 2 * float(np.std(y, ddof=1)) / np.sqrt(len(y))
-            axes.errorbar(
-                float(np.mean(x)),
-                float(np.mean(y)),
-                yerr=error,
-                fmt="o",
-                color=colour,
-                ms=3.4,
-                elinewidth=1.0,
-            )
+            axes.errorbar(x.mean(), y.mean(), error, fmt="o", color=colour, ms=3.4, elinewidth=1.0)
 
 
-def _left(table: pd.DataFrame, column: str) -> pd.Series:
-    """Amplitude (rad) and measured less modelled of each half-swing that both have."""
-    pairs = []
-    for _, one in table.groupby("swing", sort=False):
-        measured, modelled = (one[one["of"] == of].reset_index(drop=True) for of in ("measured", "modelled"))
-        count = min(len(measured), len(modelled))
-        pairs.append((measured["amplitude_rad"][:count], measured[column][:count] - modelled[column][:count]))
-    return (
-        (np.concatenate(part) for part in zip(*pairs, strict=True)) if pairs else (np.zeros(0), np.zeros(0))
+def _left(table: pd.DataFrame, column: str) -> tuple[pd.Series, pd.Series]:
+    """Amplitude (rad) and measured less modelled of each half-swing that both have: those of a swing one after the other."""
+    each = table.assign(number=table.groupby(["swing", "of"]).cumcount())
+    measured, modelled = (
+        each[each["of"] == of].set_index(["swing", "number"]) for of in ("measured", "modelled")
     )
+    left = (measured[column] - modelled[column]).reindex(measured.index.intersection(modelled.index))
+    return measured["amplitude_rad"].reindex(left.index), left
 
 
 def _reach(axes: Axes, values: Floats) -> None:
@@ -262,26 +224,16 @@ def ranking(ranked: pd.DataFrame, move: str) -> Figure:
     figure = style.new_figure(1.8 + 0.55 * len(table))
     axes = figure.subplots()
     for place, row in enumerate(table.itertuples()):
-        refused = isinstance(row.refused, str) and row.refused != ""
-        colour = style.FAINT if refused else AFTER if row.move == move else HELD if row.tied else style.GREY
+        colour, said = style.GREY, ""
+        if isinstance(row.refused, str) and row.refused:
+            colour, said = style.FAINT, f"refused: {in_words(row.refused)}"
+        elif row.move == move:
+            colour, said = AFTER, "chosen"
+        elif row.tied:
+            colour, said = HELD, "tied"
         axes.barh(place, row.gain_bic, color=colour, height=0.62)
-        said = (
-            f"refused: {in_words(row.refused)}"
-            if refused
-            else "chosen"
-            if row.move == move
-            else "tied"
-            if row.tied
-            else ""
-        )
-        axes.annotate(
-            f"{row.gain_bic:.0f}  {said}".rstrip(),
-            (max(row.gain_bic, 0), place),
-            xytext=(4, 0),
-            textcoords="offset points",
-            va="center",
-            fontsize=8.5,
-        )
+        told = f"{row.gain_bic:.0f}  {said}".rstrip()
+        style.noted(axes, told, (max(row.gain_bic, 0), place), (4, 0), va="center", fontsize=8.5)
     axes.set_yticks(range(len(table)), [in_words(name) for name in table["move"]])
     axes.invert_yaxis()
     most = max(float(table["gain_bic"].max()), 1.0)
@@ -306,15 +258,8 @@ def gap(verdict: Mapping[str, Any]) -> Figure:
         for value, other, colour in zip(both, both[::-1], (AFTER, HELD), strict=True):
             # the larger stands above, each in its mark's colour
             above = value > other or (value == other and colour == HELD)
-            axes.annotate(
-                f"{value:.3g}",
-                (place, value),
-                xytext=(0, 7 if above else -14),
-                textcoords="offset points",
-                ha="center",
-                fontsize=8.5,
-                color=colour,
-            )
+            away = (0, 7 if above else -14)
+            style.noted(axes, f"{value:.3g}", (place, value), away, ha="center", fontsize=8.5, color=colour)
     axes.set_yscale("log")
     style.decimal_log(axes.yaxis)
     low, high = min(*fit, *held, 0.9), max(*fit, *held, 1.2)

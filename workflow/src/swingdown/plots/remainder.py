@@ -66,13 +66,8 @@ def _map(axes: Axes, table: pd.DataFrame, unit: str) -> Any:
             vmin=-largest, vmax=largest, shading="gouraud" if grid.notna().all(axis=None) else "nearest", rasterized=True,
         )  # fmt: skip
     weak = shown.notna() & (table["torque"].abs() < _PLAIN * table["band"])
-    axes.plot(
-        shown_in(table["angle_rad"][weak], unit)[0],
-        table["speed_rad_per_s"][weak],
-        ".",
-        color=style.GREY,
-        ms=2,
-    )
+    angle, fast = shown_in(table["angle_rad"][weak], unit)[0], table["speed_rad_per_s"][weak]
+    axes.plot(angle, fast, ".", color=style.GREY, ms=2)
     axes.axhline(0, color=style.INK, lw=0.6)
     axes.set(xlabel=axis(unit), ylabel=speed(unit), title="where it acts")
     return drawn

@@ -82,13 +82,8 @@ def groups_side_by_side(series: Sequence[Any], emulated: str = "no") -> Figure:
             own, mean = one.table[one.table["group"] == name], table.loc[name]
             colour = THEORY if name in one.comparison.apart else LAW
             if len(own) > 1:
-                axes.plot(
-                    own.get("y_at_equal", own["y"]),
-                    np.full(len(own), place - 0.22),
-                    ".",
-                    color=style.GREY,
-                    ms=4,
-                )
+                values = own.get("y_at_equal", own["y"])
+                axes.plot(values, np.full(len(own), place - 0.22), ".", color=style.GREY, ms=4)
             axes.errorbar(
                 mean["value"], place, xerr=2 * mean["standard_uncertainty"], color=colour,
                 fmt="D" if name in one.comparison.apart else "o", ms=4.5, elinewidth=1.0,

@@ -27,14 +27,9 @@ def fig02(realizations: xr.Dataset) -> Figure:
 
     figure = style.new_figure(9)
     upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=(3, 1))
-    upper.plot(
-        time,
-        truth,
-        color=style.colour(simulated),
-        lw=1.6,
-        label=f"noise-free, {style.name(simulated)} damping",
-    )
-    upper.plot(time, noisy, ".", color=style.INK, ms=2.8, mew=0, label="one noisy realisation")
+    damping = f"noise-free, {style.name(simulated)} damping"
+    upper.plot(time, truth, color=style.colour(simulated), lw=1.6, label=damping)
+    style.dots(upper, time, noisy, 2.8, style.INK, label="one noisy realisation")
     upper.set(ylabel=r"angle $\theta$ (°)", xlim=(time[0], time[-1]))
     style.legend_above(upper)
     lower.axhline(0, color=style.colour(simulated), lw=1)
@@ -71,12 +66,10 @@ def norms_of(simulated: str, norms: xr.Dataset, table2: pd.DataFrame) -> Figure:
             axes.axvspan(place - 0.5, place + 0.5, color=style.PALE, lw=0, zorder=0)
         one = data.sel(fitted=label)
         simplex, squares = one["norm"].values, one["least_squares_norm"].values
+        style.runs(axes, place + NELDER_MEAD, simplex, colour, "o")
         # the same optimum needs no second mark
-        if np.allclose(simplex, squares, rtol=0, atol=AGREE * np.mean(squares)):
-            style.runs(axes, place + NELDER_MEAD, simplex, colour, "o")
-        else:
+        if not np.allclose(simplex, squares, rtol=0, atol=AGREE * np.mean(squares)):
             apart = True
-            style.runs(axes, place + NELDER_MEAD, simplex, colour, "o")
             style.runs(axes, place + LEAST_SQUARES, squares, colour, "D")
         if label in published.index:
             row = published.loc[label]

@@ -217,8 +217,8 @@ def model_axis(axes: Axes, entries: Sequence[str | tuple[str, str]]) -> Axes:
     for place, (_, words) in enumerate(pairs):
         # line by line, so that all stand on the same baselines
         for line, text in enumerate(words.split("\n")):
-            axes.annotate(text, (place, 0), xytext=(0, -26 - 10.5 * line), xycoords=("data", "axes fraction"),
-                          textcoords="offset points", ha="center", va="baseline", fontsize=9, annotation_clip=False)  # fmt: skip
+            noted(axes, text, (place, 0), (0, -26 - 10.5 * line), xycoords=("data", "axes fraction"),
+                  ha="center", va="baseline", fontsize=9, annotation_clip=False)  # fmt: skip
     return axes
 
 
@@ -238,6 +238,22 @@ def symmetric(axes: Axes, values: ArrayLike) -> Axes:
     reach = 1.12 * float(np.max(sizes[np.isfinite(sizes)], initial=0.0)) or 1.0
     axes.set_ylim(-reach, reach)
     return axes
+
+
+def dots(axes: Axes, x: ArrayLike, y: ArrayLike, size: float, colour: str, **more: Any) -> None:
+    """Single points without edges, of this size (points)."""
+    axes.plot(np.asarray(x), np.asarray(y), ".", ms=size, mew=0, color=colour, **more)
+
+
+def noted(axes: Axes, text: str, at: tuple[Any, Any], away: tuple[float, float], **more: Any) -> None:
+    """A text so many points away from a place."""
+    axes.annotate(text, at, xytext=away, textcoords="offset points", **more)
+
+
+def noise_band(axes: Axes, noise: float) -> None:
+    """Two standard deviations of the noise to each side of zero."""
+    words = "± 2 standard deviations of the noise"
+    axes.axhspan(-2 * noise, 2 * noise, color=FAINT, alpha=0.7, lw=0, label=words)
 
 
 def mark(marker: str, colour: str, label: str, hollow: bool = False) -> Line2D:
@@ -277,7 +293,7 @@ def runs(axes: Axes, place: float, values: ArrayLike, colour: str, marker: str) 
     if not values.size:
         return
     spread = 0.09 + 0.05 * (((np.arange(values.size) * 0.618034) % 1) - 0.5)
-    axes.plot(place + spread, values, ".", color=colour, alpha=0.38, ms=4.5, mew=0, zorder=2)
+    dots(axes, place + spread, values, 4.5, colour, alpha=0.38, zorder=2)
     deviation = values.std(ddof=1) if values.size > 1 else np.nan
     axes.errorbar(
         place, values.mean(), deviation, fmt=marker, color=colour, mfc=colour, mec="white", mew=0.5,

@@ -82,13 +82,13 @@ def probability(maps: xr.Dataset, name: str) -> Figure:
         lines = textwrap.wrap(told, 96)
         # keeps the room; the text itself widens no panel
         row[0].set_title("\n".join(" " for _ in lines), fontsize=9, pad=3)
-        row[0].annotate("\n".join(lines), (0, 1), xytext=(0, 4), xycoords="axes fraction", textcoords="offset points", fontsize=9,
-                        color=style.GREY, annotation_clip=False).set_in_layout(False)  # fmt: skip
+        style.noted(row[0], "\n".join(lines), (0, 1), (0, 4), xycoords="axes fraction", fontsize=9, color=style.GREY,
+                    annotation_clip=False, in_layout=False)  # fmt: skip
     for panel, label in zip(panels[0], columns, strict=True):
         if label:
             words = "\n".join(textwrap.wrap(f"{style.name(label)} simulated", 64 // len(columns)))
-            panel.annotate(words, (0.5, 1), xytext=(0, 17 if rest else 4), xycoords="axes fraction", textcoords="offset points",
-                           ha="center", va="bottom", fontsize=10, color=style.colour(label))  # fmt: skip
+            style.noted(panel, words, (0.5, 1), (0, 17 if rest else 4), xycoords="axes fraction", ha="center", va="bottom",
+                        fontsize=10, color=style.colour(label))  # fmt: skip
     for panel in panels[-1]:
         panel.set_xlabel(_label(maps[x]))
     for row in panels:

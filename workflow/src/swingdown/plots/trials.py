@@ -20,24 +20,11 @@ def confusion(matrix: pd.DataFrame) -> Figure:
     axes.imshow(shown, cmap="Blues", vmin=0, vmax=1.25, aspect="auto")
     for (i, j), share in np.ndenumerate(table.to_numpy(float)):
         if share > 0:
-            axes.text(
-                j,
-                i,
-                f"{100 * share:.0f}",
-                ha="center",
-                va="center",
-                fontsize=7.5,
-                color="white" if share > 0.7 else style.INK,
-            )
-    axes.set_xticks(
-        range(len(used)),
-        [name.replace("_", " ") for name in used],
-        rotation=60,
-        ha="right",
-        rotation_mode="anchor",
-        fontsize=8,
-    )
-    axes.set_yticks(range(len(table)), [name.replace("_", " ") for name in table.index], fontsize=8)
+            ink = "white" if share > 0.7 else style.INK
+            axes.text(j, i, f"{100 * share:.0f}", ha="center", va="center", fontsize=7.5, color=ink)
+    said, hidden = ([name.replace("_", " ") for name in names] for names in (used, table.index))
+    axes.set_xticks(range(len(used)), said, rotation=60, ha="right", rotation_mode="anchor", fontsize=8)
+    axes.set_yticks(range(len(table)), hidden, fontsize=8)
     axes.set(xlabel="named (the hidden one, if it is in the tie)", ylabel="hidden")
     axes.spines[:].set_visible(False)
     axes.tick_params(length=0)
@@ -108,14 +95,8 @@ def _others(axes: Axes, scores: pd.DataFrame) -> None:
         part = scores.loc[scores["kind"] == kind, flag].astype(bool)
         if len(part):
             axes.barh(place, 100 * part.mean(), height=0.4, color="#D55E00" if flag == "alarm" else "#0072B2")
-            axes.annotate(
-                f"{words}, {part.sum()} of {len(part)}",
-                (0, place - 0.22),
-                xytext=(2, 2),
-                textcoords="offset points",
-                va="bottom",
-                fontsize=8.5,
-            )
+            told = f"{words}, {part.sum()} of {len(part)}"
+            style.noted(axes, told, (0, place - 0.22), (2, 2), va="bottom", fontsize=8.5)
     axes.set_yticks([])
     axes.set(
         xlim=(0, 104),

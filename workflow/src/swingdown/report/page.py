@@ -2,10 +2,10 @@
 
 import base64
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from markupsafe import Markup, escape
 
@@ -68,11 +68,17 @@ class Listing:
 
 @dataclass(frozen=True)
 class Column:
-    """A table's column: its head, the unit under it, and ``n`` (number) or ``code`` as style."""
+    """A table's column: its head, the unit under it, ``n`` (number) or ``code`` as style, and its cell of what a row is made of."""
 
     head: str
     unit: str = ""
     style: str = ""
+    cell: Callable[[Any], Cell] | None = None
+
+
+def cells(columns: Sequence[Column], given: Iterable[Any]) -> list[list[Cell]]:
+    """The rows of a table that are made of what is given, each by the columns' own functions."""
+    return [[one.cell(row) for one in columns if one.cell] for row in given]
 
 
 @dataclass(frozen=True)

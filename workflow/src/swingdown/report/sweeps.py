@@ -1,6 +1,5 @@
 """What the report says of sweeps: their maps, and beside them the paper's claim."""
 
-import itertools
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -11,6 +10,7 @@ import pandas as pd
 from ..pendulum.model import in_words
 from ..sealed import read_csv
 from .page import Cell, Column, Figure, Findings, Item, Section, Table, Text
+from .wording import groups
 
 CLAIM = 68  # per cent
 _LABELS = {"true_by_norm": "by norm", "true_by_bic": "by BIC", "true_by_ten": "by ten runs"}
@@ -62,17 +62,9 @@ def section(sweeps: Mapping[str, Made]) -> Section:
         )
         items += [Figure(f"Sweep {title}, {_MAPS[map]}", path, caption) for map, path, caption in one.maps]
     if items:
-        items.insert(
-            0,
-            Findings(
-                list(itertools.chain.from_iterable(_said(name, one.table) for name, one in sweeps.items()))
-            ),
-        )
-        items.append(
-            Text(
-                "Every draw is in results/sweeps/…/sweep.nc, every probability with its interval in summary.csv beside it."
-            )
-        )
+        items.insert(0, Findings([line for name, one in sweeps.items() for line in _said(name, one.table)]))
+        text = "Every draw is in results/sweeps/…/sweep.nc, every probability with its interval in summary.csv beside it."
+        items.append(Text(text))
     return Section("Sweeps", items)
 
 
@@ -148,11 +140,10 @@ def _detected(title: str, table: pd.DataFrame) -> Table:
          *(_number(100 * row[name], ".0f") for name in ("found", "named", "said_among_others", "said_unknown", "said_wrong"))]
         for _, row in table.iterrows()
     ]  # fmt: skip
-    effects = list(table[by[0]]) if by else []
-    groups = tuple(k for k in range(1, len(effects)) if effects[k] != effects[k - 1])
+    opened = groups(table[by[0]]) if by else ()
     caption = "What discovery said of campaigns with one effect more than its base model."
     return Table(
-        f"Sweep {title}", caption, columns, rows, (f"{_counts(table['made'])} campaigns a row.",), groups
+        f"Sweep {title}", caption, columns, rows, (f"{_counts(table['made'])} campaigns a row.",), opened
     )
 
 

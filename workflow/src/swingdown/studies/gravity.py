@@ -102,20 +102,10 @@ def gravity(
     amplitude: float = np.nan,
     period: float = np.nan,
 ) -> Gravity:
-    """The ``Gravity`` of a bob on a string without mass. Errors of the inputs count as independent.
+    """The ``Gravity`` of a bob on a string without mass, by the natural frequency (rad/s) and the length (m) from the pivot to the bob's middle.
 
-    Parameters
-    ----------
-    natural_frequency
-        Of small undamped swings, in rad/s.
-    length
-        From the pivot to the bob's middle, in m.
-    bob_diameter
-        Of a ball, in m: adds its inertia.
-    bob_density
-        In kg/m³: adds the air's buoyancy and inertia.
-    amplitude, period
-        In rad and s: the budget then has the correction for the amplitude.
+    The diameter (m) of a ball adds its inertia, the bob's density (kg/m³) the air's buoyancy and inertia; with amplitude (rad) and period (s) the
+    budget has the correction for the amplitude. Errors of the inputs count as independent.
     """
     inputs = {"length": length, "natural frequency": natural_frequency}
     if bob_diameter:
@@ -140,17 +130,8 @@ def gravity(
 def gravity_of_two_pivots(frequencies: Sequence[Stated], distances: Sequence[Stated]) -> Gravity:
     """The ``Gravity`` of one rigid body about two pivots in line with its centre of mass (Kater, Bessel 1828).
 
-    Parameters
-    ----------
-    frequencies
-        Of small undamped swings about each pivot, in rad/s.
-    distances
-        From each pivot to the centre of mass, in m.
-
-    Raises
-    ------
-    InputError
-        If the distances are equal, or contradict the frequencies.
+    By the natural frequency (rad/s) about each pivot and its distance (m) from the centre of mass; InputError where the distances are equal, or
+    contradict the frequencies.
     """
     (one, other), (near, far) = frequencies, distances
     inputs = {

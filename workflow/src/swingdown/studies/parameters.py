@@ -21,22 +21,12 @@ _TOLD = (*_ERRORS, "coverage_factor")
 
 
 def parameters(norms: xr.Dataset, joint: Iterable[xr.Dataset] = ()) -> pd.DataFrame:
-    """A row for each fitted value.
+    """A DataFrame with a row for each fitted value of ``results/experiment/norms.nc``, and of the datasets of ``results/experiment/joint``.
 
-    Parameters
-    ----------
-    norms
-        The dataset ``results/experiment/norms.nc``.
-    joint
-        The datasets of ``results/experiment/joint``.
-
-    Returns
-    -------
-    pandas.DataFrame
-        Columns campaign, recording, fitted, parameter, value, standard_error with its random and systematic part, low, high (95 %), unit,
-        text. After a campaign's recordings comes ``(mean)``, where there are two or more: its random part is from the scatter between
-        recordings, its systematic part the root mean square of theirs. For each dataset of ``joint`` follows ``(joint)``. Readings without a
-        scale have no value of a parameter whose size depends on it.
+    Columns campaign, recording, fitted, parameter, value, standard_error with its random and systematic part, low, high (95 %), unit,
+    text. After a campaign's recordings comes ``(mean)``, where there are two or more: its random part is from the scatter between
+    recordings, its systematic part the root mean square of theirs. For each dataset of ``joint`` follows ``(joint)``. Readings without a
+    scale have no value of a parameter whose size depends on it.
     """
     units = dict(zip(as_text(norms["parameter"]), as_text(norms["parameter_unit"]), strict=True))
     together = {str(one.attrs["campaign"]): one for one in joint}
@@ -95,12 +85,8 @@ def parameter_budget(fits: Iterable[xr.Dataset]) -> pd.DataFrame:
     """A DataFrame of where the uncertainty of each campaign's values comes from, a row for each value and source.
 
     Columns: campaign, fitted, parameter, source, contribution (in the value's unit), share (of the variance), unit. ``random`` is
-    noise and what the model misses. Sources of less than a thousandth of the variance are left out.
-
-    Parameters
-    ----------
-    fits
-        Datasets of ``results/experiment/joint``, and for pendulums of one swing of ``experiment/fits``.
+    noise and what the model misses. Sources of less than a thousandth of the variance are left out. Fits are those of
+    ``results/experiment/joint``, and for pendulums of one swing of ``experiment/fits``.
     """
     rows = []
     for one in fits:

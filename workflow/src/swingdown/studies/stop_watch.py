@@ -27,16 +27,9 @@ class Timed(NamedTuple):
 def timed(times: Floats, series: Floats, curve: Floats | None = None) -> tuple[Timed, Timed] | None:
     """The first and the last swings of a recording, each timed together as with a stop-watch; None where fewer than two whole ones are seen.
 
-    Parameters
-    ----------
-    times
-        In s, of shape (sample,).
-    series
-        The swing as recorded, of shape (sample,).
-    curve
-        The fitted swing, of shape (sample,). It tells when the middle is passed. Where passages of the recording run away from these, they
-        tell the mean. None where no model follows the swing: then each passage of the recording counts, so that one at an end that noise
-        moved matters less. Passages that a hole hides are counted by the time between the others.
+    The ``curve``, the fitted swing, tells when the middle is passed. Where passages of the recording run away from these, they tell the mean.
+    Without a curve, where no model follows the swing, each passage of the recording counts, so that one at an end that noise moved matters
+    less. Passages that a hole hides are counted by the time between the others.
     """
     swings = half_swings(course := series if curve is None else curve)
     passed, halves = counted_passages(times, course, HIDES)
@@ -100,15 +93,8 @@ def _run_away(halves: np.ndarray, late: Floats) -> float:
 
 def by_stop_watch(shown: Sequence[Shown], table: pd.DataFrame) -> list[dict[str, Any]]:
     """By recording, for JSON, the mean period of its first and of its last ten swings, with the amplitude (rad) in their middle where it is
-    known; and the period of the first whole swing by its passages of the middle alone.
-
-    Parameters
-    ----------
-    shown
-        The swings with the fit.
-    table
-        The rows of ``studies.pendulums``; the last is that of a recording without one of its own.
-    """
+    known; and the period of the first whole swing by its passages of the middle alone. The last row of the ``table`` of
+    ``studies.pendulums`` is that of a recording without one of its own."""
     rows = {one["recording"]: one for one in table.to_dict("records")}
     told = []
     for name, parts in Shown.by_recording(shown).items():

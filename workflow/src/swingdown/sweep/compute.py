@@ -11,21 +11,11 @@ from . import code
 
 
 def compute(chunk, computation):
-    """The Dataset of a chunk, and in words what it took.
+    """The Dataset of a chunk by a computation (the module ``identification`` or ``detection``), and in words what it took.
 
-    Parameters
-    ----------
-    chunk
-        A ``chunks.Chunk``.
-    computation
-        The module ``identification`` or ``detection``.
-
-    Returns
-    -------
-    tuple
-        Dimensions ``draw`` (each with ``cell``, a position in ``key``, and ``realization``, its index), ``cell_key`` (with ``reason``:
-        why it could not be made, or one of its draws not) and, where the computation lists its variables by something, that.
-        Attributes tell the version of the code.
+    Dimensions are ``draw`` (each with ``cell``, a position in ``key``, and ``realization``, its index), ``cell_key`` (with ``reason``:
+    why it could not be made, or one of its draws not) and, where the computation lists its variables by something, that.
+    Attributes tell the version of the code.
     """
     began = time.process_time()
     cells = list(chunk.cells())

@@ -12,6 +12,7 @@ import xarray as xr
 
 from .. import dataset, sealed
 from ..errors import InputError
+from ..extras import needed
 from ..paths import checksum
 
 STORE, SUMS = "draws.zarr", "draws.sha256"
@@ -37,12 +38,13 @@ def move(path, folder):
             draws = draws.drop_vars([name for name, one in draws.coords.items() if along & {*one.dims}])
             for first in range(0, int(np.prod(shape)), _BLOCK):
                 part = _block(draws, axes, shape, first)
-                how = {"append_dim": "draw"} if first else {"mode": "w", "encoding": _encoding(part)}
+                chunks = {name: {"chunks": (_BLOCK, *one.shape[1:])} for name, one in part.items()}
+                how = {"append_dim": "draw"} if first else {"mode": "w", "encoding": chunks}
                 part.to_zarr(partial, zarr_format=2, consolidated=False, **how)
             rows = np.arange(np.prod(shape)).reshape(shape)
             cells = whole.drop_vars(names).assign(row=((*axes, "realization"), rows, _ROW)).load()
         cells.to_zarr(partial, group="cells", mode="w", zarr_format=2, consolidated=False)
-        _consolidate(partial)
+        needed("zarr").consolidate_metadata(partial)
         dataset.write(cells, path)
         shutil.rmtree(folder / STORE, ignore_errors=True)
         partial.rename(folder / STORE)
@@ -77,13 +79,3 @@ def _block(draws, axes, shape, first):
     found = xr.concat(parts, "realization").rename(realization="draw").rename(index="realization")
     found["realization"].attrs = {"long_name": "index of the draw"}
     return found.drop_encoding()
-
-
-def _encoding(part):
-    return {name: {"chunks": (_BLOCK, *one.shape[1:])} for name, one in part.items()}
-
-
-def _consolidate(path):
-    import zarr
-
-    zarr.consolidate_metadata(path)

@@ -232,14 +232,9 @@ def _kinds(sweep):
 
 @cache
 def interval(count: int, n: int) -> tuple[float, float]:
-    """The 95 % interval (low, high) of a probability, by Wilson's method; NaN for n = 0.
+    """The 95 % interval (low, high) of the probability of what was seen ``count`` times in ``n`` draws; NaN for n = 0.
 
     Wilson, J. Am. Stat. Assoc. 22, 209 (1927).
-
-    Parameters
-    ----------
-    count, n
-        How often it was seen, in how many draws.
     """
     if not n:
         return math.nan, math.nan

@@ -2,7 +2,7 @@
 
 import copy
 import json
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import product
 
 import numpy as np
@@ -135,25 +135,15 @@ class Sweep:
         return self.settings | dict(zip(self.keys, values, strict=True))
 
 
-def sweeps(config, where="config"):
+def sweeps(config):
     """The ``Sweep``s of a complete config, by name.
 
-    Parameters
-    ----------
-    config
-        The settings, defaults filled in.
-    where
-        What errors call it.
-
-    Raises
-    ------
-    InputError
-        For an axis that is no key or that the computation does not depend on, a value that the key does not admit, and a sweep that
-        leaves open which model is simulated.
+    InputError for an axis that is no key or that the computation does not depend on, a value that the key does not admit, and a sweep that
+    leaves open which model is simulated.
     """
     base = {key: value for key, value in config.items() if key != "sweeps"}
     return {
-        name: _sweep(name, entry, base, f"{where}, key sweeps.{name}")
+        name: _sweep(name, entry, base, f"config, key sweeps.{name}")
         for name, entry in config["sweeps"].items()
     }
 
@@ -207,7 +197,7 @@ def _axis(keys, steps, names, own):
         Axis(key, names[key], tuple(step[k] for step in steps), unit(key, own), _words(key))
         for k, key in enumerate(keys)
     ]
-    return Axis(first.key, first.dim, first.values, first.units, first.long_name, tuple(others))
+    return replace(first, coupled=tuple(others))
 
 
 def _values(axes):
@@ -216,21 +206,16 @@ def _values(axes):
 
 
 def _check_key(key, base, reads, computes, place):
-    known = list(_flat(base))
-    if (
-        key in reads
-        or key.removeprefix(_PARAMETER) in catalogue(base["effects"]).parameters
-        and key.startswith(_PARAMETER)
-    ):
+    names = [f"{_PARAMETER}{name}" for name in catalogue(base["effects"]).parameters]
+    if key in reads or key in names:
         return
     if key.startswith(_PARAMETER):
-        names = [f"{_PARAMETER}{name}" for name in catalogue(base["effects"]).parameters]
         raise InputError(f"{place}, {key}", "no effect has such a parameter", "a parameter of the catalogue's effects",
                          near(key, names))  # fmt: skip
     if key == "simulation.realizations":
         raise InputError(f"{place}, {key}", "the number of draws is not an axis", "the key realizations",
                          "write `realizations: 100` beside `axes`")  # fmt: skip
-    if key in known:
+    if key in _flat(base):
         raise InputError(f"{place}, {key}", f"{computes} does not depend on it: nothing would change along this axis",
                          f"one of {', '.join(reads)}", "remove it")  # fmt: skip
     full = [name for name in reads if name.rpartition(".")[2] == key]

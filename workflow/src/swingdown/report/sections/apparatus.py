@@ -1,51 +1,44 @@
 """The pendulum, what was measured of it, and its calibration."""
 
+from collections.abc import Iterator
 from dataclasses import replace
-
-import pandas as pd
 
 from .. import numbers
 from ..material import Material
-from ..page import Column, Item, Section, Table
+from ..page import Column, Section, Table, cells
 
 
 def apparatus(material: Material) -> Section:
     """The pendulum, what was measured of it, and how voltage becomes angle."""
-    items: list[Item] = list(material.shown("fig01", "fig06", "fig07", "fig08"))
-    if (budget := material.tables.get("uncertainty_budget")) is not None:
-        items.append(_budget(budget, material))
-    return Section("Pendulum and calibration", [*items, *material.shown("fig09")])
+    drawn = material.shown("fig01", "fig06", "fig07", "fig08")
+    return Section("Pendulum and calibration", [*drawn, *_budget(material), *material.shown("fig09")])
 
 
 def calibration(material: Material) -> Section:
     """How voltage becomes angle, of an apparatus of one's own."""
-    items: list[Item] = [replace(one, label="Calibration") for one in material.shown("fig08")]
-    if (budget := material.tables.get("uncertainty_budget")) is not None:
-        items.append(_budget(budget, material))
-    return Section("Calibration", items)
+    drawn = [replace(one, label="Calibration") for one in material.shown("fig08")]
+    return Section("Calibration", [*drawn, *_budget(material)])
 
 
-def _budget(budget: pd.DataFrame, material: Material) -> Table:
+def _budget(material: Material) -> Iterator[Table]:
+    """The budget of the angle, where there is one."""
+    budget = material.tables.get("uncertainty_budget")
+    if budget is None:
+        return
     quantity = budget["quantity"].iloc[-1]  # the angle of one sample, to which all else leads
     columns = [
-        Column("source"),
-        Column("limit", style="n"),
-        Column("divisor", style="n"),
-        Column("u", "standard", "n"),
-        Column("unit"),
-        Column("sensitivity", style="n"),
-        Column("contribution", "mrad", "n"),
-        Column("share", "%", "n"),
-        Column("kind"),
+        Column("source", cell=lambda row: row.source.replace("_", " ")),
+        Column("limit", "", "n", lambda row: numbers.plain(row.limit)),
+        Column("divisor", "", "n", lambda row: numbers.plain(row.divisor)),
+        Column("u", "standard", "n", lambda row: numbers.plain(row.standard_uncertainty)),
+        Column("unit", cell=lambda row: row.unit),
+        Column("sensitivity", "", "n", lambda row: numbers.plain(row.sensitivity)),
+        Column("contribution", "mrad", "n", lambda row: numbers.plain(1e3 * row.contribution, 2)),
+        Column("share", "%", "n", lambda row: f"{100 * row.share:.1f}"),
+        Column("kind", cell=lambda row: row.kind),
     ]
     shown = budget[budget["quantity"] == quantity].sort_values("share", ascending=False)
-    rows = [
-        [
-            row.source.replace("_", " "), numbers.plain(row.limit), numbers.plain(row.divisor), numbers.plain(row.standard_uncertainty),
-            row.unit, numbers.plain(row.sensitivity), numbers.plain(1e3 * row.contribution, 2), f"{100 * row.share:.1f}", row.kind,
-        ]
-        for row in shown.itertuples()
-    ]  # fmt: skip
+    rows = cells(columns, shown.itertuples())
     total = 1e3 * (shown["contribution"] ** 2).sum() ** 0.5
     caption = f"What each input contributes to the standard uncertainty of one {quantity.replace('_', ' ')} ({numbers.plain(total)} mrad)."
     notes = (
@@ -53,6 +46,6 @@ def _budget(budget: pd.DataFrame, material: Material) -> Table:
         "The budgets of the line, of the rest voltage and of the angle at rest are in the same file.",
     )
     place = "tables/uncertainty_budget.csv"
-    return Table(
+    yield Table(
         "Uncertainty budget", caption, columns, rows, notes, (), place, "calibrate", tuple(material.emulated)
     )

@@ -8,7 +8,7 @@ from markupsafe import Markup
 
 from .. import numbers
 from ..material import Material
-from ..page import Cell, Column, Item, Section, Table
+from ..page import Cell, Column, Item, Section, Table, cells
 from ..wording import groups, model_symbol, with_symbols
 
 
@@ -27,28 +27,20 @@ def experiment(material: Material) -> Section:
 
 def table3(table: pd.DataFrame, material: Material) -> Table:
     """The models fitted to each swing; in a study of one's own without the paper's column."""
-    columns: list[Column] = [
-        Column("campaign"),
-        Column("fitted"),
-        Column("norm", "degrees", "n"),
-        Column("reduced χ²", style="n"),
-        Column("ΔBIC", "above the lowest, independent samples", "n"),
-        Column("variance inflation", style="n"),
-        Column("n", style="n"),
-        Column("paper", "degrees", "n"),
-    ]
-    rows: list[list[Cell]] = [
-        [
-            row.campaign,
-            model_symbol(row.fitted),
-            numbers.spread(row.mean, row.std),
-            numbers.plain(row.reduced_chi2),
-            numbers.whole(row.delta_bic_effective),
-            numbers.whole(row.variance_inflation),
-            int(row.n),
-            numbers.spread(row.published_mean, row.published_std),
-        ]
-        for row in table.itertuples()
+    columns = [
+        Column("campaign", cell=lambda row: row.campaign),
+        Column("fitted", cell=lambda row: model_symbol(row.fitted)),
+        Column("norm", "degrees", "n", lambda row: numbers.spread(row.mean, row.std)),
+        Column("reduced χ²", "", "n", lambda row: numbers.plain(row.reduced_chi2)),
+        Column(
+            "ΔBIC",
+            "above the lowest, independent samples",
+            "n",
+            lambda row: numbers.whole(row.delta_bic_effective),
+        ),
+        Column("variance inflation", "", "n", lambda row: numbers.whole(row.variance_inflation)),
+        Column("n", "", "n", lambda row: int(row.n)),
+        Column("paper", "degrees", "n", lambda row: numbers.spread(row.published_mean, row.published_std)),
     ]
     notes = [
         "Norm: RMS of data less fit, mean ± standard deviation over the n swings. BIC: summed over them, for as many samples as "
@@ -56,7 +48,7 @@ def table3(table: pd.DataFrame, material: Material) -> Table:
         "Variance inflation: the factor by which dependent residuals enlarge the squares of the standard errors.",
     ]
     if material.own:
-        columns, rows = columns[:-1], [row[:-1] for row in rows]
+        columns = columns[:-1]
     elif table["published_mean"].notna().any():
         notes.append("The paper's column is for reference: its pendulum is another.")
     for row in table.itertuples():
@@ -66,34 +58,28 @@ def table3(table: pd.DataFrame, material: Material) -> Table:
         ]
     if material.emulated:
         notes.append(f"Emulated: {', '.join(material.emulated)}.")
-    label = "Models of damping" if material.own else "Table 3"
+    label, rows = "Models of damping" if material.own else "Table 3", cells(columns, table.itertuples())
     return _by_campaign(label, "The models fitted to each swing.", columns, rows, notes, "table3")
 
 
 def paired(table: pd.DataFrame) -> Table:
     """Which models differ by more than swings do."""
+    pair = Markup("{}\u00a0−\u00a0{}")
     columns = [
-        Column("campaign"),
-        Column("models"),
-        Column("difference", "degrees", "n"),
-        Column("p", "after Holm", "n"),
-        Column("ΔBIC", "independent samples", "n"),
-        Column("verdict"),
-    ]
-    rows = [
-        [
-            row.campaign,
-            Markup("{}\u00a0−\u00a0{}").format(model_symbol(row.model_a), model_symbol(row.model_b)),
-            numbers.brief(row.mean_difference, row.standard_error),
-            numbers.plain(row.p_holm, 2),
-            numbers.whole(row.delta_bic_effective),
-            with_symbols(row.verdict),
-        ]
-        for row in table.itertuples()
+        Column("campaign", cell=lambda row: row.campaign),
+        Column("models", cell=lambda row: pair.format(model_symbol(row.model_a), model_symbol(row.model_b))),
+        Column(
+            "difference", "degrees", "n", lambda row: numbers.brief(row.mean_difference, row.standard_error)
+        ),
+        Column("p", "after Holm", "n", lambda row: numbers.plain(row.p_holm, 2)),
+        Column("ΔBIC", "independent samples", "n", lambda row: numbers.whole(row.delta_bic_effective)),
+        Column("verdict", cell=lambda row: with_symbols(row.verdict)),
     ]
     caption = "The difference of two models' norms on the same swing: mean (standard error) over the swings."
     notes = ["p: Student's for the mean difference, corrected for the number of pairs."]
-    return _by_campaign("Paired comparison", caption, columns, rows, notes, "comparison")
+    return _by_campaign(
+        "Paired comparison", caption, columns, cells(columns, table.itertuples()), notes, "comparison"
+    )
 
 
 def fitted_parameters(table: pd.DataFrame) -> Table:

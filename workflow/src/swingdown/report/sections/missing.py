@@ -9,7 +9,7 @@ from ...discovery.tell.sentence import rivals
 from ...pendulum.model import model_words
 from .. import numbers
 from ..material import Material
-from ..page import Column, Figure, Item, Section, Table, Text
+from ..page import Column, Figure, Item, Section, Table, Text, cells
 
 CAPTIONS = {
     "remainder": "What the last model still lacks: a torque over angle and speed together, of what it is a function, and when it acts.",
@@ -38,11 +38,6 @@ def tells(figure: str, found: dict[str, Any] | Mapping[str, Any]) -> bool:
     return len(found["gap"]["fit"]) > 1
 
 
-def drawn_by(figure: str) -> str:
-    """The rule that draws a figure of a search."""
-    return "discover_difference" if figure == "difference" else "discover_figures"
-
-
 def missing(material: Material) -> Section:
     """What the models lack: each campaign's verdict, where they fail, and the figures."""
     items: list[Item] = []
@@ -60,21 +55,19 @@ def missing(material: Material) -> Section:
         for name, caption in CAPTIONS.items():
             if not tells(name, found):
                 continue
-            paths = [
-                path for path in material.seen if path.endswith(f"discovery/{campaign}/figures/{name}.svg")
-            ]
-            items += [
-                Figure(
-                    f"{name.replace('_', ' ').capitalize()}, {campaign}",
-                    path,
-                    caption,
-                    f"discovery/{campaign}/figures/{name}.svg",
-                    drawn_by(name),
-                    (campaign,),
-                )
-                for path in paths
-            ]
+            items += drawn(material, campaign, name, name.replace("_", " ").capitalize(), caption)
     return Section("What is missing", items)
+
+
+def drawn(material: Material, campaign: str, name: str, label: str, caption: str) -> list[Figure]:
+    """The figure of a pendulum, of its curves or of its search, where it was made."""
+    if name in ("curves", "laws"):
+        place, rule = f"curves/{campaign}/{name}.svg", "curves"
+    else:
+        place = f"discovery/{campaign}/figures/{name}.svg"
+        rule = "discover_difference" if name == "difference" else "discover_figures"
+    paths = [path for path in material.seen if path.endswith(f"/{place}")]
+    return [Figure(f"{label}, {campaign}", path, caption, place, rule, (campaign,)) for path in paths]
 
 
 def _added(found: dict[str, Any]) -> Table:
@@ -101,61 +94,45 @@ def _effects(
     campaign: str, title: str, caption: str, told: list[dict[str, Any]], notes: tuple[str, ...]
 ) -> Table:
     columns = [
-        Column("effect"),
-        Column("parameter"),
-        Column("value", style="n"),
-        Column("unit"),
-        Column("ΔBIC", style="n"),
-        Column("probability", "%", "n"),
-        Column("not distinguished from"),
+        Column("effect", cell=lambda one: model_words(one["name"])),
+        Column("parameter", cell=lambda one: one["parameter"].replace("_", " ")),
+        Column("value", "", "n", lambda one: numbers.brief(one["value"], one["standard_error"])),
+        Column("unit", cell=lambda one: one["unit"]),
+        Column("ΔBIC", "", "n", lambda one: numbers.whole(one["delta_bic"])),
+        Column("probability", "%", "n", lambda one: _percent(one.get("probability"))),
+        Column("not distinguished from", cell=lambda one: ", ".join(rivals(one)) or "–"),
     ]
-    rows = [
-        [
-            model_words(one["name"]),
-            name.replace("_", " "),
-            numbers.brief(entry["value"], entry["standard_error"]),
-            entry["unit"],
-            numbers.whole(one["delta_bic"]),
-            "–" if one.get("probability") is None else f"{100 * one['probability']:.0f}",
-            ", ".join(rivals(one)) or "–",
-        ]
+    each = [
+        one | entry | {"parameter": name}
         for one in told
         for name, entry in one["parameters"].items()
         if entry["value"] is not None
     ]
-    link = f"discovery/{campaign}/verdict.json"
+    link, rows = f"discovery/{campaign}/verdict.json", cells(columns, each)
     return Table(
         f"{title}, {campaign}", caption, columns, rows, notes, (), link, "discover_verdict", (campaign,)
     )
 
 
+def _percent(share: float | None) -> str:
+    return "–" if share is None else f"{100 * share:.0f}"
+
+
 def _where(found: dict[str, Any]) -> Table:
+    last, campaign = found["where"]["remaining"], found["campaign"]
     columns = [
-        Column("group"),
-        Column("share of the excess", "%", "n"),
-        Column("χ²", style="n"),
-        Column("degrees of freedom", style="n"),
-        Column("χ² at the end", style="n"),
+        Column("group", cell=lambda one: one["name"]),
+        Column("share of the excess", "%", "n", lambda one: _percent(one["share"])),
+        Column("χ²", "", "n", lambda one: numbers.whole(one["chi_square"])),
+        Column("degrees of freedom", "", "n", lambda one: int(one["freedom"])),
+        Column(
+            "χ² at the end", "", "n", lambda one: numbers.whole(last.get(one["name"], {}).get("chi_square"))
+        ),
     ]
-    last = found["where"]["remaining"]
-    rows = [
-        [
-            name,
-            f"{100 * one['share']:.0f}",
-            numbers.whole(one["chi_square"]),
-            int(one["freedom"]),
-            numbers.whole(last[name]["chi_square"]) if name in last else "–",
-        ]
-        for name, one in found["where"]["groups"].items()
-    ]
-    caption = f"Where the base model of {found['campaign']} fails: what a torque of any form in one variable, a sensor error or a line would explain."
+    rows = cells(columns, ({"name": name} | one for name, one in found["where"]["groups"].items()))
+    caption = f"Where the base model of {campaign} fails: what a torque of any form in one variable, a sensor error or a line would explain."
+    notes = ("Groups overlap: shares do not add up. “At the end” is given where something remains.",)
+    link = f"discovery/{campaign}/verdict.json"
     return Table(
-        f"Disagreement, {found['campaign']}",
-        caption,
-        columns,
-        rows,
-        ("Groups overlap: shares do not add up. “At the end” is given where something remains.",),
-        link=f"discovery/{found['campaign']}/verdict.json",
-        rule="discover_verdict",
-        of=(found["campaign"],),
+        f"Disagreement, {campaign}", caption, columns, rows, notes, (), link, "discover_verdict", (campaign,)
     )

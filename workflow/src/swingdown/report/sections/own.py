@@ -19,12 +19,12 @@ from ...studies.turning_points import NOT_DAMPED
 from ...studies.words import STATUS, damping_words, headline, notes, quantity_rows, said
 from .. import numbers
 from ..material import Material
-from ..page import Cell, Column, Figure, Item, Section, Table, Text, Value
+from ..page import Cell, Column, Figure, Item, Section, Table, Text, Value, cells
 from ..trace import MOST, trace
 from ..wording import model_symbol
 from . import FEW
 from .experiment import fitted_parameters, paired, table3
-from .missing import CAPTIONS, drawn_by, missing, tells
+from .missing import CAPTIONS, drawn, missing, tells
 
 _CURVES = (
     "Frequency, loss and damping ratio against the amplitude, restoring torque over the angle, friction over the speed: free of a model, "
@@ -49,27 +49,29 @@ def answer(material: Material) -> Section | None:
         return Section("All pendulums", list(_side_by_side(table, material)))
     items: list[Item] = []
     verdicts = {found["campaign"]: found for found in material.verdicts}
-    for campaign, rows in used.groupby("campaign", sort=False):
-        found = verdicts.get(str(campaign))
+    for campaign, rows in used.assign(campaign=used["campaign"].astype(str)).groupby("campaign", sort=False):
+        found = verdicts.get(campaign)
         # the quantities of all recordings together are of none of them
         if not (found and found.get("difference")):
             items.append(_headline(rows, found, material, used["campaign"].nunique() > 1))
         if found is not None:
             items += _verdict(found)
         if found is not None and tells("remainder", found):
-            items += _drawn(material, str(campaign), "remainder", "What remains", CAPTIONS["remainder"])
-        items += _drawn(
-            material, str(campaign), "difference", "What follows the change", CAPTIONS["difference"]
-        )
-        drawn = _drawn(material, str(campaign), "answer", "Recording and fit", _FITTED)
-        if not drawn and material.swings.get(str(campaign)):
-            drawn = [Figure(f"Recording and fit, {campaign}", "", _FITTED, of=(str(campaign),))]
-        items += [_zoomable(figure, material, found) for figure in drawn]
-        items += (
-            [_quantities(rows, found)] if len(rows) == 1 else [_recordings(rows, material, str(campaign))]
-        )
+            items += drawn(material, campaign, "remainder", "What remains", CAPTIONS["remainder"])
+        items += drawn(material, campaign, "difference", "What follows the change", CAPTIONS["difference"])
+        fitted = drawn(material, campaign, "answer", "Recording and fit", _FITTED)
+        if not fitted and material.swings.get(campaign):
+            fitted = [Figure(f"Recording and fit, {campaign}", "", _FITTED, of=(campaign,))]
+        items += [_zoomable(figure, material, found) for figure in fitted]
+        if len(rows) == 1:
+            items.append(_quantities(rows, found))
+        else:
+            caption = f"Each recording of {campaign}, and all of them fitted together."
+            items.append(
+                _table(f"Quantities, {campaign}", caption, rows, (campaign,), material, searched=False)
+            )
         if found is not None and tells("map", found):
-            items += _drawn(material, str(campaign), "map", "Missing torque", CAPTIONS["map"])
+            items += drawn(material, campaign, "map", "Missing torque", CAPTIONS["map"])
     return Section("The answer", items)
 
 
@@ -116,34 +118,22 @@ def _zoomable(figure: Figure, material: Material, found: Mapping[str, Any] | Non
     return replace(figure, numbers=trace(swings, noise, MOST // len(material.swings), unit, material.spoken))
 
 
-def _drawn(material: Material, campaign: str, name: str, label: str, caption: str) -> list[Figure]:
-    against = name in ("curves", "laws")
-    place = f"curves/{campaign}/{name}.svg" if against else f"discovery/{campaign}/figures/{name}.svg"
-    rule = "curves" if against else drawn_by(name)
-    paths = [path for path in material.seen if path.endswith(f"/{place}")]
-    return [Figure(f"{label}, {campaign}", path, caption, place, rule, (campaign,)) for path in paths]
-
-
 def _quantities(rows: pd.DataFrame, found: Mapping[str, Any] | None) -> Table:
     """What a single recording gives, a line a quantity."""
     row = rows.iloc[0].to_dict()
     campaign = str(row["campaign"])
-    told: list[list[Cell]] = [
-        [
-            one.words,
-            numbers.brief(one.value, one.uncertainty, one.known),
-            "" if one.unit == "1" else one.unit,
-            one.condition,
-        ]
-        for one in quantity_rows(row, found)
+    columns = [
+        Column("quantity", cell=lambda one: one.words),
+        Column("value", "", "n", lambda one: numbers.brief(one.value, one.uncertainty, one.known)),
+        Column("unit", cell=lambda one: "" if one.unit == "1" else one.unit),
+        Column("amplitude", cell=lambda one: one.condition),
     ]
-    columns = [Column("quantity"), Column("value", style="n"), Column("unit"), Column("amplitude")]
     own = tuple(f"{capital(one)}." for one in notes(row))
     known: tuple[str, ...] = _NOTES[:-1] if row.get("model_of") == SEARCH else _NOTES
     if row["model"] in NO_MODEL:
         known = _NOTES[:1]
     return Table(
-        f"Quantities, {campaign}", _of_model(row), columns, told, (*own, *known), (),
+        f"Quantities, {campaign}", _of_model(row), columns, cells(columns, quantity_rows(row, found)), (*own, *known), (),
         "tables/pendulums.csv", "pendulums", (campaign,),
     )  # fmt: skip
 
@@ -175,12 +165,6 @@ def _of_model(row: Mapping[str, Any]) -> str:
     if row.get("model_of") == SEARCH:
         return f"The last model of the search, {words}, fitted to the whole of every recording; it leaves {left}."
     return f"The model of damping with {words} describes the recording best; it leaves {left}."
-
-
-def _recordings(rows: pd.DataFrame, material: Material, campaign: str) -> Table:
-    """What each recording of one pendulum gives, and all of them together."""
-    caption = f"Each recording of {campaign}, and all of them fitted together."
-    return _table(f"Quantities, {campaign}", caption, rows, (campaign,), material, searched=False)
 
 
 def _side_by_side(table: pd.DataFrame, material: Material) -> Iterator[Item]:
@@ -282,8 +266,8 @@ def amplitude(material: Material) -> Section | None:
         return None
     items: list[Item] = []
     for campaign in campaigns:
-        items += _drawn(material, campaign, "curves", "Curves", _CURVES)
-        items += _drawn(material, campaign, "laws", "Laws of damping", _LAWS)
+        items += drawn(material, campaign, "curves", "Curves", _CURVES)
+        items += drawn(material, campaign, "laws", "Laws of damping", _LAWS)
     return Section("Against the amplitude", items)
 
 

@@ -3,7 +3,7 @@
 from ...studies.simulation import INFERRED_NOTE
 from .. import numbers
 from ..material import Material
-from ..page import Cell, Column, Section, Table
+from ..page import Column, Section, Table, cells
 from ..wording import groups, model_symbol
 
 
@@ -14,24 +14,19 @@ def simulation(material: Material) -> Section | None:
         return None
     settings = material.settings["simulation"]
     columns = [
-        Column("simulated"),
-        Column("fitted"),
-        Column("norm, Nelder–Mead", "degrees", "n"),
-        Column("norm, least squares", "degrees", "n"),
-        Column("paper", "degrees", "n"),
-        Column("n", style="n"),
+        Column("simulated", cell=lambda row: model_symbol(row.simulated)),
+        Column("fitted", cell=lambda row: model_symbol(row.fitted)),
+        Column("norm, Nelder–Mead", "degrees", "n", lambda row: numbers.spread(row.mean, row.std)),
+        Column(
+            "norm, least squares",
+            "degrees",
+            "n",
+            lambda row: numbers.spread(row.mean_least_squares, row.std_least_squares),
+        ),
+        Column("paper", "degrees", "n", lambda row: numbers.spread(row.published_mean, row.published_std)),
+        Column("n", "", "n", lambda row: int(row.n)),
     ]
-    rows: list[list[Cell]] = [
-        [
-            model_symbol(row.simulated),
-            model_symbol(row.fitted),
-            numbers.spread(row.mean, row.std),
-            numbers.spread(row.mean_least_squares, row.std_least_squares),
-            numbers.spread(row.published_mean, row.published_std),
-            int(row.n),
-        ]
-        for row in table.itertuples()
-    ]
+    rows = cells(columns, table.itertuples())
     caption = (
         f"Simulated swings ({settings['realizations']} noisy copies of each, signal to noise {settings['snr']:g}): norm of fit "
         "less noise-free swing, mean ± standard deviation over the copies."
