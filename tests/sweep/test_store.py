@@ -137,7 +137,7 @@ def test_a_store_that_is_damaged_is_refused_and_mended_as_told(tmp_path):
 def test_a_run_killed_while_it_writes_leaves_the_store_that_was_there(tmp_path, monkeypatch):
     run(sweep(), tmp_path)
     with monkeypatch.context() as dies, pytest.raises(KeyboardInterrupt):
-        dies.setattr(store, "_consolidate", lambda *_: (_ for _ in ()).throw(KeyboardInterrupt()))
+        dies.setattr(store, "needed", lambda *_: (_ for _ in ()).throw(KeyboardInterrupt()))
         run(sweep(realizations=30), tmp_path)
     store.check(tmp_path)
     assert xr.open_zarr(tmp_path / store.STORE, chunks=None).sizes["draw"] == 2 * 2 * 12
