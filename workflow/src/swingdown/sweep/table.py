@@ -135,15 +135,15 @@ class Sweep:
         return self.settings | dict(zip(self.keys, values, strict=True))
 
 
-def sweeps(config):
-    """The ``Sweep``s of a complete config, by name.
+def sweeps(config, where="config"):
+    """The ``Sweep``s of a complete config, by name; ``where`` is what errors call it.
 
     InputError for an axis that is no key or that the computation does not depend on, a value that the key does not admit, and a sweep that
     leaves open which model is simulated.
     """
     base = {key: value for key, value in config.items() if key != "sweeps"}
     return {
-        name: _sweep(name, entry, base, f"config, key sweeps.{name}")
+        name: _sweep(name, entry, base, f"{where}, key sweeps.{name}")
         for name, entry in config["sweeps"].items()
     }
 
