@@ -15,12 +15,13 @@ import numpy as np
 
 import swingdown
 from swingdown.curves.free import free
-from swingdown.curves.modelled import course
+from swingdown.curves.modelled import course_of
 from swingdown.engine.trajectory import simulate
 from swingdown.errors import InputError
 from swingdown.measurement.slack import CLOCK_TOLERANCE
 from swingdown.pendulum.model import Model
 from swingdown.studies.half_swings import of_samples
+from swingdown.studies.quantities import steady
 
 SPEED_ALONE = {"viscous", "quadratic_drag", "constant_coulomb", "stribeck", "power_law_drag"}
 LAWS = {
@@ -61,7 +62,7 @@ def main(count: int, seed: int) -> None:
         of_model(model, times * (1 + CLOCK_TOLERANCE * rates.uniform(-1, 1)), measured, held)
         found = free([of_samples("one", times, measured)])
         at = np.linspace(found.low, found.high, 21)
-        loss, period = course(model, found.low, found.high).at(at)
+        loss, period = course_of(steady(model.motion), found.low, found.high).at(at)
         pairs = {"loss": (found.loss_at(at), loss), "period": (found.period_at(at), period)}
         angle = np.linspace(0.05, 1, 20) * found.high
         pairs["restoring"] = found.restoring_at(angle), pull(model, angle)
@@ -88,7 +89,9 @@ def of_model(model, times, measured, held):
             print(f"refused, {model.label}: {problem}")
             return
     found = answer.curves().sel(source="model")
-    loss, period = course(model, *found["amplitude"].values[[0, -1]]).at(found["amplitude"].values)
+    loss, period = course_of(steady(model.motion), *found["amplitude"].values[[0, -1]]).at(
+        found["amplitude"].values
+    )
     kind = "right" if set(model.names) <= set(answer.label.split("+")) else "wrong"
     truths = {"loss": -np.expm1(-2 * loss), "period": period, "restoring": pull(model, found["angle"].values)}
     truths |= {"damping_ratio": loss / np.hypot(np.pi, loss)}
