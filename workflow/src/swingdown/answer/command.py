@@ -194,7 +194,7 @@ def _study(given: Sequence[str], told: Mapping[str, Any], wishes: Wishes) -> Fou
     if wishes.quick:
         return found
     if not searched and not all(are_points(one.angle) for one in kept):
-        _say("nothing here is long enough to be searched for what is missing; the first answer stands")
+        _say("nothing here can be searched for what is missing; the first answer stands")
         return found
     _say("now looking for what is missing ...\n" if searched else "now writing the report ...\n")
     return _with_verdicts(found, searched, config, wishes)
